@@ -43,13 +43,17 @@ CONVERGED = 1e-12
 # How often a range is halved at most: parts of 1/131,072 of it are left as they are; and all parts
 # where they are more than so many an integral and a few hundred: what is left to halve then is the
 # last digits of loads along which next to nothing slips.
-_HALVINGS, _MOST, _FEW = 17, 64, 256
+_HALVINGS = 17
+_MOST = 64
+_FEW = 256
 # Share of U, as a sum of logarithms times loads, that its last digits may be off.
 _DIGITS_OF_SHIFT = 5e-16
 # Nodes of Gauss' rule while P and P_c change by less than a share: 3e-13 by the distance of the
 # singularity. Above, graded, which takes 193: a million rows would take ten times as long. Close
 # behind a corner, 24 that crowd to both ends.
-_RULE, _SHARES, _COUNTS = 3e-13, (0.05, 0.3, 0.6, 0.9), (4, 6, 12, 24)
+_RULE = 3e-13
+_SHARES = (0.05, 0.3, 0.6, 0.9)
+_COUNTS = (4, 6, 12, 24)
 # Records of a block that are looked at for the error of W.
 _SAMPLE = 200
 # Half-widths over the largest: 7 % apart a root of dP/da at 0.73 +- 0.24 i leaves 4e-14 of W, 16 %
@@ -90,32 +94,42 @@ def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) 
     >>> round(float(global_dissipation(contact, 1.0, spans).total), 12), round(closed, 12)
     (0.004256098192, 0.004256098192)
     """
-    parts = [_whole(span) for span in spans if span.direction and span.active is not None]
+    ranges = [_whole_span(span) for span in spans if span.direction and span.active is not None]
 
-    def work(span: Span, _: Indices, low: Array, high: Array, rule: Rule) -> Array:
+    def work(span: Span, _: Indices, low: Array, high: Array, rule: QuadratureRule) -> Array:
         times, weights = rule(low, high)
-        area = contact.dissipation_kernel(span.leg.loads(times)[0], span.slipped(times))
-        return np.asarray(np.sum(weights * _growth(span, times) * area, axis=-1))
+        load, _tangential = span.leg.loads(times)
+        kernel = contact.dissipation_kernel(load, span.slipped(times))
+        return np.asarray(np.sum(weights * _growth(span, times) * kernel, axis=-1))
 
-    return Split(*(part[0] for part in _over_spans(contact, modulus, parts, 1, work)))
-
-
-Part = tuple[Span, Array, Array]
-"""A span, and when the integrals along it begin and end, (k,) each; nothing where the end is not
-after the begin.
-"""
+    split = _over_spans(contact, modulus, ranges, 1, work)
+    return Split(split.forward[0], split.reverse[0], split.error[0])
 
 
-def _whole(span: Span) -> Part:
-    return span, np.array([span.begin.time]), np.array([span.end.time])
+QuadratureRule = Callable[[ArrayLike, ArrayLike], tuple[Array, Array]]
+"""Nodes and weights between ends (n,): (n, nodes) each."""
+
+
+class SpanRanges(NamedTuple):
+    """A span, and when the integrals along it begin and end, (k,) each; nothing where the end is not
+    after the begin.
+    """
+
+    span: Span
+    begin: Array
+    end: Array
+
+
+def _whole_span(span: Span) -> SpanRanges:
+    return SpanRanges(span, np.array([span.begin.time]), np.array([span.end.time]))
 
 
 def _over_spans(
     contact: Contact,
     modulus: float,
-    parts: Sequence[Part],
+    ranges: Sequence[SpanRanges],
     count: int,
-    integral: Callable[[Span, Indices, Array, Array, Rule], Array],
+    integral: Callable[[Span, Indices, Array, Array, QuadratureRule], Array],
 ) -> Split:
     """A/pi times the sums of `count` integrals along spans: by one rule, or by halving where edges
     run unevenly or pass corners.
@@ -123,51 +137,48 @@ def _over_spans(
     `integral`(span, which (n,), low (n,), high (n,), rule) gives number which[k] from low[k] to
     high[k], (n,).
     """
-    marks = [corner_times(contact, span) for span, *_ in parts]
+    marks = [corner_times(contact, span) for span, _, _ in ranges]
     rough = np.array(
         [
-            len(cuts) > 0 or uneven(contact, part[0])
-            for cuts, part in zip(marks, parts, strict=True)
+            len(cuts) > 0 or uneven(contact, of_span.span)
+            for cuts, of_span in zip(marks, ranges, strict=True)
         ],
         dtype=bool,
     )
-    values, errors = np.zeros((2, len(parts), count))
-    for number, (span, begin, end) in enumerate(parts):
-        some = np.flatnonzero(end > begin)
-        if len(some):
-            values[number, some] = integral(
-                span, some, begin[some], end[some], crowded if rough[number] else graded
-            )
+    values = np.zeros((len(ranges), count))
+    errors = np.zeros((len(ranges), count))
+    for number, (span, begin, end) in enumerate(ranges):
+        which = np.flatnonzero(end > begin)
+        if len(which):
+            rule = crowded if rough[number] else graded
+            values[number, which] = integral(span, which, begin[which], end[which], rule)
     # One size for all: a short span by itself may be all rounding, and would never converge to its
     # own.
     size = float(np.max(np.abs(np.sum(values, axis=0))))
     for number in np.flatnonzero(rough).tolist():
-        span, begin, end = parts[number]
-        some = np.flatnonzero(end > begin)
-        if not len(some):
+        span, begin, end = ranges[number]
+        which = np.flatnonzero(end > begin)
+        if not len(which):
             continue
 
         def part(
-            which: Indices, low: Array, high: Array, span: Span = span, some: Indices = some
+            number: Indices, low: Array, high: Array, span: Span = span, which: Indices = which
         ) -> Array:
-            return integral(span, some[which], low, high, crowded)
+            return integral(span, which[number], low, high, crowded)
 
         # 1e-14 across corners, for many small kinks may hide from one halving.
         share = min(CONVERGED, 25 * contact.noise) if len(marks[number]) else CONVERGED
         allowed = share * max(size, float(np.max(np.abs(values[number]))))
-        values[number, some], errors[number, some] = by_halving(
-            part, begin[some], end[some], allowed, marks[number]
+        values[number, which], errors[number, which] = by_halving(
+            part, begin[which], end[which], allowed, marks[number]
         )
-    forward, factor = (
-        np.array([span.direction > 0 for span, *_ in parts], dtype=bool),
-        2 / (math.pi * modulus),
-    )
+    is_forward = np.array([span.direction > 0 for span, _, _ in ranges], dtype=bool)
+    factor = 2 / (math.pi * modulus)
     return Split(
-        *(factor * np.sum(each, axis=0) for each in (values[forward], values[~forward], errors))
+        forward=factor * np.sum(values[is_forward], axis=0),
+        reverse=factor * np.sum(values[~is_forward], axis=0),
+        error=factor * np.sum(errors, axis=0),
     )
-
-
-Rule = Callable[[ArrayLike, ArrayLike], tuple[Array, Array]]
 
 
 def _growth(span: Span, times: Array) -> Array:
@@ -183,10 +194,11 @@ def uneven(contact: Contact, span: Span) -> bool:
     """
     if contact.bends_anywhere:
         return True
-    arc = span.active is not None and span.active.arc is not None
-    return span.leg.ellipse is None and (
-        arc or not (span.leg.is_straight or span.leg.slope_and_bend(span.leg.end))
-    )
+    if span.leg.ellipse is not None:
+        return False
+    if span.active is not None and span.active.arc is not None:
+        return True
+    return not (span.leg.is_straight or span.leg.slope_and_bend(span.leg.end))
 
 
 def pointwise_dissipation(
@@ -216,46 +228,48 @@ def pointwise_dissipation(
     (0.0, 0.008438314611, 0.008438314611)
     """
     edge = contact.load(x)
-    parts = [
-        (span, *slip_times(span, edge))
-        for span in spans
-        if span.direction and span.active is not None
-    ]
+    slipping = [span for span in spans if span.direction and span.active is not None]
+    ranges = [SpanRanges(span, *slip_times(span, edge)) for span in slipping]
 
-    def work(span: Span, which: Indices, low: Array, high: Array, rule: Rule) -> Array:
+    def work(span: Span, which: Indices, low: Array, high: Array, rule: QuadratureRule) -> Array:
         times, weights = rule(low, high)
-        at, load = x[which, None], span.leg.loads(times)[0]
+        at = x[which, None]
+        load, _tangential = span.leg.loads(times)
         front = load - span.slipped(times)
-        ratio = contact.arccosh_ratio(
-            at, np.maximum(edge[which, None] - front, 0.0), contact.advance(front)
-        )
-        return np.asarray(
-            np.sum(weights * _growth(span, times) * contact.pressure(at, load) * ratio, axis=-1)
-        )
+        excess = np.maximum(edge[which, None] - front, 0.0)
+        ratio = contact.arccosh_ratio(at, excess, contact.advance(front))
+        power = _growth(span, times) * contact.pressure(at, load)
+        return np.asarray(np.sum(weights * power * ratio, axis=-1))
 
-    return _over_spans(contact, modulus, parts, len(x), work)
+    return _over_spans(contact, modulus, ranges, len(x), work)
 
 
 def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
     """When, within a span, points are in contact and outside the front; end <= begin if never."""
     assert span.active is not None
-    leg, what, first, last = span.leg, level(span.direction, span.friction), span.begin, span.end
-    top, bottom = span.active.top, span.active.bottom
-    front = level_on(span.active, span.direction, span.friction, np.clip(edge_load, bottom, top))
-    amount = front - float(change_from(span.active.anchor, leg, what, first.time))
-    begin = leg.time_of(what, amount, first.time, last.time)
-    begin = np.where(edge_load >= top, first.time, np.where(edge_load <= bottom, last.time, begin))
+    leg = span.leg
+    slip_level = level(span.direction, span.friction)
+    first = span.begin
+    last = span.end
+    top = span.active.top
+    bottom = span.active.bottom
+    front_load = np.clip(edge_load, bottom, top)
+    level_at_front = level_on(span.active, span.direction, span.friction, front_load)
+    rise = level_at_front - float(change_from(span.active.anchor, leg, slip_level, first.time))
+    passed = leg.time_of(slip_level, rise, first.time, last.time)
+    passed = np.where(edge_load <= bottom, last.time, passed)
+    begin = np.where(edge_load >= top, first.time, passed)
     meets = leg.time_of(NORMAL_LOAD, edge_load - first.normal, first.time, last.time)
+    end_of_span = np.full(begin.shape, last.time)
     # Of the change itself: where P hardly moves, the last digits of both loads may say that it
     # falls while it grows.
     growth = float(leg.change_of(NORMAL_LOAD, last.time, first.time))
     if growth >= LEAST:
-        return np.maximum(begin, np.where(edge_load >= last.normal, last.time, meets)), np.full(
-            begin.shape, last.time
-        )
-    inside = edge_load < max(first.normal, last.normal)
-    end = meets if growth <= -LEAST else np.full(begin.shape, last.time)
-    return begin, np.where(inside, end, begin)
+        touched = np.where(edge_load >= last.normal, last.time, meets)
+        return np.maximum(begin, touched), end_of_span
+    is_inside = edge_load < max(first.normal, last.normal)
+    end = meets if growth <= -LEAST else end_of_span
+    return begin, np.where(is_inside, end, begin)
 
 
 def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> LoopWork:
@@ -297,21 +311,20 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
     # U is a sum of logarithms times loads up to f P, however little of it changes: its last digits,
     # all along Q.
     size = 2 * abs(float(contact.log_distance(largest)))
-    ways = [span.leg.loads(np.linspace(span.begin.time, span.end.time, 5))[1] for span in spans]
-    doubt = (
-        _DIGITS_OF_SHIFT
-        * spans[0].friction
-        * size
-        * sum(float(np.sum(np.abs(np.diff(way)))) for way in ways)
-    )
+    path_of_force = 0.0
+    for span in spans:
+        _normal, force = span.leg.loads(np.linspace(span.begin.time, span.end.time, 5))
+        path_of_force += float(np.sum(np.abs(np.diff(force))))
+    rounding = _DIGITS_OF_SHIFT * spans[0].friction * size * path_of_force
 
-    def work(span: Span, _: Indices, low: Array, high: Array, rule: Rule) -> Array:
+    def work(span: Span, _: Indices, low: Array, high: Array, rule: QuadratureRule) -> Array:
         times, weights = rule(low, high)
         shift = integrals.over(take([(span, times.ravel())]))[:, 0].reshape(times.shape)
         return -np.sum(shift * span.leg.rate_of(Combination(0.0, 1.0), times) * weights, axis=1)
 
-    total = _over_spans(contact, modulus, [_whole(span) for span in spans], 1, work).total[0]
-    return LoopWork(float(total), 2 / (math.pi * modulus) * doubt)
+    ranges = [_whole_span(span) for span in spans]
+    total = _over_spans(contact, modulus, ranges, 1, work).total[0]
+    return LoopWork(float(total), 2 / (math.pi * modulus) * rounding)
 
 
 def _flat_at(contact: Contact, largest: float) -> Contact:
@@ -321,8 +334,8 @@ def _flat_at(contact: Contact, largest: float) -> Contact:
     That keeps the digits of a closed integral where the logarithm hardly varies, as for a face that
     is nearly all flat.
     """
-    found = replace(contact, datum_length=float(contact.half_width(largest)) / 2)
-    return replace(found, rigid="loop") if isinstance(found, TiltedProfile) else found
+    moved = replace(contact, datum_length=float(contact.half_width(largest)) / 2)
+    return replace(moved, rigid="loop") if isinstance(moved, TiltedProfile) else moved
 
 
 Values = Callable[[Indices, Array, Array], Array]
@@ -337,37 +350,41 @@ def _means(contact: Contact, records: Records, values: Values) -> tuple[Array, i
     that crowd to both ends resolve.
     """
     parts = _split(contact, records)
-    corners, tiny = contact.break_loads, np.finfo(float).tiny
-    shares = []  # how much of the way to 0, and to the corner below, a part takes
-    for base in (np.empty(0), corners):
-        share = np.zeros(len(parts.row))
-        for pair in (
-            (parts.load, parts.load_after),
-            (parts.load - parts.slipped, parts.load_after - parts.slipped_after),
-        ):
-            low, high = np.minimum(*pair), np.maximum(*pair)
-            below = np.append(0.0, base)[np.searchsorted(base, (low + high) / 2)]
-            share = np.maximum(
-                share, 1 - np.maximum(low - below, 0.0) / np.maximum(high - below, tiny)
-            )
-        shares.append(share)
-    which = np.searchsorted(_SHARES, shares[0])
-    which[(which < len(_SHARES)) & (shares[1] > np.maximum(shares[0], _SHARES[0]))] = (
-        len(_SHARES) + 1
-    )
-    result, nodes = np.zeros(len(records.row)), 0
-    for number, (part, weight) in enumerate(
-        [*(gauss(count) for count in _COUNTS), (ROOTS.up, ROOTS.share), crowded(0.0, 1.0)]
-    ):
-        some = parts.take(np.flatnonzero(which == number))
-        load = some.load[:, None] + (some.load_after - some.load)[:, None] * part
-        slipped = some.slipped[:, None] + (some.slipped_after - some.slipped)[:, None] * part
-        means = some.until * np.sum(
-            weight * values(some.row, load, np.clip(slipped, 0.0, load)), axis=1
-        )
-        result += np.bincount(some.row, means, len(result))
+    share_to_zero = _share_of_way(parts, np.empty(0))
+    share_to_corner = _share_of_way(parts, contact.break_loads)
+    kind = np.searchsorted(_SHARES, share_to_zero)
+    is_beside_corner = share_to_corner > np.maximum(share_to_zero, _SHARES[0])
+    kind[(kind < len(_SHARES)) & is_beside_corner] = len(_SHARES) + 1
+    means = np.zeros(len(records.row))
+    nodes = 0
+    rules = [gauss(count) for count in _COUNTS]
+    rules += [(ROOTS.up, ROOTS.share), crowded(0.0, 1.0)]
+    for number, (node, weight) in enumerate(rules):
+        chosen = parts.take(np.flatnonzero(kind == number))
+        growth = chosen.load_after - chosen.load
+        slip_growth = chosen.slipped_after - chosen.slipped
+        load = chosen.load[:, None] + growth[:, None] * node
+        slipped = chosen.slipped[:, None] + slip_growth[:, None] * node
+        at_nodes = values(chosen.row, load, np.clip(slipped, 0.0, load))
+        means_of_parts = chosen.until * np.sum(weight * at_nodes, axis=1)
+        means += np.bincount(chosen.row, means_of_parts, len(means))
         nodes += load.size
-    return result, nodes
+    return means, nodes
+
+
+def _share_of_way(parts: Records, corners: Array) -> Array:
+    """How much of the way to 0, or to the corner below, P or P_c goes along each part, (m,)."""
+    tiny = np.finfo(float).tiny
+    share = np.zeros(len(parts.row))
+    front = parts.load - parts.slipped
+    front_after = parts.load_after - parts.slipped_after
+    for begin, end in ((parts.load, parts.load_after), (front, front_after)):
+        low = np.minimum(begin, end)
+        high = np.maximum(begin, end)
+        below = np.append(0.0, corners)[np.searchsorted(corners, (low + high) / 2)]
+        ratio = np.maximum(low - below, 0.0) / np.maximum(high - below, tiny)
+        share = np.maximum(share, 1 - ratio)
+    return share
 
 
 def _split(contact: Contact, records: Records) -> Records:
@@ -379,26 +396,34 @@ def _split(contact: Contact, records: Records) -> Records:
     """
     cuts = contact.break_loads
     if contact.bends_anywhere and len(records.row):
-        largest = contact.half_width(
-            max(float(np.max(records.load)), float(np.max(records.load_after)))
-        )
+        largest_load = max(float(np.max(records.load)), float(np.max(records.load_after)))
+        largest = contact.half_width(largest_load)
         cuts = np.append(cuts, contact.load(largest * _LADDER))
-    low = np.zeros((len(records.row), 1 + 2 * len(cuts)))
-    fronts = records.load - records.slipped, records.load_after - records.slipped_after
-    for k, (begin, end) in enumerate(((records.load, records.load_after), fronts)):
+    front = records.load - records.slipped
+    front_after = records.load_after - records.slipped_after
+    marks = [np.zeros((len(records.row), 1))]
+    for begin, end in ((records.load, records.load_after), (front, front_after)):
         growth = np.where(end != begin, end - begin, np.inf)[:, None]
-        low[:, 1 + k * len(cuts) : 1 + (k + 1) * len(cuts)] = np.clip(
-            (cuts - begin[:, None]) / growth, 0.0, 1.0
-        )
+        marks.append(np.clip((cuts - begin[:, None]) / growth, 0.0, 1.0))
+    low = np.concatenate(marks, axis=1)
     low.sort(axis=1)
     high = np.append(low[:, 1:], np.ones((len(low), 1)), axis=1)
     row, number = np.nonzero(high > low)
-    first, last = low[row, number], high[row, number]
-    load, fall = records.load[row], (records.load_after - records.load)[row]
-    slid, slip = records.slipped[row], (records.slipped_after - records.slipped)[row]
-    ends = (load + first * fall, load + last * fall, slid + first * slip, slid + last * slip)
+    first = low[row, number]
+    last = high[row, number]
+    load = records.load[row]
+    load_growth = (records.load_after - records.load)[row]
+    slipped = records.slipped[row]
+    slip_growth = (records.slipped_after - records.slipped)[row]
     return Records(
-        records.direction[row], *ends, records.rise[row] * (last - first), last - first, row
+        direction=records.direction[row],
+        load=load + first * load_growth,
+        load_after=load + last * load_growth,
+        slipped=slipped + first * slip_growth,
+        slipped_after=slipped + last * slip_growth,
+        rise=records.rise[row] * (last - first),
+        until=last - first,
+        row=row,
     )
 
 
@@ -418,54 +443,63 @@ def work_error(contact: Contact, records: Records) -> float:
     """
     if contact.closed_form or not len(records.row):
         return 0.0
-    some = records.take(np.unique(np.linspace(0, len(records.row) - 1, _SAMPLE).astype(int)))
-    load, slipped = (
-        np.append(some.load, some.load_after),
-        np.append(some.slipped, some.slipped_after),
-    )
-    left = contact.quadrature_error(
-        "dissipation_kernel", load, slipped
-    ) + _RULE * contact.dissipation_kernel(load, slipped)
-    if not np.all(np.isfinite(left)):
+    numbers = np.unique(np.linspace(0, len(records.row) - 1, _SAMPLE).astype(int))
+    sample = records.take(numbers)
+    load = np.append(sample.load, sample.load_after)
+    slipped = np.append(sample.slipped, sample.slipped_after)
+    error_of_kernel = contact.quadrature_error("dissipation_kernel", load, slipped)
+    error_of_rule = _RULE * contact.dissipation_kernel(load, slipped)
+    error = error_of_kernel + error_of_rule
+    if not np.all(np.isfinite(error)):
         raise NotFoundError(
             "the error of a slip area is not a number: neither is the dissipation of these rows"
         )
-    return float(np.max(left, initial=0.0) * np.sum(records.rise))
+    return float(np.max(error, initial=0.0) * np.sum(records.rise))
 
 
 def density_of_records(contact: Contact, records: Records, x: Array) -> Array:
     """int p arccosh(|x|/c) dw of all records of slip at |x| = `x` (k,): shape (k,) [stress * force
     per thickness].
     """
-    edge, total, parts = contact.load(x), np.zeros(len(x)), _split(contact, records)
-    load, growth = parts.load, parts.load_after - parts.load
-    front, drop = load - parts.slipped, parts.slipped_after - parts.slipped - growth
-    for first in range(0, len(load), max(_CHUNK // len(x), 1)):
-        # Between which shares of a part points of edge load P_x are in contact and outside the
-        # front.
-        some = slice(first, first + max(_CHUNK // len(x), 1))
-        start, way, c, fall = (column[some, None] for column in (load, growth, front, drop))
-        begin = np.where(
-            edge >= c,
-            0.0,
-            np.where(fall > 0, np.clip((c - edge) / np.where(fall > 0, fall, 1.0), 0.0, 1.0), 1.0),
-        )
-        meets = np.clip((edge - start) / np.where(way != 0, way, 1.0), 0.0, 1.0)
-        end = np.where(edge < np.maximum(start, start + way), np.where(way < 0, meets, 1.0), 0.0)
-        begin = np.where(way > 0, np.maximum(begin, meets), begin)
+    edge = contact.load(x)
+    density = np.zeros(len(x))
+    parts = _split(contact, records)
+    at_once = max(_CHUNK // len(x), 1)
+    for first in range(0, len(parts.load), at_once):
+        chosen = parts.take(slice(first, first + at_once))
+        load = chosen.load[:, None]
+        growth = (chosen.load_after - chosen.load)[:, None]
+        front = load - chosen.slipped[:, None]
+        drop = (chosen.slipped_after - chosen.slipped)[:, None] - growth
+        begin, end = _shares_in_slip(load, growth, front, drop, edge)
         number, point = np.nonzero(end > begin)
         for j in range(0, len(number), _CHUNK // NODES):
-            n, i = number[j : j + _CHUNK // NODES], point[j : j + _CHUNK // NODES]
-            at, weight = graded(begin[n, i], end[n, i])
-            p, p_c = start[n] + way[n] * at, np.maximum(c[n] - fall[n] * at, 0.0)
-            ratio = contact.arccosh_ratio(
-                x[i, None], np.maximum(edge[i, None] - p_c, 0.0), contact.advance(p_c)
-            )
-            work = parts.rise[some][n] * np.sum(
-                weight * contact.pressure(x[i, None], p) * ratio, axis=1
-            )
-            total += np.bincount(i, work, len(x))
-    return total
+            n = number[j : j + _CHUNK // NODES]
+            i = point[j : j + _CHUNK // NODES]
+            share, weight = graded(begin[n, i], end[n, i])
+            load_at = load[n] + growth[n] * share
+            front_at = np.maximum(front[n] - drop[n] * share, 0.0)
+            excess = np.maximum(edge[i, None] - front_at, 0.0)
+            ratio = contact.arccosh_ratio(x[i, None], excess, contact.advance(front_at))
+            integrand = contact.pressure(x[i, None], load_at) * ratio
+            work = chosen.rise[n] * np.sum(weight * integrand, axis=1)
+            density += np.bincount(i, work, len(x))
+    return density
+
+
+def _shares_in_slip(
+    load: Array, growth: Array, front: Array, drop: Array, edge: Array
+) -> tuple[Array, Array]:
+    """Between which shares of a part, columns (n, 1), points of edge load P_x (k,) are in contact
+    and outside the front: (n, k) each.
+    """
+    passed = np.clip((front - edge) / np.where(drop > 0, drop, 1.0), 0.0, 1.0)
+    begin = np.where(drop > 0, passed, 1.0)
+    begin = np.where(edge >= front, 0.0, begin)
+    meets = np.clip((edge - load) / np.where(growth != 0, growth, 1.0), 0.0, 1.0)
+    end = np.where(growth < 0, meets, 1.0)
+    end = np.where(edge < np.maximum(load, load + growth), end, 0.0)
+    return np.where(growth > 0, np.maximum(begin, meets), begin), end
 
 
 class Loop:
@@ -477,52 +511,45 @@ class Loop:
     """
 
     def __init__(self, contact: Contact, modulus: float, friction: float, largest: float) -> None:
-        self._contact, self._friction, self._shift, self._total, self._path = (
-            _flat_at(contact, largest),
-            friction,
-            0.0,
-            0.0,
-            0.0,
-        )
-        self._unit, self._size = (
-            2 / (math.pi * modulus),
-            2 * abs(float(self._contact.log_distance(largest))),
-        )
+        self._contact = _flat_at(contact, largest)
+        self._friction = friction
+        self._unit = 2 / (math.pi * modulus)
+        self._size = 2 * abs(float(self._contact.log_distance(largest)))
+        self._shift = 0.0  # U over A/pi so far
+        self._total = 0.0
+        self._path_of_force = 0.0
 
     def add(self, block: StepBlock) -> None:
         """The records of the next block."""
-        contact, records = self._contact, block.records
+        contact = self._contact
+        records = block.records
         slope = block.line_table.slope
-        limit, growth = records.direction * self._friction, records.load_after - records.load
+        slope_of_slip = records.direction * self._friction
+        growth = records.load_after - records.load
 
-        def moved(which: Indices, load: Array, slipped: Array) -> Array:
-            whole = contact.log_distance(load)
-            front = np.where(
-                slipped > 0, contact.log_distance(np.maximum(load - slipped, 0.0)), whole
-            )
-            return slope[which, None] * front + limit[which, None] * (whole - front)
+        def shift(which: Indices, load: Array, slipped: Array) -> Array:
+            of_load = contact.log_distance(load)
+            of_front = contact.log_distance(np.maximum(load - slipped, 0.0))
+            of_front = np.where(slipped > 0, of_front, of_load)
+            of_slip = slope_of_slip[which, None] * (of_load - of_front)
+            return slope[which, None] * of_front + of_slip
 
-        ends = (
-            np.stack([records.load, records.load_after], axis=1),
-            np.stack([records.slipped, records.slipped_after], axis=1),
-        )
-        begin, end = moved(np.arange(len(slope)), *ends).T
-        force = np.where(
-            records.direction == 0,
-            slope * growth,
-            records.direction * (records.rise + self._friction * growth),
-        )
-        shift = self._shift + np.cumsum(end - begin)
-        self._total -= float(np.sum(force * (shift - end + _means(contact, records, moved)[0])))
-        self._path, self._shift = self._path + float(np.sum(np.abs(force))), float(shift[-1])
+        loads = np.stack([records.load, records.load_after], axis=1)
+        slipped = np.stack([records.slipped, records.slipped_after], axis=1)
+        begin, end = shift(np.arange(len(slope)), loads, slipped).T
+        force_in_slip = records.direction * (records.rise + self._friction * growth)
+        force = np.where(records.direction == 0, slope * growth, force_in_slip)
+        shift_so_far = self._shift + np.cumsum(end - begin)
+        mean_shift, _ = _means(contact, records, shift)
+        self._total -= float(np.sum(force * (shift_so_far - end + mean_shift)))
+        self._path_of_force += float(np.sum(np.abs(force)))
+        self._shift = float(shift_so_far[-1])
 
     @property
     def value(self) -> LoopWork:
         """The integral so far."""
-        return LoopWork(
-            self._unit * self._total,
-            self._unit * _DIGITS_OF_SHIFT * self._friction * self._size * self._path,
-        )
+        rounding = _DIGITS_OF_SHIFT * self._friction * self._size * self._path_of_force
+        return LoopWork(self._unit * self._total, self._unit * rounding)
 
 
 class LoopWork(NamedTuple):
@@ -569,37 +596,36 @@ def by_halving(
     >>> by_halving(midpoint, [0.0, 1.0], [2.0, 3.0], CONVERGED).value.tolist()
     [2.0, 4.0]
     """
-    low, high, cuts = (
-        np.array(begin, dtype=float),
-        np.array(end, dtype=float),
-        np.append(marks, np.inf),
-    )
-    which, depth = np.arange(len(low)), np.zeros(len(low), dtype=int)
-    value, error = np.zeros(len(low)), np.zeros(len(low))
-    rough = work(which, low, high)
+    low = np.array(begin, dtype=float)
+    high = np.array(end, dtype=float)
+    cuts = np.append(marks, np.inf)
+    which = np.arange(len(low))
+    depth = np.zeros(len(low), dtype=int)
+    value = np.zeros(len(low))
+    error = np.zeros(len(low))
+    estimate = work(which, low, high)
     while len(which):
         middle = (low + high) / 2
         # The mark next above the middle, else the one below it, else the middle itself: parts next
         # to nothing would change nothing.
-        number, margin = np.searchsorted(cuts, middle), (high - low) / 16
+        number = np.searchsorted(cuts, middle)
+        margin = (high - low) / 16
         for nearest in (cuts[number - 1], cuts[number]):
-            inside = (nearest > low + margin) & (nearest < high - margin)
-            middle, depth = np.where(inside, nearest, middle), np.where(inside, -1, depth)
-        left, right = np.split(work(np.tile(which, 2), np.r_[low, middle], np.r_[middle, high]), 2)
-        change = np.abs(left + right - rough)
-        done = (
-            (change <= allowed)
-            | ~np.isfinite(change)
-            | (depth == _HALVINGS)
-            | (len(which) > _MOST * len(value) + _FEW)
-        )
-        np.add.at(value, which[done], (left + right)[done])
-        np.add.at(error, which[done], change[done])
-        on = ~done
-        low, high = np.r_[low[on], middle[on]], np.r_[middle[on], high[on]]
-        which, rough, depth = (
-            np.tile(which[on], 2),
-            np.r_[left[on], right[on]],
-            np.tile(depth[on] + 1, 2),
-        )
+            is_inside = (nearest > low + margin) & (nearest < high - margin)
+            middle = np.where(is_inside, nearest, middle)
+            depth = np.where(is_inside, -1, depth)
+        halves = work(np.tile(which, 2), np.r_[low, middle], np.r_[middle, high])
+        left, right = np.split(halves, 2)
+        change = np.abs(left + right - estimate)
+        is_last = (depth == _HALVINGS) | (len(which) > _MOST * len(value) + _FEW)
+        is_done = (change <= allowed) | ~np.isfinite(change) | is_last
+        np.add.at(value, which[is_done], (left + right)[is_done])
+        np.add.at(error, which[is_done], change[is_done])
+        goes_on = ~is_done
+        begins = np.r_[low[goes_on], middle[goes_on]]
+        high = np.r_[middle[goes_on], high[goes_on]]
+        low = begins
+        which = np.tile(which[goes_on], 2)
+        estimate = np.r_[left[goes_on], right[goes_on]]
+        depth = np.tile(depth[goes_on] + 1, 2)
     return Converged(value, error)
