@@ -111,8 +111,8 @@ QuadratureRule = Callable[[ArrayLike, ArrayLike], tuple[Array, Array]]
 
 
 class SpanRanges(NamedTuple):
-    """A span, and when the integrals along it begin and end, (k,) each; nothing where the end is not
-    after the begin.
+    """A span, and when the integrals along it begin and end, (k,) each; nothing where the end is
+    not after the begin.
     """
 
     span: Span
@@ -238,8 +238,8 @@ def pointwise_dissipation(
         front = load - span.slipped(times)
         excess = np.maximum(edge[which, None] - front, 0.0)
         ratio = contact.arccosh_ratio(at, excess, contact.advance(front))
-        power = _growth(span, times) * contact.pressure(at, load)
-        return np.asarray(np.sum(weights * power * ratio, axis=-1))
+        work = weights * _growth(span, times) * contact.pressure(at, load) * ratio
+        return np.asarray(np.sum(work, axis=-1))
 
     return _over_spans(contact, modulus, ranges, len(x), work)
 
@@ -481,8 +481,8 @@ def density_of_records(contact: Contact, records: Records, x: Array) -> Array:
             front_at = np.maximum(front[n] - drop[n] * share, 0.0)
             excess = np.maximum(edge[i, None] - front_at, 0.0)
             ratio = contact.arccosh_ratio(x[i, None], excess, contact.advance(front_at))
-            integrand = contact.pressure(x[i, None], load_at) * ratio
-            work = chosen.rise[n] * np.sum(weight * integrand, axis=1)
+            at_nodes = weight * contact.pressure(x[i, None], load_at) * ratio
+            work = chosen.rise[n] * np.sum(at_nodes, axis=1)
             density += np.bincount(i, work, len(x))
     return density
 
