@@ -36,7 +36,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from itertools import takewhile
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -47,7 +47,7 @@ from scenes.chebyshev import DEGREE, NODES, series, tail
 from semi_analytic.memory import CurvePart, Piece, Snapshot, front_time, pieces
 from semi_analytic.profiles import Contact
 from semi_analytic.punch_superposition import PunchSuperposition
-from semi_analytic.quadrature import gauss, graded
+from semi_analytic.quadrature import ROOTS, gauss, graded
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -55,7 +55,9 @@ Kernel = Literal["shear", "slip", "shift"]
 
 # Panels at first, halvings of one at most, and the share of the largest integral at which a series
 # is resolved.
-_PANELS, _HALVINGS, _RESOLVED = 12, 9, 1e-14
+_PANELS = 12
+_HALVINGS = 9
+_RESOLVED = 1e-14
 # Lengths of a range that the logarithm of no load must be away from it.
 _AWAY = 4.0
 # Ranges of a panel's load that P_x must be away from it: there the series leaves 5^-25 at most.
@@ -72,7 +74,7 @@ _PRIMITIVE = chebyshev.chebint(np.eye(DEGREE + 1), lbnd=-1, axis=1) / 2
 _SAMPLE = 40
 
 
-class Turn(NamedTuple):
+class TurningPoint(NamedTuple):
     """A turning point of P at an end of the arc or beyond it: its time and load; `sign` +1 for a
     least P, -1 for a largest.
 
@@ -83,6 +85,33 @@ class Turn(NamedTuple):
     load: float
     sign: float
     farthest: float
+
+
+class _FarSeries(NamedTuple):
+    """Series of the integrand on panels that are far from P_x, (n, nodes) of (panel, point); which
+    panels are near it, (panels, k).
+    """
+
+    panel: Indices
+    point: Indices
+    coefficients: Array
+    near: NDArray[np.bool_]
+
+
+class _Panels(NamedTuple):
+    """Panels of an arc that are resolved: ends (n,), whether they are near P_x (n, k), series
+    (n, k, nodes) and what these leave out (n, k).
+    """
+
+    low: Array
+    high: Array
+    near: NDArray[np.bool_]
+    series: Array
+    error: Array
+
+    def take(self, which: Indices | NDArray[np.bool_]) -> _Panels:
+        """The chosen ones."""
+        return _Panels._make(column[which] for column in self)
 
 
 class Arc:
@@ -100,18 +129,22 @@ class Arc:
 
     def __init__(self, contact: Contact, kernel: Kernel, piece: Piece, x: Array) -> None:
         assert piece.arc is not None  # for the type checker: only called for arcs
-        self._contact, self._kernel, self._leg = contact, kernel, piece.anchor.leg
+        self._contact = contact
+        self._kernel = kernel
+        self._leg = piece.anchor.leg
         self._x = np.zeros(1) if kernel == "shift" else x
         # A shift has all loads behind it, also where x = 0 is never in contact.
         self._edge = np.zeros(1) if kernel == "shift" else contact.load(x)
         self._factor = 1 / math.pi if kernel == "shear" else 1.0
-        first, last = piece.arc[0], piece.anchor.time
+        first = piece.arc[0]
+        last = piece.anchor.time
         loads = contact.break_loads
         loads = loads[(loads > piece.bottom) & (loads < piece.anchor.normal)]
-        self._corners = front_time(piece, loads) if len(loads) else loads
-        self._turns = _turn(self._leg, first, last), _turn(self._leg, last, first)
+        corners = front_time(piece, loads) if len(loads) else loads
+        self._turn_at_begin = _turn(self._leg, first, last)
+        self._turn_at_end = _turn(self._leg, last, first)
         # Even between the corners: a panel that began just behind one would not be smooth.
-        ends = np.unique(np.clip([first, *self._corners, last], first, last))
+        ends = np.unique(np.clip([first, *corners, last], first, last))
         counts = np.maximum(np.ceil(np.diff(ends) / (last - first) * _PANELS), 1).astype(int)
         parts = [
             np.linspace(a, b, n, endpoint=False)
@@ -170,122 +203,134 @@ class Arc:
         """Series on the panels between `marks`, halved until they are resolved, and steps through
         whole panels near P_x.
         """
-        done: list[tuple[NDArray[Any], ...]] = []
-        low, high, size, points = marks[:-1], marks[1:], 0.0, len(self._x)
-        for turn in range(_HALVINGS + 1):
-            near, panel, point, found = self._series(low, high)
-            worth = tail(found)
-            size = max(size, float(np.max(np.abs(found[:, 0]), initial=0.0)) * math.sqrt(len(low)))
-            left, table = np.zeros((len(low), points)), np.zeros((len(low), points, DEGREE + 1))
-            left[panel, point], table[panel, point] = worth, found
+        panels = self._resolved(marks[:-1], marks[1:])
+        self._near = panels.near
+        self._marks = np.append(panels.low, panels.high[-1])
+        self._primitive = panels.series @ _PRIMITIVE
+        panel, point = np.nonzero(panels.near)
+        begin = panels.low[panel]
+        end = panels.high[panel]
+        steps = self._steps(begin, end, point)
+        over_panels = np.sum(self._primitive, axis=2)
+        over_panels[panel, point] += steps
+        self._before = np.cumsum(over_panels, axis=0) - over_panels
+        error_of_steps = self._error_of_steps(steps, begin, end, point)
+        error_of_series = float(np.max(np.sum(panels.error, axis=0), initial=0.0))
+        self.error = self._factor * (error_of_steps + error_of_series)
+
+    def _resolved(self, low: Array, high: Array) -> _Panels:
+        """Panels with their series, ascending; those that are not resolved are halved."""
+        done: list[_Panels] = []
+        size = 0.0
+        points = len(self._x)
+        for halvings in range(_HALVINGS + 1):
+            far = self._series(low, high)
+            largest = float(np.max(np.abs(far.coefficients[:, 0]), initial=0.0))
+            size = max(size, largest * math.sqrt(len(low)))
+            error = np.zeros((len(low), points))
+            error[far.panel, far.point] = tail(far.coefficients)
+            table = np.zeros((len(low), points, DEGREE + 1))
+            table[far.panel, far.point] = far.coefficients
             middle = (low + high) / 2
-            good = (np.max(left, axis=1, initial=0.0) <= _RESOLVED * size) | (turn == _HALVINGS)
-            good |= (middle == low) | (middle == high)  # no number lies between
-            done.append(tuple(values[good] for values in (low, high, near, table, left)))
-            if np.all(good):
+            is_done = np.max(error, axis=1, initial=0.0) <= _RESOLVED * size
+            is_done |= halvings == _HALVINGS
+            is_done |= (middle == low) | (middle == high)  # no number lies between
+            done.append(_Panels(low, high, far.near, table, error).take(is_done))
+            if np.all(is_done):
                 break
-            low, middle, high = low[~good], middle[~good], high[~good]
-            low, high = np.concatenate([low, middle]), np.concatenate([middle, high])
-        low, high, near, table, left = (np.concatenate(parts) for parts in zip(*done, strict=True))
-        order = np.argsort(low)
-        low, high, self._near = low[order], high[order], near[order]
-        self._marks = np.append(low, high[-1])
-        self._primitive = table[order] @ _PRIMITIVE
-        panel, point = np.nonzero(self._near)
-        whole = np.sum(self._primitive, axis=2)
-        a, b = low[panel], high[panel]
-        # Of some steps their halves too: what they differ by is the error.
-        some = (
-            np.unique(np.linspace(0, len(panel) - 1, _SAMPLE).astype(int))
-            if len(panel)
-            else np.empty(0, dtype=int)
+            middle = middle[~is_done]
+            low = np.concatenate([low[~is_done], middle])
+            high = np.concatenate([middle, high[~is_done]])
+        panels = _Panels._make(np.concatenate(column) for column in zip(*done, strict=True))
+        return panels.take(np.argsort(panels.low))
+
+    def _error_of_steps(self, steps: Array, begin: Array, end: Array, point: Indices) -> float:
+        """What a sample of the steps from `begin` to `end` (m,) differs from its halves by, for all
+        steps of a point.
+        """
+        if not len(steps):
+            return 0.0
+        sample = np.unique(np.linspace(0, len(steps) - 1, _SAMPLE).astype(int))
+        middle = (begin[sample] + end[sample]) / 2
+        halves = self._steps(
+            np.concatenate([begin[sample], middle]),
+            np.concatenate([middle, end[sample]]),
+            np.tile(point[sample], 2),
         )
-        middle, all_of = (
-            (a[some] + b[some]) / 2,
-            np.concatenate([np.arange(len(panel)), some, some]),
-        )
-        ends = np.concatenate([a, a[some], middle]), np.concatenate([b, middle, b[some]])
-        steps, first, second = np.split(
-            self._steps(*ends, point[all_of]), [len(panel), len(panel) + len(some)]
-        )
-        whole[panel, point] += steps
-        self._before = np.cumsum(whole, axis=0) - whole
-        apart = np.abs(steps[some] - first - second)
-        off = float(np.max(apart, initial=0.0)) * math.sqrt(np.max(np.bincount(point), initial=0))
-        self.error = self._factor * (off + float(np.max(np.sum(left, axis=0), initial=0.0)))
+        lower, upper = np.split(halves, 2)
+        change = np.abs(steps[sample] - lower - upper)
+        return float(np.max(change)) * math.sqrt(np.max(np.bincount(point)))
 
     def _steps(self, low: Array, high: Array, point: Indices) -> Array:
         """The integrals from low[k] to high[k] at x[point[k]], (m,), near P_x; no step crosses the
         middle of the arc.
         """
-        result = np.empty(len(low))
-        upper = low >= self._middle
-        for turn, part in zip(self._turns, (~upper, upper), strict=True):
-            x, edge = self._x[point[part]], self._edge[point[part]]
-            result[part] = _near(
-                self._contact, self._kernel, self._leg, turn, low[part], high[part], x, edge
-            )
-        return result
+        integrals = np.empty(len(low))
+        is_upper = low >= self._middle
+        for turn, part in ((self._turn_at_begin, ~is_upper), (self._turn_at_end, is_upper)):
+            near = _NearIntegral(self._contact, self._kernel, self._leg, turn)
+            x = self._x[point[part]]
+            edge = self._edge[point[part]]
+            integrals[part] = near.over(low[part], high[part], x, edge)
+        return integrals
 
-    def _series(self, low: Array, high: Array) -> tuple[NDArray[Any], ...]:
-        """Near panels; panel, point and coefficients (n, nodes) of the integrand over the panel for
-        those that are far.
-        """
-        contact, x, edge, slip = self._contact, self._x, self._edge, self._kernel == "slip"
+    def _series(self, low: Array, high: Array) -> _FarSeries:
+        """The integrand over panels (n,) that are far from P_x."""
+        contact = self._contact
+        x = self._x
+        edge = self._edge
         time = low[:, None] + (high - low)[:, None] * (1 + NODES) / 2
         load = np.maximum(self._leg.loads(time)[0], 0.0)
-        least, most = (np.maximum(self._leg.loads(ends)[0], 0.0)[:, None] for ends in (low, high))
-        spread = _FAR * (most - least)
-        empty = least < spread  # P is close to 0
-        if slip:
-            near, away = (
-                (edge > least) & ((edge < most + spread) | empty),
-                (edge >= most + spread) & ~empty,
-            )
+        least = np.maximum(self._leg.loads(low)[0], 0.0)[:, None]
+        most = np.maximum(self._leg.loads(high)[0], 0.0)[:, None]
+        margin = _FAR * (most - least)
+        if self._kernel == "slip":
+            is_at_no_load = least < margin
+            near = (edge > least) & ((edge < most + margin) | is_at_no_load)
+            far = (edge >= most + margin) & ~is_at_no_load
         else:
-            near, away = (edge < most) & (edge > least - spread), edge <= least - spread
-        panel, point = np.nonzero(away)
-        density = self._leg.rates(time)[1] * (high - low)[:, None]
+            far = edge <= least - margin
+            near = (edge < most) & (edge > least - margin)
+        panel, point = np.nonzero(far)
+        force_rate = self._leg.rates(time)[1] * (high - low)[:, None]
         advance = contact.advance(load)
-        found = np.empty((len(panel), DEGREE + 1))
-        for k in range(0, len(panel), _NODES // (DEGREE + 1)):
-            here = slice(k, k + _NODES // (DEGREE + 1))
-            p, i = panel[here], point[here]
-            values = _kernel(
-                contact, self._kernel, x[i, None], load[p] - edge[i, None], load[p], advance[p]
-            )
-            found[here] = series(density[p] * values)
-        return near, panel, point, found
+        coefficients = np.empty((len(panel), DEGREE + 1))
+        at_once = _NODES // (DEGREE + 1)
+        for k in range(0, len(panel), at_once):
+            chosen = slice(k, k + at_once)
+            p = panel[chosen]
+            i = point[chosen]
+            above = load[p] - edge[i, None]
+            values = _kernel(contact, self._kernel, x[i, None], above, load[p], advance[p])
+            coefficients[chosen] = series(force_rate[p] * values)
+        return _FarSeries(panel, point, coefficients, near)
 
 
 @lru_cache(maxsize=16)  # kernels and points of one solution share its arcs
-def _turn(leg: LoadSegment, end: float, other: float) -> Turn:
+def _turn(leg: LoadSegment, end: float, other_end: float) -> TurningPoint:
     """The turning point of P at an end of an arc, or beyond it by less than its length; the end
-    itself where there is none.
-
-    `other` is the other end. The leg's formulas hold beyond its ends too.
+    itself where there is none. By Newton's method; the leg's formulas hold beyond its ends too.
     """
-    length, time = other - end, end
-    width, sign = 1e-3 * length, math.copysign(1.0, length)
+    length = other_end - end
+    width = 1e-3 * length
+    sign = math.copysign(1.0, length)
+    time = end
     for _ in range(20):
         slope = float(leg.rate_of(NORMAL_LOAD, time))
-        bend = float(
-            leg.rate_of(NORMAL_LOAD, time + width) - leg.rate_of(NORMAL_LOAD, time - width)
-        ) / (2 * width)
-        if (
-            bend * sign <= 0
-            or abs(step := slope / bend) > abs(length)
-            or (end - time + step) * sign < -abs(width)
-        ):
-            return Turn(end, float(leg.loads(end)[0]), sign, other)
+        after = leg.rate_of(NORMAL_LOAD, time + width)
+        before = leg.rate_of(NORMAL_LOAD, time - width)
+        bend = float(after - before) / (2 * width)
+        step = slope / bend if bend * sign > 0 else math.inf
+        if abs(step) > abs(length) or (end - time + step) * sign < -abs(width):
+            return TurningPoint(end, float(leg.loads(end)[0]), sign, other_end)
         time -= step
         if abs(step) <= 1e-15 * (abs(time) + abs(length)):
             break
     time = min(time, end) if length > 0 else max(time, end)
-    return Turn(time, float(leg.loads(time)[0]), sign, other)
+    return TurningPoint(time, float(leg.loads(time)[0]), sign, other_end)
 
 
-def _force_over_root(leg: LoadSegment, turn: Turn, z: Array) -> Array:
+def _force_over_root(leg: LoadSegment, turn: TurningPoint, z: Array) -> Array:
     """|dQ/dz| with the sign of dQ/dt, from dP = 2 z dz."""
     time = leg.time_of(NORMAL_LOAD, turn.sign * z * z, turn.time, turn.farthest)
     slope = np.abs(leg.rate_of(NORMAL_LOAD, time))
@@ -298,92 +343,119 @@ def _kernel(
     """K from P - P_x, P and the advance of the edge."""
     if kernel == "shear":
         return contact.inverse_root(x, above, advance)
-    return (
-        contact.arccosh_ratio(x, -above, advance) if kernel == "slip" else contact.log_ratio(load)
-    )
+    if kernel == "slip":
+        return contact.arccosh_ratio(x, -above, advance)
+    return contact.log_ratio(load)
 
 
-def _near(
-    contact: Contact,
-    kernel: Kernel,
-    leg: LoadSegment,
-    turn: Turn,
-    low: Array,
-    high: Array,
-    x: Array,
-    edge: Array,
-) -> Array:
-    """The integrals from low[k] to high[k] at x[k], (m,): P_x is among the loads there or close to
-    them, or P close to 0.
+@dataclass(frozen=True, eq=False)
+class _NearIntegral:
+    """Integrals of one kernel where P_x is among the loads or close to them, or P close to 0, in
+    the variable of the module's docstring; `turn` is the turning point of P beside them.
     """
-    result = np.zeros(len(low))
-    if not len(low):
-        return result
-    inner, outer = (
-        np.sqrt(np.maximum(turn.sign * leg.change_of(NORMAL_LOAD, ends, turn.time), 0.0))
-        for ends in (low, high)
-    )
-    inner, outer = np.minimum(inner, outer), np.maximum(inner, outer)
-    square = turn.sign * (edge - turn.load)
-    # An e of 0 would stretch the variable for ever.
-    square = np.where(np.abs(square) < 1e-36 * outer**2, 1e-36 * outer**2, square)
-    # The part on the side of P_x where the kernel is not 0: z^2 > e^2 or z^2 < e^2.
-    beyond = (kernel != "slip") == (turn.sign > 0)
-    a, b = _limits_beyond(inner, outer, square) if beyond else _limits_within(inner, outer, square)
-    # Too close to the logarithm where P = 0, +-i arsinh(sqrt(P_t)/e), for Gauss' rule: at four
-    # lengths 6 nodes leave 16^-12.
-    least = max(turn.load, 0.0)
-    height = np.arcsinh(np.sqrt(least / np.maximum(square, 1e-200 * least + 1e-300)))
-    rough = (np.hypot(a, height) < _AWAY * (b - a)) & (kernel == "slip" and not beyond) | (
-        kernel == "shift"
-    )  # which has one point: cheap
-    limit = -1.0
-    for longest, count in (*_SPANS, (math.inf, 0)):
-        here = np.flatnonzero(
-            (b > a) & (rough if not count else ~rough & (b - a > limit) & (b - a <= longest))
-        )
-        limit = longest
-        for k in range(0, len(here), _NODES // (count or 193)):
-            m = here[k : k + _NODES // (count or 193)]
-            if count:
-                node, weight = gauss(count)
-                s, weight = a[m, None] + (b - a)[m, None] * node, (b - a)[m, None] * weight
-            else:
-                s, weight = graded(a[m], b[m])
-            z, root = _nodes(s, square[m, None], beyond)
-            load = np.maximum(turn.load + turn.sign * z * z, 0.0)
-            advance = contact.advance(load)
-            above = root * root if kernel != "slip" else -root * root
-            result[m] = np.sum(
-                weight
-                * root
-                * _force_over_root(leg, turn, z)
-                * _kernel(contact, kernel, x[m, None], above, load, advance),
-                axis=1,
-            )
-    return result
+
+    contact: Contact
+    kernel: Kernel
+    leg: LoadSegment
+    turn: TurningPoint
+
+    @property
+    def beyond(self) -> bool:
+        """Whether the kernel is not 0 for z^2 > e^2; else for z^2 < e^2."""
+        return (self.kernel != "slip") == (self.turn.sign > 0)
+
+    def over(self, low: Array, high: Array, x: Array, edge: Array) -> Array:
+        """From low[k] to high[k] at x[k], (m,), with the loads `edge` P_x."""
+        integrals = np.zeros(len(low))
+        if not len(low):
+            return integrals
+        turn = self.turn
+        at_low = self._root_of_rise(low)
+        at_high = self._root_of_rise(high)
+        inner = np.minimum(at_low, at_high)
+        outer = np.maximum(at_low, at_high)
+        square = turn.sign * (edge - turn.load)
+        # An e of 0 would stretch the variable for ever.
+        least_square = 1e-36 * outer**2
+        square = np.where(np.abs(square) < least_square, least_square, square)
+        # The part on the side of P_x where the kernel is not 0: z^2 > e^2 or z^2 < e^2.
+        limits = _limits_beyond if self.beyond else _limits_within
+        begin, end = limits(inner, outer, square)
+        length = end - begin
+        is_rough = self._is_rough(begin, length, square)
+        shortest = -1.0
+        for longest, count in _SPANS:
+            is_of_rule = (length > shortest) & (length <= longest)
+            chosen = np.flatnonzero((length > 0) & ~is_rough & is_of_rule)
+            shortest = longest
+            node, share = gauss(count)
+            for k in range(0, len(chosen), _NODES // count):
+                m = chosen[k : k + _NODES // count]
+                s = begin[m, None] + length[m, None] * node
+                weight = length[m, None] * share
+                integrals[m] = self._sum(s, weight, x[m, None], square[m, None])
+        chosen = np.flatnonzero((length > 0) & is_rough)
+        for k in range(0, len(chosen), _NODES // len(ROOTS.up)):
+            m = chosen[k : k + _NODES // len(ROOTS.up)]
+            s, weight = graded(begin[m], end[m])
+            integrals[m] = self._sum(s, weight, x[m, None], square[m, None])
+        return integrals
+
+    def _root_of_rise(self, time: Array) -> Array:
+        """z at times."""
+        rise = self.leg.change_of(NORMAL_LOAD, time, self.turn.time)
+        return np.sqrt(np.maximum(self.turn.sign * rise, 0.0))
+
+    def _is_rough(self, begin: Array, length: Array, square: Array) -> NDArray[np.bool_]:
+        """Whether a range of the variable (m,) takes the rule for singular ends.
+
+        Too close to the logarithm where P = 0, +-i arsinh(sqrt(P_t)/e), for Gauss' rule: at four
+        lengths 6 nodes leave 16^-12. A shift always: it has one point, and is cheap.
+        """
+        if self.kernel == "shift":
+            return np.ones(len(begin), dtype=bool)
+        if self.kernel != "slip" or self.beyond:
+            return np.zeros(len(begin), dtype=bool)
+        least = max(self.turn.load, 0.0)
+        height = np.arcsinh(np.sqrt(least / np.maximum(square, 1e-200 * least + 1e-300)))
+        return np.asarray(np.hypot(begin, height) < _AWAY * length)
+
+    def _sum(self, s: Array, weight: Array, x: Array, square: Array) -> Array:
+        """Sums over nodes s (m, nodes), with points and e^2 (m, 1): (m,)."""
+        z, root = _nodes(s, square, self.beyond)
+        load = np.maximum(self.turn.load + self.turn.sign * z * z, 0.0)
+        advance = self.contact.advance(load)
+        above = root * root if self.kernel != "slip" else -root * root
+        kernel = _kernel(self.contact, self.kernel, x, above, load, advance)
+        force_rate = _force_over_root(self.leg, self.turn, z)
+        return np.asarray(np.sum(weight * root * force_rate * kernel, axis=1))
 
 
 def _limits_beyond(low: Array, high: Array, square: Array) -> tuple[Array, Array]:
     """ln(z + sqrt(z^2 - e^2)) over its value at z = |e| at both ends, arsinh(z/|e|) for e^2 < 0."""
     e = np.sqrt(np.abs(square))
-    size = np.maximum(e, 1e-300)
-    low, high = (np.where(square > 0, np.maximum(ends, e), ends) for ends in (low, high))
-    # (z - e)(z + e), not z^2 - e^2: at z = e round-off would leave a root of 1e-8 in the latter.
-    legs = (
-        np.where(square > 0, np.sqrt(np.maximum((z - e) * (z + e), 0.0)), z) for z in (low, high)
-    )
-    a, b = (np.arcsinh(leg / size) for leg in legs)
-    return a, np.maximum(a, b)
+
+    def limit(end: Array) -> Array:
+        z = np.where(square > 0, np.maximum(end, e), end)
+        # (z - e)(z + e), not z^2 - e^2: at z = e round-off would leave a root of 1e-8 in the
+        # latter.
+        root = np.sqrt(np.maximum((z - e) * (z + e), 0.0))
+        return np.arcsinh(np.where(square > 0, root, z) / np.maximum(e, 1e-300))
+
+    begin = limit(low)
+    return begin, np.maximum(begin, limit(high))
 
 
 def _limits_within(low: Array, high: Array, square: Array) -> tuple[Array, Array]:
     """arcsin(z/e) at both ends; equal where there is nothing within."""
     e = np.sqrt(np.maximum(square, 0.0))
-    a, b = (
-        np.arctan2(z, np.sqrt((e - z) * (e + z))) for z in (np.minimum(low, e), np.minimum(high, e))
-    )
-    return a, np.maximum(a, b)
+
+    def limit(end: Array) -> Array:
+        z = np.minimum(end, e)
+        return np.arctan2(z, np.sqrt((e - z) * (e + z)))
+
+    begin = limit(low)
+    return begin, np.maximum(begin, limit(high))
 
 
 def _nodes(s: Array, square: Array, beyond: bool) -> tuple[Array, Array]:
@@ -391,8 +463,9 @@ def _nodes(s: Array, square: Array, beyond: bool) -> tuple[Array, Array]:
     e = np.sqrt(np.abs(square))
     if not beyond:
         return e * np.sin(s), e * np.cos(s)
-    wide, narrow = e * np.cosh(s), e * np.sinh(s)
-    return np.where(square > 0, wide, narrow), np.where(square > 0, narrow, wide)
+    longer = e * np.cosh(s)
+    shorter = e * np.sinh(s)
+    return np.where(square > 0, longer, shorter), np.where(square > 0, shorter, longer)
 
 
 # Share of a load up to which a line of the memory is short: differences of slips keep 1e-15 of the
@@ -458,42 +531,42 @@ class Integrals:
         >>> shear.round(12).tolist()  # 0.5 (sqrt 4 - sqrt 1)
         [[0.5]]
         """
-        front, slopes, bottoms = (
-            snapshot.load - snapshot.slipped,
-            np.zeros(len(snapshot.load)),
-            np.zeros(len(snapshot.load)),
-        )
+        front = snapshot.load - snapshot.slipped
+        slopes = np.zeros(len(snapshot.load))
+        bottoms = np.zeros(len(snapshot.load))
         groups = list(snapshot.groups())
-        for piece, here in groups:
-            slopes[here], bottoms[here] = piece.straight_slope, piece.bottom
-        slip_line = np.asarray(snapshot.direction * snapshot.friction, dtype=float)
-        total = self._line(slip_line, front, snapshot.load) + self._line(slopes, bottoms, front)
+        for piece, instants in groups:
+            slopes[instants] = piece.straight_slope
+            bottoms[instants] = piece.bottom
+        slope_of_slip = np.asarray(snapshot.direction * snapshot.friction, dtype=float)
+        of_slip_line = self._line(slope_of_slip, front, snapshot.load)
+        total = of_slip_line + self._line(slopes, bottoms, front)
         self._remember([piece.below for piece, _ in groups])
-        curved = self._curved([(piece, front[here]) for piece, here in groups])
-        for (piece, here), arc in zip(groups, curved, strict=True):
-            total[here] += self.whole(piece.below) + arc
+        curved = self._curved([(piece, front[instants]) for piece, instants in groups])
+        for (piece, instants), of_arc in zip(groups, curved, strict=True):
+            total[instants] += self.whole(piece.below) + of_arc
         return total
 
     def _remember(self, curves: Sequence[CurvePart | None]) -> None:
         """Sum the curves that are not known yet, each from the first known piece up."""
         new: dict[int, CurvePart] = {}
 
-        def unknown(piece: CurvePart) -> bool:
+        def is_unknown(piece: CurvePart) -> bool:
             return id(piece) not in self._known and id(piece) not in new
 
         for curve in curves:
-            new.update(
-                {id(piece): piece for piece in reversed(list(takewhile(unknown, pieces(curve))))}
-            )
+            unknown = list(takewhile(is_unknown, pieces(curve)))
+            new.update({id(piece): piece for piece in reversed(unknown)})
         if not new:
             return
-        lines = self._line(
-            *np.array([(piece.straight_slope, piece.bottom, piece.top) for piece in new.values()]).T
-        )
+        slopes = np.array([piece.straight_slope for piece in new.values()])
+        bottoms = np.array([piece.bottom for piece in new.values()])
+        tops = np.array([piece.top for piece in new.values()])
+        lines = self._line(slopes, bottoms, tops)
         curved = self._curved([(piece, np.array([piece.top])) for piece in new.values()])
-        for piece, line, arc in zip(new.values(), lines, curved, strict=True):
+        for piece, of_line, of_arc in zip(new.values(), lines, curved, strict=True):
             below = self._known[id(piece.below)][1] if piece.below is not None else 0.0
-            self._known[id(piece)] = piece, below + line + np.ravel(arc)
+            self._known[id(piece)] = piece, below + of_line + np.ravel(of_arc)
 
     def _line(self, slope: Array, bottom: Array, top: Array) -> Array:
         """Slope times int K d eta from the loads `bottom` to `top` (n,): shape (n, k); 0 for lines
@@ -503,19 +576,23 @@ class Integrals:
         round-off would be left.
         """
         total = np.zeros((len(top), len(self.x)))
-        there = np.flatnonzero((slope != 0) & (top != bottom))
-        short = np.zeros(len(there), dtype=bool)
+        lines = np.flatnonzero((slope != 0) & (top != bottom))
+        is_short = np.zeros(len(lines), dtype=bool)
         if self.kernel == "slip" and isinstance(self.contact, PunchSuperposition):
-            length = top[there] - bottom[there]
+            length = top[lines] - bottom[lines]
             # Not across a corner of the profile, or close behind one: there a(P) is not smooth.
-            below, above = (
-                np.searchsorted(self.contact.break_loads, ends)
-                for ends in (bottom[there] - length, top[there])
-            )
-            short = (length < _SHORT * top[there]) & (below == above)
-        for here, between in ((there[~short], self._difference), (there[short], self._by_itself)):
-            if len(here):
-                total[here] = slope[here, None] * between(bottom[here], top[here])
+            corners = self.contact.break_loads
+            corners_below = np.searchsorted(corners, bottom[lines] - length)
+            corners_above = np.searchsorted(corners, top[lines])
+            is_short = (length < _SHORT * top[lines]) & (corners_below == corners_above)
+        long_lines = lines[~is_short]
+        short_lines = lines[is_short]
+        if len(long_lines):
+            integrals = self._difference(bottom[long_lines], top[long_lines])
+            total[long_lines] = slope[long_lines, None] * integrals
+        if len(short_lines):
+            integrals = self._by_itself(bottom[short_lines], top[short_lines])
+            total[short_lines] = slope[short_lines, None] * integrals
         return total
 
     def _difference(self, bottom: Array, top: Array) -> Array:
@@ -527,24 +604,25 @@ class Integrals:
         """int arccosh(|x|/a) d eta, eta = end - v^2, v = e sinh(s): sqrt(P_x - eta) becomes smooth,
         e^2 = P_x - end >= 0.
         """
-        contact, edge = self.contact, self.contact.load(self.x)
+        contact = self.contact
+        edge = contact.load(self.x)
         end = np.minimum(top[:, None], edge)
         width = np.sqrt(np.maximum(end - bottom[:, None], 0.0))
-        result = np.zeros(end.shape)
+        integrals = np.zeros(end.shape)
         beyond = np.sqrt(np.maximum(edge - end, 0.0))
-        near = beyond < 0.5 * width
-        for some, count in ((~near, 12), (near, 32)):
-            row, point = np.nonzero((width > 0) & some)
+        is_near = beyond < 0.5 * width
+        for chosen, count in ((~is_near, 12), (is_near, 32)):
+            row, point = np.nonzero((width > 0) & chosen)
             e = np.maximum(beyond[row, point], 1e-4 * width[row, point])
             node, weight = gauss(count)
-            reach = np.arcsinh(width[row, point] / e)[:, None]
-            v, root = e[:, None] * np.sinh(reach * node), e[:, None] * np.cosh(reach * node)
+            length = np.arcsinh(width[row, point] / e)[:, None]
+            v = e[:, None] * np.sinh(length * node)
+            root = e[:, None] * np.cosh(length * node)
             excess = np.square(v) + np.square(beyond[row, point])[:, None]
-            ratio = contact.arccosh_ratio(
-                self.x[point, None], excess, contact.advance(end[row, point, None] - np.square(v))
-            )
-            result[row, point] = np.sum(weight * reach * 2 * v * root * ratio, axis=1)
-        return result
+            advance = contact.advance(end[row, point, None] - np.square(v))
+            ratio = contact.arccosh_ratio(self.x[point, None], excess, advance)
+            integrals[row, point] = np.sum(weight * length * 2 * v * root * ratio, axis=1)
+        return integrals
 
     def _curved(self, fronts: Sequence[tuple[CurvePart, Array]]) -> list[Array | float]:
         """What each piece from its lower end to the loads of its front (n,) has beyond its straight
@@ -580,7 +658,8 @@ class Integrals:
 
     def moment(self, order: int, load: Array) -> Array:
         """int_0^load eta^order K d eta: shape (n, k) from (n,)."""
-        contact, column = self.contact, load[:, None]
+        contact = self.contact
+        column = load[:, None]
         if self.kernel == "shift":
             function = (contact.log_distance, contact.log_moment)[order]
             return np.broadcast_to(function(column), (len(load), len(self.x)))
