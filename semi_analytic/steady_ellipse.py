@@ -63,11 +63,15 @@ Indices = NDArray[np.intp]
 PHASES = ("E-G", "I-J", "J-M")
 # Nodes of pieces at once: arrays of 128 kB and more get fresh memory at every call, which costs
 # half as much again. Points at once.
-_ELEMENTS, _POINTS = 16000, 500
+_ELEMENTS = 16000
+_POINTS = 500
 # A piece has converged where every second node alone changes this share of W, which leaves 2e-14 or
 # less (10 times as much where P hardly grows), or after a few halvings this share of P0^2; it is
 # halved so often at most.
-_CONVERGED, _FEW, _NOTHING, _HALVINGS = 1e-9, 3, 1e-14, 15
+_CONVERGED = 1e-9
+_FEW = 3
+_NOTHING = 1e-14
+_HALVINGS = 15
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,28 +147,27 @@ def ellipses_of(
     >>> loop.permanent.round(12).tolist()  # u = v = sqrt 2: 3 - sqrt 2
     [1.585786437627]
     """
-    p1, ratio = amplitude, tangential / friction
+    ratio = tangential / friction
     # cos and sin of the phase from half of it; the mirrored loop, Q -> -Q, goes round the other
     # way: phase + pi.
     half = np.tan(phase / 2)
     share = ratio / (1 + half * half)
-    along, across = (
-        np.where(half < 0, -1.0, 1.0) * share * (1 - half) * (1 + half),
-        2 * share * np.abs(half),
-    )
-    u, v = np.hypot(along - p1, across), np.hypot(along + p1, across)
-    turn = np.arctan2(2 * p1 * across, (p1 - ratio) * (p1 + ratio))
+    along = np.where(half < 0, -1.0, 1.0) * share * (1 - half) * (1 + half)
+    across = 2 * share * np.abs(half)
+    u = np.hypot(along - amplitude, across)
+    v = np.hypot(along + amplitude, across)
     size = np.where(u > 0, u, 1.0)
-    # P_T < 0 is admitted to rounding only: it is gross sliding.
+    real_part = (amplitude - ratio) * (amplitude + ratio)
     return Ellipses(
-        mean,
-        p1,
-        u,
-        v,
-        (along - p1) / size,
-        across / size,
-        turn,
-        np.maximum(mean - (u + v) / 2, 0.0),
+        mean=mean,
+        amplitude=amplitude,
+        u=u,
+        v=v,
+        cosine=(along - amplitude) / size,
+        sine=across / size,
+        turn=np.arctan2(2 * amplitude * across, real_part),
+        # P_T < 0 is admitted to rounding only: it is gross sliding.
+        permanent=np.maximum(mean - (u + v) / 2, 0.0),
     )
 
 
@@ -173,28 +176,29 @@ def phase_of(name: str, e: Ellipses, s: Array) -> tuple[Array, Array, Array]:
     has in vector code.
     """
     if name == "I-J":
-        sine = _sine_and_square(s)[0]
-        return (
-            e.u * sine,
-            2 * e.amplitude * e.sine * sine,
-            e.load(2 * _sine_and_square(e.start + s)[1] - 1),
-        )
-    one, other, angle, beside = (
-        (e.v, e.u, e.turn - s, s) if name == "E-G" else (e.u, e.v, s, e.turn + s)
-    )
-    time = e.start + s if name == "E-G" else e.start - s
-    return (
-        one * _sine_and_square(angle)[0],
-        other * _sine_and_square(beside)[1],
-        e.load(1 - 2 * _sine_and_square(time)[1]),
-    )
+        sine, _ = _sine_and_square(s)
+        _, square_of_time = _sine_and_square(e.start + s)
+        return e.u * sine, 2 * e.amplitude * e.sine * sine, e.load(2 * square_of_time - 1)
+    if name == "E-G":
+        sine, _ = _sine_and_square(e.turn - s)
+        _, square = _sine_and_square(s)
+        _, square_of_time = _sine_and_square(e.start + s)
+        rate = e.v * sine
+        slipped = e.u * square
+    else:
+        sine, _ = _sine_and_square(s)
+        _, square = _sine_and_square(e.turn + s)
+        _, square_of_time = _sine_and_square(e.start - s)
+        rate = e.u * sine
+        slipped = e.v * square
+    return rate, slipped, e.load(1 - 2 * square_of_time)
 
 
 def _sine_and_square(angle: Array) -> tuple[Array, Array]:
     """sin of an angle, and sin^2 of half of it."""
     tangent = np.tan(angle / 2)
-    rest = 1 + tangent * tangent
-    return 2 * tangent / rest, tangent * tangent / rest
+    secant_square = 1 + tangent * tangent
+    return 2 * tangent / secant_square, tangent * tangent / secant_square
 
 
 def half_angle(part: Array) -> Array:
@@ -202,24 +206,34 @@ def half_angle(part: Array) -> Array:
     return 2 * np.arcsin(np.sqrt(np.clip(part, 0.0, 1.0)))
 
 
+def _front_angles(e: Ellipses, loads: Array) -> tuple[Array, Array]:
+    """2 arcsin of the roots of (P - P_T)/v and of (P - P_T)/u: angles at which the front passes."""
+    above = np.maximum(loads - e.permanent, 0.0)
+    by_v = half_angle(above / np.where(e.v > 0, e.v, np.inf))
+    by_u = half_angle(above / np.where(e.u > 0, e.u, np.inf))
+    return by_v, by_u
+
+
 def corner_angles(e: Ellipses, corners: Array) -> dict[str, Array]:
     """Ends of the pieces of each phase, ascending, (marks, m), for the loads of corners (c, 1)."""
     cosine = (corners - e.mean) / np.where(e.moving, e.amplitude, np.inf)
-    above = np.maximum(corners - e.permanent, 0.0)
     # Corners that are not met, but nearly: a cut at the greatest or least load.
-    high, low = np.arccos(np.clip(cosine, -1.0, 1.0)), np.arccos(np.clip(-cosine, -1.0, 1.0))
-    by_v, by_u = (half_angle(above / np.where(size > 0, size, np.inf)) for size in (e.v, e.u))
-    start, full = e.start, 2 * math.pi
+    high = np.arccos(np.clip(cosine, -1.0, 1.0))
+    low = np.arccos(np.clip(-cosine, -1.0, 1.0))
+    by_v, by_u = _front_angles(e, corners)
+    start = e.start
+    full = 2 * math.pi
     inside = {
         "E-G": (high - start, full - high - start, e.turn - by_v),
         "I-J": (low - start, full - low - start, start - low, start + low),
         "J-M": (start - high, start + high, by_u),
     }
-    found = {}
-    for name, length in zip(PHASES, (e.turn, math.pi - e.turn, e.turn), strict=True):
+    lengths = {"E-G": e.turn, "I-J": math.pi - e.turn, "J-M": e.turn}
+    angles = {}
+    for name, length in lengths.items():
         rows = np.concatenate([np.zeros_like(start)[None], *inside[name], length[None]])
-        found[name] = np.sort(np.clip(rows, rows[0], rows[-1]), axis=0)
-    return found
+        angles[name] = np.sort(np.clip(rows, rows[0], rows[-1]), axis=0)
+    return angles
 
 
 def quadrature_error(values: Array, size: Array) -> Array:
@@ -229,9 +243,12 @@ def quadrature_error(values: Array, size: Array) -> Array:
     It is what the first two differ by, or if that falls like an exponential as it does where all is
     smooth, the power 1.5 of it (the power 2 would be just).
     """
-    apart = (np.abs(values[k] - values[k + 1]) / np.where(size > 0, size, 1.0) for k in (0, 1))
-    near, far = (np.minimum(each, 1e100) for each in apart)  # of slips of 1e-265 too
-    return np.where(near <= far**1.5, near**1.5, near)
+    positive_size = np.where(size > 0, size, 1.0)
+    by_all, by_second, by_fourth = values
+    # of slips of 1e-265 too
+    change = np.minimum(np.abs(by_all - by_second) / positive_size, 1e100)
+    change_before = np.minimum(np.abs(by_second - by_fourth) / positive_size, 1e100)
+    return np.where(change <= change_before**1.5, change**1.5, change)
 
 
 def density_of(e: Ellipses, contact: Contact, x: Array, every: int = 1) -> tuple[Array, Array]:
@@ -256,40 +273,43 @@ def _densities(e: Ellipses, contact: Contact, x: Array, every: int) -> Array:
     """
     edge = contact.load(x)
     share = (edge - e.mean + e.amplitude) / np.where(e.moving, 2 * e.amplitude, 1.0)
-    away = half_angle(np.where(e.moving, share, np.where(edge > e.mean, 1.0, 0.0)))
-    above, start, turn = np.maximum(edge - e.permanent, 0.0), e.start, e.turn
-    by_v, by_u = (half_angle(above / np.where(size > 0, size, np.inf)) for size in (e.v, e.u))
-    first = np.maximum(turn - by_v, 0.0)
+    share_at_rest = np.where(edge > e.mean, 1.0, 0.0)
+    open_angle = half_angle(np.where(e.moving, share, share_at_rest))
+    start = e.start
+    turn = e.turn
+    by_v, by_u = _front_angles(e, edge)
+    passed = np.maximum(turn - by_v, 0.0)
+    # (phase, begin, end): E-G before and after the least load, I-J, J-M
     ranges = (
-        (0, first, np.minimum(turn, math.pi - away - start)),
-        (0, np.maximum(first, math.pi + away - start), turn),
-        (1, np.abs(start - away), np.minimum(math.pi - turn, 2 * math.pi - away - start)),
+        (0, passed, np.minimum(turn, math.pi - open_angle - start)),
+        (0, np.maximum(passed, math.pi + open_angle - start), turn),
+        (
+            1,
+            np.abs(start - open_angle),
+            np.minimum(math.pi - turn, 2 * math.pi - open_angle - start),
+        ),
         (
             2,
-            np.maximum(0.0, start - math.pi + away),
-            np.minimum(np.minimum(turn, by_u), start + math.pi - away),
+            np.maximum(0.0, start - math.pi + open_angle),
+            np.minimum(np.minimum(turn, by_u), start + math.pi - open_angle),
         ),
     )
     marks = list(corner_angles(e.take((slice(None), 0)), contact.break_loads[:, None]).values())
-    total = np.zeros((len(PHASES), len(x)))
+    density = np.zeros((len(PHASES), len(x)))
     for number, begin, end in ranges:
-        cuts = np.concatenate(
-            [begin, np.clip(marks[number].T, begin, np.maximum(begin, end)), end], axis=1
-        )
+        inner_cuts = np.clip(marks[number].T, begin, np.maximum(begin, end))
+        cuts = np.concatenate([begin, inner_cuts, end], axis=1)
         member, piece = np.nonzero(cuts[:, 1:] > cuts[:, :-1])
-        if len(member):
-            s, weight = graded(cuts[member, piece], cuts[member, piece + 1], every)
-            growth, slipped, load = phase_of(PHASES[number], e.take(member), s)
-            front = np.maximum(load - slipped, 0.0)
-            ratio = contact.arccosh_ratio(
-                x[member], np.maximum(edge[member] - front, 0.0), contact.advance(front)
-            )
-            np.add.at(
-                total[number],
-                member,
-                np.sum(weight * growth * contact.pressure(x[member], load) * ratio, axis=1),
-            )
-    return total
+        if not len(member):
+            continue
+        s, weight = graded(cuts[member, piece], cuts[member, piece + 1], every)
+        rate, slipped, load = phase_of(PHASES[number], e.take(member), s)
+        front = np.maximum(load - slipped, 0.0)
+        excess = np.maximum(edge[member] - front, 0.0)
+        ratio = contact.arccosh_ratio(x[member], excess, contact.advance(front))
+        work = weight * rate * contact.pressure(x[member], load) * ratio
+        np.add.at(density[number], member, np.sum(work, axis=1))
+    return density
 
 
 Area = Callable[[Array, Array, Array], Array]
@@ -297,11 +317,12 @@ Area = Callable[[Array, Array, Array], Array]
 overwrite all but the second.
 """
 
-_TINY, _FLOOR = 1e-100, 1e-200
+_TINY = 1e-100
+_FLOOR = 1e-200
 
 
 # ------------------------------------------------- any profile: pieces of phases, and series of Lam
-class Rule(NamedTuple):
+class PieceRule(NamedTuple):
     """Nodes on [0, 1], (n, 1), by the way from an end, `lower` or not, to each; weights (n,) and
     checks (k, n).
 
@@ -314,60 +335,106 @@ class Rule(NamedTuple):
     check: Array
 
 
-def _halves() -> Rule:
+def _halves() -> PieceRule:
     """The graded rule, and what every second of its nodes alone makes of it."""
     weight = graded(0.0, 1.0)[1]
     check = weight.copy()
     check[::2] -= 2 * weight[::2]
     lower = ROOTS.up[:, None] < 0.5
-    return Rule(
-        np.where(lower, ROOTS.up[:, None], -ROOTS.down[:, None]), lower, weight, check[None]
-    )
+    way = np.where(lower, ROOTS.up[:, None], -ROOTS.down[:, None])
+    return PieceRule(way, lower, weight, check[None])
 
 
-def _legendre(count: int, ends: int) -> Rule:
+def _legendre(count: int, ends: int) -> PieceRule:
     """Gauss' rule and its last three coefficients; crowded by t^2 to the lower end, by 3 t^2 - 2
     t^3 to both: roots are smooth.
     """
     t, weight = gauss(count)
     order = np.arange(count - 3, count)
-    check = legendre.legvander(2 * t - 1, count - 1)[:, order].T * (2 * order[:, None] + 1)
-    if ends < 2:
-        weight = weight * 2 * t if ends else weight
-        return Rule(t[:, None] ** (1 + ends), np.array(True), weight, weight * check)
-    near, lower, weight = np.minimum(t, 1 - t), t[:, None] < 0.5, weight * 6 * t * (1 - t)
-    share = (near * near * (3 - 2 * near))[:, None]
-    return Rule(np.where(lower, share, -share), lower, weight, weight * check)
+    polynomials = legendre.legvander(2 * t - 1, count - 1)[:, order].T
+    check = polynomials * (2 * order[:, None] + 1)
+    if ends == 0:
+        return PieceRule(t[:, None], np.array(True), weight, weight * check)
+    if ends == 1:
+        weight = weight * 2 * t
+        return PieceRule(t[:, None] ** 2, np.array(True), weight, weight * check)
+    to_end = np.minimum(t, 1 - t)
+    lower = t[:, None] < 0.5
+    weight = weight * 6 * t * (1 - t)
+    share = (to_end * to_end * (3 - 2 * to_end))[:, None]
+    return PieceRule(np.where(lower, share, -share), lower, weight, weight * check)
 
 
 # For all that is singular; for pieces without corners, and for others; for those of one course, by
 # length up to these [rad].
-_GRADED, _QUICK = (_halves(),), (_legendre(20, 0), _legendre(24, 2))
-_BEHIND, _SHORT = (
-    tuple(_legendre(count, 1) for count in (8, 10, 12, 16, 24)),
-    np.array([0.1, 0.3, 0.6, 1.0]),
-)
+_GRADED = (_halves(),)
+_QUICK = (_legendre(20, 0), _legendre(24, 2))
+_BEHIND = tuple(_legendre(count, 1) for count in (8, 10, 12, 16, 24))
+_SHORT = np.array([0.1, 0.3, 0.6, 1.0])
 # The same for the three last coefficients: they fall like a power where two corners are close, and
 # leave 1e-3 of themselves; in courses of loads so many times P0^2 of W are enough: they leave 2e-12
 # of P0^2 where P hardly grows, 1e-14 elsewhere.
-_SETTLED, _ENOUGH = 3e-8, 50.0
+_SETTLED = 3e-8
+_ENOUGH = 50.0
 # Of the check of a piece, how much its integral is wrong at most: where the piece has converged,
 # and where W is too small for that.
-_LEFT, _ROUGHLY_LEFT = 1e-2, 4.0
+_LEFT = 1e-2
+_ROUGHLY_LEFT = 4.0
 # Shares of P0 down to which P - P_c goes by L at P and at P_c, and by L between them: they keep
 # 1e-10 of Lam.
-_DEEP, _SHALLOW = 0.002, 1e-6
+_DEEP = 0.002
+_SHALLOW = 1e-6
 # Fewer members than these go by one rule, and so few without a table.
-_SOME, _DIRECT = 100, 8
+_SOME = 100
+_DIRECT = 8
 
 Kernel = Callable[[Array, Array], Array]
 """Lam from P and P - P_c, (nodes, pieces) each."""
-Pieces = tuple[Indices, Indices, Array, Array, Indices]
-"""Group, member, begin, end and number of the rule of each piece, sorted by group."""
+
+
+class Pieces(NamedTuple):
+    """Pieces of integrals, (n,) each, sorted by group: group, member, begin, end and the number of
+    the rule.
+    """
+
+    group: Indices
+    member: Indices
+    begin: Array
+    end: Array
+    rule: Indices
+
+    @classmethod
+    def of_group(
+        cls, group: int, member: Indices, low: Array, high: Array, rule: Indices
+    ) -> Pieces:
+        """All of one group."""
+        return cls(np.full(len(member), group), member, low, high, rule)
+
+    @classmethod
+    def together(cls, parts: Sequence[Pieces]) -> Pieces:
+        """All of some, one after the other."""
+        return cls._make(np.concatenate(column) for column in zip(*parts, strict=True))
+
+    def take(self, chosen: Indices | NDArray[np.bool_]) -> Pieces:
+        """The chosen ones."""
+        return Pieces._make(column[chosen] for column in self)
+
+    def halved(self) -> Pieces:
+        """Both halves of each side by side: groups stay in order."""
+        middle = (self.begin + self.end) / 2
+        return Pieces(
+            group=np.repeat(self.group, 2),
+            member=np.repeat(self.member, 2),
+            begin=np.ravel([self.begin, middle], order="F"),
+            end=np.ravel([middle, self.end], order="F"),
+            rule=np.repeat(self.rule, 2),
+        )
 
 
 # Of W, and of the last digits of loads and angles: how many of them their errors are.
-_RELATIVE, _DIGITS, _OF_SERIES = 2e-12, 1e-15, 1e-13
+_RELATIVE = 2e-12
+_DIGITS = 1e-15
+_OF_SERIES = 1e-13
 # Of a loop: a power of three of its amplitudes, and as much for their angles.
 _OF_LOOP = 6.0
 # Of W: what the rules leave out that are picked by where Lam is singular; at most 1.7e-11 in 36,000
@@ -382,14 +449,15 @@ def roundoff_error(e: Ellipses, work: Array) -> Array:
     digits less are right.
     """
     size = e.amplitude + (e.u + e.v) / 2
-    least, angle = np.minimum(e.u, e.v), np.minimum(e.turn, math.pi - e.turn)
+    least = np.minimum(e.u, e.v)
+    angle = np.minimum(e.turn, math.pi - e.turn)
     # Nothing slips where one of them is 0.
-    lost = size / np.where(least > _TINY * size, least, np.inf) + math.pi / np.where(
-        angle > _TINY, angle, np.inf
-    )
+    lost_by_size = size / np.where(least > _TINY * size, least, np.inf)
+    lost_by_angle = math.pi / np.where(angle > _TINY, angle, np.inf)
     # Where a difference has no digit left W may be anything that so small a slip dissipates.
     slip = _DIGITS * size
-    return (_RELATIVE + _DIGITS * lost) * np.abs(work) + slip * slip
+    share = _RELATIVE + _DIGITS * (lost_by_size + lost_by_angle)
+    return share * np.abs(work) + slip * slip
 
 
 def digits_of_loop(e: Ellipses) -> Array:
@@ -399,14 +467,14 @@ def digits_of_loop(e: Ellipses) -> Array:
     W goes as a power of the amplitudes u and v, three where slip is small, and u is a difference of
     r and P1 along the phase; r sin(phase) has the digits of pi - phase where that is small.
     """
-    size, least = e.amplitude + (e.u + e.v) / 2, np.minimum(e.u, e.v)
-    across, along = e.u * e.sine, e.u * e.cosine + e.amplitude
-    of_phase = np.where(along < 0, -along / np.where(across > _TINY * size, across, np.inf), 0.0)
-    return (
-        _OF_LOOP
-        * _DIGITS
-        * (1 + size / np.where(least > _TINY * size, least, np.inf) + math.pi * of_phase)
-    )
+    size = e.amplitude + (e.u + e.v) / 2
+    least = np.minimum(e.u, e.v)
+    across = e.u * e.sine
+    along = e.u * e.cosine + e.amplitude
+    ratio = -along / np.where(across > _TINY * size, across, np.inf)
+    lost_by_phase = np.where(along < 0, ratio, 0.0)
+    lost_by_size = size / np.where(least > _TINY * size, least, np.inf)
+    return _OF_LOOP * _DIGITS * (1 + lost_by_size + math.pi * lost_by_phase)
 
 
 def works_over_time(e: Ellipses, contact: Contact) -> tuple[Array, Array]:
@@ -435,7 +503,8 @@ def works_over_time(e: Ellipses, contact: Contact) -> tuple[Array, Array]:
 # Share of the mean load below which a load at the slip front is taken for that share: W changes by
 # 1e-13 of A f^2 P0^2. Octaves by which the tables of members differ, so that the next block or call
 # finds its own.
-LEAST_LOAD, _STEP_OF_TABLES = 2.0**-48, 8
+LEAST_LOAD = 2.0**-48
+_STEP_OF_TABLES = 8
 # Nothing that rounds differently leaves a table.
 _MARGIN = 1e-12
 
@@ -495,136 +564,129 @@ def _dissipation_of_group(e: Ellipses, contact: SymmetricContact, first: int, la
     """The same of members all of whose loads are between 2^first and 2^(last + 1), but for
     round-off of the loads.
     """
-    works, share = np.empty((3, len(e.mean))), e.deepest / e.mean
-    table, least = None, _DEEP
+    works = np.empty((3, len(e.mean)))
+    share = e.deepest / e.mean
+    kernel = contact.dissipation_kernel
+    is_deep = share > _DEEP
+    is_by_series = np.zeros(len(share), dtype=bool)
+    edges = contact.break_loads
+    log = _log_of(contact)
+    table = None
     if len(e.mean) > _DIRECT and np.any(share > _SHALLOW):
-        table, least = _log_half_width(contact, first, last + 1), _SHALLOW
-    edges, log = (table.edges, table) if table else (contact.break_loads, _log_of(contact))
-    area = table.slip_area if table else contact.dissipation_kernel
-    ways: tuple[tuple[NDArray[np.bool_], Callable[[Ellipses], Array]], ...] = (
-        (
-            share <= least,
-            lambda some: _over_phases(some, contact, contact.dissipation_kernel, _QUICK, _SETTLED),
-        ),
-        (
-            (share > least) & (share <= _DEEP),
-            lambda some: _over_phases(some, contact, area, _QUICK, _SETTLED),
-        ),
-        (share > _DEEP, lambda some: _over_loads(some, edges, log)),
-    )
-    for some, work in ways:
-        if np.any(some):
-            works[:, some] = work(e.take(some))
-    if table:
+        table = _log_half_width(contact, first, last + 1)
+        edges = table.edges
+        log = table
+        is_by_series = (share > _SHALLOW) & ~is_deep
+    is_direct = ~is_deep & ~is_by_series
+    if np.any(is_direct):
+        works[:, is_direct] = _over_phases(e.take(is_direct), contact, kernel, _QUICK, _SETTLED)
+    if table is not None and np.any(is_by_series):
+        by_series = _over_phases(e.take(is_by_series), contact, table.slip_area, _QUICK, _SETTLED)
         # Lam by series has the last digits of P - P_c times the slope of L, not of itself.
-        by_series = (share > least) & (share <= _DEEP)
-        works[2, by_series] += (
-            _OF_SERIES / share[by_series] * np.abs(works[0] + works[1])[by_series]
-        )
+        forward, reverse, error = by_series
+        error += _OF_SERIES / share[is_by_series] * np.abs(forward + reverse)
+        works[:, is_by_series] = by_series
+    if np.any(is_deep):
+        works[:, is_deep] = _over_loads(e.take(is_deep), edges, log)
     return works
 
 
 def _over_phases(
-    e: Ellipses, contact: Contact, kernel: Kernel, rules: tuple[Rule, ...], settled: float
+    e: Ellipses, contact: Contact, kernel: Kernel, rules: tuple[PieceRule, ...], settled: float
 ) -> Array:
-    """Forward and reverse part of W, (2, m), over pieces of phases between corners."""
-    corners, pieces = contact.break_loads, []
+    """Forward and reverse part of W and the error of their sum, (3, m), over pieces of phases
+    between corners.
+    """
+    corners = contact.break_loads
     # A corner that is nearly met counts too.
-    met = (corners > 0.99 * np.min(e.permanent, initial=math.inf)) & (
-        corners < 1.01 * np.max(e.mean + e.amplitude, initial=0.0)
-    )
-    for number, ends in enumerate(corner_angles(e, corners[met, None]).values()):
-        owner, row = np.nonzero(
-            (np.diff(ends, axis=0) > 1e-14 * ends[-1]).T & (e.deepest > 0)[:, None]
-        )
-        low, high = ends[row, owner], ends[row + 1, owner]
-        pieces.append(
-            (
-                np.full(len(row), number),
-                owner,
-                low,
-                high,
-                np.minimum(high - low < ends[-1, owner], len(rules) - 1),
-            )
-        )
+    is_above_least = corners > 0.99 * np.min(e.permanent, initial=math.inf)
+    is_below_most = corners < 1.01 * np.max(e.mean + e.amplitude, initial=0.0)
+    met = corners[is_above_least & is_below_most, None]
+    parts = []
+    for number, ends in enumerate(corner_angles(e, met).values()):
+        is_long = np.diff(ends, axis=0) > 1e-14 * ends[-1]
+        member, row = np.nonzero(is_long.T & (e.deepest > 0)[:, None])
+        low = ends[row, member]
+        high = ends[row + 1, member]
+        rule = np.minimum(high - low < ends[-1, member], len(rules) - 1)
+        parts.append(Pieces.of_group(number, member, low, high, rule))
 
     def terms(phase: Indices, member: Indices, s: Array) -> Array:
         rate, slipped, load = np.empty((3, *s.shape))
-        for name, first, last in zip(
-            PHASES, *np.searchsorted(phase, [[0, 1, 2], [1, 2, 3]]), strict=True
-        ):
-            some = slice(first, last)
-            rate[:, some], slipped[:, some], load[:, some] = phase_of(
-                name, e.take(member[some]), s[:, some]
+        for number, name in enumerate(PHASES):
+            first, last = np.searchsorted(phase, [number, number + 1])
+            columns = slice(first, last)
+            rate[:, columns], slipped[:, columns], load[:, columns] = phase_of(
+                name, e.take(member[columns]), s[:, columns]
             )
         return rate * kernel(load, np.minimum(slipped, load))
 
+    pieces = Pieces.together(parts)
     works, error = _over_pieces(e, pieces, len(PHASES), terms, rules, settled)
-    return np.stack([works[1] + works[2], works[0], error])
+    reverse, later, early = works
+    return np.stack([later + early, reverse, error])
 
 
 _COURSES = ("P, E-G", "P, I-M", "P_c, E-G", "P_c, I-J", "P_c, J-M")
 
 
 def _over_loads(e: Ellipses, edges: Array, log: Callable[[Array], Array]) -> Array:
-    """Forward and reverse part of W, (2, m), by parts: over the courses of P and of P_c, between
-    edges behind which L is smooth.
+    """Forward and reverse part of W and the error of their sum, (3, m), by parts: over the courses
+    of P and of P_c, between edges behind which L is smooth.
 
     Angles are t along P, 2 t_I - t along P_c in I-J, where it is P at that time, D - s in E-G and s
     in J-M.
     """
-    edges = edges[
-        (edges > 0.99 * np.min(e.permanent)) & (edges < np.max(e.mean + e.amplitude)), None
-    ]
-    start, pieces = e.start, []
-    time = np.arccos(np.clip((edges - e.mean) / np.where(e.moving, e.amplitude, np.inf), -1.0, 1.0))
-    above, full = np.maximum(edges - e.permanent, 0.0), 2 * math.pi
-    by_v, by_u = (half_angle(above / np.where(size > 0, size, np.inf)) for size in (e.v, e.u))
+    is_met = (edges > 0.99 * np.min(e.permanent)) & (edges < np.max(e.mean + e.amplitude))
+    edges = edges[is_met, None]
+    start = e.start
+    full = 2 * math.pi
+    cosine = (edges - e.mean) / np.where(e.moving, e.amplitude, np.inf)
+    time = np.arccos(np.clip(cosine, -1.0, 1.0))
+    by_v, by_u = _front_angles(e, edges)
     # The greatest and the least load too: a piece has one end that is the lower load.
-    nothing, least, most = (np.full((1, len(start)), angle) for angle in (0.0, math.pi, full))
+    zero = np.zeros(len(start))
+    least = np.full((1, len(start)), math.pi)
+    most = np.full((1, len(start)), full)
     courses = (
         (start, start + e.turn, (time, least, full - time, most)),
         (start + math.pi, start + full, (full - time, most, full + time)),
-        (nothing[0], e.turn, (by_v,)),
+        (zero, e.turn, (by_v,)),
         (start + e.turn, start + math.pi, (full - time,)),
-        (nothing[0], e.turn, (by_u,)),
+        (zero, e.turn, (by_u,)),
     )
+    parts = []
     for number, (begin, end, cuts) in enumerate(courses):
-        ends = np.sort(
-            np.clip(np.concatenate([begin[None], *cuts, end[None]]), begin, np.maximum(begin, end)),
-            axis=0,
-        )
-        owner, row = np.nonzero((np.diff(ends, axis=0) > 1e-14).T)
-        low, high = ends[row, owner], ends[row + 1, owner]
+        marks = np.concatenate([begin[None], *cuts, end[None]])
+        ends = np.sort(np.clip(marks, begin, np.maximum(begin, end)), axis=0)
+        member, row = np.nonzero((np.diff(ends, axis=0) > 1e-14).T)
+        low = ends[row, member]
+        high = ends[row + 1, member]
         if number in (0, 1, 3):
             # P grows from pi to 2 pi
-            low, high = np.where((low + high) / full % 2 > 1, [low, high], [high, low])
-        pieces.append(
-            (
-                np.full(len(row), number),
-                owner,
-                low,
-                high,
-                np.searchsorted(_SHORT, np.abs(high - low)),
-            )
-        )
+            grows = (low + high) / full % 2 > 1
+            low, high = np.where(grows, [low, high], [high, low])
+        rule = np.searchsorted(_SHORT, np.abs(high - low))
+        parts.append(Pieces.of_group(number, member, low, high, rule))
     # L counts from that of P0: what is left of any constant is round-off.
     base = log(e.mean[None])[0]
 
     def terms(course: Indices, member: Indices, angle: Array) -> Array:
         weight, load = np.empty((2, *angle.shape))
-        for number, first, last in zip(
-            range(5), *np.searchsorted(course, [np.arange(5), np.arange(1, 6)]), strict=True
-        ):
-            some = slice(first, last)
-            weight[:, some], load[:, some] = course_of(
-                _COURSES[number], e.take(member[some]), angle[:, some]
+        for number, name in enumerate(_COURSES):
+            first, last = np.searchsorted(course, [number, number + 1])
+            columns = slice(first, last)
+            weight[:, columns], load[:, columns] = course_of(
+                name, e.take(member[columns]), angle[:, columns]
             )
         return weight * (log(load) - base[member])
 
+    pieces = Pieces.together(parts)
     works, error = _over_pieces(e, pieces, len(_COURSES), terms, _BEHIND, _SETTLED, _ENOUGH)
+    load_in_reverse, load_in_forward, front_in_reverse, front_early, front_later = works
     error += _DIGITS * np.square(e.mean + e.amplitude)
-    return np.stack([works[1] + works[3] + works[4], works[0] + works[2], error])
+    forward = load_in_forward + front_early + front_later
+    return np.stack([forward, load_in_reverse + front_in_reverse, error])
 
 
 def course_of(name: str, e: Ellipses, angle: Array) -> tuple[Array, Array]:
@@ -634,28 +696,46 @@ def course_of(name: str, e: Ellipses, angle: Array) -> tuple[Array, Array]:
     tangent = np.tan(angle / 2)
     square = tangent * tangent
     share = 1 / (1 + square)
-    cosine, sine = (1 - square) * share, 2 * tangent * share
-    if name in ("P_c, E-G", "P_c, J-M"):
-        one, other, turn = (e.v, e.u, e.turn) if name == "P_c, E-G" else (e.u, e.v, -e.turn)
-        above = one * square * share
-        return (
-            one * sine * (above - other / 2 * (1 - np.cos(turn) * cosine - np.sin(turn) * sine)),
-            e.permanent + above,
-        )
+    cosine = (1 - square) * share
+    sine = 2 * tangent * share
+    if name == "P_c, E-G":
+        return _course_of_front(e, e.v, e.u, e.turn, square * share, cosine, sine)
+    if name == "P_c, J-M":
+        return _course_of_front(e, e.u, e.v, -e.turn, square * share, cosine, sine)
     load = (e.mean - e.amplitude) + 2 * e.amplitude * share
     if name == "P_c, I-J":
-        along, across = e.cosine * cosine + e.sine * sine, e.cosine * sine - e.sine * cosine
-        return -e.u * e.amplitude * ((1 - along) * sine + 2 * e.sine * across * across), load
-    size, end = (e.v, e.start + e.turn) if name == "P, E-G" else (e.u, e.start)
-    return size * e.amplitude * sine * (np.cos(end) * cosine + np.sin(end) * sine - 1), load
+        along = e.cosine * cosine + e.sine * sine
+        across = e.cosine * sine - e.sine * cosine
+        weight = (1 - along) * sine + 2 * e.sine * across * across
+        return -e.u * e.amplitude * weight, load
+    size = e.v if name == "P, E-G" else e.u
+    end = e.start + e.turn if name == "P, E-G" else e.start
+    cosine_to_end = np.cos(end) * cosine + np.sin(end) * sine
+    return size * e.amplitude * sine * (cosine_to_end - 1), load
+
+
+def _course_of_front(
+    e: Ellipses,
+    amplitude: Array,
+    other_amplitude: Array,
+    turn: Array,
+    half_square: Array,
+    cosine: Array,
+    sine: Array,
+) -> tuple[Array, Array]:
+    """The same for P_c = P_T + `amplitude` sin^2 of half the angle, which is `half_square`."""
+    above = amplitude * half_square
+    cosine_to_turn = np.cos(turn) * cosine + np.sin(turn) * sine
+    slipped = other_amplitude / 2 * (1 - cosine_to_turn)
+    return amplitude * sine * (above - slipped), e.permanent + above
 
 
 def _over_pieces(
     e: Ellipses,
-    pieces: Sequence[Pieces],
+    pieces: Pieces,
     groups: int,
     terms: Callable[[Indices, Indices, Array], Array],
-    rules: tuple[Rule, ...],
+    rules: tuple[PieceRule, ...],
     settled: float,
     least: float = 0.0,
 ) -> tuple[Array, Array]:
@@ -665,48 +745,53 @@ def _over_pieces(
     Pieces are halved until their checks are `settled` shares of W, or of P0^2 where that is less
     than `least` of it.
     """
-    group, member, begin, end, kind = (np.concatenate(part) for part in zip(*pieces, strict=True))
-    if len(e.mean) < _SOME:  # every call counts, and not its length
-        kind, least = np.full(len(kind), len(rules) - 1), 0.0
-    works, size, left_out = (
-        np.zeros((groups, len(e.mean))),
-        np.zeros(len(e.mean)),
-        np.zeros(len(e.mean)),
-    )
-    for level in range(_HALVINGS + 1):
-        value, error = np.empty(len(member)), np.empty(len(member))
-        for number, rule in enumerate(rules):
-            those, step = np.flatnonzero(kind == number), _ELEMENTS // len(rule.weight)
-            for here in (those[k : k + step] for k in range(0, len(those), step)):
-                low, high = begin[here], end[here]
-                found = terms(
-                    group[here],
-                    member[here],
-                    np.where(rule.lower, low, high) + (high - low) * rule.way,
-                )
-                length = np.abs(high - low)
-                value[here], error[here] = (
-                    rule.weight @ found * length,
-                    np.max(np.abs(rule.check @ found), axis=0) * length,
-                )
-        size = (
-            size
-            if level
-            else np.maximum(np.bincount(member, value, len(size)), least * np.square(e.mean))
-        )
-        resolved = ~(error > settled * size[member])
-        done = resolved | ((level >= _FEW) & (error <= _NOTHING * np.square(e.mean[member])))
-        np.add.at(works, (group[done], member[done]), value[done])
-        np.add.at(left_out, member[done], (error * np.where(resolved, _LEFT, _ROUGHLY_LEFT))[done])
-        # Halves side by side: groups stay in order.
-        group, member, kind = (np.repeat(part[~done], 2) for part in (group, member, kind))
-        begin, end = begin[~done], end[~done]
-        middle = (begin + end) / 2
-        begin, end = np.ravel([begin, middle], order="F"), np.ravel([middle, end], order="F")
-        if not len(member):
+    members = len(e.mean)
+    if members < _SOME:  # every call counts, and not its length
+        pieces = pieces._replace(rule=np.full(len(pieces.rule), len(rules) - 1))
+        least = 0.0
+    works = np.zeros((groups, members))
+    error_of_member = np.zeros(members)
+    size = np.zeros(members)
+    for halvings in range(_HALVINGS + 1):
+        value, check = _integrals(pieces, terms, rules)
+        member = pieces.member
+        if not halvings:
+            work = np.bincount(member, value, members)
+            size = np.maximum(work, least * np.square(e.mean))
+        is_resolved = ~(check > settled * size[member])
+        is_nothing = check <= _NOTHING * np.square(e.mean[member])
+        is_done = is_resolved | ((halvings >= _FEW) & is_nothing)
+        np.add.at(works, (pieces.group[is_done], member[is_done]), value[is_done])
+        error = check * np.where(is_resolved, _LEFT, _ROUGHLY_LEFT)
+        np.add.at(error_of_member, member[is_done], error[is_done])
+        pieces = pieces.take(~is_done).halved()
+        if not len(pieces.member):
             break
-    works[group, member] = np.nan
-    return works, left_out
+    works[pieces.group, pieces.member] = np.nan
+    return works, error_of_member
+
+
+def _integrals(
+    pieces: Pieces,
+    terms: Callable[[Indices, Indices, Array], Array],
+    rules: tuple[PieceRule, ...],
+) -> tuple[Array, Array]:
+    """Integrals over pieces, each by its rule, and the largest of its checks, (n,) each."""
+    value = np.empty(len(pieces.member))
+    check = np.empty(len(pieces.member))
+    for number, rule in enumerate(rules):
+        of_rule = np.flatnonzero(pieces.rule == number)
+        at_once = _ELEMENTS // len(rule.weight)
+        for k in range(0, len(of_rule), at_once):
+            chosen = of_rule[k : k + at_once]
+            low = pieces.begin[chosen]
+            high = pieces.end[chosen]
+            angle = np.where(rule.lower, low, high) + (high - low) * rule.way
+            at_nodes = terms(pieces.group[chosen], pieces.member[chosen], angle)
+            length = np.abs(high - low)
+            value[chosen] = rule.weight @ at_nodes * length
+            check[chosen] = np.max(np.abs(rule.check @ at_nodes), axis=0) * length
+    return value, check
 
 
 def _log_of(contact: SymmetricContact) -> Callable[[Array], Array]:
@@ -976,10 +1061,12 @@ def careful_bracket(front: Array, slipped: Array, free: Array) -> Array:
 
 _CELL_BITS = 4
 _CELLS = 1 << _CELL_BITS
-_REST, _ONE = np.int64((1 << (52 - _CELL_BITS)) - 1), np.int64(1023 << 52)
+_REST = np.int64((1 << (52 - _CELL_BITS)) - 1)
+_ONE = np.int64(1023 << 52)
 # Of the Chebyshev series through twelve points eight terms leave 1e-16; as powers of half its
 # argument.
-_PLACES, _TERMS = np.cos(math.pi * (np.arange(12) + 0.5) / 12), 8
+_PLACES = np.cos(math.pi * (np.arange(12) + 0.5) / 12)
+_TERMS = 8
 _SERIES = [
     np.pad(chebyshev.cheb2poly(row[: k + 1]), (0, _TERMS - 1 - k))
     for k, row in enumerate(np.eye(_TERMS))
