@@ -21,6 +21,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, cached_property, partial
 from itertools import pairwise
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy
@@ -74,31 +75,9 @@ def contact_of(profile: Profile, materials: Materials) -> SymmetricContact:
         raise InputError(
             "profile: its two sides are unequal: this takes symmetric profiles, `solve` takes both"
         )
-    modulus, datum = composite_modulus(materials), getattr(profile, "datum_length", 0.0)
-    match profile:
-        case Hertz():
-            return HertzContact(modulus, profile.radius, datum)
-        case FlatRounded():
-            law = flat_and_rounded(modulus, profile.radius, profile.flat_half_length)
-        case PowerLaw():
-            law = power_law(modulus, profile.exponent, profile.length, profile.rise)
-        case Compound():
-            law = two_curvatures(
-                modulus, profile.inner_radius, profile.outer_radius, profile.inner_half_length
-            )
-        case Wedge():
-            law = two_curvatures(modulus, profile.tip_radius, math.inf, profile.tip_half_length)
-        case EvenPolynomial():
-            law = even_polynomial(modulus, profile.length, profile.rises)
-        case Tabulated():
-            law = tabulated(modulus, profile)
-        case CallableProfile():
-            law = slope_function(modulus, profile)
-        case _:
-            raise InputError(
-                f"profile.kind = {profile.kind!r}: the half-plane engine does not know this profile"
-            )
-    return PunchSuperposition(law, datum)
+    modulus = composite_modulus(materials)
+    datum = getattr(profile, "datum_length", 0.0)
+    return _kind_of(profile).contact(modulus, profile, datum)
 
 
 def convex_profile(profile: Profile) -> ConvexProfile:
@@ -110,107 +89,152 @@ def convex_profile(profile: Profile) -> ConvexProfile:
         For a profile that bends down somewhere: under a tilt its contact may split. For a sharp
         wedge.
     """
-    match profile:
-        case Hertz():
-            return _parabolas([0.0], [1 / profile.radius] * 2, 0.0)
-        case FlatRounded():
-            b, outer = profile.flat_half_length, 1 / profile.radius
-            return _parabolas([-b, b], [outer, 0.0, outer], 0.0)
-        case Compound():
-            b, inner, outer = (
-                profile.inner_half_length,
-                1 / profile.inner_radius,
-                1 / profile.outer_radius,
-            )
-            return _parabolas([-b, b], [outer, inner, outer], inner)
-        case Wedge():
-            b, inner = profile.tip_half_length, 1 / profile.tip_radius
-            return _parabolas([-b, b], [0.0, inner, 0.0], inner)
-        case Tabulated():
-            left, right = profile.sides()
-            bends = np.concatenate([[0.0], left.curvature[::-1], right.curvature, [0.0]])
-            if np.min(bends) < -1e-12 * np.max(bends):
-                raise InputError(
-                    "profile: under a tilt, or with unequal sides, a table must not bend down"
-                    " anywhere"
-                )
-            at = np.concatenate([-left.x[::-1], right.x[1:]])
-            return PiecewiseParabola(
-                at,
-                bends,
-                -float(left.slope[-1]),
-                float(left.height[-1]),
-                (float(at[0]), float(at[-1])),
-            )
-        case PowerLaw():
-            n, length, rise = profile.exponent, profile.length, profile.rise
-            if n == 2:
-                return _parabolas([0.0], [2 * rise / length**2] * 2, 0.0)
-            if n < _SHARPEST:
-                raise InputError(
-                    f"profile.exponent = {n:.6g}: under bulk stress or tilt half-plane theory takes"
-                    f" exponents from {_SHARPEST}; a wedge with a rounded tip has kind = 'wedge'"
-                )
+    return _kind_of(profile).convex(profile)
 
-            def derivative(order: int, x: Array) -> Array:
-                factor = rise / length**order * math.prod(n - k for k in range(order))
-                size = np.abs(x) / length
-                return np.asarray(
-                    factor
-                    * np.sign(x) ** order
-                    * np.where(size > 0, size, 1.0) ** (n - order)
-                    * (size > 0)
-                )
 
-            first, second = partial(derivative, 1), partial(derivative, 2)
-            # A high power is a peak at the end: with the usual steps |x|^20 would lose 2e-10 of the
-            # load, with these 1e-13.
-            rule = ROOTS if n <= 4 else logistic(-36.0, 36.0, 0.45 / n**0.2)
-            return CurvedProfile(
-                np.zeros(1), length, profile.height, first, second, rule, exponent=n
-            )
-        case EvenPolynomial():
-            length, rises = profile.length, np.array(profile.rises)
-            if not np.any(rises[1:]):
-                return _parabolas([0.0], [2 * float(rises[0]) / length**2] * 2, 0.0)
-            k = np.arange(1.0, len(rises) + 1)
-            fall = first_fall(k * (2 * k - 1) * rises)
-            if fall is not None:
-                raise _bends_down(length * math.sqrt(fall))
-            coefficients = np.zeros(2 * len(rises) + 1)
-            coefficients[2::2] = rises
-            terms = Polynomial(coefficients, domain=[-length, length])
-            # Equal steps of theta are exact for polynomials of twice as many degrees.
-            count = len(rises) + 2
-            up = (np.arange(count) + 0.5) / count
-            rule = Rule(up, up[::-1], np.full(count, 1 / count))
-            return CurvedProfile(np.zeros(0), length, terms, terms.deriv(), terms.deriv(2), rule)
-        case CallableProfile():
-            least = profile.extent * 1e-15
+class _Kind(NamedTuple):
+    """What a kind of profile is in contact: its symmetric contact for E* and a datum length, and
+    the profile under any tilt.
+    """
 
-            def bend(x: Array) -> Array:
-                size = np.maximum(np.abs(x), least)
-                return np.asarray(profile.bend(size) / size)
+    contact: Callable[[float, Any, float], SymmetricContact]
+    convex: Callable[[Any], ConvexProfile]
 
-            sample = np.unique(np.linspace(0, 1, 1001)[1:-1] ** 2 * profile.extent)
-            falls = sample[bend(sample) < -1e-7 * np.max(bend(sample))]
-            if len(falls):
-                raise _bends_down(float(falls[0]))
-            corners = np.array(_corners(profile))
-            return CurvedProfile(
-                np.unique(np.concatenate([-corners, [0.0], corners])),
-                profile.extent / 4,
-                profile.height,
-                lambda x: np.sign(x) * profile.slope(np.abs(x)),
-                bend,
-                exponent=max(profile.exponent, _SHARPEST),
-                extent=(-profile.extent, profile.extent),
-                noise=1e-11,
-            )
-        case _:
-            raise InputError(
-                f"profile.kind = {profile.kind!r}: the half-plane engine does not know this profile"
-            )
+    @classmethod
+    def by_law(
+        cls, law: Callable[[float, Any], ContactLaw], convex: Callable[[Any], ConvexProfile]
+    ) -> _Kind:
+        """Of a kind whose P(a) for E* is a law."""
+
+        def contact(modulus: float, profile: Any, datum: float) -> SymmetricContact:
+            return PunchSuperposition(law(modulus, profile), datum)
+
+        return cls(contact, convex)
+
+
+def _kind_of(profile: Profile) -> _Kind:
+    """InputError for a kind of profile that this engine does not know."""
+    kind = _KINDS.get(type(profile))
+    if kind is None:
+        raise InputError(
+            f"profile.kind = {profile.kind!r}: the half-plane engine does not know this profile"
+        )
+    return kind
+
+
+def _convex_hertz(profile: Hertz) -> ConvexProfile:
+    return _parabolas([0.0], [1 / profile.radius] * 2, 0.0)
+
+
+def _convex_flat_rounded(profile: FlatRounded) -> ConvexProfile:
+    b = profile.flat_half_length
+    outer = 1 / profile.radius
+    return _parabolas([-b, b], [outer, 0.0, outer], 0.0)
+
+
+def _convex_compound(profile: Compound) -> ConvexProfile:
+    b = profile.inner_half_length
+    inner = 1 / profile.inner_radius
+    outer = 1 / profile.outer_radius
+    return _parabolas([-b, b], [outer, inner, outer], inner)
+
+
+def _convex_wedge(profile: Wedge) -> ConvexProfile:
+    b = profile.tip_half_length
+    inner = 1 / profile.tip_radius
+    return _parabolas([-b, b], [0.0, inner, 0.0], inner)
+
+
+def _convex_table(profile: Tabulated) -> ConvexProfile:
+    left, right = profile.sides()
+    bends = np.concatenate([[0.0], left.curvature[::-1], right.curvature, [0.0]])
+    if np.min(bends) < -1e-12 * np.max(bends):
+        raise InputError(
+            "profile: under a tilt, or with unequal sides, a table must not bend down anywhere"
+        )
+    knots = np.concatenate([-left.x[::-1], right.x[1:]])
+    return PiecewiseParabola(
+        knots=knots,
+        curvature=bends,
+        slope=-float(left.slope[-1]),
+        height=float(left.height[-1]),
+        extent=(float(knots[0]), float(knots[-1])),
+    )
+
+
+def _convex_power(profile: PowerLaw) -> ConvexProfile:
+    n = profile.exponent
+    length = profile.length
+    rise = profile.rise
+    if n == 2:
+        return _parabolas([0.0], [2 * rise / length**2] * 2, 0.0)
+    if n < _SHARPEST:
+        raise InputError(
+            f"profile.exponent = {n:.6g}: under bulk stress or tilt half-plane theory takes"
+            f" exponents from {_SHARPEST}; a wedge with a rounded tip has kind = 'wedge'"
+        )
+
+    def derivative(order: int, x: Array) -> Array:
+        factor = rise / length**order * math.prod(n - k for k in range(order))
+        size = np.abs(x) / length
+        power = np.where(size > 0, size, 1.0) ** (n - order)
+        return np.asarray(factor * np.sign(x) ** order * power * (size > 0))
+
+    # A high power is a peak at the end: with the usual steps |x|^20 would lose 2e-10 of the load,
+    # with these 1e-13.
+    rule = ROOTS if n <= 4 else logistic(-36.0, 36.0, 0.45 / n**0.2)
+    return CurvedProfile(
+        knots=np.zeros(1),
+        size=length,
+        height=profile.height,
+        gradient=partial(derivative, 1),
+        bend=partial(derivative, 2),
+        rule=rule,
+        exponent=n,
+    )
+
+
+def _convex_polynomial(profile: EvenPolynomial) -> ConvexProfile:
+    length = profile.length
+    rises = np.array(profile.rises)
+    if not np.any(rises[1:]):
+        return _parabolas([0.0], [2 * float(rises[0]) / length**2] * 2, 0.0)
+    k = np.arange(1.0, len(rises) + 1)
+    fall = first_fall(k * (2 * k - 1) * rises)
+    if fall is not None:
+        raise _bends_down(length * math.sqrt(fall))
+    coefficients = np.zeros(2 * len(rises) + 1)
+    coefficients[2::2] = rises
+    terms = Polynomial(coefficients, domain=[-length, length])
+    # Equal steps of theta are exact for polynomials of twice as many degrees.
+    count = len(rises) + 2
+    up = (np.arange(count) + 0.5) / count
+    rule = Rule(up, up[::-1], np.full(count, 1 / count))
+    return CurvedProfile(np.zeros(0), length, terms, terms.deriv(), terms.deriv(2), rule)
+
+
+def _convex_function(profile: CallableProfile) -> ConvexProfile:
+    least = profile.extent * 1e-15
+
+    def bend(x: Array) -> Array:
+        size = np.maximum(np.abs(x), least)
+        return np.asarray(profile.bend(size) / size)
+
+    sample = np.unique(np.linspace(0, 1, 1001)[1:-1] ** 2 * profile.extent)
+    falls = sample[bend(sample) < -1e-7 * np.max(bend(sample))]
+    if len(falls):
+        raise _bends_down(float(falls[0]))
+    corners = np.array(_corners(profile))
+    return CurvedProfile(
+        knots=np.unique(np.concatenate([-corners, [0.0], corners])),
+        size=profile.extent / 4,
+        height=profile.height,
+        gradient=lambda x: np.sign(x) * profile.slope(np.abs(x)),
+        bend=bend,
+        exponent=max(profile.exponent, _SHARPEST),
+        extent=(-profile.extent, profile.extent),
+        noise=1e-11,
+    )
 
 
 # Exponent below which a tip is a sharp wedge: what quadratures leave out next to it is too much.
@@ -234,7 +258,9 @@ def _bends_down(x: float) -> InputError:
 
 # Of ln d between two places at which an inverse is known, and how far they reach beside the unit of
 # length.
-_STEP, _BELOW, _ABOVE = 0.05, 1e-22, 1e15
+_STEP = 0.05
+_BELOW = 1e-22
+_ABOVE = 1e15
 # Of ln d: the next step of Newton's method would be about the square of this one, less than
 # round-off.
 _STILL = 3e-9
@@ -249,49 +275,65 @@ def inverse_of(
     Parameters
     ----------
     unit : a length of the profile; from 1e-22 to 1e15 of it, `extent` at most, the cubic is
-    tabulated, beyond P is a power of d corner : an advance at which P is less smooth
+        tabulated, beyond P is a power of d
+    corner : an advance at which P is less smooth
 
     >>> float(inverse_of(lambda d: d**3, lambda d: 3 * d**2, 1.0)(np.array(8.0)))
     2.0
     """
 
     @cache
-    def table() -> tuple[Array, Array, scipy.interpolate.CubicHermiteSpline, Array]:
-        d = np.append(
-            np.exp(np.arange(math.log(_BELOW * unit), math.log(min(_ABOVE * unit, extent)), _STEP)),
-            [corner, extent],
-        )
+    def table() -> _LogTable:
+        end = min(_ABOVE * unit, extent)
+        logs = np.arange(math.log(_BELOW * unit), math.log(end), _STEP)
+        d = np.append(np.exp(logs), [corner, extent])
         d = np.unique(d[(d > 0) & np.isfinite(d)])
         with np.errstate(all="ignore"):
             force = load(d)
-            some = np.flatnonzero((force > 1e-290) & (force < 1e290))
-            x, first = np.unique(np.log(force[some]), return_index=True)
-            d = d[some[first]]
-            slope, chord = np.exp(x) / (d * stiffness(d)), np.diff(np.log(d)) / np.diff(x)
+            usable = np.flatnonzero((force > 1e-290) & (force < 1e290))
+            x, first = np.unique(np.log(force[usable]), return_index=True)
+            d = d[usable[first]]
+            slope = np.exp(x) / (d * stiffness(d))
+            chord = np.diff(np.log(d)) / np.diff(x)
         # As long as no slope is more than three times a chord beside it the cubic rises.
-        slope = np.fmin(slope, 3 * np.minimum(np.append(chord, np.inf), np.append(np.inf, chord)))
-        return x, d, scipy.interpolate.CubicHermiteSpline(x, np.log(d), slope), slope
+        least_chord = np.minimum(np.append(chord, np.inf), np.append(np.inf, chord))
+        slope = np.fmin(slope, 3 * least_chord)
+        cubic = scipy.interpolate.CubicHermiteSpline(x, np.log(d), slope)
+        return _LogTable(x, d, cubic, slope)
 
     def advance(force: Array) -> Array:
         x, ends, cubic, slope = table()
-        wanted = np.where(force > 0, force, 1.0)
-        log = np.log(wanted)
-        below, above = np.minimum(log - x[0], 0.0), np.maximum(log - x[-1], 0.0)
+        target = np.where(force > 0, force, 1.0)
+        log = np.log(target)
+        below = np.minimum(log - x[0], 0.0)
+        above = np.maximum(log - x[-1], 0.0)
         d = np.exp(cubic(log - below - above) + slope[0] * below + slope[-1] * above)
-        number, within = np.searchsorted(x[1:-1], log), below == above
-        low, high = np.where(within, ends[number], d / 2), np.where(within, ends[number + 1], d * 2)
+        number = np.searchsorted(x[1:-1], log)
+        is_within = below == above
+        low = np.where(is_within, ends[number], d / 2)
+        high = np.where(is_within, ends[number + 1], d * 2)
         for _ in range(60):
-            now = load(d)
-            low, high = np.where(now < wanted, d, low), np.where(now < wanted, high, d)
+            force_now = load(d)
+            low = np.where(force_now < target, d, low)
+            high = np.where(force_now < target, high, d)
             with np.errstate(divide="ignore", invalid="ignore"):
-                step = np.log(wanted / now) * now / (d * stiffness(d))
-            after = d * np.exp(np.clip(step, -1.0, 1.0))
-            d = np.where((after >= low) & (after <= high), after, np.sqrt(low * high))
+                step = np.log(target / force_now) * force_now / (d * stiffness(d))
+            newton = d * np.exp(np.clip(step, -1.0, 1.0))
+            d = np.where((newton >= low) & (newton <= high), newton, np.sqrt(low * high))
             if np.all((np.abs(step) < _STILL) | (high <= low * (1 + 1e-15))):
                 break
         return np.where(force > 0, d, 0.0)
 
     return advance
+
+
+class _LogTable(NamedTuple):
+    """An inverse at places (n,): ln P, d, the cubic of ln d over ln P and its slopes."""
+
+    log_load: Array
+    advance: Array
+    cubic: scipy.interpolate.CubicHermiteSpline
+    slope: Array
 
 
 # --- power laws and their sums
@@ -304,13 +346,11 @@ def load_factor(exponent: float) -> float:
     >>> round(load_factor(1.0), 15), round(load_factor(2.0), 15)  # 1 and pi/4
     (1.0, 0.785398163397448)
     """
-    upper, lower = (exponent + 1) / 2, exponent / 2 + 1
-    ratio = (
-        math.gamma(upper) / math.gamma(lower)
-        if exponent < 300
-        else math.exp(math.lgamma(upper) - math.lgamma(lower))
-    )
-    return math.sqrt(math.pi) / 2 * ratio
+    upper = (exponent + 1) / 2
+    lower = exponent / 2 + 1
+    if exponent >= 300:  # their quotient is a number, they are not
+        return math.sqrt(math.pi) / 2 * math.exp(math.lgamma(upper) - math.lgamma(lower))
+    return math.sqrt(math.pi) / 2 * (math.gamma(upper) / math.gamma(lower))
 
 
 def power_law(modulus: float, exponent: float, length: float, rise: float) -> ContactLaw:
@@ -389,14 +429,15 @@ def load_function(tau: ArrayLike) -> Array:
     """
     t = np.asarray(tau, dtype=float)
     closed = (1 + t * t) * np.arctan(t) - t
-    shallow = t < _SHALLOW
-    if not np.any(shallow):
+    is_shallow = t < _SHALLOW
+    if not np.any(is_shallow):
         return closed
     small = np.minimum(t, _SHALLOW)
-    square, total = small * small, np.full(np.shape(t), _F_SERIES[-1])
+    square = small * small
+    total = np.full(np.shape(t), _F_SERIES[-1])
     for coefficient in _F_SERIES[-2::-1].tolist():
         total = total * square + coefficient
-    return np.where(shallow, total * small * square, closed)
+    return np.where(is_shallow, total * small * square, closed)
 
 
 def flat_and_rounded(modulus: float, radius: float, flat_half_length: float) -> ContactLaw:
@@ -409,7 +450,8 @@ def flat_and_rounded(modulus: float, radius: float, flat_half_length: float) -> 
     >>> round(float(law.load(np.sqrt(2.0) - 1)), 12)  # tau = 1
     0.570796326795
     """
-    b, unit = flat_half_length, modulus * flat_half_length**2 / (2 * radius)
+    b = flat_half_length
+    unit = modulus * b**2 / (2 * radius)
 
     def tau(d: Array) -> Array:
         return np.sqrt(d / b * (2 + d / b))
@@ -443,7 +485,8 @@ def two_curvatures(
     >>> round(float(law.advance(np.array(25 * np.pi))), 12)  # Hertz
     1.0
     """
-    b, tip = inner_half_length, modulus / inner_radius
+    b = inner_half_length
+    tip = modulus / inner_radius
     outer = modulus / outer_radius * b * b / 2
 
     def load(a: Array) -> Array:
@@ -465,6 +508,18 @@ def two_curvatures(
 _TOGETHER = 32
 
 
+class _Inverse(NamedTuple):
+    """u^2 over w = sqrt(P - P(begin)) on each piece, (n,): P(begin), ends of w, series, whether
+    these are not resolved.
+    """
+
+    begin_load: Array
+    low: Array
+    high: Array
+    square: Powers
+    is_rough: NDArray[np.bool_]
+
+
 @dataclass(frozen=True, eq=False)
 class _Series:
     """Chebyshev series of P and dP/da on pieces [low, high] (n,) of u = sqrt(a - begin), and of u^2
@@ -484,61 +539,51 @@ class _Series:
 
     def on(self, number: Indices, u: Array, values: Powers) -> Array:
         """Value of one of the two at u on pieces of these numbers."""
-        low, high = self.low[number], self.high[number]
+        low = self.low[number]
+        high = self.high[number]
         return values(number, np.minimum((2 * u - low - high) / (high - low), 1.0))
 
     def half_width(self, load: Array) -> Array:
         """a(P) behind the second knot, by its series; where that is not resolved, since P hardly
         grows, by Newton's method too.
         """
-        number = np.clip(
-            np.searchsorted(self.loads, load, side="right") - 1, 0, len(self.begin) - 1
-        )
-        begin_load, low, high, squares, rough = self._inverse
-        w = np.sqrt(np.maximum(load - begin_load[number], 0.0))
-        low, high = low[number], high[number]
-        square = np.maximum(
-            squares(number, np.clip((2 * w - low - high) / (high - low), -1.0, 1.0)), 0.0
-        )
-        again = np.flatnonzero(rough[number])
-        if len(again):
-            square[again] = self._newton(number[again], load[again], square[again])
+        number = np.searchsorted(self.loads, load, side="right") - 1
+        number = np.clip(number, 0, len(self.begin) - 1)
+        inverse = self._inverse
+        w = np.sqrt(np.maximum(load - inverse.begin_load[number], 0.0))
+        low = inverse.low[number]
+        high = inverse.high[number]
+        place = np.clip((2 * w - low - high) / (high - low), -1.0, 1.0)
+        square = np.maximum(inverse.square(number, place), 0.0)
+        rough = np.flatnonzero(inverse.is_rough[number])
+        if len(rough):
+            square[rough] = self._newton(number[rough], load[rough], square[rough])
         return self.begin[number] + square
 
     @cached_property
-    def _inverse(self) -> tuple[Array, Array, Array, Powers, NDArray[np.bool_]]:
-        """P(begin), ends of w, u^2 and whether it is not resolved, for each piece."""
+    def _inverse(self) -> _Inverse:
+        """Of every piece."""
         first = np.flatnonzero(self.low == 0)
-        begin_load = self.loads[:-1][first][
-            np.searchsorted(first, np.arange(len(self.low)), side="right") - 1
-        ]
-        low, high = (
-            np.sqrt(np.maximum(ends - begin_load, 0.0))
-            for ends in (self.loads[:-1], self.loads[1:])
-        )
+        group = np.searchsorted(first, np.arange(len(self.low)), side="right") - 1
+        begin_load = self.loads[:-1][first][group]
+        low = np.sqrt(np.maximum(self.loads[:-1] - begin_load, 0.0))
+        high = np.sqrt(np.maximum(self.loads[1:] - begin_load, 0.0))
         w = low[:, None] + (high - low)[:, None] * (1 + NODES) / 2
         load = begin_load[:, None] + w * w
         number = np.repeat(np.arange(len(low)), len(NODES)).reshape(load.shape)
         share = (load - self.loads[:-1, None]) / np.diff(self.loads)[:, None]
         start = self.low[:, None] ** 2 + (self.high**2 - self.low**2)[:, None] * share
         coefficients = series(self._newton(number, load, start))
-        return (
-            begin_load,
-            low,
-            high,
-            Powers(coefficients.T),
-            tail(coefficients) > 1e-15 * (self.begin + self.high**2),
-        )
+        is_rough = tail(coefficients) > 1e-15 * (self.begin + self.high**2)
+        return _Inverse(begin_load, low, high, Powers(coefficients.T), is_rough)
 
     def _newton(self, number: Indices, load: Array, square: Array) -> Array:
         """u^2 of loads on these pieces: there P is nearly linear in a - b = u^2, whose last digit
         counts from a.
         """
-        low, high, begin = (
-            np.square(self.low[number]),
-            np.square(self.high[number]),
-            self.begin[number],
-        )
+        low = np.square(self.low[number])
+        high = np.square(self.high[number])
+        begin = self.begin[number]
         for _ in range(50):
             root = np.sqrt(square)
             step = (load - self.on(number, root, self.load)) / self.on(number, root, self.rate)
@@ -546,10 +591,8 @@ class _Series:
             # The next step would be the square of this one.
             if np.all(np.abs(step) <= 1e-9 * (begin + square)):
                 return square
-        raise NotFoundError(
-            "no half-width was found for the normal load"
-            f" {float(load.flat[np.argmax(np.abs(step))]):.17g}"
-        )
+        worst = float(load.flat[np.argmax(np.abs(step))])
+        raise NotFoundError(f"no half-width was found for the normal load {worst:.17g}")
 
 
 def tabulated(modulus: float, profile: Tabulated) -> ContactLaw:
@@ -575,8 +618,10 @@ def tabulated(modulus: float, profile: Tabulated) -> ContactLaw:
     """
     spline = profile.spline()
     first = int(np.flatnonzero(spline.curvature > 0)[0])
-    knots, bend = spline.x[first:], modulus * spline.curvature[first:]
-    least, extent = float(knots[0]), float(knots[-1])
+    knots = spline.x[first:]
+    bend = modulus * spline.curvature[first:]
+    least = float(knots[0])
+    extent = float(knots[-1])
     # The first piece is Hertz, or flat and rounded with 1/R the first curvature.
     head = flat_and_rounded(bend[0], 1.0, least) if least > 0 else power_law(bend[0], 2.0, 1.0, 0.5)
     rows = _series_of_rows(knots, bend)
@@ -586,14 +631,13 @@ def tabulated(modulus: float, profile: Tabulated) -> ContactLaw:
             return head_function(d)
         a = d + least
         number = np.searchsorted(rows.edges, a, side="right") - 1
-        found = rows.on(
-            np.maximum(number, 0), np.sqrt(np.maximum(a - rows.begin[number], 0.0)), values
-        )
-        first = number < 0
-        if np.any(first):
+        u = np.sqrt(np.maximum(a - rows.begin[number], 0.0))
+        at_widths = rows.on(np.maximum(number, 0), u, values)
+        is_in_head = number < 0
+        if np.any(is_in_head):
             # of d itself, which keeps its digits beside a flat
-            found[first] = head_function(d[first])
-        return found
+            at_widths[is_in_head] = head_function(d[is_in_head])
+        return at_widths
 
     def load(d: Array) -> Array:
         return series_or_head(d, rows.load, head.load)
@@ -621,9 +665,8 @@ def tabulated(modulus: float, profile: Tabulated) -> ContactLaw:
     if len(rows.begin):
         # Of every piece the ends too: where dP/da falls behind a knot it is least at the next one.
         t = np.concatenate([[-1.0], NODES, [1.0]])
-        half = rows.begin[:, None] + np.square(
-            rows.low[:, None] + (rows.high - rows.low)[:, None] * (1 + t) / 2
-        )
+        u = rows.low[:, None] + (rows.high - rows.low)[:, None] * (1 + t) / 2
+        half = rows.begin[:, None] + np.square(u)
         rate = stiffness(half - least)
         # Round-off may leave that much below 0 where the profile is straight.
         falls = rate < -1e-12 * np.max(rate)
@@ -705,9 +748,11 @@ def _splits(profile: Tabulated, half: float) -> InputError:
     """Why a contact would split, with the row and what to do; of stairs that rounding has made no
     engine has an answer.
     """
-    row, step = profile.row_before(half), profile.step_of_heights()
+    row = profile.row_before(half)
+    step = profile.step_of_heights()
     x, h = profile.points.values[row].tolist()
-    cause, cure = "the curve through the rows bends down there", "smooth the rows until it does not"
+    cause = "the curve through the rows bends down there"
+    cure = "smooth the rows until it does not"
     if step is not None:
         cause = (
             f"h is written in steps of {step:.6g}, and the curve through such rows goes up by"
@@ -910,3 +955,31 @@ def _corners(profile: CallableProfile) -> tuple[float, ...]:
         ):
             found.append(b)
     return tuple(found)
+
+
+_KINDS: dict[type, _Kind] = {
+    Hertz: _Kind(lambda modulus, p, datum: HertzContact(modulus, p.radius, datum), _convex_hertz),
+    FlatRounded: _Kind.by_law(
+        lambda modulus, p: flat_and_rounded(modulus, p.radius, p.flat_half_length),
+        _convex_flat_rounded,
+    ),
+    PowerLaw: _Kind.by_law(
+        lambda modulus, p: power_law(modulus, p.exponent, p.length, p.rise), _convex_power
+    ),
+    Compound: _Kind.by_law(
+        lambda modulus, p: two_curvatures(
+            modulus, p.inner_radius, p.outer_radius, p.inner_half_length
+        ),
+        _convex_compound,
+    ),
+    Wedge: _Kind.by_law(
+        lambda modulus, p: two_curvatures(modulus, p.tip_radius, math.inf, p.tip_half_length),
+        _convex_wedge,
+    ),
+    EvenPolynomial: _Kind.by_law(
+        lambda modulus, p: even_polynomial(modulus, p.length, p.rises), _convex_polynomial
+    ),
+    Tabulated: _Kind.by_law(tabulated, _convex_table),
+    CallableProfile: _Kind.by_law(slope_function, _convex_function),
+}
+"""Each kind of profile: the one place that tells them apart."""
