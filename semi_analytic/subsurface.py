@@ -57,7 +57,8 @@ _AT_ONCE = 1_000_000
 _PLACES, _CONTACTS, _TERMS = 601, 4, 2048
 # Instants that are solved together; places within a contact that are enough to take p and q from an
 # answer that is there.
-_TOGETHER, _ENOUGH = 20, 60
+_TOGETHER = 20
+_ENOUGH = 60
 # Shares of a contact from its edges at which q is asked for too: slip has just begun there where a
 # load has turned.
 _RIM = 10.0 ** np.arange(-7, -1.5, 0.2)
@@ -111,7 +112,9 @@ def stress(
     0.3003
     """
     scene = source.scene if isinstance(source, ContactSolution) else scene_of(source)
-    across, height, times = vector(x, "x"), vector(y, "y"), vector(instants, "instants")
+    across = vector(x, "x")
+    height = vector(y, "y")
+    times = vector(instants, "instants")
     if body not in ("lower", "upper"):
         raise InputError(f"body: {body!r} is neither 'lower' nor 'upper'")
     if across is None or height is None or times is None:
@@ -125,25 +128,27 @@ def stress(
             f"y: {side * float(np.max(side * height)):.6g} is outside the {body} body; y points out"
             " of the lower one"
         )
-    depth, nu = side * height, getattr(scene.material, body).poisson_ratio
-    found = np.zeros((len(times), len(across), 4))
+    depth = side * height
+    poisson_ratio = getattr(scene.material, body).poisson_ratio
+    stresses = np.zeros((len(times), len(across), 4))
     if scene.unsymmetric:
-        pairs, profile = _with_tractions(source, times), leaning_profile(scene)[1]
-        for k, pair in enumerate(pairs):
-            found[k, :, :3] = _from_sines(*pair, profile, across, depth, side)
-        found[..., 0] += _bulk(pairs)[:, int(body == "upper"), None]
+        answers = _with_tractions(source, times)
+        _, profile = leaning_profile(scene)
+        for k, (answer, row) in enumerate(answers):
+            stresses[k, :, :3] = _from_sines(answer, row, profile, across, depth, side)
+        stresses[..., 0] += _bulk(answers)[:, int(body == "upper"), None]
     else:
         contact, snapshot = memory_at(scene, times)
         for k in np.flatnonzero(snapshot.load > 0).tolist():
             normal, tangential, of_normal, of_tangential = _potentials(
                 contact, _lines(snapshot, k), across, depth
             )
-            found[k, :, :3] = _from_potentials(
+            stresses[k, :, :3] = _from_potentials(
                 normal, side * tangential, depth * of_normal, depth * side * of_tangential
             )
-    found[..., 2] *= side
-    found[..., 3] = nu * (found[..., 0] + found[..., 1])
-    return found
+    stresses[..., 2] *= side
+    stresses[..., 3] = poisson_ratio * (stresses[..., 0] + stresses[..., 1])
+    return stresses
 
 
 def edge_tension(
@@ -179,21 +184,22 @@ def edge_tension(
     times = vector(instants, "instants")
     if times is None:
         raise InputError("edge_tension: instants are needed")
-    found, doubt = np.zeros((2, len(times), 2, 2))
-    sides = np.array([[1.0], [-1.0]])
+    values = np.zeros((len(times), 2, 2))
+    uncertainties = np.zeros((len(times), 2, 2))
+    sign_of_body = np.array([[1.0], [-1.0]])
     if scene.unsymmetric:
-        pairs = _with_tractions(source, times)
-        for k, pair in enumerate(pairs):
-            tension, doubt[k] = _tensions(*pair)
-            found[k] = sides * tension
-        return found + _bulk(pairs)[..., None], doubt
+        answers = _with_tractions(source, times)
+        for k, (answer, row) in enumerate(answers):
+            tension, uncertainties[k] = _tensions(answer, row)
+            values[k] = sign_of_body * tension
+        return values + _bulk(answers)[..., None], uncertainties
     contact, snapshot = memory_at(scene, times)
     for k in np.flatnonzero(snapshot.load > 0).tolist():
         edge = np.atleast_1d(contact.half_width(snapshot.load[k]))
-        tangential = _potentials(contact, _lines(snapshot, k), edge, np.zeros(1))[1].real[0]
-        found[k] = sides * [1.0, -1.0] * (2 / math.pi * tangential)
-        doubt[k] = _ROUNDING * snapshot.load[k] / edge[0]
-    return found, doubt
+        _, potential, _, _ = _potentials(contact, _lines(snapshot, k), edge, np.zeros(1))
+        values[k] = sign_of_body * [1.0, -1.0] * (2 / math.pi * potential.real[0])
+        uncertainties[k] = _ROUNDING * snapshot.load[k] / edge[0]
+    return values, uncertainties
 
 
 # ----------------------------------------------- from tractions, where there is no one memory curve
@@ -205,42 +211,58 @@ def _with_tractions(
 
     New ones have places at the nodes of several of the contacts, and close to the edges of all.
     """
-    scene, answer = (
-        (source.scene, source) if isinstance(source, ContactSolution) else (scene_of(source), None)
-    )
-    found: dict[float, tuple[ContactSolution, int]] = {}
-    if (
-        answer is not None
-        and np.isfinite(answer.pressure).all()
-        and np.isfinite(answer.shear).all()
-    ):
-        rows = np.argmin(np.abs(answer.time[:, None] - times), axis=0)
-        enough = (np.sum(answer.pressure[rows] > 0, axis=1) >= _ENOUGH) | (
-            answer.normal_load[rows] <= 0
-        )
-        held = enough & (np.abs(answer.time[rows] - times) <= 1e-9 * np.abs(times))
-        found = {float(times[k]): (answer, int(rows[k])) for k in np.flatnonzero(held)}
-    at = np.array(sorted(set(times.tolist()) - found.keys()))
-    for some in np.array_split(at, -(-len(at) // _TOGETHER)) if len(at) else ():
-        edges = solve(scene, x=0.0, time=some, fields=()).contact_edges
-        edges = edges[np.argsort(edges[:, 1] - edges[:, 0])]
-        chosen = edges[np.unique(np.linspace(0, len(edges) - 1, _CONTACTS).round().astype(int))]
-        nodes = chosen.mean(axis=1)[:, None] - np.diff(chosen) / 2 * np.cos(
-            np.linspace(0, math.pi, _PLACES)
-        )
-        rims = edges[:, :, None] + np.diff(edges)[:, :, None] * np.array([[1.0], [-1.0]]) * _RIM
-        places = np.unique(np.concatenate([nodes.ravel(), rims.ravel()]))
-        answer = solve(scene, x=places, time=some, fields=("pressure", "shear"))
-        found |= {time: (answer, row) for row, time in enumerate(some.tolist())}
-    return [found[time] for time in times.tolist()]
+    answers: dict[float, tuple[ContactSolution, int]] = {}
+    if isinstance(source, ContactSolution):
+        scene = source.scene
+        answers = _rows_with_tractions(source, times)
+    else:
+        scene = scene_of(source)
+    missing = np.array(sorted(set(times.tolist()) - answers.keys()))
+    if len(missing):
+        for some_times in np.array_split(missing, -(-len(missing) // _TOGETHER)):
+            edges = solve(scene, x=0.0, time=some_times, fields=()).contact_edges
+            places = _places_in(edges[np.argsort(edges[:, 1] - edges[:, 0])])
+            answer = solve(scene, x=places, time=some_times, fields=("pressure", "shear"))
+            answers |= {time: (answer, row) for row, time in enumerate(some_times.tolist())}
+    return [answers[time] for time in times.tolist()]
 
 
-def _bulk(pairs: list[tuple[ContactSolution, int]]) -> Array:
+def _rows_with_tractions(
+    answer: ContactSolution, times: Array
+) -> dict[float, tuple[ContactSolution, int]]:
+    """The instants at which an answer has p and q at places enough, with its rows."""
+    if not (np.isfinite(answer.pressure).all() and np.isfinite(answer.shear).all()):
+        return {}
+    rows = np.argmin(np.abs(answer.time[:, None] - times), axis=0)
+    places_in_contact = np.sum(answer.pressure[rows] > 0, axis=1)
+    is_enough = (places_in_contact >= _ENOUGH) | (answer.normal_load[rows] <= 0)
+    is_held = np.abs(answer.time[rows] - times) <= 1e-9 * np.abs(times)
+    numbers = np.flatnonzero(is_enough & is_held)
+    return {float(times[k]): (answer, int(rows[k])) for k in numbers}
+
+
+def _places_in(edges: Array) -> Array:
+    """Places at the nodes of several contacts (n, 2), ascending in length, and close to the edges
+    of all.
+    """
+    numbers = np.unique(np.linspace(0, len(edges) - 1, _CONTACTS).round().astype(int))
+    chosen = edges[numbers]
+    cosines = np.cos(np.linspace(0, math.pi, _PLACES))
+    nodes = chosen.mean(axis=1)[:, None] - np.diff(chosen) / 2 * cosines
+    inwards = np.array([[1.0], [-1.0]])
+    rims = edges[:, :, None] + np.diff(edges)[:, :, None] * inwards * _RIM
+    return np.unique(np.concatenate([nodes.ravel(), rims.ravel()]))
+
+
+def _bulk(answers: list[tuple[ContactSolution, int]]) -> Array:
     """Bulk stress of the lower and the upper body, (n, 2)."""
-    both = [(answer.bulk_stress_lower, answer.bulk_stress_upper, row) for answer, row in pairs]
-    return np.array(
-        [[0.0 if one is None else one[row] for one in (lower, upper)] for lower, upper, row in both]
-    )
+    stresses = np.zeros((len(answers), 2))
+    for k, (answer, row) in enumerate(answers):
+        if answer.bulk_stress_lower is not None:
+            stresses[k, 0] = answer.bulk_stress_lower[row]
+        if answer.bulk_stress_upper is not None:
+            stresses[k, 1] = answer.bulk_stress_upper[row]
+    return stresses
 
 
 def _tensions(answer: ContactSolution, row: int) -> tuple[Array, float]:
@@ -256,22 +278,26 @@ def _tensions(answer: ContactSolution, row: int) -> tuple[Array, float]:
     if not len(touching):
         return np.zeros(2), 0.0
 
-    def integrals(places: NDArray[np.intp]) -> Array:
-        x, q, found = answer.x[places], answer.shear[row, places], []
-        for across, share in ((x - left, q), ((right - x)[::-1], q[::-1])):
-            phi = 2 * np.arcsin(np.sqrt(across / (right - left)))
-            values = share / np.tan(phi / 2)
-            found.append(float(np.trapezoid(np.append(values[0], values), np.append(0.0, phi))))
-        return 2 / math.pi * np.array([found[0], -found[1]])
+    def integral(from_edge: Array, shear: Array) -> float:
+        phi = 2 * np.arcsin(np.sqrt(from_edge / (right - left)))
+        values = shear / np.tan(phi / 2)
+        return float(np.trapezoid(np.append(values[0], values), np.append(0.0, phi)))
 
-    own = integrals(touching)
-    apart = max(
-        float(np.abs(integrals(part) - own).max())
-        for part in (touching[::2], touching[1::2])
-        if len(part)
-    )
+    def tensions(places: NDArray[np.intp]) -> Array:
+        x = answer.x[places]
+        shear = answer.shear[row, places]
+        at_left = integral(x - left, shear)
+        at_right = integral((right - x)[::-1], shear[::-1])
+        return 2 / math.pi * np.array([at_left, -at_right])
+
+    tension = tensions(touching)
+    change = 0.0
+    for every_second in (touching[::2], touching[1::2]):
+        if len(every_second):
+            change = max(change, float(np.abs(tensions(every_second) - tension).max()))
     largest = answer.scene.friction.coefficient * float(answer.pressure[row].max())
-    return own, 3 * apart + (4 * answer.record.errors.get("shear", 0.0) + _BETWEEN) * largest
+    error_of_shear = 4 * answer.record.errors.get("shear", 0.0) + _BETWEEN
+    return tension, 3 * change + error_of_shear * largest
 
 
 def _from_sines(
@@ -284,27 +310,25 @@ def _from_sines(
     if not touching.any():
         return np.zeros((len(x), 3))
     left, right = answer.contact_edges[row]
-    middle, half = (left + right) / 2, (right - left) / 2
+    middle = (left + right) / 2
+    half = (right - left) / 2
     at = middle + half * np.cos(math.pi * (np.arange(_TERMS) + 0.5) / _TERMS)
     pressure = profile.pressure_over(at, np.atleast_1d(middle), np.atleast_1d(half))[0]
-    share = np.interp(
-        at, answer.x[touching], answer.shear[row, touching] / answer.pressure[row, touching]
-    )
+    ratio = answer.shear[row, touching] / answer.pressure[row, touching]
+    share = np.interp(at, answer.x[touching], ratio)
     series = scipy.fft.dst(np.stack([pressure, side * share * pressure]), 2) / _TERMS
     # In the mirror image, from above the cut of the root: the series have real coefficients.
     zeta = (x - middle + 0j) / half
     zeta.imag = np.abs(y) / half
     root = np.sqrt(zeta - 1) * np.sqrt(zeta + 1)
-    omega, sums = zeta - root, np.zeros((4, len(x)), dtype=complex)
+    omega = zeta - root
+    sums = np.zeros((4, len(x)), dtype=complex)
     with np.errstate(divide="ignore"):
-        needed = np.minimum(
-            np.ceil(math.log(_NEGLIGIBLE) / np.log(np.minimum(np.abs(omega), 1 - 1e-12))), _TERMS
-        )
-    order = np.argsort(-needed, kind="stable")
-    omega, active = (
-        omega[order],
-        np.searchsorted(-needed[order], -np.arange(1, _TERMS + 1), side="right"),
-    )
+        log = np.log(np.minimum(np.abs(omega), 1 - 1e-12))
+        terms_needed = np.minimum(np.ceil(math.log(_NEGLIGIBLE) / log), _TERMS)
+    order = np.argsort(-terms_needed, kind="stable")
+    omega = omega[order]
+    active = np.searchsorted(-terms_needed[order], -np.arange(1, _TERMS + 1), side="right")
     for k in range(_TERMS, 0, -1):  # Horner's rule, from where omega^k counts
         n = active[k - 1]
         sums[:2, :n] = (sums[:2, :n] + series[:, k - 1, None]) * omega[:n]
