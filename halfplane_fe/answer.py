@@ -75,7 +75,6 @@ def answer_arrays(
     scene: Scene, problem: ContactProblem, run: PathRun, scales: Scales
 ) -> dict[str, Any]:
     """Fields of FiniteElementSolution that are numbers, by name."""
-    """Fields of FiniteElementSolution that are numbers, by name."""
     states = [run.states[index] for index in run.stored]
     slip = np.stack([state.slip for state in states])
     pressure = np.stack([state.pressure for state in states])
@@ -356,7 +355,6 @@ def penalty_audit(
     arrays: Mapping[str, Any],
     scales: Scales,
 ) -> PenaltyAudit:
-    """Read the costs off the arrays of an answer (see `answer_arrays`) and its interface states."""
     """Read the costs off the arrays of an answer (see `answer_arrays`) and its interface states."""
     length_per_force = problem.interface.weights * scales.half_width / scales.modulus
     normal = _LayerCost.of(problem.layer.normal * length_per_force, arrays["pressure"])

@@ -255,9 +255,6 @@ def _jump(
     """What the first of some nodes made of the rates when it left the state `back`, as a mean over
     both orders of two nodes.
     """
-    """What the first of some nodes made of the rates when it left the state `back`, as a mean over
-    both orders of two nodes.
-    """
     node, *second_node = nodes
     jumps = []
     for nodes_back in {(), tuple(second_node)}:
@@ -270,9 +267,6 @@ def _jump(
 
 
 def _regular(problem: ContactProblem, node: int) -> bool:
-    """Whether quadratic elements of one size are around a node, and its neighbours on both sides
-    may touch.
-    """
     """Whether quadratic elements of one size are around a node, and its neighbours on both sides
     may touch.
     """

@@ -214,12 +214,6 @@ class ContactProblem:
         Of a given moment the tilt is that at which the faces touch on both sides of x = `line`, the
         first place of the resultant.
         """
-        """The bodies before they carry anything, touching where the gap is least, with the bulk
-        stresses that there are.
-
-        Of a given moment the tilt is that at which the faces touch on both sides of x = `line`, the
-        first place of the resultant.
-        """
         imposed = np.zeros(3)
         if len(loads) > 2:
             imposed[:2] = loads[_BULK_STRESSES]
@@ -482,9 +476,6 @@ class ContactProblem:
         )
 
     def _resting_tilt(self, line: float) -> float:
-        """The tilt of a plane laid onto the gap that touches on both sides of x = `line`: its lower
-        convex hull there, turned.
-        """
         """The tilt of a plane laid onto the gap that touches on both sides of x = `line`: its lower
         convex hull there, turned.
         """

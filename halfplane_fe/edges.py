@@ -505,12 +505,6 @@ def _last_sticking(stick: Mask, half: Mask) -> tuple[Indices, Indices, Indices]:
     Its end is where the fewest nodes are on the wrong side of it, the farthest out where it is a
     tie. Without nodes the last of them says nothing.
     """
-    """(k,) last node of the stick zone on a side, how many nodes the zone has there, and how many
-    the side.
-
-    Its end is where the fewest nodes are on the wrong side of it, the farthest out where it is a
-    tie. Without nodes the last of them says nothing.
-    """
     rank_of_sticking = np.cumsum(stick & half, axis=1, dtype=np.int32)
     rank = np.cumsum(half, axis=1, dtype=np.int32)
     # Sliding nodes up to this one, and sticking ones behind it, but for a number that is the same
@@ -523,15 +517,11 @@ def _last_sticking(stick: Mask, half: Mask) -> tuple[Indices, Indices, Indices]:
 
 def _spacing(x: Array, node: Indices) -> Array:
     """The larger distance of nodes from their neighbours."""
-    """The larger distance of nodes from their neighbours."""
     distances = np.concatenate([[0.0], np.diff(x), [0.0]])
     return np.maximum(distances[node], distances[node + 1])
 
 
 def _zero_of_squares(x_out: Array, values: Array, last: Indices, count: int) -> Array:
-    """(k,) zero of the straight line through the squares of `values` at `count` nodes before the
-    last; NaN unless it falls.
-    """
     """(k,) zero of the straight line through the squares of `values` at `count` nodes before the
     last; NaN unless it falls.
     """

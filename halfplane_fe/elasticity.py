@@ -208,12 +208,6 @@ def _stiffness(system: System, elements: Indices) -> sparse.csr_matrix:
     Element by element, and all of them at once: from the integrals D_iajb of d_a phi_i d_b phi_j
     the stiffness of u is K_iajb = lambda D_iajb + G (D_ibja + delta_ab sum_c D_icjc).
     """
-    """Stiffness of some elements, of u alone or of (u, r/G) in the symmetric form [[K, G B^T], [G
-    B, -G^2 M/lambda_1]]: quasi-definite.
-
-    Element by element, and all of them at once: from the integrals D_iajb of d_a phi_i d_b phi_j
-    the stiffness of u is K_iajb = lambda D_iajb + G (D_ibja + delta_ab sum_c D_icjc).
-    """
     # notation: G is the shear modulus; e elements, n their nodes, q quadrature points
     lam, lambda_1, G = split_lame(system.material, system.order)
     mesh = system.mesh
@@ -331,13 +325,6 @@ def _modes(system: System) -> tuple[Indices, tuple[_Mode, ...]]:
     other way round. The two have no energy in common, so that each has a stiffness of its own:
     twice that of the part x >= 0 in the mode's motions.
     """
-    """Elements of the part x >= 0 and the modes of a body that is its own mirror image to the last
-    bit; else all, and one mode.
-
-    In the symmetric mode u_x is odd in x, u_y and the pressure even; in the antisymmetric one the
-    other way round. The two have no energy in common, so that each has a stiffness of its own:
-    twice that of the part x >= 0 in the mode's motions.
-    """
     mesh = system.mesh
     all_dofs = np.arange(len(system.node))
     image = _mirror_images(system)
@@ -360,9 +347,6 @@ def _modes(system: System) -> tuple[Indices, tuple[_Mode, ...]]:
 
 
 def _mirror_images(system: System) -> Indices | None:
-    """(n_dofs,) of each degree of freedom that at (-x, y); None where nodes, elements or supports
-    are not mirror images.
-    """
     """(n_dofs,) of each degree of freedom that at (-x, y); None where nodes, elements or supports
     are not mirror images.
     """
@@ -507,7 +491,6 @@ _DENSE = 1 / 12
 
 def _outer_product(columns: sparse.csc_matrix, factor: Array) -> Array:
     """(k, k) columns @ diag(factor) @ columns.T of (k, n) columns."""
-    """(k, k) columns @ diag(factor) @ columns.T of (k, n) columns."""
     n_rows = columns.shape[0]
     total = np.zeros((n_rows, n_rows))
     counts = np.diff(columns.indptr)
@@ -542,7 +525,6 @@ class ArcLoads(NamedTuple):
 
 def arc_loads(system: System, datum_length: float) -> ArcLoads:
     """Those of the body; `datum_length` as of `condense` [length]."""
-    """Those of the body; `datum_length` as of `condense` [length]."""
     contact = system.mesh.p[0, system.node[system.contact[0]]]
     arc = system.mesh.p[:, system.node[system.arc[0]]]
     if system.around:
@@ -557,7 +539,6 @@ def arc_loads(system: System, datum_length: float) -> ArcLoads:
 
 def rigid_motions(mesh: skfem.Mesh) -> Array:
     """(2 n_nodes, 3): two translations and the rotation, over the largest distance."""
-    """(2 n_nodes, 3): two translations and the rotation, over the largest distance."""
     x, y = mesh.p
     unit = np.ones_like(x)
     zero = np.zeros_like(x)
@@ -568,41 +549,6 @@ def rigid_motions(mesh: skfem.Mesh) -> Array:
 
 
 def condense(body: BodyMesh, material: Elastic, datum_length: float) -> CondensedBody:
-    """Static condensation of a body to its contact nodes; the arc of a half-disc carries the
-    half-plane's tractions.
-
-    With i the inner and c the contact nodes: stiffness S = K_cc - K_ci K_ii^-1 K_ic (Schur
-    complement), compliance S^-1. A body that is its own mirror image is condensed on one half, in a
-    symmetric and an antisymmetric mode (`_modes`).
-
-    Parameters
-    ----------
-    body : mesh with the boundary "contact" and at least one that is supported
-    material : of the body
-    datum_length : distance from a force at which a half-plane's surface counts as unmoved [length]
-
-    Raises
-    ------
-    InputError
-        For linear elements of a nearly incompressible body: they lock.
-    ConvergenceError
-        If rounding leaves no stiffness, or a compliance that is not the solution of the mesh under
-        a random load to 1e-6.
-
-    >>> from meshes import SurfaceGrading
-    >>> block = skfem.MeshQuad.init_tensor(
-    ...     np.array([-1.0, 1.0]), np.array([-3.0, 0.0])
-    ... )  # one element, 2 wide and 3 high
-    >>> block = block.with_boundaries(
-    ...     {"contact": lambda x: x[1] == 0, "base": lambda x: x[1] == -3}
-    ... )
-    >>> body = BodyMesh("block", block, SurfaceGrading(0.0, 1.0, 1.0, 1.0), {}, {"base": "rollers"})
-    >>> condensed = condense(body, Elastic(young_modulus=2.0, poisson_ratio=0.0), 1.0)
-    >>> (condensed.compliance[1, :, 1] @ [1.0, 1.0]).round(
-    ...     12
-    ... ).tolist()  # stress 1 over E = 2, times 3
-    [1.5, 1.5]
-    """
     """Static condensation of a body to its contact nodes; the arc of a half-disc carries the
     half-plane's tractions.
 

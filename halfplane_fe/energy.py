@@ -345,12 +345,6 @@ def certificates(problem: ContactProblem, states: Sequence[InterfaceState]) -> d
     The force is at least a tenth of the mean one at the largest load: at the very first touch there
     is nothing but rounding.
     """
-    """Violations (m,) of law and equilibrium at the ends of increments, over the largest nodal
-    force and its work.
-
-    The force is at least a tenth of the mean one at the largest load: at the very first touch there
-    is nothing but rounding.
-    """
     values = np.stack([state.values for state in states])
     loads = np.array([state.loads for state in states])[1:]
     slip, pressure, shear, gap = nodal(values)

@@ -145,7 +145,6 @@ class Tractions:
 
     def moments(self) -> Array:
         """int p t^k dt and int q t^k dt for k = 0, 1, 2, from the origin, (6,)."""
-        """int p t^k dt and int q t^k dt for k = 0, 1, 2, from the origin, (6,)."""
         m = self.middle
         h = self.half_width
         moments: list[float] = []
@@ -158,7 +157,6 @@ class Tractions:
         return np.array(moments)
 
     def stress(self, x: Array, y: Array) -> Array:
-        """(n, 3) s_xx, s_yy, s_xy of the half-plane y <= 0 at (n,) places [stress]."""
         """(n, 3) s_xx, s_yy, s_xy of the half-plane y <= 0 at (n,) places [stress]."""
         v = (self.middle - x + 0j) / self.half_width
         v.imag = np.abs(y) / self.half_width
@@ -179,9 +177,6 @@ class Tractions:
 
 
 def _sums(series: Array, w: Complex) -> Complex:
-    """sum A_k w^k, sum B_k w^k, sum k A_k w^k, sum k B_k w^k: (4, n) from (2, k), by Horner's rule
-    from where w^k counts.
-    """
     """sum A_k w^k, sum B_k w^k, sum k A_k w^k, sum k B_k w^k: (4, n) from (2, k), by Horner's rule
     from where w^k counts.
     """
@@ -241,8 +236,65 @@ class Nodal:
         )
 
 
+@dataclass(frozen=True, eq=False)
+class SampledTractions:
+    """p and q of one instant at angles across the contact: enough for the tension at its edges.
+
+    Attributes
+    ----------
+    edges : x at the left and right edge of contact [length]
+    theta : (n,) middles of n equal angles from the left edge to the right one
+    pressure, shear : (n,) p and q [stress]
+    missing_shear : (n,) what q at the nodes lacks of the load, put at the stick edges [stress]
+    rough : whether there were too few nodes to find the edges from p^2
+    """
+
+    edges: tuple[float, float]
+    theta: Array
+    pressure: Array
+    shear: Array
+    missing_shear: Array
+    rough: bool
+
+    def edge_tension(self) -> Array:
+        """s_xx of the lower body at its left and right edge, (2,) [stress]."""
+        return self._tension(self.shear) + self._tension(self.missing_shear)
+
+    def placed(self) -> float:
+        """What the missing shear changes the tension by, at most [stress]."""
+        return float(np.abs(self._tension(self.missing_shear)).max())
+
+    def _tension(self, shear: Array) -> Array:
+        """2 sum B_k and 2 sum (-1)^k B_k of the series of `shear` as one weighted sum over angles.
+
+        With B_k = (2/n) sum_j q_j sin(k theta_j), the highest once, and cos(n theta_j) = 0,
+
+            2 sum_k B_k = (2/n) sum_j q_j cot(theta_j/2),
+            2 sum_k (-1)^k B_k = -(2/n) sum_j q_j tan(theta_j/2)
+        """
+        tangent = np.tan(self.theta / 2)
+        return 2 / len(shear) * np.array([np.sum(shear / tangent), -np.sum(shear * tangent)])
+
+    def series(self) -> Tractions:
+        """Both as sine series."""
+        return Tractions(
+            self.edges,
+            pressure=_series(self.pressure),
+            shear=_series(self.shear) + _series(self.missing_shear),
+            rough=self.rough,
+            placed=self.placed(),
+        )
+
+
 def tractions(nodal: Nodal, fit: RootFit = _USUAL_FIT, level: bool = False) -> Tractions:
-    """The series of nodal tractions.
+    """The series of nodal tractions; parameters as `sampled_tractions`."""
+    return sampled_tractions(nodal, fit, level).series()
+
+
+def sampled_tractions(
+    nodal: Nodal, fit: RootFit = _USUAL_FIT, level: bool = False
+) -> SampledTractions:
+    """Nodal tractions at angles across the contact.
 
     Parameters
     ----------
@@ -278,15 +330,7 @@ def tractions(nodal: Nodal, fit: RootFit = _USUAL_FIT, level: bool = False) -> T
     lengths = np.sin(theta) * half_width * math.pi / n_angles
     missing_load = nodal.tangential_load - float(lengths @ shear)
     missing_shear = _unit_missing_shear(places, smooth, lengths, nodal) * missing_load
-    of_missing = _series(missing_shear)
-    placed = Tractions(edges, _series(smooth), of_missing, rough).edge_tension()
-    return Tractions(
-        edges,
-        pressure=_series(smooth),
-        shear=_series(shear) + of_missing,
-        rough=rough,
-        placed=float(np.abs(placed).max()),
-    )
+    return SampledTractions(edges, theta, smooth, shear, missing_shear, rough)
 
 
 class TractionsAndUncertainty(NamedTuple):
@@ -315,9 +359,10 @@ def tractions_with_uncertainty(nodal: Nodal) -> TractionsAndUncertainty:
     least_ratio = min(_LEAST_COARSE * math.sqrt(spacing_ratio), _LEAST_FINE * spacing_ratio)
     uncertainty = np.full(2, least_ratio * nodal.friction * float(nodal.pressure.max()))
     for fit in _OTHER_FITS:
-        difference = np.abs(tractions(nodal, fit).edge_tension() - tension)
+        difference = np.abs(sampled_tractions(nodal, fit).edge_tension() - tension)
         uncertainty = np.maximum(uncertainty, _BY_OTHERS * difference)
-    difference = np.abs(tractions(nodal, level=True).edge_tension() - tension)
+    at_level = sampled_tractions(nodal, level=True)
+    difference = np.abs(at_level.edge_tension() - tension)
     uncertainty = np.maximum(uncertainty, difference)
     if not (nodal.growing or nodal.slips(_RIM + 1)) and math.isfinite(nodal.stick[0]):
         # p at a depth d into the contact is sum k A_k sqrt(2 d/h) there: p^2/d at the nodes of the
@@ -330,27 +375,12 @@ def tractions_with_uncertainty(nodal: Nodal) -> TractionsAndUncertainty:
 
 def _series(values: Array) -> Array:
     """Sines of values at the middles of equal angles; the highest is counted once, not twice."""
-    """Sines of values at the middles of equal angles; the highest is counted once, not twice."""
     sines = np.asarray(dst(values, type=2) / len(values))
     sines[-1] /= 2
     return sines
 
 
 def _form(nodal: Nodal) -> Callable[[Array], Array]:
-    """What of p no root and no polynomial has: that of jumps of the profile's curvature, up to a
-    factor.
-
-    With x between the edges l and r of contact, phi the angle whose cosine is (b - m)/h, and a jump
-    k of h'' at b,
-
-        p = E* k/(2 pi) [phi sqrt((x - l) (r - x)) + (x - b) ln |...|] + sqrt((x - l) (r - x)) times
-        what is smooth:
-
-    the slope of p is infinite at b. What is smooth is taken as constant; where that does not leave
-    a pressure, the form is 1.
-
-    Source: Muskhelishvili's integral of h' = k max(x - b, 0) over sqrt((x - l) (r - x)).
-    """
     """What of p no root and no polynomial has: that of jumps of the profile's curvature, up to a
     factor.
 
@@ -532,12 +562,6 @@ def size_effect_basis(z: Complex, length: float) -> Array:
     s_xx + s_yy = 4 Re f, s_yy - i s_xy = f(z) - f(conj z) + 2 i y conj f'(z); the imaginary c_0 is
     a rotation without stress.
     """
-    """(n, 3, k): stress by the terms of a potential sum c_j (z/length)^j that leaves the face free,
-    real and imaginary parts.
-
-    s_xx + s_yy = 4 Re f, s_yy - i s_xy = f(z) - f(conj z) + 2 i y conj f'(z); the imaginary c_0 is
-    a rotation without stress.
-    """
     u = z / length
     columns = []
     for power in range(_TERMS):
@@ -554,14 +578,6 @@ def size_effect_basis(z: Complex, length: float) -> Array:
 def fitted_size_effect(
     x: Array, y: Array, stress: Array, weights: Array, length: float, edge: float
 ) -> SizeEffect:
-    """The rest from what elements have beyond the half-plane's stress at their nodes.
-
-    Parameters
-    ----------
-    x, y, weights : (n,) nodes, y <= 0 from the face, and the area that each stands for
-    stress : (n, 3, cases)
-    length : unit of z [length]; edge : half-width of the contact [length]
-    """
     """The size effect from what elements have beyond the half-plane's stress at their nodes.
 
     Parameters

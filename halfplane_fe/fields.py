@@ -32,6 +32,7 @@ from halfplane_fe.face_stress import (
     SizeEffect,
     Tractions,
     fitted_size_effect,
+    sampled_tractions,
     tractions,
     tractions_with_uncertainty,
 )
@@ -66,6 +67,8 @@ _STEP_AT_KINK = 1e-3
 _SAMPLED = 12
 # Instants of a cycle among which the largest tension is looked for.
 _CANDIDATES = 40
+# Of a tension: two ways to sum one series differ by less.
+_ROUND_OFF = 1e-9
 # How far an instant may lie outside the solved time by rounding.
 _ROUNDING_OF_TIME = 1e-9
 
@@ -113,13 +116,6 @@ class Snapshot:
 
 
 def fields(solution: FiniteElementSolution, instants: Iterable[float]) -> tuple[Snapshot, ...]:
-    """Fields at the stored steps nearest to the given instants.
-
-    Raises
-    ------
-    InputError
-        For an instant outside the solved time.
-    """
     """Fields at the stored steps nearest to the given instants.
 
     Raises
@@ -231,23 +227,6 @@ def _step(solution: FiniteElementSolution, instant: float) -> int:
 
 
 def edge_tension(solution: ContactSolution, steps: Sequence[int]) -> tuple[Array, Array]:
-    """Stress s_xx of both faces at the edges of contact at stored steps, and its uncertainty
-    [stress].
-
-    Its largest value in a cycle is the tension on which lives in fretting fatigue are built: at the
-    trailing edge.
-
-    Returns
-    -------
-    values, uncertainties : (n_steps, 2, 2) by body (lower, upper) and edge (left, right); 0 out of
-        contact; NaN in a body so thin that what its size adds is not known
-
-    Raises
-    ------
-    InputError
-        For bodies of finite size whose meshes are not there: answers that were read back from disk
-        have none.
-    """
     """Stress s_xx of both faces at the edges of contact at stored steps, and its uncertainty
     [stress].
 
@@ -434,33 +413,22 @@ class LargestTension:
 def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
     """The largest `edge_tension` of the last cycle; None where it is not known, and out of contact.
 
-    That at which the value less its uncertainty is largest: where a load has just turned, elements
-    see no more than that the new slip zone is narrow, and the tension that they still have says
-    little.
-    """
-    """The largest `edge_tension` of the last cycle; None where it is not known, and out of contact.
-
     That at which the value minus its uncertainty is largest: where a load has just turned, elements
     see no more than that the new slip zone is narrow, and the tension that they still have says
     little.
     """
     if not (solution.scene.bodies.half_planes or isinstance(solution, FiniteElementSolution)):
         return None
-    cycle = np.asarray(solution.last_cycle)
-    tension_of_half_planes = np.full(len(cycle), -np.inf)
-    for number, step in enumerate(cycle.tolist()):
-        nodal = _nodal(solution, step)
-        if len(nodal.x) >= FEWEST:
-            tension_of_half_planes[number] = np.abs(tractions(nodal).edge_tension()).max()
-    n_candidates = min(_CANDIDATES, int(np.isfinite(tension_of_half_planes).sum()))
-    by_tension = np.argsort(-tension_of_half_planes, kind="stable")
-    steps = np.sort(cycle[by_tension[:n_candidates]]).tolist()
+    steps = _steps_of_large_tension(solution)
     if not steps:
         return None
     values, uncertainties = edge_tension(solution, steps)
     if np.isnan(values).any():
         return None
-    largest = np.unravel_index(np.argmax(values - uncertainties), values.shape)
+    certain = values - uncertainties
+    # Of mirrored instants, alike but for round-off, the first counts.
+    is_largest = certain >= certain.max() - _ROUND_OFF * abs(certain.max())
+    largest = np.unravel_index(np.argmax(is_largest), values.shape)
     k, body, edge = (int(index) for index in largest)
     edges = tractions(_nodal(solution, steps[k])).edges
     return LargestTension(
@@ -473,8 +441,38 @@ def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
     )
 
 
+def _steps_of_large_tension(solution: ContactSolution) -> list[int]:
+    """The steps of the last cycle among which the largest tension is looked for, in order: those of
+    the largest tension of half-planes.
+
+    Between half-planes that is all of the tension but the bulk stress. A step whose tension is
+    below what the largest so far has after its uncertainty can't have the largest: it is left out.
+    """
+    cycle = np.asarray(solution.last_cycle)
+    tension = np.full(len(cycle), -np.inf)
+    for number, step in enumerate(cycle.tolist()):
+        nodal = _nodal(solution, step)
+        if len(nodal.x) >= FEWEST:
+            tension[number] = np.abs(sampled_tractions(nodal).edge_tension()).max()
+    n_candidates = min(_CANDIDATES, int(np.isfinite(tension).sum()))
+    by_tension = np.argsort(-tension, kind="stable")[:n_candidates]
+    steps = cycle[by_tension]
+    has_bulk_stress = any(_bulk_stress(solution, steps.tolist(), body).any() for body in (0, 1))
+    if not solution.scene.bodies.half_planes or has_bulk_stress:
+        return [int(step) for step in np.sort(steps)]
+
+    certain_tension = -np.inf
+    kept: list[int] = []
+    for step, size in zip(steps.tolist(), tension[by_tension].tolist(), strict=True):
+        if size * (1 + _ROUND_OFF) < certain_tension:
+            break
+        kept.append(step)
+        values, uncertainties = edge_tension(solution, [step])
+        certain_tension = max(certain_tension, float((values - uncertainties).max()))
+    return sorted(kept)
+
+
 def _bulk_stress(solution: ContactSolution, steps: Sequence[int], number: int) -> Array:
-    """(n_steps,) bulk stress of the lower (0) or the upper (1) body [stress]."""
     """(n_steps,) bulk stress of the lower (0) or the upper (1) body [stress]."""
     bulk_stress = (solution.bulk_stress_lower, solution.bulk_stress_upper)[number]
     if bulk_stress is None:
@@ -483,7 +481,6 @@ def _bulk_stress(solution: ContactSolution, steps: Sequence[int], number: int) -
 
 
 def _nodal(solution: ContactSolution, step: int) -> Nodal:
-    """Nodal tractions at a stored step."""
     """Nodal tractions at a stored step."""
     pressure = solution.pressure[step]
     shear = solution.shear[step]
@@ -515,9 +512,6 @@ def _nodal(solution: ContactSolution, step: int) -> Nodal:
 
 
 def profile_kinks(scene: Scene) -> Array:
-    """(k, 2) where the curvature of the gap jumps, and E* times by how much from left to right
-    [length, stress/length].
-    """
     """(k, 2) where the curvature of the gap jumps, and E* times by how much from left to right
     [length, stress/length].
     """
@@ -667,7 +661,6 @@ def _joined_stress(nodal: _NodalFields, near: _NearContact, material: Elastic) -
 
 def _room(shape: Shape) -> float:
     """Distance from the middle of the face to the nearest support or side of a body [length]."""
-    """Distance from the middle of the face to the nearest support or side of a body [length]."""
     if isinstance(shape, HalfPlane):
         return math.inf
     if isinstance(shape, Cylinder):
@@ -676,9 +669,6 @@ def _room(shape: Shape) -> float:
 
 
 def _counter_clockwise(points: Array, cells: Indices) -> Indices:
-    """`cells` with those that go round clockwise reversed: readers of VTU would give them negative
-    areas.
-    """
     """`cells` with those that go round clockwise reversed: readers of VTU would give them negative
     areas.
     """
@@ -694,11 +684,6 @@ def _counter_clockwise(points: Array, cells: Indices) -> Indices:
 def _nodal_stress(
     basis: skfem.Basis, displacement: Array, tension: Array, condensed: CondensedBody
 ) -> tuple[Array, Array]:
-    """(n_nodes, 4) xx, yy, xy, zz: element stresses carried to each node and averaged there with
-    the elements' areas as weights.
-
-    And (n_nodes,) the sum of these areas.
-    """
     """(n_nodes, 4) xx, yy, xy, zz: element stresses carried to each node and averaged there with
     the elements' areas as weights.
 
@@ -726,15 +711,6 @@ def _nodal_stress(
 
 
 def _to_nodes(basis: skfem.Basis, order: int) -> Array:
-    """(n_nodes, n_quadrature) of an element: values at its nodes of the polynomial nearest to those
-    at its quadrature points.
-
-    Of an order less than the displacement has, where stresses are most accurate: constant, or
-    linear (bilinear on a quadrilateral).
-
-    Source: Zienkiewicz and Zhu (1992), Int. J. Numer. Meth. Engng 33, 1331-1364, for the points of
-    most accurate stress.
-    """
     """(n_nodes, n_quadrature) of an element: values at its nodes of the polynomial nearest to those
     at its quadrature points.
 

@@ -80,9 +80,6 @@ class Interface:
         """The same interface in other units: lengths over `length`, compliances over
         `compliance`.
         """
-        """The same interface in other units: lengths over `length`, compliances over
-        `compliance`.
-        """
         coupling = self.coupling
         if coupling is not None:
             coupling = freeze(coupling / compliance)
@@ -109,7 +106,6 @@ class Interface:
         return n_x * shift - n_y * approach, n_y * shift + n_x * approach
 
     def carried(self, pressure: Array, shear: Array) -> tuple[Array, Array]:
-        """P and Q (...) that nodal forces p and q (n, ...) carry."""
         """P and Q (...) that nodal forces p and q (n, ...) carry."""
         n_x, n_y = self.normals
         normal = n_y @ pressure + n_x @ shear
@@ -305,9 +301,6 @@ def _smooth(matrix: Array, x: Array, ahead: Array) -> Array:
     """(n, n) what is smooth in a matrix beyond `_LOCAL` sizes ahead, and the mean of the rest of
     rows and columns behind that.
     """
-    """(n, n) what is smooth in a matrix beyond `_LOCAL` sizes ahead, and the mean of the rest of
-    rows and columns behind that.
-    """
     u = 2 * (x - x[0]) / (x[-1] - x[0]) - 1
     chebyshev = np.cos(np.pi * (np.arange(_SAMPLES) + 0.5) / _SAMPLES)
     samples = np.searchsorted(u, chebyshev).clip(0, len(x) - 1)
@@ -328,9 +321,6 @@ def _smooth(matrix: Array, x: Array, ahead: Array) -> Array:
 
 
 def _plateau(matrix: Array, ahead: Array) -> Array:
-    """(n, n) means of row and column of each entry over `_LOCAL` to `_PLATEAU` ahead; their mean,
-    or the one there is.
-    """
     """(n, n) means of row and column of each entry over `_LOCAL` to `_PLATEAU` ahead; their mean,
     or the one there is.
     """

@@ -32,9 +32,6 @@ def mirrored(faces: Interface, sheared: bool) -> bool:
     """Whether the answer is its own mirror image in x = 0, and a node lies there; `sheared`:
     whether there is a tangential load.
     """
-    """Whether the answer is its own mirror image in x = 0, and a node lies there; `sheared`:
-    whether there is a tangential load.
-    """
     if len(faces.x) % 2 == 0:
         return False
     if faces.coupling is None and not faces.flat:

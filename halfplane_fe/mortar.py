@@ -85,22 +85,6 @@ def mortar(lower: Side, upper: Side) -> Mortar:
     ValueError
         If they do not begin and end together.
 
-    Examples
-    --------
-    >>> line = lambda *x: Side(np.array(x), np.zeros(len(x)), order=1)
-    >>> coupled = mortar(line(0.0, 0.5, 1.0), line(0.0, 0.3, 1.0))
-    >>> (coupled.upper[0, :, 1] @ np.array([0.0, 0.3, 1.0])).round(
-    ...     12
-    ... ).tolist()  # linear functions pass
-    [0.0, 0.5, 1.0]
-    """
-    """Couple two sides that end above each other.
-
-    Raises
-    ------
-    ValueError
-        If they do not begin and end together.
-
     >>> line = lambda *x: Side(np.array(x), np.zeros(len(x)), order=1)
     >>> coupled = mortar(line(0.0, 0.5, 1.0), line(0.0, 0.3, 1.0))
     >>> linear = np.array([0.0, 0.3, 1.0])  # linear functions pass

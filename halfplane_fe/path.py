@@ -104,7 +104,6 @@ def straight(leg: LoadSegment) -> bool:
 
 def loads_of(leg: LoadSegment, time: float) -> tuple[float, ...]:
     """The two or five loads of a leg at an instant."""
-    """The two or five loads of a leg at an instant."""
     p, q = leg.loads(time)
     if leg.bulk is None and leg.turning is None:
         return float(p), float(q)
@@ -117,7 +116,6 @@ def scaled_loads(leg: LoadSegment, time: float, units: tuple[float, ...]) -> tup
 
 
 def turns(leg: LoadSegment, normal: float, tangential: float) -> set[float]:
-    """Instants inside a leg at which normal P + tangential Q turns round."""
     """Instants inside a leg at which normal P + tangential Q turns round."""
     times = sampled(leg, _SAMPLES)
 
@@ -141,9 +139,6 @@ def turning_points(leg: LoadSegment, friction: float) -> list[float]:
     """Instants inside a leg at which P, Q - f P, Q + f P, a bulk stress, tilt or moment turn round,
     ascending.
     """
-    """Instants inside a leg at which P, Q - f P, Q + f P, a bulk stress, tilt or moment turn round,
-    ascending.
-    """
     instants = turns(leg, 1.0, 0.0) | turns(leg, -friction, 1.0) | turns(leg, friction, 1.0)
     if leg.bulk is not None or leg.turning is not None:
         for segment, combination in _imposed(leg):
@@ -162,9 +157,6 @@ def stretches(leg: LoadSegment, friction: float, increments: float) -> list[Stre
     """A leg cut at its turning points, each piece into equal increments, `increments` of them in
     all (rounded up).
     """
-    """A leg cut at its turning points, each piece into equal increments, `increments` of them in
-    all (rounded up).
-    """
     pieces = []
     cuts = [leg.start, *turning_points(leg, friction), leg.end]
     for start, end in itertools.pairwise(cuts):
@@ -180,11 +172,6 @@ _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 
 
 def enclosed(leg: LoadSegment, times: Array) -> Array | None:
-    """(k, k, m) integral of load i d load j along the leg between m + 1 times, minus that along the
-    chords; None of a straight leg.
-
-    It is skew: the integral of d(i j) is the same along both.
-    """
     """(k, k, m) integral of load i d load j along the leg between m + 1 times, minus that along the
     chords; None of a straight leg.
 

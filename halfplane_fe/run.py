@@ -84,11 +84,6 @@ def trend(values: Sequence[float]) -> Trend:
     >>> trend([5.0, 3.0, 2.5, 2.375]).kind, trend([1.5, 1.25, 1.125, 1.0625])
     ('geometric', Trend(kind='geometric', left=-0.0625, limit=1.0))
     """
-    """The trend of a series by its last four values, one a revolution from the first one on.
-
-    >>> trend([5.0, 3.0, 2.5, 2.375]).kind, trend([1.5, 1.25, 1.125, 1.0625])
-    ('geometric', Trend(kind='geometric', left=-0.0625, limit=1.0))
-    """
     k = len(values)
     if k < 2:
         return Trend("unclear", float("nan"), float("nan"))
@@ -347,7 +342,6 @@ class Pace:
 
     def units(self, moment_given: bool) -> tuple[float, ...]:
         """What each of the five loads of `path` is divided by."""
-        """What each of the five loads of `path` is divided by."""
         bulk_stress = self.load / self.half_width
         tilt = bulk_stress / self.modulus
         moment = self.load * self.half_width
@@ -426,7 +420,6 @@ def run_path(
 
 def _at_rest(problem: ContactProblem, path: LoadPath, pace: Pace) -> InterfaceState:
     """The unloaded state; a line of action is where the resultant is soon after."""
-    """The unloaded state; a line of action is where the resultant is soon after."""
     leg = path.initial_loading[0]
     units = pace.units(problem.moment_given)
     soon = leg.start + _SOON * (leg.end - leg.start)
@@ -488,9 +481,6 @@ def _reference_dissipation(run: PathRun, pace: Pace, friction: float) -> float:
 
 
 def _change(before: InterfaceState, after: InterfaceState, friction: float) -> float:
-    """Largest change of a nodal p, or of a nodal q over f, over the largest p: with little friction
-    all of q is little.
-    """
     """Largest change of a nodal p, or of a nodal q over f, over the largest p: with little friction
     all of q is little.
     """

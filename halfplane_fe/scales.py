@@ -340,7 +340,6 @@ class _CoarsePair:
 
     def problem(self, size: float, unscaled: Interface, tangential: bool) -> ContactProblem:
         """The contact problem of these faces, lengths over `size`."""
-        """The contact problem of these faces, lengths over `size`."""
         interface = unscaled.scaled(size, 1 / self.modulus)
         height = initial_gap(self.scene, unscaled) * self.modulus / self.load
         no_layer = Layer(np.zeros_like(unscaled.x), np.zeros_like(unscaled.x))

@@ -537,7 +537,6 @@ def _notes(task: _Task, run: PathRun, arrays: Mapping[str, Any]) -> tuple[str, .
 
 def _thinned_notes(run: PathRun) -> Iterator[str]:
     """That not every increment is in the answer, and what is of all of them nevertheless."""
-    """That not every increment is in the answer, and what is of all of them nevertheless."""
     dropped = len(run.states) - len(run.stored)
     if dropped:
         yield (

@@ -388,9 +388,6 @@ def _zero(
     """Where a function that is next to linear is zero, near that share of the way; by secants, and
     bracketed where they miss.
     """
-    """Where a function that is next to linear is zero, near that share of the way; by secants, and
-    bracketed where they miss.
-    """
     time_before = low
     value_before = at_low
     time = low + share * (high - low)

@@ -263,40 +263,6 @@ class Systems:
         SingularSet
             If the states leave the bodies free to move.
 
-        >>> springs, none = (
-        ...     np.eye(2),
-        ...     np.zeros(2),
-        ... )  # two nodes, each on a spring of its own: one sticks, one slips
-        >>> flat = Interface(
-        ...     np.array([0.0, 1.0]),
-        ...     np.ones(2),
-        ...     np.array([[0.0, 0.0], [1.0, 1.0]]),
-        ...     none,
-        ...     springs,
-        ...     springs,
-        ...     None,
-        ... )
-        >>> by_loads = Systems(flat, Layer(none, none), 0.5).answers(
-        ...     np.array([1, 2], dtype=np.int8), 2
-        ... )
-        >>> by_loads[:, 5:9].tolist()  # p and q by P, then by Q: the second node carries q = f p
-        [[0.5, 0.5, -0.25, 0.25], [0.0, 0.0, 1.0, 0.0]]
-        """
-        """(n_loads, 3 + 4 n) derivatives of the values of interface states by the loads, and a row
-        for changes that are given.
-
-        Parameters
-        ----------
-        states : which the nodes keep
-        n_loads : 2 (P and Q) or 5 (bulk stresses and tilt too)
-        rows : numbers of rows, that of the gap i and that of the slip n + i
-        changes : (len(rows),) of these rows while no load changes: one more row of what is returned
-
-        Raises
-        ------
-        SingularSet
-            If the states leave the bodies free to move.
-
         >>> springs = np.eye(2)  # two nodes, each on a spring of its own: one sticks, one slips
         >>> none = np.zeros(2)
         >>> places, normals = np.array([0.0, 1.0]), np.array([[0.0, 0.0], [1.0, 1.0]])
@@ -382,8 +348,6 @@ class Systems:
         return np.asarray(values + factors @ columns)
 
     def _nearest(self, states: States) -> tuple[_Base, Mask]:
-        """A base for a set, and the rows that differ: that from which the set was reached before,
-        the one used last or, where it is far, the nearest one, or the set itself."""
         """A base for a set, and the rows that differ: that from which the set was reached before,
         the one used last or, where it is far, the nearest one, or the set itself."""
         # An update of a base makes a pivot of rounding from the zero that this is.

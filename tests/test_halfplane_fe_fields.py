@@ -24,6 +24,7 @@ from halfplane_fe.edges import (
 )
 from halfplane_fe.face_stress import (
     Nodal,
+    SampledTractions,
     _form,
     fitted_size_effect,
     size_effect_basis,
@@ -652,3 +653,15 @@ def test_stick_edge_by_status_forgives_single_nodes_at_the_rim() -> None:
     np.testing.assert_array_equal(stick_edges(x, stick, closed, contact), clean)
     np.testing.assert_allclose(clean, pair(0.425), atol=1e-12)
     assert np.isnan(stick_edges(x, stick & False, closed, contact)).all()
+
+
+def test_tension_of_samples_is_that_of_their_series() -> None:
+    """One weighted sum over angles, against the sums of the coefficients at both edges."""
+    theta = np.pi * (np.arange(64) + 0.5) / 64
+    shear = np.sin(theta) * (1 + 0.3 * np.cos(theta) + 0.2 * np.cos(5 * theta))
+    missing = 0.1 * np.sin(3 * theta)
+    sampled = SampledTractions((-1.0, 1.0), theta, np.sin(theta), shear, missing, rough=False)
+    series = sampled.series()
+    np.testing.assert_allclose(sampled.edge_tension(), series.edge_tension(), rtol=1e-12)
+    # q = sin(3 theta)/10 alone has B_3 = 0.1: +0.2 at the left edge, -0.2 at the right one.
+    assert sampled.placed() == pytest.approx(0.2, rel=1e-12)
