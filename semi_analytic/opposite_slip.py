@@ -51,14 +51,17 @@ def loads_of(left: Array, right: Array) -> tuple[Array, Array]:
     >>> round(float(e[0]), 10), round(abs(float(q[0])), 12)
     (-0.601898288, 0.0)
     """
-    m, c = (left - right) / 2, 1 - (left + right) / 2
+    m = (left - right) / 2
+    c = 1 - (left + right) / 2
     # xi = b1 - d1 v^2
     v, weight = graded(np.zeros(left.shape), np.ones(left.shape))
-    deep = left[..., None] * (1 - v * v)
-    xi, root = deep - 1, np.sqrt((1 - v) * (1 + v) * (2 - deep) / (2 - deep - right[..., None]))
+    depth = left[..., None] * (1 - v * v)
+    xi = depth - 1
+    root = np.sqrt((1 - v) * (1 + v) * (2 - depth) / (2 - depth - right[..., None]))
     parts = weight * 2 * left[..., None] * root
     e = m - 2 / np.pi * np.sum(parts, axis=-1)
-    return e, 1 + 2 * e * m - 2 * m * m - c * c + 4 / np.pi * np.sum(xi * parts, axis=-1)
+    moment = 4 / np.pi * np.sum(xi * parts, axis=-1)
+    return e, 1 + 2 * e * m - 2 * m * m - c * c + moment
 
 
 def slip_depths(e: Array, force: Array) -> tuple[Array, Array]:
@@ -70,49 +73,52 @@ def slip_depths(e: Array, force: Array) -> tuple[Array, Array]:
     ArithmeticError
         Where there are none: one slip zone closes again, or sticks next to nothing.
     """
-    wanted = np.stack([e, force])
+    loads = np.stack([e, force])
     with np.errstate(invalid="ignore", divide="ignore"):
-        depth = _depths(wanted)
-        fault = np.abs(np.stack(loads_of(*depth)) - wanted)
-    if not np.all(fault <= 1e-11 * np.abs(wanted).max(axis=0)):
+        depths = _depths(loads)
+        fault = np.abs(np.stack(loads_of(*depths)) - loads)
+    if not np.all(fault <= 1e-11 * np.abs(loads).max(axis=0)):
         raise ArithmeticError("no stick zone with slip of opposite sense at both ends")
-    return depth[0], depth[1]
+    left, right = depths
+    return left, right
 
 
-def _depths(wanted: Array) -> Array:
+def _depths(loads: Array) -> Array:
     """Depths (2, n) by Newton's method, the loads growing in parts; NaN or anything where it
     fails.
     """
-    e, force = wanted
+    e, force = loads
     depth = np.stack([-e - force / 2, -e + force / 2]) / _PARTS
     for part in range(1, _PARTS + 1):
         share = part / _PARTS
         for _ in range(_STEPS):
-            fault = np.stack(loads_of(*depth)) - share * wanted
-            rates = []
-            for row in (0, 1):
-                width = _WIDTH * depth * (np.arange(2) == row)[:, None]
-                rates.append(
-                    (np.stack(loads_of(*(depth + width))) - np.stack(loads_of(*(depth - width))))
-                    / (2 * width[row])
-                )
-            (of_left, force_of_left), (of_right, force_of_right) = rates
-            determinant = of_left * force_of_right - of_right * force_of_left
-            step = np.stack(
-                [
-                    force_of_right * fault[0] - of_right * fault[1],
-                    of_left * fault[1] - force_of_left * fault[0],
-                ]
-            )
-            step = step / determinant
+            fault = np.stack(loads_of(*depth)) - share * loads
+            step = _newton_step(depth, fault)
             # Never more than half the way to an end of contact, or to where both slip zones meet.
             room = np.minimum(depth / 2, np.maximum(2 - depth.sum(axis=0), 0.0) / 4)
             depth = depth - np.clip(step, -room, room)
             if np.all(np.abs(step) <= 1e-14 * depth) or not np.all(np.isfinite(depth)):
                 break
-        further = depth * (part + 1) / part
-        depth = np.where(further.sum(axis=0) < 2, further, depth) if part < _PARTS else depth
+        if part < _PARTS:
+            next_depth = depth * (part + 1) / part
+            depth = np.where(next_depth.sum(axis=0) < 2, next_depth, depth)
     return depth
+
+
+def _newton_step(depth: Array, fault: Array) -> Array:
+    """The change of both depths (2, n) that a fault of both loads (2, n) asks for."""
+    rates = []
+    for row in (0, 1):
+        width = _WIDTH * depth * (np.arange(2) == row)[:, None]
+        after = np.stack(loads_of(*(depth + width)))
+        before = np.stack(loads_of(*(depth - width)))
+        rates.append((after - before) / (2 * width[row]))
+    (e_by_left, force_by_left), (e_by_right, force_by_right) = rates
+    fault_of_e, fault_of_force = fault
+    determinant = e_by_left * force_by_right - e_by_right * force_by_left
+    step_of_left = force_by_right * fault_of_e - e_by_right * fault_of_force
+    step_of_right = e_by_left * fault_of_force - force_by_left * fault_of_e
+    return np.stack([step_of_left, step_of_right]) / determinant
 
 
 def _by_gauss(begin: Array, end: Array) -> tuple[Array, Array]:
@@ -167,7 +173,7 @@ class OppositeSlip(TiltedProfile):
         return self.reach / self.friction
 
     @cached_property
-    def _series(self) -> tuple[Pieces, Pieces]:
+    def _zones(self) -> tuple[Pieces, Pieces]:
         """b1 and b2 from the centre of contact, over a, as functions of P - eta: e = eps pi a/(2 A
         f P), for A P = pi a^2/(2 R).
         """
@@ -181,10 +187,10 @@ class OppositeSlip(TiltedProfile):
 
     def at(self, load: ArrayLike) -> tuple[Array, Array]:
         most, middle, half = self._contact
-        left, right = (
-            ends(np.clip(most - np.asarray(load, dtype=float), 0.0, self._deepest))
-            for ends in self._series
-        )
+        v = np.clip(most - np.asarray(load, dtype=float), 0.0, self._deepest)
+        left_of_v, right_of_v = self._zones
+        left = left_of_v(v)
+        right = right_of_v(v)
         return middle + half * (left + right) / 2, half * (right - left) / 2
 
     def is_nested(self, load: float) -> bool:
@@ -197,29 +203,33 @@ class OppositeSlip(TiltedProfile):
         """P_x: above P out of contact, 0 where nothing slips up to the largest Q."""
         most, middle, half = self._contact
         place = (np.asarray(half_width, dtype=float) - middle) / half
-        low, high = np.zeros(place.shape), np.full(place.shape, self._deepest)
-        left, right = self._series
+        low = np.zeros(place.shape)
+        high = np.full(place.shape, self._deepest)
+        left, right = self._zones
         for _ in range(60):
             v = (low + high) / 2
-            outside = np.where(place < 0, place < left(v), place > right(v))
-            low, high = np.where(outside, low, v), np.where(outside, v, high)
-        never = (place >= left(np.array(self._deepest))) & (place <= right(np.array(self._deepest)))
-        out = np.abs(place) - 1
-        return np.where(out > 0, most * (1 + out), np.where(never, 0.0, most - (low + high) / 2))
+            is_outside = np.where(place < 0, place < left(v), place > right(v))
+            low = np.where(is_outside, low, v)
+            high = np.where(is_outside, v, high)
+        deepest = np.array(self._deepest)
+        never_slips = (place >= left(deepest)) & (place <= right(deepest))
+        loads = np.where(never_slips, 0.0, most - (low + high) / 2)
+        beyond_edge = np.abs(place) - 1
+        return np.where(beyond_edge > 0, most * (1 + beyond_edge), loads)
 
     def sense(self, x: ArrayLike) -> Array:
         """+1 where x slips forward while Q grows, -1 where it slips in reverse."""
-        return np.where(np.asarray(x, dtype=float) > self._contact[1], -1.0, 1.0) * np.sign(
-            self.lean
-        )
+        _, middle, _ = self._contact
+        side = np.where(np.asarray(x, dtype=float) > middle, -1.0, 1.0)
+        return side * np.sign(self.lean)
 
     def pressure(self, x: ArrayLike, load: ArrayLike) -> Array:
         """p(x) at the constant load, with the sign of `sense`: q/f where x slips [stress]."""
-        m, c = np.array(self._contact[1]), np.array(self._contact[2])
-        size = self.shape.pressure(np.asarray(x, dtype=float), m, c) / (
-            np.pi * self.intervals.product
-        )
-        return np.asarray(self.sense(x) * size + 0 * np.asarray(load, dtype=float))
+        _, middle, half = self._contact
+        pressure = self.shape.pressure(
+            np.asarray(x, dtype=float), np.array(middle), np.array(half)
+        ) / (np.pi * self.intervals.product)
+        return np.asarray(self.sense(x) * pressure + 0 * np.asarray(load, dtype=float))
 
     def _to_the_top(
         self, x: ArrayLike, load: ArrayLike, kernel: Literal["inverse_root", "arccosh_ratio"]
@@ -232,34 +242,37 @@ class OppositeSlip(TiltedProfile):
         most = self.intervals.most
         least = most - self._deepest
         places, loads = np.broadcast_arrays(np.asarray(x, dtype=float), np.clip(load, least, most))
-        (points, column), (stops, row) = (
-            np.unique(values, return_inverse=True) for values in (places, loads)
-        )
-        low, high, edge = stops[:, None], np.append(stops[1:], most)[:, None], self.load(points)
+        points, column = np.unique(places, return_inverse=True)
+        stops, row = np.unique(loads, return_inverse=True)
+        low = stops[:, None]
+        high = np.append(stops[1:], most)[:, None]
+        edge = self.load(points)
+        begin = low + 0 * edge
         if kernel == "inverse_root":
-            begin, end, away = low + 0 * edge, high + 0 * edge, low - np.maximum(edge, least)
-            inside = (low >= edge) & (high > low)
+            end = high + 0 * edge
+            to_edge = low - np.maximum(edge, least)
+            is_inside = (low >= edge) & (high > low)
         else:
-            begin, end = low + 0 * edge, np.minimum(high, edge)
-            inside, away = end > begin, np.minimum(edge, most) - end
-        cells, near = np.zeros(inside.shape), away < 3 * (high - low)
-        for some, rule in ((inside & near, graded), (inside & ~near, _by_gauss)):
-            cell, point = np.nonzero(some)
+            end = np.minimum(high, edge)
+            to_edge = np.minimum(edge, most) - end
+            is_inside = end > begin
+        cells = np.zeros(is_inside.shape)
+        is_near = to_edge < 3 * (high - low)
+        for chosen, rule in ((is_inside & is_near, graded), (is_inside & ~is_near, _by_gauss)):
+            cell, point = np.nonzero(chosen)
             for k in range(0, len(cell), _MEMBERS):
-                here = cell[k : k + _MEMBERS], point[k : k + _MEMBERS]
+                here = (cell[k : k + _MEMBERS], point[k : k + _MEMBERS])
                 eta, weight = rule(begin[here], end[here])
-                cells[here] = np.sum(
-                    weight * getattr(self, kernel)(points[here[1], None], 0.0, eta), axis=-1
-                )
+                at_nodes = getattr(self, kernel)(points[here[1], None], 0.0, eta)
+                cells[here] = np.sum(weight * at_nodes, axis=-1)
         total = np.cumsum(cells[::-1], axis=0)[::-1]
         return np.asarray(total[row.ravel(), column.ravel()].reshape(places.shape))
 
     def pressure_rise(self, x: ArrayLike, load: ArrayLike) -> Array:
         """Integral of dp/d eta up to a load, less that up to P: -q/f after Q = f (P - eta)."""
         sticks = self.load(x) < np.minimum(load, self.intervals.most)
-        return -np.where(
-            sticks, self._to_the_top(x, load, "inverse_root") / np.pi, self.pressure(x, load)
-        )
+        of_stick = self._to_the_top(x, load, "inverse_root") / np.pi
+        return -np.where(sticks, of_stick, self.pressure(x, load))
 
     def slip_integral(self, x: ArrayLike, load: ArrayLike) -> Array:
         """Integral of the kernel of slip up to a load, less that up to P."""
@@ -277,5 +290,7 @@ class OppositeSlip(TiltedProfile):
         load, slipped = np.broadcast_arrays(
             np.asarray(load, dtype=float), np.asarray(slipped, dtype=float)
         )
-        rate, (eta, weight) = self._as_loop.log_ratio, crowded(load - slipped, load)
-        return np.asarray(np.sum(weight * (rate(load - slipped)[..., None] - rate(eta)), axis=-1))
+        rate = self._as_loop.log_ratio
+        front = load - slipped
+        eta, weight = crowded(front, load)
+        return np.asarray(np.sum(weight * (rate(front)[..., None] - rate(eta)), axis=-1))
