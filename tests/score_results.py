@@ -96,8 +96,12 @@ def bodies(deep: float = 0.0) -> tuple[np.ndarray, list[tuple[str, np.ndarray]]]
     )
     corners = np.array([[k, k + 1, k + 42, k + 41] for k in range(40)])
     layers = [82 * len(planes) * body + 82 * np.arange(len(planes)) for body in (0, 1)]
+    lower, upper = layers
     cells = np.concatenate(
-        [np.concatenate([corners + start for start in starts], axis=1) for starts in layers]
+        [
+            np.concatenate([corners + start for start in lower], axis=1),
+            np.concatenate([corners + start for start in upper], axis=1),
+        ]
     )
     order = np.random.default_rng(1).permutation(len(points))
     return points[np.argsort(order)], [("hexahedron" if deep else "quad", order[cells])]

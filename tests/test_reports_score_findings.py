@@ -166,10 +166,8 @@ def test_a_pressure_alone_is_scored_where_the_scene_has_no_tangential_load(tmp_p
 def test_german_headings_and_decimal_commas_are_read(tmp_path: Path) -> None:
     solution = semi_analytic.solve(CATTANEO, x=np.linspace(-1.1, 1.1, 61), time=[4.5])
     rows = zip(solution.x, solution.pressure[0], solution.shear[0], strict=True)
-    lines = [
-        "x [mm];Kontaktdruck [MPa];Schubspannung [MPa]",
-        *(";".join(f"{v:.4f}" for v in row).replace(".", ",") for row in rows),
-    ]
+    lines = [f"{x:.4f};{pressure:.4f};{shear:.4f}".replace(".", ",") for x, pressure, shear in rows]
+    lines.insert(0, "x [mm];Kontaktdruck [MPa];Schubspannung [MPa]")
     path = tmp_path / "werte.csv"
     path.write_text("\n".join(lines), encoding="utf-8")
     found = score_file(path, Mapping(), CATTANEO)

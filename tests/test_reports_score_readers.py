@@ -115,9 +115,8 @@ def test_frames_beside_each_other(tag: str, tmp_path: Path) -> None:
         columns += [("X", exact().x)] if tag == "own places" else []
         columns += [(f"CPRESS{end}", exact().pressure[k]), (f"CSHEAR1{end}", exact().shear[k])]
     lines = [",".join(name for name, _ in columns)]
-    lines += [
-        ",".join(repr(float(values[i])) for _, values in columns) for i in range(len(exact().x))
-    ]
+    table = np.column_stack([values for _, values in columns])
+    lines += [",".join(map(repr, row)) for row in table.tolist()]
     path = file("\n".join(lines) + "\n", "paths.csv")(tmp_path)
     found = result(path)
     same(found, ("x", "pressure", "shear", *(["time"] if "time" in tag else [])))
