@@ -175,8 +175,10 @@ def _edges(
 
     Parameters
     ----------
-    surface_states : (n_steps, n) as they are reported
-    anywhere : whether the stick zone may be anywhere in the contact
+    surface_states
+        (n_steps, n) as they are reported
+    anywhere
+        whether the stick zone may be anywhere in the contact
     """
     x = problem.interface.x
     weights = problem.interface.weights
@@ -228,8 +230,10 @@ def _permanent_stick(
 
     Parameters
     ----------
-    surface_states : (n_steps, n) of all increments, as they are reported
-    edges : (k, 2) stick edges of the stored instants, scaled
+    surface_states
+        (n_steps, n) of all increments, as they are reported
+    edges
+        (k, 2) stick edges of the stored instants, scaled
     """
     nothing = np.full(2, np.nan)
     period = scene.load.path().period
@@ -287,16 +291,22 @@ class PenaltyAudit:
 
     Attributes
     ----------
-    normal_stiffness, tangential_stiffness : pressure per overlap, shear per elastic slip
-        [stress/length]
-    penetration : largest overlap of the two faces on the path [length]
-    penetration_share : the same over the rise h(a) - h(0) of the profile at the largest contact
-        (a^2/2R for Hertz)
-    elastic_slip : largest elastic slip of the layer [length]
-    elastic_slip_share : the same over the largest slip of the last cycle; NaN where nothing slips
-    creep : largest range, over the last cycle, of the relative displacement of a node that sticks
+    normal_stiffness, tangential_stiffness
+        pressure per overlap, shear per elastic slip [stress/length]
+    penetration
+        largest overlap of the two faces on the path [length]
+    penetration_share
+        the same over the rise h(a) - h(0) of the profile at the largest contact (a^2/2R for
+        Hertz)
+    elastic_slip
+        largest elastic slip of the layer [length]
+    elastic_slip_share
+        the same over the largest slip of the last cycle; NaN where nothing slips
+    creep
+        largest range, over the last cycle, of the relative displacement of a node that sticks
         all through it [length]
-    creep_share : the same over the largest slip of the last cycle; NaN where nothing slips
+    creep_share
+        the same over the largest slip of the last cycle; NaN where nothing slips
     """
 
     normal_stiffness: float

@@ -67,9 +67,12 @@ class Excess(NamedTuple):
 
     Attributes
     ----------
-    value : what the edges that stand between nodes add to it
-    scatter : rms of that over where they stand
-    edges : how many there are
+    value
+        what the edges that stand between nodes add to it
+    scatter
+        rms of that over where they stand
+    edges
+        how many there are
     """
 
     value: float
@@ -288,7 +291,8 @@ def _chord(
 
     Parameters
     ----------
-    distance : load that takes the edge from the one node to the next
+    distance
+        load that takes the edge from the one node to the next
     """
     is_corner = bool(problem.interface.weights[node] < problem.interface.weights[node - 1])
     v_of_both = (_D**3 + (1 - _D) ** 3) / 6

@@ -29,7 +29,8 @@ class CondensedBodies:
 
     Attributes
     ----------
-    bound_bytes : of the arrays that are cached; 0 caches nothing
+    bound_bytes
+        of the arrays that are cached; 0 caches nothing
     """
 
     def __init__(self, bound_bytes: int) -> None:

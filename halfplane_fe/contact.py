@@ -66,13 +66,17 @@ class InterfaceState:
 
     Attributes
     ----------
-    time : of the instant
-    loads : P and Q, or the five of `path` where it has bulk stress or tilt
-    values : (3 + 4 n,) approach, shift and tilt of the upper body, then slip, pressure, shear and
-        gap of the nodes. Gap and slip are those of the law (inner faces of the layer), pressure and
-        shear nodal forces, the tilt is given or found from the moment. A state that a long run has
-        dropped (`run.PathRun`) ends after the slip
-    state : (n,) SurfaceState of each node
+    time
+        of the instant
+    loads
+        P and Q, or the five of `path` where it has bulk stress or tilt
+    values
+        (3 + 4 n,) approach, shift and tilt of the upper body, then slip, pressure, shear and
+        gap of the nodes. Gap and slip are those of the law (inner faces of the layer), pressure
+        and shear nodal forces, the tilt is given or found from the moment. A state that a long
+        run has dropped (`run.PathRun`) ends after the slip
+    state
+        (n,) SurfaceState of each node
     """
 
     time: float
@@ -131,9 +135,12 @@ class _Changes(NamedTuple):
 
     Attributes
     ----------
-    start : from which
-    states : of the nodes, as bytes
-    values : (3 + 4 n,), or 0 where nothing changes
+    start
+        from which
+    states
+        of the nodes, as bytes
+    values
+        (3 + 4 n,), or 0 where nothing changes
     """
 
     start: InterfaceState
@@ -146,9 +153,12 @@ class _Solved(NamedTuple):
 
     Attributes
     ----------
-    state : None where the states of the nodes did not converge
-    iterations : of the active set, or turns between pressure and shear
-    changing : nodes that still changed their state at the end
+    state
+        None where the states of the nodes did not converge
+    iterations
+        of the active set, or turns between pressure and shear
+    changing
+        nodes that still changed their state at the end
     """
 
     state: InterfaceState | None
@@ -162,20 +172,30 @@ class ContactProblem:
 
     Attributes
     ----------
-    interface : compliance of the two bodies, scaled
-    height : (n,) initial gap, scaled
-    friction : coefficient f
-    layer : of the penalty method
-    tangential : False where there can be no shear (no friction, or like bodies with no tangential
-        load): that half is then skipped
-    max_iterations : of one increment
-    augmentation : weights r_n, r_t of gap and slip in the trial tractions, one or (n,) each; they
-        set the way to the answer, not the answer. In two dimensions a nodal force moves its node by
+    interface
+        compliance of the two bodies, scaled
+    height
+        (n,) initial gap, scaled
+    friction
+        coefficient f
+    layer
+        of the penalty method
+    tangential
+        False where there can be no shear (no friction, or like bodies with no tangential load):
+        that half is then skipped
+    max_iterations
+        of one increment
+    augmentation
+        weights r_n, r_t of gap and slip in the trial tractions, one or (n,) each; they set the
+        way to the answer, not the answer. In two dimensions a nodal force moves its node by
         O(1/E*) against its neighbours however fine the mesh, so 1 is natural
-    moment_given : whether the fifth load is the moment, so that the tilt follows from it, or the
-        tilt itself
-    work : counts of what was done
-    jumps : increments in which the interface went from one solution to another, see
+    moment_given
+        whether the fifth load is the moment, so that the tilt follows from it, or the tilt
+        itself
+    work
+        counts of what was done
+    jumps
+        increments in which the interface went from one solution to another, see
         `stepping.follow`
     """
 
@@ -242,6 +262,8 @@ class ContactProblem:
         ConvergenceError
             With instant, loads and the number of nodes still changing.
 
+        Examples
+        --------
         >>> springs = np.eye(2)  # two nodes, each on a spring of its own
         >>> none = np.zeros(2)
         >>> places, normals = np.array([0.0, 1.0]), np.array([[0.0, 0.0], [1.0, 1.0]])

@@ -74,8 +74,10 @@ def reported_states(
 
     Parameters
     ----------
-    problem : whose interface is coupled, or not
-    states, cycle_starts : as of `visible_states`
+    problem
+        whose interface is coupled, or not
+    states, cycle_starts
+        as of `visible_states`
     """
     if problem.interface.coupling is not None:
         return law_states(states)
@@ -88,7 +90,8 @@ def law_states(states: Sequence[InterfaceState]) -> States:
 
     Parameters
     ----------
-    states : of the whole path; nothing has moved at the first of them
+    states
+        of the whole path; nothing has moved at the first of them
     """
     reported = np.stack([state.state for state in states])
     starts = range(0, len(states) - 1, _AT_ONCE)
@@ -126,12 +129,15 @@ def visible_states(
 
     Parameters
     ----------
-    states : of the whole path
-    cycle_starts : index of the state at which each revolution starts; what comes before them is the
+    states
+        of the whole path
+    cycle_starts
+        index of the state at which each revolution starts; what comes before them is the
         initial loading
-    friction : coefficient f
-    imposed : (2, n, 3) gap and slip by a unit of the bulk stresses and of the tilt; None without
-        any
+    friction
+        coefficient f
+    imposed
+        (2, n, 3) gap and slip by a unit of the bulk stresses and of the tilt; None without any
     """
     reported = np.stack([state.state for state in states])
     rise = np.diff([state.loads for state in states], axis=0)
@@ -215,10 +221,12 @@ def contact_edges(x: Array, pressure: Array, gap: Array, closed: Mask, modulus: 
 
     Parameters
     ----------
-    x : (n,) nodes in ascending order [length]
-    pressure, gap, closed : (k, n); pressure of the closed nodes [stress], gap of the open ones
-        [length], both >= 0
-    modulus : E* [stress]
+    x
+        (n,) nodes in ascending order [length]
+    pressure, gap, closed
+        (k, n); pressure of the closed nodes [stress], gap of the open ones [length], both >= 0
+    modulus
+        E* [stress]
     """
     edges = np.empty((len(closed), 2))
     for side in _sides(x):
@@ -249,8 +257,10 @@ def fitted_contact_edges(x: Array, pressure: Array, closed: Mask, edges: Array) 
 
     Parameters
     ----------
-    x, pressure, closed : as of `contact_edges`
-    edges : (k, 2) by `contact_edges`
+    x, pressure, closed
+        as of `contact_edges`
+    edges
+        (k, 2) by `contact_edges`
     """
     fitted = edges.copy()
     n_behind_rim = np.count_nonzero(closed, axis=1) // 2 - _RIM
@@ -281,11 +291,16 @@ def _zero_of_parabola(
 
     Parameters
     ----------
-    x : (n,) outwards
-    pressure : (k, n)
-    last : (k,) outermost closed node
-    element : (k,) size that distances are divided by
-    n_fitted : (k,) nodes that it is fitted to
+    x
+        (n,) outwards
+    pressure
+        (k, n)
+    last
+        (k,) outermost closed node
+    element
+        (k,) size that distances are divided by
+    n_fitted
+        (k,) nodes that it is fitted to
     """
     number = np.arange(_SQUARES)
     counts = number < n_fitted[:, None]
@@ -320,9 +335,12 @@ def contact_uncertainty(
 
     Parameters
     ----------
-    x, pressure, closed : as of `contact_edges`
-    contact : (k, 2) ends of the contact
-    form : the same by `contact_edges`, where they are fitted
+    x, pressure, closed
+        as of `contact_edges`
+    contact
+        (k, 2) ends of the contact
+    form
+        the same by `contact_edges`, where they are fitted
     """
     form = contact if form is None else form
     width = contact[:, 1:] - contact[:, :1]
@@ -365,11 +383,15 @@ def stick_edges(
 
     Parameters
     ----------
-    x, closed, contact : as of `contact_uncertainty`
-    stick : (k, n) nodes that stick
-    limit, shear : (k, n) f p and q [stress]
-    anywhere : whether the stick zone need not hold the middle of the contact (bulk stress, tilt):
-        then its own middle is the middle
+    x, closed, contact
+        as of `contact_uncertainty`
+    stick
+        (k, n) nodes that stick
+    limit, shear
+        (k, n) f p and q [stress]
+    anywhere
+        whether the stick zone need not hold the middle of the contact (bulk stress, tilt): then
+        its own middle is the middle
     """
     edges = np.empty((len(closed), 2))
     nothing_sticks = np.zeros(len(closed), dtype=bool)
@@ -414,11 +436,16 @@ def stick_uncertainty(
 
     Parameters
     ----------
-    x, closed : as of `contact_uncertainty`
-    sticking : (k, n) nodes that stick, as they are reported and by the law alone
-    contact, edges : contact and stick edges as answered
-    of_contact : uncertainty of the contact edges
-    anywhere : as of `stick_edges`
+    x, closed
+        as of `contact_uncertainty`
+    sticking
+        (k, n) nodes that stick, as they are reported and by the law alone
+    contact, edges
+        contact and stick edges as answered
+    of_contact
+        uncertainty of the contact edges
+    anywhere
+        as of `stick_edges`
     """
     by_status, by_law = (
         stick_edges(x, sticks, closed, contact, anywhere=anywhere) for sticks in sticking
@@ -448,9 +475,12 @@ class _Side(NamedTuple):
 
     Attributes
     ----------
-    column : 0 of the left, 1 of the right
-    sign : of x outwards
-    x : (n,) nodes outwards [length]
+    column
+        0 of the left, 1 of the right
+    sign
+        of x outwards
+    x
+        (n,) nodes outwards [length]
     """
 
     column: int
@@ -541,14 +571,18 @@ def _fitted_stick_edge(x_out: Array, to_limit: Array, last: Indices) -> tuple[Ar
 
     Parameters
     ----------
-    to_limit : (k, n) f p minus the shear in the direction of the slip beyond the edge [stress]
-    last : (k,) last node of the stick zone by its status, at least seven nodes before it
+    to_limit
+        (k, n) f p minus the shear in the direction of the slip beyond the edge [stress]
+    last
+        (k,) last node of the stick zone by its status, at least seven nodes before it
 
     Returns
     -------
-    The zero of a straight line through the squares of `to_limit` at seven nodes; and whether it is
-    one: False where they do not fall towards the edge, where the line through the next four says
-    something else (an older stick edge is near), or where the zero is not near the last node.
+    tuple[Array, Mask]
+        The zero of a straight line through the squares of `to_limit` at seven nodes; and
+        whether it is one: False where they do not fall towards the edge, where the line through
+        the next four says something else (an older stick edge is near), or where the zero is
+        not near the last node.
     """
     element = x_out[last] - x_out[last - 2]
     edge, edge_further_in = (_zero_of_squares(x_out, to_limit, last, count) for count in _FITTED)

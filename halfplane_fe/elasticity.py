@@ -47,15 +47,23 @@ class System:
 
     Attributes
     ----------
-    mesh, material : of the body
-    order : of the elements, 1 or 2
-    cells : (n_elements, n) nodes of each element, see `cells_of`
-    contact : (2, n) degrees of freedom (x, y) of the contact nodes, by ascending x
-    around : boundaries to the half-plane around the body; none for a body of finite size
-    arc : (2, m) the degrees of freedom there; (1, m) along x of the ends, where these hold a body
+    mesh, material
+        of the body
+    order
+        of the elements, 1 or 2
+    cells
+        (n_elements, n) nodes of each element, see `cells_of`
+    contact
+        (2, n) degrees of freedom (x, y) of the contact nodes, by ascending x
+    around
+        boundaries to the half-plane around the body; none for a body of finite size
+    arc
+        (2, m) the degrees of freedom there; (1, m) along x of the ends, where these hold a body
         on rollers against Q
-    held : those that supports keep at zero
-    pull : (n_dofs,) forces of a unit of tension along x on the ends; zero of a body without ends
+    held
+        those that supports keep at zero
+    pull
+        (n_dofs,) forces of a unit of tension along x on the ends; zero of a body without ends
         [length]
     """
 
@@ -253,17 +261,23 @@ class CondensedBody:
 
     Attributes
     ----------
-    body, material : what was condensed
-    x, y : (n,) places of the contact nodes in ascending order of x; y = 0 on a flat face [length]
-    weights : (n,) integral of each node's shape function over the surface [length]
-    compliance : (2, n, 2, n) displacement (along x, outward) of node i by a unit force (along x,
+    body, material
+        what was condensed
+    x, y
+        (n,) places of the contact nodes in ascending order of x; y = 0 on a flat face [length]
+    weights
+        (n,) integral of each node's shape function over the surface [length]
+    compliance
+        (2, n, 2, n) displacement (along x, outward) of node i by a unit force (along x,
         outward) on node j, symmetric [length per force per thickness]
-    by_stress : (2, n) displacement (along x, outward) of the contact nodes by a unit of bulk stress
-        [length per stress]: of a half-plane (x, -nu/(1 - nu) y) (1 - nu^2)/E, exactly; of a body
-        with ends that of the mesh under tension on both; zeros for any other
-    diagnostics : asymmetry (largest skew part over largest entry: rounding), residual (see
-        `condense`), degrees_of_freedom, sparse_factorisations (one for the order of elimination,
-        one for each mode)
+    by_stress
+        (2, n) displacement (along x, outward) of the contact nodes by a unit of bulk stress
+        [length per stress]: of a half-plane (x, -nu/(1 - nu) y) (1 - nu^2)/E, exactly; of a
+        body with ends that of the mesh under tension on both; zeros for any other
+    diagnostics
+        asymmetry (largest skew part over largest entry: rounding), residual (see `condense`),
+        degrees_of_freedom, sparse_factorisations (one for the order of elimination, one for
+        each mode)
     """
 
     body: BodyMesh
@@ -297,9 +311,11 @@ class _Mode(NamedTuple):
 
     Attributes
     ----------
-    dofs : (k,) degrees of freedom that stand for themselves and for their mirror images
-    column, factor : (n_dofs,) which of them each one follows, and by how much, so that the motions
-        are orthonormal; 0 if it is at rest
+    dofs
+        (k,) degrees of freedom that stand for themselves and for their mirror images
+    column, factor
+        (n_dofs,) which of them each one follows, and by how much, so that the motions are
+        orthonormal; 0 if it is at rest
     """
 
     dofs: Indices
@@ -394,10 +410,14 @@ class _CondensedMode(NamedTuple):
 
     Attributes
     ----------
-    motions : (2 n, k) displacement of the contact nodes by each of them
-    compliance : (k, k)
-    by_stress : (k,) their displacement under a unit of tension on the ends
-    error : how far both are from the solution of the mesh under a random load, relative
+    motions
+        (2 n, k) displacement of the contact nodes by each of them
+    compliance
+        (k, k)
+    by_stress
+        (k,) their displacement under a unit of tension on the ends
+    error
+        how far both are from the solution of the mesh under a random load, relative
     """
 
     motions: sparse.csr_matrix
@@ -513,9 +533,11 @@ class ArcLoads(NamedTuple):
 
     Attributes
     ----------
-    by_nodes : (2 m, 2 n) their work on the nodes of the arc
-    tractions, displacements : (k, 2 n) of the half-plane at points of the arc, whose product is
-        their work in the half-plane's own displacement
+    by_nodes
+        (2 m, 2 n) their work on the nodes of the arc
+    tractions, displacements
+        (k, 2 n) of the half-plane at points of the arc, whose product is their work in the
+        half-plane's own displacement
     """
 
     by_nodes: Array
@@ -558,9 +580,12 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
 
     Parameters
     ----------
-    body : mesh with the boundary "contact" and at least one that is supported
-    material : of the body
-    datum_length : distance from a force at which a half-plane's surface counts as unmoved [length]
+    body
+        mesh with the boundary "contact" and at least one that is supported
+    material
+        of the body
+    datum_length
+        distance from a force at which a half-plane's surface counts as unmoved [length]
 
     Raises
     ------
@@ -570,6 +595,8 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
         If rounding leaves no stiffness, or a compliance that is not the solution of the mesh under
         a random load to 1e-6.
 
+    Examples
+    --------
     >>> from meshes import SurfaceGrading
     >>> width, height = np.array([-1.0, 1.0]), np.array([-3.0, 0.0])
     >>> block = skfem.MeshQuad.init_tensor(width, height)  # one element, 2 wide and 3 high
@@ -653,16 +680,21 @@ def displacement_fields(
 
     Parameters
     ----------
-    forces : (2, n, k) along x and outward on the contact nodes, k load cases [force per thickness]
-    stresses : (k,) bulk stress of the body; of a half-plane it is not in what is returned
+    forces
+        (2, n, k) along x and outward on the contact nodes, k load cases [force per thickness]
+    stresses
+        (k,) bulk stress of the body; of a half-plane it is not in what is returned
         (`uniform_stretch`) [stress]
 
     Returns
     -------
-    basis : of the body
-    displacements : (basis.N, k) [length]
-    tension : (n_corners, k) r at the corners of the elements, added to every normal stress; zero
-        for plain elements [stress]
+    basis
+        of the body
+    displacements
+        (basis.N, k) [length]
+    tension
+        (n_corners, k) r at the corners of the elements, added to every normal stress; zero for
+        plain elements [stress]
     """
     system = assemble(condensed.body, condensed.material)
     cases = forces.reshape(-1, forces.shape[-1])

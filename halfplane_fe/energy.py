@@ -42,19 +42,30 @@ class Energies:
 
     Attributes
     ----------
-    dissipation : f p |ds| of each sliding node, p being the mean of the increment, or of its parts
-        before and after nodes start to slide, and what the curve of the loads adds
-    loop : integral of Q dU along the curve of the loads, and of q in the slip by bulk stress (-m_q
+    dissipation
+        f p |ds| of each sliding node, p being the mean of the increment, or of its parts before
+        and after nodes start to slide, and what the curve of the loads adds
+    loop
+        integral of Q dU along the curve of the loads, and of q in the slip by bulk stress (-m_q
         d(eps) of half-planes)
-    external : work of P, Q, bulk stresses and tilt along the chord
-    curve : what the curve of the loads adds to it, all of it friction work
-    external_end_of_step : the same with the loads at the end of the increment
-    elastic : change of elastic energy, that of the penalty layer included
-    layer : change of the energy of the penalty layer
-    interface : trapezoidal work of shear minus that of pressure
-    end_of_step : the same with the forces at the end of the increment
-    step_error : bound of the error of the dissipation, see `step_errors`
-    bent : part of the dissipation of three nodes and more that start to slide, see `_kinked_work`:
+    external
+        work of P, Q, bulk stresses and tilt along the chord
+    curve
+        what the curve of the loads adds to it, all of it friction work
+    external_end_of_step
+        the same with the loads at the end of the increment
+    elastic
+        change of elastic energy, that of the penalty layer included
+    layer
+        change of the energy of the penalty layer
+    interface
+        trapezoidal work of shear minus that of pressure
+    end_of_step
+        the same with the forces at the end of the increment
+    step_error
+        bound of the error of the dissipation, see `step_errors`
+    bent
+        part of the dissipation of three nodes and more that start to slide, see `_kinked_work`:
         its error is less
     """
 
@@ -118,9 +129,11 @@ def increment_energies(
 
     Parameters
     ----------
-    solved : (m,) of arrays (n,): the states of the nodes at the end of each increment, before an
+    solved
+        (m,) of arrays (n,): the states of the nodes at the end of each increment, before an
         event changes them
-    enclosed : (k, k, m) see `path`, over the units of the loads
+    enclosed
+        (k, k, m) see `path`, over the units of the loads
     """
     faces = problem.interface
     values = np.stack([state.values for state in states])
@@ -201,9 +214,12 @@ def _work_by_curve(
 
     Parameters
     ----------
-    node_states : (m, n) that hold
-    senses : (m, n) of the nodes that slide, 1 or -1, else 0
-    areas : (k, k, m) that the curve encloses with its chord, for each pair of loads
+    node_states
+        (m, n) that hold
+    senses
+        (m, n) of the nodes that slide, 1 or -1, else 0
+    areas
+        (k, k, m) that the curve encloses with its chord, for each pair of loads
     """
     n_loads = len(areas)
     of_nodes = np.zeros(senses.shape)
@@ -257,12 +273,15 @@ def _kinked_work(
 
     Parameters
     ----------
-    changes_of_loads : (k, n_loads) in the increments of these rows
-    rows : (k,) increments
+    changes_of_loads
+        (k, n_loads) in the increments of these rows
+    rows
+        (k,) increments
 
     Returns
     -------
-    work (k, n); the part (k,) of the last formula, without sign; share (k,)
+    tuple[Array, Array, Array]
+        work (k, n); the part (k,) of the last formula, without sign; share (k,)
     """
     friction = problem.friction
     slip = increments.slip[rows]

@@ -82,9 +82,12 @@ class RootFit(NamedTuple):
 
     Attributes
     ----------
-    rim : outermost nodes that are left out
-    share : of the nodes that p^2 is fitted to on this mesh
-    degree : of the polynomial
+    rim
+        outermost nodes that are left out
+    share
+        of the nodes that p^2 is fitted to on this mesh
+    degree
+        of the polynomial
     """
 
     rim: int = _RIM
@@ -112,10 +115,14 @@ class Tractions:
 
     Attributes
     ----------
-    edges : x at the left and right edge of contact [length]
-    pressure, shear : (k,) A_k and B_k from k = 1 on [stress]
-    rough : whether there were too few nodes to find the edges from p^2
-    placed : what q at the nodes lacked of the load and was put at the stick edges changes the
+    edges
+        x at the left and right edge of contact [length]
+    pressure, shear
+        (k,) A_k and B_k from k = 1 on [stress]
+    rough
+        whether there were too few nodes to find the edges from p^2
+    placed
+        what q at the nodes lacked of the load and was put at the stick edges changes the
         tension by, at most [stress]
     """
 
@@ -207,13 +214,19 @@ class Nodal:
 
     Attributes
     ----------
-    x, pressure, shear : (n,) [length], [stress]
-    stick, contact : edges of stick (NaN in full slip) and contact, as the answer has them [length]
-    friction : f
-    tangential_load : sum of the nodal forces of q: what the smoothed q lacks of it is put at the
-        stick edges [force per thickness]
-    growing : whether P grows by |dQ|/f at least: then a slip zone that no node shows is none
-    kinks : (k, 2) x at which the curvature of the profile jumps, and E* times its jump from left to
+    x, pressure, shear
+        (n,) [length], [stress]
+    stick, contact
+        edges of stick (NaN in full slip) and contact, as the answer has them [length]
+    friction
+        f
+    tangential_load
+        sum of the nodal forces of q: what the smoothed q lacks of it is put at the stick edges
+        [force per thickness]
+    growing
+        whether P grows by |dQ|/f at least: then a slip zone that no node shows is none
+    kinks
+        (k, 2) x at which the curvature of the profile jumps, and E* times its jump from left to
         right [length, stress/length]
     """
 
@@ -242,11 +255,16 @@ class SampledTractions:
 
     Attributes
     ----------
-    edges : x at the left and right edge of contact [length]
-    theta : (n,) middles of n equal angles from the left edge to the right one
-    pressure, shear : (n,) p and q [stress]
-    missing_shear : (n,) what q at the nodes lacks of the load, put at the stick edges [stress]
-    rough : whether there were too few nodes to find the edges from p^2
+    edges
+        x at the left and right edge of contact [length]
+    theta
+        (n,) middles of n equal angles from the left edge to the right one
+    pressure, shear
+        (n,) p and q [stress]
+    missing_shear
+        (n,) what q at the nodes lacks of the load, put at the stick edges [stress]
+    rough
+        whether there were too few nodes to find the edges from p^2
     """
 
     edges: tuple[float, float]
@@ -298,7 +316,8 @@ def sampled_tractions(
 
     Parameters
     ----------
-    level : whether q/p stays what it is at the outermost node from there on, in full stick and in
+    level
+        whether q/p stays what it is at the outermost node from there on, in full stick and in
         full slip
     """
     x = nodal.x
@@ -436,9 +455,12 @@ class _FittedEdge(NamedTuple):
 
     Attributes
     ----------
-    edge : x at which p^2 = 0
-    start : x of the outermost node that counts
-    square : coefficients of p^2, the highest power first
+    edge
+        x at which p^2 = 0
+    start
+        x of the outermost node that counts
+    square
+        coefficients of p^2, the highest power first
     """
 
     edge: float
@@ -541,9 +563,12 @@ class SizeEffect:
 
     Attributes
     ----------
-    length : unit of z, and the distance up to which it holds [length]
-    coefficients : (k, cases) of `size_effect_basis` [stress]
-    error : (cases,) standard error of s_xx at the edge of a contact [stress]
+    length
+        unit of z, and the distance up to which it holds [length]
+    coefficients
+        (k, cases) of `size_effect_basis` [stress]
+    error
+        (cases,) standard error of s_xx at the edge of a contact [stress]
     """
 
     length: float
@@ -582,10 +607,14 @@ def fitted_size_effect(
 
     Parameters
     ----------
-    x, y, weights : (n,) nodes, y <= 0 from the face, and the area that each stands for
-    stress : (n, 3, cases)
-    length : unit of z [length]
-    edge : half-width of the contact [length]
+    x, y, weights
+        (n,) nodes, y <= 0 from the face, and the area that each stands for
+    stress
+        (n, 3, cases)
+    length
+        unit of z [length]
+    edge
+        half-width of the contact [length]
     """
     root = np.sqrt(weights / weights.mean())[:, None, None]
     matrix = (size_effect_basis(x + 1j * y, length) * root).reshape(3 * len(x), -1)

@@ -50,8 +50,10 @@ def surface_force_displacement(
 
     Parameters
     ----------
-    x, y : (n,) points, y <= 0, none at a force [length]
-    force_at : (m,) places of the forces on the surface [length]
+    x, y
+        (n,) points, y <= 0, none at a force [length]
+    force_at
+        (m,) places of the forces on the surface [length]
 
     Returns
     -------
@@ -59,8 +61,12 @@ def surface_force_displacement(
         Displacement component (x, y), point, force component (x, y), place [length per force per
         thickness].
 
+    Notes
+    -----
     Source: Johnson, Contact Mechanics (1985), sections 2.2 and 2.3, in Cartesian form.
 
+    Examples
+    --------
     >>> at, force_at = np.array([1.0]), np.zeros(1)
     >>> u = surface_force_displacement(at, np.zeros(1), force_at, 2.0, 0.0, datum_length=2.0)
     >>> u[1, 0, 1, 0].round(12).tolist()  # at r = L/2: (2/(pi E)) ln 2
@@ -89,9 +95,12 @@ def surface_force_traction(x: Array, y: Array, normal: Array, force_at: Array) -
 
     Parameters
     ----------
-    x, y : (n,) points of the cut, none at a force [length]
-    normal : (2, n) unit normal out of the part that the tractions act on
-    force_at : (m,) places of the forces on the surface [length]
+    x, y
+        (n,) points of the cut, none at a force [length]
+    normal
+        (2, n) unit normal out of the part that the tractions act on
+    force_at
+        (m,) places of the forces on the surface [length]
 
     Returns
     -------
@@ -99,6 +108,8 @@ def surface_force_traction(x: Array, y: Array, normal: Array, force_at: Array) -
         Traction component (x, y), point, force component (x, y), place [1/length per force per
         thickness].
 
+    Examples
+    --------
     >>> depth, normal = np.array([-1.0]), np.array([[0.0], [-1.0]])
     >>> below = surface_force_traction(np.zeros(1), depth, normal, np.zeros(1))
     >>> round(float(below[1, 0, 1, 0]) * np.pi, 12)  # a pull of 1 is held by 2/(pi r) below it
@@ -117,10 +128,14 @@ class LineElements(NamedTuple):
 
     Attributes
     ----------
-    nodes : (e, k)
-    shapes : (k, g) shape functions at the points
-    places : (2, e, g) of the points [length]
-    tangents : (2, e, g) times the points' share of the length [length]
+    nodes
+        (e, k)
+    shapes
+        (k, g) shape functions at the points
+    places
+        (2, e, g) of the points [length]
+    tangents
+        (2, e, g) times the points' share of the length [length]
     """
 
     nodes: Indices
@@ -157,16 +172,21 @@ def arc_work(
 
     Parameters
     ----------
-    arc : (2, k) its nodes by ascending x [length]
-    order : of its elements
-    force_at : (m,) contact nodes [length]
+    arc
+        (2, k) its nodes by ascending x [length]
+    order
+        of its elements
+    force_at
+        (m,) contact nodes [length]
 
     Returns
     -------
-    by_nodes : (2 k, 2 m) per unit displacement of each node along x, then along y
-    tractions, displacements : (l, 2 m) of the half-plane along x and y at the points of the arc,
-        tractions times their share of its length; the product of the one, transposed, and the other
-        is the work in the half-plane's own displacement
+    by_nodes
+        (2 k, 2 m) per unit displacement of each node along x, then along y
+    tractions, displacements
+        (l, 2 m) of the half-plane along x and y at the points of the arc, tractions times their
+        share of its length; the product of the one, transposed, and the other is the work in
+        the half-plane's own displacement
     """
     elements = line_elements(arc, order, _POINTS)
     x, y = elements.places.reshape(2, -1)

@@ -80,18 +80,26 @@ class BodyFields:
 
     Attributes
     ----------
-    name : "lower" or "upper"
-    points : (n, 2) undeformed places [length]
-    cells : (n_elements, 3, 6, 4 or 9): corners counter-clockwise, mid-side nodes, middle
-    displacement : (n, 2) [length]; that of the upper body includes its tangential displacement and
+    name
+        "lower" or "upper"
+    points
+        (n, 2) undeformed places [length]
+    cells
+        (n_elements, 3, 6, 4 or 9): corners counter-clockwise, mid-side nodes, middle
+    displacement
+        (n, 2) [length]; that of the upper body includes its tangential displacement and
         approach
-    stress : (n, 4) xx, yy, xy, zz [stress]: beside the contact that of the tractions, further away
+    stress
+        (n, 4) xx, yy, xy, zz [stress]: beside the contact that of the tractions, further away
         carried to each node from its elements and averaged there
-    von_mises : (n,) [stress]
-    edges : (2,) x of the left and right edge of contact, by the tractions; NaN out of contact
+    von_mises
+        (n,) [stress]
+    edges
+        (2,) x of the left and right edge of contact, by the tractions; NaN out of contact
         [length]
-    edge_tension, edge_tension_uncertainty : (2,) xx of the face at those edges, which lie between
-        nodes [stress]; NaN in a body so thin that what its size adds is not known
+    edge_tension, edge_tension_uncertainty
+        (2,) xx of the face at those edges, which lie between nodes [stress]; NaN in a body so
+        thin that what its size adds is not known
     """
 
     name: str
@@ -235,8 +243,9 @@ def edge_tension(solution: ContactSolution, steps: Sequence[int]) -> tuple[Array
 
     Returns
     -------
-    values, uncertainties : (n_steps, 2, 2) by body (lower, upper) and edge (left, right); 0 out of
-        contact; NaN in a body so thin that what its size adds is not known
+    values, uncertainties
+        (n_steps, 2, 2) by body (lower, upper) and edge (left, right); 0 out of contact; NaN in
+        a body so thin that what its size adds is not known
 
     Raises
     ------
@@ -333,14 +342,18 @@ def stress(
 
     Parameters
     ----------
-    x, y : (n_points,) places [length]; y points out of the lower body and counts from a face that
+    x, y
+        (n_points,) places [length]; y points out of the lower body and counts from a face that
         is flattened, so that y <= 0 in the lower body, y >= 0 in the upper one
-    instants : (n_instants,) times
-    body : "lower" or "upper"
+    instants
+        (n_instants,) times
+    body
+        "lower" or "upper"
 
     Returns
     -------
-    (n_instants, n_points, 4) s_xx, s_yy, s_xy and s_zz [stress]
+    Array
+        (n_instants, n_points, 4) s_xx, s_yy, s_xy and s_zz [stress]
 
     Raises
     ------
@@ -395,11 +408,16 @@ class LargestTension:
 
     Attributes
     ----------
-    value, uncertainty : of the tension [stress]
-    time : at which it is met
-    body : "lower" or "upper"
-    x : the edge that it is at [length]
-    edges : left and right edge of contact at that time [length]
+    value, uncertainty
+        of the tension [stress]
+    time
+        at which it is met
+    body
+        "lower" or "upper"
+    x
+        the edge that it is at [length]
+    edges
+        left and right edge of contact at that time [length]
     """
 
     value: float
@@ -537,10 +555,14 @@ class _NodalFields:
 
     Attributes
     ----------
-    basis : of the displacement
-    displacement : (n_dofs, k) [length]
-    stress : (n, 4, k) xx, yy, xy, zz [stress]
-    areas : (n,) that each node stands for
+    basis
+        of the displacement
+    displacement
+        (n_dofs, k) [length]
+    stress
+        (n, 4, k) xx, yy, xy, zz [stress]
+    areas
+        (n,) that each node stands for
     """
 
     basis: skfem.Basis
@@ -574,11 +596,16 @@ class _NearContact:
 
     Attributes
     ----------
-    limit : distance from the middle of the contact up to which it goes [length]
-    nodes : (m,) in it
-    x, y : (m,) their places, the face flattened [length]
-    series : (k,) tractions on this body, in its own frame; None out of contact
-    size_effect : what the size of the body adds; None of a half-plane
+    limit
+        distance from the middle of the contact up to which it goes [length]
+    nodes
+        (m,) in it
+    x, y
+        (m,) their places, the face flattened [length]
+    series
+        (k,) tractions on this body, in its own frame; None out of contact
+    size_effect
+        what the size of the body adds; None of a half-plane
     """
 
     limit: float
@@ -600,7 +627,8 @@ def _near_contact(
 
     Parameters
     ----------
-    series : (k,) tractions on the lower body
+    series
+        (k,) tractions on the lower body
     """
     shape = getattr(solution.scene.bodies, _BODIES[number])
     half_widths = [step.half_width for step in series if step is not None]

@@ -47,16 +47,24 @@ class Interface:
 
     Attributes
     ----------
-    x, weights : (n,) contact points of the lower body and their share of the surface [length]
-    normals : (2, n) n_x and n_y
-    gap : (n,) initial distance of the faces, as they are made [length]
-    normal, tangential : (n, n) N and T [length per force per thickness]
-    coupling : (n, n) K, or None where it is exactly zero
-    nearest : x and initial distance where the faces are nearest to each other [length]
-    imposed : (2, n, 3) G and S: gap and slip by a unit of bulk stress in the lower body, in the
-        upper one [length per stress], and by a unit of tilt [length]; nothing by stress in pads and
+    x, weights
+        (n,) contact points of the lower body and their share of the surface [length]
+    normals
+        (2, n) n_x and n_y
+    gap
+        (n,) initial distance of the faces, as they are made [length]
+    normal, tangential
+        (n, n) N and T [length per force per thickness]
+    coupling
+        (n, n) K, or None where it is exactly zero
+    nearest
+        x and initial distance where the faces are nearest to each other [length]
+    imposed
+        (2, n, 3) G and S: gap and slip by a unit of bulk stress in the lower body, in the upper
+        one [length per stress], and by a unit of tilt [length]; nothing by stress in pads and
         cylinders
-    guided : whether this is one half of faces that p and q leave as mirror images (`mirror`): U is
+    guided
+        whether this is one half of faces that p and q leave as mirror images (`mirror`): U is
         zero by symmetry, and so is Q
     """
 
@@ -344,7 +352,8 @@ def body_forces(
 
     Parameters
     ----------
-    pressure, shear : (n,) or (n, k) for k load cases [force per thickness]
+    pressure, shear
+        (n,) or (n, k) for k load cases [force per thickness]
 
     Returns
     -------
@@ -405,7 +414,8 @@ def meshed_pair(
 
     Parameters
     ----------
-    grading : of a body whose elements are to be so many times as large
+    grading
+        of a body whose elements are to be so many times as large
     """
     shapes = scene.bodies
     lower = build("lower", shapes.lower, scene.profile, grading(1.0), mesh)

@@ -34,14 +34,20 @@ def project(
 
     Parameters
     ----------
-    trial_pressure, trial_shear : any shape, same for both [stress, or force on a node]
-    friction : coefficient f >= 0
+    trial_pressure, trial_shear
+        any shape, same for both [stress, or force on a node]
+    friction
+        coefficient f >= 0
 
     Returns
     -------
-    pressure, shear : on or inside the cone
-    state : SurfaceState as int8; on the cone the sign of the shear tells the sense of slip
+    pressure, shear
+        on or inside the cone
+    state
+        SurfaceState as int8; on the cone the sign of the shear tells the sense of slip
 
+    Examples
+    --------
     >>> p, q, state = project([-1.0, 2.0, 2.0], [0.3, 0.5, -3.0], 0.5)
     >>> p.tolist(), q.tolist(), state.tolist()
     ([0.0, 2.0, 2.0], [0.0, 0.5, -1.0], [0, 1, 3])

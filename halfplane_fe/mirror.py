@@ -82,9 +82,12 @@ class _Images(NamedTuple):
 
     Attributes
     ----------
-    place : (n,) of each node in the right half
-    share : (n,) of that node's p
-    sign : (n,) of its q and slip
+    place
+        (n,) of each node in the right half
+    share
+        (n,) of that node's p
+    sign
+        (n,) of its q and slip
     """
 
     place: Indices

@@ -85,6 +85,8 @@ def mortar(lower: Side, upper: Side) -> Mortar:
     ValueError
         If they do not begin and end together.
 
+    Examples
+    --------
     >>> line = lambda *x: Side(np.array(x), np.zeros(len(x)), order=1)
     >>> coupled = mortar(line(0.0, 0.5, 1.0), line(0.0, 0.3, 1.0))
     >>> linear = np.array([0.0, 0.3, 1.0])  # linear functions pass

@@ -109,10 +109,14 @@ class Revolution:
 
     Attributes
     ----------
-    load : (n,) normal load [force per thickness]
-    contact, stick : (n,) half-widths [length]; stick NaN where nothing sticks
-    dissipation : over A f^2 P^2, P the largest load
-    sheared : whether any shear can arise
+    load
+        (n,) normal load [force per thickness]
+    contact, stick
+        (n,) half-widths [length]; stick NaN where nothing sticks
+    dissipation
+        over A f^2 P^2, P the largest load
+    sheared
+        whether any shear can arise
     """
 
     load: Array
@@ -142,8 +146,10 @@ def resolution_notes(
 
     Parameters
     ----------
-    element : at the edges of contact and stick, of the coarser side [length]
-    order : of the elements
+    element
+        at the edges of contact and stick, of the coarser side [length]
+    order
+        of the elements
     """
     expected = _ExpectedErrors(_LINEAR if order == 1 else 1.0, revolution.sheared)
     least = revolution.least_contact() / element
@@ -184,8 +190,10 @@ class _ExpectedErrors:
 
     Attributes
     ----------
-    factor : over those of quadratic elements
-    sheared : whether any shear can arise
+    factor
+        over those of quadratic elements
+    sheared
+        whether any shear can arise
     """
 
     factor: float
@@ -250,10 +258,14 @@ class _Shares(NamedTuple):
 
     Attributes
     ----------
-    difference : of its difference from the coarse run's over the square of the refinement
-    scatter : of the rms of what edges between nodes add to W, which is taken off (`between_nodes`)
-    work : of W (h/a)^2
-    unit : of A f^2 P^2 (h/a)^2
+    difference
+        of its difference from the coarse run's over the square of the refinement
+    scatter
+        of the rms of what edges between nodes add to W, which is taken off (`between_nodes`)
+    work
+        of W (h/a)^2
+    unit
+        of A f^2 P^2 (h/a)^2
     """
 
     difference: float
@@ -307,13 +319,19 @@ def uncertainty(
 
     Parameters
     ----------
-    dissipation, difference : W, and its difference from that of the coarse run, over A f^2 P^2
-    coarse : element of the coarse run, over the half-width
-    scatter : rms of what edges between nodes add to W, over A f^2 P^2; 0 where none stands, None
+    dissipation, difference
+        W, and its difference from that of the coarse run, over A f^2 P^2
+    coarse
+        element of the coarse run, over the half-width
+    scatter
+        rms of what edges between nodes add to W, over A f^2 P^2; 0 where none stands, None
         where that is not known
-    plain : linear elements or a penalty layer, whose errors are not of order 2: the difference
+    plain
+        linear elements or a penalty layer, whose errors are not of order 2: the difference
         counts in full
 
+    Examples
+    --------
     >>> round(
     ...     uncertainty(0.1, 0.01, 0.1, MeshSettings(edge_element_size=0.01), 1e-5, plain=False), 12
     ... )
@@ -371,10 +389,14 @@ class Peak:
 
     Attributes
     ----------
-    value : [stress]
-    difference : from that of the coarse run [stress]
-    half_width : of the contact then [length]
-    to_edge : distance of the peak from the nearer edge of contact [length]
+    value
+        [stress]
+    difference
+        from that of the coarse run [stress]
+    half_width
+        of the contact then [length]
+    to_edge
+        distance of the peak from the nearer edge of contact [length]
     """
 
     value: float
@@ -403,11 +425,16 @@ def peak_uncertainty(
 
     Parameters
     ----------
-    coarse : element of the coarse run [length]
-    fine : surface of the run, of the coarser side
-    mesh : of the run, of which the growth counts
-    depth : of the thinner body; infinite of half-planes [length]
-    plain : linear elements or a penalty layer: the difference counts in full
+    coarse
+        element of the coarse run [length]
+    fine
+        surface of the run, of the coarser side
+    mesh
+        of the run, of which the growth counts
+    depth
+        of the thinner body; infinite of half-planes [length]
+    plain
+        linear elements or a penalty layer: the difference counts in full
     """
     if not (peak.half_width > 0 and peak.to_edge > 0):
         return math.nan  # nothing touches: the first increment failed

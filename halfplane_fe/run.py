@@ -66,11 +66,14 @@ class Trend:
 
     Attributes
     ----------
-    kind : "steady" (the last two values are the same to round-off), "geometric", "algebraic", or
+    kind
+        "steady" (the last two values are the same to round-off), "geometric", "algebraic", or
         "unclear": fewer than four values, or differences that do not fall
-    left : limit minus the last value; of an unclear one k |d_k|, which is a size without a sign, or
-        NaN of a single value
-    limit : of the series, NaN of an unclear one
+    left
+        limit minus the last value; of an unclear one k |d_k|, which is a size without a sign,
+        or NaN of a single value
+    limit
+        of the series, NaN of an unclear one
     """
 
     kind: str
@@ -115,9 +118,13 @@ def ratchets(drifts: Sequence[float], travel: float) -> bool:
 
     Parameters
     ----------
-    drifts : one a revolution
-    travel : largest minus smallest U of the last revolution; a thousandth of it is no drift
+    drifts
+        one a revolution
+    travel
+        largest minus smallest U of the last revolution; a thousandth of it is no drift
 
+    Examples
+    --------
     >>> ratchets([0.3, 0.11, 0.1, 0.1], 1.0), ratchets([0.4, 0.2, 0.1, 0.05], 1.0)
     (True, False)
     """
@@ -131,12 +138,17 @@ class _Thinning:
 
     Attributes
     ----------
-    ends : of each state at the end of a stretch, by its index, how many such states were before it:
-        a turning point, a vertex of a polygon, a row of a record
-    largest : index of the state with the largest P
-    n_stored : states that keep them
-    stride : of the states between ends, every so many-th keeps them
-    stride_of_ends : the same of the ends
+    ends
+        of each state at the end of a stretch, by its index, how many such states were before
+        it: a turning point, a vertex of a polygon, a row of a record
+    largest
+        index of the state with the largest P
+    n_stored
+        states that keep them
+    stride
+        of the states between ends, every so many-th keeps them
+    stride_of_ends
+        the same of the ends
     """
 
     ends: dict[int, int] = field(default_factory=dict)
@@ -173,21 +185,32 @@ class PathRun:
 
     Attributes
     ----------
-    states : (n_steps + 1)
-    bounded : whether states may be dropped
-    blocks : energies (but for those of each node) and checks by name, (k,) of the k increments of
+    states
+        (n_steps + 1)
+    bounded
+        whether states may be dropped
+    blocks
+        energies (but for those of each node) and checks by name, (k,) of the k increments of
         each stretch
-    iterations : (n_steps), of each increment
-    density : (n,) dissipation of each node in the revolution so far
-    cycle_starts : index of the state at which each revolution starts
-    cycle_density : per revolution, (n,) dissipation of each node; one for the whole path where it
-        is not periodic
-    excess : per revolution, what edges between nodes would add to it
-    steady_from : index of the first revolution that ended as it started, with what is left of the
+    iterations
+        (n_steps), of each increment
+    density
+        (n,) dissipation of each node in the revolution so far
+    cycle_starts
+        index of the state at which each revolution starts
+    cycle_density
+        per revolution, (n,) dissipation of each node; one for the whole path where it is not
+        periodic
+    excess
+        per revolution, what edges between nodes would add to it
+    steady_from
+        index of the first revolution that ended as it started, with what is left of the
         dissipation's way within its uncertainty
-    cycle_change : per revolution, largest change of a nodal p or q/f (f < 1) from its start to its
-        end, over the largest p
-    failure : what stopped the run, or None
+    cycle_change
+        per revolution, largest change of a nodal p or q/f (f < 1) from its start to its end,
+        over the largest p
+    failure
+        what stopped the run, or None
     """
 
     states: list[InterfaceState]
@@ -324,13 +347,16 @@ class Pace:
 
     Attributes
     ----------
-    load : what loads are divided by
-    steps_per_cycle : regular increments of one revolution, or of the longest leg of a polygon
-    step_tolerance : step error of a revolution over its dissipation that calls for shorter
-        increments
-    half_width, modulus : units of length and of stress; with `load` those of bulk stress, tilt and
-        moment follow
-    dissipation : expected of a revolution, scaled; 0 if unknown
+    load
+        what loads are divided by
+    steps_per_cycle
+        regular increments of one revolution, or of the longest leg of a polygon
+    step_tolerance
+        step error of a revolution over its dissipation that calls for shorter increments
+    half_width, modulus
+        units of length and of stress; with `load` those of bulk stress, tilt and moment follow
+    dissipation
+        expected of a revolution, scaled; 0 if unknown
     """
 
     load: float
@@ -367,9 +393,11 @@ def run_path(
 
     Parameters
     ----------
-    uncertainty : that mesh and steps give the dissipation, scaled; where it is unknown, NaN:
-        `REPEATS` of the dissipation
-    keep_all : whether all states of a long path are stored
+    uncertainty
+        that mesh and steps give the dissipation, scaled; where it is unknown, NaN: `REPEATS` of
+        the dissipation
+    keep_all
+        whether all states of a long path are stored
     """
     # Thinned only where theory on the straight steps between the instants is theory on the path
     # itself, whichever of them are kept.

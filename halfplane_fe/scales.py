@@ -78,18 +78,26 @@ class Scales:
 
     Attributes
     ----------
-    half_width : contact half-width at the largest load of the path [length]
-    inner : where the surface is to be fine from [length]: the least half-width that a contact or
-        stick edge has in a revolution, or the first kink of the profile, whichever is less; with
-        bulk stress or tilt the least distance of an edge from x = 0, and 0 where an edge crosses
-        it; 0 where the path does not repeat
-    reach : largest distance from x = 0 at which the faces touch [length]
-    load : largest normal load of the path [force per thickness]
-    modulus : E* [stress]
-    element : surface elements of the coarse run, over the half-width
-    dissipation : of its last revolution [energy / thickness]; NaN in scales that are shared with
-        scenes of other loads or friction
-    largest_pressure : at the largest load [stress]
+    half_width
+        contact half-width at the largest load of the path [length]
+    inner
+        where the surface is to be fine from [length]: the least half-width that a contact or
+        stick edge has in a revolution, or the first kink of the profile, whichever is less;
+        with bulk stress or tilt the least distance of an edge from x = 0, and 0 where an edge
+        crosses it; 0 where the path does not repeat
+    reach
+        largest distance from x = 0 at which the faces touch [length]
+    load
+        largest normal load of the path [force per thickness]
+    modulus
+        E* [stress]
+    element
+        surface elements of the coarse run, over the half-width
+    dissipation
+        of its last revolution [energy / thickness]; NaN in scales that are shared with scenes
+        of other loads or friction
+    largest_pressure
+        at the largest load [stress]
     """
 
     half_width: float
@@ -211,9 +219,12 @@ class RoomForContact:
 
     Attributes
     ----------
-    reach : largest distance from x = 0 at which the faces touch [length]
-    room : half the width of the narrower face [length]
-    scales : what the mesh depends on, see `find_scales`
+    reach
+        largest distance from x = 0 at which the faces touch [length]
+    room
+        half the width of the narrower face [length]
+    scales
+        what the mesh depends on, see `find_scales`
     """
 
     reach: float

@@ -16,18 +16,24 @@ class SolverSettings:
 
     Attributes
     ----------
-    method : "augmented_lagrangian" (the law is met exactly) or "penalty" (an elastic layer between
-    the faces) normal_stiffness, tangential_stiffness : over E*/h, h being the surface element of
-    the contact edges. Of the penalty layer:
-        pressure per penetration is normal_stiffness E*/h [stress/length]; the cost is a penetration
-        p h/(stiffness E*), an elastic slip and creep where the faces should stick, see
-        `FiniteElementSolution.penalty`. For augmented_lagrangian the weights of gap and slip in the
-        trial tractions: the answer does not depend on them
-    steps_per_cycle : regular increments of one revolution or of the longest leg of a polygon;
-        instants at which a node touches or lets go, and the turning points of the path, come on
-        top, and so do halved increments
-    step_tolerance : step error of a revolution, over its dissipation, above which increments are
-    halved; "inf" for never max_iterations : of one increment, before it counts as not converged
+    method
+        "augmented_lagrangian" (the law is met exactly) or "penalty" (an elastic layer between
+        the faces)
+    normal_stiffness, tangential_stiffness
+        over E*/h, h being the surface element of the contact edges. Of the penalty layer:
+        pressure per penetration is normal_stiffness E*/h [stress/length]; the cost is a
+        penetration p h/(stiffness E*), an elastic slip and creep where the faces should stick,
+        see `FiniteElementSolution.penalty`. For augmented_lagrangian the weights of gap and
+        slip in the trial tractions: the answer does not depend on them
+    steps_per_cycle
+        regular increments of one revolution or of the longest leg of a polygon; instants at
+        which a node touches or lets go, and the turning points of the path, come on top, and so
+        do halved increments
+    step_tolerance
+        step error of a revolution, over its dissipation, above which increments are halved;
+        "inf" for never
+    max_iterations
+        of one increment, before it counts as not converged
     """
 
     method: Literal["augmented_lagrangian", "penalty"] = "augmented_lagrangian"

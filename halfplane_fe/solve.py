@@ -101,20 +101,28 @@ class FiniteElementSolution(ContactSolution):
 
     Attributes
     ----------
-    bodies : lower and upper BodyMesh, each in its own frame (y out of the body)
-    condensed : lower and upper CondensedBody
-    states : one InterfaceState per step, scaled
-    weights : (n_points,) share of the surface of each contact point, so that pressure times weight
-        is a nodal force [length]
-    normals : (2, n_points) of the line half-way between the faces, out of the lower body: pressure
+    bodies
+        lower and upper BodyMesh, each in its own frame (y out of the body)
+    condensed
+        lower and upper CondensedBody
+    states
+        one InterfaceState per step, scaled
+    weights
+        (n_points,) share of the surface of each contact point, so that pressure times weight is
+        a nodal force [length]
+    normals
+        (2, n_points) of the line half-way between the faces, out of the lower body: pressure
         acts along it
-    scales : what the coarse run found; with E* the units of `states`
-    penalty : what the layer of the penalty method costs
-    largest_pressure_uncertainty : of the largest pressure at the points, see
-        `resolution.peak_uncertainty`; NaN where the elements at the edges are like those of the
-        coarse run [stress]
-    contact_edge_uncertainty, stick_edge_uncertainty : (n_steps, 2) how far each edge may be from
-        the true one, by the mesh alone [length]; see `edges`
+    scales
+        what the coarse run found; with E* the units of `states`
+    penalty
+        what the layer of the penalty method costs
+    largest_pressure_uncertainty
+        of the largest pressure at the points, see `resolution.peak_uncertainty`; NaN where the
+        elements at the edges are like those of the coarse run [stress]
+    contact_edge_uncertainty, stick_edge_uncertainty
+        (n_steps, 2) how far each edge may be from the true one, by the mesh alone [length]; see
+        `edges`
     """
 
     bodies: tuple[BodyMesh, BodyMesh]
@@ -141,11 +149,15 @@ def solve(
 
     Parameters
     ----------
-    scene : the question, or its name in the library, or the path of its file
-    mesh, settings : how it is cut and iterated; defaults serve the paper's scenes
-    progress : called with (done, total, text) as work goes on
-    scales : those of an earlier solution of the same scene, on whatever mesh: spares the coarse
-        run, moves no number
+    scene
+        the question, or its name in the library, or the path of its file
+    mesh, settings
+        how it is cut and iterated; defaults serve the paper's scenes
+    progress
+        called with (done, total, text) as work goes on
+    scales
+        those of an earlier solution of the same scene, on whatever mesh: spares the coarse run,
+        moves no number
 
     Raises
     ------
@@ -156,6 +168,8 @@ def solve(
     ConvergenceError
         With `partial`, the solution up to the last accepted increment.
 
+    Examples
+    --------
     >>> fe = solve("hertz-normal", mesh=MeshSettings.coarse())
     >>> round(float(fe.contact_half_width.max()), 2)  # a = 1 mm by Hertz
     1.0

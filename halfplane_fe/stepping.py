@@ -67,12 +67,17 @@ class Increment:
 
     Attributes
     ----------
-    state : at its end
-    solved : (n,) states of the nodes that were solved for. They differ from those of `state` at
+    state
+        at its end
+    solved
+        (n,) states of the nodes that were solved for. They differ from those of `state` at
         events only: there a node that touches or lets go has changed sides at the very end
-    step_error : see `energy.step_errors`
-    iterations : of the active set
-    event : what the increment ends with
+    step_error
+        see `energy.step_errors`
+    iterations
+        of the active set
+    event
+        what the increment ends with
     """
 
     state: InterfaceState
@@ -147,10 +152,14 @@ class _ErrorControl:
 
     Attributes
     ----------
-    allowed : step error of an increment of some duration
-    shortest : increments up to that duration are not halved
-    refused_start, refused_error : of the increment that was refused last
-    jumps : whether the interface has jumped, so that halving does not help
+    allowed
+        step error of an increment of some duration
+    shortest
+        increments up to that duration are not halved
+    refused_start, refused_error
+        of the increment that was refused last
+    jumps
+        whether the interface has jumped, so that halving does not help
     """
 
     problem: ContactProblem
@@ -224,9 +233,12 @@ class _Trial:
 
     Attributes
     ----------
-    end : latest instant that it may have
-    target : instant that was predicted last
-    iterations : of the active set, so far
+    end
+        latest instant that it may have
+    target
+        instant that was predicted last
+    iterations
+        of the active set, so far
     """
 
     problem: ContactProblem
@@ -282,7 +294,8 @@ def next_event(
 
     Parameters
     ----------
-    states : (n,) that the nodes have on the way. Those that touch are the ones of `start`
+    states
+        (n,) that the nodes have on the way. Those that touch are the ones of `start`
     """
     before = start
     try:

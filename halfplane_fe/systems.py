@@ -88,16 +88,26 @@ class _Base:
 
     Attributes
     ----------
-    kinds : (2 n,) of its rows: closed, then the states
-    traction : (n,) q over p of the nodes that slide
-    held : (k,) rows of gap, slip and loads that hold; the unknowns of these numbers are solved for
-    place : (2 n + 5,) of each row among `held`, -1 of others
-    factors : of the equations of `held`
-    free : (n_free,) rows of gap and slip that do not hold
-    beyond : (n_free, k) those rows of the matrix
-    number : (2 n + 5,) place in `answers` of the answer to each row or load, -1 where it is unknown
-    answers : (m, 3 + 4 n), of which `count` are known
-    met : sets that were reached from it: met again, they have the same bits
+    kinds
+        (2 n,) of its rows: closed, then the states
+    traction
+        (n,) q over p of the nodes that slide
+    held
+        (k,) rows of gap, slip and loads that hold; the unknowns of these numbers are solved for
+    place
+        (2 n + 5,) of each row among `held`, -1 of others
+    factors
+        of the equations of `held`
+    free
+        (n_free,) rows of gap and slip that do not hold
+    beyond
+        (n_free, k) those rows of the matrix
+    number
+        (2 n + 5,) place in `answers` of the answer to each row or load, -1 where it is unknown
+    answers
+        (m, 3 + 4 n), of which `count` are known
+    met
+        sets that were reached from it: met again, they have the same bits
     """
 
     kinds: States
@@ -123,11 +133,15 @@ class _Nested:
 
     Attributes
     ----------
-    compliance : (n, n) C
-    inverse : (n, n) X = L^-1 of C = L L^T
-    uniform, moved : (n, n) in row k - 1 the forces that move each of the first k nodes by 1, and
-        what these forces move all nodes by
-    stiffness : (n,) sum of the forces of each row of `uniform`
+    compliance
+        (n, n) C
+    inverse
+        (n, n) X = L^-1 of C = L L^T
+    uniform, moved
+        (n, n) in row k - 1 the forces that move each of the first k nodes by 1, and what these
+        forces move all nodes by
+    stiffness
+        (n,) sum of the forces of each row of `uniform`
     """
 
     def __init__(self, compliance: Array, factor: Array) -> None:
@@ -145,10 +159,14 @@ class _Nested:
 
         Parameters
         ----------
-        held : the first nodes, whose C F - r is known; of the others F is known
-        touching : nodes beyond which the known F is most often 0
-        known : (n, m) what is known of each node
-        total : (m,) sum of F
+        held
+            the first nodes, whose C F - r is known; of the others F is known
+        touching
+            nodes beyond which the known F is most often 0
+        known
+            (n, m) what is known of each node
+        total
+            (m,) sum of F
         """
         forces = known.copy()
         moved = known.copy()
@@ -253,16 +271,22 @@ class Systems:
 
         Parameters
         ----------
-        states : which the nodes keep
-        n_loads : 2 (P and Q) or 5 (bulk stresses and tilt too)
-        rows : numbers of rows, that of the gap i and that of the slip n + i
-        changes : (len(rows),) of these rows while no load changes: one more row of what is returned
+        states
+            which the nodes keep
+        n_loads
+            2 (P and Q) or 5 (bulk stresses and tilt too)
+        rows
+            numbers of rows, that of the gap i and that of the slip n + i
+        changes
+            (len(rows),) of these rows while no load changes: one more row of what is returned
 
         Raises
         ------
         SingularSet
             If the states leave the bodies free to move.
 
+        Examples
+        --------
         >>> springs = np.eye(2)  # two nodes, each on a spring of its own: one sticks, one slips
         >>> none = np.zeros(2)
         >>> places, normals = np.array([0.0, 1.0]), np.array([[0.0, 0.0], [1.0, 1.0]])

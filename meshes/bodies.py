@@ -27,14 +27,23 @@ class MeshSettings:
 
     Attributes
     ----------
-    element_size : surface elements where p and q are smooth
-    edge_element_size : surface elements where the contact and stick edges travel
-    upper_ratio : surface elements of the upper body over those of the lower; 1 for matching sides
-    far_radius : radius L of the half-disc that stands for a half-plane
-    growth : growth of the element size with the distance from the contact
-    order : 1 or 2, of elements and geometry
-    cells : "triangles" or "quadrilaterals"
+    element_size
+        surface elements where p and q are smooth
+    edge_element_size
+        surface elements where the contact and stick edges travel
+    upper_ratio
+        surface elements of the upper body over those of the lower; 1 for matching sides
+    far_radius
+        radius L of the half-disc that stands for a half-plane
+    growth
+        growth of the element size with the distance from the contact
+    order
+        1 or 2, of elements and geometry
+    cells
+        "triangles" or "quadrilaterals"
 
+    Examples
+    --------
     >>> MeshSettings(edge_element_size=1 / 320).far_radius  # finer edges, half-discs of 10 a
     10.0
     """
@@ -147,13 +156,18 @@ class BodyMesh:
 
     Attributes
     ----------
-    name : for headings and files
-    mesh : skfem mesh with the boundary "contact", those that are supported, and "free"
-    grading : the surface as it was asked for
-    quality : figure by name; see `mesh_quality`
-    supports : boundary -> "half_plane" (follows the displacement of the half-plane around it),
-        "fixed", "rollers" (moves along x only), "guided" (along y only) or "pulled" (free ends that
-        a bulk stress acts on; those of a body on rollers hold Q)
+    name
+        for headings and files
+    mesh
+        skfem mesh with the boundary "contact", those that are supported, and "free"
+    grading
+        the surface as it was asked for
+    quality
+        figure by name; see `mesh_quality`
+    supports
+        boundary -> "half_plane" (follows the displacement of the half-plane around it),
+        "fixed", "rollers" (moves along x only), "guided" (along y only) or "pulled" (free ends
+        that a bulk stress acts on; those of a body on rollers hold Q)
     """
 
     name: str
@@ -275,7 +289,8 @@ def size_formula(
 
     Parameters
     ----------
-    base_corner : (x, y) of the corner of a free side with a fixed base; None without one. Strain is
+    base_corner
+        (x, y) of the corner of a free side with a fixed base; None without one. Strain is
         infinite there
     """
     outer, inner = grading.outer, grading.inner

@@ -24,10 +24,14 @@ def write_vtu(
 
     Parameters
     ----------
-    path : file to write
-    points : (n_points, 2) [length]
-    cells : (n_elements, 3, 6, 4 or 9): corners, mid-side nodes, middle; (n_elements, 2) for lines
-    point_data : name -> (n_points,) or (n_points, k); vectors of two components get a third, 0
+    path
+        file to write
+    points
+        (n_points, 2) [length]
+    cells
+        (n_elements, 3, 6, 4 or 9): corners, mid-side nodes, middle; (n_elements, 2) for lines
+    point_data
+        name -> (n_points,) or (n_points, k); vectors of two components get a third, 0
     """
     kind = {2: "line", 3: "triangle", 6: "triangle6", 4: "quad", 9: "quad9"}[cells.shape[1]]
     data = {name: _three_components(values) for name, values in point_data.items()}
@@ -52,7 +56,8 @@ def write_pvd(path: str | Path, entries: Sequence[PvdEntry]) -> None:
 
     Parameters
     ----------
-    path : file to write, in the folder that the entries' files lie in or above it
+    path
+        file to write, in the folder that the entries' files lie in or above it
     """
     lines = [
         f"  <DataSet timestep={quoteattr(repr(entry.time))} part={quoteattr(str(entry.part))} "

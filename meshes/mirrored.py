@@ -29,8 +29,10 @@ def mesh_quality(mesh: skfem.Mesh, exact_area: float) -> dict[str, float]:
 
     Parameters
     ----------
-    mesh : triangles or quadrilaterals of order 1 or 2
-    exact_area : area of the body that the mesh stands for [length^2]
+    mesh
+        triangles or quadrilaterals of order 1 or 2
+    exact_area
+        area of the body that the mesh stands for [length^2]
 
     Returns
     -------
@@ -106,12 +108,16 @@ def mirrored_mesh(
 
     Parameters
     ----------
-    draw : puts the half into gmsh's current model (geo kernel, lengths of order one) and says which
-        curves have which name; curves without a name lie on the axis
-    size : element size at a point (x, y), as a formula of gmsh's field MathEval; for quadrilaterals
-        twice the one wanted, and likewise each curve's elements
-    order : 1 or 2, of elements and geometry
-    settle : given the points (n, 2) of the half and those of each name, the points where they shall
+    draw
+        puts the half into gmsh's current model (geo kernel, lengths of order one) and says
+        which curves have which name; curves without a name lie on the axis
+    size
+        element size at a point (x, y), as a formula of gmsh's field MathEval; for
+        quadrilaterals twice the one wanted, and likewise each curve's elements
+    order
+        1 or 2, of elements and geometry
+    settle
+        given the points (n, 2) of the half and those of each name, the points where they shall
         be
 
     Returns

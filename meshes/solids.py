@@ -247,10 +247,14 @@ def build(
 
     Parameters
     ----------
-    name : "lower" or "upper", as the scene calls it
-    profile : the face of a pad
-    grading : of the contact side
-    mesh : growth, order and kind of the elements
+    name
+        "lower" or "upper", as the scene calls it
+    profile
+        the face of a pad
+    grading
+        of the contact side
+    mesh
+        growth, order and kind of the elements
 
     Raises
     ------

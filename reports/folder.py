@@ -242,12 +242,15 @@ def filled(
 
     Parameters
     ----------
-    out : the folder
-    fresh : beginnings of the names of earlier files that are removed where they are not written
+    out
+        the folder
+    fresh
+        beginnings of the names of earlier files that are removed where they are not written
         again
-    solutions : names of files, each written in one go, that must outlive a fault in what is written
-        after them. They move to `out` alone, and a note of the error says so; where the disk itself
-        fails they are kept beside `out`
+    solutions
+        names of files, each written in one go, that must outlive a fault in what is written
+        after them. They move to `out` alone, and a note of the error says so; where the disk
+        itself fails they are kept beside `out`
 
     Raises
     ------

@@ -246,7 +246,8 @@ def fit_in_words(scene: Scene, half_width: float) -> list[str]:
 
     Parameters
     ----------
-    half_width : of the largest contact
+    half_width
+        of the largest contact
     """
     fitted = fit_of(scene)
     if fitted is None:
@@ -294,7 +295,8 @@ def fit_warnings(scene: Scene, half_width: float) -> list[str]:
 
     Parameters
     ----------
-    half_width : of the largest contact
+    half_width
+        of the largest contact
     """
     fitted = fit_of(scene)
     if fitted is None:

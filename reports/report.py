@@ -20,11 +20,16 @@ class ThirdAnswer(Protocol):
 
     Attributes
     ----------
-    text : the input that it was run on
-    comparison : its answer against half-plane theory; None where it failed
-    failure : the sentence, "" where it did not
-    heads : titles of the columns of its table, of which `rows` gives the lines
-    sentences : what must stand beside the table
+    text
+        the input that it was run on
+    comparison
+        its answer against half-plane theory; None where it failed
+    failure
+        the sentence, "" where it did not
+    heads
+        titles of the columns of its table, of which `rows` gives the lines
+    sentences
+        what must stand beside the table
     """
 
     @property
@@ -57,13 +62,20 @@ class Report:
 
     Attributes
     ----------
-    comparison : what was compared; its metrics have the uncertainties of the budget
-    budget : where the error of every metric comes from, where that was measured
-    guesses : what was taken for granted of somebody else's result, to be read before anything else
-    diagnoses : the likely causes of somebody else's difference, the strongest first
-    study : what the result's own coarser meshes say, where it came as a folder of them
-    third : the answer of another code to the same scene
-    unscored : files of the folder of results that could not be scored
+    comparison
+        what was compared; its metrics have the uncertainties of the budget
+    budget
+        where the error of every metric comes from, where that was measured
+    guesses
+        what was taken for granted of somebody else's result, to be read before anything else
+    diagnoses
+        the likely causes of somebody else's difference, the strongest first
+    study
+        what the result's own coarser meshes say, where it came as a folder of them
+    third
+        the answer of another code to the same scene
+    unscored
+        files of the folder of results that could not be scored
     """
 
     comparison: Comparison

@@ -22,13 +22,16 @@ def real_numbers(values: Any, name: str) -> NDArray[np.float64]:
 
     Parameters
     ----------
-    name : of the argument, for the sentence
+    name
+        of the argument, for the sentence
 
     Raises
     ------
     InputError
         For complex numbers, truth values, texts, dates, and what is no array of numbers.
 
+    Examples
+    --------
     >>> real_numbers(np.ma.masked_greater([1.0, 3.0], 2.0), "load").tolist()
     [1.0, nan]
     >>> real_numbers([1j], "load")

@@ -193,10 +193,13 @@ class Face:
 
     Attributes
     ----------
-    depth : how far the face at x lies below its point of first contact [length]; any shape
-    arc : centre (x > 0 half) and radius of the arc that the face is from some place outwards, or
+    depth
+        how far the face at x lies below its point of first contact [length]; any shape
+    arc
+        centre (x > 0 half) and radius of the arc that the face is from some place outwards, or
         None
-    flat : whether the whole face is y = 0
+    flat
+        whether the whole face is y = 0
     """
 
     depth: Callable[[Array], Array]

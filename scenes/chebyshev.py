@@ -102,8 +102,10 @@ class Pieces:
 
     Attributes
     ----------
-    edges : (n + 1,) ascending
-    coefficients : (DEGREE + 1, n)
+    edges
+        (n + 1,) ascending
+    coefficients
+        (DEGREE + 1, n)
     """
 
     edges: Array

@@ -70,13 +70,22 @@ class InadmissibleLoadError(InputError):
 
     Parameters
     ----------
-    reason : "gross sliding" or "separation"
-    time, normal_load, tangential_load : the instant and the loads at which it happens
-    friction : f
-    seen : time, P and Q where the fault shows, if not there: a path that slides from the unloaded
-    state on does so at P = Q = 0 where : words on that place, such as "worst in the cycle"
-    rule : what is broken and what to do, in place of the words for `reason`
+    reason
+        "gross sliding" or "separation"
+    time, normal_load, tangential_load
+        the instant and the loads at which it happens
+    friction
+        f
+    seen
+        time, P and Q where the fault shows, if not there: a path that slides from the unloaded
+        state on does so at P = Q = 0
+    where
+        words on that place, such as "worst in the cycle"
+    rule
+        what is broken and what to do, in place of the words for `reason`
 
+    Examples
+    --------
     >>> print(InadmissibleLoadError("separation", 1.5, 0.0, 0.0, 0.5, (2.0, -3.0, 0.0)))
     load: separation from time 1.5 on, at time 2 with P = -3, Q = 0: P is not positive there, so the
     bodies part; keep P > 0 after the start
@@ -112,8 +121,8 @@ class ConvergenceError(RuntimeError):
 
     Attributes
     ----------
-    partial : ContactSolution or None
-        The solution up to the last accepted step.
+    partial
+        ContactSolution or None The solution up to the last accepted step.
     """
 
     def __init__(self, message: str, partial: Any = None) -> None:
@@ -130,9 +139,9 @@ class Interrupted(KeyboardInterrupt):
 
     Attributes
     ----------
-    partial : ContactSolution or None
-        The solution up to the last accepted step, or the whole of one that later work was
-        interrupted on.
+    partial
+        ContactSolution or None The solution up to the last accepted step, or the whole of one
+        that later work was interrupted on.
     """
 
     def __init__(self, message: str = "", partial: Any = None) -> None:

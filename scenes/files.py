@@ -60,8 +60,10 @@ def text_of(path: Path, what: str, most: int = TEXT, advice: str = "") -> str:
 
     Parameters
     ----------
-    what : what the file is to the user, as in "the scene file"
-    advice : what to do about one that is too large
+    what
+        what the file is to the user, as in "the scene file"
+    advice
+        what to do about one that is too large
 
     Raises
     ------
@@ -457,6 +459,8 @@ def source_digest(*names: str) -> str:
     InputError
         Where a module is missing, or is there without its source.
 
+    Examples
+    --------
     >>> len(source_digest("scenes.files"))
     64
     """

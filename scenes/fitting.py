@@ -78,13 +78,20 @@ class FitRequest:
 
     Attributes
     ----------
-    kind : "hertz", "flat_rounded", "even_polynomial" or "smoothing_spline"
-    noise : standard deviation of h; None: that of the residuals
-    centre : x of the middle; None: fitted
-    extent : largest distance from the middle of the rows that count; None: all count
-    tilt : slope of the trace; None: fitted where the rows can show it
-    weight : of the smoothing; None: that of the least expected error
-    guess : middle and half-length of the flat at which the search begins; None: the best of many
+    kind
+        "hertz", "flat_rounded", "even_polynomial" or "smoothing_spline"
+    noise
+        standard deviation of h; None: that of the residuals
+    centre
+        x of the middle; None: fitted
+    extent
+        largest distance from the middle of the rows that count; None: all count
+    tilt
+        slope of the trace; None: fitted where the rows can show it
+    weight
+        of the smoothing; None: that of the least expected error
+    guess
+        middle and half-length of the flat at which the search begins; None: the best of many
     """
 
     kind: str
@@ -217,9 +224,12 @@ def fitted_again(
 
     Parameters
     ----------
-    profile : one with `fitted`
-    noise : of each row, over that of the fit: the other measurement is the fitted curve with it
-    smoothing : weight of the smoothing over that of the fit
+    profile
+        one with `fitted`
+    noise
+        of each row, over that of the fit: the other measurement is the fitted curve with it
+    smoothing
+        weight of the smoothing over that of the fit
     """
     fitted = profile.fitted
     x, h = fitted.rows.values[fitted.used_rows()].T

@@ -79,7 +79,8 @@ def refusal(faults: ValidationError, data: Any, model: type[Frozen]) -> str:
 
     Parameters
     ----------
-    data : the keys as they stand in the file, tables as dicts and lists
+    data
+        the keys as they stand in the file, tables as dicts and lists
     """
     listed = model.keys_listed
     # Unknown keys first: a misspelt key is a missing one too. Then the deepest: of a union's
@@ -277,10 +278,11 @@ class Frozen(BaseModel, metaclass=_OneDoor):
 
         Parameters
         ----------
-        changes : key -> value. A value is what the constructor takes: a number, a list, a model. A
+        changes
+            key -> value. A value is what the constructor takes: a number, a list, a model. A
             mapping given for a table of keys changes those keys and keeps the others, at every
-            depth. A mapping with another `kind` than the table has replaces it whole: nothing of an
-            ellipse is right for a polygon. A list replaces the whole list.
+            depth. A mapping with another `kind` than the table has replaces it whole: nothing
+            of an ellipse is right for a polygon. A list replaces the whole list.
 
         Raises
         ------
@@ -288,6 +290,8 @@ class Frozen(BaseModel, metaclass=_OneDoor):
             One sentence with key, value and rule: for an unknown key, or a value that the scene
             file would not be allowed either.
 
+        Examples
+        --------
         >>> from scenes import load_scene
         >>> scene = load_scene("hertz-paper").vary(friction=0.6, load={"phase_degrees": 60})
         >>> scene.friction.coefficient, scene.load.phase_degrees, scene.load.kind
@@ -392,6 +396,8 @@ def validated(given: M, wanted: type[Frozen]) -> M:
         One sentence: for what is none of `wanted`, and for what was made past the checks
         (`model_construct`) and does not pass.
 
+    Examples
+    --------
     >>> from scenes import Elastic
     >>> validated(Elastic.model_construct(young_modulus=1.0, poisson_ratio=0.7), Elastic)
     Traceback (most recent call last):
@@ -417,9 +423,12 @@ def checked(
 
     Parameters
     ----------
-    where : what a refusal begins with
-    of_file : whether the keys come from a file: then "1.0" and true are no numbers
-    folder : where files lie that the keys name
+    where
+        what a refusal begins with
+    of_file
+        whether the keys come from a file: then "1.0" and true are no numbers
+    folder
+        where files lie that the keys name
 
     Raises
     ------

@@ -60,8 +60,10 @@ class Rounding(NamedTuple):
 
     Attributes
     ----------
-    load : of P = E* int x h'(x)/sqrt(a^2 - x^2) dx, over P
-    stiffness : of dP/da, over P/a
+    load
+        of P = E* int x h'(x)/sqrt(a^2 - x^2) dx, over P
+    stiffness
+        of dP/da, over P/a
     """
 
     load: float
@@ -78,9 +80,12 @@ class HeightSlope:
 
     Attributes
     ----------
-    slope : h'(x), any shape
-    edges : (n,) ends of the pieces on which the slope is one polynomial
-    rounding : what it leaves uncertain in loads
+    slope
+        h'(x), any shape
+    edges
+        (n,) ends of the pieces on which the slope is one polynomial
+    rounding
+        what it leaves uncertain in loads
     """
 
     slope: Function
@@ -96,6 +101,8 @@ def slope_of_height(height: Function, edges: Array) -> HeightSlope:
     Unresolved
         Where the height is too rough to have a slope.
 
+    Examples
+    --------
     >>> found = slope_of_height(lambda x: x**2 / 2, 2.0 ** np.arange(-3.0, 1.0))
     >>> found.slope(np.array([0.3, 0.9])).round(13).tolist(), found.rounding.load < 1e-13
     ([0.3, 0.9], True)
@@ -132,9 +139,13 @@ class _Samples:
 
     Attributes
     ----------
-    places : (n,) Chebyshev points of 26 binary digits, so that low + half (1 + place) has next to
-    no rounding values : (n, DEGREE + 1) T_k(place)
-    to_series : (n, DEGREE + 1) coefficients by least squares are values at the places times this
+    places
+        (n,) Chebyshev points of 26 binary digits, so that low + half (1 + place) has next to no
+        rounding
+    values
+        (n, DEGREE + 1) T_k(place)
+    to_series
+        (n, DEGREE + 1) coefficients by least squares are values at the places times this
     """
 
     places: Array
@@ -220,9 +231,12 @@ class _Core:
 
     Attributes
     ----------
-    bracket, power : m g + s g' as a series on 0 < s < 1; m - 1
-    of_heights : rounding of the values of h
-    rounding : what it leaves uncertain in loads
+    bracket, power
+        m g + s g' as a series on 0 < s < 1; m - 1
+    of_heights
+        rounding of the values of h
+    rounding
+        what it leaves uncertain in loads
     """
 
     end: float

@@ -128,12 +128,18 @@ class ColumnUnit:
 
     Attributes
     ----------
-    word : as it stands in the file or was stated; empty where there is none
-    source : "in its heading", or "stated"
-    factor : from the numbers of the file to the unit of the scene; 1 where no unit is known
-    per_length : whether it is a force per length
-    fault : why the word is no unit that can be used; empty where it can
-    words : all this for the user; empty where the unit of a time is not stated
+    word
+        as it stands in the file or was stated; empty where there is none
+    source
+        "in its heading", or "stated"
+    factor
+        from the numbers of the file to the unit of the scene; 1 where no unit is known
+    per_length
+        whether it is a force per length
+    fault
+        why the word is no unit that can be used; empty where it can
+    words
+        all this for the user; empty where the unit of a time is not stated
     """
 
     word: str
@@ -156,8 +162,10 @@ def unit_of_column(
 
     Parameters
     ----------
-    kind : what the column must be
-    units : those of the scene, such as "N, mm, MPa"
+    kind
+        what the column must be
+    units
+        those of the scene, such as "N, mm, MPa"
     """
     source = "stated" if stated else "in its heading"
     word = stated or table.units[column] or short_unit_in(table.headings[column], kind)
@@ -393,12 +401,16 @@ def reduced(
 
     Parameters
     ----------
-    average : how many neighbouring rows are replaced by their mean first; 1 for none
-    how : "turning_points": rows at which P or Q turns by more than the threshold, `normal` of P and
-        `tangential` of Q. "tolerance": straight lines, each as long as it can be, that pass the
-        other rows, in their order, at distances of at most `normal` in P and `tangential` in Q.
-        None: all
+    average
+        how many neighbouring rows are replaced by their mean first; 1 for none
+    how
+        "turning_points": rows at which P or Q turns by more than the threshold, `normal` of P
+        and `tangential` of Q. "tolerance": straight lines, each as long as it can be, that pass
+        the other rows, in their order, at distances of at most `normal` in P and `tangential`
+        in Q. None: all
 
+    Examples
+    --------
     >>> record = Table.of([[0, 9, 0], [1, 9, 5], [2, 9, 4.9], [3, 9, 8], [4, 9, -8]])
     >>> reduced(record, 1, "turning_points", 0.0, 0.5)[:, 2].tolist()
     [0.0, 8.0, -8.0]

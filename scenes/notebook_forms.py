@@ -20,9 +20,12 @@ class NotebookForms:
 
     Attributes
     ----------
-    scene_html, solution_html : of a scene, of a solution; a table as HTML
-    solution_figure : of a solution and a time or None; a matplotlib Figure
-    loop_figure : of a solution; a matplotlib Figure
+    scene_html, solution_html
+        of a scene, of a solution; a table as HTML
+    solution_figure
+        of a solution and a time or None; a matplotlib Figure
+    loop_figure
+        of a solution; a matplotlib Figure
     """
 
     scene_html: Callable[[Any], str]

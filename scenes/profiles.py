@@ -860,18 +860,22 @@ def fit_profile(
 
     Parameters
     ----------
-    kind, noise, centre, extent, tilt : keys of `fit` of a tabulated profile
+    kind, noise, centre, extent, tilt
+        keys of `fit` of a tabulated profile
 
     Returns
     -------
-    The profile, with `fitted` saying what it was fitted to. A `smoothing_spline` is a `Tabulated`
-    of the curve's own rows.
+    Hertz | FlatRounded | EvenPolynomial | Tabulated
+        The profile, with `fitted` saying what it was fitted to. A `smoothing_spline` is a
+        `Tabulated` of the curve's own rows.
 
     Raises
     ------
     InputError
         One sentence with the row: too few rows, x that does not ascend, rows that do not bend up.
 
+    Examples
+    --------
     >>> x = np.linspace(-1.4, 1.6, 31)
     >>> profile = fit_profile(np.stack([x, (x - 0.1) ** 2 / 2000], axis=1), "hertz", noise=1e-9)
     >>> round(profile.radius, 6), round(profile.fitted.centre, 9)

@@ -385,6 +385,8 @@ def load_scene(source: str | Path) -> Scene:
     InputError
         One sentence that names file, key, value and rule.
 
+    Examples
+    --------
     >>> load_scene("hertz-paper").friction.coefficient
     1.0
     """
@@ -427,6 +429,8 @@ def scene_of(scene: Scene | str | Path) -> Scene:
     InputError
         As `load_scene`; for what is no scene, or does not pass its check.
 
+    Examples
+    --------
     >>> scene_of("hertz-paper") == load_scene("hertz-paper")
     True
     """

@@ -102,9 +102,12 @@ class LoadSegment(abc.ABC):
 
     Attributes
     ----------
-    bulk : over the same time, with the stresses of the lower and of the upper body in place of P
-    and Q; None for none turning : likewise with tilt and moment, one of which is 0 throughout; None
-    where neither is stated
+    bulk
+        over the same time, with the stresses of the lower and of the upper body in place of P
+        and Q; None for none
+    turning
+        likewise with tilt and moment, one of which is 0 throughout; None where neither is
+        stated
     """
 
     start: float

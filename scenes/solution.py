@@ -57,20 +57,28 @@ class Record:
 
     Attributes
     ----------
-    converged : whether every step met its tolerance
-    termination : "steady", "ratcheting" (U drifts by the same in each cycle), "end of path", "not
-    converged" or "interrupted" message : the same, as a sentence
-    iterations : (n_steps,) contact iterations of each step
-    certificates : name -> (n_steps,), dimensionless residuals and violations of each step (0 is
-        perfect)
-    energy : name -> (n_steps,), energies of each step alone (increments, not running totals) per
+    converged
+        whether every step met its tolerance
+    termination
+        "steady", "ratcheting" (U drifts by the same in each cycle), "end of path", "not
+        converged" or "interrupted"
+    message
+        the same, as a sentence
+    iterations
+        (n_steps,) contact iterations of each step
+    certificates
+        name -> (n_steps,), dimensionless residuals and violations of each step (0 is perfect)
+    energy
+        name -> (n_steps,), energies of each step alone (increments, not running totals) per
         unit thickness, in the scene's units
-    notes : everything that a reader must not miss: fallbacks, neglected coupling, clipped values
-    errors : field -> estimate, from above, of the largest error that quadratures and series left in
-        it, over the largest value of the field (of f p for the shear), 1 % of a away from edges,
-        where tractions are roots; "... at the edge" for the points asked for, however near; of
-        `dissipation` and `loop_work` over themselves. Fields in closed form, and engines that
-        estimate none, have no entry
+    notes
+        everything that a reader must not miss: fallbacks, neglected coupling, clipped values
+    errors
+        field -> estimate, from above, of the largest error that quadratures and series left in
+        it, over the largest value of the field (of f p for the shear), 1 % of a away from
+        edges, where tractions are roots; "... at the edge" for the points asked for, however
+        near; of `dissipation` and `loop_work` over themselves. Fields in closed form, and
+        engines that estimate none, have no entry
     """
 
     converged: bool
@@ -107,38 +115,61 @@ class ContactSolution:
 
     Attributes
     ----------
-    time, normal_load, tangential_load : (n_steps,)
-    x : (n_points,), contact points of the lower body, ascending [length]
-    pressure, shear : (n_steps, n_points) [stress]; pressure >= 0; shear along +x on the lower body,
-    positive with Q slip : (n_steps, n_points) [length], upper over lower; goes on as relative
-    displacement while a point is open state : (n_steps, n_points), SurfaceState as int8
-    contact_edges, stick_edges : (n_steps, 2) [length], left and right; in full stick the stick
-        edges are the contact edges, in full slip NaN
-    contact_half_width, stick_half_width : (n_steps,) [length]
-    tangential_displacement, normal_approach : (n_steps,) [length], upper relative to lower (along
-        +x; towards each other), counted from half-planes whose surface does not move at
-        `profile.datum_length` from the load:
-        U = (A/pi) int M' ln(2 L/a) d eta
-    dissipation_density : (n_points,) [energy / area], of the last whole cycle
-    dissipation : energy per unit thickness, of the last whole cycle
-    dissipation_uncertainty : of `dissipation`, by mesh and steps of finite elements [energy /
-        thickness]; NaN where it is unknown, as of other engines
-    loop_work : closed integral of Q dU - m_q d(eps) over the last whole cycle, m_q the
-        `shear_moment` and eps the bulk strain (0 without bulk stress, where Q dU alone is left):
-        between half-planes of like materials the second and independent way to the dissipation (of
-        other bodies that of P dV, V the approach, comes to it);
-        NaN where the last cycle does not end in the state it started from
-    cycle_dissipation : (n_cycles,); a path that is not periodic counts as one cycle
-    permanent_stick_half_width : largest half-width that sticks through the whole last cycle
-    [length]; NaN if none steady_from : index of the first cycle that ends in the state it started
-    from; None if none did bulk_stress_lower, bulk_stress_upper : (n_steps,) bulk stress along x in
-    each body, tension positive [stress]; these and the
-        next four are None where the scene has neither bulk stress nor tilt and a symmetric profile
-    tilt, moment : (n_steps,) turn of the upper body that opens the gap at x > 0 [rad]; int x p dx
-    [force] shear_moment : (n_steps,) m_q = int x q dx [force]
-    permanent_stick_edges : (2,) left and right end of what sticks through the whole last cycle
-    [length]; NaN if nothing does record, work, scene, settings, versions : how it came about
-    engine : "semi_analytic", "halfplane_fe", or somebody else's name
+    time, normal_load, tangential_load
+        (n_steps,)
+    x
+        (n_points,), contact points of the lower body, ascending [length]
+    pressure, shear
+        (n_steps, n_points) [stress]; pressure >= 0; shear along +x on the lower body, positive
+        with Q
+    slip
+        (n_steps, n_points) [length], upper over lower; goes on as relative displacement while a
+        point is open
+    state
+        (n_steps, n_points), SurfaceState as int8
+    contact_edges, stick_edges
+        (n_steps, 2) [length], left and right; in full stick the stick edges are the contact
+        edges, in full slip NaN
+    contact_half_width, stick_half_width
+        (n_steps,) [length]
+    tangential_displacement, normal_approach
+        (n_steps,) [length], upper relative to lower (along +x; towards each other), counted
+        from half-planes whose surface does not move at `profile.datum_length` from the load: U
+        = (A/pi) int M' ln(2 L/a) d eta
+    dissipation_density
+        (n_points,) [energy / area], of the last whole cycle
+    dissipation
+        energy per unit thickness, of the last whole cycle
+    dissipation_uncertainty
+        of `dissipation`, by mesh and steps of finite elements [energy / thickness]; NaN where
+        it is unknown, as of other engines
+    loop_work
+        closed integral of Q dU - m_q d(eps) over the last whole cycle, m_q the `shear_moment`
+        and eps the bulk strain (0 without bulk stress, where Q dU alone is left): between
+        half-planes of like materials the second and independent way to the dissipation (of
+        other bodies that of P dV, V the approach, comes to it); NaN where the last cycle does
+        not end in the state it started from
+    cycle_dissipation
+        (n_cycles,); a path that is not periodic counts as one cycle
+    permanent_stick_half_width
+        largest half-width that sticks through the whole last cycle [length]; NaN if none
+    steady_from
+        index of the first cycle that ends in the state it started from; None if none did
+    bulk_stress_lower, bulk_stress_upper
+        (n_steps,) bulk stress along x in each body, tension positive [stress]; these and the
+        next four are None where the scene has neither bulk stress nor tilt and a symmetric
+        profile
+    tilt, moment
+        (n_steps,) turn of the upper body that opens the gap at x > 0 [rad]; int x p dx [force]
+    shear_moment
+        (n_steps,) m_q = int x q dx [force]
+    permanent_stick_edges
+        (2,) left and right end of what sticks through the whole last cycle [length]; NaN if
+        nothing does
+    record, work, scene, settings, versions
+        how it came about
+    engine
+        "semi_analytic", "halfplane_fe", or somebody else's name
     """
 
     engine: str
@@ -433,9 +464,13 @@ def last_whole_cycle(
 
     Parameters
     ----------
-    time : (n_steps,)
-    period, cycle_start : of the load path, in the unit of `time`
+    time
+        (n_steps,)
+    period, cycle_start
+        of the load path, in the unit of `time`
 
+    Examples
+    --------
     >>> elsewhere = np.array([1.3, 1.8, 2.3])
     >>> indices, whole = last_whole_cycle(elsewhere, period=1.0, cycle_start=1.0)
     >>> indices.tolist(), whole

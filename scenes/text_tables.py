@@ -146,14 +146,22 @@ class TextTable:
 
     Attributes
     ----------
-    names : of the columns: those asked for, else the headings
-    values : (n_rows, n_columns)
-    lines : (n_rows,) the line of each row
-    headings : of these columns in the file; "column 2" where it has no line of headings
-    units : of these columns in the file, empty where none stands there
-    separator, decimal, encoding : words
-    head : number of the line of headings, 0 where there is none
-    skipped : number of lines above it that are no remarks
+    names
+        of the columns: those asked for, else the headings
+    values
+        (n_rows, n_columns)
+    lines
+        (n_rows,) the line of each row
+    headings
+        of these columns in the file; "column 2" where it has no line of headings
+    units
+        of these columns in the file, empty where none stands there
+    separator, decimal, encoding
+        words
+    head
+        number of the line of headings, 0 where there is none
+    skipped
+        number of lines above it that are no remarks
     """
 
     names: tuple[str, ...]
@@ -206,15 +214,22 @@ def text_table(
 
     Parameters
     ----------
-    columns : names that are asked for, found by their `ALIASES`; the line of headings may be left
-        out where the file has these columns alone, in this order, and a # in a row begins a remark.
+    columns
+        names that are asked for, found by their `ALIASES`; the line of headings may be left out
+        where the file has these columns alone, in this order, and a # in a row begins a remark.
         Without: every column
-    what, cure : what the file is to the user, and what to do about one that is too large
-    stated : heading, or number from 1 on, of columns that the user named
-    known : whether a heading is one of those expected, where no columns are asked for
-    example, by_number : headings of this kind of table, and the keys that take columns by number
-    instead, for the sentence numbered : whether rows without a line of headings are read where no
-    columns are asked for, as "column 1" and so on
+    what, cure
+        what the file is to the user, and what to do about one that is too large
+    stated
+        heading, or number from 1 on, of columns that the user named
+    known
+        whether a heading is one of those expected, where no columns are asked for
+    example, by_number
+        headings of this kind of table, and the keys that take columns by number instead, for
+        the sentence
+    numbered
+        whether rows without a line of headings are read where no columns are asked for, as
+        "column 1" and so on
 
     Raises
     ------

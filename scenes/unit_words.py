@@ -216,7 +216,8 @@ def unit_factor(unit: str, kind: Kind, units: str) -> tuple[float, bool]:
 
     Parameters
     ----------
-    units : those of the scene, such as "N, mm, MPa"
+    units
+        those of the scene, such as "N, mm, MPa"
 
     Raises
     ------
@@ -224,6 +225,8 @@ def unit_factor(unit: str, kind: Kind, units: str) -> tuple[float, bool]:
         Half a sentence: for a word that is no unit of this kind, for a scene whose own units are
         not known words.
 
+    Examples
+    --------
     >>> (
     ...     unit_factor("kN", "load", "N, mm, MPa"),
     ...     unit_factor("kN/m", "load", "N, mm, MPa"),

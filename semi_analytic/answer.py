@@ -65,10 +65,14 @@ class Question:
 
     Attributes
     ----------
-    scene : the scene
-    fields : the fields that are wanted
-    x, time : (m,) points and (n,) instants as asked for; None: theory chooses
-    cycles, straight_steps : as in `solve`
+    scene
+        the scene
+    fields
+        the fields that are wanted
+    x, time
+        (m,) points and (n,) instants as asked for; None: theory chooses
+    cycles, straight_steps
+        as in `solve`
     """
 
     scene: Scene
@@ -148,11 +152,16 @@ class Findings:
 
     Attributes
     ----------
-    time, x : (n,) instants, (m,) points
-    values : loads, fields and dissipations by their names in a ContactSolution
-    termination, message : how the path ended
-    notes, errors, certificates, energy : as in its Record
-    counts, skipped, seconds : as in its Work
+    time, x
+        (n,) instants, (m,) points
+    values
+        loads, fields and dissipations by their names in a ContactSolution
+    termination, message
+        how the path ended
+    notes, errors, certificates, energy
+        as in its Record
+    counts, skipped, seconds
+        as in its Work
     """
 
     time: Array

@@ -123,13 +123,20 @@ class Request:
 
     Attributes
     ----------
-    contact, modulus : normal contact, E*
-    time : (n,) instants as asked for
-    x : (m,) points as asked for
-    distance : (k,) different |x|; different x of an unsymmetric contact
-    fold : (m,) where each x finds its own distance
-    fields : the fields that are wanted
-    family : the path with bulk stress and tilt; None without
+    contact, modulus
+        normal contact, E*
+    time
+        (n,) instants as asked for
+    x
+        (m,) points as asked for
+    distance
+        (k,) different |x|; different x of an unsymmetric contact
+    fold
+        (m,) where each x finds its own distance
+    fields
+        the fields that are wanted
+    family
+        the path with bulk stress and tilt; None without
     """
 
     contact: Contact
@@ -303,19 +310,32 @@ class PathResult:
 
     Attributes
     ----------
-    snapshot : memory curves at the instants; without their pieces where no field needs them
-    balance : (n,) M(P) - Q there
-    least_front : least P_c of the last cycle
-    slipped_share : largest (P - P_c)/P of all that was followed
-    works : (n_cycles,) friction work of the covered cycles, NaN where it was not wanted
-    work_error : largest relative error of these
-    density : (k,) W(x) of the last cycle, NaN where it was not wanted
-    density_error : its error over its largest value
-    loop : closed integral of Q dU of the last cycle; None where it is not steady
-    spans : of the last cycle, none for straight steps
-    increments : (n,) friction work since the instant before, empty where instants lie between rows
-    counts : what was done
-    full_stick : how many quadratures were not done, since nothing slips
+    snapshot
+        memory curves at the instants; without their pieces where no field needs them
+    balance
+        (n,) M(P) - Q there
+    least_front
+        least P_c of the last cycle
+    slipped_share
+        largest (P - P_c)/P of all that was followed
+    works
+        (n_cycles,) friction work of the covered cycles, NaN where it was not wanted
+    work_error
+        largest relative error of these
+    density
+        (k,) W(x) of the last cycle, NaN where it was not wanted
+    density_error
+        its error over its largest value
+    loop
+        closed integral of Q dU of the last cycle; None where it is not steady
+    spans
+        of the last cycle, none for straight steps
+    increments
+        (n,) friction work since the instant before, empty where instants lie between rows
+    counts
+        what was done
+    full_stick
+        how many quadratures were not done, since nothing slips
     """
 
     snapshot: Snapshot
@@ -376,12 +396,18 @@ class _SeriesSums:
 
     Attributes
     ----------
-    works, errors, shares : (parts,) friction work of each part, its error, largest (P - P_c)/P
-    step_works : (steps + 1,) friction work of each step, behind a 0; (1,) where it is not wanted
-    density : (k,) W(x) of the last cycle
-    least_front : least P_c of the last cycle
-    full_stick : records without slip in what was integrated
-    counts : what was done
+    works, errors, shares
+        (parts,) friction work of each part, its error, largest (P - P_c)/P
+    step_works
+        (steps + 1,) friction work of each step, behind a 0; (1,) where it is not wanted
+    density
+        (k,) W(x) of the last cycle
+    least_front
+        least P_c of the last cycle
+    full_stick
+        records without slip in what was integrated
+    counts
+        what was done
     """
 
     works: Array

@@ -42,8 +42,10 @@ class GridAnswer:
 
     Attributes
     ----------
-    question : with the points that it is answered at
-    followed : all cycles, by the means over the grids
+    question
+        with the points that it is answered at
+    followed
+        all cycles, by the means over the grids
     """
 
     def __init__(self, question: Question) -> None:

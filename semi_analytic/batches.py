@@ -340,17 +340,23 @@ class DissipationBatch:
 
     Attributes
     ----------
-    value : forward and reverse slip together; NaN where `reason` is not 0
-    forward, reverse : the two parts
-    permanent_stick_load : P_T [force per thickness]
-    reason : `Reason` of each member: 0 none, 1 gross sliding, 2 separation, 3 a value that is
-        masked, NaN or not admitted (P0 > 0, the rest of the loads >= 0, parameters by the rules of
-        the profile; all of them, and P0 over E* and the height unit of the profile, which is b^2/R
-        of a flat face, at most 1e100 and where they are scales at least 1e-100), 4 the profile ends
-        before the contact does, 5 the quadrature did not converge
-    value_error : error of `value` from above [energy per unit thickness]: by quadrature and by
-        round-off; NaN where `reason` is not 0
-    notes : what holds for all members and must not be missed: the coupling of unlike materials,
+    value
+        forward and reverse slip together; NaN where `reason` is not 0
+    forward, reverse
+        the two parts
+    permanent_stick_load
+        P_T [force per thickness]
+    reason
+        `Reason` of each member: 0 none, 1 gross sliding, 2 separation, 3 a value that is
+        masked, NaN or not admitted (P0 > 0, the rest of the loads >= 0, parameters by the rules
+        of the profile; all of them, and P0 over E* and the height unit of the profile, which is
+        b^2/R of a flat face, at most 1e100 and where they are scales at least 1e-100), 4 the
+        profile ends before the contact does, 5 the quadrature did not converge
+    value_error
+        error of `value` from above [energy per unit thickness]: by quadrature and by round-off;
+        NaN where `reason` is not 0
+    notes
+        what holds for all members and must not be missed: the coupling of unlike materials,
         which is neglected
     """
 
@@ -370,15 +376,21 @@ class PeakBatch:
 
     Attributes
     ----------
-    value : max W(x) [energy per area], the largest of all maxima; NaN where `reason` is not 0, 0
+    value
+        max W(x) [energy per area], the largest of all maxima; NaN where `reason` is not 0, 0
         where nothing slips
-    place : |x| of the peak [length]; NaN where nothing slips
-    fraction : the same between the permanent stick edge (0) and the largest contact (1)
-    reason, notes : as in `DissipationBatch`
-    second_value, second_place : the second largest maximum of W(x), where W falls by more than 1e-3
-        of the peak between the two; NaN where there is one maximum only
-    value_error : error of `value` from above [energy per area]: by quadrature, by round-off and by
-        the search
+    place
+        |x| of the peak [length]; NaN where nothing slips
+    fraction
+        the same between the permanent stick edge (0) and the largest contact (1)
+    reason, notes
+        as in `DissipationBatch`
+    second_value, second_place
+        the second largest maximum of W(x), where W falls by more than 1e-3 of the peak between
+        the two; NaN where there is one maximum only
+    value_error
+        error of `value` from above [energy per area]: by quadrature, by round-off and by the
+        search
     """
 
     value: Array
@@ -407,24 +419,30 @@ def dissipation(
 
     Parameters
     ----------
-    profile : any profile, or its keys with numbers or arrays: {"kind": "flat_rounded", "radius":
-        ..., "flat_half_length": ...}; the rises of a polynomial are a list of numbers or arrays.
+    profile
+        any profile, or its keys with numbers or arrays: {"kind": "flat_rounded", "radius": ...,
+        "flat_half_length": ...}; the rises of a polynomial are a list of numbers or arrays.
         Tables and functions have no keys that could be arrays
-    material : of the two bodies, or one for both
-    friction_coefficient : f
-    mean_normal_load, normal_amplitude, mean_tangential_load, tangential_amplitude : P0, P1, Q0, Q1
-    [force per unit thickness] phase : lag of Q behind P [radians], any sense
+    material
+        of the two bodies, or one for both
+    friction_coefficient
+        f
+    mean_normal_load, normal_amplitude, mean_tangential_load, tangential_amplitude
+        P0, P1, Q0, Q1 [force per unit thickness]
+    phase
+        lag of Q behind P [radians], any sense
 
     Returns
     -------
-    DissipationBatch. A member that is inadmissible gets NaN and a reason; the others get their
-    values. Each is exact to 1e-11 of A f^2 P0^2 or 1e-10 relative, and to `value_error`, from slips
-    of 1e-9 to gross sliding itself. Q0 decides on gross sliding only. No member depends on the
-    others: it is what a batch of it alone gives. Hertz and power laws take some 0.6 us a member,
-    flat and rounded 1.5 us. The other profiles are integrated from corner to corner with one table
-    of ln a(P) for all loads within eight octaves: 8 to 14 us, 20 us for tables of 31 rows, and 1 ms
-    and more where P - P_c stays below 1e-6 of P0. Where the parameters are arrays each different
-    polynomial or R2/R1 costs 1.5 to 2 ms.
+    DissipationBatch
+        A member that is inadmissible gets NaN and a reason; the others get their values. Each
+        is exact to 1e-11 of A f^2 P0^2 or 1e-10 relative, and to `value_error`, from slips of
+        1e-9 to gross sliding itself. Q0 decides on gross sliding only. No member depends on the
+        others: it is what a batch of it alone gives. Hertz and power laws take some 0.6 us a
+        member, flat and rounded 1.5 us. The other profiles are integrated from corner to corner
+        with one table of ln a(P) for all loads within eight octaves: 8 to 14 us, 20 us for
+        tables of 31 rows, and 1 ms and more where P - P_c stays below 1e-6 of P0. Where the
+        parameters are arrays each different polynomial or R2/R1 costs 1.5 to 2 ms.
 
     Raises
     ------
@@ -432,6 +450,8 @@ def dissipation(
         For a mapping of a kind whose parameters cannot vary, for shapes that do not broadcast, and
         for values that are no real numbers: complex ones, truth values, texts.
 
+    Examples
+    --------
     >>> from scenes import Elastic, Hertz
     >>> steel = Elastic(young_modulus=2.0, poisson_ratio=0.0)
     >>> batch = dissipation(
@@ -550,7 +570,8 @@ def _works_on_table(e: Ellipses, unit: Array) -> Array:
 
     Parameters
     ----------
-    unit : E* b^2/R, (m,)
+    unit
+        E* b^2/R, (m,)
     """
     e = e.over(unit)
     works = np.empty((3, len(unit)))
@@ -612,12 +633,18 @@ class Members:
 
     Attributes
     ----------
-    kind : of their profiles
-    parameters : (m,) each, in the order of `_KEYS`; none for a table or a function
-    contact : of a profile that is given as such; None where its parameters may vary
-    modulus : E*
-    ellipses : their loops
-    mirrored : (m,) whether Q goes round the other way
+    kind
+        of their profiles
+    parameters
+        (m,) each, in the order of `_KEYS`; none for a table or a function
+    contact
+        of a profile that is given as such; None where its parameters may vary
+    modulus
+        E*
+    ellipses
+        their loops
+    mirrored
+        (m,) whether Q goes round the other way
     """
 
     kind: str
@@ -656,8 +683,10 @@ def _columns(
 
     Parameters
     ----------
-    results_of : results of some members, (count, m); the first one must be finite
-    scaled : how many of them, from the first on, are over 2 f^2/(pi E*)
+    results_of
+        results of some members, (count, m); the first one must be finite
+    scaled
+        how many of them, from the first on, are over 2 f^2/(pi E*)
 
     Raises
     ------

@@ -56,12 +56,18 @@ class OneCurve:
 
     Attributes
     ----------
-    contact : the nested intervals of its family
-    path : P and Q alone; where Q = 0 and bulk strain alone changes, P and the load in whose terms
-    the memory curve is bulk, turning : stresses of both bodies, tilt and moment as paths over the
-    same time; None for none moment_given : whether `turning` states the moment
-    neglected : the loads that are below rounding and were left out, each with its size over the
-        load that makes its edge slip
+    contact
+        the nested intervals of its family
+    path
+        P and Q alone; where Q = 0 and bulk strain alone changes, P and the load in whose terms
+        the memory curve is
+    bulk, turning
+        stresses of both bodies, tilt and moment as paths over the same time; None for none
+    moment_given
+        whether `turning` states the moment
+    neglected
+        the loads that are below rounding and were left out, each with its size over the load
+        that makes its edge slip
     """
 
     contact: TiltedProfile
@@ -207,9 +213,11 @@ class LoadSizes:
 
     Attributes
     ----------
-    strain, tilt : A f P/(pi a) and A P/(pi a): of the order of what makes a whole edge of contact
-    slip, or lift strain_rounding, tilt_rounding, shear_rounding : below it a change of bulk strain,
-    tilt and Q changes no digit
+    strain, tilt
+        A f P/(pi a) and A P/(pi a): of the order of what makes a whole edge of contact slip, or
+        lift
+    strain_rounding, tilt_rounding, shear_rounding
+        below it a change of bulk strain, tilt and Q changes no digit
     """
 
     strain: float
@@ -411,9 +419,12 @@ class PathLoads:
 
     Attributes
     ----------
-    path : the load path
-    strain : what the bulk stress of the lower and of the upper body adds to eps
-    contact : the profile, for the tilt under a given moment
+    path
+        the load path
+    strain
+        what the bulk stress of the lower and of the upper body adds to eps
+    contact
+        the profile, for the tilt under a given moment
     """
 
     path: LoadPath

@@ -29,10 +29,14 @@ class Hysteresis:
 
     Attributes
     ----------
-    dissipation : W [energy per thickness]
-    force_amplitude, shift_amplitude : Q1 [force per thickness], U1 [length]
-    secant_stiffness : Q1/U1 [stress]
-    damping_ratio : of the linear oscillator that dissipates W at the same Q1 and U1, W/(2 pi Q1 U1)
+    dissipation
+        W [energy per thickness]
+    force_amplitude, shift_amplitude
+        Q1 [force per thickness], U1 [length]
+    secant_stiffness
+        Q1/U1 [stress]
+    damping_ratio
+        of the linear oscillator that dissipates W at the same Q1 and U1, W/(2 pi Q1 U1)
     """
 
     dissipation: float
@@ -51,6 +55,8 @@ def hysteresis(solution: ContactSolution) -> Hysteresis:
     InputError
         Where the solution was not asked for them, holds no whole cycle, or where Q does not move.
 
+    Examples
+    --------
     >>> from scenes import load_scene
     >>> from semi_analytic import solve
     >>> loop = hysteresis(solve(load_scene("cattaneo-mindlin"), x=[0.0]))

@@ -49,12 +49,17 @@ class Event:
 
     Attributes
     ----------
-    letter : the paper's letter, "" where it has none
-    name : what happens
-    time : the instant, in the time of the scene's path
-    normal_load, tangential_load : P and Q [force per thickness]
-    front_load : P_c [force per thickness], the load at the edge of slip (P itself in full stick);
-        where slip ends, the last
+    letter
+        the paper's letter, "" where it has none
+    name
+        what happens
+    time
+        the instant, in the time of the scene's path
+    normal_load, tangential_load
+        P and Q [force per thickness]
+    front_load
+        P_c [force per thickness], the load at the edge of slip (P itself in full stick); where
+        slip ends, the last
     """
 
     letter: str
@@ -79,6 +84,8 @@ def events(scene: Scene) -> tuple[Event, ...]:
     InputError
         Bulk stress or tilt under which the memory is not one curve.
 
+    Examples
+    --------
     >>> from scenes import load_scene
     >>> "".join(event.letter for event in events(load_scene("hertz-paper")))
     'ABCDEFGHIKJLM'
@@ -117,6 +124,8 @@ def event(scene: Scene, letter: str) -> Event:
     InputError
         Where the scene has none of that letter.
 
+    Examples
+    --------
     >>> from scenes import load_scene
     >>> found = event(load_scene("hertz-paper"), "G")
     >>> round(found.time / math.pi, 12), round(found.front_load / found.normal_load, 6)

@@ -123,7 +123,8 @@ class Arc:
 
     Attributes
     ----------
-    error : largest error of the integrals, estimated: what series left out, and what steps differ
+    error
+        largest error of the integrals, estimated: what series left out, and what steps differ
         from their halves by
     """
 
@@ -480,9 +481,12 @@ class Integrals:
 
     Attributes
     ----------
-    contact : normal contact of the profile
-    x : (k,) distances from the centre >= 0
-    kernel : "shear" (K = dp/d eta), "slip" (K = arccosh(|x|/a) outside, 0 inside) or "shift" (K =
+    contact
+        normal contact of the profile
+    x
+        (k,) distances from the centre >= 0
+    kernel
+        "shear" (K = dp/d eta), "slip" (K = arccosh(|x|/a) outside, 0 inside) or "shift" (K =
         ln(2 L/a); x plays no part)
     """
 

@@ -583,14 +583,21 @@ def by_halving(
 
     Parameters
     ----------
-    work : work(which (n,), low (n,), high (n,)) gives the integral of integrand which[k] from
-    low[k] to high[k], (n,), by one rule begin, end : (m,)
-    allowed : the change at which a part has converged, `CONVERGED` of their size where rounding
-        leaves as much. A part of 2^-17 of its range, or one that is not finite, is left as it is,
-        and so are too many at once; the error shows that.
-    marks : (j,) ascending, where a part is cut rather than in its middle: the integrands are not
+    work
+        work(which (n,), low (n,), high (n,)) gives the integral of integrand which[k] from
+        low[k] to high[k], (n,), by one rule
+    begin, end
+        (m,)
+    allowed
+        the change at which a part has converged, `CONVERGED` of their size where rounding
+        leaves as much. A part of 2^-17 of its range, or one that is not finite, is left as it
+        is, and so are too many at once; the error shows that.
+    marks
+        (j,) ascending, where a part is cut rather than in its middle: the integrands are not
         smooth there
 
+    Examples
+    --------
     >>> def midpoint(which, low, high):
     ...     return (high - low) * (low + high) / 2
     >>> by_halving(midpoint, [0.0, 1.0], [2.0, 3.0], CONVERGED).value.tolist()

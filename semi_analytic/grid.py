@@ -91,14 +91,22 @@ class Fields(NamedTuple):
 
     Attributes
     ----------
-    x, step : (k,) middles of the cells; their width
-    loads : (n, 4) P, Q, eps, alpha
-    pressure, shear, slip : (n, k)
-    state : (n, k) open, stick, forward or reverse slip
-    approach, displacement : (n,) delta, U (of x = 0, with the datum length 1 in the logarithm)
-    moment, shear_moment : (n,) int x p and m_q = int x q
-    density : (n, k) friction work of the increment that ends there, by the trapezoidal rule
-    work, loop : (n,) its sum, and Q dU - m_q d eps of the increment, also by the trapezoidal rule
+    x, step
+        (k,) middles of the cells; their width
+    loads
+        (n, 4) P, Q, eps, alpha
+    pressure, shear, slip
+        (n, k)
+    state
+        (n, k) open, stick, forward or reverse slip
+    approach, displacement
+        (n,) delta, U (of x = 0, with the datum length 1 in the logarithm)
+    moment, shear_moment
+        (n,) int x p and m_q = int x q
+    density
+        (n, k) friction work of the increment that ends there, by the trapezoidal rule
+    work, loop
+        (n,) its sum, and Q dU - m_q d eps of the increment, also by the trapezoidal rule
     """
 
     x: Array
@@ -150,8 +158,10 @@ class Zone:
 
     Attributes
     ----------
-    root : M with M^T M = C^-1
-    rows, row_sum : the row sums of C^-1, and their sum
+    root
+        M with M^T M = C^-1
+    rows, row_sum
+        the row sums of C^-1, and their sum
     """
 
     root: Array
@@ -209,7 +219,8 @@ class Grid:
 
     Attributes
     ----------
-    x, step : (g, k) middles of the cells of g grids; their width
+    x, step
+        (g, k) middles of the cells of g grids; their width
     """
 
     def __init__(
@@ -647,18 +658,30 @@ class _Answers:
 
     Attributes
     ----------
-    share, slip : (n, m) means over the grids of q over f p and of s
-    share_of_each, slip_of_each : (g, n', m) of each grid, at every so many instants
-    stick_edges : (n, 2) means
-    loads : (4, n) P, Q, eps and alpha
-    displacement, shear_moment : (n,) means
-    zones : the largest number of zones that stick
-    begins : mean slip, as a function of x, where each cycle begins
-    increments : how many were made
-    works : (g, c) friction work of the cycles
-    work, loop : (g,) of the last; its closed integral of Q dU - m_q d eps
-    density : (g, k) friction work of the cells in the last
-    permanent : (2,) mean edges of what sticks through the last
+    share, slip
+        (n, m) means over the grids of q over f p and of s
+    share_of_each, slip_of_each
+        (g, n', m) of each grid, at every so many instants
+    stick_edges
+        (n, 2) means
+    loads
+        (4, n) P, Q, eps and alpha
+    displacement, shear_moment
+        (n,) means
+    zones
+        the largest number of zones that stick
+    begins
+        mean slip, as a function of x, where each cycle begins
+    increments
+        how many were made
+    works
+        (g, c) friction work of the cycles
+    work, loop
+        (g,) of the last; its closed integral of Q dU - m_q d eps
+    density
+        (g, k) friction work of the cells in the last
+    permanent
+        (2,) mean edges of what sticks through the last
     """
 
     share: Array
@@ -822,19 +845,33 @@ class Followed:
 
     Attributes
     ----------
-    loads : (4, n) P, Q, eps and alpha
-    moment, shear_moment : (n,) int x p and m_q = int x q
-    displacement : (n,) U of x = 0, with the datum length 1 in the logarithm
-    contact_edges, stick_edges : (n, 2)
-    pressure, shear, slip, state : (n, k), as in a ContactSolution
-    works : friction work of each cycle that was followed; of the whole path where none repeats
-    loop : closed integral of Q dU - m_q d eps of the last
-    remainder : estimate of what the work of the last cycle still is from the steady one
-    steady_from, steady_to : index of the first cycle that repeats the one before to this share of
-    W, None if none does density : (k,) friction work at the points, of the last cycle
-    permanent_stick_edges : (2,) of the last cycle; NaN where none
-    counts : grids, cells, increments, zones that stick
-    errors : relative, of dissipation, dissipation_density, shear and slip, as in a Record
+    loads
+        (4, n) P, Q, eps and alpha
+    moment, shear_moment
+        (n,) int x p and m_q = int x q
+    displacement
+        (n,) U of x = 0, with the datum length 1 in the logarithm
+    contact_edges, stick_edges
+        (n, 2)
+    pressure, shear, slip, state
+        (n, k), as in a ContactSolution
+    works
+        friction work of each cycle that was followed; of the whole path where none repeats
+    loop
+        closed integral of Q dU - m_q d eps of the last
+    remainder
+        estimate of what the work of the last cycle still is from the steady one
+    steady_from, steady_to
+        index of the first cycle that repeats the one before to this share of W, None if none
+        does
+    density
+        (k,) friction work at the points, of the last cycle
+    permanent_stick_edges
+        (2,) of the last cycle; NaN where none
+    counts
+        grids, cells, increments, zones that stick
+    errors
+        relative, of dissipation, dissipation_density, shear and slip, as in a Record
     """
 
     time: Array
@@ -932,17 +969,27 @@ def follow_on_grid(
 
     Parameters
     ----------
-    loads : P, Q, eps and alpha of the path
-    contact : the profile under load and tilt; its path is within its `intervals.most`
-    height : h(x)
-    friction : f
-    x : (k,) points
-    time : (n,) instants in any order; every second increment if None
-    most : largest number of cycles
-    steady : whether the last cycle alone is wanted, without q and s; of `works` all but the last
-        are then of coarse grids
-    pointwise : whether q, s and the state are wanted at points; NaN and open otherwise
-    cells, increments : across the largest contact, a cycle
+    loads
+        P, Q, eps and alpha of the path
+    contact
+        the profile under load and tilt; its path is within its `intervals.most`
+    height
+        h(x)
+    friction
+        f
+    x
+        (k,) points
+    time
+        (n,) instants in any order; every second increment if None
+    most
+        largest number of cycles
+    steady
+        whether the last cycle alone is wanted, without q and s; of `works` all but the last are
+        then of coarse grids
+    pointwise
+        whether q, s and the state are wanted at points; NaN and open otherwise
+    cells, increments
+        across the largest contact, a cycle
 
     Raises
     ------

@@ -74,12 +74,16 @@ class Span:
 
     Attributes
     ----------
-    begin, end : its ends on the load path, in the time of the leg
-    delay : what makes the leg's time the history's time
-    direction : +1 forward slip, -1 reverse slip, 0 no slip
-    active : the uppermost piece that is left below the line of slip; None if the front is at P_c =
-        0
-    friction : f
+    begin, end
+        its ends on the load path, in the time of the leg
+    delay
+        what makes the leg's time the history's time
+    direction
+        +1 forward slip, -1 reverse slip, 0 no slip
+    active
+        the uppermost piece that is left below the line of slip; None if the front is at P_c = 0
+    friction
+        f
     """
 
     begin: Instant
@@ -397,13 +401,21 @@ class History:
 
     Attributes
     ----------
-    loading : spans before the first cycle
-    cycles : spans of each solved cycle
-    states : memory curve at the start of each cycle and at the end of the last
-    steady_from : index of the first cycle that ends in the state it started from, None if none did
-    period : duration of a cycle, None for a path that does not repeat
-    covered : for each whole cycle that the answer covers, the index of the solved cycle that it is
-    or is a copy of loop : the ellipse, where that is the whole cycle
+    loading
+        spans before the first cycle
+    cycles
+        spans of each solved cycle
+    states
+        memory curve at the start of each cycle and at the end of the last
+    steady_from
+        index of the first cycle that ends in the state it started from, None if none did
+    period
+        duration of a cycle, None for a path that does not repeat
+    covered
+        for each whole cycle that the answer covers, the index of the solved cycle that it is or
+        is a copy of
+    loop
+        the ellipse, where that is the whole cycle
     """
 
     loading: tuple[Span, ...]

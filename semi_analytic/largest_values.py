@@ -58,14 +58,19 @@ class Extremes:
 
     Attributes
     ----------
-    pressure, pressure_place : largest pressure [stress], infinite at a sharp tip, and its place
-    [length] half_width : largest half distance of the contact edges [length]
-    slip, slip_place : largest range of the slip of a point while it is in contact, and its place
-    [length] dissipation_density, dissipation_density_place : largest W(x) [energy / area], and its
-    place [length] edge_tension, edge_tension_uncertainty : largest stress along a face at an edge
-    of contact [stress], 0 where all are negative sampled : why the values are no more than the
-    largest at the points and instants that `solve` takes by itself; empty
-        where they are exact
+    pressure, pressure_place
+        largest pressure [stress], infinite at a sharp tip, and its place [length]
+    half_width
+        largest half distance of the contact edges [length]
+    slip, slip_place
+        largest range of the slip of a point while it is in contact, and its place [length]
+    dissipation_density, dissipation_density_place
+        largest W(x) [energy / area], and its place [length]
+    edge_tension, edge_tension_uncertainty
+        largest stress along a face at an edge of contact [stress], 0 where all are negative
+    sampled
+        why the values are no more than the largest at the points and instants that `solve`
+        takes by itself; empty where they are exact
     """
 
     pressure: float
@@ -86,19 +91,23 @@ def extremes(answer: ContactSolution) -> Extremes:
 
     Parameters
     ----------
-    answer : by `solve`, of a scene or of straight steps between its instants; its instants say
-        which cycle is the last
+    answer
+        by `solve`, of a scene or of straight steps between its instants; its instants say which
+        cycle is the last
 
     Returns
     -------
-    Extremes; NaN for the slip, W(x) and tension of an answer without a whole cycle, whose pressure
-    is that of its instants
+    Extremes
+        NaN for the slip, W(x) and tension of an answer without a whole cycle, whose pressure is
+        that of its instants
 
     Raises
     ------
     InputError, InadmissibleLoadError
         As `solve`.
 
+    Examples
+    --------
     >>> import math
     >>> few = solve("cattaneo-mindlin", x=[0.3, 0.7], time=[1.0, 2.0, 3.0, 4.0, 5.0])
     >>> found = extremes(few)

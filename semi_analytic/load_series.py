@@ -558,16 +558,24 @@ class LoadSeries:
 
     Attributes
     ----------
-    friction : f
-    parts : initial loading, where the path has a period, and each solved cycle; the whole path
+    friction
+        f
+    parts
+        initial loading, where the path has a period, and each solved cycle; the whole path
         where it has none
-    first : number of the first cycle among the parts
-    steady_from : index of the first cycle that ends in the state it started from, None if none did
-    period : duration of a cycle, None for a path that does not repeat
-    covered : for each whole cycle that the answer covers, the index of the solved cycle that it is
-        or is a copy of
-    repeats : whether cycles after the steady one are copies
-    long : whether it is a measured series of more than 1,000 rows, which is answered at its rows
+    first
+        number of the first cycle among the parts
+    steady_from
+        index of the first cycle that ends in the state it started from, None if none did
+    period
+        duration of a cycle, None for a path that does not repeat
+    covered
+        for each whole cycle that the answer covers, the index of the solved cycle that it is or
+        is a copy of
+    repeats
+        whether cycles after the steady one are copies
+    long
+        whether it is a measured series of more than 1,000 rows, which is answered at its rows
     """
 
     friction: float

@@ -58,9 +58,12 @@ class Way:
 
     Attributes
     ----------
-    shape, compliance, friction : the profile, A, f
-    begin, change : (4,) P, Q, eps and alpha where it begins, and by how much they change
-    direction : d
+    shape, compliance, friction
+        the profile, A, f
+    begin, change
+        (4,) P, Q, eps and alpha where it begins, and by how much they change
+    direction
+        d
     """
 
     shape: ConvexProfile

@@ -101,16 +101,24 @@ class FrictionBatch:
 
     Attributes
     ----------
-    roots : (..., n) every f, ascending, NaN beyond the last of a member; n is the most that a
-    member has, at least 1 count : how many f each member has; more than one where P varies and W is
-    no monotone function of f
-    reason : `NoFriction` of each member: 0 none, 1 less than the least dissipation at any f, 2 more
-        than the largest, 3 a W that is no finite number above 0, 4 loads that no f admits, 5 the
-        search did not converge
-    least_friction : f_min, below which the contact slides grossly
-    least, most : dissipation at the f that give the least and the most [energy per unit thickness]
-    sentences : one for each member without a root, at most ten
-    notes : as in `DissipationBatch`
+    roots
+        (..., n) every f, ascending, NaN beyond the last of a member; n is the most that a
+        member has, at least 1
+    count
+        how many f each member has; more than one where P varies and W is no monotone function
+        of f
+    reason
+        `NoFriction` of each member: 0 none, 1 less than the least dissipation at any f, 2 more
+        than the largest, 3 a W that is no finite number above 0, 4 loads that no f admits, 5
+        the search did not converge
+    least_friction
+        f_min, below which the contact slides grossly
+    least, most
+        dissipation at the f that give the least and the most [energy per unit thickness]
+    sentences
+        one for each member without a root, at most ten
+    notes
+        as in `DissipationBatch`
     """
 
     roots: Array
@@ -140,25 +148,30 @@ def friction_from(
 
     Parameters
     ----------
-    dissipation : W of one cycle [energy per unit thickness], > 0, an array that broadcasts with the
-        rest
-    scene : in place of all the others: its profile, material and loads, of any kind; its own
-    coefficient counts for nothing profile, material, mean_normal_load, ... : as `dissipation` takes
-    them, without the coefficient of friction
+    dissipation
+        W of one cycle [energy per unit thickness], > 0, an array that broadcasts with the rest
+    scene
+        in place of all the others: its profile, material and loads, of any kind; its own
+        coefficient counts for nothing
+    profile, material, mean_normal_load, ...
+        as `dissipation` takes them, without the coefficient of friction
 
     Returns
     -------
-    FrictionBatch with all roots: one, or two or three where P varies. W(f) is sampled at 98
-    coefficients from gross sliding to 10^6 times the larger of f_min and Q1/P1; its turning points
-    and roots are then refined. A root is good to 1e-10 of itself, close to a turning point of W to
-    1e-5. A member of Hertz takes 0.2 ms, of a table 50 ms, a scene whose load is no ellipse
-    seconds.
+    FrictionBatch
+        with all roots: one, or two or three where P varies. W(f) is sampled at 98 coefficients
+        from gross sliding to 10^6 times the larger of f_min and Q1/P1; its turning points and
+        roots are then refined. A root is good to 1e-10 of itself, close to a turning point of W
+        to 1e-5. A member of Hertz takes 0.2 ms, of a table 50 ms, a scene whose load is no
+        ellipse seconds.
 
     Raises
     ------
     InputError
         For a scene beside other arguments, for arguments that are missing, and as `dissipation`.
 
+    Examples
+    --------
     >>> from scenes import load_scene
     >>> scene = load_scene("hertz-paper")  # f = 1, near the least value of W(f)
     >>> found = friction_from(solve(scene, x=0.0, fields="dissipation").dissipation, scene=scene)
@@ -303,8 +316,10 @@ def _inverse(
 
     Parameters
     ----------
-    work : (k,) coefficients and the numbers of their members -> W (k,)
-    least, no_slip : (m,) f_min and Q1/P1 of the members, whose shape is `shape`
+    work
+        (k,) coefficients and the numbers of their members -> W (k,)
+    least, no_slip
+        (m,) f_min and Q1/P1 of the members, whose shape is `shape`
     """
     # `scipy.optimize` alone does not load it
     from scipy.optimize import elementwise  # noqa: PLC0415

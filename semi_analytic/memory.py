@@ -146,11 +146,16 @@ class Piece(NamedTuple):
 
     Attributes
     ----------
-    below : the curve under this piece, None if this piece starts at eta = 0
-    top : eta at the upper end
-    anchor : the instant of the load path from which the piece is measured
-    slope, bend : dM/d eta at the anchor and half the second derivative; not used for an arc
-    arc : (first, last) times of the anchor's leg at the lower and the upper end of an arc, else
+    below
+        the curve under this piece, None if this piece starts at eta = 0
+    top
+        eta at the upper end
+    anchor
+        the instant of the load path from which the piece is measured
+    slope, bend
+        dM/d eta at the anchor and half the second derivative; not used for an arc
+    arc
+        (first, last) times of the anchor's leg at the lower and the upper end of an arc, else
         None
     """
 
@@ -405,13 +410,20 @@ class Snapshot:
 
     Attributes
     ----------
-    time : (n,) times, of the spans' legs where the path was followed by spans
-    load, force : (n,) P and Q
-    slipped : (n,) P - P_c
-    direction : (n,) +1, -1 or 0
-    which : (n,) number of the uppermost piece among `actives`
-    actives : the different pieces (None: the front is at P_c = 0)
-    friction : f
+    time
+        (n,) times, of the spans' legs where the path was followed by spans
+    load, force
+        (n,) P and Q
+    slipped
+        (n,) P - P_c
+    direction
+        (n,) +1, -1 or 0
+    which
+        (n,) number of the uppermost piece among `actives`
+    actives
+        the different pieces (None: the front is at P_c = 0)
+    friction
+        f
     """
 
     time: Array

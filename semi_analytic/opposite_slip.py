@@ -149,8 +149,10 @@ class OppositeSlip(TiltedProfile):
 
     Attributes
     ----------
-    friction, reach : f, and the largest |Q| that is asked for; P is the largest load of `intervals`
-    share : 1; 0 where Q = 0, and a load T that nobody applies stands in its place: eps = kappa T
+    friction, reach
+        f, and the largest |Q| that is asked for; P is the largest load of `intervals`
+    share
+        1; 0 where Q = 0, and a load T that nobody applies stands in its place: eps = kappa T
     """
 
     friction: float = 1.0

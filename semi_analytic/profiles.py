@@ -274,10 +274,14 @@ def inverse_of(
 
     Parameters
     ----------
-    unit : a length of the profile; from 1e-22 to 1e15 of it, `extent` at most, the cubic is
+    unit
+        a length of the profile; from 1e-22 to 1e15 of it, `extent` at most, the cubic is
         tabulated, beyond P is a power of d
-    corner : an advance at which P is less smooth
+    corner
+        an advance at which P is less smooth
 
+    Examples
+    --------
     >>> float(inverse_of(lambda d: d**3, lambda d: 3 * d**2, 1.0)(np.array(8.0)))
     2.0
     """
@@ -377,6 +381,8 @@ def even_polynomial(modulus: float, length: float, rises: tuple[float, ...]) -> 
     InputError
         Where dP/da < 0 somewhere: the contact would split.
 
+    Examples
+    --------
     >>> law = even_polynomial(modulus=100.0, length=1.0, rises=(0.5,))  # Hertz with R = 1
     >>> round(float(law.advance(np.array(25 * np.pi))), 12)
     1.0
@@ -610,6 +616,8 @@ def tabulated(modulus: float, profile: Tabulated) -> ContactLaw:
         For rows under which the contact would split, with the row and what to do; later for a load
         that needs a wider table.
 
+    Examples
+    --------
     >>> rows = [(0.1 * k, (0.1 * k) ** 2 / 2) for k in range(11)]  # Hertz with R = 1
     >>> round(
     ...     float(tabulated(100.0, Tabulated(points=rows)).load(np.array(0.6))) / np.pi, 9
@@ -817,6 +825,8 @@ def slope_function(modulus: float, profile: CallableProfile) -> ContactLaw:
         For a profile under which the contact would split; later for a load that needs a wider
         contact than `extent`.
 
+    Examples
+    --------
     >>> law = slope_function(
     ...     100.0, CallableProfile(slope_function=lambda x: x, extent=2.0)
     ... )  # Hertz with R = 1

@@ -93,14 +93,20 @@ class ContactLaw:
 
     Attributes
     ----------
-    load, advance, stiffness : P(d), d(P) and dP/da(d), arrays of any shape; loads per unit
-        thickness
-    least : a_0, the half-width of no load [length]
-    breaks : half-widths of the corners, ascending
-    power : P goes as d^power for small d
-    extent : largest half-width, where the profile ends
-    bends_anywhere : whether P may hardly grow between corners, so that a(P) is all but steep there
-    noise : relative error of P and dP/da themselves
+    load, advance, stiffness
+        P(d), d(P) and dP/da(d), arrays of any shape; loads per unit thickness
+    least
+        a_0, the half-width of no load [length]
+    breaks
+        half-widths of the corners, ascending
+    power
+        P goes as d^power for small d
+    extent
+        largest half-width, where the profile ends
+    bends_anywhere
+        whether P may hardly grow between corners, so that a(P) is all but steep there
+    noise
+        relative error of P and dP/da themselves
     """
 
     load: Function
@@ -135,8 +141,10 @@ class PunchSuperposition:
 
     Attributes
     ----------
-    law : P(a)
-    datum_length : L, distance of the datum of rigid movements [length]
+    law
+        P(a)
+    datum_length
+        L, distance of the datum of rigid movements [length]
     """
 
     law: ContactLaw
@@ -692,10 +700,14 @@ class Primitive:
 
     Attributes
     ----------
-    beyond : (k,) x - a_0
-    panels, first : where each series holds; advance at its lower end
-    coefficients : (m, n) of the primitive over each panel
-    error : (n,) what the series of a point left out up to the end of each panel may be worth
+    beyond
+        (k,) x - a_0
+    panels, first
+        where each series holds; advance at its lower end
+    coefficients
+        (m, n) of the primitive over each panel
+    error
+        (n,) what the series of a point left out up to the end of each panel may be worth
     """
 
     kind: Kind

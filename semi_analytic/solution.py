@@ -50,27 +50,35 @@ def solve(
 
     Parameters
     ----------
-    scene : the question, or its name in the library, or the path of its file
-    x : (n_points,) contact points, or one [length]; 200 across the largest contact and a little
-    beyond if None time : (n_steps,) instants, in any order, or one; about 400 a cycle, all events
-    among them, if None
-    cycles : "all" (the initial loading and every cycle up to the first steady one) or "steady"
-        (that one only: where bulk stress and tilt are constant in it, of fields that do not depend
-        on the initial loading, without grids); no effect where `time` is given
-    fields : a name out of `FIELDS`, or several; the others come back as NaN (state: open) and are
-    counted in `work.skipped` straight_steps : follow straight lines between the given times
-    (ascending) instead of the scene's path: the polygon that a
-        step-by-step solver saw, so that its step error can be told apart
+    scene
+        the question, or its name in the library, or the path of its file
+    x
+        (n_points,) contact points, or one [length]; 200 across the largest contact and a little
+        beyond if None
+    time
+        (n_steps,) instants, in any order, or one; about 400 a cycle, all events among them, if
+        None
+    cycles
+        "all" (the initial loading and every cycle up to the first steady one) or "steady" (that
+        one only: where bulk stress and tilt are constant in it, of fields that do not depend on
+        the initial loading, without grids); no effect where `time` is given
+    fields
+        a name out of `FIELDS`, or several; the others come back as NaN (state: open) and are
+        counted in `work.skipped`
+    straight_steps
+        follow straight lines between the given times (ascending) instead of the scene's path:
+        the polygon that a step-by-step solver saw, so that its step error can be told apart
 
     Returns
     -------
-    ContactSolution. Its dissipations are those of the last whole cycle within `time`; where `time`
-    holds none, or is not given, those of the steady cycle (of cycle number `scene.cycles` if none
-    is steady before). Cycles after the steady one are looked up, not solved. A path of more than
-    1,000 rows is answered at every row where no `time` is given, at about 400 of them with
-    pointwise fields; a million rows take some seconds and memory for the rows asked for, W(x) of
-    them at 200 points half a minute to minutes: leave "dissipation_density" out of `fields` where
-    it is not wanted.
+    ContactSolution
+        Its dissipations are those of the last whole cycle within `time`; where `time` holds
+        none, or is not given, those of the steady cycle (of cycle number `scene.cycles` if none
+        is steady before). Cycles after the steady one are looked up, not solved. A path of more
+        than 1,000 rows is answered at every row where no `time` is given, at about 400 of them
+        with pointwise fields; a million rows take some seconds and memory for the rows asked
+        for, W(x) of them at 200 points half a minute to minutes: leave "dissipation_density"
+        out of `fields` where it is not wanted.
 
     Raises
     ------
@@ -80,6 +88,8 @@ def solve(
     InadmissibleLoadError
         For gross sliding or separation anywhere in the path, with the instant and the loads.
 
+    Examples
+    --------
     >>> import math
     >>> solution = solve("hertz-normal", x=0.0, time=1.0, fields="pressure")
     >>> round(

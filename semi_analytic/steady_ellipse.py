@@ -80,11 +80,16 @@ class Ellipses:
 
     Attributes
     ----------
-    mean, amplitude : P0, P1
-    u, v : amplitudes of (Q -+ f P)/f
-    cosine, sine : of t_E
-    turn : D
-    permanent : P_T
+    mean, amplitude
+        P0, P1
+    u, v
+        amplitudes of (Q -+ f P)/f
+    cosine, sine
+        of t_E
+    turn
+        D
+    permanent
+        P_T
     """
 
     mean: Array
@@ -806,7 +811,8 @@ class LogHalfWidth:
 
     Attributes
     ----------
-    edges : (n,) loads between which each series holds, without the first and the last
+    edges
+        (n,) loads between which each series holds, without the first and the last
     """
 
     def __init__(self, contact: SymmetricContact, first: int, last: int) -> None:
@@ -926,9 +932,12 @@ def lam_error(e: Ellipses, work: Array, deep: float, size: Array | float) -> Arr
 
     Parameters
     ----------
-    work : the sum, W pi E*/(2 f^2)
-    deep : as there
-    size : of L = ln a, (m,) or one for all
+    work
+        the sum, W pi E*/(2 f^2)
+    deep
+        as there
+    size
+        of L = ln a, (m,) or one for all
     """
     unlike = np.minimum(e.u, e.v) <= deep * np.maximum(e.u, e.v)
     quick = (e.deepest > deep * e.mean) & ~unlike

@@ -83,18 +83,24 @@ def stress(
 
     Parameters
     ----------
-    source : the scene, its name or file, or a solution of it
-    x, y : (n_points,) places, or numbers that go with each other [length]; y points out of the
+    source
+        the scene, its name or file, or a solution of it
+    x, y
+        (n_points,) places, or numbers that go with each other [length]; y points out of the
         lower body: y <= 0 in the lower one, y >= 0 in the upper one, 0 on its face
-    instants : (n_instants,) times of the load path
-    body : "lower" or "upper"
+    instants
+        (n_instants,) times of the load path
+    body
+        "lower" or "upper"
 
     Returns
     -------
-    (n_instants, n_points, 4) s_xx, s_yy, s_xy and s_zz = nu (s_xx + s_yy), tension positive
-    [stress]. To about 1e-11 of the largest pressure; infinite at the tip of a sharp wedge. With
-    bulk stress, tilt or unequal sides the bulk stress is in it, and it is as exact as the shear of
-    `solve`, at most to about 1e-3 of f times the largest pressure. Unlike materials as in `solve`.
+    Array
+        (n_instants, n_points, 4) s_xx, s_yy, s_xy and s_zz = nu (s_xx + s_yy), tension positive
+        [stress]. To about 1e-11 of the largest pressure; infinite at the tip of a sharp wedge.
+        With bulk stress, tilt or unequal sides the bulk stress is in it, and it is as exact as
+        the shear of `solve`, at most to about 1e-3 of f times the largest pressure. Unlike
+        materials as in `solve`.
 
     Raises
     ------
@@ -103,6 +109,8 @@ def stress(
     InadmissibleLoadError
         For gross sliding or separation anywhere in the path.
 
+    Examples
+    --------
     >>> import numpy as np
     >>> a, p0 = 1.0, 2 * 90.62286500739786 / np.pi
     >>> on_axis = (
@@ -162,15 +170,20 @@ def edge_tension(
 
     Parameters
     ----------
-    source : as for `stress`; of a solution that holds an instant and has 60 points in the contact
+    source
+        as for `stress`; of a solution that holds an instant and has 60 points in the contact
         its own tractions are taken where there is no one memory curve
-    instants : (n_instants,) times of the load path
+    instants
+        (n_instants,) times of the load path
 
     Returns
     -------
-    values, uncertainties : (n_instants, 2, 2) by body (lower, upper) and edge (left, right); out of
-        contact the bulk stress alone
+    values, uncertainties
+        (n_instants, 2, 2) by body (lower, upper) and edge (left, right); out of contact the
+        bulk stress alone
 
+    Examples
+    --------
     >>> from scenes import load_scene
     >>> scene = load_scene(
     ...     "cattaneo-mindlin"

@@ -100,10 +100,14 @@ class ConvexProfile(abc.ABC):
 
     Attributes
     ----------
-    knots : (n,) ascending: where h'' is not smooth [length]
-    size : a length about which its contacts may be [length]
-    extent : ends of the profile [length]
-    noise : relative error of h', which that of m and c follows
+    knots
+        (n,) ascending: where h'' is not smooth [length]
+    size
+        a length about which its contacts may be [length]
+    extent
+        ends of the profile [length]
+    noise
+        relative error of h', which that of m and c follows
     """
 
     knots: Array
@@ -273,9 +277,12 @@ class PiecewiseParabola(ConvexProfile):
 
     Attributes
     ----------
-    knots, curvature : (n,) ascending [length], (n + 1,) of the pieces between and beyond [1/length]
-    slope, height : h' and h at the first knot
-    extent : ends of the profile [length]
+    knots, curvature
+        (n,) ascending [length], (n + 1,) of the pieces between and beyond [1/length]
+    slope, height
+        h' and h at the first knot
+    extent
+        ends of the profile [length]
     """
 
     knots: Array
@@ -482,10 +489,14 @@ class CurvedProfile(ConvexProfile):
 
     Attributes
     ----------
-    height, gradient, bend : h, h' and h''
-    rule : on a part between knots; `ROOTS` for singular ends
-    exponent : n of |x|^n near the knot x = 0
-    noise : relative error of h'
+    height, gradient, bend
+        h, h' and h''
+    rule
+        on a part between knots; `ROOTS` for singular ends
+    exponent
+        n of |x|^n near the knot x = 0
+    noise
+        relative error of h'
     """
 
     knots: Array
@@ -627,9 +638,12 @@ class NestedIntervals:
 
     Attributes
     ----------
-    shape, product : the profile, A
-    tilt, slope : alpha_0 and kappa [1/force per thickness]
-    most : the largest load that is asked for
+    shape, product
+        the profile, A
+    tilt, slope
+        alpha_0 and kappa [1/force per thickness]
+    most
+        the largest load that is asked for
     """
 
     shape: ConvexProfile
@@ -804,9 +818,12 @@ class TiltedProfile:
 
     Attributes
     ----------
-    intervals : I(eta)
-    datum_length : L, distance of the datum of rigid movements [length]
-    rigid : what `log_ratio` and its integrals are over A/pi: the rate of U, of U + kappa m_q
+    intervals
+        I(eta)
+    datum_length
+        L, distance of the datum of rigid movements [length]
+    rigid
+        what `log_ratio` and its integrals are over A/pi: the rate of U, of U + kappa m_q
         ("loop"), or mu itself ("moment")
     """
 

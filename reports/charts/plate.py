@@ -143,7 +143,12 @@ def limits(
 
     Parameters
     ----------
-    margin : share of the range; least : smallest range; zero : whether 0 must be in it
+    margin
+        share of the range
+    least
+        smallest range
+    zero
+        whether 0 must be in it
     """
     numbers = np.concatenate([np.ravel(np.asarray(array, dtype=float)) for array in values])
     finite = numbers[np.isfinite(numbers)]

@@ -577,6 +577,8 @@ def requested_tolerances(words: Sequence[str]) -> dict[str, float]:
         For a key that is none, for what is no share above 0, and for 1 or more without the sign %:
         5 may be meant as 5 %.
 
+    Examples
+    --------
     >>> requested_tolerances(["5%", "dissipation=0.03"])
     {'dissipation': 0.03, 'largest_pressure': 0.05, 'largest_half_width': 0.05, 'permanent_stick':
     0.05}

@@ -59,17 +59,22 @@ class Comparison(JudgedPair):
 
     Attributes
     ----------
-    reference, result : the two solutions
-    polygon_reference : the reference's answer on the very polygon that the result stepped through,
-        or None
-    plain_reference : the reference as it is, where `reference` follows a rule of the result; else
-        the same
-    scales : what makes it dimensionless
-    expected, found : last cycle of the reference (on the result's points and instants) and of the
-        result
-    metrics : in the order of the table
-    reference_certificates, result_certificates : the laws of contact, needing no reference
-    notes : everything that a reader must not miss
+    reference, result
+        the two solutions
+    polygon_reference
+        the reference's answer on the very polygon that the result stepped through, or None
+    plain_reference
+        the reference as it is, where `reference` follows a rule of the result; else the same
+    scales
+        what makes it dimensionless
+    expected, found
+        last cycle of the reference (on the result's points and instants) and of the result
+    metrics
+        in the order of the table
+    reference_certificates, result_certificates
+        the laws of contact, needing no reference
+    notes
+        everything that a reader must not miss
     """
 
     def __repr__(self) -> str:
@@ -100,18 +105,24 @@ def compare(
 
     Parameters
     ----------
-    reference : the answer taken for true; best on the points and instants of `result`, otherwise it
-        is interpolated and the interpolation error stated in the notes
-    result : the answer judged
-    polygon_reference : the reference on the straight steps between the result's instants, which
-        sets the error of the steps apart from all others
-    plain_reference : the reference as it is, where `reference` has states, edges and dissipation by
-        the rule of the result: what the first table shows of it; `reference` if None
-    scales_from : what the scales are read off, where the reference holds few instants; the
-    reference if None tolerances : key of a metric -> largest |E| admitted, before those of the
-    scene; where neither says anything, the tolerances
-        of the project's own engines judge bodies for which half-plane theory is exact, and real
-        bodies are not judged
+    reference
+        the answer taken for true; best on the points and instants of `result`, otherwise it is
+        interpolated and the interpolation error stated in the notes
+    result
+        the answer judged
+    polygon_reference
+        the reference on the straight steps between the result's instants, which sets the error
+        of the steps apart from all others
+    plain_reference
+        the reference as it is, where `reference` has states, edges and dissipation by the rule
+        of the result: what the first table shows of it; `reference` if None
+    scales_from
+        what the scales are read off, where the reference holds few instants; the reference if
+        None
+    tolerances
+        key of a metric -> largest |E| admitted, before those of the scene; where neither says
+        anything, the tolerances of the project's own engines judge bodies for which half-plane
+        theory is exact, and real bodies are not judged
 
     Raises
     ------
@@ -119,6 +130,8 @@ def compare(
         If the two (or three) answer different questions or hold no whole cycle, or a tolerance is
         of no metric.
 
+    Examples
+    --------
     >>> import semi_analytic
     >>> from scenes import load_scene
     >>> exact = semi_analytic.solve(load_scene("cattaneo-mindlin"))

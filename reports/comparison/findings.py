@@ -333,8 +333,10 @@ def difference(
 
     Parameters
     ----------
-    a, b : of one scene
-    tolerances : pattern of keys -> tolerance; before those kept with either, which come before the
+    a, b
+        of one scene
+    tolerances
+        pattern of keys -> tolerance; before those kept with either, which come before the
         defaults
 
     Raises

@@ -45,10 +45,14 @@ class Certificate(PythonNumbers):
 
     Attributes
     ----------
-    name, source : what was checked, and "fields" or "record"
-    series : (n_steps,), dimensionless violation, 0 is perfect
-    value, time : its largest value and when
-    limit : largest admitted value
+    name, source
+        what was checked, and "fields" or "record"
+    series
+        (n_steps,), dimensionless violation, 0 is perfect
+    value, time
+        its largest value and when
+    limit
+        largest admitted value
     """
 
     name: str

@@ -50,18 +50,26 @@ class Measured(PythonNumbers):
 
     Attributes
     ----------
-    value : of the last cycle, the worst where there is one at every instant; None where there is
+    value
+        of the last cycle, the worst where there is one at every instant; None where there is
         nothing to compare; not finite where the data is not
-    time : instant of the worst value; None for a figure of the whole cycle
-    series : (k,) values at the instants of the last cycle (NaN: nothing to compare), or None
-    note : what a reader must not miss
-    elements : value in local element sizes of the result, where it states one
-    absolute : whether the value is in the row's absolute unit, the reference's own figure being 0
-    place : where on the surface the worst value is, x/a_ref; None for what has no place
-    uncertainty : how far the error budget, else the engines' own statement, leaves the value open,
-        in its unit; None where nobody states it
-    amounts : (reference, result) of a row with a quantity, in units of the scene; None for the
-        others
+    time
+        instant of the worst value; None for a figure of the whole cycle
+    series
+        (k,) values at the instants of the last cycle (NaN: nothing to compare), or None
+    note
+        what a reader must not miss
+    elements
+        value in local element sizes of the result, where it states one
+    absolute
+        whether the value is in the row's absolute unit, the reference's own figure being 0
+    place
+        where on the surface the worst value is, x/a_ref; None for what has no place
+    uncertainty
+        how far the error budget, else the engines' own statement, leaves the value open, in its
+        unit; None where nobody states it
+    amounts
+        (reference, result) of a row with a quantity, in units of the scene; None for the others
     """
 
     value: float | None = None
@@ -155,12 +163,16 @@ def _beside_extremum(
 
     Parameters
     ----------
-    extremum, common : of the reference: its own, and by the rule, points and instants of the result
-    measured : of the result
-    scale : what the difference is over where the reference's own is 0
-    external : whether the result has points and instants of its own choice. Then the difference is
-        that from `common`, so that their error drops out, and a note says so; where they miss the
-        reference's own by too much there is none
+    extremum, common
+        of the reference: its own, and by the rule, points and instants of the result
+    measured
+        of the result
+    scale
+        what the difference is over where the reference's own is 0
+    external
+        whether the result has points and instants of its own choice. Then the difference is
+        that from `common`, so that their error drops out, and a note says so; where they miss
+        the reference's own by too much there is none
     """
     amounts = (extremum, measured)
     if math.isinf(extremum) and math.isfinite(measured):
@@ -388,8 +400,10 @@ def _normal_resultant(cycle: Cycle, weights: Array, normals: Array) -> Array:
 
     Parameters
     ----------
-    weights : (n,) share of the surface of each point [length]
-    normals : (2, n) out of the lower body, p acting along it and q across it
+    weights
+        (n,) share of the surface of each point [length]
+    normals
+        (2, n) out of the lower body, p acting along it and q across it
     """
     along, across = normals
     resultant = np.asarray(cycle.pressure @ (weights * across))

@@ -34,24 +34,40 @@ class Metric(Measured):
 
     Attributes
     ----------
-    key, label : for programs and for people
-    how : how it is computed
-    why : why it is there
-    unit : what its value is a share of, or its unit where that is 0
-    norm : how the differences at points and instants become one value
-    region : which points and instants count
-    needs : fields of a solution without which it can't be had, `WHOLE_CYCLE` and `FRICTION` among
+    key, label
+        for programs and for people
+    how
+        how it is computed
+    why
+        why it is there
+    unit
+        what its value is a share of, or its unit where that is 0
+    norm
+        how the differences at points and instants become one value
+    region
+        which points and instants count
+    needs
+        fields of a solution without which it can't be had, `WHOLE_CYCLE` and `FRICTION` among
         them
-    measure : the function, of a `Pair`
-    absolute_unit : unit where the reference's own figure is 0 and nothing can be relative to it
-    quantity : what its absolute values are: "stress", "length", "slip", "energy", "energy density";
-        "" for none. A row with a quantity stands in the first table, the others are folded below it
-    signed : whether its sign has a meaning (result − reference); a norm has none
-    judged_by : key of the tolerance that judges it; its own where it is ""
-    exists : whether a pair has this row at all: not without bulk stress, say
-    tolerance : largest |value| admitted, None: not judged. In the table that of the project's own
+    measure
+        the function, of a `Pair`
+    absolute_unit
+        unit where the reference's own figure is 0 and nothing can be relative to it
+    quantity
+        what its absolute values are: "stress", "length", "slip", "energy", "energy density"; ""
+        for none. A row with a quantity stands in the first table, the others are folded below
+        it
+    signed
+        whether its sign has a meaning (result − reference); a norm has none
+    judged_by
+        key of the tolerance that judges it; its own where it is ""
+    exists
+        whether a pair has this row at all: not without bulk stress, say
+    tolerance
+        largest |value| admitted, None: not judged. In the table that of the project's own
         engines
-    lacking : whether a solution does not hold what the metric needs; with a tolerance it is then
+    lacking
+        whether a solution does not hold what the metric needs; with a tolerance it is then
         unscored
     """
 

@@ -44,10 +44,13 @@ class Criteria:
 
     Attributes
     ----------
-    fatemi_socie : k and the yield stress [-], [stress]
-    findley : k
-    critical_distance : depth below the face over which the stress is averaged first, as by Taylor
-        (1999) [length]; None: points
+    fatemi_socie
+        k and the yield stress [-], [stress]
+    findley
+        k
+    critical_distance
+        depth below the face over which the stress is averaged first, as by Taylor (1999)
+        [length]; None: points
     """
 
     fatemi_socie: tuple[float, float] | None = None

@@ -107,10 +107,14 @@ def series_of(
 
     Parameters
     ----------
-    every : each so-manieth stored step of the cycle
-    frames : the stored steps nearest to so many times at equal distances; fewer where the cycle has
+    every
+        each so-manieth stored step of the cycle
+    frames
+        the stored steps nearest to so many times at equal distances; fewer where the cycle has
         fewer steps, with a remark
 
+    Notes
+    -----
     The end of a cycle that repeats is left out, since it is its start.
     """
     require_series(every, frames)

@@ -185,9 +185,12 @@ def mesh(
 
     Parameters
     ----------
-    half_width : a_ref, the unit of both axes [length]; edge : half-width of the largest contact
-        [length]
-    named : whether boundaries have colours and stand in the legend
+    half_width
+        a_ref, the unit of both axes [length]
+    edge
+        half-width of the largest contact [length]
+    named
+        whether boundaries have colours and stand in the legend
     """
     pairs = list(zip(("lower", "upper"), (1.0, -1.0), bodies, strict=True))
     sides = {
@@ -285,8 +288,10 @@ def stress(
 
     Parameters
     ----------
-    scales : of the run, from `scales_of`
-    pixels : width of each picture
+    scales
+        of the run, from `scales_of`
+    pixels
+        width of each picture
     """
     _, length, unit = units(solution.scene)
     peaks = [peak(snapshot) for snapshot in snapshots]

@@ -90,14 +90,21 @@ def write(
 
     Parameters
     ----------
-    found : what `compare` or `score` returned, or a `Report` of more
-    out : folder; made if need be; of what is in it already only an earlier run's own files are
+    found
+        what `compare` or `score` returned, or a `Report` of more
+    out
+        folder; made if need be; of what is in it already only an earlier run's own files are
         replaced
-    vtu_instants : times at which both bodies are written for ParaView; none by default
-    command : what reproduces the report
-    seconds : stage -> wall time, for the page
-    stress_instants : where the page shows von Mises' stress; nowhere by default
-    log : lines of run.log; without any there is none
+    vtu_instants
+        times at which both bodies are written for ParaView; none by default
+    command
+        what reproduces the report
+    seconds
+        stage -> wall time, for the page
+    stress_instants
+        where the page shows von Mises' stress; nowhere by default
+    log
+        lines of run.log; without any there is none
 
     Raises
     ------
@@ -174,11 +181,16 @@ def render(
 
     Parameters
     ----------
-    drawings : the figures; one that is missing leaves its place empty
-    command : what reproduces the page
-    seconds : stage -> wall time
-    live : what the slider moves through; without it the page has none
-    third : words of the third solver, where it ran
+    drawings
+        the figures; one that is missing leaves its place empty
+    command
+        what reproduces the page
+    seconds
+        stage -> wall time
+    live
+        what the slider moves through; without it the page has none
+    third
+        words of the third solver, where it ran
     """
     comparison = report.comparison
     scene = comparison.scene
@@ -455,13 +467,21 @@ class _Shown:
 
     Attributes
     ----------
-    sides : the reference and the result; keys : their entries of a legend
-    chosen : the instants that have a number in every figure
-    start : of these the one that a page shows first: with most points slipping, of equal ones the
-    most loaded time, time_words : the axis of figures through the last cycle
-    stretch, noun : what the values are of, "last cycle", "whole record" or "whole path", and its
-        last word
-    x, wide : points over a_ref; the largest of them that is drawn, a little more than the largest
+    sides
+        the reference and the result
+    keys
+        their entries of a legend
+    chosen
+        the instants that have a number in every figure
+    start
+        of these the one that a page shows first: with most points slipping, of equal ones the
+        most loaded
+    time, time_words
+        the axis of figures through the last cycle
+    stretch, noun
+        what the values are of, "last cycle", "whole record" or "whole path", and its last word
+    x, wide
+        points over a_ref; the largest of them that is drawn, a little more than the largest
         contact of either
     """
 
@@ -562,14 +582,18 @@ def figure(found: Comparison | Report, name: str) -> str:
 
     Parameters
     ----------
-    found : what `compare` or `score` returned, or a `Report` of more
-    name : of the figure, as its CSV beside the page is called
+    found
+        what `compare` or `score` returned, or a `Report` of more
+    name
+        of the figure, as its CSV beside the page is called
 
     Raises
     ------
     InputError
         For a name that no figure of this comparison has.
 
+    Examples
+    --------
     >>> import reports, semi_analytic
     >>> exact = semi_analytic.solve("cattaneo-mindlin")
     >>> reports.figure(reports.compare(exact, exact), "hysteresis")[:11]
@@ -1390,8 +1414,10 @@ def _loop_panel(shown: _Shown, name: str, shift: tuple[str, list[Array]], title:
 
     Parameters
     ----------
-    shift : letter of its series that the slider moves, U or V; its values of each engine
-    title : words of the axis
+    shift
+        letter of its series that the slider moves, U or V; its values of each engine
+    title
+        words of the axis
     """
     letter, (of_reference, of_result) = shift
     loads = [shown.expected.tangential_load, shown.found.tangential_load]
@@ -1667,9 +1693,12 @@ def _convergence(
 
     Parameters
     ----------
-    axes : words of the two axes
-    distances : label of a metric -> (element size, distance); one that is 0 everywhere is left out
-    element_sizes : of all meshes; None is returned for fewer than three
+    axes
+        words of the two axes
+    distances
+        label of a metric -> (element size, distance); one that is 0 everywhere is left out
+    element_sizes
+        of all meshes; None is returned for fewer than three
     """
     curves = {
         label: points
@@ -1732,7 +1761,8 @@ def sketch(scene: Scene, half_width: float) -> Plate:
 
     Parameters
     ----------
-    half_width : of the contact, drawn to scale [length]
+    half_width
+        of the contact, drawn to scale [length]
     """
     _, length, _ = units(scene)
     outlines = {name: outline(scene, name, half_width) for name in ("lower", "upper")}
@@ -1789,7 +1819,8 @@ def fit_residuals(scene: Scene, half_width: float) -> Plate | None:
 
     Parameters
     ----------
-    half_width : of the largest contact [length]
+    half_width
+        of the largest contact [length]
     """
     fit = fit_of(scene)
     if fit is None:

@@ -44,23 +44,36 @@ def score(
 
     Parameters
     ----------
-    x : (n_points,) places on the surface, 0 in the middle of the contact [length]
-    p, q : (n_steps, n_points), or (n_points,) of a single instant [stress]; p > 0 in compression, q
-        along +x on the lower body. q None: the pressure is scored alone
-    scene : the question, or its name or file
-    time : (n_steps,) times of the scene's load path; left out, `loads` tell the instants, else the
-    integrals of p and q loads : (P, Q), (n_steps,) each [force / thickness]
-    slip : like p [length], upper over lower; only with it has the result slip and dissipation
-    code : what computed it, for the page
-    mapping : units and signs for certain, which are guessed, and named in `guesses`, without
-    against : "exact" for half-plane theory, "fe" for the project's finite elements
-    tolerances : key of a metric -> largest |E| admitted, see `reports.compare`
+    x
+        (n_points,) places on the surface, 0 in the middle of the contact [length]
+    p, q
+        (n_steps, n_points), or (n_points,) of a single instant [stress]; p > 0 in compression,
+        q along +x on the lower body. q None: the pressure is scored alone
+    scene
+        the question, or its name or file
+    time
+        (n_steps,) times of the scene's load path; left out, `loads` tell the instants, else the
+        integrals of p and q
+    loads
+        (P, Q), (n_steps,) each [force / thickness]
+    slip
+        like p [length], upper over lower; only with it has the result slip and dissipation
+    code
+        what computed it, for the page
+    mapping
+        units and signs for certain, which are guessed, and named in `guesses`, without
+    against
+        "exact" for half-plane theory, "fe" for the project's finite elements
+    tolerances
+        key of a metric -> largest |E| admitted, see `reports.compare`
 
     Raises
     ------
     InputError
         One sentence: shapes, numbers that are none, a history that is not the scene's.
 
+    Examples
+    --------
     >>> import numpy as np, semi_analytic
     >>> x = np.linspace(-1.2, 1.2, 241)
     >>> exact = semi_analytic.solve(load_scene("cattaneo-mindlin"), x=x, time=[1.5])

@@ -76,8 +76,10 @@ class CalculixMesh:
 
     Attributes
     ----------
-    numbers, points : (n_nodes,) ascending, (n_nodes, 3) [length]
-    above : (n_nodes,) how far the material of each node lies above it, see `material_above`
+    numbers, points
+        (n_nodes,) ascending, (n_nodes, 3) [length]
+    above
+        (n_nodes,) how far the material of each node lies above it, see `material_above`
     """
 
     def __init__(self, file: FrdFile) -> None:

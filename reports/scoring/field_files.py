@@ -41,11 +41,17 @@ class FieldPart:
 
     Attributes
     ----------
-    name : of its file
-    points : (n_points, 3) [length]
-    cells : (dimension, (n_cells, n_nodes)) blocks; dimension 0 of vertices, 1 of lines, 2 of faces,
-    3 of solids point_fields : name -> (n_points,) or (n_points, k)
-    cell_fields : name -> a block for each of `cells`, (n_cells,) or (n_cells, k)
+    name
+        of its file
+    points
+        (n_points, 3) [length]
+    cells
+        (dimension, (n_cells, n_nodes)) blocks; dimension 0 of vertices, 1 of lines, 2 of faces,
+        3 of solids
+    point_fields
+        name -> (n_points,) or (n_points, k)
+    cell_fields
+        name -> a block for each of `cells`, (n_cells,) or (n_cells, k)
     """
 
     name: str

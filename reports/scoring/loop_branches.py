@@ -51,10 +51,15 @@ class Branches:
 
     Attributes
     ----------
-    phase : (n,) cycles since a lowest Q, by the share of the branch that Q has passed; grows with
-    the rows but for noise rising : (n,) whether Q grows along the row's branch
-    highest, lowest : turning points
-    load_noise : sigma of Q, as far as neighbouring rows show it
+    phase
+        (n,) cycles since a lowest Q, by the share of the branch that Q has passed; grows with
+        the rows but for noise
+    rising
+        (n,) whether Q grows along the row's branch
+    highest, lowest
+        turning points
+    load_noise
+        sigma of Q, as far as neighbouring rows show it
     """
 
     phase: Array
@@ -86,8 +91,10 @@ def find_branches(
 
     Parameters
     ----------
-    shift, load, time : U, Q and time of the rows, (n,) each; time ascends
-    resolution : step of Q that the digits of the rows resolve
+    shift, load, time
+        U, Q and time of the rows, (n,) each; time ascends
+    resolution
+        step of Q that the digits of the rows resolve
 
     Raises
     ------
@@ -337,9 +344,11 @@ class LoopArea:
 
     Attributes
     ----------
-    by_distance : of the rows from each other: a polygon of twice the step errs four times as much.
-        That is three times the error; half of the difference is stated
-    by_noise : 1.96 standard deviations, from the scatter of U and Q
+    by_distance
+        of the rows from each other: a polygon of twice the step errs four times as much. That
+        is three times the error; half of the difference is stated
+    by_noise
+        1.96 standard deviations, from the scatter of U and Q
     """
 
     value: float
@@ -365,10 +374,15 @@ def polygon_area(
 
     Parameters
     ----------
-    shift, load : U and Q, (n,) each
-    phase : (n,) cycles since any instant
-    shift_noise, load_noise : sigma of U and Q
+    shift, load
+        U and Q, (n,) each
+    phase
+        (n,) cycles since any instant
+    shift_noise, load_noise
+        sigma of U and Q
 
+    Examples
+    --------
     >>> angle = 2 * np.pi * np.arange(100) / 100
     >>> found = polygon_area(-np.sin(angle), np.cos(angle), angle / (2 * np.pi), 0.0, 0.0)
     >>> abs(found.value + np.pi) < found.by_distance < 0.01

@@ -143,10 +143,14 @@ class LoopFit:
 
     Attributes
     ----------
-    friction, low, high : f and its 95 % interval; high None where no larger f can be told from it
-    highest, lowest : turning points of Q [force per thickness]
-    compliance, origin : C [1/stress] and U0 [length]
-    shift_noise, load_noise : sigma of U and of Q
+    friction, low, high
+        f and its 95 % interval; high None where no larger f can be told from it
+    highest, lowest
+        turning points of Q [force per thickness]
+    compliance, origin
+        C [1/stress] and U0 [length]
+    shift_noise, load_noise
+        sigma of U and of Q
     """
 
     friction: float
@@ -234,7 +238,8 @@ def memory_curve(scene: Scene, sliding: float) -> MemoryCurve:
 
     Parameters
     ----------
-    sliding : f of gross sliding over the range of Q, of the scene
+    sliding
+        f of gross sliding over the range of Q, of the scene
     """
     from scipy.interpolate import CubicSpline
 
@@ -283,10 +288,14 @@ class LoopsOverFriction:
 
     Attributes
     ----------
-    load : (m,) Q of the scene at instants of a cycle; the last instant is the first of the next
-    sliding : f of gross sliding of the scene
-    solve : U (m,) of the scene with another f
-    solved : what `solve` gave, by number of the step of sqrt(ln(f/sliding))
+    load
+        (m,) Q of the scene at instants of a cycle; the last instant is the first of the next
+    sliding
+        f of gross sliding of the scene
+    solve
+        U (m,) of the scene with another f
+    solved
+        what `solve` gave, by number of the step of sqrt(ln(f/sliding))
     """
 
     load: Array
@@ -720,8 +729,10 @@ def fit_loop(
 
     Parameters
     ----------
-    resolution : steps of U and Q that the digits of the rows resolve
-    error_of_theory : of a fitted f, of itself, by the samples of the model
+    resolution
+        steps of U and Q that the digits of the rows resolve
+    error_of_theory
+        of a fitted f, of itself, by the samples of the model
     """
     top = rows.branches.highest.load
     bottom = rows.branches.lowest.load

@@ -134,16 +134,25 @@ class LoopScore:
 
     Attributes
     ----------
-    friction, low, high : f that fits best and its 95 % interval; high None where no larger f can be
-    told from it compliance, compliance_fitted : of the rig [1/stress]
-    scale : r, the file's Q over the scene's
-    cycles : how many the rows cover
-    noise : rms of U about the best fit [length]
-    rows : measured, then each computed loop
-    read_as : how the file was read
-    said : what was assumed
-    tau, shift, load, curves : the rows on the cycle [share], and each computed loop (U with the
-        rig, Q), for the figure
+    friction, low, high
+        f that fits best and its 95 % interval; high None where no larger f can be told from it
+    compliance, compliance_fitted
+        of the rig [1/stress]
+    scale
+        r, the file's Q over the scene's
+    cycles
+        how many the rows cover
+    noise
+        rms of U about the best fit [length]
+    rows
+        measured, then each computed loop
+    read_as
+        how the file was read
+    said
+        what was assumed
+    tau, shift, load, curves
+        the rows on the cycle [share], and each computed loop (U with the rig, Q), for the
+        figure
     """
 
     scene: Scene
@@ -395,8 +404,10 @@ def score_loop(
 
     Parameters
     ----------
-    rig_compliance : C [1/stress], beyond the datum length of the profile; fitted if None
-    against : "fe" has the finite elements solve the scene with its own f and with the best one too
+    rig_compliance
+        C [1/stress], beyond the datum length of the profile; fitted if None
+    against
+        "fe" has the finite elements solve the scene with its own f and with the best one too
 
     Raises
     ------
@@ -404,6 +415,8 @@ def score_loop(
         For a scene whose loads do not repeat or have no Q, for rows that cover less than a cycle or
         do not follow its Q.
 
+    Examples
+    --------
     >>> from scenes import load_scene
     >>> scene = load_scene("cattaneo-mindlin")  # f = 0.5
     >>> path, share = scene.load.path(), np.arange(200) / 100

@@ -41,8 +41,10 @@ class UnscoredFile:
 
     Attributes
     ----------
-    name : of the file, as it lies in the folder
-    reason : why, naming the file
+    name
+        of the file, as it lies in the folder
+    reason
+        why, naming the file
     """
 
     name: str

@@ -133,10 +133,13 @@ def surface_result(
 
     Parameters
     ----------
-    x : (n_points,), or (n_steps, n_points) where every instant has its own places
-    fields : pressure, and shear and slip or None, (n_steps, n_points) or (n_points,) of a single
+    x
+        (n_points,), or (n_steps, n_points) where every instant has its own places
+    fields
+        pressure, and shear and slip or None, (n_steps, n_points) or (n_points,) of a single
         instant
-    series : time, normal_load, tangential_load, (n_steps,) each or None
+    series
+        time, normal_load, tangential_load, (n_steps,) each or None
 
     Raises
     ------

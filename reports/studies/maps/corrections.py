@@ -107,11 +107,17 @@ def dissipation(
 
     Parameters
     ----------
-    normal_load, tangential_load : path from rest (n,), over P0; straight between its points
-    friction : coefficient
-    added : what the bodies add; (0, 0) for half-planes
-    last : steps of the closed cycle at the end
+    normal_load, tangential_load
+        path from rest (n,), over P0; straight between its points
+    friction
+        coefficient
+    added
+        what the bodies add; (0, 0) for half-planes
+    last
+        steps of the closed cycle at the end
 
+    Notes
+    -----
     The closed integral of Q dU. U is over A P0/pi, its constant part left out: it does no work in a
     cycle.
     """
@@ -202,10 +208,15 @@ def work_constant(flat: float, ratio: float, nodes: int = _NODES) -> float:
 
     Parameters
     ----------
-    flat : b/a, at least 0 (a cylinder) and less than 1
-    ratio : half of the range of Q over f P, above 0 and less than 1
-    nodes : of the rule in each part
+    flat
+        b/a, at least 0 (a cylinder) and less than 1
+    ratio
+        half of the range of Q over f P, above 0 and less than 1
+    nodes
+        of the rule in each part
 
+    Examples
+    --------
     >>> round(work_constant(0.5, 0.6), 4)
     -0.4603
     """

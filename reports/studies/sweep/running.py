@@ -213,10 +213,14 @@ def workers_of(
 
     Parameters
     ----------
-    executor : "processes" of this machine, or "dask": workers of the scheduler at an address, else
-    of a cluster started here scheduler : address, such as tcp://node1:8786, or tls://node1:8786
-    with the certificates of dask's own configuration workers : processes, or tasks at once; all
-    cores, or all threads of the cluster, if left out
+    executor
+        "processes" of this machine, or "dask": workers of the scheduler at an address, else of
+        a cluster started here
+    scheduler
+        address, such as tcp://node1:8786, or tls://node1:8786 with the certificates of dask's
+        own configuration
+    workers
+        processes, or tasks at once; all cores, or all threads of the cluster, if left out
 
     Raises
     ------
@@ -367,7 +371,8 @@ class _Sweep:
 
     Attributes
     ----------
-    lost : points that were with a process that died
+    lost
+        points that were with a process that died
     """
 
     prepared: Prepared

@@ -317,11 +317,13 @@ def solve_task(text: str) -> str:
 
     Parameters
     ----------
-    text : JSON of {"versions": those of the code, "points": `Question.as_json` of each}
+    text
+        JSON of {"versions": those of the code, "points": `Question.as_json` of each}
 
     Returns
     -------
-    JSON of {"mismatch": sentence or "", "answers": one for each point}
+    str
+        JSON of {"mismatch": sentence or "", "answers": one for each point}
     """
     from halfplane_fe import SolverSettings
     from meshes import MeshSettings

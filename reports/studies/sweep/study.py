@@ -151,6 +151,8 @@ def evaluate(text: str, names: Mapping[str, Any]) -> float:
     InputError
         For anything but arithmetic, an unknown name, or a value that is no finite number.
 
+    Examples
+    --------
     >>> evaluate("pi*(h/2)**2 + max(1, w)", {"h": 2.0, "w": 3.0})
     6.14159...
     """
@@ -206,15 +208,21 @@ class Study(Frozen):
 
     Attributes
     ----------
-    scene : the scene that all points start from
-    set : dotted key -> value, the same at every point
-    derived : name or dotted key -> arithmetic in the names of axes and of what is derived above
-    figures : names of quantities with "fe.", "exact." or "error." before them, and metric keys
-    uncertainty : "none"; "cheap": one coarser mesh, theory on the polygon of the steps, a farther
-        far field; "budget": the whole error budget of `halfplane run --budget`, for metrics
-    share_condensations : cut all points alike that have bodies, materials, profile and largest load
-        in common: fine elements everywhere in the contact, one condensation for all; else each is
-        cut for its own edges
+    scene
+        the scene that all points start from
+    set
+        dotted key -> value, the same at every point
+    derived
+        name or dotted key -> arithmetic in the names of axes and of what is derived above
+    figures
+        names of quantities with "fe.", "exact." or "error." before them, and metric keys
+    uncertainty
+        "none"; "cheap": one coarser mesh, theory on the polygon of the steps, a farther far
+        field; "budget": the whole error budget of `halfplane run --budget`, for metrics
+    share_condensations
+        cut all points alike that have bodies, materials, profile and largest load in common:
+        fine elements everywhere in the contact, one condensation for all; else each is cut for
+        its own edges
     """
 
     keys_listed = "docs/sweeps.md"

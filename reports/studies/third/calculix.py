@@ -63,12 +63,18 @@ class ThirdSolver:
 
     Attributes
     ----------
-    code : with its version
-    deck, text : its input, as a value and as written
-    comparison : its answer against half-plane theory; None where it failed
-    done : how the run went; None where it failed
-    failure : the sentence, "" where it did not
-    guesses : what was assumed in reading its answer
+    code
+        with its version
+    deck, text
+        its input, as a value and as written
+    comparison
+        its answer against half-plane theory; None where it failed
+    done
+        how the run went; None where it failed
+    failure
+        the sentence, "" where it did not
+    guesses
+        what was assumed in reading its answer
     """
 
     code: str
@@ -260,9 +266,12 @@ def run_calculix(
 
     Parameters
     ----------
-    end : total time of the deck's last instant
-    limit : wall time [s]
-    report : called with (done, total, text) in per cent of the deck's time
+    end
+        total time of the deck's last instant
+    limit
+        wall time [s]
+    report
+        called with (done, total, text) in per cent of the deck's time
 
     Raises
     ------

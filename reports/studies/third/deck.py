@@ -48,15 +48,21 @@ class DeckSettings:
 
     Attributes
     ----------
-    element_size, edge_element_size : surface elements in the middle, and where the contact and
-    stick edges travel far_radius : radius of the half-disc, held along its arc, that stands for a
-    half-plane; the tractions miss those of the
-        half-plane by about the square of its inverse
-    growth : growth of the elements away from the contact
-    steps_per_cycle : output instants of a revolution; its turning points come on top
-    cycles : revolutions at most; the scene's own number where that is less
-    normal_stiffness : pressure per penetration
-    stick_stiffness : shear per elastic slip, where friction would let the faces stick
+    element_size, edge_element_size
+        surface elements in the middle, and where the contact and stick edges travel
+    far_radius
+        radius of the half-disc, held along its arc, that stands for a half-plane; the tractions
+        miss those of the half-plane by about the square of its inverse
+    growth
+        growth of the elements away from the contact
+    steps_per_cycle
+        output instants of a revolution; its turning points come on top
+    cycles
+        revolutions at most; the scene's own number where that is less
+    normal_stiffness
+        pressure per penetration
+    stick_stiffness
+        shear per elastic slip, where friction would let the faces stick
     """
 
     element_size: float = 1 / 20
@@ -90,13 +96,20 @@ class DeckBody:
 
     Attributes
     ----------
-    name : "LOWER" or "UPPER"
-    nodes : (n, 2) places [length]
-    elements : (m, 4) node numbers, anticlockwise
-    contact_faces : (k, 2) element number and face 1-4, from the nodes (1, 2), (2, 3), (3, 4), (4,
-    1) contact_nodes : (k + 1,) node numbers by ascending x
-    held : direction 1 or 2 -> node numbers that move as the rigid plane does
-    ends : (element number, face) of the left and of the right end of a block that bulk stress
+    name
+        "LOWER" or "UPPER"
+    nodes
+        (n, 2) places [length]
+    elements
+        (m, 4) node numbers, anticlockwise
+    contact_faces
+        (k, 2) element number and face 1-4, from the nodes (1, 2), (2, 3), (3, 4), (4, 1)
+    contact_nodes
+        (k + 1,) node numbers by ascending x
+    held
+        direction 1 or 2 -> node numbers that move as the rigid plane does
+    ends
+        (element number, face) of the left and of the right end of a block that bulk stress
         pulls; none of other bodies
     """
 
@@ -121,15 +134,23 @@ class Deck:
 
     Attributes
     ----------
-    scene, settings, scales : the question, how it is cut, and the size of its contact
-    lower, upper : the bodies; the upper one is held by a rigid plane whose motion is that of the
-    node `reference` time : (n + 1,) instants of the scene's path, the unloaded one first; deck
-    times are counted from that one normal_load, tangential_load : (n + 1,) [force per thickness]
-    touch_time, touch_approach : duration of the first step, and how far the upper plane comes down
-    in it [time, length] bulk_stress : of the lower and of the upper body, (n + 1,) [stress]; None
-    for none
-    tilt, moment : (n + 1,) turn of the upper body about x = y = 0, or the moment of the pressure,
-        where either is given
+    scene, settings, scales
+        the question, how it is cut, and the size of its contact
+    lower, upper
+        the bodies; the upper one is held by a rigid plane whose motion is that of the node
+        `reference`
+    time
+        (n + 1,) instants of the scene's path, the unloaded one first; deck times are counted
+        from that one
+    normal_load, tangential_load
+        (n + 1,) [force per thickness]
+    touch_time, touch_approach
+        duration of the first step, and how far the upper plane comes down in it [time, length]
+    bulk_stress
+        of the lower and of the upper body, (n + 1,) [stress]; None for none
+    tilt, moment
+        (n + 1,) turn of the upper body about x = y = 0, or the moment of the pressure, where
+        either is given
     """
 
     scene: Scene
@@ -236,7 +257,8 @@ def build_deck(
 
     Parameters
     ----------
-    scales : size of the contact, from an earlier solution; spares the coarse run
+    scales
+        size of the contact, from an earlier solution; spares the coarse run
 
     Raises
     ------
