@@ -179,7 +179,8 @@ class BodyMesh:
 
 # Nodes on the contact: their compliance is a full matrix of (2 n)^2 numbers, 2 GB at the limit.
 # Nodes of a body: about 10 kB each while it is assembled and factorised.
-MOST_CONTACT_NODES, MOST_NODES = 8_000, 500_000
+MOST_CONTACT_NODES = 8_000
+MOST_NODES = 500_000
 # Growth of the elements inside the body with the distance from a tip.
 _TIP_GROWTH = 0.5
 # A body that ends somewhere has less of what is coarse; a radius for it, over the contact's.
@@ -202,7 +203,8 @@ def body_nodes(grading: SurfaceGrading, growth: float, order: int) -> int:
     With size h + g d and dA = (pi d + L) dd the count is (4/sqrt 3) int_0^R (pi d + L)/(h + g d)^2
     dd, in closed form.
     """
-    count, g = 0.0, growth
+    count = 0.0
+    g = growth
     for length, h in (
         (2 * (grading.outer - grading.inner), grading.edge_size),
         (2 * grading.inner, grading.size),
@@ -293,7 +295,8 @@ def size_formula(
         (x, y) of the corner of a free side with a fixed base; None without one. Strain is
         infinite there
     """
-    outer, inner = grading.outer, grading.inner
+    outer = grading.outer
+    inner = grading.inner
     fine = (
         f"{grading.edge_size!r} + {growth!r} * Sqrt(Max(Max(x - {outer!r}, {inner!r} - x), 0)^2 +"
         " y^2)"

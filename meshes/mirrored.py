@@ -43,7 +43,8 @@ def mesh_quality(mesh: skfem.Mesh, exact_area: float) -> dict[str, float]:
     """
     triangles = mesh.refdom.nfacets == 3
     corners = mesh.p[:, mesh.t[: mesh.refdom.nfacets]]  # (2, corners, n_elements)
-    ahead, back = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
+    ahead = np.roll(corners, -1, axis=1) - corners
+    back = np.roll(corners, 1, axis=1) - corners
     sides = np.linalg.norm(ahead, axis=0)
     cross = ahead[0] * back[1] - ahead[1] * back[0]
     angles = np.arctan2(np.abs(cross), np.sum(ahead * back, axis=0))
@@ -129,7 +130,8 @@ def mirrored_mesh(
     if settle is not None:
         half = _Cells(settle(half.points, half.named), half.elements, half.named)
     whole = _corners_first(_reflect(half))
-    points, elements = np.ascontiguousarray(whole.points.T), np.ascontiguousarray(whole.elements.T)
+    points = np.ascontiguousarray(whole.points.T)
+    elements = np.ascontiguousarray(whole.elements.T)
     n_corners = int(elements[: whole.corners].max()) + 1
     straight = _MESHES[whole.corners](
         points[:, :n_corners].copy(), elements[: whole.corners].copy()

@@ -60,7 +60,8 @@ def _quarter(grading: SurfaceGrading) -> dict[str, list[int]]:
     """Draws the quarter x >= 0 of the half-disc."""
     geo = gmsh.model.geo
     surface = [geo.addPoint(float(x), 0, 0) for x in surface_points(grading)]
-    corner, bottom = geo.addPoint(grading.radius, 0, 0), geo.addPoint(0, -grading.radius, 0)
+    corner = geo.addPoint(grading.radius, 0, 0)
+    bottom = geo.addPoint(0, -grading.radius, 0)
     contact = [geo.addLine(a, b) for a, b in itertools.pairwise(surface)]
     free = geo.addLine(surface[-1], corner)
     arc = geo.addCircleArc(corner, surface[0], bottom)
@@ -97,13 +98,13 @@ def solid(
         base.
     """
     check_face(name, shape, profile, grading)
-    face, half_width = face_of(shape, profile), shape.face_half_width
+    face = face_of(shape, profile)
+    half_width = shape.face_half_width
     height = shape.radius if isinstance(shape, Cylinder) else shape.height
-    unit, length = scaled_grading(grading, 1 / grading.outer).drawn_for(cells), grading.outer
-    outline, supports = (
-        _Outline(face, half_width / length, height / length, length),
-        _supports(shape),
-    )
+    unit = scaled_grading(grading, 1 / grading.outer).drawn_for(cells)
+    length = grading.outer
+    outline = _Outline(face, half_width / length, height / length, length)
+    supports = _supports(shape)
     free_side_on_fixed_base = supports["base"] == "fixed" and "sides" not in supports
     size = size_formula(unit, growth, outline.base_corner if free_side_on_fixed_base else None)
     mesh = mirrored_mesh(lambda: outline.draw(unit, growth), size, order, cells, outline.settle)
@@ -156,7 +157,8 @@ class _Outline:
     """The half x >= 0 of a body in units of its contact side's half-width."""
 
     def __init__(self, face: Face, half_width: float, height: float, length: float) -> None:
-        self._face, self._length = face, length
+        self._face = face
+        self._length = length
         # The face's drop from the width as it is: at the end of an arc of 90 degrees it changes
         # with the root of the width.
         drop = float(self._true_depth(np.array(half_width)))
@@ -175,7 +177,8 @@ class _Outline:
 
     def draw(self, grading: SurfaceGrading, growth: float) -> dict[str, list[int]]:
         """Contact side, the rest of the face, side, base, axis."""
-        geo, places = gmsh.model.geo, surface_points(grading)
+        geo = gmsh.model.geo
+        places = surface_points(grading)
         surface = [
             geo.addPoint(float(x), -float(y), 0)
             for x, y in zip(places, self._depth(places), strict=True)
@@ -185,7 +188,8 @@ class _Outline:
             geo.mesh.setTransfiniteCurve(line, 2)
         free, end = self._rest_of_face(float(places[-1]), surface[-1], grading.edge_size, growth)
         axis_end = geo.addPoint(0, -self._height, 0)
-        sides, foot = [], end
+        sides = []
+        foot = end
         if self._drop < self._height * (1 - 1e-9):
             foot = geo.addPoint(self._half_width, -self._height, 0)
             sides = [geo.addLine(end, foot)]
@@ -200,7 +204,8 @@ class _Outline:
         self, start: float, first: int, size: float, growth: float
     ) -> tuple[list[int], int]:
         """Curves from the contact side's end to the face's end, and the point there."""
-        geo, end = gmsh.model.geo, self._half_width
+        geo = gmsh.model.geo
+        end = self._half_width
         if self._face.arc is not None:
             begin, radius = rounded(np.array(self._face.arc) / self._length).tolist()
             if start >= begin:
@@ -223,7 +228,8 @@ class _Outline:
 
     def settle(self, points: Array, named: dict[str, Indices]) -> Array:
         """Mid-side points of straight curves onto the face, at the mean x of their corners."""
-        settled, nodes = points.copy(), named["contact"]
+        settled = points.copy()
+        nodes = named["contact"]
         if self._face.arc is None or points[nodes, 0].max() < self._face.arc[0] / self._length:
             nodes = np.union1d(nodes, named["free"])
         settled[nodes, 1] = -self._true_depth(points[nodes, 0])

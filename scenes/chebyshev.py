@@ -26,7 +26,8 @@ _AT_ONCE = 4096
 DEGREE = 24
 """Degree of every series."""
 
-_COUNT, _ODD = DEGREE + 1, 2 * np.arange(DEGREE, -1, -1) + 1
+_COUNT = DEGREE + 1
+_ODD = 2 * np.arange(DEGREE, -1, -1) + 1
 NODES = np.cos(_ODD * (np.pi / (2 * _COUNT)))
 """Chebyshev points of the first kind on [-1, 1], ascending: the ends are not among them."""
 # Angles within one turn: 24 times a rounded one would leave 3e-15 of a value in the last
@@ -84,7 +85,8 @@ class Powers:
         place -= part
         place -= 0.5
         part += np.ravel(number) * _PARTS
-        total, row = self._rows[-1].take(part), np.empty(len(place))
+        total = self._rows[-1].take(part)
+        row = np.empty(len(place))
         for coefficients in self._rows[-2::-1]:
             total *= place
             total += coefficients.take(part, out=row, mode="clip")
@@ -115,7 +117,8 @@ class Pieces:
         """Value at x, any shape; outside, the value of the first or last series."""
         at = np.asarray(x, dtype=float)
         number = np.clip(np.searchsorted(self.edges, at, side="right") - 1, 0, len(self.edges) - 2)
-        low, high = self.edges[number], self.edges[number + 1]
+        low = self.edges[number]
+        high = self.edges[number + 1]
         return self._powers(number, (2 * at - low - high) / (high - low))
 
     @cached_property
@@ -131,9 +134,12 @@ class Pieces:
 
 def clenshaw(coefficients: Array, number: NDArray[np.intp], t: Array) -> Array:
     """Sum of coefficients[k, number] T_k(t), shape of t."""
-    where, at, total = np.ravel(number), np.ravel(t), np.empty(np.size(t))
+    where = np.ravel(number)
+    at = np.ravel(t)
+    total = np.empty(np.size(t))
     for first in range(0, len(at), _AT_ONCE):
-        here, place = where[first : first + _AT_ONCE], at[first : first + _AT_ONCE]
+        here = where[first : first + _AT_ONCE]
+        place = at[first : first + _AT_ONCE]
         double, one, two, new, product = 2 * place, *np.zeros((4, len(place)))
         for row in coefficients[:0:-1]:
             row.take(here, out=new, mode="clip")
@@ -152,8 +158,10 @@ def difference(coefficients: Array, t: Array, since: Array) -> Array:
     1.2
     """
     # Divided differences of T_(k+1) = 2 t T_k - T_(k-1).
-    before, now = np.zeros_like(t + since), np.ones_like(t + since)
-    value_before, value = np.ones_like(now), since * now
+    before = np.zeros_like(t + since)
+    now = np.ones_like(t + since)
+    value_before = np.ones_like(now)
+    value = since * now
     total = np.zeros_like(now)
     for coefficient in coefficients[1:]:
         total = total + coefficient * now
@@ -192,7 +200,8 @@ class Unresolved(ValueError):
     """A function that piecewise series can't follow between `low` and `high`."""
 
     def __init__(self, low: float, high: float) -> None:
-        self.low, self.high = low, high
+        self.low = low
+        self.high = high
         super().__init__(f"too rough between {low:.6g} and {high:.6g}")
 
 
@@ -202,7 +211,9 @@ def halved(function: Function, edges: Array, scale: ArrayLike | None = None) -> 
     `scale` is one number or one for each piece between `edges`, (n,). Each turn halves all pieces
     that are left, and no piece gets shorter than 1e-14 of the first ones: 47 turns at most.
     """
-    low, high, owner = edges[:-1], edges[1:], np.arange(len(edges) - 1)
+    low = edges[:-1]
+    high = edges[1:]
+    owner = np.arange(len(edges) - 1)
     shortest = np.maximum(_SHORTEST * (high - low), 4e-16 * np.maximum(np.abs(low), np.abs(high)))
     values = np.asarray(
         function(low[:, None] + (high - low)[:, None] * (1 + NODES) / 2), dtype=float
@@ -211,9 +222,12 @@ def halved(function: Function, edges: Array, scale: ArrayLike | None = None) -> 
     known = np.zeros(len(low)) if scale is None else np.asarray(scale, dtype=float)
     # What is next to a piece counts too: a piece may be flat.
     floor = np.maximum(1e-15 * np.maximum(size, np.append(size[1:], 0.0)), 4e-15 * known)
-    starts, found, count = [low[:0]], [np.empty((0, DEGREE + 1))], np.zeros(len(low), dtype=int)
+    starts = [low[:0]]
+    found = [np.empty((0, DEGREE + 1))]
+    count = np.zeros(len(low), dtype=int)
     while len(low):
-        coefficients, count = series(values), count + np.bincount(owner, minlength=len(count))
+        coefficients = series(values)
+        count = count + np.bincount(owner, minlength=len(count))
         limit = np.maximum(1e-13 * np.max(np.abs(values), axis=1), floor[owner])
         rough = (tail(coefficients) > limit) & (high - low > shortest[owner])
         bad = np.flatnonzero(
@@ -223,9 +237,12 @@ def halved(function: Function, edges: Array, scale: ArrayLike | None = None) -> 
             raise Unresolved(float(low[bad[0]]), float(high[bad[0]]))
         starts.append(low[~rough])
         found.append(coefficients[~rough])
-        low, high, owner = low[rough], high[rough], np.tile(owner[rough], 2)
+        low = low[rough]
+        high = high[rough]
+        owner = np.tile(owner[rough], 2)
         middle = (low + high) / 2
-        low, high = np.append(low, middle), np.append(middle, high)
+        low = np.append(low, middle)
+        high = np.append(middle, high)
         values = (
             np.asarray(
                 function(low[:, None] + (high - low)[:, None] * (1 + NODES) / 2), dtype=float

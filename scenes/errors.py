@@ -8,7 +8,8 @@ from collections.abc import Callable
 from typing import Any
 
 # Characters of a sentence, of a value in it.
-_LONGEST, _SHOWN = 2000, 120
+_LONGEST = 2000
+_SHOWN = 120
 
 
 class InputError(ValueError):
@@ -42,7 +43,8 @@ class RowError(ValueError):
     """A fault in one row of a table: `row` counts the rows of numbers from 0."""
 
     def __init__(self, row: int, rule: str) -> None:
-        self.row, self.rule = row, rule
+        self.row = row
+        self.rule = rule
         super().__init__(f"row {row + 1}: {rule}")
 
     @classmethod
@@ -103,7 +105,9 @@ class InadmissibleLoadError(InputError):
         where: str = "",
         rule: str = "",
     ) -> None:
-        self.time, self.normal_load, self.tangential_load = time, normal_load, tangential_load
+        self.time = time
+        self.normal_load = normal_load
+        self.tangential_load = tangential_load
         at, normal, tangential = seen or (time, normal_load, tangential_load)
         self.seen_time = at
         since = f" from time {time:.6g} on," if at != time else ""

@@ -35,10 +35,14 @@ resource = import_module("resource") if find_spec("resource") else None
 
 # Bytes. A TOML file is written by hand, and its parser is slow; tables of numbers go to CSV,
 # answers to NetCDF.
-TOML, TEXT, SOLUTION = 2**20, 2**28, 2**31
+TOML = 2**20
+TEXT = 2**28
+SOLUTION = 2**31
 # Of TOML beside its size: scenes and studies nest 4 tables, and have some hundred keys; a key takes
 # up to 1 kB for each of its parts. A number of so many hexadecimal digits is still a float.
-_DEEPEST, _MOST_KEYS, _LONGEST = 8, 10_000, 250
+_DEEPEST = 8
+_MOST_KEYS = 10_000
+_LONGEST = 250
 # Only repeats of single characters are possessive: those of groups match wrongly before Python
 # 3.11.5 (Debian 12 has 3.11.2).
 _PART = r"""(?:[A-Za-z0-9_-]++|"[^"\\\n]*+(?:\\[^\n][^"\\\n]*+)*"?|'[^'\n]*+'?)"""
@@ -129,7 +133,9 @@ def parsed_toml(text: str) -> dict[str, Any]:
     Traceback (most recent call last):
     ValueError: Tables nested deeper than 8 (at line 1, column 1)
     """
-    depth, keys, before = 0, 0, ""
+    depth = 0
+    keys = 0
+    before = ""
     for found in _TOML.finditer(text):
         sign = found["sign"] or ""
         # the latter: the head of a table
@@ -144,10 +150,8 @@ def parsed_toml(text: str) -> dict[str, Any]:
                     if found["long"]
                     else f"More than {_MOST_KEYS:,} keys"
                 )
-            line, column = (
-                text.count("\n", 0, found.start()) + 1,
-                found.start() - text.rfind("\n", 0, found.start()),
-            )
+            line = text.count("\n", 0, found.start()) + 1
+            column = found.start() - text.rfind("\n", 0, found.start())
             raise ValueError(f"{what} (at line {line}, column {column})")
     return tomllib.loads(text)
 
@@ -172,11 +176,9 @@ def keys_of(path: Path, what: str, advice: str = "") -> dict[str, Any]:
         ValueError,
         RecursionError,
     ) as reason:  # the parsers' own errors, numbers of thousands of digits
-        why, place, lines = (
-            f"not valid TOML: {reason}",
-            re.search(r"\(at line (\d+), column \d+\)", str(reason)),
-            text.split("\n"),
-        )
+        why = f"not valid TOML: {reason}"
+        place = re.search(r"\(at line (\d+), column \d+\)", str(reason))
+        lines = text.split("\n")
         if is_json:
             why = f"not valid JSON: {reason}"
         elif place and 0 < int(place[1]) <= len(lines):
@@ -303,7 +305,8 @@ def stored_dataset(path: Path, form: Mapping[str, tuple[str, ...]], newest: str)
 
     # h5netcdf prints a traceback of its own when a file goes that it could not open; the refusal
     # says all there is to say.
-    before, sys.unraisablehook = sys.unraisablehook, lambda _fault: None
+    before = sys.unraisablehook
+    sys.unraisablehook = lambda _fault: None
     try:
         check_size(path, WHAT, SOLUTION)
         # Nothing of it is unpacked yet; dimensions that an HDF5 file does not name are numbered,

@@ -51,7 +51,8 @@ _MOST = 20_000
 _BESIDE = 0.1
 # Parts of the rows; the first has risen where it lies by more than this share of all heights above
 # the lowest.
-_PARTS, _RISEN = 8, 0.05
+_PARTS = 8
+_RISEN = 0.05
 # Rise of a curve, over that of the rows, below which it is none.
 _BENT = 1e-9
 # Fits about another middle, by which other rows lie within the extent.
@@ -60,9 +61,12 @@ _PASSES = 5
 _TOUCHES = np.concatenate([np.linspace(0.0, 1.0, 21), np.geomspace(1.1, 10.0, 12)])
 # Knots of the spline; rows that it leaves behind; weights that are tried, over that at which rows
 # and steps count alike.
-_KNOTS, _PIECES, _WEIGHTS = 31, 61, np.logspace(-9, 3, 19)
+_KNOTS = 31
+_PIECES = 61
+_WEIGHTS = np.logspace(-9, 3, 19)
 # Half-lengths of the flat, in L, of which the best begins the search; the longest.
-_STARTS, _LONGEST = np.linspace(0.02, 0.94, 24), 0.98
+_STARTS = np.linspace(0.02, 0.94, 24)
+_LONGEST = 0.98
 # Middles, in L from that of a parabola through the rows, with which the half-lengths are tried
 # where a tilt has moved the parabola.
 _MIDDLES = np.linspace(-0.45, 0.45, 7)
@@ -151,7 +155,8 @@ def fitted_keys(x: Array, h: Array, request: FitRequest) -> dict[str, Any]:
                 " needed",
             )
         # In units of the rows, so that nothing depends on theirs.
-        apart, height = np.abs(x - start), float(np.ptp(h))
+        apart = np.abs(x - start)
+        height = float(np.ptp(h))
         length = float(np.max(apart))
         if not x[0] <= start < x[-1] and (fixed is None or np.min(apart) > _BESIDE * length):
             where = (
@@ -407,7 +412,8 @@ class _Rows:
 
         if not len(start):
             return self.at(start, weight)
-        low, high = [-1.0] * self.centred, [1.0] * self.centred
+        low = [-1.0] * self.centred
+        high = [1.0] * self.centred
         bounds = ([*low, 1e-9][: len(start)], [*high, _LONGEST][: len(start)])
         found = least_squares(
             lambda z: self.at(z, weight).rest,
@@ -434,7 +440,8 @@ class _Rows:
             )
         if self.kind != "smoothing_spline":
             return self.best(z, 0.0)
-        fits, errors = [], []
+        fits = []
+        errors = []
         for each in _WEIGHTS.tolist() if weight is None else [weight]:
             found = self.best(z, each)
             columns = self.columns(np.abs(self.x - found.centre), 0.0)
@@ -446,7 +453,8 @@ class _Rows:
                 + self.tilted
                 + float(np.trace(np.linalg.solve(square + each * steps.T @ steps, square)))
             )
-            rest, count = float(np.sum((self.h - found.curve) ** 2)), len(self.x)
+            rest = float(np.sum((self.h - found.curve) ** 2))
+            count = len(self.x)
             errors.append(
                 rest / noise**2 + 2 * numbers if noise else rest / max(count - numbers, 1e-3) ** 2
             )

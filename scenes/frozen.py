@@ -89,14 +89,10 @@ def refusal(faults: ValidationError, data: Any, model: type[Frozen]) -> str:
         faults.errors(), key=lambda fault: (fault["type"] != "extra_forbidden", -len(fault["loc"]))
     )
     fault = errors[0]
-    key, value = _key(fault, data), fault["input"]
-    more = _also(
-        [
-            name
-            for name in dict.fromkeys(_key(error, data) for error in errors)
-            if name not in (key, "")
-        ]
-    )
+    key = _key(fault, data)
+    value = fault["input"]
+    faulty_keys = dict.fromkeys(_key(error, data) for error in errors)
+    more = _also([name for name in faulty_keys if name not in (key, "")])
     rule = fault["msg"].removeprefix("Value error, ").removeprefix("Input ")
     match fault["type"]:
         case "extra_forbidden":
@@ -125,7 +121,9 @@ def refusal(faults: ValidationError, data: Any, model: type[Frozen]) -> str:
             return f"the key {key}.kind is missing; {listed} lists the kinds{more}"
         case "union_tag_invalid":
             kinds = fault["ctx"]["expected_tags"].replace(", ", " or ")
-            key, value, rule = f"{key}.kind", fault["ctx"]["tag"], f"should be {kinds}"
+            key = f"{key}.kind"
+            value = fault["ctx"]["tag"]
+            rule = f"should be {kinds}"
         case "tuple_type" | "list_type":
             rule = "should be a list in square brackets"
         case "too_long":
@@ -165,15 +163,10 @@ def neglected(word: str) -> str:
             " bulk_stress_lower, bulk_stress_upper, tilt, moment and line_of_action are keys of"
             " [load]: docs/scene-keys.md"
         )
-    found = next(
-        (
-            limit
-            for stems, limit in _NEGLECTED.items()
-            if any(part.startswith(stems) for part in words)
-        ),
-        "",
-    )
-    return f" {found}: docs/theory.md, 'What is neglected'" if found else ""
+    for stems, limit in _NEGLECTED.items():
+        if any(part.startswith(stems) for part in words):
+            return f" {limit}: docs/theory.md, 'What is neglected'"
+    return ""
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:

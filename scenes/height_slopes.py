@@ -29,7 +29,8 @@ Function = Callable[[Array], Array]
 
 # Values that a series is fitted to: of a piece, and of the polynomial of x^2. The rounding of one
 # is left by 6 % and by 2 %.
-_OF_PIECE, _OF_CORE = 512, 4096
+_OF_PIECE = 512
+_OF_CORE = 4096
 # A coefficient counts from so many standard deviations on. Rounding is no perfect chance: above 4
 # some is left, above 8 none was seen; what is dropped with it costs 1e-15 of a load.
 _SIGNIFICANT = 8.0
@@ -41,14 +42,17 @@ _EXPLAINED = 6.0
 _ROUGHEST = 1e-7
 # Bounds of int T_k'(s)/sqrt(t - s) ds, -1 < s < t < 1, over k, and of the same integral of T_k''
 # over k^3, found for k up to 24.
-_OF_LOAD, _OF_STIFFNESS = 2.9, 1.5
+_OF_LOAD = 2.9
+_OF_STIFFNESS = 1.5
 # int cos(angle) h'(a cos(angle)) d angle over the largest h' below a: 0.59 of a slope x^3.
 _LEAST_LOAD = 0.5
 # Rounding of an octave far down, over h there, up to which h has its digits at any x; where the
 # octave ends, over the extent.
-_EXACT, _FAR_DOWN = 1e-15, 2.0**-20
+_EXACT = 1e-15
+_FAR_DOWN = 2.0**-20
 # Octaves below the extent in which the polynomial of x^2 may end, and its lowest powers of x^2.
-_ENDS, _LOWEST = 13, (1, 2, 3, 4)
+_ENDS = 13
+_LOWEST = (1, 2, 3, 4)
 # A fit that reaches farther out is preferred to one whose error is half as large.
 _ALIKE = 2.0
 # Rounding above the end of the polynomial of x^2 may be so many times that below.
@@ -196,7 +200,8 @@ def _rounding_far_down(rise: Function, extent: float) -> float:
 def _refined(rise: Function, edges: Array) -> tuple[Pieces, Rounding]:
     """Series of h between `edges`, and what its rounding leaves uncertain."""
     samples = _samples(_OF_PIECE)
-    low, half = edges[:-1], np.diff(edges) / 2
+    low = edges[:-1]
+    half = np.diff(edges) / 2
     coefficients, rounding = samples.series_and_rounding(
         rise(low[:, None] + half[:, None] * (1 + samples.places))
     )
@@ -255,11 +260,8 @@ def _core(rise: Function, ends: Array) -> _Core | None:
     """The polynomial of x^2 with the least error, or nearly so, and of those the widest; None where
     no end resolves h.
     """
-    cores = [
-        core
-        for core in (_core_up_to(rise, end, _OF_PIECE) for end in ends[::-1].tolist())
-        if core is not None
-    ]
+    candidates = [_core_up_to(rise, end, _OF_PIECE) for end in ends[::-1].tolist()]
+    cores = [core for core in candidates if core is not None]
     if not cores:
         return None
     least = min(core.rounding.load for core in cores)

@@ -238,7 +238,8 @@ class BulkAndTilt(Frozen, Generic[V]):
         ValueError
             For points of its own that are not as many as those of the load.
         """
-        own, count = getattr(value, "initial_loading", ()), len(normal_loads) - 2
+        own = getattr(value, "initial_loading", ())
+        count = len(normal_loads) - 2
         if own and len(own) != count:
             raise ValueError(
                 f"initial_loading of a bulk stress or tilt has {len(own)} values for {count} points"
@@ -392,10 +393,8 @@ class PolygonLoad(StraightLoad):
     def _moves(self) -> Self:
         path = self.path()
         for leg in (*path.initial_loading, *path.cycle):
-            ends, parts = (
-                np.array([leg.start, leg.end]),
-                [part for part in (leg, leg.bulk, leg.turning) if part is not None],
-            )
+            ends = np.array([leg.start, leg.end])
+            parts = [part for part in (leg, leg.bulk, leg.turning) if part is not None]
             if all(first == last for part in parts for first, last in part.loads(ends)):
                 lists = any(isinstance(getattr(self, key), tuple) for key in KEYS)
                 beside = " with the same bulk stress and tilt" if lists else ""
@@ -410,11 +409,14 @@ class PolygonLoad(StraightLoad):
             *self.cycle,
             *(self.initial_loading[-1:] if self.cycle else ()),
         ]
-        segments, first = (
-            straight_segments([(float(k), *point) for k, point in enumerate(corners)]),
-            len(self.initial_loading),
-        )
+        segments = straight_segments([(float(k), *point) for k, point in enumerate(corners)])
+        first = len(self.initial_loading)
         return LoadPath(segments[:first], segments[first:])
+
+
+def _in_radians(harmonics: tuple[Harmonic, ...]) -> tuple[tuple[float, float], ...]:
+    """Amplitude and phase of each harmonic, whose phase is in degrees."""
+    return tuple((amplitude, math.radians(phase)) for amplitude, phase in harmonics)
 
 
 class HarmonicLoad(CyclicLoad[WaveSum]):
@@ -448,12 +450,12 @@ class HarmonicLoad(CyclicLoad[WaveSum]):
     )
 
     def path_of_loads(self) -> LoadPath:
-        waves = (
-            tuple((amplitude, math.radians(phase)) for amplitude, phase in harmonics)
-            for harmonics in (self.normal_harmonics, self.tangential_harmonics)
-        )
         turn = HarmonicSegment(
-            0.0, 2 * math.pi, (self.mean_normal_load, self.mean_tangential_load), *waves
+            0.0,
+            2 * math.pi,
+            (self.mean_normal_load, self.mean_tangential_load),
+            _in_radians(self.normal_harmonics),
+            _in_radians(self.tangential_harmonics),
         )
         return LoadPath(straight_loading(self.initial_loading, turn, math.pi), (turn,))
 
@@ -505,7 +507,8 @@ class TimeSeriesLoad(StraightLoad, FromFile):
     ([2.0, 0.5], -1.5)
     """
 
-    table, quantities = "rows", {"time": "time", "P": "load", "Q": "load"}
+    table = "rows"
+    quantities: ClassVar[dict[str, Kind]] = {"time": "time", "P": "load", "Q": "load"}
     further: ClassVar[dict[str, Kind]] = {
         "bulk_stress_lower": "stress",
         "bulk_stress_upper": "stress",
@@ -620,7 +623,8 @@ class TimeSeriesLoad(StraightLoad, FromFile):
                 min(first, len(rows) - 1),
                 f"start and end leave {max(beyond - first, 0)} rows: two at least are needed",
             )
-        time, words = rows[:, 0], ("stands there twice", "comes after a later one")
+        time = rows[:, 0]
+        words = ("stands there twice", "comes after a later one")
         RowError.refuse(
             np.diff(time[first:beyond]) <= 0,
             lambda k: (
@@ -652,7 +656,9 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         """Number of the first row that counts, from 0 on, and of the first behind the last that
         does.
         """
-        time, first, beyond = self.rows.values[:, 0], 0, len(self.rows)
+        time = self.rows.values[:, 0]
+        first = 0
+        beyond = len(self.rows)
         if isinstance(self.start, RecordRow):
             first = self.start.row - 1
         elif self.start is not None:
@@ -722,7 +728,8 @@ class TimeSeriesLoad(StraightLoad, FromFile):
 
     def in_words(self, unit: str) -> str:
         used = self.used_rows().values
-        low, high = np.min(used, axis=0), np.max(used, axis=0)
+        low = np.min(used, axis=0)
+        high = np.max(used, axis=0)
         again = ", again and again" if self.repeats else ""
         which = f"{len(self.rows)} rows of a record"
         if len(used) != len(self.rows):
@@ -780,7 +787,8 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
         segments = self._segments()
         after = [*segments[1:], *([segments[0].shifted(self.duration)] if self.repeats else [])]
         for before, following in zip(segments, after, strict=False):
-            left, right = before.loads(before.end), following.loads(following.start)
+            left = before.loads(before.end)
+            right = following.loads(following.start)
             for name, one, two in zip(("normal_load", "tangential_load"), left, right, strict=True):
                 if abs(float(one - two)) > 1e3 * _ROUNDING * max(
                     abs(float(left[0])), abs(float(right[0]))
@@ -823,7 +831,8 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
 
     def path_of_loads(self) -> LoadPath:
         segments = tuple(self._segments())
-        first, last = np.abs(segments[0].loads(0.0)), np.abs(segments[-1].loads(self.duration))
+        first = np.abs(segments[0].loads(0.0))
+        last = np.abs(segments[-1].loads(self.duration))
         initial_loading: tuple[LoadSegment, ...] = ()
         # Unless it is unloaded at first.
         if (

@@ -111,10 +111,8 @@ UNITS = (
     "units of the columns in the file, where its headings do not state them; turned into those of"
     " the scene"
 )
-SCALE, ZERO = (
-    "factors of the columns, such as a calibration",
-    "numbers of the file that mean zero: taken off first, in its units",
-)
+SCALE = "factors of the columns, such as a calibration"
+ZERO = "numbers of the file that mean zero: taken off first, in its units"
 READ_AS = "how the file was read, found and assumed; written by the reader"
 
 
@@ -352,7 +350,8 @@ class FromFile(Frozen):
         try:
             self.check_rows()
         except RowError as fault:
-            path, place = _folder(info) / (self.file or ""), f"{self.table}, row {fault.row + 1}"
+            path = _folder(info) / (self.file or "")
+            place = f"{self.table}, row {fault.row + 1}"
             if self.file is not None and path.is_file():  # where the rows came from
                 columns = _given(getattr(self, "columns", None))
                 place = (
@@ -461,10 +460,12 @@ def turning_points(values: Array, threshold: float) -> Rows:
         low = row if value < values[low] else low
         if way >= 0 and values[high] - value > threshold:
             found.append(high)
-            way, low = -1, row
+            way = -1
+            low = row
         elif way <= 0 and value - values[low] > threshold:
             found.append(low)
-            way, high = 1, row
+            way = 1
+            high = row
     return np.array(found, dtype=np.int64)
 
 
@@ -479,10 +480,12 @@ def within(path: Array, tolerance: Array) -> Rows:
     slack = tolerance + _ROUNDING * np.max(np.abs(path), initial=0.0)
 
     def fits(first: int, last: int) -> bool:
-        start, way = path[first], path[last] - path[first]
+        start = path[first]
+        way = path[last] - path[first]
         between = path[first + 1 : last] - start
         with np.errstate(divide="ignore", invalid="ignore"):
-            one, other = (between - slack) / way, (between + slack) / way
+            one = (between - slack) / way
+            other = (between + slack) / way
         still = way == 0
         if np.any(np.abs(between[:, still]) > slack[still]):
             return False
@@ -490,9 +493,11 @@ def within(path: Array, tolerance: Array) -> Rows:
         high = np.min(np.where(still, 1.0, np.maximum(one, other)), axis=1, initial=1.0)
         return bool(np.all(np.maximum.accumulate(low) <= high))
 
-    kept, last = [0], len(path) - 1
+    kept = [0]
+    last = len(path) - 1
     while kept[-1] < last:
-        first, reach = kept[-1], 1
+        first = kept[-1]
+        reach = 1
         while first + 2 * reach <= last and fits(first, first + 2 * reach):
             reach *= 2
         far = min(2 * reach, last - first + 1)

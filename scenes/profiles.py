@@ -28,6 +28,7 @@ from scenes.fitting import FitRequest, fitted_keys
 from scenes.frozen import Frozen, Positive, PositiveNumber, PythonFunction, refusal
 from scenes.height_slopes import Rounding, slope_of_height
 from scenes.measured import COLUMNS, READ_AS, SCALE, UNITS, ZERO, FromFile, ReadAs, Table
+from scenes.unit_words import Kind
 
 Array = NDArray[np.float64]
 
@@ -45,7 +46,8 @@ _CLOSEST = 1e-9
 _MOST = 2_000
 # A rise counts as a whole number of steps to this; steps are coarse where half of all rises are
 # less than so many.
-_WHOLE, _COARSE = 1e-3, 1000
+_WHOLE = 1e-3
+_COARSE = 1000
 
 
 class Spline(NamedTuple):
@@ -452,13 +454,12 @@ class CallableProfile(Gap):
     def _resolve(self) -> Self:
         if (self.height_function is None) == (self.slope_function is None):
             raise ValueError("either height_function or slope_function is needed, and not both")
-        over, sign = (
-            values_of(self.height_function or self.slope_function),
-            (-1.0 if self.height_function is None else 1.0),
-        )
+        over = values_of(self.height_function or self.slope_function)
+        sign = -1.0 if self.height_function is None else 1.0
         x = self.extent * np.array([0.07, 0.31, 0.62, 0.97])
         try:
-            right, left = over(x), over(-x)
+            right = over(x)
+            left = over(-x)
         except (ArithmeticError, TypeError, ValueError) as reason:
             raise ValueError(
                 f"the function can't be evaluated at x = +-{x[0]:.6g}: {reason}"
@@ -477,7 +478,8 @@ class CallableProfile(Gap):
             self._rounding = Rounding(0.0, 0.0)
             if self.height_function is not None:
                 of_height = slope_of_height(over, edges)
-                edges, slope_of = of_height.edges, of_height.slope
+                edges = of_height.edges
+                slope_of = of_height.slope
                 self._rounding = of_height.rounding
             self._slope = fit(slope_of, edges)
         except Unresolved as fault:
@@ -537,7 +539,8 @@ class CallableProfile(Gap):
 
     def slope(self, x: ArrayLike) -> Array:
         """h'(x) for x >= 0, any shape."""
-        at, first = np.asarray(x, dtype=float), float(self._slope.edges[0])
+        at = np.asarray(x, dtype=float)
+        first = float(self._slope.edges[0])
         return (
             self._slope(np.clip(at, first, self.extent))
             * np.minimum(at / first, 1.0) ** self.exponent
@@ -545,7 +548,8 @@ class CallableProfile(Gap):
 
     def bend(self, x: ArrayLike) -> Array:
         """x h''(x) for x >= 0, any shape; 0 beyond the extent."""
-        at, first = np.asarray(x, dtype=float), float(self._slope.edges[0])
+        at = np.asarray(x, dtype=float)
+        first = float(self._slope.edges[0])
         above = self._slope.derivative(np.clip(at, first, self.extent)) * at
         return np.where(
             at < first, self.exponent * self.slope(at), np.where(at > self.extent, 0.0, above)
@@ -561,7 +565,8 @@ class CallableProfile(Gap):
     @property
     def exponent(self) -> float:
         """Power of x that the slope follows below the least x that is resolved."""
-        first, second = self._slope.edges[0], self._slope.edges[0] * 2
+        first = self._slope.edges[0]
+        second = self._slope.edges[0] * 2
         one, two = self._slope(np.array([first, second]))
         return float(np.log2(two / one)) if one > 0 else 1.0
 
@@ -586,7 +591,9 @@ class Tabulated(FromFile):
     [0.005, 0.5]
     """
 
-    table, quantities, written = "points", {"x": "length", "h": "length"}, ("fitted",)
+    table = "points"
+    quantities: ClassVar[dict[str, Kind]] = {"x": "length", "h": "length"}
+    written = ("fitted",)
     arc: ClassVar[None] = None
     kinks: ClassVar[tuple[float, ...]] = ()
     """Distances from the middle at which the curvature jumps [length]: none stated; it does a
@@ -723,7 +730,8 @@ class Tabulated(FromFile):
                 np.searchsorted(side.x, np.abs(at), side="right") - 1, 0, len(side.x) - 1
             )
             # straight beyond the last knot
-            step, bend = np.abs(at) - side.x[number], np.append(side.curvature, 0.0)[number]
+            step = np.abs(at) - side.x[number]
+            bend = np.append(side.curvature, 0.0)[number]
             return np.asarray(side.height[number] + step * (side.slope[number] + bend * step / 2))
 
         left, right = map(height, self.sides())
@@ -753,7 +761,9 @@ def one_sided(points: Array, asymmetry: float) -> tuple[Array, Array]:
     if len(x[x >= 0]) < 3 or not np.any(x == 0):
         raise RowError(0, "a row with x = 0 and at least two with x > 0 are needed")
     centre = int(np.flatnonzero(x == 0)[0])
-    right, rise, limit = x[centre:], h[centre:], asymmetry * float(np.ptp(h))
+    right = x[centre:]
+    rise = h[centre:]
+    limit = asymmetry * float(np.ptp(h))
     if centre:
         left = -x[centre::-1]
         if len(right) != len(left) or np.any(np.abs(right - left) > 1e-9 * x[-1]):
@@ -790,7 +800,8 @@ def rising_spline(x: Array, h: Array) -> Spline:
     lie on a line the spline follows it: any other slope at its ends would bend it back.
     """
     step = np.diff(x)
-    secant, slope = np.diff(h) / step, np.zeros(len(x))
+    secant = np.diff(h) / step
+    slope = np.zeros(len(x))
     alike = np.concatenate(
         [
             [False],
@@ -804,7 +815,8 @@ def rising_spline(x: Array, h: Array) -> Spline:
     slope[1:-1] = np.where(np.isfinite(line), line, parabola)
     slope[-1] = np.clip(2 * secant[-1] - slope[-2], 0.0, 2 * secant[-1])
     slope[1:-1] = np.minimum(slope[1:-1], 2 * np.minimum(secant[:-1], secant[1:]))
-    begin, end = slope[:-1] - secant, slope[1:] - secant
+    begin = slope[:-1] - secant
+    end = slope[1:] - secant
     bent = np.flatnonzero(np.abs(begin + end) > _ALIKE * (slope[:-1] + slope[1:]))
     # Where the curvature changes within an interval: where both parts bend the same way, else, with
     # an inflection, in its middle.

@@ -248,11 +248,9 @@ class Scene(Frozen):
                     f"units = {self.units!r}, and the columns of {name}.file were turned into"
                     f" {own!r}: give file and units together in a scene file, or to Scene.vary"
                 )
-        length, radius, arc = (
-            self.profile.datum_length,
-            self.bodies.relative_radius(),
-            self.profile.arc,
-        )
+        length = self.profile.datum_length
+        radius = self.bodies.relative_radius()
+        arc = self.profile.arc
         if not 1 / LARGEST <= length <= LARGEST:
             raise ValueError(
                 f"profile has a length of {length:g}, which is not between {1 / LARGEST:g} and"
@@ -390,9 +388,11 @@ def load_scene(source: str | Path) -> Scene:
     >>> load_scene("hertz-paper").friction.coefficient
     1.0
     """
-    path, name = Path(source), str(source)
+    path = Path(source)
+    name = str(source)
     if name in scene_names():
-        data, folder = parsed_toml(scene_text(name)), Path(str(_LIBRARY))
+        data = parsed_toml(scene_text(name))
+        folder = Path(str(_LIBRARY))
     elif not path.suffix and not os.path.exists(
         path
     ):  # False for a name that is longer than a path may be
@@ -416,7 +416,8 @@ def load_scene(source: str | Path) -> Scene:
                 f"{path}: the scene file is empty; `halfplane init FILE.toml` writes one to start"
                 " from"
             )
-        name, folder = path.stem, path.parent
+        name = path.stem
+        folder = path.parent
     return checked(Scene, {"name": name} | data, str(path), of_file=True, folder=folder)
 
 

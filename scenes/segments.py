@@ -57,7 +57,8 @@ _DOUBLE = 1e-5
 _MOST_STEPS = 4000
 # Steps without gain after which rounding is reached, where they are shorter than this share of the
 # way.
-_IDLE, _SHORT = 3, 1e-9
+_IDLE = 3
+_SHORT = 1e-9
 
 
 class Combination(NamedTuple):
@@ -197,37 +198,34 @@ class LoadSegment(abc.ABC):
         """
         wanted = np.clip(wanted / total, 0, 1) * total
         rising = math.copysign(1.0, total) * math.copysign(1.0, end - begin)
-        low, high = np.full(wanted.shape, min(begin, end)), np.full(wanted.shape, max(begin, end))
+        low = np.full(wanted.shape, min(begin, end))
+        high = np.full(wanted.shape, max(begin, end))
         # exact for a cosine that turns at both ends
         time = begin + (end - begin) / math.pi * np.arccos(1 - 2 * wanted / total)
-        best, least, idle, last = (
-            time,
-            np.full(wanted.shape, math.inf),
-            np.zeros(wanted.shape, int),
-            high - low,
-        )
+        best = time
+        least = np.full(wanted.shape, math.inf)
+        idle = np.zeros(wanted.shape, int)
+        last = high - low
         for _ in range(_MOST_STEPS):
-            fault, slope = (
-                rising * (self.change_of(what, time, begin) - wanted),
-                rising * self.rate_of(what, time),
-            )
+            fault = rising * (self.change_of(what, time, begin) - wanted)
+            slope = rising * self.rate_of(what, time)
             better = np.abs(fault) < least
-            best, least, idle = (
-                np.where(better, time, best),
-                np.where(better, np.abs(fault), least),
-                np.where(better, 0, idle + 1),
-            )
+            best = np.where(better, time, best)
+            least = np.where(better, np.abs(fault), least)
+            idle = np.where(better, 0, idle + 1)
             # Steps that gain no more are round-off where they are short: a long one is half a
             # bracket, and others follow.
             no_gain = (idle >= _IDLE) & (last <= _SHORT * np.abs(best - begin))
             if np.all((least == 0) | no_gain | (last <= _ROUNDING_OF_TIME * np.abs(best))):
                 return best
-            low, high = np.where(fault < 0, time, low), np.where(fault > 0, time, high)
+            low = np.where(fault < 0, time, low)
+            high = np.where(fault > 0, time, high)
             steep = slope > 0
             newton = time - np.where(steep, fault / np.where(steep, slope, 1.0), math.inf)
             inside = (low <= newton) & (newton <= high) & (2 * np.abs(newton - time) <= last)
             following = np.where(inside, newton, (low + high) / 2)
-            last, time = np.abs(following - time), following
+            last = np.abs(following - time)
+            time = following
         raise NotFoundError(
             f"no time was found at which the loads have changed as wanted, between {begin:.17g} and"
             f" {end:.17g}"
@@ -398,19 +396,24 @@ class HarmonicSegment(LoadSegment):
         return 1j * np.arange(self._coefficients.shape[1]) * (np.array(what) @ self._coefficients)
 
     def change_of(self, what: Combination, time: ArrayLike, since: ArrayLike) -> Array:
-        t, t0 = np.asarray(time, dtype=float), np.asarray(since, dtype=float)
-        middle, half = (t + t0) / 2, (t - t0) / 2
+        t = np.asarray(time, dtype=float)
+        t0 = np.asarray(since, dtype=float)
+        middle = (t + t0) / 2
+        half = (t - t0) / 2
         if self.ellipse:
             size, lead = self.wave(what)
             return -2 * size * np.sin(middle + lead) * np.sin(half)
         # (p(z) - p(z_0))/(z - z_0) by Horner's scheme, and z - z_0 = 2i sin((t - t_0)/2) exp(i (t +
         # t_0)/2).
-        centre, side = np.exp(1j * np.atleast_1d(middle)), np.exp(1j * np.atleast_1d(half))
-        z, z_0 = centre * side, centre * side.conjugate()
+        centre = np.exp(1j * np.atleast_1d(middle))
+        side = np.exp(1j * np.atleast_1d(half))
+        z = centre * side
+        z_0 = centre * side.conjugate()
         *others, value = (np.array(what) @ self._coefficients).tolist()
         quotient = 0j
         for coefficient in reversed(others):
-            quotient, value = quotient * z + value, value * z_0 + coefficient
+            quotient = quotient * z + value
+            value = value * z_0 + coefficient
         return np.reshape((quotient * centre * (2j * side.imag)).real, middle.shape)
 
     def beside(self, what: Combination) -> HarmonicSegment:
@@ -444,12 +447,10 @@ class HarmonicSegment(LoadSegment):
                 if abs(height) > _ROUNDING * size[1]
                 else ()
             )
-            return [
-                time
-                for time in (k * math.pi - lead for k in number)
-                if self.start < time < self.end
-            ]
-        rates, whole = self._rate(what), float(np.arange(len(size)) @ size)
+            extremes = [k * math.pi - lead for k in number]
+            return [time for time in extremes if self.start < time < self.end]
+        rates = self._rate(what)
+        whole = float(np.arange(len(size)) @ size)
         rates[np.abs(rates) <= _ROUNDING * whole] = 0
         if whole < LEAST or not np.any(rates):
             return []
@@ -494,14 +495,17 @@ class HarmonicSegment(LoadSegment):
         late = math.remainder(delay, 2 * math.pi)
         if abs(late) <= 1e-15 * abs(delay):  # whole turns, to their rounding: the waves stay
             return super().shifted(delay)
-        normal, tangential = (
-            tuple(
-                (size, phase + math.remainder(k * late, 2 * math.pi))
-                for k, (size, phase) in enumerate(waves, 1)
+
+        def later(waves: Waves) -> Waves:
+            """Harmonics whose phases grow by k times the delay."""
+            turned = [math.remainder(k * late, 2 * math.pi) for k in range(1, len(waves) + 1)]
+            return tuple(
+                (size, phase + turn) for (size, phase), turn in zip(waves, turned, strict=True)
             )
-            for waves in (self.normal, self.tangential)
+
+        return replace(
+            super().shifted(delay), normal=later(self.normal), tangential=later(self.tangential)
         )
-        return replace(super().shifted(delay), normal=normal, tangential=tangential)
 
 
 @dataclass(frozen=True)
@@ -561,7 +565,8 @@ class ChebyshevSegment(LoadSegment):
         return np.asarray(chebyshev.chebder(np.array(what) @ self._series))
 
     def change_of(self, what: Combination, time: ArrayLike, since: ArrayLike) -> Array:
-        t, t0 = np.asarray(time, dtype=float), np.asarray(since, dtype=float)
+        t = np.asarray(time, dtype=float)
+        t0 = np.asarray(since, dtype=float)
         step = 2 * (t - t0) / (self.end - self.start)
         return difference(np.array(what) @ self._series, self._unit(t), self._unit(t0)) * step
 
@@ -656,9 +661,8 @@ class LoadPath:
         """What all segments carry as `bulk` or `turning`, as a path of its own; None where one of
         them carries nothing.
         """
-        loading, cycle = (
-            [getattr(leg, name) for leg in legs] for legs in (self.initial_loading, self.cycle)
-        )
+        loading = [getattr(leg, name) for leg in self.initial_loading]
+        cycle = [getattr(leg, name) for leg in self.cycle]
         return None if None in (*loading, *cycle) else LoadPath(tuple(loading), tuple(cycle))
 
     def at(self, time: ArrayLike) -> Loads:
@@ -687,7 +691,9 @@ def _wave_sum(coefficients: NDArray[np.complex128], time: Array) -> Array:
     """Re[sum c_k exp(i k t)] by Horner's scheme, shape of t."""
     # Never a number without a shape: the last digit of its products is another one.
     t = np.atleast_1d(time)
-    z, value, above = np.exp(1j * t), np.zeros(t.shape, dtype=complex), len(coefficients) - 1
+    z = np.exp(1j * t)
+    value = np.zeros(t.shape, dtype=complex)
+    above = len(coefficients) - 1
     # Waves without an amplitude are passed over: one of a thousand harmonics may be all there is.
     for k in [*np.flatnonzero(coefficients[1:])[::-1] + 1, 0]:
         value = value * (z if above - k == 1 else np.exp(1j * (above - k) * t)) + coefficients[k]
@@ -699,11 +705,9 @@ def _sharpened(segment: LoadSegment, what: Combination, guess: Array) -> list[fl
     """Turning points of a combination in the segment, ascending, after two of Newton's steps, as
     long as they are small.
     """
-    found, apart, longest = (
-        guess,
-        1e-6 * (segment.end - segment.start),
-        _DOUBLE * (segment.end - segment.start) / 2,
-    )
+    found = guess
+    apart = 1e-6 * (segment.end - segment.start)
+    longest = _DOUBLE * (segment.end - segment.start) / 2
     for _ in range(2):
         rate, beside = segment.rate_of(what, np.stack([found, found + apart]))
         step = rate * apart / np.where(beside != rate, beside - rate, np.inf)
@@ -743,7 +747,8 @@ def parabola_segment(start: float, end: float, last: Point, end_slope: float) ->
     """
     p, q = last
     # Q = line w + square w^2, w = (1 + u)/2
-    line, square = 2 * q - end_slope * p, end_slope * p - q
+    line = 2 * q - end_slope * p
+    square = end_slope * p - q
     return ChebyshevSegment(
         start, end, (p / 2, p / 2), (line / 2 + 3 * square / 8, (line + square) / 2, square / 8)
     )

@@ -30,7 +30,9 @@ Array = NDArray[np.float64]
 
 # Rows of a table, characters of a row: what is longer would take gigabytes on its way through the
 # engines. A row of somebody else's table may hold all the frames of a point.
-MOST_ROWS, _LONGEST, _LONGEST_OF_ALL = 2_000_000, 100_000, 10_000_000
+MOST_ROWS = 2_000_000
+_LONGEST = 100_000
+_LONGEST_OF_ALL = 10_000_000
 # What a file may be written in; a mark of byte order, which spreadsheets put at the front, is no
 # part of the first name or number.
 _ENCODINGS = {
@@ -40,7 +42,8 @@ _ENCODINGS = {
 }
 _MARKS_OF_16 = (b"\xff\xfe", b"\xfe\xff")
 # Lines that are looked at before the table is read, bytes that show what it is written in.
-_LOOK, _START = 200, 50_000
+_LOOK = 200
+_START = 50_000
 # How a file begins that is JSON, XML or HTML: no heading does.
 _MARKUP = re.compile(r"\s*(?:\{|\[\s*(?:[\[{\"\d-]|$)|<[?!\w])")
 _REMARKS = ("#", "**", "%", "//")
@@ -246,10 +249,13 @@ def text_table(
         check_size(path, what, TEXT, cure)
         with path.open("rb") as binary:
             start = binary.read(_START)
-        many = start.startswith(_MARKS_OF_16)
-        for encoding in (
-            ("utf-16",) if many else ("utf-8-sig",) if b"\0" in start else ("utf-8-sig", "cp1252")
-        ):
+        is_utf_16 = start.startswith(_MARKS_OF_16)
+        encodings = ["utf-8-sig", "cp1252"]
+        if is_utf_16:
+            encodings = ["utf-16"]
+        elif b"\0" in start:
+            encodings = ["utf-8-sig"]
+        for encoding in encodings:
             with contextlib.suppress(UnicodeError), path.open(encoding=encoding) as stream:
                 lines = partial(_lines, path, stream, longest)
                 first_lines = list(islice(lines(), _LOOK))
@@ -262,9 +268,8 @@ def text_table(
                 values, numbers = _numbers(
                     path, lines, layout, comma, bool(columns), f"{path}: {what}", cure
                 )
-                headings, units = (
-                    tuple(each[k] for k in layout.used) for each in (layout.names, layout.units)
-                )
+                headings = tuple(layout.names[k] for k in layout.used)
+                units = tuple(layout.units[k] for k in layout.used)
                 if not layout.head:
                     headings = tuple(f"column {k + 1}" for k in layout.used)
                 words = (
@@ -285,7 +290,7 @@ def text_table(
     except OSError as reason:
         raise InputError(f"{path}: the file can't be read: {reason.strerror}") from reason
     raise InputError(
-        f"{path}: the file can't be read: it is not {'UTF-16' if many else 'UTF-8'} text"
+        f"{path}: the file can't be read: it is not {'UTF-16' if is_utf_16 else 'UTF-8'} text"
     )
 
 
@@ -311,12 +316,11 @@ def _cells(text: str, separator: str | None) -> list[str]:
 
 def _number(text: str, comma: bool) -> float | None:
     """None where it is no number as this file writes them."""
+    if "_" in text or (comma and "." in text):
+        return None
+    with_point = text.replace(",", ".") if comma else text
     try:
-        return (
-            None
-            if "_" in text or (comma and "." in text)
-            else float(text.replace(",", ".") if comma else text)
-        )
+        return float(with_point)
     except ValueError:
         return None
 
@@ -478,7 +482,8 @@ def _plain_layout(
             f"{path}, line {number}: the first line must name the columns, such as {example};"
             f" {what}{cure}"
         )
-    listed, count = ", ".join(columns), len(columns)
+    listed = ", ".join(columns)
+    count = len(columns)
 
     # The first row of numbers, its separator and cells.
     ways = (
@@ -584,7 +589,8 @@ def _has_decimal_comma(lines: Iterator[Line], layout: _Layout) -> bool:
             continue
         cells = _cells(text, layout.separator)
         used = [cells[k] for k in layout.used if k < len(cells)]
-        points, commas = any("." in cell for cell in used), any("," in cell for cell in used)
+        points = any("." in cell for cell in used)
+        commas = any("," in cell for cell in used)
         if points or commas:
             return commas and (
                 not points or any(0 <= cell.find(".") < cell.rfind(",") for cell in used)
@@ -604,7 +610,9 @@ def _numbers(
     """The numbers of the columns that are read and the line of each row: at once where all is well,
     else one by one to a fault.
     """
-    mark, more, places = layout.separator, len(layout.names) - 1, array("q")
+    mark = layout.separator
+    more = len(layout.names) - 1
+    places = array("q")
 
     def rows() -> Iterator[Line]:
         del places[:]
