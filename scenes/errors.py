@@ -126,7 +126,7 @@ class ConvergenceError(RuntimeError):
     Attributes
     ----------
     partial
-        ContactSolution or None The solution up to the last accepted step.
+        the ContactSolution up to the last accepted step, or None
     """
 
     def __init__(self, message: str, partial: Any = None) -> None:
@@ -144,8 +144,8 @@ class Interrupted(KeyboardInterrupt):
     Attributes
     ----------
     partial
-        ContactSolution or None The solution up to the last accepted step, or the whole of one
-        that later work was interrupted on.
+        the ContactSolution up to the last accepted step, or the whole of one that later work was
+        interrupted on; or None
     """
 
     def __init__(self, message: str = "", partial: Any = None) -> None:
