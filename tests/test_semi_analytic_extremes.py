@@ -79,14 +79,14 @@ def test_theory_has_the_same_largest_values_beside_any_mesh(name: str) -> None:
 
 
 def test_difference_on_common_points_is_a_metric_of_its_own() -> None:
-    """The result is theory on few points: nothing differs there, but its points miss the largest
-    values.
+    """The result is theory on few points: its slip does not differ there, but its points miss the
+    largest values.
     """
     scene = load_scene("hertz-paper")
     result = on_points(scene, np.linspace(-1.31, 1.27, 24), 16)
     comparison = compare(semi_analytic.solve(scene, x=result.x, time=result.time), result)
+    assert comparison.metric("largest_slip_common").value == pytest.approx(0.0, abs=1e-12)
     for key in ("largest_pressure", "largest_slip", "dissipation_density_peak"):
-        assert comparison.metric(f"{key}_common").value == pytest.approx(0.0, abs=1e-12)
         assert comparison.metric(key).value < -1e-4
 
 

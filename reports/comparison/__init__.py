@@ -43,7 +43,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from reports.comparison import words
 from reports.comparison.cycles import last_cycle, sample, sample_instants
 from reports.comparison.dimensionless import scales
 from reports.comparison.judged import JudgedPair
@@ -83,12 +82,16 @@ class Comparison(JudgedPair):
 
     def _repr_html_(self) -> str:
         """For a notebook."""
+        from reports.comparison import words
+
         return words.for_notebook(self, has_budget=False)
 
     def summary(self) -> str:
         """The first table of the page as text: theory, finite elements, difference with its
         uncertainty, verdict; in units.
         """
+        from reports.comparison import words
+
         return words.summary(self)
 
 
