@@ -211,11 +211,24 @@ class Arc:
         panel, point = np.nonzero(panels.near)
         begin = panels.low[panel]
         end = panels.high[panel]
-        steps = self._steps(begin, end, point)
+        # Of a sample of the steps their halves too, in the same call: what these differ by is the
+        # error.
+        sample = np.empty(0, dtype=int)
+        if len(panel):
+            sample = np.unique(np.linspace(0, len(panel) - 1, _SAMPLE).astype(int))
+        middle = (begin[sample] + end[sample]) / 2
+        integrals = self._steps(
+            np.concatenate([begin, begin[sample], middle]),
+            np.concatenate([end, middle, end[sample]]),
+            np.concatenate([point, point[sample], point[sample]]),
+        )
+        steps, lower, upper = np.split(integrals, [len(panel), len(panel) + len(sample)])
         over_panels = np.sum(self._primitive, axis=2)
         over_panels[panel, point] += steps
         self._before = np.cumsum(over_panels, axis=0) - over_panels
-        error_of_steps = self._error_of_steps(steps, begin, end, point)
+        largest_change = float(np.max(np.abs(steps[sample] - lower - upper), initial=0.0))
+        steps_of_point = np.max(np.bincount(point), initial=0)
+        error_of_steps = largest_change * math.sqrt(steps_of_point)
         error_of_series = float(np.max(np.sum(panels.error, axis=0), initial=0.0))
         self.error = self._factor * (error_of_steps + error_of_series)
 
@@ -244,23 +257,6 @@ class Arc:
             high = np.concatenate([middle, high[~is_done]])
         panels = _Panels._make(np.concatenate(column) for column in zip(*done, strict=True))
         return panels.take(np.argsort(panels.low))
-
-    def _error_of_steps(self, steps: Array, begin: Array, end: Array, point: Indices) -> float:
-        """What a sample of the steps from `begin` to `end` (m,) differs from its halves by, for all
-        steps of a point.
-        """
-        if not len(steps):
-            return 0.0
-        sample = np.unique(np.linspace(0, len(steps) - 1, _SAMPLE).astype(int))
-        middle = (begin[sample] + end[sample]) / 2
-        halves = self._steps(
-            np.concatenate([begin[sample], middle]),
-            np.concatenate([middle, end[sample]]),
-            np.tile(point[sample], 2),
-        )
-        lower, upper = np.split(halves, 2)
-        change = np.abs(steps[sample] - lower - upper)
-        return float(np.max(change)) * math.sqrt(np.max(np.bincount(point)))
 
     def _steps(self, low: Array, high: Array, point: Indices) -> Array:
         """The integrals from low[k] to high[k] at x[point[k]], (m,), near P_x; no step crosses the
