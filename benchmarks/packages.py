@@ -180,10 +180,8 @@ def lowest() -> list[str]:
     return [word.replace(">=", "==") for word in REQUIREMENTS]
 
 
-def environment(home: Path, scratch: Path, pins: list[str] | None) -> Path:
-    """Python of a new environment with the wheel of this checkout; without pins all other packages
-    are the present one's.
-    """
+def build_wheel(folder: Path) -> Path:
+    """The wheel of this checkout, built in `folder`."""
     run(
         sys.executable,
         "-m",
@@ -193,10 +191,18 @@ def environment(home: Path, scratch: Path, pins: list[str] | None) -> Path:
         "--no-deps",
         "--no-build-isolation",
         "--wheel-dir",
-        scratch,
+        folder,
         ROOT,
     )
-    (wheel,) = scratch.glob("halfplane-*.whl")
+    (wheel,) = folder.glob("halfplane-*.whl")
+    return wheel
+
+
+def environment(home: Path, scratch: Path, pins: list[str] | None) -> Path:
+    """Python of a new environment with the wheel of this checkout; without pins all other packages
+    are the present one's.
+    """
+    wheel = build_wheel(scratch)
     venv.create(home, clear=True, with_pip=pins is not None)
     python = home / "bin" / "python"
     if pins is None:

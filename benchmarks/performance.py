@@ -37,6 +37,7 @@ import numpy as np
 import peers
 from claims import ROOT, chosen, markdown, memory, seconds, stored, with_children, write_json
 from finite_elements import COARSE, DEFAULT, FINE, FREE, Setting
+from packages import build_wheel
 from threadpoolctl import threadpool_limits
 
 import halfplane_fe
@@ -707,20 +708,7 @@ def start() -> Found:
         child(arguments)  # the first also reads what the later ones find
         times[name] = [child(arguments) for _ in range(5)]
     with tempfile.TemporaryDirectory() as folder:
-        child(
-            [
-                "-m",
-                "pip",
-                "wheel",
-                "--quiet",
-                "--no-deps",
-                "--no-build-isolation",
-                "--wheel-dir",
-                folder,
-                ".",
-            ]
-        )
-        wheel = next(Path(folder).glob("*.whl")).stat().st_size
+        wheel = build_wheel(Path(folder)).stat().st_size
     packages = Path(sys.prefix) / "lib" / f"python3.{sys.version_info.minor}" / "site-packages"
     largest = sorted(
         ((size(one), one.name) for one in packages.iterdir() if one.is_dir()), reverse=True
