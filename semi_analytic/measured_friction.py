@@ -326,15 +326,15 @@ def _inverse(
 
     wanted = real_numbers(target, "dissipation")
     try:
-        whole = np.broadcast_shapes(wanted.shape, shape)
+        full_shape = np.broadcast_shapes(wanted.shape, shape)
     except ValueError as fault:
         raise InputError(
             f"friction_from: the dissipation must be numbers that broadcast with the loads: {fault}"
         ) from fault
-    count = len(least)
-    some = np.isfinite(least) & (least > 0)
-    begin = np.where(some, least, 1.0) * (1 + _BESIDE)
-    middle = np.maximum(begin, np.where(some, no_slip, 0.0)) * _MIDDLE
+    n_members = len(least)
+    is_solvable = np.isfinite(least) & (least > 0)
+    begin = np.where(is_solvable, least, 1.0) * (1 + _BESIDE)
+    middle = np.maximum(begin, np.where(is_solvable, no_slip, 0.0)) * _MIDDLE
     top = middle * (_MOST / _MIDDLE)
     shares = np.concatenate([[0.0], np.logspace(-8, math.log10(0.05), _CLOSE - 1)])
     log_f = np.concatenate(
@@ -344,17 +344,17 @@ def _inverse(
             np.linspace(np.log(middle), np.log(top), _FAR + 1)[1:],
         ]
     )
-    number = np.broadcast_to(np.arange(count), log_f.shape)
+    number = np.broadcast_to(np.arange(n_members), log_f.shape)
     works = np.full(log_f.shape, np.nan)
-    works[:, some] = work(np.exp(log_f[:, some]).ravel(), number[:, some].ravel()).reshape(
-        len(log_f), -1
-    )
-    some &= np.all(np.isfinite(works), axis=0)
+    solvable_works = work(np.exp(log_f[:, is_solvable]).ravel(), number[:, is_solvable].ravel())
+    works[:, is_solvable] = solvable_works.reshape(len(log_f), -1)
+    is_solvable &= np.all(np.isfinite(works), axis=0)
 
     # Turning points of W, which may lie between two samples and hide two roots.
-    rise, largest = np.diff(works, axis=0), np.max(np.where(some, works, 0.0), axis=0)
+    rise = np.diff(works, axis=0)
+    largest = np.max(np.where(is_solvable, works, 0.0), axis=0)
     sharp = np.minimum(np.abs(rise[:-1]), np.abs(rise[1:])) >= _STANDS_OUT * largest
-    row, column = np.nonzero(some & sharp & (rise[:-1] * rise[1:] < 0))
+    row, column = np.nonzero(is_solvable & sharp & (rise[:-1] * rise[1:] < 0))
     if len(row):
         sign = np.where(rise[row, column] < 0, 1.0, -1.0)  # W falls before a least value
         turning = elementwise.find_minimum(
@@ -366,49 +366,47 @@ def _inverse(
         )
         place = np.arange(len(row)) - np.searchsorted(np.sort(column), np.sort(column))
         order = np.argsort(column, kind="stable")
-        extra = np.full((int(place.max()) + 1, count), np.nan)
-        extra_work = extra.copy()
-        extra[place, column[order]] = turning.x[order]
-        extra_work[place, column[order]] = (sign * turning.f_x)[order]
-        log_f, works = np.concatenate([log_f, extra]), np.concatenate([works, extra_work])
+        log_f_at_turn = np.full((int(place.max()) + 1, n_members), np.nan)
+        work_at_turn = log_f_at_turn.copy()
+        log_f_at_turn[place, column[order]] = turning.x[order]
+        work_at_turn[place, column[order]] = (sign * turning.f_x)[order]
+        log_f = np.concatenate([log_f, log_f_at_turn])
+        works = np.concatenate([works, work_at_turn])
         ascending = np.argsort(log_f, axis=0)
-        log_f, works = (
-            np.take_along_axis(log_f, ascending, 0),
-            np.take_along_axis(works, ascending, 0),
-        )
+        log_f = np.take_along_axis(log_f, ascending, 0)
+        works = np.take_along_axis(works, ascending, 0)
 
-    member = np.broadcast_to(np.arange(count).reshape(shape), whole).ravel()
-    aim = np.broadcast_to(wanted, whole).ravel()
-    valid = np.isfinite(aim) & (aim > 0) & some[member]
+    member = np.broadcast_to(np.arange(n_members).reshape(shape), full_shape).ravel()
+    aim = np.broadcast_to(wanted, full_shape).ravel()
+    valid = np.isfinite(aim) & (aim > 0) & is_solvable[member]
     above = works[:, member] > np.where(valid, aim, np.inf)
     known = np.isfinite(works[:, member])
     row, column = np.nonzero((above[:-1] != above[1:]) & known[:-1] & known[1:] & valid)
     order = np.lexsort((row, column))
-    row, column = row[order], column[order]
-    found = np.bincount(column, minlength=len(aim))
-    roots, unsettled = (
-        np.full((len(aim), max(1, int(found.max(initial=0)))), np.nan),
-        np.zeros(len(aim), dtype=bool),
-    )
+    row = row[order]
+    column = column[order]
+    n_roots = np.bincount(column, minlength=len(aim))
+    roots = np.full((len(aim), max(1, int(n_roots.max(initial=0)))), np.nan)
+    unsettled = np.zeros(len(aim), dtype=bool)
     if len(row):
         loops = member[column]
-        result = elementwise.find_root(
+        crossing = elementwise.find_root(
             lambda at, loop, goal: (
                 work(np.exp(at).ravel(), loop.ravel().astype(int)).reshape(at.shape) - goal
             ),
             (log_f[row, loops], log_f[row + 1, loops]),
             args=(loops.astype(float), aim[column]),
         )
-        roots[column, np.arange(len(row)) - np.searchsorted(column, column)] = np.exp(result.x)
-        unsettled[column[~(np.abs(result.f_x) <= _FOUND * aim[column])]] = True
+        roots[column, np.arange(len(row)) - np.searchsorted(column, column)] = np.exp(crossing.x)
+        unsettled[column[~(np.abs(crossing.f_x) <= _FOUND * aim[column])]] = True
     low = np.min(np.where(np.isfinite(works), works, np.inf), axis=0)[member]
     high = np.max(np.where(np.isfinite(works), works, -np.inf), axis=0)[member]
     conditions = [
         ~(np.isfinite(aim) & (aim > 0)),
-        ~some[member],
+        ~is_solvable[member],
         unsettled,
-        (found == 0) & (aim > high),
-        found == 0,
+        (n_roots == 0) & (aim > high),
+        n_roots == 0,
     ]
     kinds = [
         NoFriction.INVALID,
@@ -425,16 +423,16 @@ def _inverse(
         )
         for k in np.flatnonzero(reason)[:10]
     )
-    counted = np.where(reason == NoFriction.NONE, found, 0)
+    counted = np.where(reason == NoFriction.NONE, n_roots, 0)
     limits = (
-        np.where(some[member], values, np.nan).reshape(whole)
+        np.where(is_solvable[member], values, np.nan).reshape(full_shape)
         for values in (least[member], low, high)
     )
     least_friction, low, high = (freeze(values) for values in limits)
     return FrictionBatch(
-        roots=freeze(roots.reshape(*whole, -1)),
-        count=freeze(counted.reshape(whole), np.int64),
-        reason=freeze(reason.reshape(whole), np.int8),
+        roots=freeze(roots.reshape(*full_shape, -1)),
+        count=freeze(counted.reshape(full_shape), np.int64),
+        reason=freeze(reason.reshape(full_shape), np.int8),
         least_friction=least_friction,
         least=low,
         most=high,

@@ -683,6 +683,46 @@ def tabulated(modulus: float, profile: Tabulated) -> ContactLaw:
     return law
 
 
+class _Piece(NamedTuple):
+    """A piece [low, high] of u = sqrt(a - begin), behind the knot at `begin`."""
+
+    begin: float
+    low: float
+    high: float
+
+
+class _Range(NamedTuple):
+    """Pieces `first` to `last` of a table, whose sums over the knots below `known` are taken.
+
+    `smooth` (nodes, 2) are the series of these sums, of P and of dP/da/a, in a on `ends`.
+    """
+
+    first: int
+    last: int
+    known: int
+    ends: tuple[float, float]
+    smooth: Array
+
+
+def _pieces_of_rows(knots: Array) -> list[_Piece]:
+    """The pieces behind every knot from the second on, in octaves behind a short interval.
+
+    What the knot before leaves is singular at u^2 = before - begin.
+    """
+    pieces: list[_Piece] = []
+    for before, begin, end in zip(
+        knots[:-2].tolist(), knots[1:-1].tolist(), knots[2:].tolist(), strict=True
+    ):
+        length = (end - begin) ** 0.5
+        step = (begin - before) ** 0.5
+        octaves = range(math.ceil(math.log2(length / step)))
+        marks = [0.0, *(step * 2.0**k for k in octaves), length]
+        if len(marks) > 2 and length - marks[-2] < 0.1 * (marks[-2] - marks[-3]):
+            del marks[-2]
+        pieces += [_Piece(begin, low, high) for low, high in pairwise(marks)]
+    return pieces
+
+
 def _series_of_rows(knots: Array, bend: Array) -> _Series:
     """Series behind every knot from the second on; none where there are no more than two.
 
@@ -691,24 +731,17 @@ def _series_of_rows(knots: Array, bend: Array) -> _Series:
     are long themselves. So the time is about that of the rows, not of their square. What is left in
     the end is summed knot by knot.
     """
-    pieces: list[tuple[float, float, float]] = []
-    for before, begin, end in zip(
-        knots[:-2].tolist(), knots[1:-1].tolist(), knots[2:].tolist(), strict=True
-    ):
-        # Behind a short interval the series is in octaves: what the knot before leaves is singular
-        # at u^2 = before - begin.
-        whole, step = (end - begin) ** 0.5, (begin - before) ** 0.5
-        marks = [0.0, *(step * 2.0**k for k in range(math.ceil(math.log2(whole / step)))), whole]
-        if len(marks) > 2 and whole - marks[-2] < 0.1 * (marks[-2] - marks[-3]):
-            del marks[-2]
-        pieces += [(begin, low, high) for low, high in pairwise(marks)]
-    begin, low, high = (np.array([piece[k] for piece in pieces]) for k in range(3))
+    pieces = _pieces_of_rows(knots)
+    begin = np.array([piece.begin for piece in pieces])
+    low = np.array([piece.low for piece in pieces])
+    high = np.array([piece.high for piece in pieces])
     jumps = np.diff(bend, prepend=0.0)
     # The ends too: loads there are where pieces begin and end.
     t = np.concatenate([[-1.0], NODES, [1.0]])
     u = low[:, None] + (high - low)[:, None] * (1 + t) / 2
-    above, half = np.square(u), begin[:, None] + np.square(u)
-    both = np.zeros((*half.shape, 2))
+    above = np.square(u)
+    half_widths = begin[:, None] + np.square(u)
+    load_and_rate = np.zeros((*half_widths.shape, 2))
 
     def sums(a: Array, since: Array, above: Array, first: int, last: int) -> Array:
         """P and dP/da/a by knots number `first` to `last`, at a = since + above: a - b is known
@@ -719,37 +752,48 @@ def _series_of_rows(knots: Array, bend: Array) -> _Series:
         tau = np.sqrt(rise * (a + b))
         angle = np.where(rise > 0, np.arctan2(tau, b), 0.0)
         # a^2 arccos(b/a) - b tau is twice the load of a flat with rounded edges; with b = 0 Hertz.
-        return np.stack(
-            [
-                np.where(rise > 0, a * a * angle - b * tau, 0.0) @ jumps[first:last] / 2,
-                angle @ jumps[first:last],
-            ],
-            axis=-1,
-        )
+        twice_load = np.where(rise > 0, a * a * angle - b * tau, 0.0)
+        load = twice_load @ jumps[first:last] / 2
+        rate = angle @ jumps[first:last]
+        return np.stack([load, rate], axis=-1)
 
-    todo = [(0, len(begin), 0, (0.0, 1.0), np.zeros((len(NODES), 2)))] if pieces else []
-    while todo:
-        first, last, known, ends, smooth = todo.pop()
-        low_end, high_end = half[first, 0], half[last - 1, -1]
-        place, scale = low_end + (high_end - low_end) * (1 + NODES) / 2, 2 / (ends[1] - ends[0])
-        far = max(int(np.searchsorted(knots, 2 * low_end - high_end)), known)
-        values = chebyshev.chebval((place - ends[0]) * scale - 1, smooth).T
-        values = values + sums(place[:, None], place[:, None], np.zeros((1, 1)), known, far)
-        ends, smooth = (low_end, high_end), series(values.T).T
-        if last - first > _TOGETHER:
-            middle = (first + last) // 2
-            todo += [(first, middle, far, ends, smooth), (middle, last, far, ends, smooth)]
+    ranges: list[_Range] = []
+    if pieces:
+        ranges.append(_Range(0, len(begin), 0, (0.0, 1.0), np.zeros((len(NODES), 2))))
+    while ranges:
+        part = ranges.pop()
+        ends = (half_widths[part.first, 0], half_widths[part.last - 1, -1])
+        length = ends[1] - ends[0]
+        place = ends[0] + length * (1 + NODES) / 2
+        far = max(int(np.searchsorted(knots, 2 * ends[0] - ends[1])), part.known)
+        in_series = (place - part.ends[0]) * (2 / (part.ends[1] - part.ends[0])) - 1
+        values = chebyshev.chebval(in_series, part.smooth).T
+        column = place[:, None]
+        values = values + sums(column, column, np.zeros((1, 1)), part.known, far)
+        smooth = series(values.T).T
+        if part.last - part.first > _TOGETHER:
+            middle = (part.first + part.last) // 2
+            ranges.append(_Range(part.first, middle, far, ends, smooth))
+            ranges.append(_Range(middle, part.last, far, ends, smooth))
             continue
-        here, reached = slice(first, last), int(np.searchsorted(knots[:-1], high_end))
-        at = (half[here] - low_end) * 2 / (high_end - low_end) - 1
-        both[here] = np.moveaxis(chebyshev.chebval(at, smooth), 0, -1)
-        both[here] += sums(
-            half[here, :, None], begin[here, None, None], above[here, :, None], far, reached
+        rows = slice(part.first, part.last)
+        reached = int(np.searchsorted(knots[:-1], ends[1]))
+        in_series = (half_widths[rows] - ends[0]) * 2 / length - 1
+        load_and_rate[rows] = np.moveaxis(chebyshev.chebval(in_series, smooth), 0, -1)
+        load_and_rate[rows] += sums(
+            half_widths[rows, :, None], begin[rows, None, None], above[rows, :, None], far, reached
         )
-    load, rate = both[..., 0], both[..., 1] * half
-    found = (series(values[:, 1:-1]).T for values in (load, rate))
-    loads = np.append(load[:, 0], load[-1:, -1])
-    return _Series(begin, low, high, begin + low * low, loads, *(Powers(each) for each in found))
+    load = load_and_rate[..., 0]
+    rate = load_and_rate[..., 1] * half_widths
+    return _Series(
+        begin,
+        low,
+        high,
+        edges=begin + low * low,
+        loads=np.append(load[:, 0], load[-1:, -1]),
+        load=Powers(series(load[:, 1:-1]).T),
+        rate=Powers(series(rate[:, 1:-1]).T),
+    )
 
 
 def _splits(profile: Tabulated, half: float) -> InputError:

@@ -7,11 +7,12 @@ pyvista reads them in a process of its own, bounded in time and memory: see `vtk
 from __future__ import annotations
 
 import io
+import itertools
 import json
 import os
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -229,30 +230,36 @@ def joined(parts: Sequence[FieldPart]) -> FieldPart:
     """
     if len(parts) == 1:
         return parts[0]
-    starts = np.concatenate([[0], np.cumsum([len(part.points) for part in parts])])
-    of_points = [
-        name for name in parts[0].point_fields if all(name in part.point_fields for part in parts)
-    ]
-    of_cells = [
-        name for name in parts[0].cell_fields if all(name in part.cell_fields for part in parts)
-    ]
-    for field in of_points:
+    common_point_fields = _names_in_all([part.point_fields for part in parts])
+    common_cell_fields = _names_in_all([part.cell_fields for part in parts])
+    for field in common_point_fields:
         if len({part.point_fields[field].shape[1:] for part in parts}) > 1:
             raise InputError(
                 f"{parts[0].name}: {field} has another number of components than in"
                 f" {parts[1].name}; write one form"
             )
+    cells = []
+    points_before = 0
+    for part in parts:
+        cells += [(kind, rows + points_before) for kind, rows in part.cells]
+        points_before += len(part.points)
+    point_fields = {
+        field: np.concatenate([part.point_fields[field] for part in parts])
+        for field in common_point_fields
+    }
+    cell_fields = {}
+    for field in common_cell_fields:
+        blocks = itertools.chain.from_iterable(part.cell_fields[field] for part in parts)
+        cell_fields[field] = tuple(blocks)
     return FieldPart(
         ", ".join(part.name for part in parts),
         np.concatenate([part.points for part in parts]),
-        tuple(
-            (kind, rows + start)
-            for part, start in zip(parts, starts, strict=False)
-            for kind, rows in part.cells
-        ),
-        {name: np.concatenate([part.point_fields[name] for part in parts]) for name in of_points},
-        {
-            name: tuple(block for part in parts for block in part.cell_fields[name])
-            for name in of_cells
-        },
+        tuple(cells),
+        point_fields,
+        cell_fields,
     )
+
+
+def _names_in_all(fields: Sequence[Mapping[str, Any]]) -> list[str]:
+    """The names of the first that all of them have."""
+    return [name for name in fields[0] if all(name in others for others in fields)]

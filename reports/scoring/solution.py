@@ -9,7 +9,7 @@ drops out.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -476,11 +476,11 @@ def whole_path(scene: Scene) -> ContactSolution:
 
 
 def _guessed(
-    result: SurfaceResult, mapping: Mapping, whole: ContactSolution
+    result: SurfaceResult, mapping: Mapping, theory: ContactSolution
 ) -> tuple[SurfaceResult, tuple[str, ...]]:
     """`result` in the scene's units and our signs, and a sentence for each guess that took.
 
-    What the mapping states is never guessed at. `whole` is the `whole_path` of the scene.
+    What the mapping states is never guessed at. `theory` is that of the scene's `whole_path`.
 
     Raises
     ------
@@ -497,11 +497,10 @@ def _guessed(
             f"{result.source}: by signs.pressure = {mapping.signs.pressure!r} of the mapping no"
             " point is in compression: state the other sign, or leave it out"
         )
-    half_width, load = float(np.nanmax(whole.contact_half_width)), float(np.max(whole.normal_load))
-    said: list[str] = []
+    sentences: list[str] = []
     if mapping.signs.pressure is None and result.pressure.max() <= TOUCHES * -result.pressure.min():
         result = replace(result, pressure=freeze(0.0 - result.pressure))
-        said.append(
+        sentences.append(
             "the pressure is negative throughout: compression was taken to be negative"
             ' (signs.pressure = "compression negative")'
         )
@@ -510,13 +509,86 @@ def _guessed(
         and result.normal_load.max() <= 1e-9 * -result.normal_load.min()
     ):
         result = replace(result, normal_load=freeze(0.0 - result.normal_load))
-        said.append("the normal load is negative throughout and was turned: here P > 0 presses")
+        sentences.append(
+            "the normal load is negative throughout and was turned: here P > 0 presses"
+        )
+
+    for yardstick in _yardsticks(result, theory):
+        result, sentence = _in_units_of(yardstick, result, mapping)
+        if sentence:
+            sentences.append(sentence)
 
     left, right = _extent(result)
-    pressure = load / (2 * half_width)  # the mean one at the largest load
-    largest = 0.0 if result.normal_load is None else float(np.max(result.normal_load))
-    for key, fields, what, own, expected, quantity in (
-        (
+    half_width = float(np.nanmax(theory.contact_half_width))
+    edges = (np.nanmin(theory.contact_edges[:, 0]), np.nanmax(theory.contact_edges[:, 1]))
+    centre = float(edges[0] + edges[1]) / 2 if theory.tilt is not None else 0.0
+    if (
+        not mapping.x_offset
+        and abs((left + right) / 2 - centre) > _OFF_CENTRE * half_width
+        and right - left <= 4 * half_width
+    ):
+        pressure = result.pressure[int(np.argmax(result.pressure.max(axis=1)))]
+        load = np.trapezoid(pressure, result.x)
+        centroid = float(np.trapezoid(pressure * result.x, result.x) / load)
+        shift = centroid - centre
+        result = replace(result, x=freeze(result.x - shift))
+        by = ", by the centroid" if centre else ", the centroid"
+        sentences.append(
+            f"x was counted from {shift:.6g}{by} of the largest pressure, where the file has it"
+            " from 0 (x_offset)"
+        )
+    return result, tuple(sentences)
+
+
+@dataclass(frozen=True)
+class _Yardstick:
+    """By what a unit is guessed: a value of the result beside the one that theory has.
+
+    Attributes
+    ----------
+    key
+        of the mapping's factors
+    fields
+        of the result, that have this unit
+    words
+        for these fields
+    measured, expected
+        the value in the result, and theory's
+    quantity
+        what both are, in a sentence
+    """
+
+    key: str
+    fields: tuple[str, ...]
+    words: str
+    measured: float
+    expected: float
+    quantity: str
+
+    @property
+    def theory_in_words(self) -> str:
+        """Theory's value in a sentence; of pressure it is the mean, so the least."""
+        if self.key == "stress":
+            return f"at least the mean one, {self.expected:.4g},"
+        return f"{self.expected:.4g}"
+
+    @property
+    def factor(self) -> float:
+        """The first of the usual factors that brings the result near theory; 1 if none does."""
+        for factor in (1.0, *_FACTORS):
+            if _LEAST <= self.measured / self.expected * factor <= _MOST:
+                return factor
+        return 1.0
+
+
+def _yardsticks(result: SurfaceResult, theory: ContactSolution) -> tuple[_Yardstick, ...]:
+    """Half-width, pressure and normal load, at the largest load."""
+    left, right = _extent(result)
+    half_width = float(np.nanmax(theory.contact_half_width))
+    load = float(np.max(theory.normal_load))
+    largest_load = 0.0 if result.normal_load is None else float(np.max(result.normal_load))
+    return (
+        _Yardstick(
             "length",
             ("x", "slip"),
             "x",
@@ -524,48 +596,42 @@ def _guessed(
             half_width,
             "the contact's half-width is",
         ),
-        (
+        _Yardstick(
             "stress",
             ("pressure", "shear"),
             "pressure and shear",
             float(result.pressure.max()),
-            pressure,
+            load / (2 * half_width),
             "the largest pressure is",
         ),
-        ("load", ("normal_load", "tangential_load"), "P and Q", largest, load, "the largest P is"),
-    ):
-        known = {name: values for name in fields if (values := getattr(result, name)) is not None}
-        factor = next(
-            (one for one in (1.0, *_FACTORS) if _LEAST <= own / expected * one <= _MOST), 1.0
-        )
-        if getattr(mapping.factors, key) is not None or not known or not own or factor == 1.0:
-            continue
-        scaled: dict[str, Any] = {name: freeze(values * factor) for name, values in known.items()}
-        result = replace(result, **scaled)
-        theirs = f"at least the mean one, {expected:.4g}," if key == "stress" else f"{expected:.4g}"
-        said.append(
-            f"{what} multiplied by {factor:g}, for {quantity} {own:.4g} and theory has {theirs} "
-            f"(factors.{key} = {factor:g} says it for certain)"
-        )
+        _Yardstick(
+            "load",
+            ("normal_load", "tangential_load"),
+            "P and Q",
+            largest_load,
+            load,
+            "the largest P is",
+        ),
+    )
 
-    left, right = _extent(result)
-    sides = np.nanmin(whole.contact_edges[:, 0]), np.nanmax(whole.contact_edges[:, 1])
-    centre = float(sides[0] + sides[1]) / 2 if whole.tilt is not None else 0.0
-    if (
-        not mapping.x_offset
-        and abs((left + right) / 2 - centre) > _OFF_CENTRE * half_width
-        and right - left <= 4 * half_width
-    ):
-        row = result.pressure[int(np.argmax(result.pressure.max(axis=1)))]
-        middle = float(np.trapezoid(row * result.x, result.x) / np.trapezoid(row, result.x))
-        middle -= centre
-        result = replace(result, x=freeze(result.x - middle))
-        by = ", by the centroid" if centre else ", the centroid"
-        said.append(
-            f"x was counted from {middle:.6g}{by} of the largest pressure, where the file has it"
-            " from 0 (x_offset)"
-        )
-    return result, tuple(said)
+
+def _in_units_of(
+    yardstick: _Yardstick, result: SurfaceResult, mapping: Mapping
+) -> tuple[SurfaceResult, str]:
+    """The result with the guessed factor, and the sentence that says so; empty where none is."""
+    fields = {name: getattr(result, name) for name in yardstick.fields}
+    known = {name: values for name, values in fields.items() if values is not None}
+    is_stated = getattr(mapping.factors, yardstick.key) is not None
+    factor = yardstick.factor
+    if is_stated or not known or not yardstick.measured or factor == 1.0:
+        return result, ""
+    scaled: dict[str, Any] = {name: freeze(values * factor) for name, values in known.items()}
+    sentence = (
+        f"{yardstick.words} multiplied by {factor:g}, for {yardstick.quantity}"
+        f" {yardstick.measured:.4g} and theory has {yardstick.theory_in_words} "
+        f"(factors.{yardstick.key} = {factor:g} says it for certain)"
+    )
+    return replace(result, **scaled), sentence
 
 
 def _extent(result: SurfaceResult) -> tuple[float, float]:
