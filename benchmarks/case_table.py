@@ -20,7 +20,6 @@ from __future__ import annotations
 import json
 import math
 import re
-import subprocess
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -210,17 +209,6 @@ def expected(scene: str) -> tuple[Case, ...]:
         row |= {"tolerance": float(table["tolerance"]), "source": table["source"]}
         cases.append(case_of_row(scene, row))
     return tuple(cases)
-
-
-def commit() -> str:
-    """The commit of the code that runs, marked where files differ from it."""
-    head = _git("rev-parse", "--short=8", "HEAD")
-    return f"{head} and changes" if _git("status", "--porcelain", "--", "*.py") else head
-
-
-def _git(*words: str) -> str:
-    process = subprocess.run(["git", *words], cwd=ROOT, capture_output=True, text=True, check=True)
-    return process.stdout.strip()
 
 
 # ---------------------------------------------------------------------------------------- comparing

@@ -26,6 +26,7 @@ import case_table
 import regress
 from case_table import Case, Key, Sheet
 
+from reports.page.writing import code_commit
 from scenes import load_scene
 
 ROOT = Path(__file__).parents[1]
@@ -128,7 +129,7 @@ def with_points(run: str, known: Sheet) -> Sheet:
 def accept(run: str, line: Line) -> None:
     """Take the value of a line for the baseline of its quantity."""
     known = with_points(run, case_table.sheet(line.scene))
-    commit = case_table.commit()
+    commit = code_commit("*.py")
     if line.baseline is not None:
         renewed = replace(line.baseline, value=line.value, commit=commit)
     else:

@@ -34,6 +34,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from halfplane_fe.condensed_bodies import BODIES
+from reports.page.writing import code_commit
 
 ROOT = Path(__file__).parents[1]
 BODIES.bound_bytes = 0  # every run condenses its bodies itself
@@ -184,14 +185,7 @@ def measure(
 
 def commit() -> str:
     """The commit that is measured, with a plus sign where files were changed since."""
-    process = subprocess.run(
-        ["git", "describe", "--always", "--dirty=+"],
-        capture_output=True,
-        text=True,
-        cwd=ROOT,
-        check=False,
-    )
-    return process.stdout.strip()
+    return code_commit().replace(", with changes", "+")
 
 
 # -------------------------------------------------------------------------------------------- files

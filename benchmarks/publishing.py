@@ -34,6 +34,7 @@ from reports.comparison.pairs import are_half_planes, name_of
 from reports.comparison.verdicts import verdict_on
 from reports.console import say
 from reports.folder import replace_text
+from reports.page.writing import code_commit
 from reports.units import minus
 from scenes import ContactSolution, Expected, InputError, Scene, load_scene, scene_names
 
@@ -165,7 +166,7 @@ def error_of(
 def baselines(comparison: Comparison) -> dict[str, Case]:
     """Key of findings -> the baseline that the code gives now."""
     scene = comparison.scene.name
-    commit = case_table.commit()
+    commit = code_commit("*.py")
     largest_load = float(comparison.result.normal_load.max())
     rows = [
         {"run": "elements", "quantity": LARGEST_LOAD, "value": largest_load},

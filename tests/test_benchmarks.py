@@ -20,6 +20,7 @@ import pytest
 import semi_analytic
 from reports.comparison.budget import Budget, Term
 from reports.comparison.metrics import METRICS
+from reports.page.writing import code_commit
 from scenes import HarmonicLoad, TimeSeriesLoad, freeze, load_scene
 from semi_analytic import load_series
 from semi_analytic.fields import Integrals
@@ -229,7 +230,7 @@ def test_a_baseline_moves_only_where_it_is_named(
     (renewed,) = written
     was, now = before.baseline("theory", "stroke"), renewed.baseline("theory", "stroke")
     assert table.agrees(was, now.value)
-    assert now.commit == table.commit()
+    assert now.commit == code_commit("*.py")
     assert renewed.baseline("theory", "largest_half_width").value == 3.0
     shown = next(row for row in capsys.readouterr().out.splitlines() if " stroke " in row)
     assert shown.split()[1:3] == ["stroke", "3.0"]

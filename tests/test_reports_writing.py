@@ -38,7 +38,7 @@ from reports.charts.templating import harmless, marked, style_of, table_text
 from reports.comparison import Comparison
 from reports.comparison.words import summary_rows, value_of
 from reports.folder import MANIFEST
-from reports.page.writing import draw
+from reports.page.writing import code_commit, draw
 from reports.studies.sweep import running
 from reports.studies.sweep.page import write_page
 from reports.studies.sweep.store import Planned, Store
@@ -103,6 +103,18 @@ def test_everything_is_there(folder: Path) -> None:
         MANIFEST,
     }
     assert set(read_json(folder / MANIFEST)["files"]) == files
+
+
+def test_without_git_the_commit_is_unknown(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """In a folder that is no checkout, and on a machine where git answers nothing or is missing."""
+    module = tmp_path / "halfplane" / "reports" / "page" / "writing.py"
+    monkeypatch.setattr("reports.page.writing.__file__", str(module))
+    assert code_commit() == "unknown: installed without its history"
+    module.parents[2].mkdir()
+    (module.parents[2] / ".git").touch()
+    assert code_commit() == "unknown: git does not answer"
+    monkeypatch.setenv("PATH", str(tmp_path))
+    assert code_commit() == "unknown: git does not answer"
 
 
 def test_what_is_not_finite_becomes_null_and_is_said(tmp_path: Path) -> None:

@@ -219,7 +219,7 @@ def render(
         ],
         flat=_flat,
         command=command,
-        commit=_commit(),
+        commit=code_commit(),
         third=third,
         script=program,
         script_hash=digest,
@@ -231,19 +231,26 @@ def render(
     )
 
 
-def _commit() -> str:
-    """The commit of the checkout that this package lies in, "with changes" where files differ from
-    it; or why there is none.
+def code_commit(files: str = ".") -> str:
+    """The commit of the checkout that this package lies in, "with changes" where one of `files`
+    (a pattern of git) differs from it; "unknown", and why, where there is no checkout or no git.
     """
     home = Path(__file__).parents[2]
     if not (home / ".git").exists():
-        return "installed without its history"
-    words = ["git", "-C", str(home), "describe", "--always", "--dirty", "--abbrev=12"]
+        return "unknown: installed without its history"
     try:
-        done = subprocess.run(words, capture_output=True, text=True, timeout=10, check=True)
+        commit = _git(home, "describe", "--always", "--abbrev=12")
+        changes = _git(home, "status", "--porcelain", "--untracked-files=no", "--", files)
     except (OSError, subprocess.SubprocessError):
         return "unknown: git does not answer"
-    return done.stdout.strip().replace("-dirty", ", with changes")
+    return f"{commit}, with changes" if changes else commit
+
+
+def _git(home: Path, *words: str) -> str:
+    """What git prints about the checkout in `home`."""
+    command = ["git", "-C", str(home), *words]
+    process = subprocess.run(command, capture_output=True, text=True, timeout=10, check=True)
+    return process.stdout.strip()
 
 
 def _notes(comparison: Comparison) -> list[str]:
