@@ -6,6 +6,7 @@ The question::
     scene.py        all of it: friction, tolerances, units, tags, expected numbers; read from files
                     and the library
     bodies.py       materials, shapes, faces as they are made
+    body_effects.py what finite bodies add to half-planes, as numbers
     profiles.py     h(x) by formulas, through measured rows, by Python functions
     measured.py     tables of numbers, from files, in the scene's units; long records by turning
                     points or within a tolerance
@@ -33,6 +34,7 @@ Its files and the answer::
 """
 
 from scenes.bodies import Block, Bodies, Cylinder, Elastic, HalfPlane, Materials, Pad, Shape
+from scenes.body_effects import BodyEffects, Estimate
 from scenes.errors import (
     ConvergenceError,
     InadmissibleLoadError,
@@ -111,6 +113,7 @@ __all__ = [
     "TANGENTIAL_LOAD",
     "Block",
     "Bodies",
+    "BodyEffects",
     "CallableLoad",
     "CallableProfile",
     "ChebyshevSegment",
@@ -122,6 +125,7 @@ __all__ = [
     "Cylinder",
     "Ellipse",
     "EllipseLoad",
+    "Estimate",
     "EvenPolynomial",
     "Expected",
     "FlatRounded",
