@@ -1,5 +1,5 @@
 """What finite bodies add to the compliance of half-planes, as numbers: the value that a linear
-solve of the bodies makes and corrected theory takes. No mechanics.
+solve of the bodies makes (`halfplane_fe.body_effects`) and corrected theory takes. No mechanics.
 """
 
 from __future__ import annotations
@@ -20,16 +20,24 @@ ZERO = Estimate(0.0)
 
 @dataclass(frozen=True)
 class BodyEffects:
-    """The relative problem of two bodies, less that of two half-planes of the same materials.
+    """What two finite bodies add to the relative problem of two half-planes of the same materials.
 
-    With normal load P and tangential load Q per thickness, gap h(x), x along the surface from first
-    contact, slip of the upper over the lower body, the bodies add::
+    P and Q are loads per thickness, x counts along the surface from first contact. For a given
+    normal approach and tangential displacement U of the upper body's base, its direction kept, the
+    bodies add::
 
-        gap    += (N P + N_Q Q) x^2 / 2 + (alpha_P P + alpha_Q Q) x - c_n P
-        slip   += -(T Q + T_P P) x^2 / 2 - (e_P P + e_Q Q) x + c_t Q
+        gap(x)  += c_n P + (alpha_P P + alpha_Q Q) x + (N P + N_Q Q) x^2 / 2
+        slip(x) -= c_t Q + (e_P P + e_Q Q) x + (T Q + T_P P) x^2 / 2
 
-    to first and second order in half-width over height. Signs as in a scene: Q is positive along +x
-    on the lower body, pressure positive in compression.
+    to first and second order in half-width over height, so that the approach is c_n P and U is c_t
+    Q larger. Signs as in a scene: Q is positive along +x on the lower body, slip is that of the
+    upper over the lower body, pressure is positive in compression. Of two equal bodies alpha_Q and
+    e_P vanish, of bodies with a mirror line at x = 0 alpha_P, e_Q, N_Q and T_P. Half-planes add
+    nothing.
+
+    With k_tn(x, s) the displacement along x at x by P at s, k_nt that outwards by Q, each in its
+    body's own frame (y outward), e the slope of k_tn, a that of k_nt at x = s = 0, l lower and u
+    upper: e_P = e_l - e_u, alpha_Q = a_u - a_l; N, T, c_n and c_t are sums over both bodies.
 
     Parameters
     ----------
@@ -41,14 +49,20 @@ class BodyEffects:
         N, T: curvature of the gap per P, of the tangential displacement per Q
         [1 / (stress length^2)].
     normal_curvature_under_shear, tangential_curvature_under_pressure
-        N_Q, T_P [1 / (stress length^2)]; zero for bodies with a mirror line at x = 0.
+        N_Q, T_P [1 / (stress length^2)].
     tilt_under_pressure, tilt_under_shear
         alpha_P, alpha_Q: slope of the gap per load [1 / (stress length)].
     strain_under_pressure, strain_under_shear
-        e_P, e_Q: difference of bulk strains, lower less upper, per load [1 / (stress length)].
+        e_P, e_Q: strain of the lower face minus that of the upper one, per load
+        [1 / (stress length)].
     normal_fourth, tangential_fourth
         N_4, T_4: the coefficients of x^4 / 24 beside N and T, the size of the next order
         [1 / (stress length^4)].
+    dundurs_beta
+        beta of the two materials, the upper body being the first. The odd numbers have effects of
+        first order where it is not 0, which the formulas above do not say.
+    unknowns, factorisations
+        Degrees of freedom of all linear systems that were solved, and how many these were.
     """
 
     datum_length: float
@@ -64,3 +78,6 @@ class BodyEffects:
     strain_under_shear: Estimate = ZERO
     normal_fourth: Estimate = ZERO
     tangential_fourth: Estimate = ZERO
+    dundurs_beta: float = 0.0
+    unknowns: int = 0
+    factorisations: int = 0
