@@ -231,6 +231,8 @@ def difference(case: Case, value: Any) -> Difference:
     if len(stated) != len(entries_of_value):
         lengths = f"{len(stated)} values", f"{len(entries_of_value)} values"
         return Difference(math.inf, math.inf, *lengths, 0)
+    if not stated:
+        return Difference(0.0, 0.0, "no value", "no value", 0)
     size = max((abs(float(entry)) for entry in stated if _is_finite(entry)), default=0.0)
     worst = Difference(0.0, 0.0, stated[0], entries_of_value[0], 0)
     for place, (before, after) in enumerate(zip(stated, entries_of_value, strict=True)):

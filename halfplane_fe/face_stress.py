@@ -55,7 +55,7 @@ _MANY_FITTED = 48
 # Least uncertainty of the tension over f p0, by r, the spacing of the nodes over the half-width:
 # what is left of the error of single ones on coarse meshes, in proportion to sqrt(r), and on fine
 # ones, where many are fitted, in proportion to r.
-_LEAST_COARSE = 0.06
+_LEAST_COARSE = 0.07
 _LEAST_FINE = 0.6
 # Degree of p^2 behind the rim.
 _DEGREE = 2
@@ -88,11 +88,14 @@ class RootFit(NamedTuple):
         of the nodes that p^2 is fitted to on this mesh
     degree
         of the polynomial
+    most_rough
+        root mean square of the relative residual above which half as many nodes are fitted
     """
 
     rim: int = _RIM
     share: float = 1.0
     degree: int = _DEGREE
+    most_rough: float = _ROUGH
 
 
 _USUAL_FIT = RootFit()
@@ -105,6 +108,9 @@ _OTHER_FITS = (
     RootFit(share=0.5),
     RootFit(degree=_DEGREE + 1),
 )
+# Where p^2 is so rough that fewer nodes were fitted, what all of them give: its error is the larger
+# one.
+_UNSHORTENED_FIT = RootFit(most_rough=math.inf)
 # The error of the tension over the largest difference of these: 1.6 to 2.5 on 22 profiles.
 _BY_OTHERS = 2.5
 
@@ -364,8 +370,9 @@ class TractionsAndUncertainty(NamedTuple):
 def tractions_with_uncertainty(nodal: Nodal) -> TractionsAndUncertainty:
     """`tractions`, and the uncertainty of the tension at both edges.
 
-    It is the largest of what three changes make, and what was put at the stick edges. The changes:
-    a multiple of what other rims, fewer nodes or a higher degree change; q/p that stays as it is at
+    It is the largest of what four changes make, and what was put at the stick edges. The changes:
+    a multiple of what other rims, fewer nodes or a higher degree change; all nodes, where fewer
+    were fitted because p^2 is rough; q/p that stays as it is at
     the outermost node; and, where the load has turned but no node shows it yet, slip as narrow as
     the rim. Such slip changes q by 2 f p with p = K sqrt(d), hence s_xx by (8/pi) f K sqrt(width).
     """
@@ -380,6 +387,9 @@ def tractions_with_uncertainty(nodal: Nodal) -> TractionsAndUncertainty:
     for fit in _OTHER_FITS:
         difference = np.abs(sampled_tractions(nodal, fit).edge_tension() - tension)
         uncertainty = np.maximum(uncertainty, _BY_OTHERS * difference)
+    unshortened = sampled_tractions(nodal, _UNSHORTENED_FIT)
+    difference = np.abs(unshortened.edge_tension() - tension)
+    uncertainty = np.maximum(uncertainty, difference)
     at_level = sampled_tractions(nodal, level=True)
     difference = np.abs(at_level.edge_tension() - tension)
     uncertainty = np.maximum(uncertainty, difference)
@@ -491,7 +501,7 @@ def _fitted_edge(x: Array, p: Array, fit: RootFit) -> _FittedEdge | None:
         root_mean_square = math.sqrt(float(np.mean(residual**2)))
         roots = np.roots(coefficients)
         roots = roots[(np.abs(roots.imag) < 1e-12) & (roots.real < 0)].real
-        if root_mean_square < _ROUGH and len(roots):
+        if root_mean_square < fit.most_rough and len(roots):
             start = float(x[fit.rim])
             return _FittedEdge(float(x[fit.rim] + roots.max()), start, coefficients)
         n_nodes //= 2

@@ -118,4 +118,7 @@ def test_digits_and_round_off_of_nothing_agree_and_what_is_missing_does_not() ->
     nothing = dataclasses.replace(CASE, value=0.0, tolerance=1e-12, least=1e-14)
     assert case_table.agrees(nothing, 2e-13)
     assert not case_table.agrees(nothing, 2e-12)
+    empty = dataclasses.replace(CASE, value=[])
+    assert case_table.agrees(empty, [])
+    assert not case_table.agrees(empty, [0.0])
     assert case_table.moved({CASE.key: CASE}, {}) == ["theory: shear at grid: missing"]
