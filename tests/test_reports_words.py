@@ -39,7 +39,7 @@ from reports.comparison.words import (
     with_uncertainty,
 )
 from reports.comparison.work_of_loads import normal_work
-from reports.page.writing import outline, sketch
+from reports.page.body_figures import outline, sketch
 from reports.units import minus, units
 from scene_cases import scene_of
 from scenes import (

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 import semi_analytic
 from reports.checking import largest_contact
-from reports.page.writing import fit_residuals
+from reports.page.body_figures import fit_residuals
 from reports.profile_fit import content, findings, fit_in_words, fit_uncertainty, fit_warnings
 from scenes import (
     Block,

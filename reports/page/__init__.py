@@ -1,5 +1,7 @@
-"""The page with its figures, and its folder (writing.py), comparison.json (content.py), and what a
-notebook shows (notebook.py).
+"""The page and its folder (writing.py), the view of the last cycle that its figures share
+(cycle_view.py), figures over x (field_figures.py), over time and load (history_figures.py), of the
+error budget (budget_figures.py) and of the bodies (body_figures.py), comparison.json (content.py),
+and what a notebook shows (notebook.py).
 
 Offered to the rest of reports: `write` `figure` `as_json` `whole_content`, and `published`, the
 picture of a published scene.

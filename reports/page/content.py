@@ -25,6 +25,7 @@ from reports.comparison.words import (
 from reports.measured import record_content
 from reports.profile_fit import content as fit_content
 from reports.report import Report
+from scenes import ContactSolution
 
 _FORMAT = "halfplane comparison 2"
 
@@ -60,7 +61,9 @@ def whole_content(report: Report, command: str, seconds: Mapping[str, float]) ->
     scales = comparison.scales
     # The solutions that hold every instant of the scene: beside a foreign result both have its few
     # only.
-    whole = () if derived(comparison.result) else (comparison.reference, comparison.result)
+    complete_solutions: tuple[ContactSolution, ...] = ()
+    if not derived(comparison.result):
+        complete_solutions = (comparison.reference, comparison.result)
     verdicts = {
         name: getattr(comparison, name) for name in ("passed", "accurate", "verdict", "admissible")
     }
@@ -89,7 +92,7 @@ def whole_content(report: Report, command: str, seconds: Mapping[str, float]) ->
             for metric in comparison.metrics
         },
         "budget": None if budget is None else budget_content(budget),
-        "expected": expected_content(expected_numbers(comparison.scene, whole)),
+        "expected": expected_content(expected_numbers(comparison.scene, complete_solutions)),
         "instants": comparison.found.time,
         "reference": solution_content(comparison.reference, comparison.reference_certificates),
         "result": solution_content(comparison.result, comparison.result_certificates),
@@ -102,7 +105,7 @@ def whole_content(report: Report, command: str, seconds: Mapping[str, float]) ->
         "interpolation": comparison.expected.interpolation,
         "notes": comparison.notes,
         "guesses": report.guesses,
-        "diagnoses": [asdict(one) for one in report.diagnoses],
+        "diagnoses": [asdict(diagnosis) for diagnosis in report.diagnoses],
         "study": report.study.content() if report.study else None,
         "seconds": seconds,
         "command": command,

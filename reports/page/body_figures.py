@@ -1,0 +1,356 @@
+"""Figures of the scene: both bodies to scale, and the residuals of a fitted profile."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from reports.charts.plate import (
+    Arrow,
+    Axis,
+    Band,
+    Curve,
+    Dot,
+    Frame,
+    Mark,
+    Note,
+    Panel,
+    Plate,
+    Rule,
+    Scale,
+    Segments,
+    limits,
+    worded,
+)
+from reports.charts.templating import Table
+from reports.comparison.words import bodies_in_words, bulk_and_tilt
+from reports.page.cycle_view import Array
+from reports.profile_fit import fit_of
+from reports.units import load_unit, number, units
+from scenes import Cylinder, HalfPlane, Scene, Shape, sampled
+from scenes.bodies import face_of
+
+# Half the width of a half-plane as drawn, over a or over the half-width of the body that it faces.
+_SHOWN_OF_CONTACT = 6.0
+
+_SHOWN_OF_BODY = 1.3
+
+# Of the drawing: its width, its largest height, room above the bodies and on the other sides.
+_WIDTH = 440.0
+
+_LARGEST_HEIGHT = 310.0
+
+_ROOM = 76.0
+
+_SIDE = 30.0
+
+_FACE_POINTS = 181  # of an outline
+
+# Rows of a measured profile that are drawn.
+_MOST_DOTS = 400
+
+
+def sketch(scene: Scene, half_width: float) -> Plate:
+    """Both bodies to scale with supports, loads and the place of the contact.
+
+    Parameters
+    ----------
+    half_width
+        of the contact, drawn to scale [length]
+    """
+    _, length, _ = units(scene)
+    outlines = {name: outline(scene, name, half_width) for name in ("lower", "upper")}
+    frame = _frame(outlines)
+    marks: list[Mark] = []
+    for name, points in outlines.items():
+        shape = getattr(scene.bodies, name)
+        marks += _body(frame, points, shape, name)
+        marks += _supports(frame, shape, points, 1.0 if name == "lower" else -1.0)
+        height_of_label = 16.0 if name == "upper" else frame.height - 6
+        marks.append(Note(6.0, height_of_label, _label(scene, name), "word"))
+    level = float(frame.y.place(0.0))
+    marks.append(Curve(frame.x.place([-half_width, half_width]), [level, level], "contact-line"))
+    marks += _loads(frame, scene, outlines)
+
+    alt = bodies_in_words(scene)
+    # Places of the marks are those of the drawing: supports and arrows have no size in the scene.
+    panel = Panel(
+        "bodies",
+        Axis(0.0, frame.width, ""),
+        Axis(frame.height, 0.0, ""),
+        marks,
+        alt,
+        frame.width,
+        frame.height,
+        bare=True,
+        room=(0.0, 0.0, 0.0, 0.0),
+    )
+    columns: Table = {
+        "body": [name for name in outlines for _ in outlines[name]],
+        f"x [{length}]": np.concatenate([points[:, 0] for points in outlines.values()]),
+        f"y [{length}]": np.concatenate([points[:, 1] for points in outlines.values()]),
+    }
+    bodies = (scene.bodies.lower, scene.bodies.upper)
+    return worded(
+        "bodies",
+        [panel],
+        columns,
+        columns=1,
+        cut=any(isinstance(body, HalfPlane) for body in bodies),
+        width=number(2 * half_width),
+        length=length,
+        normal=_range_in_words(_normal_loads(scene)),
+        tangential=_range_in_words(_tangential_loads(scene)),
+        load=load_unit(scene),
+        beside=bulk_and_tilt(scene),
+        alt=alt,
+    )
+
+
+def fit_residuals(scene: Scene, half_width: float) -> Plate | None:
+    """Rows minus the curve fitted to them, beside twice their noise; None of a profile that is not
+    fitted.
+
+    Parameters
+    ----------
+    half_width
+        of the largest contact [length]
+    """
+    fit = fit_of(scene)
+    if fit is None:
+        return None
+    _, length, _ = units(scene)
+    x = fit.rows.values[:, 0] - fit.centre
+    residuals = fit.residuals(scene.profile.height)
+    largest_place = np.sort(np.abs(x))[len(x) - fit.left_out - 1]
+    is_fitted = np.abs(x) <= largest_place
+    count = int(is_fitted.sum())
+    stride = -(-count // _MOST_DOTS)
+    drawn_rows = np.flatnonzero(is_fitted)[::stride]
+
+    noise = np.full(count, 2 * fit.noise)
+    marks: list[Mark] = [
+        Band(x[is_fitted], -noise, noise, "band pale-stick"),
+        Rule(0.0, "zero"),
+        Rule(-half_width, "cycle-line", upright=True),
+        Rule(half_width, "cycle-line", upright=True),
+    ]
+    for k in drawn_rows:
+        label = f"x = {x[k]:.4g}, {residuals[k]:.3g} {length}"
+        marks.append(Dot(float(x[k]), float(residuals[k]), "p0", 2.2, label))
+    largest = float(np.abs(residuals[is_fitted]).max())
+    top = 1.1 * max(largest, 2.2 * fit.noise)
+    panel = Panel(
+        "profile-fit",
+        Axis(*limits(x[is_fitted], margin=0.02), f"x from the middle  [{length}]"),
+        Axis(-top, top, f"row − fit  [{length}]"),
+        marks,
+        "Residuals of the fit",
+        height=260.0,
+    )
+    table = {
+        f"x [{length}]": x,
+        f"row - fit [{length}]": residuals,
+        "fitted": is_fitted.astype(float),
+    }
+    return worded(
+        "profile_fit",
+        [panel],
+        table,
+        columns=1,
+        rows=is_fitted.sum(),
+        residual=f"{fit.residual:.3g}",
+        noise=f"{fit.noise:.3g}",
+        length=length,
+        every=drawn_rows[1] - drawn_rows[0],
+    )
+
+
+def _frame(outlines: dict[str, Array]) -> Frame:
+    """Both bodies with one scale in both directions, room above for the loads and all round for
+    supports.
+    """
+    points = np.concatenate(list(outlines.values()))
+    left, low = points.min(axis=0)
+    right, high = points.max(axis=0)
+    unit_across = (right - left) / (_WIDTH - 2 * _SIDE)
+    unit_up = (high - low) / (_LARGEST_HEIGHT - _ROOM - _SIDE)
+    unit = max(unit_across, unit_up)
+    height = float((high - low) / unit + _ROOM + _SIDE)
+    middle = (left + right) / 2
+    half = (_WIDTH / 2 - _SIDE) * unit
+    across = Scale(float(middle - half), float(middle + half), _SIDE, _WIDTH - _SIDE)
+    up = Scale(float(low), float(high), height - _SIDE, _ROOM)
+    return Frame(across, up, _WIDTH, height)
+
+
+def outline(scene: Scene, name: str, half_width: float) -> Array:
+    """(n, 2) outline of a body in the common frame, from the left end of its face to the right one
+    and round its base [length].
+
+    A half-plane is drawn as a piece of itself: as wide as suits the other body, or the contact.
+    """
+    shape = getattr(scene.bodies, name)
+    facing_shape = getattr(scene.bodies, "upper" if name == "lower" else "lower")
+    side = 1.0 if name == "lower" else -1.0
+    width = shape.face_half_width
+    height = getattr(shape, "height", 0.0)
+    if isinstance(shape, HalfPlane):
+        width = _SHOWN_OF_BODY * facing_shape.face_half_width
+        if isinstance(facing_shape, HalfPlane):
+            width = _SHOWN_OF_CONTACT * half_width
+        height = 0.5 * width
+    # Finer towards the ends, where an arc is steep.
+    x = width * np.sin(np.linspace(-np.pi / 2, np.pi / 2, _FACE_POINTS))
+    face = np.column_stack([x, -side * face_of(shape, scene.profile).depth(x)])
+    if isinstance(shape, Cylinder):
+        return face
+    base = np.array([[width, -side * height], [-width, -side * height]])
+    return np.vstack([face, base])
+
+
+def _body(frame: Frame, points: Array, shape: Shape, name: str) -> Iterator[Mark]:
+    """A filled body; a half-plane has a line along its face alone, for it goes on everywhere
+    else.
+    """
+    x = frame.x.place(points[:, 0])
+    y = frame.y.place(points[:, 1])
+    yield Curve(x, y, f"body {name}", closed=True)
+    if not isinstance(shape, HalfPlane):
+        yield Curve(x, y, "body-line", closed=True)
+        return
+    # From the right end of the face round the base to the left end.
+    cut_edges = [_FACE_POINTS - 1, _FACE_POINTS, _FACE_POINTS + 1, 0]
+    yield Curve(x[:_FACE_POINTS], y[:_FACE_POINTS], "body-line")
+    yield Curve(x[cut_edges], y[cut_edges], "cut-line")
+
+
+def _supports(frame: Frame, shape: Shape, points: Array, side: float) -> Iterator[Mark]:
+    """A rigid plane along the base and along guided sides, rollers between it and the body where
+    there are some.
+    """
+    if isinstance(shape, HalfPlane):
+        return
+    half_width = shape.face_half_width
+    left, right = frame.x.place([-half_width, half_width]).tolist()
+    top = float(frame.y.place(points[0, 1]))
+    lowest = np.argmax(-side * points[:, 1])
+    base = float(frame.y.place(points[lowest, 1]))
+    base_rolls = getattr(shape, "base", "") == "rollers"
+    yield from _plane((left, base), (right, base), (0.0, side), base_rolls)
+    if getattr(shape, "sides", "") == "guided":
+        yield from _plane((left, base), (left, top), (-1.0, 0.0), rollers=True)
+        yield from _plane((right, base), (right, top), (1.0, 0.0), rollers=True)
+
+
+def _plane(
+    start: tuple[float, float],
+    end: tuple[float, float],
+    outward: tuple[float, float],
+    rollers: bool,
+) -> Iterator[Mark]:
+    """A rigid plane with hatching from one end to the other; rollers between it and the body."""
+    size = 10.0  # of the hatching, and three times the radius of a roller
+    first = np.array(start)
+    last = np.array(end)
+    normal = np.array(outward)
+    if rollers:
+        parts = np.linspace(0.08, 0.92, 7)[:, None]
+        for x, y in first + parts * (last - first) + normal * size / 3:
+            yield Dot(float(x), float(y), "roller", size / 3)
+        first = first + normal * 2 * size / 3
+        last = last + normal * 2 * size / 3
+    length = np.hypot(*(last - first))
+    along = (last - first) / length
+    count = max(int(length / 8), 4)
+    feet = first + np.linspace(0, 1, count)[:, None] * (last - first)
+    tips = feet + 0.7 * size * (normal - along)
+    yield Curve([first[0], last[0]], [first[1], last[1]], "wall")
+    yield Segments(np.stack([feet, tips], axis=1), "curve hatch")
+
+
+def _label(scene: Scene, name: str) -> str:
+    """Kind, sizes and material of a body."""
+    shape = getattr(scene.bodies, name)
+    material = getattr(scene.material, name)
+    _, length, stress = units(scene)
+    size = ""
+    if isinstance(shape, Cylinder):
+        size = f" R = {number(shape.radius)} {length}"
+    elif not isinstance(shape, HalfPlane):
+        size = f" {number(shape.width)} × {number(shape.height)} {length}"
+    elastic = f"E = {number(material.young_modulus)} {stress}, ν = {number(material.poisson_ratio)}"
+    return f"{name}: {shape.kind.replace('_', '-')}{size}, {elastic}"
+
+
+def _loads(frame: Frame, scene: Scene, outlines: dict[str, Array]) -> Iterator[Mark]:
+    """Arrows of P and Q at the top of the upper body; of its tilt or moment, and of bulk stress at
+    both ends.
+    """
+    load = scene.load
+    top = float(frame.y.place(outlines["upper"][:, 1].max())) - 8
+    contact = float(frame.y.place(0.0))
+    line = load.line_of_action
+    # the words below say where it is
+    x = float(np.clip(frame.x.place(line.x if line else 0.0), 80.0, frame.width - 80.0))
+    if line is not None:
+        yield Curve([x, x], [contact - 0.3 * (contact - top), contact], "cycle-line")
+    yield Arrow((x, top - 42), (x, top))
+    yield Note(x - 9, top - 28, "P", "load", "end")
+    if np.any(_tangential_loads(scene) != 0):
+        yield Arrow((x + 8, top - 8), (x + 58, top - 8))
+        yield Note(x + 63, top - 3, "Q", "load")
+    # A positive tilt opens the gap at x > 0; a positive moment presses there, and so turns the
+    # other way.
+    if load.tilt is not None:
+        yield from _turning_arrow((x - 48.0, top - 17.0), 1.0, "α")
+    elif load.moment is not None:
+        yield from _turning_arrow((x - 48.0, top - 17.0), -1.0, "M")
+    for name, stress in (("lower", load.bulk_stress_lower), ("upper", load.bulk_stress_upper)):
+        if stress is not None:
+            yield from _bulk_arrows(frame, outlines[name])
+
+
+def _turning_arrow(middle: tuple[float, float], turn: float, letter: str) -> Iterator[Mark]:
+    """An arrow along an arc about `middle`, with its letter there; turn is 1 or -1."""
+    x, y = middle
+    angle = np.linspace(-0.2, 1.2, 29) * np.pi
+    arc_x = x + turn * 18 * np.cos(angle)
+    arc_y = y - 18 * np.sin(angle)
+    yield Curve(arc_x[:-3], arc_y[:-3], "arrow")
+    yield Arrow((arc_x[-8], arc_y[-8]), (arc_x[-1], arc_y[-1]))
+    yield Note(x, y + 5, letter, "load", "middle")
+
+
+def _bulk_arrows(frame: Frame, points: Array) -> Iterator[Mark]:
+    """Arrows of bulk stress away from both ends of a body, midway between face and base."""
+    left, right = frame.x.place(points[[0, _FACE_POINTS - 1], 0]).tolist()
+    level = float(np.mean(frame.y.place(points[[0, -1], 1])))
+    for end, outward in ((left, -1.0), (right, 1.0)):
+        yield Arrow((end + 3 * outward, level), (end + 23 * outward, level))
+        yield Note(end + 13 * outward, level - 9, "σ", "load", "middle")
+
+
+def _normal_loads(scene: Scene) -> Array:
+    """P all along the path."""
+    normal, _ = scene.load.path().at(_instants(scene))
+    return np.asarray(normal)
+
+
+def _tangential_loads(scene: Scene) -> Array:
+    """Q all along the path."""
+    _, tangential = scene.load.path().at(_instants(scene))
+    return np.asarray(tangential)
+
+
+def _instants(scene: Scene) -> Array:
+    """Many instants of initial loading and first cycle."""
+    return np.concatenate([sampled(leg, 181) for leg in scene.load.path().legs(1)])
+
+
+def _range_in_words(loads: Array) -> str:
+    """Least and largest of loads in words."""
+    least = number(float(f"{loads.min():.4g}"))
+    most = number(float(f"{loads.max():.4g}"))
+    return f"= {most}" if least == most else f"from {least} to {most}"

@@ -1,0 +1,284 @@
+"""Figures of the error budget and of the convergence with the mesh."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from reports.charts.plate import Axis, Block, Curve, Dot, Key, Mark, Note, Plate, Segments, worded
+from reports.charts.templating import Table
+from reports.comparison.budget import ROUNDING, Budget, ErrorBudget, Refinement, extrapolate
+from reports.comparison.words import value_of
+from reports.page.cycle_view import LINE_LOOKS, Array, broad_panel
+from reports.units import minus
+
+if TYPE_CHECKING:
+    from reports.scoring.study import Study
+
+# Height of a row [units of a drawing]; one that is so many times as long as the middle one is cut
+# off, so that others can be read.
+_BAR_HEIGHT = 44.0
+_LONGEST_OVER_MEDIAN = 3.0
+
+
+def budget_bars(budget: ErrorBudget) -> Plate | None:
+    """The terms of every metric that has a tolerance as a stack over it; None where no metric has
+    one.
+
+    What adds to the metric lies right of zero, what takes from it left: the two stacks together are
+    E. Where the scene states no tolerance at all, the metrics of the first table in per cent.
+    """
+    with_tolerance = [row for row in budget.budgets if row.metric.tolerance]
+    headlines = [row for row in budget.budgets if row.metric.headline]
+    budgets = with_tolerance or headlines
+    if not budgets:
+        return None
+
+    judged = bool(with_tolerance)
+    rest_name = "unexplained" if budgets[0].half_planes else "idealisation"
+    term_names = [term.name for term in budgets[0].terms]
+    names = [*term_names, rest_name]
+    stacks = [_stack_of(row, judged) for row in budgets]
+    half_width = _half_width_of_bars(stacks, judged)
+
+    marks: list[Mark] = []
+    for row, stack in enumerate(stacks):
+        low = float(len(stacks) - row - 1)
+        marks += _limits_of_bar(low, judged)
+        marks += _blocks_of_bar(low, stack, names, judged)
+        marks += _marks_of_total(low, stack.total, stack.uncertainty, half_width)
+        cut_off = ", cut off" if stack.reach > half_width else ""
+        text = f"{stack.budget.metric.label}: {value_of(stack.budget.metric)}{cut_off}"
+        marks.append(Note(-half_width, low + 0.7, text, "tick over", shift=(6.0, 0.0)))
+
+    panel = broad_panel(
+        "budget",
+        Axis(-half_width, half_width, _axis_of_bars(judged), count=8),
+        Axis(0.0, float(len(budgets)), "", count=0),
+        marks,
+        "Error budget as stacked bars",
+        _BAR_HEIGHT * len(budgets) + 60,
+        room=(20.0, 12.0, 20.0, 46.0),
+    )
+    keys = [Key(f"term-{place}", name, patch=True) for place, name in enumerate(names)]
+    table = _budget_table(budgets, term_names, rest_name)
+    return worded("budget", [panel], table, keys, columns=1, judged=judged)
+
+
+def _axis_of_bars(judged: bool) -> str:
+    """Words of the axis along the bars."""
+    return "share of the tolerance" if judged else "per cent"
+
+
+class _Stack(NamedTuple):
+    """The budget of a metric as shares of its tolerance, or in per cent."""
+
+    budget: Budget
+    shares: Array  # (k,) of each term, then of what no term explains
+    total: float  # E
+    uncertainty: float  # of E
+
+    @property
+    def reach(self) -> float:
+        """How far its bar goes from zero, on the longer side."""
+        right = float(self.shares[self.shares > 0].sum())
+        left = float(-self.shares[self.shares < 0].sum())
+        return max(right, left, abs(self.total) + self.uncertainty)
+
+
+def _stack_of(budget: Budget, judged: bool) -> _Stack:
+    """The stack of a metric; what is unknown or infinite has no length."""
+    unit = 0.01
+    if judged:
+        unit = budget.metric.tolerance or 1.0
+
+    def share(value: float | None) -> float:
+        length = (value or 0.0) / unit
+        return length if math.isfinite(length) else 0.0
+
+    shares = [share(term.value) for term in budget.terms]
+    shares.append(share(budget.rest))
+    total = share(budget.total)
+    uncertainty = share(budget.uncertainty)
+    return _Stack(budget, np.array(shares), total, uncertainty)
+
+
+def _half_width_of_bars(stacks: Sequence[_Stack], judged: bool) -> float:
+    """Half the width of the axis: the longest bar, or where one is far longer than the middle one
+    a multiple of that; the limits at 1 are always on it.
+    """
+    reaches = [stack.reach for stack in stacks]
+    longest = min(max(reaches), _LONGEST_OVER_MEDIAN * float(np.median(reaches))) or 1.0
+    return 1.08 * max(1.05 if judged else 0.0, longest)
+
+
+def _limits_of_bar(low: float, judged: bool) -> Iterator[Mark]:
+    """Zero, and the limits of the tolerance, beside the bar alone: on a phone labels reach across
+    them.
+    """
+    lines = [(0.0, "zero")]
+    if judged:
+        lines += [(-1.0, "limit"), (1.0, "limit")]
+    for place, css in lines:
+        yield Segments(np.array([[[place, low + 0.06], [place, low + 0.56]]]), css)
+
+
+def _blocks_of_bar(low: float, stack: _Stack, names: Sequence[str], judged: bool) -> Iterator[Mark]:
+    """A block for each term, to the right of those that add, to the left of those that take."""
+    right_end = 0.0
+    left_end = 0.0
+    unit = "of the tolerance" if judged else "%"
+    for place, (share, name) in enumerate(zip(stack.shares.tolist(), names, strict=True)):
+        if share > 0:
+            start = right_end
+            right_end += share
+        else:
+            start = left_end
+            left_end += share
+        if share:
+            label = minus(f"{name}: {share:+.3g} {unit}")
+            ends = (start, start + share)
+            yield Block(ends, (low + 0.14, low + 0.5), f"term-{place} edge", label)
+
+
+def _budget_table(budgets: Sequence[Budget], term_names: Sequence[str], rest_name: str) -> Table:
+    """A row for each metric: tolerance, E, its terms, what is left, uncertainty."""
+    columns: dict[str, list[float | None]] = {
+        "tolerance": [row.metric.tolerance for row in budgets],
+        "E": [row.total for row in budgets],
+    }
+    for place, name in enumerate(term_names):
+        columns[name] = [row.terms[place].value for row in budgets]
+    columns[rest_name] = [row.rest for row in budgets]
+    columns["u"] = [row.uncertainty for row in budgets]
+    table: dict[str, Any] = {"metric": [row.metric.key for row in budgets]}
+    for name, values in columns.items():
+        table[name] = [math.nan if value is None else value for value in values]
+    return table
+
+
+def _marks_of_total(
+    low: float, total: float, uncertainty: float, half_width: float
+) -> Iterator[Mark]:
+    """E as an upright mark with its uncertainty across it; a head at the edge where it goes on
+    beyond.
+    """
+    middle = low + 0.32
+    if abs(total) <= half_width:
+        yield Curve([total, total], [low + 0.06, low + 0.58], "total")
+    left = max(total - uncertainty, -half_width)
+    right = min(total + uncertainty, half_width)
+    if right > left:
+        yield Curve([left, right], [middle, middle], "whisker")
+    for side in (-1, 1):
+        if side * total + uncertainty > half_width:
+            tip = side * 0.998 * half_width
+            back = side * 0.985 * half_width
+            yield Curve([back, tip, back], [middle - 0.1, middle, middle + 0.1], "whisker")
+
+
+def mesh_refinement(budget: ErrorBudget) -> Plate | None:
+    """|phi(h) - phi(0)| of the headline metrics over the element size; None for two meshes or where
+    no metric converges.
+    """
+    runs = [run for run in budget.refinements.mesh if not run.failure]
+    curves: dict[str, list[tuple[float, float]]] = {}
+    for row in budget.budgets:
+        metric = row.metric
+        points = [(run.size, run.values.get(metric.key)) for run in runs]
+        known = [
+            (size, float(value))
+            for size, value in points
+            if value is not None and math.isfinite(value)
+        ]
+        if not metric.headline or len(known) < 3:
+            continue
+        sizes = tuple(size for size, _ in known)
+        values = tuple(value for _, value in known)
+        limit = extrapolate(Refinement(sizes, values, 2.0, ROUNDING))
+        if limit.kind == "monotone" and limit.value is not None:
+            curves[metric.label] = [
+                (size, abs(value - limit.value)) for size, value in known if value != limit.value
+            ]
+    axes = "element size, over that of the run", "distance from the value at size zero"
+    return _convergence("mesh_refinement", axes, curves, [run.size for run in runs])
+
+
+def study_convergence(study: Study) -> Plate | None:
+    """|E(h) - E(0)| of each headline metric that goes to a value, over the element size; None for
+    two meshes or where none does.
+    """
+    sizes = [level.size for level in study.levels]
+    curves: dict[str, list[tuple[float, float]]] = {}
+    for line in study.lines:
+        limit = line.found.value
+        if not line.metric.headline or line.found.kind != "monotone" or limit is None:
+            continue
+        curves[line.metric.label] = [
+            (size, abs(value - limit)) for size, value in zip(sizes, line.values, strict=True)
+        ]
+    axes = "element size at the contact", "distance from the value at h = 0"
+    return _convergence("study", axes, curves, sizes)
+
+
+def _is_positive(points: Sequence[tuple[float, float]]) -> bool:
+    """Whether a curve has a distance that a logarithmic axis can show."""
+    return any(distance > 0 for _, distance in points)
+
+
+def _convergence(
+    name: str,
+    axes: tuple[str, str],
+    distances: Mapping[str, list[tuple[float, float]]],
+    element_sizes: Sequence[float],
+) -> Plate | None:
+    """Distances over the element size, both logarithmic, beside lines of order 1 and 2.
+
+    Parameters
+    ----------
+    axes
+        words of the two axes
+    distances
+        label of a metric -> (element size, distance); one that is 0 everywhere is left out
+    element_sizes
+        of all meshes; None is returned for fewer than three
+    """
+    curves = {label: points for label, points in distances.items() if _is_positive(points)}
+    if len(element_sizes) < 3 or not curves:
+        return None
+
+    sizes = np.array(sorted(element_sizes))
+    all_points = [point for points in curves.values() for point in points]
+    positive = [distance for _, distance in all_points if distance > 0]
+    top = max(positive)
+
+    slopes = [Key(f"slope order-{order}", f"order {order}") for order in (1, 2)]
+    marks: list[Mark] = []
+    for order, key in enumerate(slopes, 1):
+        marks.append(Curve(sizes, top * (sizes / sizes[-1]) ** order, key.css, key.text))
+    keys = []
+    for (label, points), css in zip(curves.items(), LINE_LOOKS, strict=False):
+        curve_sizes = [size for size, _ in points]
+        curve_distances = [distance for _, distance in points]
+        marks.append(Curve(curve_sizes, curve_distances, css, label))
+        for size, distance in points:
+            if distance > 0:
+                marks.append(Dot(size, distance, f"{css} knot", 3.2))
+        keys.append(Key(css, label))
+
+    words_across, words_up = axes
+    across = Axis(0.8 * float(sizes.min()), 1.25 * float(sizes.max()), words_across, log=True)
+    # Below a millionth of the largest distance a curve is round-off.
+    lowest = max(min(positive), 1e-6 * top)
+    up = Axis(lowest / 3, 3 * top, words_up, log=True)
+    alt = "Convergence with the mesh, both axes logarithmic"
+    panel = broad_panel(name, across, up, marks, alt, 360.0)
+    table: dict[str, Any] = {
+        "metric": [label for label, points in curves.items() for _ in points],
+        "size": [size for size, _ in all_points],
+        "distance": [distance for _, distance in all_points],
+    }
+    return worded(name, [panel], table, [*keys, *slopes], columns=1)

@@ -1,0 +1,190 @@
+"""CycleView: what the figures of the last cycle share, its axes, instants, points and legend."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reports.charts.plate import Axis, Key, Mark, Panel, Rule, limits
+from reports.comparison import Comparison, words
+from reports.comparison.cycles import Cycle, events
+from reports.comparison.pairs import name_of
+from reports.units import minus
+from scenes import ContactSolution
+
+Array = NDArray[np.float64]
+
+X_OVER_A = "x / a_ref"
+
+# Looks of lines, one after the other, then from the first again.
+LINE_LOOKS = tuple(f"line-{k}" for k in range(7)) * 3
+
+ZERO = Rule(0.0, "zero")
+
+
+class EngineView(NamedTuple):
+    """One engine in the figures."""
+
+    look: str  # of its lines
+    cycle: Cycle
+    name: str
+
+
+class CycleView:
+    """The last cycle of a comparison, as the figures of the page draw it.
+
+    Attributes
+    ----------
+    reference_cycle, result_cycle
+        the last cycle of each solution, on the points of the result
+    engines
+        looks, cycle and name of the reference and of the result
+    keys
+        their entries of a legend
+    chosen_events
+        the instants that have a number in every figure
+    shown_instant
+        of these the one that a page shows first: with most points slipping, of equal ones the
+        most loaded
+    time, time_words
+        the axis of figures through the last cycle
+    stretch, noun
+        what the values are of, "last cycle", "whole record" or "whole path", and its last word
+    x, largest_x
+        points over a_ref; the largest of them that is drawn, a little more than the largest
+        contact of either
+    """
+
+    def __init__(self, comparison: Comparison) -> None:
+        self.comparison = comparison
+        self.scene = comparison.scene
+        self.scales = comparison.scales
+        self.stretch = words.stretch(comparison.scene)
+        self.noun = self.stretch.split()[-1]
+        self.reference_cycle = comparison.expected
+        self.result_cycle = comparison.found
+        self.engines = (
+            EngineView("r", self.reference_cycle, name_of(comparison.reference.engine)),
+            EngineView("f", self.result_cycle, name_of(comparison.result.engine)),
+        )
+        self.keys = [Key(f"{engine.look} p", engine.name) for engine in self.engines]
+        self.chosen_events = events(self.result_cycle, self.scene.friction.coefficient)
+        chosen_instants = [event.index for event in self.chosen_events]
+        self.shown_instant = max(chosen_instants, key=self._slip_and_load)
+        self.time = self.result_cycle.time
+        self.time_words = "time"
+        if self.scene.load.path().period is not None and self.result_cycle.whole:
+            self.time = self.result_cycle.fraction
+            self.time_words = "time / period"
+        self.x = self.result_cycle.x / self.scales.half_width
+        self.largest_x = self._largest_distance() / self.scales.half_width
+
+    def _slip_and_load(self, instant: int) -> tuple[int, float]:
+        """How many points slip at an instant, and P there."""
+        slipping = int((self.result_cycle.state[instant] >= 2).sum())
+        return slipping, float(self.result_cycle.normal_load[instant])
+
+    def _largest_distance(self) -> float:
+        """The largest |x| that is drawn [length]; every point where nothing touches."""
+        edges = (self.reference_cycle.contact_edges, self.result_cycle.contact_edges)
+        outer = max(float(np.nanmax(np.abs(edge), initial=0.0)) for edge in edges) or np.inf
+        return min(1.12 * outer, float(np.abs(self.result_cycle.x).max()))
+
+    def over_time(self, count: int = 5) -> Axis:
+        """The axis of time."""
+        return Axis(*limits(self.time, margin=0), self.time_words, count=count)
+
+    def over_x(self, words: str = X_OVER_A) -> Axis:
+        """The axis of x."""
+        return Axis(-self.largest_x, self.largest_x, words)
+
+    def difference_over_time(self, difference: Array, unit: str) -> str:
+        """The numbers of a difference over time."""
+        where = "t/T = {}" if "period" in self.time_words else "t = {}"
+        return difference_in_words(difference, self.time, where, unit)
+
+
+def difference_in_words(
+    difference: Array,
+    along: Array,
+    where: str,
+    unit: str = "",
+    weight: NDArray[np.bool_] | None = None,
+) -> str:
+    """The numbers of a difference (n,) along x or time (n,): root mean square over the length, the
+    largest value, its place.
+
+    >>> difference_in_words(
+    ...     np.array([0.0, -3.0, 0.0]), np.array([0.0, 1.0, 2.0]), "x = {} a_ref", " %"
+    ... )
+    'rms 1.7 %, largest −3 % at x = 1 a_ref'
+    """
+    known = np.isfinite(difference) & (True if weight is None else weight)
+    if not known.any():
+        return "nothing to compare"
+    lengths = np.gradient(along) if len(along) > 1 else np.ones(1)
+    rms = np.sqrt(np.average(difference[known] ** 2, weights=np.maximum(lengths[known], 1e-300)))
+    worst = int(np.argmax(np.where(known, np.abs(difference), -1.0)))
+    place = where.format(minus(f"{along[worst] + 0.0:.3g}"))
+    largest = difference[worst] + 0.0
+    return minus(f"rms {_two_digits(rms)}{unit}, largest {_two_digits(largest)}{unit} at ") + place
+
+
+def _two_digits(value: float) -> str:
+    """Two digits, or all before the point."""
+    return f"{value:.2g}" if abs(value) < 100 else f"{value:.0f}"
+
+
+def broad_panel(
+    name: str,
+    x: Axis,
+    y: Axis,
+    marks: Sequence[Mark],
+    alt: str,
+    height: float = 280.0,
+    **panel_options: Any,
+) -> Panel:
+    """A panel as wide as the page."""
+    return Panel(name, x, y, marks, alt, 900.0, height, css="broad", **panel_options)
+
+
+def permanent_edges(solution: ContactSolution) -> Array:
+    """(2,) ends of what sticks through the whole last cycle [length]; NaN if nothing does."""
+    if solution.permanent_stick_edges is not None:
+        return solution.permanent_stick_edges
+    return solution.permanent_stick_half_width * np.array([-1.0, 1.0])
+
+
+def slip_points(comparison: Comparison, count: int = 4) -> list[int]:
+    """Points whose slip is worth a look: from the permanent stick zone (or the middle) to just
+    outside the largest contact.
+
+    Indices into the result's points, on the right-hand side, none twice.
+    """
+    edges = comparison.expected.contact_edges
+    x = comparison.found.x
+    if comparison.turned:
+        outer = float(np.nanmax(edges, initial=float(x[0])))
+    else:
+        outer = float(np.nanmax(np.abs(edges), initial=0.0)) or float(np.abs(x).max())
+    inner = float(permanent_edges(comparison.reference)[1])
+    if not np.isfinite(inner) or inner >= outer:
+        inner = min(0.0, outer)
+    places = inner + np.linspace(0.12, 0.97, count) * (outer - inner)
+    return sorted({int(np.abs(x - place).argmin()) for place in places})
+
+
+def sheared_displacement(cycle: Cycle) -> Array:
+    """Shift less the mean slope times Q and less its mean: the loop keeps its area and opens."""
+    shift = cycle.tangential_displacement - loop_compliance(cycle) * cycle.tangential_load
+    return np.asarray(shift - shift.mean())
+
+
+def loop_compliance(cycle: Cycle) -> float:
+    """Slope dU/dQ of the straight line through the loop, least squares; 0 where Q stands still."""
+    load = cycle.tangential_load - cycle.tangential_load.mean()
+    square = float(load @ load)
+    return float(load @ cycle.tangential_displacement) / square if square > 0 else 0.0

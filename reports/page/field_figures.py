@@ -1,0 +1,369 @@
+"""Figures over x: tractions, the instant that the slider moves, states and dissipation density."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reports.charts.plate import (
+    STATE_KEYS,
+    Axis,
+    Bitmap,
+    Block,
+    Cell,
+    Curve,
+    Dot,
+    Group,
+    Key,
+    Mark,
+    Note,
+    Panel,
+    Plate,
+    Rule,
+    limits,
+    worded,
+)
+from reports.charts.templating import STATE_NAMES
+from reports.comparison.words import value_of
+from reports.page.cycle_view import (
+    ZERO,
+    Array,
+    CycleView,
+    EngineView,
+    difference_in_words,
+    permanent_edges,
+)
+from reports.units import minus, signed
+
+# Open, stick, forward and reverse slip on a map, which has no style sheet.
+_STATE_COLOURS = ("#ffffff", "#d2d2d2", "#e69f00", "#0072b2")
+_DIFFERENCE_COLOURS = ("#ffffff", "#111111")  # where states agree, where they differ
+# Pixels of a map.
+_MAP_COLUMNS = 440
+_MAP_ROWS = 360
+
+# Rows of the table of states: of a long path evenly many instants, 25 MB.
+_MOST_STATES = 500_000
+
+
+def traction_keys(view: CycleView) -> tuple[Key, ...]:
+    """Legend: p and q of each engine, then the differences."""
+    keys = [
+        Key(f"{engine.look} {letter}", f"{letter}, {engine.name}")
+        for engine in view.engines
+        for letter in "pq"
+    ]
+    return (*keys, Key("d p", "difference of p"), Key("d q", "difference of q"))
+
+
+def tractions(view: CycleView) -> Plate:
+    """p and q of both engines at the chosen instants, the difference beneath."""
+    instants = [event.index for event in view.chosen_events]
+    cells = []
+    for count, event in enumerate(view.chosen_events, start=1):
+        panels = traction_panels(
+            view,
+            event.index,
+            instants,
+            f"event-{count}",
+            (320.0, 220.0),
+            f"{count}  {event.label}",
+        )
+        cells.append(Cell(panels, event.index))
+    table = {
+        "time": np.repeat(view.result_cycle.time[instants], len(view.x)),
+        "x": np.tile(view.result_cycle.x, len(instants)),
+        "x/a_ref": np.tile(view.x, len(instants)),
+    }
+    units_of = {"p": "p_ref", "q": "(f p_ref)"}
+    for letter, (field, size) in _traction_fields(view).items():
+        for role, cycle in (("reference", view.reference_cycle), ("result", view.result_cycle)):
+            column = f"{letter}_{role}/{units_of[letter]}"
+            table[column] = (getattr(cycle, field)[instants] / size).ravel()
+    return worded("tractions", cells, table, traction_keys(view), columns=3)
+
+
+def _traction_fields(view: CycleView) -> dict[str, tuple[str, float]]:
+    """Letter -> name of the field, and what it is drawn over."""
+    return {"p": ("pressure", view.scales.pressure), "q": ("shear", view.scales.shear)}
+
+
+def traction_panels(
+    view: CycleView,
+    instant: int,
+    instants: Sequence[int],
+    name: str,
+    size: tuple[float, float],
+    title: str = "",
+    *,
+    live: bool = False,
+) -> tuple[Panel, Panel]:
+    """Tractions at an instant in a drawing of that size, and the difference; axes hold all
+    `instants`.
+
+    `live` if the slider moves them.
+    """
+    width, height = size
+    is_drawn = np.abs(view.x) <= view.largest_x * 1.02
+    x = view.x[is_drawn]
+    # The instant, which is drawn, before the others that the axes hold; a line copies its row, or
+    # it would keep all in memory.
+    rows = np.array(list(dict.fromkeys((instant, *instants))))
+    grid = np.ix_(rows, np.flatnonzero(is_drawn))
+    traction_pairs: dict[str, tuple[Array, Array]] = {}  # of the reference, of the result
+    for letter, (field, unit) in _traction_fields(view).items():
+        of_reference = getattr(view.reference_cycle, field)[grid] / unit
+        of_result = getattr(view.result_cycle, field)[grid] / unit
+        traction_pairs[letter] = (of_reference, of_result)
+    differences = {
+        letter: 100 * (of_result - of_reference)
+        for letter, (of_reference, of_result) in traction_pairs.items()
+    }
+
+    def curve(values: Array, css: str, label: str, field: str) -> Curve:
+        return Curve(x, values.copy(), css, label, {"field": field} if live else {})
+
+    lines: list[Mark] = [ZERO]
+    for engine_number, engine in enumerate(view.engines):
+        for letter in "pq":
+            values = traction_pairs[letter][engine_number][0]
+            css = f"{engine.look} {letter}"
+            label = f"{letter}, {engine.name}"
+            lines.append(curve(values, css, label, f"{letter}{engine_number}"))
+    difference_lines: list[Mark] = [ZERO]
+    for letter in "pq":
+        values = differences[letter][0]
+        label = f"difference of {letter}, %"
+        difference_lines.append(curve(values, f"d {letter}", label, f"d{letter}"))
+
+    pressures = traction_pairs["p"]
+    touching = (pressures[0][0] != 0) | (pressures[1][0] != 0)
+    notes = []
+    for letter in "pq":
+        numbers = difference_in_words(differences[letter][0], x, "x = {} a_ref", " %", touching)
+        notes.append(f"{letter}: {numbers}")
+    series = [values for pair in traction_pairs.values() for values in pair]
+    above = Panel(
+        name,
+        view.over_x(""),
+        Axis(*limits(*series, zero=True), "p/p_ref,  q/(f p_ref)"),
+        lines,
+        f"Pressure and shear over x. {title}".strip(),
+        width,
+        height,
+        title,
+        room=(72.0, 26.0 if title else 12.0, 20.0, 20.0),
+    )
+    below = Panel(
+        f"{name}-difference",
+        view.over_x(),
+        Axis(*limits(*differences.values(), zero=True, least=1e-9), "difference, %", count=3),
+        difference_lines,
+        f"Result less reference over x. {title}".strip(),
+        width,
+        0.56 * height + 56,
+        notes=notes,
+    )
+    return above, below
+
+
+def moving_instant(view: CycleView) -> Plate:
+    """Both engines at the chosen instant with most slip; axes hold the whole cycle, so that nothing
+    leaves them as it moves.
+    """
+    width = 560.0
+    every_instant = range(len(view.result_cycle.time))
+    traction_panel, difference = traction_panels(
+        view, view.shown_instant, every_instant, "now", (width, 300.0), live=True
+    )
+    marks: list[Mark] = []
+    for strip, engine in enumerate(view.engines):
+        marks += _strip_of_states(view, engine, strip)
+    strips = Panel(
+        "zones",
+        view.over_x(""),
+        Axis(84.0, 0.0, ""),
+        marks,
+        "Open, stick and slip along x, a strip for each engine",
+        width,
+        84.0,
+        css="zones",
+        bare=True,
+        room=(72.0, 0.0, 20.0, 0.0),
+    )
+    states_differ = view.reference_cycle.state != view.result_cycle.state
+    table = {
+        "time": view.result_cycle.time,
+        "fraction": view.result_cycle.fraction,
+        "P": view.result_cycle.normal_load,
+        "Q": view.result_cycle.tangential_load,
+        "U_reference": view.reference_cycle.tangential_displacement,
+        "U_result": view.result_cycle.tangential_displacement,
+        "points_where_states_differ": states_differ.sum(axis=1).astype(np.int64),
+    }
+    panels = (traction_panel, strips, difference)
+    return worded("cycle", panels, table, traction_keys(view), columns=1)
+
+
+def _strip_of_states(view: CycleView, engine: EngineView, strip: int) -> Iterator[Mark]:
+    """Open, stick and slip along x of one engine, which the slider recolours."""
+    top = 20.0 + 40.0 * strip
+    bottom = top + 16
+    x = engine.cycle.x / view.scales.half_width
+    state = engine.cycle.state[view.shown_instant]
+    # A state ends midway between two points of different states.
+    last_of_state = np.flatnonzero(np.diff(state))
+    midpoints = (x[last_of_state + 1] + x[last_of_state]) / 2
+    boundaries = np.clip(midpoints, -view.largest_x, view.largest_x)
+    ends = [-view.largest_x, *boundaries.tolist(), view.largest_x]
+    states = state[[0, *(last_of_state + 1).tolist()]].tolist()
+    blocks = []
+    for left, right, code in zip(ends[:-1], ends[1:], states, strict=True):
+        if right > left:
+            blocks.append(Block((left, right), (top, bottom), f"state-{code}"))
+    yield Note(-view.largest_x, top - 5, engine.name)
+    yield Group(tuple(blocks), "strip", {"strip": strip, "top": f"{top:g}"})
+    yield Block((-view.largest_x, view.largest_x), (top, bottom), "outline")
+
+
+def state_map(view: CycleView) -> Plate:
+    """Open, stick, forward and reverse slip over x and time, for both engines and where they
+    differ.
+    """
+    of_reference = view.reference_cycle.state
+    of_result = view.result_cycle.state
+    metric = view.comparison.metric("state")
+    # The metric's own number: points crowd at the edges, so that counting them would give another,
+    # larger share.
+    share = "" if metric.value is None else value_of(metric)
+    reference_engine, result_engine = view.engines
+    difference_title = f"they differ: {share}".rstrip(": ")
+    maps = (
+        ("map-reference", of_reference, _STATE_COLOURS, reference_engine.name),
+        ("map-result", of_result, _STATE_COLOURS, result_engine.name),
+        ("map-difference", of_reference != of_result, _DIFFERENCE_COLOURS, difference_title),
+    )
+    pixels = _pixels(view)
+    panels = []
+    for name, states, palette, title in maps:
+        marks = [Bitmap(states[pixels].astype(np.uint8), palette)]
+        panels.append(
+            Panel(
+                name,
+                view.over_x(),
+                view.over_time(),
+                marks,
+                f"Map of states: {title}",
+                340.0,
+                320.0,
+                title,
+                time="y",
+                css="pick",
+            )
+        )
+
+    points = np.flatnonzero(np.abs(view.x) <= view.largest_x)
+    instant_count = min(len(view.time), max(_MOST_STATES // len(points), 2))
+    instants = np.linspace(0, len(view.time) - 1, instant_count).round().astype(int)
+    grid = np.ix_(instants, points)
+    codes = ", ".join(f"{int(state)} {name}" for state, name in STATE_NAMES.items())
+    table = {
+        "time": np.repeat(view.result_cycle.time[instants], len(points)),
+        "x": np.tile(view.result_cycle.x[points], len(instants)),
+        f"state_reference ({codes})": of_reference[grid].ravel(),
+        f"state_result ({codes})": of_result[grid].ravel(),
+    }
+    return worded(
+        "state_map",
+        panels,
+        table,
+        STATE_KEYS,
+        columns=3,
+        share=share,
+        written=len(instants),
+        instants=len(view.time),
+        stretch=view.stretch,
+    )
+
+
+def _pixels(view: CycleView) -> tuple[NDArray[np.int_], ...]:
+    """For each row and column of a map the instant and the point nearest to it; time goes up."""
+    places = np.linspace(-view.largest_x, view.largest_x, _MAP_COLUMNS)
+    points = np.abs(view.x[:, None] - places).argmin(axis=0)
+    times = np.linspace(view.time[-1], view.time[0], _MAP_ROWS)
+    instants = np.abs(view.time[:, None] - times).argmin(axis=0)
+    return np.ix_(instants, points)
+
+
+def dissipation_density(view: CycleView) -> Plate | None:
+    """w(x) of the last cycle, both engines, the difference beside it; None where nothing is
+    dissipated anywhere.
+    """
+    x = view.x
+    scales = view.scales
+    unit = scales.dissipation / scales.half_width
+    of_reference = view.reference_cycle.dissipation_density / unit
+    of_result = view.result_cycle.dissipation_density / unit
+    if not (np.any(of_reference) or np.any(of_result)):
+        return None
+
+    stick = permanent_edges(view.comparison.reference) / scales.half_width
+    lines: list[Mark] = [
+        Rule(float(edge), "stick-line", upright=True) for edge in stick if np.isfinite(edge)
+    ]
+    for density, key in zip((of_reference, of_result), view.keys, strict=True):
+        lines.append(Curve(x, density, key.css, key.text))
+    peak = int(np.nanargmax(np.where(np.isfinite(of_result), of_result, -np.inf)))
+    lines.append(Dot(float(x[peak]), float(of_result[peak]), "event"))
+    densities = Panel(
+        "work",
+        view.over_x(),
+        Axis(*limits(of_reference, of_result, zero=True), "w / (A f² P_ref²/a_ref)"),
+        lines,
+        "Dissipation density over x",
+        css="pick",
+    )
+
+    largest = float(np.nanmax(np.abs(of_reference), initial=0.0)) or 1.0
+    difference = 100 * (of_result - of_reference) / largest
+    dissipates = (of_reference != 0) | (of_result != 0)
+    note = difference_in_words(
+        difference, x, "x = {} a_ref", " %", (np.abs(x) <= view.largest_x) & dissipates
+    )
+    differences = Panel(
+        "work-difference",
+        view.over_x(),
+        Axis(*limits(difference, zero=True, least=1e-9), "difference, % of the largest"),
+        [ZERO, Curve(x, difference, "d p", "difference")],
+        "Difference of the dissipation density",
+        notes=[note],
+    )
+    columns = "(A f^2 P_ref^2/a_ref)"
+    table = {
+        "x": view.result_cycle.x,
+        "x/a_ref": x,
+        f"w_reference/{columns}": of_reference,
+        f"w_result/{columns}": of_result,
+    }
+    return worded(
+        "dissipation_density",
+        (densities, differences),
+        table,
+        (*view.keys, Key("d p", "difference")),
+        stretch=view.stretch,
+        peak=f"{of_result[peak]:.4g}",
+        place=signed(float(x[peak])),
+        stick=_ends_in_words(stick),
+    )
+
+
+def _ends_in_words(ends: Array) -> str:
+    """Both ends of the permanent stick zone over a_ref; nothing where there is none."""
+    left, right = ends
+    if not np.isfinite(ends).all():
+        return ""
+    if left == -right:
+        return f"±{right:.4g}"
+    return minus(f"{left:.4g} and {right:.4g}")

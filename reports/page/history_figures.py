@@ -1,0 +1,501 @@
+"""Figures over time and over load: edges, discrepancies, slip, load path, hysteresis."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from reports.charts.plate import (
+    Axis,
+    Curve,
+    Dot,
+    Key,
+    Mark,
+    Note,
+    Panel,
+    Plate,
+    Rule,
+    limits,
+    worded,
+)
+from reports.charts.templating import Table
+from reports.comparison.cycles import Cycle, Event
+from reports.comparison.metrics import missing
+from reports.comparison.pairs import are_half_planes
+from reports.comparison.work_of_loads import bulk_strain, bulk_work, loop_work
+from reports.page.cycle_view import (
+    LINE_LOOKS,
+    X_OVER_A,
+    ZERO,
+    Array,
+    CycleView,
+    broad_panel,
+    difference_in_words,
+    loop_compliance,
+    sheared_displacement,
+    slip_points,
+)
+from reports.units import energy_unit, load_unit, minus, signed, units
+from scenes import Scene, sampled
+from scenes.scene import OWN_TOLERANCES
+
+_MOST_TOLERANCES = 8.0  # that an axis of discrepancies holds
+
+
+def half_widths(view: CycleView) -> Plate:
+    """Contact and stick edges of both engines through the last cycle, the difference of the
+    half-widths beside them.
+    """
+    half_width = view.scales.half_width
+    lines: list[Curve] = []
+    keys: list[Key] = []
+    table = {"time": view.result_cycle.time}
+    half_widths_of: dict[str, list[Array]] = {"contact": [], "stick": []}
+    for role, engine in zip(("reference", "result"), view.engines, strict=True):
+        for kind, css in (("contact", "p"), ("stick", "q")):
+            edges = getattr(engine.cycle, f"{kind}_edges")
+            left, right = edges.T
+            key = Key(f"{engine.look} {css}", f"{kind} edge, {engine.name}")
+            keys.append(key)
+            lines.append(Curve(view.time, left / half_width, key.css, key.text))
+            lines.append(Curve(view.time, right / half_width, key.css, key.text))
+            half_widths_of[kind].append((right - left) / 2 / half_width)
+            table[f"left_{kind}_edges_{role}"] = left
+            table[f"right_{kind}_edges_{role}"] = right
+    above = Panel(
+        "edges",
+        view.over_time(),
+        Axis(*limits(*(line.y for line in lines)), X_OVER_A),
+        lines,
+        f"Contact and stick edges through the {view.noun}",
+        time="x",
+    )
+
+    differences = {
+        kind: of_result - of_reference for kind, (of_reference, of_result) in half_widths_of.items()
+    }
+    notes = [
+        f"{kind}: {view.difference_over_time(difference, ' a_ref')}"
+        for kind, difference in differences.items()
+    ]
+    difference_axis = Axis(
+        *limits(*differences.values(), zero=True, least=1e-12),
+        "difference of half-widths / a_ref",
+    )
+    below = Panel(
+        "edges-difference",
+        view.over_time(),
+        difference_axis,
+        [
+            ZERO,
+            Curve(view.time, differences["contact"], "d p", "contact"),
+            Curve(view.time, differences["stick"], "d q", "stick"),
+        ],
+        "Difference of the half-widths",
+        notes=notes,
+        time="x",
+    )
+    spacing = _spacing_at_the_edge(view.result_cycle) / half_width
+    legend = (*keys, Key("d p", "difference, contact"), Key("d q", "difference, stick"))
+    return worded(
+        "half_widths",
+        (above, below),
+        table,
+        legend,
+        stretch=view.stretch,
+        spacing=f"{spacing:.1g}" if np.isfinite(spacing) else "",
+    )
+
+
+def _spacing_at_the_edge(cycle: Cycle) -> float:
+    """The middle distance of points about the contact edges [length]; NaN where nothing
+    touches.
+    """
+    outer = float(np.nanmax(np.abs(cycle.contact_edges), initial=0.0))
+    if not outer:
+        return math.nan
+    about_the_edge = np.abs(np.abs(cycle.x[1:]) - outer) < 0.3 * outer
+    return float(np.median(np.diff(cycle.x)[about_the_edge]))
+
+
+def discrepancies(view: CycleView) -> Plate:
+    """Metrics that have a value at each instant, at the instants that are judged: over their
+    tolerances, where there are any.
+
+    Where no tolerance was given, those that half-planes are judged by, in per cent.
+    """
+    metrics = [metric for metric in view.comparison.metrics if metric.series is not None]
+    with_tolerance = [metric for metric in metrics if metric.tolerance is not None]
+    judged = bool(with_tolerance)
+    drawn_metrics = with_tolerance or [metric for metric in metrics if metric.key in OWN_TOLERANCES]
+    lines: list[Mark] = []
+    if judged:
+        lines.append(Rule(1.0, "limit"))
+    keys = []
+    largest = 0.0
+    for metric, css in zip(drawn_metrics, LINE_LOOKS, strict=False):
+        unit = (metric.tolerance or 1.0) if judged else 0.01
+        shares = np.abs(np.asarray(metric.series)) / unit
+        size = np.where(view.comparison.judged, shares, np.nan)
+        worst = int(np.nanargmax(size)) if np.isfinite(size).any() else 0
+        largest = max(largest, float(np.nanmax(size, initial=0.0)))
+        lines.append(Curve(view.time, size, css, metric.label))
+        per_cent = "" if judged else " %"
+        text = f"{metric.label}: {size[worst]:.2g}{per_cent} at {view.time[worst]:.3g}"
+        keys.append(Key(css, minus(text)))
+    if judged:
+        end = float(view.time[-1])
+        lines.append(Note(end, 1.0, "tolerance", anchor="end", shift=(-4.0, -5.0)))
+    if judged:
+        top = min(max(1.0, largest), _MOST_TOLERANCES)
+        axis_words = "|discrepancy| / tolerance"
+    else:
+        top = largest or 1.0
+        axis_words = "|discrepancy|, %"
+    panel = broad_panel(
+        "errors",
+        view.over_time(8),
+        Axis(0.0, 1.08 * top, axis_words),
+        lines,
+        f"Discrepancy through the {view.noun}",
+        time="x",
+    )
+    table = {"time": view.result_cycle.time}
+    table |= {metric.key: np.asarray(metric.series) for metric in drawn_metrics}
+    return worded(
+        "errors",
+        [panel],
+        table,
+        keys,
+        columns=1,
+        judged=judged,
+        cut=judged and largest > _MOST_TOLERANCES,
+        stretch=view.stretch,
+    )
+
+
+def slip_histories(view: CycleView) -> Plate:
+    """Slip of chosen points through the last cycle, both engines, from where each stood at the
+    start of the cycle.
+    """
+    points = slip_points(view.comparison)
+    length = units(view.scene)[1]
+    names = [f"x = {view.x[point]:.3f} a_ref" for point in points]
+    slips = [engine.cycle.slip[:, points] - engine.cycle.slip[0, points] for engine in view.engines]
+    lines = []
+    for look, slip, engine in zip(("wide", "thin"), slips, view.engines, strict=True):
+        for place, name in enumerate(names):
+            css = f"{look} point-{place}"
+            lines.append(Curve(view.time, slip[:, place], css, f"{name}, {engine.name}"))
+    of_reference, of_result = slips
+    table = {"time": view.result_cycle.time}
+    for place, point in enumerate(points):
+        where = f"(x = {view.result_cycle.x[point]:.6g}) [{length}]"
+        table[f"slip_reference{where}"] = of_reference[:, place]
+        table[f"slip_result{where}"] = of_result[:, place]
+
+    difference = of_result - of_reference
+    worst = int(np.argmax(np.nanmax(np.abs(np.nan_to_num(difference)), axis=0)))
+    notes = [
+        f"result − reference at {names[worst]}, where it is largest:",
+        view.difference_over_time(difference[:, worst], f" {length}"),
+    ]
+    least = 1e-12 * view.scales.half_width
+    panel = broad_panel(
+        "slip",
+        view.over_time(8),
+        Axis(*limits(*slips, zero=True, least=least), f"slip since the start  [{length}]"),
+        lines,
+        "Slip of chosen points over time",
+        320.0,
+        notes=notes,
+        time="x",
+    )
+    keys = [Key(f"point-{place}", name) for place, name in enumerate(names)]
+    return worded("slip_history", [panel], table, keys, columns=1, stretch=view.stretch)
+
+
+def load_path(view: CycleView) -> Plate:
+    """The path in the P-Q plane: initial loading, cycle, Coulomb limit, chosen instants, a ring at
+    the instant shown.
+
+    Beneath it bulk stress, tilt and moment over the cycle, where there are any.
+    """
+    cycle = view.result_cycle
+    friction = view.comparison.result.scene.friction.coefficient
+    unit = load_unit(view.comparison.result.scene)
+    parts = _parts_of_path(view.comparison.result.scene)
+    normal = np.concatenate([part.normal_load for part in parts])
+    tangential = np.concatenate([part.tangential_load for part in parts])
+    largest_normal = 1.08 * float(normal.max())
+    largest_tangential = 1.25 * max(float(np.abs(tangential).max()), 0.15 * largest_normal)
+
+    marks: list[Mark] = []
+    if friction:
+        for sign in (1, -1):
+            limit = sign * largest_normal * friction
+            marks.append(Curve([0, largest_normal], [0, limit], "cone", "|Q| = f P"))
+    marks += [Curve(part.normal_load, part.tangential_load, part.look, part.name) for part in parts]
+    lowest = min(-0.3 * largest_tangential, 1.25 * float(tangential.min()))
+    panel = Panel(
+        "load-path",
+        Axis(0.0, largest_normal, f"normal load P  [{unit}]"),
+        Axis(lowest, largest_tangential, f"tangential load Q  [{unit}]"),
+        marks,
+        "Load path in the plane of P and Q",
+        height=330.0,
+    )
+    marks += _events(panel, cycle.normal_load, cycle.tangential_load, view.chosen_events)
+    start = view.shown_instant
+    marks.append(_follower("P", cycle.normal_load[start], cycle.tangential_load[start], "now"))
+
+    keys = [Key(part.look, part.name) for part in reversed(parts)]
+    if friction:
+        keys.append(Key("cone", "|Q| = f P"))
+    panels = [panel]
+    for name, title, lines in _beside_the_forces(view):
+        series = [line.values for line in lines]
+        curves: list[Mark] = [ZERO]
+        curves += [Curve(view.time, line.values, line.css, line.text) for line in lines]
+        panels.append(
+            Panel(
+                name,
+                view.over_time(),
+                Axis(*limits(*series, zero=True, margin=0.12), title, count=3),
+                curves,
+                f"{title} over time",
+                height=190.0,
+                time="x",
+            )
+        )
+        keys += [Key(line.css, line.text) for line in lines]
+    table: Table = {
+        "time": np.concatenate([part.time for part in parts]),
+        "part": [part.name for part in parts for _ in part.time],
+        "P": normal,
+        "Q": tangential,
+    }
+    has_bulk_or_tilt = len(panels) > 1
+    return worded(
+        "load_path", panels, table, keys, columns=1, beside=has_bulk_or_tilt, stretch=view.stretch
+    )
+
+
+class _PathPart(NamedTuple):
+    """Initial loading or cycle of a load path, at many instants."""
+
+    name: str
+    look: str  # of its line
+    time: Array
+    normal_load: Array
+    tangential_load: Array
+
+
+def _parts_of_path(scene: Scene) -> list[_PathPart]:
+    """Initial loading and cycle; one path where nothing repeats."""
+    path = scene.load.path()
+    named_legs = [("path", "loop", path.initial_loading)]
+    if path.cycle:
+        named_legs = [
+            ("initial loading", "initial-loading", path.initial_loading),
+            ("cycle", "loop", path.cycle),
+        ]
+    parts = []
+    for name, look, legs in named_legs:
+        if legs:
+            time = np.concatenate([sampled(leg, 257) for leg in legs])
+            normal, tangential = path.at(time)
+            parts.append(_PathPart(name, look, time, np.asarray(normal), np.asarray(tangential)))
+    return parts
+
+
+class _Line(NamedTuple):
+    """A line of a figure over time."""
+
+    css: str
+    text: str
+    values: Array
+
+
+def _beside_the_forces(view: CycleView) -> Iterator[tuple[str, str, list[_Line]]]:
+    """Name, words of the axis and lines of what a scene has beside P and Q, each with its unit."""
+    force, _, stress_unit = units(view.scene)
+    cycle = view.result_cycle
+    stresses: list[_Line] = []
+    for body in ("lower", "upper"):
+        stress = getattr(cycle, f"bulk_stress_{body}")
+        if stress is not None and np.any(stress):
+            stresses.append(_Line(f"line-{len(stresses)} fine", f"σ, {body} body", stress))
+    if stresses:
+        yield "bulk-stress", f"bulk stress σ  [{stress_unit}]", stresses
+    if cycle.tilt is not None and np.any(cycle.tilt):
+        yield "tilt", "tilt α  [rad]", [_Line("line-2 fine", "tilt of the upper body", cycle.tilt)]
+    if cycle.moment is not None and np.any(cycle.moment) and view.scene.load.moment_given:
+        yield "moment", f"moment M  [{force}]", [_Line("line-3 fine", "moment", cycle.moment)]
+
+
+def _events(panel: Panel, across: Array, up: Array, chosen: Sequence[Event]) -> Iterator[Mark]:
+    """Numbered dots, numbers outside the loop that the dots lie on; a number that would stand on
+    another one is left out.
+    """
+    x = panel.frame.x.place(across)
+    y = panel.frame.y.place(up)
+    numbers: list[Array] = []  # places of those that are drawn
+    for count, event in enumerate(chosen, start=1):
+        k = event.index
+        index = {"event": k}
+        shift = 13 * _outward(x, y, k)
+        place = np.array([x[k], y[k]]) + shift
+        yield Dot(float(across[k]), float(up[k]), "event", 3.4, data=index)
+        if all(np.hypot(*(place - number)) > 11 for number in numbers):
+            numbers.append(place)
+            yield Note(
+                float(across[k]),
+                float(up[k]),
+                str(count),
+                "number",
+                "middle",
+                (float(shift[0]), float(shift[1]) + 4),
+                index,
+            )
+
+
+def _outward(x: Array, y: Array, k: int) -> Array:
+    """Unit vector across the line at its k-th place, away from the middle of all places."""
+    before = max(k - 1, 0)
+    after = min(k + 1, len(x) - 1)
+    across = np.array([y[before] - y[after], x[after] - x[before]])
+    from_middle = np.array([x[k] - x.mean(), y[k] - y.mean()])
+    if not np.all(np.isfinite(across)) or not np.hypot(*across):
+        across = from_middle
+    if across @ from_middle < 0:
+        across = -across
+    return np.asarray(across / (np.hypot(*across) or 1.0))
+
+
+def _follower(x: str, across: float, up: float, css: str) -> Dot:
+    """A ring that the slider moves along Q over another series."""
+    return Dot(
+        float(across), float(up), f"follow {css}", 6.5, data={"series_x": x, "series_y": "Q"}
+    )
+
+
+def hysteresis(view: CycleView) -> Plate | None:
+    """Tangential load over tangential displacement in the last cycle, both engines; beside it
+    sheared, so that the loop opens.
+
+    None where neither load nor shift moves, or the result holds no shift.
+    """
+    comparison = view.comparison
+    scene = view.scene
+    cycles = (view.reference_cycle, view.result_cycle)
+    shifts = [cycle.tangential_displacement for cycle in cycles]
+    loop_series = [view.result_cycle.tangential_load, *shifts]
+    nothing_moves = all(np.ptp(values) == 0 for values in loop_series)
+    if "tangential_displacement" in missing(comparison.result) or nothing_moves:
+        return None
+
+    _, length, _ = units(scene)
+    sheared = [sheared_displacement(cycle) for cycle in cycles]
+    panels = [
+        _loop_panel(view, "hysteresis", ("U", shifts), f"tangential displacement U  [{length}]"),
+        _loop_panel(
+            view, "hysteresis-sheared", ("V", sheared), f"U − k Q, about its mean  [{length}]"
+        ),
+    ]
+    if comparison.pulled and all(cycle.shear_moment is not None for cycle in cycles):
+        panels.append(_bulk_loop_panel(view))
+
+    works_in_words: list[str] = []
+    if comparison.pulled:
+        works = (
+            [loop_work(cycle) for cycle in cycles],
+            [bulk_work(cycle, scene.material) for cycle in cycles],
+            [comparison.reference.dissipation, comparison.result.dissipation],
+        )
+        works_in_words += [
+            f"{minus(f'{of_reference:.5g}')} and {minus(f'{of_result:.5g}')}"
+            for of_reference, of_result in works
+        ]
+        works_in_words.append(energy_unit(scene))
+    table = {
+        "time": view.result_cycle.time,
+        "Q": view.result_cycle.tangential_load,
+        "U_reference": shifts[0],
+        "U_result": shifts[1],
+    }
+    # P works too where it varies and the approach hangs on Q as well.
+    constant_load = np.ptp(view.result_cycle.normal_load) == 0 and view.result_cycle.tilt is None
+    return worded(
+        "hysteresis",
+        panels,
+        table,
+        view.keys,
+        stretch=view.stretch,
+        slopes=" and ".join(signed(loop_compliance(cycle)) for cycle in cycles),
+        unit=f"{length} per {load_unit(scene)}",
+        periodic=scene.load.path().period is not None,
+        alone=are_half_planes(scene) or constant_load,
+        works=works_in_words or (),
+    )
+
+
+def _loop_panel(view: CycleView, name: str, shift: tuple[str, list[Array]], title: str) -> Panel:
+    """Tangential load over a shift of both engines.
+
+    Parameters
+    ----------
+    shift
+        letter of its series that the slider moves, U or V; its values of each engine
+    title
+        words of the axis
+    """
+    letter, (of_reference, of_result) = shift
+    loads = [view.reference_cycle.tangential_load, view.result_cycle.tangential_load]
+    stroke = float(np.ptp(of_reference)) or 1.0
+    share = 100 * (of_result - of_reference) / stroke
+    fraction = view.result_cycle.fraction
+    numbers_and_place = difference_in_words(share, fraction, "{}", " %")
+    numbers = numbers_and_place.rpartition(" at ")[0]
+    loop_extent = "stroke" if letter == "U" else "width"
+    marks: list[Mark] = []
+    for key, values, load in zip(view.keys, (of_reference, of_result), loads, strict=True):
+        marks.append(Curve(values, load, key.css, key.text))
+    panel = Panel(
+        name,
+        Axis(*limits(of_reference, of_result, margin=0.12), title, count=4),
+        Axis(*limits(*loads, margin=0.12), f"tangential load Q  [{load_unit(view.scene)}]"),
+        marks,
+        f"Tangential load over {title}",
+        height=330.0,
+        notes=[f"{numbers}, of the {loop_extent}"] if numbers else [],
+    )
+    marks += _events(panel, of_result, loads[1], view.chosen_events)
+    start = view.shown_instant
+    marks.append(_follower(f"{letter}0", of_reference[start], loads[0][start], "now pale"))
+    marks.append(_follower(f"{letter}1", of_result[start], loads[1][start], "now"))
+    return panel
+
+
+def _bulk_loop_panel(view: CycleView) -> Panel:
+    """Moment of the shear over the bulk strain, both engines: its loop is the work of the bulk
+    stress.
+    """
+    force, _, _ = units(view.scene)
+    cycles = (view.reference_cycle, view.result_cycle)
+    strains = [bulk_strain(cycle, view.scene.material) for cycle in cycles]
+    moments = [np.asarray(cycle.shear_moment) for cycle in cycles]
+    marks: list[Mark] = []
+    for key, strain, moment in zip(view.keys, strains, moments, strict=True):
+        marks.append(Curve(strain, moment, key.css, key.text))
+    return Panel(
+        "bulk-loop",
+        Axis(*limits(*strains, margin=0.12), "bulk strain ε = σ/E′, lower − upper", count=4),
+        Axis(*limits(*moments, margin=0.12), f"moment of the shear m_q  [{force}]"),
+        marks,
+        "Moment of the shear over bulk strain",
+        height=330.0,
+    )
