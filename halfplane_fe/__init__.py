@@ -29,6 +29,8 @@ In the order in which a scene passes through::
     edges.py                               edges of contact and stick, states as a reader sees them
     answer.py, solve.py                    the answer: `solve`; datum of approach and displacement;
                                            cost of a penalty layer
+    remainder.py                           what finite bodies add to half-planes: remainder of the
+                                           Green's function, without contact
     resolution.py, dundurs.py              what the mesh can't see, how unlike the bodies are
     arrays.py                              types of the arrays of the package
     fields.py, face_stress.py              displacement and stress inside the bodies; stress next to
@@ -45,6 +47,7 @@ from halfplane_fe.fields import (
     stress,
 )
 from halfplane_fe.path import check_admissible
+from halfplane_fe.remainder import body_effects
 from halfplane_fe.settings import SolverSettings
 from halfplane_fe.solve import FiniteElementSolution, require_solvable, solve
 
@@ -54,6 +57,7 @@ __all__ = [
     "LargestTension",
     "Snapshot",
     "SolverSettings",
+    "body_effects",
     "check_admissible",
     "edge_tension",
     "fields",

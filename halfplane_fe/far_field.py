@@ -148,20 +148,27 @@ def line_elements(line: Array, order: int, count: int) -> LineElements:
     """Elements of order 1 or 2 on a line (2, n) through nodes that follow each other, with `count`
     Gauss points on each.
     """
+    nodes = np.arange(0, line.shape[1] - order, order)[:, None] + np.arange(order + 1)
+    return curve_elements(line, nodes, count)
+
+
+def curve_elements(points: Array, nodes: Indices, count: int) -> LineElements:
+    """Elements with the nodes (e, k) among points (2, n), from one end of each to the other, with
+    `count` Gauss points on each; k = 2 or 3.
+    """
     t, weights = np.polynomial.legendre.leggauss(count)
-    if order == 1:
+    if nodes.shape[1] == 2:
         half = np.full_like(t, 0.5)
         shapes = np.array([(1 - t) / 2, (1 + t) / 2])
         slopes = np.array([-half, half])
     else:
         shapes = np.array([t * (t - 1) / 2, 1 - t**2, t * (t + 1) / 2])
         slopes = np.array([t - 0.5, -2 * t, t + 0.5])
-    nodes = np.arange(0, line.shape[1] - order, order)[:, None] + np.arange(order + 1)
     return LineElements(
         nodes=nodes,
         shapes=shapes,
-        places=line[:, nodes] @ shapes,
-        tangents=line[:, nodes] @ slopes * weights,
+        places=points[:, nodes] @ shapes,
+        tangents=points[:, nodes] @ slopes * weights,
     )
 
 

@@ -1,0 +1,468 @@
+r"""What a body of finite size adds to the compliance of a half-plane: the smooth remainder of its
+Green's function, by one linear solve on a coarse mesh.
+
+A force at the point s of the face displaces the body by Flamant's field u_F of a half-plane plus a
+remainder u_R. All that is singular is in u_F. With t_F the tractions of u_F on a cut,
+
+    div sigma(u_R) = 0,   u_R = -u_F on supports,   t(u_R) = -t_F on the rest of the outline
+
+Nothing here is large at s: t_F vanishes on the flat face, and sides and base are as far away as the
+body is large. So the elements need no refinement at the force, nor at the edges of a contact, and
+no contact is solved. At the face u_R gives four kernels, of unit forces: P presses (against y,
+which points out of the body), Q pulls along +x,
+
+    k_nn(x, s)  displacement inwards at x by P at s       k_tt(x, s)  along x by Q
+    k_tn(x, s)  along x by P                              k_nt(x, s)  outwards by Q
+
+By Betti's theorem k_nn and k_tt are symmetric and k_tn(x, s) = -k_nt(s, x). A body whose mirror
+line is x = 0, as all bodies of scenes have, has near x = s = 0
+
+    k_nn = c_n + N (x^2 + s^2)/2 + N_11 x s + N_4 (x^4 + s^4)/24 + ...       k_tt likewise
+    k_tn = e x - a s + ...
+
+What c_n and c_t are depends on the datum length L of the half-plane: u_F counts from no movement of
+the surface at the distance L from the force, along the force.
+
+`body_effects` takes these numbers of both bodies of a scene and adds them up with the signs of the
+relative problem; see `scenes.BodyEffects`.
+
+Source of u_F and t_F: Johnson, Contact Mechanics (1985), sections 2.2 and 2.3, see `far_field`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Literal, NamedTuple
+
+import numpy as np
+import skfem
+
+from halfplane_fe.arrays import Array, Indices
+from halfplane_fe.dundurs import dundurs
+from halfplane_fe.elasticity import System, assemble, factorise
+from halfplane_fe.far_field import (
+    curve_elements,
+    surface_force_displacement,
+    surface_force_traction,
+)
+from halfplane_fe.interface import shapes_alike
+from halfplane_fe.path import has_bulk_stress
+from meshes import BodyMesh, MeshSettings, SurfaceGrading, build
+from scenes import (
+    Block,
+    BodyEffects,
+    Elastic,
+    Estimate,
+    HalfPlane,
+    InputError,
+    Profile,
+    Scene,
+    Shape,
+    scene_of,
+)
+
+# Gauss points of a facet: Flamant's tractions are smooth over an element, which is shorter than its
+# distance from the force.
+_POINTS = 9
+# The part of the face that the kernels are fitted on, |x| <= r: r over the distance of the nearest
+# place where the face or the material below it ends. Terms that the polynomial lacks are then below
+# 1e-4 of the numbers.
+_REACH = 0.3
+# Forces stand at these places over r: what s^4 does is seen too. Forces at x < 0 would repeat them
+# as mirror images.
+_FORCES = (0.0, 0.5, 1.0)
+# Largest degree of the polynomials in x and s together.
+_DEGREE = 8
+# Elements on 0 <= x <= r, and growth of their size with the distance from there.
+_ELEMENTS = 16
+_GROWTH = 0.1
+# The second mesh, by which the first one's error is judged: elements so many times as large, fitted
+# on a part of the face so many times as wide. The difference of the two also has the terms that the
+# polynomials lack.
+_COARSER = 2.0
+_WIDER = 1.25
+
+
+class RemainderKernels(NamedTuple):
+    """Displacement of a body's face by unit forces on it, minus that of a half-plane.
+
+    Attributes
+    ----------
+    x
+        (n,) places on the face, in ascending order [length]
+    forces_at
+        (m,) places of the forces [length]
+    normal, tangential
+        (n, m) k_nn and k_tt [1 / stress]
+    along_by_pressure, outward_by_shear
+        (n, m) k_tn and k_nt [1 / stress]
+    unknowns
+        degrees of freedom of the linear system, which is factorised once
+    """
+
+    x: Array
+    forces_at: Array
+    normal: Array
+    tangential: Array
+    along_by_pressure: Array
+    outward_by_shear: Array
+    unknowns: int
+
+    @property
+    def reciprocity_gap(self) -> float:
+        """Largest |k_tn(x, s) + k_nt(s, x)| of places s of forces: 0 in exact elasticity
+        [1 / stress].
+        """
+        nodes = np.abs(self.x[:, None] - self.forces_at).argmin(axis=0)
+        gap = self.along_by_pressure[nodes] + self.outward_by_shear[nodes].T
+        return float(np.abs(gap).max())
+
+
+def remainder_kernels(
+    body: BodyMesh, material: Elastic, forces_at: Array, datum_length: float
+) -> RemainderKernels:
+    """The kernels of a body with a flat face, by one factorisation of its stiffness.
+
+    Parameters
+    ----------
+    body
+        a mesh of quadratic elements, with supports that hold it; "contact" is the part of the face
+        that is read
+    material
+        of the body
+    forces_at
+        (m,) places of the forces on the face y = 0, each a node of "contact" [length]
+    datum_length
+        L, distance from a force at which a half-plane's surface counts as unmoved [length]
+
+    Notes
+    -----
+    Above nu = 1/3 the elements are those of Taylor and Hood, see `elasticity`: the kernels do not
+    lock.
+    """
+    system = assemble(body, material)
+    n_dofs = len(system.node)
+    held = system.held
+    free = np.setdiff1d(np.arange(n_dofs), held)
+    forced = np.zeros((n_dofs, 2 * len(forces_at)))
+    forced[: 2 * body.mesh.p.shape[1]] = -_tractions(system, forces_at)
+    displacements = np.zeros_like(forced)
+    displacements[held] = -_support_displacements(system, forces_at, datum_length)
+    forced -= system.stiffness[:, held] @ displacements[held]
+    factors = factorise(system.stiffness[free][:, free].tocsc())
+    displacements[free] = factors.solve(forced[free])
+    along_x, outward = displacements[system.contact].reshape(2, -1, 2, len(forces_at))
+    return RemainderKernels(
+        x=body.mesh.p[0, system.node[system.contact[0]]],
+        forces_at=forces_at,
+        normal=outward[:, 1],  # a pull moves the face out as far as a push moves it in
+        tangential=along_x[:, 0],
+        along_by_pressure=-along_x[:, 1],
+        outward_by_shear=outward[:, 0],
+        unknowns=len(free),
+    )
+
+
+def _tractions(system: System, forces_at: Array) -> Array:
+    """(n_u, 2 m) work of Flamant's tractions on the outline but for the face, per displacement of
+    each node; columns: m forces along x, then m along y.
+
+    What supports hold takes no part: these rows are not solved for.
+    """
+    mesh = system.mesh
+    facets = np.concatenate(
+        [of_side for name, of_side in mesh.boundaries.items() if name not in ("contact", "free")]
+    )
+    elements = curve_elements(mesh.p, _outline_nodes(mesh, facets), _POINTS)
+    along_x, along_y = elements.tangents
+    normal = np.stack([along_y.ravel(), -along_x.ravel()])  # outward, times the length
+    x, y = elements.places.reshape(2, -1)
+    tractions = surface_force_traction(x, y, normal, forces_at)
+    tractions = tractions.reshape(2, *along_x.shape, 2 * len(forces_at))
+    work = np.zeros((mesh.p.shape[1], 2, 2 * len(forces_at)))
+    for nodes, shape in zip(elements.nodes.T, elements.shapes, strict=True):
+        np.add.at(work, nodes, np.einsum("g,degm->edm", shape, tractions))
+    return work.reshape(-1, 2 * len(forces_at))
+
+
+def _outline_nodes(mesh: skfem.Mesh, facets: Indices) -> Indices:
+    """(e, 3) nodes of facets of the outline of a quadratic mesh, with the body on their left."""
+    start, end = mesh.facets[:, facets]
+    inside = mesh.p[:, mesh.t[:, mesh.f2t[0, facets]]].mean(axis=1)
+    along = mesh.p[:, end] - mesh.p[:, start]
+    inward = inside - mesh.p[:, start]
+    body_on_right = along[0] * inward[1] - along[1] * inward[0] < 0
+    first = np.where(body_on_right, end, start)
+    last = np.where(body_on_right, start, end)
+    return np.stack([first, mesh.nvertices + facets, last], axis=1).astype(np.int64)
+
+
+def _support_displacements(system: System, forces_at: Array, datum_length: float) -> Array:
+    """(n_held, 2 m) Flamant's displacement of each held degree of freedom, columns as of
+    `_tractions` [1 / stress].
+    """
+    x, y = system.mesh.p[:, system.node[system.held]]
+    material = system.material
+    displacements = surface_force_displacement(
+        x, y, forces_at, material.young_modulus, material.poisson_ratio, datum_length
+    )
+    component = system.held % 2
+    of_held = displacements[component, np.arange(len(x))]
+    return of_held.reshape(len(x), -1)
+
+
+# ------------------------------------------------------------------------------ numbers of one body
+@dataclass(frozen=True)
+class BodyNumbers:
+    """What one body adds, in its own frame: x along the face, y outward, first contact at the
+    origin; formulas: the module.
+
+    Attributes
+    ----------
+    normal_compliance, tangential_compliance
+        c_n, c_t [1 / stress]
+    normal_curvature, tangential_curvature
+        N, T [1 / (stress length^2)]
+    strain_under_pressure
+        e, strain of the face along x by P = 1 [1 / (stress length)]
+    slope_under_shear
+        a, slope of the outward displacement by Q = 1 [1 / (stress length)]
+    normal_fourth, tangential_fourth
+        N_4, T_4 [1 / (stress length^4)]
+    unknowns, factorisations
+        of the linear systems that were solved
+    """
+
+    normal_compliance: Estimate
+    tangential_compliance: Estimate
+    normal_curvature: Estimate
+    tangential_curvature: Estimate
+    strain_under_pressure: Estimate
+    slope_under_shear: Estimate
+    normal_fourth: Estimate
+    tangential_fourth: Estimate
+    unknowns: int
+    factorisations: int
+
+
+_ZERO = Estimate(0.0)
+OF_HALF_PLANE = BodyNumbers(_ZERO, _ZERO, _ZERO, _ZERO, _ZERO, _ZERO, _ZERO, _ZERO, 0, 0)
+
+
+class FaceSeries(NamedTuple):
+    """The first coefficients of the kernels at x = s = 0, as in `BodyNumbers`, without errors."""
+
+    normal_compliance: float
+    tangential_compliance: float
+    normal_curvature: float
+    tangential_curvature: float
+    strain_under_pressure: float
+    slope_under_shear: float
+    normal_fourth: float
+    tangential_fourth: float
+
+
+def face_series(kernels: RemainderKernels, degree: int = _DEGREE) -> FaceSeries:
+    """Least-squares fit of polynomials in x and s to the kernels of a body whose mirror line is x =
+    0.
+
+    k_nn and k_tt consist of x^i s^j + x^j s^i with even i + j: they are symmetric in x and s, and
+    in the mirror line. k_tn and -k_nt, places exchanged, are one polynomial with odd i + j.
+    """
+    reach = float(np.abs(kernels.x).max())
+    x, s = np.meshgrid(kernels.x / reach, kernels.forces_at / reach, indexing="ij")
+    even = _exponents(range(0, degree + 1, 2))
+    even = [(i, j) for i, j in even if i <= j]
+    terms = np.stack([(x**i * s**j + x**j * s**i).ravel() for i, j in even], axis=1)
+    kernels_of_one_load = np.stack([kernels.normal.ravel(), kernels.tangential.ravel()], axis=1)
+    coefficients = np.linalg.lstsq(terms, kernels_of_one_load, rcond=None)[0]
+    compliance = 2 * coefficients[even.index((0, 0))]
+    curvature = 2 * coefficients[even.index((0, 2))] / reach**2
+    fourth = 24 * coefficients[even.index((0, 4))] / reach**4
+
+    odd = _exponents(range(1, degree, 2))
+    by_pressure = np.stack([(x**i * s**j).ravel() for i, j in odd], axis=1)
+    by_shear = np.stack([(s**i * x**j).ravel() for i, j in odd], axis=1)
+    cross = np.concatenate([kernels.along_by_pressure.ravel(), -kernels.outward_by_shear.ravel()])
+    slopes = np.linalg.lstsq(np.concatenate([by_pressure, by_shear]), cross, rcond=None)[0] / reach
+    return FaceSeries(
+        normal_compliance=float(compliance[0]),
+        tangential_compliance=float(compliance[1]),
+        normal_curvature=float(curvature[0]),
+        tangential_curvature=float(curvature[1]),
+        strain_under_pressure=float(slopes[odd.index((1, 0))]),
+        slope_under_shear=-float(slopes[odd.index((0, 1))]),
+        normal_fourth=float(fourth[0]),
+        tangential_fourth=float(fourth[1]),
+    )
+
+
+def _exponents(totals: Iterable[int]) -> list[tuple[int, int]]:
+    """(i, j) of x^i s^j with each of the sums i + j."""
+    exponents = []
+    for total in totals:
+        exponents += [(i, total - i) for i in range(total + 1)]
+    return exponents
+
+
+def face_kernels(
+    name: str,
+    shape: Block,
+    profile: Profile,
+    material: Elastic,
+    datum_length: float,
+    coarser: float = 1.0,
+) -> RemainderKernels:
+    """The kernels of a body of a scene on the part of its face that is fitted.
+
+    Parameters
+    ----------
+    name
+        "lower" or "upper"
+    coarser
+        how many times as large the elements are as those of the numbers; the part of the face is
+        wider too
+    """
+    reach = _REACH * _nearest_end(shape)
+    if coarser > 1:
+        reach *= _WIDER
+    size = coarser * reach / _ELEMENTS
+    grading = SurfaceGrading(inner=0.0, outer=reach, size=size, edge_size=size)
+    body = build(name, shape, profile, grading, MeshSettings(growth=coarser * _GROWTH))
+    return remainder_kernels(body, material, reach * np.array(_FORCES), datum_length)
+
+
+def body_numbers(
+    name: str, shape: Block, profile: Profile, material: Elastic, datum_length: float
+) -> BodyNumbers:
+    """What a body of a scene adds, each number with the difference from a coarser mesh as its
+    uncertainty.
+
+    e and a are one kernel read by two solutions, of which the larger |k_tn(x, s) + k_nt(s, x)| over
+    the fitted half-length is added to theirs.
+    """
+    fine = face_kernels(name, shape, profile, material, datum_length)
+    coarse = face_kernels(name, shape, profile, material, datum_length, _COARSER)
+    values = face_series(fine)
+    of_coarse = face_series(coarse)
+    slope_gap = fine.reciprocity_gap / float(np.abs(fine.x).max())
+    estimates = {}
+    for number in FaceSeries._fields:
+        value = getattr(values, number)
+        uncertainty = abs(value - getattr(of_coarse, number))
+        if number in ("strain_under_pressure", "slope_under_shear"):
+            uncertainty += slope_gap
+        estimates[number] = Estimate(value, uncertainty)
+    return BodyNumbers(**estimates, unknowns=fine.unknowns + coarse.unknowns, factorisations=2)
+
+
+def _nearest_end(shape: Block) -> float:
+    """Distance from the middle of the face to the nearest place where the body ends [length]."""
+    return min(shape.face_half_width, shape.height)
+
+
+# ----------------------------------------------------------------------------- both bodies together
+def body_effects(scene: Scene | str | Path) -> BodyEffects:
+    """What the finite bodies of a scene add to half-plane theory, by linear solves without contact.
+
+    Of each body but half-planes: two linear systems, about a second. Loads, friction and profile of
+    the scene don't matter, but for the datum length.
+
+    Returns
+    -------
+    BodyEffects
+        Sums and differences over both bodies, with the signs that are stated there; zero for
+        half-planes. Each uncertainty is that of the meshes.
+
+    Raises
+    ------
+    InputError
+        For bodies that are not covered: curved faces (pads, cylinders), rollers with free sides,
+        which hold no Q, and blocks whose ends a bulk stress pulls.
+
+    Examples
+    --------
+    >>> from scenes import load_scene
+    >>> effects = body_effects(load_scene("blocks"))
+    >>> effects.factorisations, effects.strain_under_pressure.value  # two equal blocks
+    (2, 0.0)
+    """
+    scene = scene_of(scene)
+    lower = _numbers_in(scene, "lower")
+    upper = lower if shapes_alike(scene) else _numbers_in(scene, "upper")
+    return combined(lower, upper, scene)
+
+
+def _numbers_in(scene: Scene, name: Literal["lower", "upper"]) -> BodyNumbers:
+    """Those of one body of the scene; zeros of a half-plane."""
+    shape = getattr(scene.bodies, name)
+    if isinstance(shape, HalfPlane):
+        return OF_HALF_PLANE
+    _check(name, shape, scene)
+    material = getattr(scene.material, name)
+    return body_numbers(name, shape, scene.profile, material, scene.profile.datum_length)
+
+
+def _check(name: str, shape: Shape, scene: Scene) -> None:
+    """InputError where the numbers are not derived for this body or its loads."""
+    if not isinstance(shape, Block):
+        raise InputError(
+            f"bodies.{name}: body effects are known for flat faces, and that of a {shape.kind} is"
+            " curved; take a block, or solve the scene with finite elements"
+        )
+    if shape.base == "rollers" and shape.sides == "free":
+        raise InputError(
+            f"bodies.{name}: a body on rollers with free sides holds no tangential load, and its"
+            " effects are not known; take base = 'fixed' or sides = 'guided'"
+        )
+    if has_bulk_stress(scene.load.path()):
+        raise InputError(
+            f"load.bulk_stress_{name}: body effects are known for P and Q, not for the bulk stress"
+            " of a body; solve the scene with finite elements"
+        )
+
+
+def combined(lower: BodyNumbers, upper: BodyNumbers, scene: Scene) -> BodyEffects:
+    """Both bodies in the relative problem: compliances and curvatures add up; of e and a the
+    differences count, e_P = e_l - e_u and alpha_Q = a_u - a_l.
+
+    P presses both bodies alike; Q pulls the lower one along +x and the upper one along -x, and the
+    upper body's y axis points the other way. So the two strains along x by P have one sign in the
+    common frame and their difference is a slip, and the slopes by Q likewise.
+    """
+    effects = BodyEffects(
+        datum_length=scene.profile.datum_length,
+        normal_compliance=_sum(lower.normal_compliance, upper.normal_compliance),
+        tangential_compliance=_sum(lower.tangential_compliance, upper.tangential_compliance),
+        normal_curvature=_sum(lower.normal_curvature, upper.normal_curvature),
+        tangential_curvature=_sum(lower.tangential_curvature, upper.tangential_curvature),
+        tilt_under_shear=_difference(upper.slope_under_shear, lower.slope_under_shear),
+        strain_under_pressure=_difference(lower.strain_under_pressure, upper.strain_under_pressure),
+        normal_fourth=_sum(lower.normal_fourth, upper.normal_fourth),
+        tangential_fourth=_sum(lower.tangential_fourth, upper.tangential_fourth),
+        dundurs_beta=dundurs(scene.material).beta,
+        unknowns=lower.unknowns + upper.unknowns,
+        factorisations=lower.factorisations + upper.factorisations,
+    )
+    if upper is not lower:
+        return effects
+    # One body stands for both: its errors cancel from the differences, and it was solved once.
+    return replace(
+        effects,
+        tilt_under_shear=_ZERO,
+        strain_under_pressure=_ZERO,
+        unknowns=lower.unknowns,
+        factorisations=lower.factorisations,
+    )
+
+
+def _sum(first: Estimate, second: Estimate) -> Estimate:
+    """Errors may have one sign: they add up."""
+    return Estimate(first.value + second.value, first.uncertainty + second.uncertainty)
+
+
+def _difference(first: Estimate, second: Estimate) -> Estimate:
+    """Errors may have opposite signs: they add up."""
+    return Estimate(first.value - second.value, first.uncertainty + second.uncertainty)
