@@ -48,23 +48,23 @@ class Done:
     stderr: str
 
 
-def environment(**own: str) -> dict[str, str]:
+def environment(**variables: str) -> dict[str, str]:
     """This checkout on the path, whether it is installed or not; tables so wide that no line is
     broken.
     """
     path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
-    return os.environ | {"PYTHONPATH": path, "COLUMNS": "400", "NO_COLOR": "1"} | own
+    return os.environ | {"PYTHONPATH": path, "COLUMNS": "400", "NO_COLOR": "1"} | variables
 
 
-def halfplane(folder: Path, *words: str, **own: str) -> Done:
+def halfplane(folder: Path, *words: str, **variables: str) -> Done:
     """A command in this process, its current folder `folder`, with variables of its own."""
-    out, errors = io.StringIO(), io.StringIO()
-    streams = (contextlib.redirect_stdout(out), contextlib.redirect_stderr(errors))
+    out = io.StringIO()
+    errors = io.StringIO()
     with (
         contextlib.chdir(folder),
-        mock.patch.dict(os.environ, environment(**own)),
-        streams[0],
-        streams[1],
+        mock.patch.dict(os.environ, environment(**variables)),
+        contextlib.redirect_stdout(out),
+        contextlib.redirect_stderr(errors),
     ):
         code = main(list(words))
     return Done(code, out.getvalue(), errors.getvalue())
@@ -76,47 +76,39 @@ def forked(
     act: Callable[[], object] = main,
     stdout: int | None = None,
     stderr: int | None = None,
-    closed: bool = False,
     file_size: int = resource.RLIM_INFINITY,
     memory: int = resource.RLIM_INFINITY,
-    **own: str,
+    **variables: str,
 ) -> Done:
     """A command in a copy of this process that has the streams, signals, variables and limits of a
     new one, and imports nothing.
 
-    Streams given or closed, the others kept; its files limited, in bytes, and what it takes in
+    Streams given, the others kept; its files limited, in bytes, and what it takes in
     memory beyond what is there. With `act` that is done instead. The exit code is minus the signal
     that ended it.
     """
 
     def as_a_process() -> None:
         os.chdir(folder)
-        os.environ.update(environment(**own))
-        for stream, handle in enumerate(
-            (os.open(os.devnull, os.O_RDONLY), stdout or out.fileno(), stderr or errors.fileno())
+        os.environ.update(environment(**variables))
+        encoding = variables.get("PYTHONIOENCODING", "utf-8")
+        no_input = os.open(os.devnull, os.O_RDONLY)
+        for handle, number, name, mode in (
+            (no_input, 0, "stdin", "r"),
+            (stdout or out.fileno(), 1, "stdout", "w"),
+            (stderr or errors.fileno(), 2, "stderr", "w"),
         ):
-            os.dup2(handle, stream)
-            name, sign = ("stdin", "stdout", "stderr")[stream], own.get("PYTHONIOENCODING", "utf-8")
-            setattr(
-                sys,
-                name,
-                (
-                    None
-                    if closed
-                    else os.fdopen(stream, "w" if stream else "r", encoding=sign, closefd=False)
-                ),
-            )
-            if closed:
-                os.close(stream)
-        for which in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            os.dup2(handle, number)
+            setattr(sys, name, os.fdopen(number, mode, encoding=encoding, closefd=False))
+        for sent in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             signal.signal(
-                which, signal.default_int_handler if which == signal.SIGINT else signal.SIG_DFL
+                sent, signal.default_int_handler if sent == signal.SIGINT else signal.SIG_DFL
             )
         signal.alarm(600)
         resource.setrlimit(resource.RLIMIT_FSIZE, (file_size, file_size))
         if memory != resource.RLIM_INFINITY:
-            there = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
-            resource.setrlimit(resource.RLIMIT_AS, (there + memory, there + memory))
+            used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+            resource.setrlimit(resource.RLIMIT_AS, (used + memory, used + memory))
         sys.argv = ["halfplane", *map(os.fsdecode, words)]
         code = act()
         sys.stdout.flush()
@@ -167,7 +159,7 @@ def start(
 
     With `session` in a session of its own, so that its workers can be killed with it.
     """
-    own = {name: how.pop(name) for name in list(how) if name.isupper()}
+    variables = {name: how.pop(name) for name in list(how) if name.isupper()}
     streams = {
         "stdin": subprocess.DEVNULL,
         "stdout": subprocess.PIPE,
@@ -176,19 +168,24 @@ def start(
     } | how
     command = [sys.executable, *program, *words]
     return subprocess.Popen(
-        command, cwd=folder, env=environment(**own), start_new_session=session, **streams
+        command, cwd=folder, env=environment(**variables), start_new_session=session, **streams
     )
+
+
+def json_of(path: Path) -> Any:
+    """What a JSON file holds."""
+    return json.loads(path.read_text(encoding="utf-8"))
 
 
 def everything(folder: Path) -> set[str]:
     return {path.relative_to(folder).as_posix() for path in folder.rglob("*")}
 
 
-def sentence(done: Done) -> str:
+def sentence(outcome: Done) -> str:
     """The one line of a refusal."""
-    assert done.returncode == 2, done
-    assert not done.stdout
-    (line,) = done.stderr.splitlines()
+    assert outcome.returncode == 2, outcome
+    assert not outcome.stdout
+    (line,) = outcome.stderr.splitlines()
     assert line.startswith("halfplane: ")
     return line
 
