@@ -42,6 +42,9 @@ From a request to an answer::
     answer_by_memory.py     one memory curve: states, fields, dissipations and their errors
     answer_in_phase.py      loads in phase: the steady cycle alone
     answer_on_grids.py      all other loads, on grids
+    corrected.py            theory with what finite bodies add to the compliance of half-planes:
+                            curvatures that follow the loads, c_n and c_t
+    corrected_memory.py     its memory curve: clipped between two bounds that follow the loads
     subsurface.py           stress inside the bodies (McEwen), tension at the trailing edge
     largest_values.py       largest pressure, slip, W(x) and tension of a cycle, to 1e-9 of
                             themselves

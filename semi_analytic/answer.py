@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import platform
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from functools import cache
 from importlib import metadata
 from typing import Any, Literal
@@ -19,6 +19,7 @@ import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from scenes import (
+    BodyEffects,
     ContactSolution,
     InputError,
     Materials,
@@ -73,6 +74,8 @@ class Question:
         (m,) points and (n,) instants as asked for; None: theory chooses
     cycles, straight_steps
         as in `solve`
+    effects
+        what finite bodies add to half-planes; None: nothing
     """
 
     scene: Scene
@@ -81,6 +84,7 @@ class Question:
     time: Array | None = None
     cycles: Cycles = "all"
     straight_steps: bool = False
+    effects: BodyEffects | None = None
 
     def wants(self, *names: str) -> bool:
         """Whether one of these fields is wanted."""
@@ -205,11 +209,13 @@ def solution_of(question: Question, findings: Findings) -> ContactSolution:
         not_asked_for | dict(findings.skipped),
         findings.seconds,
     )
-    settings = {
+    settings: dict[str, Any] = {
         "cycles": question.cycles,
         "fields": sorted(question.fields),
         "straight_steps": question.straight_steps,
     }
+    if question.effects is not None:
+        settings["effects"] = asdict(question.effects)
     return ContactSolution(
         engine="semi_analytic",
         scene=question.scene,

@@ -164,7 +164,7 @@ def by_memory(question: Question, family: OneCurve | None) -> Findings:
     """
     started = clock.perf_counter()
     scene = question.scene
-    path = _path_of_question(question, family)
+    path = path_of_question(question, family)
     time = question.time
     rows_left_out = 0
     if time is None:
@@ -224,7 +224,7 @@ def by_memory(question: Question, family: OneCurve | None) -> Findings:
     )
 
 
-def _path_of_question(question: Question, family: OneCurve | None) -> LoadSeries | History:
+def path_of_question(question: Question, family: OneCurve | None) -> LoadSeries | History:
     """The path that is to be answered, followed."""
     scene = question.scene
     friction = scene.friction.coefficient

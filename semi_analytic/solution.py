@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scenes import ContactSolution, InputError, Scene, scene_of
+from scenes import BodyEffects, ContactSolution, InputError, Scene, scene_of
 from semi_analytic.answer import (
     FIELDS,
     STEADY_FIELDS,
@@ -29,6 +29,7 @@ from semi_analytic.answer_by_memory import by_memory
 from semi_analytic.answer_in_phase import in_phase
 from semi_analytic.answer_on_grids import OF_WORK, GridAnswer
 from semi_analytic.bulk_and_tilt import leaning_profile, one_curve, steady_curve
+from semi_analytic.corrected import checked_effects, with_effects
 from semi_analytic.grid import edges_along
 from semi_analytic.loops_in_phase import ways_in_phase
 
@@ -41,6 +42,7 @@ def solve(
     cycles: Cycles = "all",
     fields: str | Iterable[str] = FIELDS,
     straight_steps: bool = False,
+    effects: BodyEffects | None = None,
 ) -> ContactSolution:
     """The half-plane answer to a scene, exact to rounding at every point and instant asked for.
 
@@ -68,6 +70,11 @@ def solve(
     straight_steps
         follow straight lines between the given times (ascending) instead of the scene's path:
         the polygon that a step-by-step solver saw, so that its step error can be told apart
+    effects
+        what finite bodies add to half-planes, `halfplane_fe.body_effects(scene)`: theory then
+        takes the curvatures that follow the loads and both compliances, see `corrected`. Tilt
+        and bulk strain of the bodies are left out and noted with their size. Numbers that are
+        all 0 give the half-plane answer
 
     Returns
     -------
@@ -104,6 +111,7 @@ def solve(
         time=vector(time, "time"),
         cycles=cycles,
         straight_steps=straight_steps,
+        effects=checked_effects(effects),
     )
     return solution_of(question, _findings(question))
 
@@ -111,6 +119,8 @@ def solve(
 def _findings(question: Question) -> Findings:
     """The answer by one memory curve, or else by the ways that do without."""
     scene = question.scene
+    if question.effects is not None:
+        return with_effects(question)
     if not scene.unsymmetric:
         return by_memory(question, None)
     family = one_curve(scene)

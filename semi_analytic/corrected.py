@@ -1,0 +1,977 @@
+"""Corrected half-plane theory: the answer with what finite bodies add to the compliance of
+half-planes, as `Findings`.
+
+Taken are the even numbers of `BodyEffects`, exact but for the step of the path: curvatures N, N_Q
+of the gap and T, T_P of the faces (`corrected_memory`), compliances c_n and c_t. With k = kn or kt,
+p_2 and q_2 the second moments int x^2 p dx and int x^2 q dx, and half-planes whose datum is that of
+the effects::
+
+    approach = (A/pi) int ln(2 L/c) dP + c_n P + N p_2/2 + T_P q_2/2
+    U        = (A/pi) int ln(2 L/c) dM + c_t Q + T q_2/2 + N_Q p_2/2
+
+The halves are those of reciprocity: a force at s moves x as a force at x moves s.
+
+Left out are the odd numbers o = (alpha_P, alpha_Q, e_P, e_Q) P0/(a0/R), tilt and bulk strain: of a
+symmetric profile they move dissipation, pressure and half-widths by the second order of o, the
+places of edges by the first. A note says how large they are. Of unlike materials (Dundurs' beta)
+they count in the first order.
+
+A path is followed by straight steps, some 400 a cycle. What the same steps make of half-planes is
+compared with exact theory: W and W(x) are exact theory's plus the difference of two paths of these
+steps, and from the difference of both answers of half-planes the error is stated.
+
+# notation: A = 2/E*, a contact half-width, eta load of the profile's punches, G that of a
+#           parabola's per curvature
+"""
+
+from __future__ import annotations
+
+import math
+import time as clock
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, BodyEffects, Estimate, InputError, Scene
+from scenes.arrays import LARGEST
+from semi_analytic.answer import (
+    Findings,
+    Question,
+    between,
+    mirrored_points,
+    neglected_coupling,
+)
+from semi_analytic.answer_by_memory import by_memory, folded, path_of_question
+from semi_analytic.corrected_memory import Curvatures, Followed, PunchTable, follow
+from semi_analytic.elasticity import composite_modulus
+from semi_analytic.history import History, turns_of, within
+from semi_analytic.load_series import LoadSeries
+from semi_analytic.profiles import SymmetricContact, contact_of
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+NUMBERS = (
+    "normal_compliance",
+    "tangential_compliance",
+    "normal_curvature",
+    "tangential_curvature",
+    "normal_curvature_under_shear",
+    "tangential_curvature_under_pressure",
+    "tilt_under_pressure",
+    "tilt_under_shear",
+    "strain_under_pressure",
+    "strain_under_shear",
+)
+"""The numbers of `BodyEffects` that half-planes do not have."""
+
+ODD_NUMBERS = NUMBERS[-4:]
+"""Those that corrected theory leaves out."""
+
+_OF_WORK = frozenset(("dissipation", "dissipation_density"))
+# Rows that are followed at most: each takes some 30 us and two pieces of memory curve.
+_MOST_ROWS = 200_000
+# Room of the table of punches beyond the largest contact.
+_BEYOND = 1.02
+# Two instants of this share of the path are one.
+_SAME = 1e-12
+# Punches whose turning points are rows, by their G over that of the largest.
+_SHARES = np.linspace(0.0, 1.0, 6)
+# Share of a step within which a turning point is at a row: a step as short would hold no slip.
+_BESIDE = 0.02
+# Share of f P by which two memory curves may differ and be the same state.
+_STEADY = 1e-9
+# Of the error that the steps make of W of half-planes, what they leave in the change by the bodies:
+# 2.3 at most on three ellipses with each of the curvatures, when steps were made ten times shorter.
+_OF_STEPS = 3.0
+# Instants and places at which the error of the steps is looked at, and the share of a half-width
+# within which a point is at an edge.
+_INSTANTS = 9
+_PLACES = 36
+_NEAR = 0.01
+
+
+# ------------------------------------------------------------------------------------- the effects
+def checked_effects(effects: BodyEffects | None) -> BodyEffects | None:
+    """The effects, None where they add nothing; InputError for what is no `BodyEffects` of finite
+    numbers.
+    """
+    if effects is None:
+        return None
+    if not isinstance(effects, BodyEffects):
+        raise InputError(
+            f"effects: a BodyEffects is needed, as halfplane_fe.body_effects(scene) makes it, not"
+            f" {type(effects).__name__}"
+        )
+    for item in fields(effects):
+        number = getattr(effects, item.name)
+        if not isinstance(number, Estimate):
+            continue
+        value = np.asarray(number.value)
+        is_number = value.ndim == 0 and np.issubdtype(value.dtype, np.number)
+        if not (is_number and abs(float(value.real)) <= LARGEST):
+            raise InputError(
+                f"effects.{item.name}: a finite number is needed, not {number.value!r}"
+            )
+    if not 0 < effects.datum_length <= LARGEST:
+        raise InputError(
+            f"effects.datum_length: a length above 0 is needed, not {effects.datum_length!r}"
+        )
+    if all(getattr(effects, name).value == 0 for name in NUMBERS):
+        return None
+    return effects
+
+
+def curvatures_of(effects: BodyEffects) -> Curvatures:
+    """What the bodies add to the curvature of gap and faces, per load."""
+    return Curvatures(
+        normal=effects.normal_curvature.value,
+        normal_under_shear=effects.normal_curvature_under_shear.value,
+        tangential=effects.tangential_curvature.value,
+        tangential_under_pressure=effects.tangential_curvature_under_pressure.value,
+    )
+
+
+def odd_part(effects: BodyEffects, half_width: float, modulus: float) -> tuple[float, ...]:
+    """o = (alpha_P, alpha_Q, e_P, e_Q) P0/(a0/R) with a0/R = 4 P0/(pi E* a0), Hertz' law, for any
+    profile.
+    """
+    unit = math.pi * modulus * half_width / 4
+    return tuple(getattr(effects, name).value * unit for name in ODD_NUMBERS)
+
+
+def notes_of_effects(effects: BodyEffects, half_width: float, scene: Scene) -> Iterator[str]:
+    """What of the effects is in the values, and what is not."""
+    yield (
+        "effects: the curvatures N, N_Q, T, T_P and the compliances c_n, c_t of the bodies are in"
+        " these values"
+    )
+    odd = odd_part(effects, half_width, composite_modulus(scene.material))
+    if not any(odd):
+        return
+    values = ", ".join(f"{value:.3g}" for value in odd)
+    consequence = "which change the dissipation in the second order"
+    if effects.dundurs_beta:
+        consequence = "which change the dissipation in the first order: the materials are unlike"
+    yield (
+        "effects: tilt and bulk strain of the bodies are left out,"
+        f" o = (alpha_P, alpha_Q, e_P, e_Q) P0/(a0/R) = ({values}), {consequence}"
+    )
+
+
+# ---------------------------------------------------------------------------------- rows of a path
+@dataclass(frozen=True, eq=False)
+class _Rows:
+    """The rows of a path that is followed by straight steps.
+
+    Attributes
+    ----------
+    time, normal_load, tangential_load
+        (n,)
+    ends
+        row at which the initial loading ends, and each cycle; the last row where there is no cycle
+    period
+        duration of a cycle, None for a path that does not repeat
+    """
+
+    time: Array
+    normal_load: Array
+    tangential_load: Array
+    ends: tuple[int, ...]
+    period: float | None
+
+    @property
+    def cycles(self) -> list[slice]:
+        """The rows of each cycle; the steps that end there are those of the cycle."""
+        if self.period is None:
+            return [slice(0, len(self.time))]
+        return [slice(self.ends[k], self.ends[k + 1] + 1) for k in range(len(self.ends) - 1)]
+
+
+@dataclass(frozen=True, eq=False)
+class _Route:
+    """A path of loads that was followed by half-plane theory: its marks, and P and Q anywhere.
+
+    Attributes
+    ----------
+    scene, path
+        what was followed
+    """
+
+    scene: Scene
+    path: LoadSeries | History
+
+    @cached_property
+    def instants(self) -> Array:
+        """Theory's own instants, some 400 a cycle, its events among them."""
+        return self.path.default_times(False, False)[0]
+
+    @property
+    def period(self) -> float | None:
+        """Duration of a cycle."""
+        return self.path.period
+
+    @property
+    def start(self) -> float:
+        """Time of the unloaded state."""
+        return float(self.instants[0])
+
+    @property
+    def marks(self) -> list[float]:
+        """Ends of the initial loading and of two cycles; start and end of a path without cycle."""
+        end = float(self.instants[-1])
+        if self.period is None:
+            return [self.start, end]
+        cycle_start = end - len(self.path.cycles) * self.period
+        return [cycle_start + k * self.period for k in range(3)]
+
+    def rows(self, time: Array) -> _Rows:
+        """Rows at instants (n,) and at the marks."""
+        marks = self.marks
+        length = marks[-1] - self.start
+        inside = time[(time > self.start) & (time < marks[-1])]
+        # Of two instants that are one a mark stays.
+        distance = np.min(np.abs(inside[:, None] - np.array([self.start, *marks])), axis=1)
+        inside = inside[distance > _SAME * length]
+        instants = np.unique(np.concatenate([inside, [self.start], marks]))
+        instants = instants[np.diff(instants, prepend=-np.inf) > _SAME * length]
+        if len(instants) > _MOST_ROWS:
+            raise InputError(
+                f"effects: the load path has {len(instants):,} rows and corrected theory follows"
+                f" {_MOST_ROWS:,} at most: take a part of the path, or half-planes without effects"
+            )
+        if isinstance(self.path, LoadSeries):
+            normal_load, tangential_load = _loads_of_series(self.path, instants)
+        else:
+            normal_load, tangential_load = self.scene.load.path().at(instants)
+        ends = tuple(int(np.argmin(np.abs(instants - mark))) for mark in marks)
+        if self.period is None:
+            ends = ends[1:]
+        pressing = np.maximum(normal_load, 0.0)
+        return _Rows(instants, pressing, tangential_load, ends, self.period)
+
+    def first_rows(self, time: Array | None) -> _Rows:
+        """Rows at theory's own instants, in both cycles, and at those that are asked for."""
+        instants = self.instants
+        marks = self.marks
+        if self.period is not None:
+            solved = len(self.path.cycles)
+            last_cycle = instants[instants >= marks[0] + (solved - 1) * self.period]
+            last_cycle = last_cycle - (solved - 1) * self.period
+            instants = np.concatenate([instants, last_cycle, last_cycle + self.period])
+        if time is not None:
+            asked_for, _ = within(time, self.start, marks[-1], self.period)
+            instants = np.append(instants, np.clip(asked_for, self.start, marks[-1]))
+        return self.rows(instants)
+
+    def with_turning_points(
+        self, rows: _Rows, friction: float, curvatures: Curvatures, parabola: float
+    ) -> _Rows:
+        """Rows with the instants at which a bound B_s turns round, for some punches up to the
+        largest, whose G is `parabola`: half-planes turn round at other instants.
+        """
+        if isinstance(self.path, LoadSeries):
+            return rows
+        normal_load = rows.normal_load
+        tangential_load = rows.tangential_load
+        gap_bend = curvatures.of_gap(normal_load, tangential_load)
+        face_bend = curvatures.of_faces(normal_load, tangential_load)
+        turning = []
+        for direction in (1, -1):
+            of_loads = tangential_load - direction * friction * normal_load
+            of_bends = direction * friction * gap_bend - face_bend
+            for share in _SHARES:
+                bound = of_loads + share * parabola * of_bends
+                turning.append(_turning_points(rows.time, bound))
+        instants = np.concatenate(turning)
+        after = np.clip(np.searchsorted(rows.time, instants), 1, len(rows.time) - 1)
+        step = rows.time[after] - rows.time[after - 1]
+        share = (instants - rows.time[after - 1]) / step
+        is_between = (share > _BESIDE) & (share < 1 - _BESIDE)
+        return self.rows(np.concatenate([rows.time, instants[is_between]]))
+
+
+def _turning_points(time: Array, values: Array) -> Array:
+    """Vertices of parabolas through three rows each, where values (n,) over time (n,) turn."""
+    rise = np.diff(values)
+    step = np.diff(time)
+    slope = rise / step
+    turns = np.flatnonzero(slope[1:] * slope[:-1] < 0) + 1
+    middle = (step[turns - 1] + step[turns]) / 2
+    bend = (slope[turns] - slope[turns - 1]) / middle
+    return np.asarray((time[turns - 1] + time[turns]) / 2 - slope[turns - 1] / bend)
+
+
+def _loads_of_series(series: LoadSeries, time: Array) -> tuple[Array, Array]:
+    """P and Q on straight steps at instants (n,), also in cycles after those that were followed."""
+    rows = np.concatenate([part.rows + np.array([part.delay, 0.0, 0.0]) for part in series.parts])
+    inside = time
+    if series.period is not None:
+        end = float(rows[-1, 0])
+        late = np.maximum(np.ceil((time - end) / series.period - _SAME), 0.0)
+        inside = time - late * series.period
+    return np.interp(inside, rows[:, 0], rows[:, 1]), np.interp(inside, rows[:, 0], rows[:, 2])
+
+
+# ----------------------------------------------------------------------------------------- fields
+@dataclass(frozen=True, eq=False)
+class _Series:
+    """Half-widths, movements and work of a followed path at its rows.
+
+    Attributes
+    ----------
+    followed
+        the path
+    contact, modulus
+        normal contact of half-planes, E*
+    effects
+        what the bodies add; None: nothing
+    """
+
+    followed: Followed
+    contact: SymmetricContact
+    modulus: float
+    effects: BodyEffects | None
+
+    @property
+    def unit(self) -> float:
+        """A/pi."""
+        return 2 / (math.pi * self.modulus)
+
+    @cached_property
+    def half_width(self) -> Array:
+        """a, (n,)."""
+        half = self.followed.table.half_width(self.followed.edge)
+        return np.where(self.followed.normal_load > 0, half, self.contact.least)
+
+    @cached_property
+    def stick_half_width(self) -> Array:
+        """c, (n,); a in full stick, NaN in full slip."""
+        innermost = self.followed.innermost
+        slips = self.followed.sense != 0
+        half = self.followed.table.half_width(innermost)
+        stick = np.where(slips, half, self.half_width)
+        return np.where((stick <= 0) | (slips & (innermost <= 0)), np.nan, stick)
+
+    @cached_property
+    def tangential_displacement(self) -> Array:
+        """U, (n,)."""
+        moments = self._moments
+        displacement = self.unit * moments.shear_logarithm
+        if self.effects is None:
+            return displacement
+        bend = curvatures_of(self.effects)
+        of_moments = bend.tangential * moments.shear_second
+        of_moments = of_moments + bend.normal_under_shear * moments.pressure_second
+        of_load = self.effects.tangential_compliance.value * self.followed.tangential_load
+        return np.asarray(displacement + of_load + of_moments / 2)
+
+    @cached_property
+    def normal_approach(self) -> Array:
+        """Normal approach, (n,)."""
+        moments = self._moments
+        approach = self.unit * moments.pressure_logarithm
+        if self.effects is None:
+            return approach
+        bend = curvatures_of(self.effects)
+        of_moments = bend.normal * moments.pressure_second
+        of_moments = of_moments + bend.tangential_under_pressure * moments.shear_second
+        of_load = self.effects.normal_compliance.value * self.followed.normal_load
+        return np.asarray(approach + of_load + of_moments / 2)
+
+    @cached_property
+    def _moments(self) -> _Moments:
+        """Integrals over the tractions at the rows."""
+        followed = self.followed
+        pieces = followed.pieces
+        datum = self.contact.datum_length if self.effects is None else self.effects.datum_length
+        tops = _primitives(followed.table, pieces.top, datum)
+        edges = _primitives(followed.table, followed.edge, datum)
+        gap_bend = followed.normal_curvature
+        face_bend = followed.tangential_curvature
+        of_curves = pieces.sums(tops.logarithm, tops.parabola_logarithm)
+        second_of_curves = pieces.sums(tops.second, tops.parabola_second)
+        is_pressed = followed.normal_load > 0
+        return _Moments(
+            pressure_logarithm=is_pressed * (edges.logarithm + gap_bend * edges.parabola_logarithm),
+            shear_logarithm=is_pressed
+            * (of_curves[followed.curve] + face_bend * edges.parabola_logarithm),
+            pressure_second=is_pressed * (edges.second + gap_bend * edges.parabola_second),
+            shear_second=is_pressed
+            * (second_of_curves[followed.curve] + face_bend * edges.parabola_second),
+        )
+
+    def loop_work(self, rows: slice) -> float:
+        """Closed integral of Q dU + P d(approach) over a cycle."""
+        total = 0.0
+        for load, movement in (
+            (self.followed.tangential_load, self.tangential_displacement),
+            (self.followed.normal_load, self.normal_approach),
+        ):
+            means = (load[rows][1:] + load[rows][:-1]) / 2
+            total += float(np.sum(means * np.diff(movement[rows])))
+        return total
+
+    def work(self, rows: slice) -> float:
+        """Friction work of the steps of a cycle, or of the path."""
+        return self.unit * float(np.sum(self.followed.step_work[rows][1:]))
+
+
+class _PointFields:
+    """Fields of a followed path at distances |x| (k,) from the middle.
+
+    Parameters
+    ----------
+    series
+        the path
+    x
+        (k,)
+    """
+
+    def __init__(self, series: _Series, x: Array) -> None:
+        self._series = series
+        self._followed = series.followed
+        self._x = x
+
+    def pressure(self, rows: Indices) -> Array:
+        """p, (n, k)."""
+        followed = self._followed
+        profile_load = followed.table.load(followed.edge[rows])[:, None]
+        of_profile = self._series.contact.pressure(self._x, profile_load)
+        bend = followed.normal_curvature[rows, None]
+        return of_profile + bend * self._of_parabola(self._series.half_width[rows])
+
+    def shear(self, rows: Indices) -> Array:
+        """q, (n, k)."""
+        followed = self._followed
+        bend = followed.tangential_curvature[rows, None]
+        following = bend * self._of_parabola(self._series.half_width[rows])
+        return self._shear_of_curves[followed.curve[rows]] + following
+
+    def slip(self, rows: Indices) -> Array:
+        """s, (n, k)."""
+        followed = self._followed
+        # Inside the contact what sticks follows the curvature of the faces; outside it does not.
+        bend = followed.tangential_curvature[rows, None]
+        outside = self._outside_parabola(self._series.half_width[rows])
+        return self._slip_of_curves[followed.curve[rows]] + bend * (outside - self._x**2 / 2)
+
+    def work(self, rows: slice) -> Array:
+        """W(x) of the steps of a cycle, (k,)."""
+        numbers = np.arange(len(self._followed.edge))[rows]
+        limit = self._followed.friction * self.pressure(numbers)
+        limit = np.where(np.isfinite(limit), limit, 0.0)
+        mean_limit = (limit[1:] + limit[:-1]) / 2
+        distance = np.abs(np.diff(self.slip(numbers), axis=0))
+        stick = np.nan_to_num(self._series.stick_half_width[numbers])
+        least_stick = np.minimum(stick[1:], stick[:-1])[:, None]
+        slips = self._followed.sense[numbers[1:], None] != 0
+        is_rubbed = slips & (self._x >= least_stick)
+        return np.asarray(np.sum(np.where(is_rubbed, mean_limit * distance, 0.0), axis=0))
+
+    @cached_property
+    def _shear_of_curves(self) -> Array:
+        """Shear of each memory curve, (pieces, k)."""
+        pieces = self._followed.pieces
+        half = self._followed.table.half_width(pieces.top)
+        of_profile = self._series.contact.pressure_rise(self._x, pieces.load[:, None])
+        return pieces.sums(of_profile, self._of_parabola(half))
+
+    @cached_property
+    def _slip_of_curves(self) -> Array:
+        """Slip of each memory curve, (pieces, k)."""
+        pieces = self._followed.pieces
+        half = self._followed.table.half_width(pieces.top)
+        unit = self._series.unit
+        of_profile = unit * self._series.contact.slip_integral(self._x, pieces.load[:, None])
+        return pieces.sums(of_profile, self._outside_parabola(half))
+
+    def _of_parabola(self, half_width: Array) -> Array:
+        """Pressure of a parabola of curvature 1, (E*/2) sqrt(a^2 - x^2): (n, k)."""
+        half = half_width[:, None]
+        root = np.sqrt(np.maximum((half - self._x) * (half + self._x), 0.0))
+        return np.asarray(self._series.modulus / 2 * root)
+
+    def _outside_parabola(self, half_width: Array) -> Array:
+        """(A/pi) int arccosh(|x|/c) dG over c < min(a, |x|) = int c arccosh(|x|/c) dc: (n, k)."""
+        inner = np.minimum(half_width[:, None], self._x)
+        root = np.sqrt(np.maximum((self._x - inner) * (self._x + inner), 0.0))
+        arc = np.arcsinh(root / np.where(inner > 0, inner, np.inf))
+        return np.asarray((inner**2 * arc + self._x * (self._x - root)) / 2)
+
+
+class _Moments(NamedTuple):
+    """int ln(2 L/c) dP and dM, second moments int x^2 p dx and int x^2 q dx, (n,) each."""
+
+    pressure_logarithm: Array
+    shear_logarithm: Array
+    pressure_second: Array
+    shear_second: Array
+
+
+class _Primitives(NamedTuple):
+    """Of ln(2 L/c) and c^2/2 over d eta and over dG, (k,) each."""
+
+    logarithm: Array
+    parabola_logarithm: Array
+    second: Array
+    parabola_second: Array
+
+
+def _primitives(table: PunchTable, s: Array, datum: float) -> _Primitives:
+    """Integrals up to the punches at s (k,). A punch of unit load has the second moment c^2/2."""
+    load = table.load(s)
+    parabola = table.parabola(s)
+    square = np.square(table.half_width(s))
+    log_ratio = math.log(2 * datum) - table.logarithm(s)
+    return _Primitives(
+        logarithm=load * log_ratio + table.log_area(s),
+        parabola_logarithm=parabola * (log_ratio + 0.5),
+        second=square * load / 2 - table.log_moment(s) / table.parabola_stiffness,
+        parabola_second=square * parabola / 4,
+    )
+
+
+# --------------------------------------------------------------------------------- the whole answer
+@dataclass(frozen=True, eq=False)
+class _Paths:
+    """A path that was followed with the bodies, and with half-planes by the same steps.
+
+    Attributes
+    ----------
+    question
+        what is asked
+    rows
+        the steps
+    bodies, half_planes
+        what was followed
+    steady_from
+        first cycle that ends in the state it started from, None if none does
+    covered
+        for each whole cycle that the answer covers, the index of the followed cycle that it is
+    """
+
+    question: Question
+    rows: _Rows
+    bodies: _Series
+    half_planes: _Series
+    steady_from: int | None
+    covered: tuple[int, ...]
+
+    @property
+    def last_cycle(self) -> slice:
+        """Rows of the last covered cycle."""
+        return self.rows.cycles[self.covered[-1]]
+
+    @property
+    def is_steady(self) -> bool:
+        """Whether the last covered cycle ends in the state it started from."""
+        return self.steady_from is not None and self.covered[-1] >= self.steady_from
+
+
+def with_effects(question: Question) -> Findings:
+    """The answer with the effects of the bodies.
+
+    Raises
+    ------
+    InputError
+        For scenes with bulk stress, tilt or unequal sides of the profile, and `straight_steps`; for
+        curvatures under which the contact would split or leave the profile.
+    """
+    started = clock.perf_counter()
+    _require_symmetric(question)
+    paths = _followed(question)
+    bodies = paths.bodies
+    history_done = clock.perf_counter()
+
+    x = question.x
+    if x is None:
+        x = mirrored_points(1.05 * float(np.max(bodies.half_width)))
+    distance, fold = folded(x)
+    time, numbers = _instants(paths)
+    points = _PointFields(bodies, distance)
+    grids = _grids(paths, points, distance, numbers)
+    series = _series_at(paths, numbers)
+    fields_done = clock.perf_counter()
+
+    work = _work_of(paths, points, distance)
+    errors = work.errors | _errors_of_steps(paths)
+    seconds = {"history": history_done - started, "fields": fields_done - history_done}
+    seconds["dissipation"] = clock.perf_counter() - fields_done
+    termination, message = _ending(paths)
+    values: dict[str, Any] = {
+        **series,
+        **{name: np.take(grid, fold, axis=1) for name, grid in grids.items()},
+        "permanent_stick_half_width": _permanent_stick(bodies, paths.last_cycle),
+        "dissipation": float(work.cycles[-1]),
+        "loop_work": work.loop,
+        "cycle_dissipation": work.cycles,
+        "dissipation_density": work.density[fold],
+        "steady_from": paths.steady_from,
+    }
+    return Findings(
+        time=time,
+        x=x,
+        values=values,
+        termination=termination,
+        message=message,
+        notes=tuple(_notes_of(paths)),
+        errors={name: error for name, error in errors.items() if error},
+        certificates=_certificates(bodies, grids, numbers),
+        counts={
+            "points_evaluated": len(distance),
+            "rows": len(paths.rows.time),
+            "pieces": len(bodies.followed.pieces.top),
+            "cycles_solved": len(paths.rows.cycles),
+        },
+        seconds=seconds,
+    )
+
+
+def _followed(question: Question) -> _Paths:
+    """The path of a question, followed twice."""
+    scene = question.scene
+    effects = question.effects
+    assert effects is not None  # for the type checker: the door took the other way
+    path = path_of_question(replace(question, effects=None), None)
+    route = _Route(scene, path)
+    rows = route.first_rows(question.time)
+    modulus = composite_modulus(scene.material)
+    contact = contact_of(scene.profile, scene.material)
+    curvatures = curvatures_of(effects)
+    table = _table_of(contact, modulus, rows, curvatures)
+    friction = scene.friction.coefficient
+    largest_parabola = float(table.parabola(table.last))
+    rows = route.with_turning_points(rows, friction, curvatures, largest_parabola)
+    loads = (rows.normal_load, rows.tangential_load)
+    with_bodies = follow(table, friction, *loads, curvatures)
+    without = follow(table, friction, *loads, Curvatures())
+    steady_from = _steady_from(with_bodies, rows, scene)
+    return _Paths(
+        question=question,
+        rows=rows,
+        bodies=_Series(with_bodies, contact, modulus, effects),
+        half_planes=_Series(without, contact, modulus, None),
+        steady_from=steady_from,
+        covered=_covered(question, route, steady_from),
+    )
+
+
+def _require_symmetric(question: Question) -> None:
+    """InputError for what corrected theory does not take."""
+    if question.scene.unsymmetric:
+        raise InputError(
+            "effects: corrected theory takes neither bulk stress nor tilt nor a profile with"
+            " unequal sides; leave effects out, or take halfplane_fe.solve"
+        )
+    if question.straight_steps:
+        raise InputError(
+            "straight_steps: corrected theory takes the scene's own path; leave straight_steps out,"
+            " or effects"
+        )
+
+
+def _table_of(
+    contact: SymmetricContact, modulus: float, rows: _Rows, curvatures: Curvatures
+) -> PunchTable:
+    """Punches up to the largest contact, with the bodies and without.
+
+    Raises
+    ------
+    InputError
+        Where that is beyond the profile, or where the bodies bend the faces away from each other.
+    """
+    largest_load = float(np.max(rows.normal_load))
+    largest = float(contact.half_width(largest_load))
+    bend = curvatures.of_gap(rows.normal_load, rows.tangential_load)
+    for _ in range(60):
+        table = PunchTable(contact, modulus, min(largest * _BEYOND, contact.extent))
+        at_end = float(table.load(table.last)) + bend * float(table.parabola(table.last))
+        if np.all(at_end >= rows.normal_load):
+            break
+        if largest >= contact.extent:
+            raise InputError(
+                "profile: with the curvature of the bodies the contact is wider than the profile,"
+                f" {contact.extent:.6g}: state a wider profile or smaller loads"
+            )
+        largest *= _BEYOND
+    else:
+        raise _splits()
+    s = np.linspace(0.0, table.last, 200)
+    least = min(float(np.min(bend)), 0.0)
+    carried = table.load(s) + least * table.parabola(s)
+    if np.any(np.diff(carried[s >= (1.0 if contact.least else 0.0)]) < 0):
+        raise _splits()
+    return table
+
+
+def _splits() -> InputError:
+    return InputError(
+        "effects: the normal curvature is negative and larger than that of the profile: the contact"
+        " would split, which corrected theory does not take"
+    )
+
+
+def _steady_from(followed: Followed, rows: _Rows, scene: Scene) -> int | None:
+    """The first cycle that ends in the state it started from: the first or the second."""
+    if rows.period is None:
+        return 0 if rows.normal_load[-1] <= 0 else None
+    s = np.linspace(0.0, followed.table.last, 200)
+    allowed = _STEADY * followed.friction * float(np.max(rows.normal_load))
+    states = [followed.frozen_force(row, s) for row in rows.ends]
+    for number in range(min(len(rows.cycles), max(scene.cycles, 2))):
+        if np.max(np.abs(states[number + 1] - states[number])) <= allowed:
+            return number
+    return None
+
+
+def _covered(question: Question, route: _Route, steady_from: int | None) -> tuple[int, ...]:
+    """For each whole cycle that the answer covers, the index of the followed cycle that it is."""
+    if route.period is None:
+        return (0,)
+    cycles = question.scene.cycles
+    until_steady = 2 if steady_from is None else steady_from + 1
+    _, whole = turns_of(route.marks[0], route.period, cycles, question.time)
+    count = whole or min(cycles, until_steady)
+    covered = tuple(min(k, 1) for k in range(count))
+    if question.wants_last_cycle_alone:
+        return covered[-1:]
+    return covered
+
+
+def _instants(paths: _Paths) -> tuple[Array, Indices]:
+    """Instants of the answer and their rows, (n,) each."""
+    rows = paths.rows
+    question = paths.question
+    if question.time is None:
+        begin = paths.last_cycle.start if question.wants_last_cycle_alone else 0
+        numbers = np.arange(begin, paths.last_cycle.stop)
+        return rows.time[numbers], numbers
+    inside, _ = within(question.time, float(rows.time[0]), float(rows.time[-1]), rows.period)
+    after = np.clip(np.searchsorted(rows.time, inside), 1, len(rows.time) - 1)
+    is_before = inside - rows.time[after - 1] < rows.time[after] - inside
+    return question.time, after - is_before
+
+
+def _series_at(paths: _Paths, numbers: Indices) -> dict[str, Array]:
+    """Loads, half-widths, edges and movements at rows (n,)."""
+    bodies = paths.bodies
+    question = paths.question
+    unknown = np.full(len(numbers), np.nan)
+    displacement = unknown
+    approach = unknown
+    if question.wants("tangential_displacement"):
+        displacement = bodies.tangential_displacement[numbers]
+    if question.wants("normal_approach"):
+        approach = bodies.normal_approach[numbers]
+    half = bodies.half_width[numbers]
+    stick = bodies.stick_half_width[numbers]
+    sides = np.array([-1.0, 1.0])
+    return {
+        "normal_load": paths.rows.normal_load[numbers],
+        "tangential_load": paths.rows.tangential_load[numbers],
+        "tangential_displacement": displacement,
+        "normal_approach": approach,
+        "contact_half_width": half,
+        "stick_half_width": stick,
+        "contact_edges": half[:, None] * sides,
+        "stick_edges": stick[:, None] * sides,
+    }
+
+
+def _grids(
+    paths: _Paths, points: _PointFields, distance: Array, numbers: Indices
+) -> dict[str, NDArray[Any]]:
+    """pressure, shear, slip, state: (n, k); NaN (open) what was not asked for."""
+    question = paths.question
+    shape = (len(numbers), len(distance))
+    grids: dict[str, NDArray[Any]] = {
+        name: np.broadcast_to(np.nan, shape) for name in ("pressure", "shear", "slip")
+    }
+    grids["state"] = np.broadcast_to(np.int8(OPEN), shape)
+    if question.wants("pressure"):
+        grids["pressure"] = points.pressure(numbers)
+        if np.any(grids["pressure"] < 0):
+            raise _splits()
+    if question.wants("shear"):
+        grids["shear"] = points.shear(numbers)
+    if question.wants("slip"):
+        grids["slip"] = points.slip(numbers)
+    if question.wants("state"):
+        grids["state"] = _states(paths.bodies, distance, numbers)
+    return grids
+
+
+def _states(bodies: _Series, distance: Array, numbers: Indices) -> NDArray[np.int8]:
+    """Open, stick or slip, (n, k)."""
+    sides = np.array([-1.0, 1.0])
+    half = bodies.half_width[numbers, None]
+    stick = bodies.stick_half_width[numbers, None]
+    by_direction = np.array((SLIP_REVERSE, STICK, SLIP_FORWARD), dtype=np.int8)
+    sliding = by_direction[bodies.followed.sense[numbers, None] + 1]
+    is_pressed = bodies.followed.normal_load[numbers, None] > 0
+    in_contact = np.where(between(stick * sides, distance), np.int8(STICK), sliding)
+    touches = between(half * sides, distance) & is_pressed
+    return np.where(touches, in_contact, np.int8(OPEN))
+
+
+class _Work(NamedTuple):
+    """Friction work of the covered cycles (c,), closed integral of the last, its W(x) (k,), NaN
+    what is not wanted or known; relative errors by name.
+    """
+
+    cycles: Array
+    loop: float
+    density: Array
+    errors: dict[str, float]
+
+
+def _work_of(paths: _Paths, points: _PointFields, distance: Array) -> _Work:
+    """Exact theory's work plus what the bodies change, by the steps."""
+    question = paths.question
+    bodies = paths.bodies
+    half_planes = paths.half_planes
+    last = paths.last_cycle
+    cycles = np.full(len(paths.covered), np.nan)
+    loop = math.nan
+    density = np.full(len(distance), np.nan)
+    errors: dict[str, float] = {}
+    wanted = question.fields & _OF_WORK
+    if not wanted:
+        return _Work(cycles, loop, density, errors)
+    ends = paths.rows.time[list(paths.rows.ends)]
+    theory = by_memory(
+        replace(question, effects=None, fields=wanted, x=distance, time=ends, cycles="all"), None
+    )
+    if question.wants("dissipation"):
+        works_of_theory = np.asarray(theory.values["cycle_dissipation"])
+        exact = works_of_theory[np.minimum(paths.covered, len(works_of_theory) - 1)]
+        by_steps = np.array([half_planes.work(paths.rows.cycles[k]) for k in paths.covered])
+        with_bodies = np.array([bodies.work(paths.rows.cycles[k]) for k in paths.covered])
+        change = with_bodies - by_steps
+        cycles = exact + change
+        if exact[-1] > 0:
+            errors["dissipation"] = _OF_STEPS * abs(float(by_steps[-1] / exact[-1]) - 1)
+        if paths.is_steady and paths.rows.period is not None:
+            loop = bodies.loop_work(last)
+            if exact[-1] > 0:
+                errors["loop_work"] = abs(half_planes.loop_work(last) / float(exact[-1]) - 1)
+    if question.wants("dissipation_density"):
+        exact_density = np.asarray(theory.values["dissipation_density"])
+        by_steps = _PointFields(half_planes, distance).work(last)
+        with_bodies = points.work(last)
+        density = np.maximum(exact_density + with_bodies - by_steps, 0.0)
+        density = np.where(with_bodies > 0, density, 0.0)
+        largest = float(np.max(exact_density, initial=0.0))
+        if largest > 0:
+            difference = np.abs(by_steps - exact_density)
+            errors["dissipation_density"] = float(np.max(difference)) / largest
+    return _Work(cycles, loop, density, errors)
+
+
+def _errors_of_steps(paths: _Paths) -> dict[str, float]:
+    """Largest difference of q and s of half-planes by the steps and by exact theory, 1 % of a away
+    from edges, over the largest f p and s.
+    """
+    question = paths.question
+    half_planes = paths.half_planes
+    names = tuple(name for name in ("shear", "slip") if question.wants(name))
+    friction = half_planes.followed.friction
+    if not names or not friction:
+        return {}
+    last = paths.last_cycle
+    numbers = np.unique(np.linspace(last.start, last.stop - 1, _INSTANTS).astype(int))
+    x = np.linspace(0.0, float(np.max(half_planes.half_width[numbers])), _PLACES)[1:]
+    theory = by_memory(
+        replace(
+            question,
+            effects=None,
+            fields=frozenset((*names, "pressure")),
+            x=x,
+            time=paths.rows.time[numbers],
+            cycles="all",
+        ),
+        None,
+    )
+    pressure = theory.values["pressure"]
+    largest_pressure = float(np.max(pressure, where=np.isfinite(pressure), initial=0.0))
+    half = half_planes.half_width[numbers, None]
+    stick = np.nan_to_num(half_planes.stick_half_width[numbers, None])
+    is_away = (np.abs(x - half) > _NEAR * half) & (np.abs(x - stick) > _NEAR * half)
+    points = _PointFields(half_planes, x)
+    by_steps = {"shear": points.shear, "slip": points.slip}
+    errors = {}
+    for name in names:
+        exact = theory.values[name]
+        difference = np.where(is_away, np.abs(by_steps[name](numbers) - exact), 0.0)
+        scale = friction * largest_pressure if name == "shear" else float(np.max(np.abs(exact)))
+        if scale > 0:
+            errors[name] = float(np.max(difference)) / scale
+    return errors
+
+
+def _permanent_stick(bodies: _Series, rows: slice) -> float:
+    """Half-width that sticks through a cycle; NaN if none does."""
+    stick = np.minimum(bodies.stick_half_width[rows], bodies.half_width[rows])
+    least = float(np.min(np.nan_to_num(stick)))
+    return least if least > 0 else math.nan
+
+
+def _reference_load(scene: Scene, normal_load: Array) -> float:
+    """Mean load of an ellipse, else the largest of the last cycle."""
+    if scene.load.kind == "ellipse":
+        return float(np.max(normal_load) + np.min(normal_load)) / 2
+    return float(np.max(normal_load))
+
+
+def _ending(paths: _Paths) -> tuple[str, str]:
+    """How a path ended, in a word and in a sentence."""
+    if paths.rows.period is None:
+        return "end of path", "the path was followed to its end"
+    if paths.steady_from is None:
+        return "end of path", f"no steady cycle among the first {len(paths.rows.cycles)}"
+    return "steady", f"cycle {paths.steady_from + 1} ends in the state it started from"
+
+
+def _notes_of(paths: _Paths) -> Iterator[str]:
+    """What a reader must not miss."""
+    question = paths.question
+    scene = question.scene
+    assert question.effects is not None  # for the type checker
+    yield from neglected_coupling(scene.material)
+    load = _reference_load(scene, paths.rows.normal_load[paths.last_cycle])
+    half_width = float(paths.bodies.contact.half_width(load))
+    yield from notes_of_effects(question.effects, half_width, scene)
+    if question.wants("dissipation") and paths.rows.period is not None and not paths.is_steady:
+        yield (
+            "the last cycle is not steady: no closed integral of Q dU to compare the dissipation"
+            " with"
+        )
+
+
+def _certificates(
+    bodies: _Series, grids: Mapping[str, NDArray[Any]], numbers: Indices
+) -> dict[str, Array]:
+    """|M(a) - Q| over f max P, and the largest |q| - f p over f max p where both are known."""
+    followed = bodies.followed
+    friction = followed.friction
+    largest = max(friction * float(np.max(followed.normal_load)), np.finfo(float).tiny)
+    force = followed.pieces.force[followed.curve[numbers]]
+    edge_parabola = followed.table.parabola(followed.edge[numbers])
+    carried = force + followed.tangential_curvature[numbers] * edge_parabola
+    is_pressed = followed.normal_load[numbers] > 0
+    balance = np.where(is_pressed, np.abs(carried - followed.tangential_load[numbers]), 0.0)
+    checks = {"tangential_balance": balance / largest}
+    pressure = grids["pressure"]
+    shear = grids["shear"]
+    if np.any(np.isfinite(pressure)) and np.any(np.isfinite(shear)):
+        with np.errstate(invalid="ignore"):
+            excess = np.abs(shear) - friction * pressure
+        limit = friction * float(np.max(pressure, where=np.isfinite(pressure), initial=0.0))
+        excess_of_instant = np.fmax.reduce(excess, axis=1, initial=0.0)
+        checks["cone"] = excess_of_instant / max(limit, np.finfo(float).tiny)
+    return checks

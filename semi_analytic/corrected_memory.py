@@ -1,0 +1,639 @@
+"""Memory curve of two half-planes to which finite bodies add curvature that follows the loads.
+
+The bodies add kn x^2/2 to the gap and kt x^2/2 to the tangential displacement of the faces, with
+kn = N P + N_Q Q and kt = T Q + T_P P. A parabola is a superposition of flat punches too: its share
+up to half-width c is G(c) = (pi E*/4) c^2 per unit of curvature, eta(c) = P(c) that of the profile.
+
+Derivation. With A = 2/E* a punch of half-width c under the force m displaces x > c by (A/pi) m
+arccosh(x/c) less than its middle.
+
+- Normal contact: P = eta(a) + kn G(a). Of this load eta(c) + kn G(c) is carried within c.
+- Stick: the slip of a point stands still. Punches m(c) = kt dG/dc displace x by kt x^2/2, so that
+  F(c) = M(c) - kt G(c) does not change while c sticks; M(c) is the force carried within c.
+- Slip of sense s from c to a: |q| = f p there, M(c) = Q - s f [P - eta(c) - kn G(c)], hence
+  F(c) = B_s(c) = (Q - s f P) + s f eta(c) + (s f kn - kt) G(c).
+- At c = a both B meet at Q - kt G(a): the value of F where the contact grows in stick.
+
+So F(c) is clipped by two bounds that follow the loads, each c for itself. On a straight step P, Q,
+kn and kt are linear, the bounds move one way each, and one clip at the end of the step is exact.
+With kn = kt = 0 this is `memory`, where F = M.
+
+Work. W = (A/pi) int f [P - eta(c) - kn G(c)] |dB_s(c)| dc/c over what slips, all terms positive. It
+equals the closed integral of Q dU + P d(approach), since the compliances are reciprocal.
+
+Exact are P(a), the pressure, and any history in which the slip zone reaches the edge of contact.
+Two things are not: growth in stick is a chord between two instants of the path, and where a stroke
+of slip ends smoothly, points next to the edge may come to rest before points further in. For a
+moment the slip zone is a ring, in which q = f p is met by its resultant only: |q| - f p is of
+second order in kn and kt there. Tilt and strain of the bodies are not in here.
+
+# notation: c half-width of a punch, a that of the contact, f friction coefficient, s = +1 forward,
+#           -1 reverse slip, P - eta - kn G load carried beyond c
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from semi_analytic.profiles import SymmetricContact
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+# Cells of the table between two corners: cubics leave 1e-12 of a load at 512, 4e-9 at 64.
+_CELLS, _FEWEST_CELLS = 512, 64
+_MOST_CELLS = 4096
+_BISECTIONS = 60
+_STEPS_OF_NEWTON = 60
+# Share of f P below which a difference of forces is round-off.
+_ROUNDING = 1e-13
+# Share of the largest half-width that stands for 0 in a logarithm.
+_LEAST = 1e-9
+_GAUSS = np.polynomial.legendre.leggauss(3)
+
+
+# ---------------------------------------------------------------------------------- flat punches
+class PunchLoads(NamedTuple):
+    """eta and G of one punch, and their rates per s."""
+
+    load: float
+    parabola: float
+    load_rate: float
+    parabola_rate: float
+
+
+class PunchTable:
+    """Loads and integrals of the flat punches up to half-width c, along a coordinate s of c.
+
+    Between two corners b of the profile c = b + (b' - b) sigma^2, which takes the roots of P(a)
+    behind a corner away; s counts the corners and adds sigma.
+
+    Attributes
+    ----------
+    last
+        the largest s
+    parabola_stiffness
+        pi E*/4: G(c) over c^2 [stress]
+    """
+
+    def __init__(self, contact: SymmetricContact, modulus: float, largest: float) -> None:
+        corners = [contact.least, *contact.breaks]
+        inside = sorted({corner for corner in corners if 0 < corner < largest})
+        self._ends = np.array([0.0, *inside, largest])
+        self._begins: list[float] = self._ends[:-1].tolist()
+        self._lengths: list[float] = np.diff(self._ends).tolist()
+        intervals = len(self._lengths)
+        self._cells = max(min(_CELLS, _MOST_CELLS // intervals), _FEWEST_CELLS)
+        self.last = float(intervals)
+        self.parabola_stiffness = math.pi * modulus / 4
+        sigma = np.linspace(0.0, 1.0, self._cells + 1)
+        begin = self._ends[:-1, None]
+        length = np.diff(self._ends)[:, None]
+        half = begin + length * sigma**2
+        half_rate = 2 * length * sigma
+        load = contact.load(half)
+        load_rate = contact.stiffness(half) * half_rate
+        is_flat = half < contact.least * (1 - 1e-14)
+        load = np.where(is_flat, 0.0, load)
+        load_rate = np.where(is_flat | (half_rate == 0), 0.0, load_rate)
+        self._load = self._cubics(load[:, :-1], load[:, 1:], load_rate[:, :-1], load_rate[:, 1:])
+        self._loads_of_cells: list[list[float]] = self._load.tolist()
+        self._log_area = self._integral(with_parabola=False)
+        self._log_moment = self._integral(with_parabola=True)
+
+    def _cubics(self, low: Array, high: Array, low_rate: Array, high_rate: Array) -> Array:
+        """Coefficients (cells, 4) of cubics with these values and rates per sigma at the ends."""
+        step = 1 / self._cells
+        rise = high - low
+        first = low_rate * step
+        last = high_rate * step
+        columns = [low, first, 3 * rise - 2 * first - last, first + last - 2 * rise]
+        return np.stack([column.ravel() for column in columns], axis=1)
+
+    def _integral(self, *, with_parabola: bool) -> Array:
+        """Cubics of int eta dc/c from 0, or of int eta G dc/c."""
+        cells = len(self._load)
+        nodes, weights = _GAUSS
+        share = (nodes + 1) / 2
+        step = 1 / self._cells
+
+        def integrand(s: Array) -> Array:
+            number = np.minimum(s.astype(int), int(self.last) - 1)
+            length = np.diff(self._ends)[number]
+            half = self.half_width(s)
+            rate = 2 * length * (s - number)
+            value = self.load(s) * rate / np.where(half > 0, half, 1.0)
+            return value * self.parabola(s) if with_parabola else value
+
+        at = np.asarray((np.arange(cells)[:, None] + share) * step, dtype=float)
+        parts = integrand(at) @ weights * (step / 2)
+        total = np.concatenate([[0.0], np.cumsum(parts)])
+        begins = np.asarray(np.arange(cells) * step, dtype=float)
+        # The end of a cell belongs to it, not to the next corner's interval.
+        ends = begins + step * (1 - 1e-12)
+        return self._cubics(total[:-1], total[1:], integrand(begins), integrand(ends))
+
+    def _value(self, cubics: Array, s: ArrayLike) -> Array:
+        place = np.asarray(s, dtype=float) * self._cells
+        cell = np.minimum(place.astype(int), len(cubics) - 1)
+        share = place - cell
+        c0, c1, c2, c3 = np.moveaxis(cubics[cell], -1, 0)
+        return np.asarray(c0 + share * (c1 + share * (c2 + share * c3)))
+
+    def half_width(self, s: ArrayLike) -> Array:
+        """c [length]."""
+        place = np.asarray(s, dtype=float)
+        number = np.minimum(place.astype(int), int(self.last) - 1)
+        length = np.diff(self._ends)[number]
+        return np.asarray(self._ends[number] + length * (place - number) ** 2)
+
+    def load(self, s: ArrayLike) -> Array:
+        """eta(c): load of the profile's punches up to c [force per thickness]."""
+        return self._value(self._load, s)
+
+    def parabola(self, s: ArrayLike) -> Array:
+        """G(c) = (pi E*/4) c^2: load of a parabola's punches up to c per curvature."""
+        return self.parabola_stiffness * np.square(self.half_width(s))
+
+    def loads_at(self, s: float) -> PunchLoads:
+        """eta and G of one punch, and their rates per s."""
+        place = s * self._cells
+        cell = min(int(place), len(self._loads_of_cells) - 1)
+        share = place - cell
+        c0, c1, c2, c3 = self._loads_of_cells[cell]
+        number = min(int(s), len(self._lengths) - 1)
+        length = self._lengths[number]
+        half = self._begins[number] + length * (s - number) ** 2
+        half_rate = 2 * length * (s - number)
+        return PunchLoads(
+            load=c0 + share * (c1 + share * (c2 + share * c3)),
+            parabola=self.parabola_stiffness * half * half,
+            load_rate=(c1 + share * (2 * c2 + 3 * share * c3)) * self._cells,
+            parabola_rate=2 * self.parabola_stiffness * half * half_rate,
+        )
+
+    def log_area(self, s: ArrayLike) -> Array:
+        """int eta dc/c from 0 to c."""
+        return self._value(self._log_area, s)
+
+    def log_moment(self, s: ArrayLike) -> Array:
+        """int eta G dc/c from 0 to c."""
+        return self._value(self._log_moment, s)
+
+    def logarithm(self, s: ArrayLike) -> Array:
+        """ln c; of the least punch that counts for c = 0."""
+        return np.log(np.maximum(self.half_width(s), _LEAST * self._ends[-1]))
+
+    def contact(self, normal_load: Array, curvature: Array) -> Array:
+        """s of the edge of contact, P = eta(a) + kn G(a), (n,) for loads and curvatures (n,)."""
+        low = np.zeros(len(normal_load))
+        high = np.full(len(normal_load), self.last)
+        for _ in range(_BISECTIONS):
+            middle = (low + high) / 2
+            is_within = self.load(middle) + curvature * self.parabola(middle) <= normal_load
+            low = np.where(is_within, middle, low)
+            high = np.where(is_within, high, middle)
+        return (low + high) / 2
+
+
+# ------------------------------------------------------------------------------------- the memory
+class Curvatures(NamedTuple):
+    """What bodies add per load [1 / (stress length^2)]: N, N_Q, T, T_P."""
+
+    normal: float = 0.0
+    normal_under_shear: float = 0.0
+    tangential: float = 0.0
+    tangential_under_pressure: float = 0.0
+
+    def of_gap(self, normal_load: Array, tangential_load: Array) -> Array:
+        """kn = N P + N_Q Q [1 / length]."""
+        return self.normal * normal_load + self.normal_under_shear * tangential_load
+
+    def of_faces(self, normal_load: Array, tangential_load: Array) -> Array:
+        """kt = T Q + T_P P [1 / length]."""
+        return self.tangential * tangential_load + self.tangential_under_pressure * normal_load
+
+
+@dataclass
+class _Pieces:
+    """Pieces of all memory curves of a path, each above its parent.
+
+    From the top of its parent to its own, F rises by `slope` d eta + `parabola_slope` dG. Piece 0
+    is the empty curve.
+    """
+
+    parent: list[int] = field(default_factory=lambda: [0])
+    top: list[float] = field(default_factory=lambda: [0.0])
+    load: list[float] = field(default_factory=lambda: [0.0])
+    parabola: list[float] = field(default_factory=lambda: [0.0])
+    force: list[float] = field(default_factory=lambda: [0.0])
+    slope: list[float] = field(default_factory=lambda: [0.0])
+    parabola_slope: list[float] = field(default_factory=lambda: [0.0])
+
+    def add(
+        self,
+        parent: int,
+        top: float,
+        loads: tuple[float, float],
+        slopes: tuple[float, float],
+    ) -> int:
+        """Number of a new piece whose top is at `top` with eta and G = `loads`."""
+        slope, parabola_slope = slopes
+        load, parabola = loads
+        rise = slope * (load - self.load[parent])
+        rise += parabola_slope * (parabola - self.parabola[parent])
+        self.parent.append(parent)
+        self.top.append(top)
+        self.load.append(load)
+        self.parabola.append(parabola)
+        self.force.append(self.force[parent] + rise)
+        self.slope.append(slope)
+        self.parabola_slope.append(parabola_slope)
+        return len(self.top) - 1
+
+    def slopes(self, piece: int) -> tuple[float, float]:
+        """dF per d eta and per dG."""
+        return self.slope[piece], self.parabola_slope[piece]
+
+
+class _Bound(NamedTuple):
+    """B_s: F of slip in one direction, `direction` times which F may not be below."""
+
+    direction: int
+    constant: float
+    slope: float
+    parabola_slope: float
+
+    def excess(self, pieces: _Pieces, piece: int) -> float:
+        """How far F at the top of a piece is beyond the bound; it slips where this is positive."""
+        at_top = self.constant + self.slope * pieces.load[piece]
+        at_top += self.parabola_slope * pieces.parabola[piece]
+        return self.direction * (at_top - pieces.force[piece])
+
+
+@dataclass(frozen=True, eq=False)
+class Followed:
+    """A path that was followed with the curvatures of the bodies.
+
+    Attributes
+    ----------
+    table
+        the flat punches
+    friction
+        f
+    normal_load, tangential_load, normal_curvature, tangential_curvature
+        (n,) P, Q, kn, kt at the rows of the path
+    edge, front
+        (n,) s of the edges of contact and of stick; the same where nothing slips
+    direction
+        (n,) sense of slip in the step that ends at the row, 0 in full stick
+    ring, ring_direction
+        (n, 2) s of the ends of a slip zone further in, where a stroke goes on while the edge rests
+        or slips the other way; (n,) its sense, 0 where there is none
+    curve
+        (n,) uppermost piece of the memory curve
+    pieces
+        all pieces
+    """
+
+    table: PunchTable
+    friction: float
+    normal_load: Array
+    tangential_load: Array
+    normal_curvature: Array
+    tangential_curvature: Array
+    edge: Array
+    front: Array
+    direction: Indices
+    ring: Array
+    ring_direction: Indices
+    curve: Indices
+    pieces: PieceTable
+
+    @property
+    def innermost(self) -> Array:
+        """s of the innermost punch that slips, (n,); the edge of contact where none does."""
+        return np.where(self.ring_direction != 0, self.ring[:, 0], self.front)
+
+    @property
+    def sense(self) -> Indices:
+        """Sense of slip at the edge, (n,); of the ring where the edge rests."""
+        return np.where(self.direction != 0, self.direction, self.ring_direction)
+
+    @cached_property
+    def step_work(self) -> Array:
+        """pi/A times the friction work of the step that ends at each row, (n,)."""
+        outer = self._work_of_zone(self.direction, self.front, self.edge)
+        inner = self._work_of_zone(self.ring_direction, self.ring[:, 0], self.ring[:, 1])
+        return outer + inner
+
+    def _work_of_zone(self, sense: Indices, begin: Array, end: Array) -> Array:
+        """The same of slip of a sense (n,) from `begin` to `end` (n,) at the end of each step."""
+        # notation: B_s changes by growth + parabola_growth G over the step
+        f = self.friction
+        before = np.maximum(np.arange(len(sense)) - 1, 0)
+        load = self.normal_load
+        force = self.tangential_load
+        gap_bend = self.normal_curvature
+        face_bend = self.tangential_curvature
+        growth = sense * (force - force[before]) - f * (load - load[before])
+        parabola_growth = f * (gap_bend - gap_bend[before]) - sense * (
+            face_bend - face_bend[before]
+        )
+        # Of the zone of the same sense at the begin of the step, what is inside the edge of today.
+        main = self.direction[before] == sense
+        inner = self.ring_direction[before] == sense
+        begin_before = np.where(main, self.front[before], self.ring[before, 0])
+        end_before = np.where(main, self.edge[before], self.ring[before, 1])
+        is_ring = sense != self.direction
+        end_before = np.where(is_ring, np.minimum(end_before, end), end_before)
+        begin_before = np.where(main | inner, np.minimum(begin_before, end_before), end_before)
+        at_end = self._log_integral(begin, end, np.arange(len(sense)))
+        at_begin = self._log_integral(begin_before, end_before, before)
+        mean, parabola_mean = (at_end + at_begin) / 2
+        work = f * (growth * mean + parabola_growth * parabola_mean)
+        return np.where(sense == 0, 0.0, work)
+
+    def _log_integral(self, front: Array, edge: Array, row: Indices) -> Array:
+        """int (P - eta - kn G) dc/c and the same times G, from `front` to `edge`: (2, n)."""
+        table = self.table
+        load = self.normal_load[row]
+        curvature = self.normal_curvature[row]
+
+        def rise(of: Array, to: Array) -> Array:
+            return to - of
+
+        logarithm = rise(table.logarithm(front), table.logarithm(edge))
+        parabola = rise(table.parabola(front), table.parabola(edge))
+        square = rise(table.parabola(front) ** 2, table.parabola(edge) ** 2)
+        area = rise(table.log_area(front), table.log_area(edge))
+        moment = rise(table.log_moment(front), table.log_moment(edge))
+        plain = load * logarithm - area - curvature * parabola / 2
+        with_parabola = load * parabola / 2 - moment - curvature * square / 4
+        return np.stack([plain, with_parabola])
+
+    def frozen_force(self, row: int, s: Array) -> Array:
+        """F at punches s (k,) at a row; beyond the edge that at the edge."""
+        chain = self.pieces.chain(int(self.curve[row]))
+        tops = self.pieces.top[chain]
+        number = np.clip(np.searchsorted(tops, s), 1, max(len(chain) - 1, 1))
+        if len(chain) == 1:
+            return np.zeros(len(s))
+        inside = np.minimum(s, tops[-1])
+        below = chain[number - 1]
+        piece = chain[number]
+        load_rise = self.table.load(inside) - self.pieces.load[below]
+        parabola_rise = self.table.parabola(inside) - self.pieces.parabola[below]
+        rise = self.pieces.slope[piece] * load_rise
+        rise = rise + self.pieces.parabola_slope[piece] * parabola_rise
+        return np.asarray(self.pieces.force[below] + rise)
+
+
+class PieceTable(NamedTuple):
+    """The pieces as arrays (k,): parent, top s, eta, G and F there, slopes of F."""
+
+    parent: Indices
+    top: Array
+    load: Array
+    parabola: Array
+    force: Array
+    slope: Array
+    parabola_slope: Array
+
+    def chain(self, piece: int) -> Indices:
+        """The pieces of a curve from the empty one to the uppermost."""
+        numbers = [piece]
+        while numbers[-1]:
+            numbers.append(int(self.parent[numbers[-1]]))
+        return np.array(numbers[::-1])
+
+    def sums(self, values: Array, parabola_values: Array) -> Array:
+        """Sum over each curve of slope times the rise of `values` + parabola slope times that of
+        `parabola_values`: (k, ...) as both, which are primitives at the tops.
+        """
+        shape = (-1,) + (1,) * (values.ndim - 1)
+        parent = self.parent
+        total = self.slope.reshape(shape) * (values - values[parent])
+        total = total + self.parabola_slope.reshape(shape) * (
+            parabola_values - parabola_values[parent]
+        )
+        total[0] = 0.0
+        for piece, below in enumerate(parent.tolist()):
+            if below:
+                total[piece] += total[below]
+        return np.asarray(total)
+
+
+def follow(
+    table: PunchTable,
+    friction: float,
+    normal_load: Array,
+    tangential_load: Array,
+    curvatures: Curvatures,
+) -> Followed:
+    """The memory curve along straight steps between the rows (n,) of a path from rest, P = Q = 0.
+
+    >>> import numpy as np
+    >>> from semi_analytic.hertz import HertzContact
+    >>> contact = HertzContact(modulus=4 / np.pi, radius=1.0, datum_length=1.0)  # a^2 = P
+    >>> table = PunchTable(contact, contact.modulus, largest=1.2)
+    >>> rows = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 0.3], [1.0, -0.3], [1.0, 0.3]])
+    >>> followed = follow(table, 0.5, *rows.T, Curvatures())
+    >>> table.half_width(followed.front[-2:]).round(9).tolist()  # c = a sqrt(1 - Q/(f P))
+    [0.632455532, 0.632455532]
+    """
+    pieces = _Pieces()
+    normal_curvature = curvatures.of_gap(normal_load, tangential_load)
+    tangential_curvature = curvatures.of_faces(normal_load, tangential_load)
+    edge = table.contact(normal_load, normal_curvature)
+    edge_load = table.load(edge)
+    edge_parabola = table.parabola(edge)
+    largest = float(np.max(normal_load))
+    round_off = _ROUNDING * friction * largest
+    front = edge.copy()
+    direction = np.zeros(len(edge), dtype=np.int64)
+    ring = np.zeros((len(edge), 2))
+    ring_direction = np.zeros(len(edge), dtype=np.int64)
+    curve = np.zeros(len(edge), dtype=np.int64)
+    columns = np.stack(
+        [
+            normal_load,
+            tangential_load,
+            normal_curvature,
+            tangential_curvature,
+            edge,
+            edge_load,
+            edge_parabola,
+        ]
+    )
+    top = 0
+    sense_before = 0
+    rows = columns.T.tolist()
+    for row, (load, force, gap_bend, face_bend, place, eta, parabola) in enumerate(rows):
+        if load <= _ROUNDING * largest:
+            top = 0
+            sense_before = 0
+            continue
+        loads = (eta, parabola)
+        force_at_edge = force - face_bend * parabola
+        if place > pieces.top[top]:
+            top = _grow(pieces, top, place, loads, force_at_edge)
+        else:
+            top = _cut(pieces, top, place, loads)
+        bounds = [
+            _Bound(
+                s, force - s * friction * load, s * friction, s * friction * gap_bend - face_bend
+            )
+            for s in (1, -1)
+        ]
+        bound = _slipping(pieces, top, bounds, round_off)
+        sense = 0
+        if bound is not None:
+            sense = bound.direction
+            top = _front(table, pieces, top, bound, round_off)
+            front[row] = pieces.top[top]
+            direction[row] = sense
+        if sense_before and sense != sense_before:
+            # Further in the stroke before may go on.
+            inner_bound = bounds[0] if sense_before > 0 else bounds[1]
+            top, *ends = _ring(table, pieces, top, inner_bound, round_off)
+            ring[row] = ends
+            if ends[1] > ends[0]:
+                ring_direction[row] = sense_before
+        if bound is not None:
+            top = pieces.add(top, place, loads, (bound.slope, bound.parabola_slope))
+        sense_before = int(ring_direction[row]) or sense
+        curve[row] = top
+    of_pieces = PieceTable(
+        np.array(pieces.parent),
+        np.array(pieces.top),
+        np.array(pieces.load),
+        np.array(pieces.parabola),
+        np.array(pieces.force),
+        np.array(pieces.slope),
+        np.array(pieces.parabola_slope),
+    )
+    return Followed(
+        table=table,
+        friction=friction,
+        normal_load=normal_load,
+        tangential_load=tangential_load,
+        normal_curvature=normal_curvature,
+        tangential_curvature=tangential_curvature,
+        edge=edge,
+        front=front,
+        direction=direction,
+        ring=ring,
+        ring_direction=ring_direction,
+        curve=curve,
+        pieces=of_pieces,
+    )
+
+
+def _grow(
+    pieces: _Pieces, top: int, place: float, loads: tuple[float, float], force_at_edge: float
+) -> int:
+    """The curve after growth in stick up to `place`, a chord."""
+    load_rise = loads[0] - pieces.load[top]
+    rise = force_at_edge - pieces.force[top]
+    if load_rise > 0:
+        return pieces.add(top, place, loads, (rise / load_rise, 0.0))
+    # The face is still flat: nothing but the curvature of the bodies has punches here.
+    parabola_rise = loads[1] - pieces.parabola[top]
+    return pieces.add(top, place, loads, (0.0, rise / parabola_rise))
+
+
+def _cut(pieces: _Pieces, top: int, place: float, loads: tuple[float, float]) -> int:
+    """The curve up to `place`."""
+    while top and pieces.top[pieces.parent[top]] >= place:
+        top = pieces.parent[top]
+    if pieces.top[top] <= place:
+        return top
+    return pieces.add(pieces.parent[top], place, loads, pieces.slopes(top))
+
+
+def _slipping(
+    pieces: _Pieces, top: int, bounds: Sequence[_Bound], round_off: float
+) -> _Bound | None:
+    """The bound that the outermost part of the curve is beyond; None in full stick."""
+    for place in (top, pieces.parent[top]):
+        for bound in bounds:
+            if bound.excess(pieces, place) > round_off:
+                return bound
+    return None
+
+
+def _front(table: PunchTable, pieces: _Pieces, top: int, bound: _Bound, round_off: float) -> int:
+    """The curve below the line of slip, which begins at the top of `top`."""
+    piece = top
+    while piece and bound.excess(pieces, pieces.parent[piece]) > round_off:
+        piece = pieces.parent[piece]
+    below = pieces.parent[piece]
+    if bound.excess(pieces, below) >= 0:
+        return below
+    if bound.excess(pieces, piece) <= 0:
+        return piece
+    place, punch = _crossing(table, pieces, piece, bound, round_off)
+    return pieces.add(below, place, (punch.load, punch.parabola), pieces.slopes(piece))
+
+
+def _ring(
+    table: PunchTable, pieces: _Pieces, top: int, bound: _Bound, round_off: float
+) -> tuple[int, float, float]:
+    """The curve with a line of slip inside it, where a stroke goes on while the edge rests; s of
+    its two ends, the same where there is none.
+    """
+    piece = top
+    above = []
+    while piece and bound.excess(pieces, pieces.parent[piece]) <= round_off:
+        above.append(piece)
+        piece = pieces.parent[piece]
+    if not piece or bound.excess(pieces, piece) > 0:
+        return top, pieces.top[top], pieces.top[top]
+    outer, outer_punch = _crossing(table, pieces, piece, bound, round_off)
+    below = _front(table, pieces, pieces.parent[piece], bound, round_off)
+    slopes = (bound.slope, bound.parabola_slope)
+    curve = pieces.add(below, outer, (outer_punch.load, outer_punch.parabola), slopes)
+    for kept in (piece, *reversed(above)):
+        loads = (pieces.load[kept], pieces.parabola[kept])
+        curve = pieces.add(curve, pieces.top[kept], loads, pieces.slopes(kept))
+    return curve, pieces.top[below], outer
+
+
+def _crossing(
+    table: PunchTable, pieces: _Pieces, piece: int, bound: _Bound, round_off: float
+) -> tuple[float, PunchLoads]:
+    """The punch of a piece at which F is that of a bound, beyond which it is at one end only."""
+    below = pieces.parent[piece]
+    low = pieces.top[below]
+    high = pieces.top[piece]
+    excess_below = bound.excess(pieces, below)
+    excess_above = bound.excess(pieces, piece)
+    rising = 1.0 if excess_above > excess_below else -1.0
+    slope = bound.direction * (bound.slope - pieces.slope[piece])
+    parabola_slope = bound.direction * (bound.parabola_slope - pieces.parabola_slope[piece])
+    place = low + (high - low) * excess_below / (excess_below - excess_above)
+    punch = table.loads_at(place)
+    # Newton's rule, in the middle between two punches where it would leave them.
+    for _ in range(_STEPS_OF_NEWTON):
+        excess = excess_below + slope * (punch.load - pieces.load[below])
+        excess += parabola_slope * (punch.parabola - pieces.parabola[below])
+        if abs(excess) <= round_off:
+            break
+        if excess * rising > 0:
+            high = place
+        else:
+            low = place
+        rate = slope * punch.load_rate + parabola_slope * punch.parabola_rate
+        place = place - excess / rate if rate * rising > 0 else low
+        if not low < place < high:
+            place = (low + high) / 2
+        punch = table.loads_at(place)
+    return place, punch
