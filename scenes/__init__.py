@@ -26,7 +26,8 @@ Its files and the answer::
     text_tables.py  text tables of any program to columns of numbers: separators, headings, the line
                     of a fault
     unit_words.py   words for units, their sizes, whether they are one set
-    files.py        files up to a stated size, whole or not at all: text, keys, NetCDF, source files
+    files.py        files up to a stated size, whole or not at all: text, keys, source files
+    netcdf.py       NetCDF files of named arrays with their units, by h5netcdf
     errors.py       what can go wrong, as sentences
     arrays.py       arrays of real numbers from Python callers; the largest number that is admitted
     solution.py     the form of every answer

@@ -1,11 +1,10 @@
 """Files: read only up to a stated size, written whole or not at all. Text, tables of keys (TOML,
-JSON), NetCDF, source files.
+JSON), source files.
 """
 
 from __future__ import annotations
 
 import hashlib
-import io
 import json
 import os
 import re
@@ -13,22 +12,15 @@ import stat
 import sys
 import tempfile
 import tomllib
-import traceback
 from collections.abc import Generator, Iterator, Mapping
 from contextlib import contextmanager
 from functools import cache
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
-import numpy as np
-
-from scenes.errors import InputError, first_line, in_words, shown
-
-if TYPE_CHECKING:
-    import xarray as xr
-
+from scenes.errors import InputError, in_words, shown
 
 # None where the system has no such thing; the sizes that files state are checked all the same.
 resource = import_module("resource") if find_spec("resource") else None
@@ -239,117 +231,7 @@ def within_memory(path: Path, most: int) -> Generator[None, None, None]:
         resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
 
 
-# What the libraries raise on files that are broken off, spoilt or something else.
-_FAULTS = (
-    OSError,
-    ValueError,
-    KeyError,
-    TypeError,
-    AttributeError,
-    IndexError,
-    RuntimeError,
-    OverflowError,
-)
 WHAT = "the solution"
-
-
-def netcdf_of(data: xr.Dataset) -> memoryview:
-    """The bytes of a NetCDF file.
-
-    HDF5 writes to memory: a disk that is full under it leaves it in a state that ends the process
-    once the file is closed.
-    """
-    import h5netcdf
-    from xarray.backends import H5NetCDFStore
-
-    content = io.BytesIO()
-    with h5netcdf.File(content, "w") as file:
-        data.dump_to_store(H5NetCDFStore(file))
-    return content.getbuffer()
-
-
-def _require_format(path: Path, attributes: Mapping[str, Any], newest: str) -> None:
-    """InputError where a stored solution is of another format than `newest`; what states no format
-    and no engine is not judged.
-
-    Asked before the variables are looked for: those of another format may have other names.
-    """
-    kind, _, known = newest.rpartition(" ")
-    if "format" not in attributes:
-        if "engine" in attributes:
-            raise InputError(
-                f"{path}: this solution was written by version 0.1, which is read no more; load and"
-                " save it with halfplane 0.3, or solve the scene again"
-            )
-        return
-    stated = str(attributes["format"])
-    stated_kind, _, number = stated.rpartition(" ")
-    if stated_kind == kind and number.isdecimal() and int(number) > int(known):
-        raise InputError(
-            f"{path}: format is '{stated}', of a later version, and this one reads '{newest}';"
-            " update halfplane, or solve the scene again"
-        )
-
-
-def stored_dataset(path: Path, form: Mapping[str, tuple[str, ...]], newest: str) -> xr.Dataset:
-    """The dataset in a NetCDF file, in memory, with every variable of `form` (name -> dimensions)
-    there and made of numbers.
-
-    Raises
-    ------
-    InputError
-        One sentence: it can't be read, is larger than the limit once unpacked, of another form, or
-        of a later format than `newest`.
-    """
-    import xarray as xr
-
-    # h5netcdf prints a traceback of its own when a file goes that it could not open; the refusal
-    # says all there is to say.
-    before = sys.unraisablehook
-    sys.unraisablehook = lambda _fault: None
-    try:
-        check_size(path, WHAT, SOLUTION)
-        # Nothing of it is unpacked yet; dimensions that an HDF5 file does not name are numbered,
-        # and refused by their names.
-        with (
-            within_memory(path, 2 * SOLUTION),
-            xr.open_dataset(path, engine="h5netcdf", phony_dims="access") as data,
-        ):
-            unpacked = sum(
-                int(np.prod(each.shape, dtype=object)) * each.dtype.itemsize
-                for each in data.variables.values()
-            )
-            if unpacked > SOLUTION:
-                most = in_words(SOLUTION)
-                raise InputError(
-                    f"{path}: {WHAT} takes {in_words(unpacked)} once unpacked, and at most {most}"
-                    " are read"
-                )
-            _require_format(path, data.attrs, newest)
-            for name, dimensions in form.items():
-                if name not in data.variables:
-                    raise InputError(f"{path}: {WHAT} can't be read: {name} is missing")
-                variable = data.variables[name]
-                if variable.dims != dimensions or variable.dtype.kind not in "fiu":
-                    raise InputError(
-                        f"{path}: {WHAT} can't be read: {name} should be numbers over"
-                        f" {' and '.join(dimensions)}, and is {variable.dtype} over"
-                        f" {' and '.join(map(str, variable.dims)) or 'nothing'}"
-                    )
-            for key, stored in data.variables.items():
-                if stored.dtype.kind == "c":
-                    raise InputError(
-                        f"{path}: {WHAT} can't be read: {key} holds complex numbers, and should"
-                        " hold real ones"
-                    )
-            return data.load()
-    except InputError:
-        raise
-    except _FAULTS as reason:
-        traceback.clear_frames(reason.__traceback__)
-        raise InputError(f"{path}: {WHAT} can't be read: {first_line(reason)}") from reason
-    finally:
-        sys.unraisablehook = before
 
 
 def write_keys(path: Path, keys: Mapping[str, Any]) -> None:

@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from scenes.errors import InputError, first_line
-from scenes.files import netcdf_of, replace_file, stored_dataset
+from scenes.files import replace_file
+from scenes.netcdf import StoredArray, StoredArrays, netcdf_of, read_netcdf
 from scenes.notebook_forms import forms_for, registered_forms
 from scenes.scene import Scene
 
@@ -289,79 +290,93 @@ class ContactSolution:
         """
         import xarray as xr
 
+        content = self._stored()
+        return xr.Dataset(
+            {name: tuple(array) for name, array in content.arrays.items()},
+            attrs=dict(content.attributes),
+        ).set_coords(_SIDE)
+
+    @classmethod
+    def from_dataset(cls, data: xr.Dataset) -> ContactSolution:
+        """The solution that `to_dataset` wrote."""
+        arrays = {
+            str(name): StoredArray(tuple(map(str, array.dims)), array.values)
+            for name, array in data.variables.items()
+        }
+        return cls._from_stored(StoredArrays(arrays, data.attrs))
+
+    def _stored(self) -> StoredArrays:
+        """Arrays with their axes, units and words; numbers; scene, record and work as JSON."""
         force, length, stress = self.scene.unit_words
         units = {
             "length": length,
             "stress": stress,
             "load": f"{force}/{length}",
             "force": force,
+            "energy": f"{force}·{length}/{length}",
             "": "1",
         }
-        units["energy"] = f"{force}·{length}/{length}"
-        arrays = {
-            name: getattr(self.record if name == "iterations" else self, name) for name in _ARRAYS
-        }
-        variables = {
-            name: (
-                one.metadata["over"],
-                arrays[name],
-                {"long_name": one.metadata["words"], "units": units[one.metadata["unit"]]},
-            )
-            for name, one in _ARRAYS.items()
-            if arrays[name] is not None
-        }
+        arrays = {_SIDE: StoredArray((_SIDE,), np.array(["left", "right"]))}
+        for name, form in _ARRAYS.items():
+            values = getattr(self.record if name == "iterations" else self, name)
+            if values is None:
+                continue
+            attributes = {
+                "long_name": form.metadata["words"],
+                "units": units[form.metadata["unit"]],
+            }
+            if name == "time" and self.scene.load.kind == "ellipse":
+                attributes["units"] = "rad"
+            arrays[name] = StoredArray(form.metadata["over"], values, attributes)
+        for name, values in self.record.certificates.items():
+            arrays[_CERTIFICATE + name] = StoredArray(("time",), values)
+        for name, values in self.record.energy.items():
+            arrays[_ENERGY + name] = StoredArray(("time",), values)
         record = {
-            name: getattr(self.record, name)
-            for name in ("converged", "termination", "message", "notes")
+            "converged": self.record.converged,
+            "termination": self.record.termination,
+            "message": self.record.message,
+            "notes": self.record.notes,
+            "errors": dict(self.record.errors),
         }
-        kinds = {"certificate": self.record.certificates, "energy": self.record.energy}
-        each = {
-            f"{kind}_{name}": values
-            for kind, these in kinds.items()
-            for name, values in these.items()
+        work = {
+            "counts": dict(self.work.counts),
+            "skipped": dict(self.work.skipped),
+            "seconds": dict(self.work.seconds),
         }
-        texts = {
+        attributes = {"engine": self.engine}
+        attributes |= {name: getattr(self, name) for name in _NUMBERS}
+        attributes |= {
+            "format": FORMAT,
+            "steady_from": -1 if self.steady_from is None else self.steady_from,
             "scene": self.scene.model_dump_json(),
-            "record": json.dumps(record | {"errors": dict(self.record.errors)}),
-            "work": json.dumps(
-                {name: dict(getattr(self.work, name)) for name in ("counts", "skipped", "seconds")}
-            ),
+            "record": json.dumps(record),
+            "work": json.dumps(work),
             "settings": json.dumps(dict(self.settings)),
             "versions": json.dumps(dict(self.versions)),
         }
-        data = xr.Dataset(
-            variables | {name: ("time", values) for name, values in each.items()},
-            coords={"side": ["left", "right"]},
-            attrs={name: getattr(self, name) for name in ("engine", *_NUMBERS)}
-            | {
-                "format": FORMAT,
-                "steady_from": -1 if self.steady_from is None else self.steady_from,
-            }
-            | texts,
-        )
-        if self.scene.load.kind == "ellipse":
-            data["time"].attrs["units"] = "rad"
-        return data
+        return StoredArrays(arrays, attributes)
 
     @classmethod
-    def from_dataset(cls, data: xr.Dataset) -> ContactSolution:
-        """The solution that `to_dataset` wrote."""
-        stored = data.attrs
+    def _from_stored(cls, content: StoredArrays) -> ContactSolution:
+        """The solution that `_stored` gave."""
+        stored = content.attributes
         work = json.loads(stored["work"])
         record = json.loads(stored["record"])
+        arrays = {name: array.values for name, array in content.arrays.items()}
 
         def starting_with(prefix: str) -> dict[str, Array]:
             return {
-                str(k).removeprefix(prefix): freeze(v.values)
-                for k, v in data.items()
-                if str(k).startswith(prefix)
+                name.removeprefix(prefix): freeze(values)
+                for name, values in arrays.items()
+                if name.startswith(prefix)
             }
 
         present = [
-            name for name in _ARRAYS if name != "iterations" and (name in _FORM or name in data)
+            name for name in _ARRAYS if name != "iterations" and (name in _FORM or name in arrays)
         ]
         values: dict[str, Any] = {
-            name: freeze(data[name].values, data[name].dtype) for name in present
+            name: freeze(arrays[name], arrays[name].dtype) for name in present
         }
         for name in _NUMBERS:  # the uncertainty is not in files of earlier versions
             values[name] = float(
@@ -372,9 +387,9 @@ class ContactSolution:
             scene=Scene.model_validate_json(stored["scene"]),
             steady_from=None if stored["steady_from"] < 0 else int(stored["steady_from"]),
             record=Record(
-                iterations=freeze(data["iterations"].values, np.int64),
-                certificates=starting_with("certificate_"),
-                energy=starting_with("energy_"),
+                iterations=freeze(arrays["iterations"], np.int64),
+                certificates=starting_with(_CERTIFICATE),
+                energy=starting_with(_ENERGY),
                 **(record | {"notes": tuple(record["notes"])}),
             ),
             work=Work(
@@ -389,16 +404,16 @@ class ContactSolution:
 
     def save(self, path: str | Path) -> None:
         """Write NetCDF, whole or not at all; OSError where that can't be."""
-        replace_file(path, netcdf_of(self.to_dataset()))
+        replace_file(path, netcdf_of(self._stored()))
 
     @classmethod
     def load(cls, path: str | Path) -> ContactSolution:
         """Read what `save` wrote; InputError for a file that can't be read, is too large or of
         another form.
         """
-        data = stored_dataset(Path(path), _FORM, FORMAT)
+        content = read_netcdf(Path(path), _FORM, FORMAT)
         try:
-            return cls.from_dataset(data)
+            return cls._from_stored(content)
         except (
             ArithmeticError,
             AttributeError,
@@ -511,6 +526,10 @@ FORMAT = "halfplane solution 2"
 _ARRAYS = {
     one.name: one for one in (*fields(ContactSolution), *fields(Record)) if "words" in one.metadata
 }
+# Coordinate of the columns of what has two sides; beginnings of names of what the record holds.
+_SIDE = "side"
+_CERTIFICATE = "certificate_"
+_ENERGY = "energy_"
 # All but those of scenes with bulk stress, tilt or an unsymmetric profile.
 _FORM = {name: one.metadata["over"] for name, one in _ARRAYS.items() if one.default is MISSING}
 _NUMBERS = ("dissipation", "loop_work", "dissipation_uncertainty", "permanent_stick_half_width")

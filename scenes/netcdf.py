@@ -1,0 +1,198 @@
+"""NetCDF files of named arrays with their units, by h5netcdf: xarray reads them, and is not needed
+to write or to read them.
+"""
+
+from __future__ import annotations
+
+import io
+import math
+import sys
+import traceback
+from collections.abc import Mapping
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes.errors import InputError, first_line, in_words
+from scenes.files import SOLUTION, WHAT, check_size, within_memory
+
+# What the library raises on files that are broken off, spoilt or something else.
+_FAULTS = (
+    OSError,
+    ValueError,
+    KeyError,
+    TypeError,
+    AttributeError,
+    IndexError,
+    RuntimeError,
+    OverflowError,
+)
+_NO_ATTRIBUTES: Mapping[str, str] = MappingProxyType({})
+
+
+class StoredArray(NamedTuple):
+    """An array as a file holds it.
+
+    Attributes
+    ----------
+    dimensions
+        a name for each axis
+    values
+        numbers, or words
+    attributes
+        such as "units" and "long_name"
+    """
+
+    dimensions: tuple[str, ...]
+    values: NDArray[Any]
+    attributes: Mapping[str, str] = _NO_ATTRIBUTES
+
+
+class StoredArrays(NamedTuple):
+    """What one file holds: arrays by name, and words and numbers of the whole."""
+
+    arrays: Mapping[str, StoredArray]
+    attributes: Mapping[str, Any]
+
+
+def netcdf_of(content: StoredArrays) -> memoryview:
+    """The bytes of a NetCDF file.
+
+    HDF5 writes to memory: a disk that is full under it leaves it in a state that ends the process
+    once the file is closed.
+    """
+    import h5netcdf
+    import h5py
+
+    target = io.BytesIO()
+    with h5netcdf.File(target, "w") as file:
+        for name, stored in content.arrays.items():
+            values = np.asarray(stored.values)
+            for dimension, size in zip(stored.dimensions, values.shape, strict=True):
+                if dimension not in file.dimensions:
+                    file.dimensions[dimension] = size
+            is_words = values.dtype.kind == "U"
+            # Rows without a value are NaN, as xarray writes them; axes have none.
+            is_axis = stored.dimensions == (name,)
+            missing = np.nan if values.dtype.kind == "f" and not is_axis else None
+            variable = file.create_variable(
+                name,
+                stored.dimensions,
+                h5py.string_dtype() if is_words else values.dtype,
+                data=values.astype(object) if is_words else values,
+                fillvalue=missing,
+            )
+            for key, words in stored.attributes.items():
+                variable.attrs[key] = words
+        for key, value in content.attributes.items():
+            file.attrs[key] = value
+    return target.getbuffer()
+
+
+def read_netcdf(path: Path, form: Mapping[str, tuple[str, ...]], newest: str) -> StoredArrays:
+    """What a NetCDF file holds, in memory, with every array of `form` (name -> dimensions) there
+    and made of numbers.
+
+    Raises
+    ------
+    InputError
+        One sentence: it can't be read, is larger than the limit once unpacked, of another form, or
+        of a later format than `newest`.
+    """
+    import h5netcdf
+
+    # h5netcdf prints a traceback of its own when a file goes that it could not open; the refusal
+    # says all there is to say.
+    before = sys.unraisablehook
+    sys.unraisablehook = lambda _fault: None
+    try:
+        check_size(path, WHAT, SOLUTION)
+        # Dimensions that an HDF5 file does not name are numbered, and refused by their names.
+        with (
+            within_memory(path, 2 * SOLUTION),
+            h5netcdf.File(path, "r", phony_dims="access") as file,
+        ):
+            _require_room(path, file)
+            attributes = {str(key): _plain(file.attrs[key]) for key in file.attrs}
+            _require_format(path, attributes, newest)
+            _require_form(path, file, form)
+            return StoredArrays(
+                {str(name): _unpacked(variable) for name, variable in file.variables.items()},
+                attributes,
+            )
+    except InputError:
+        raise
+    except _FAULTS as reason:
+        traceback.clear_frames(reason.__traceback__)
+        raise InputError(f"{path}: {WHAT} can't be read: {first_line(reason)}") from reason
+    finally:
+        sys.unraisablehook = before
+
+
+def _require_room(path: Path, file: Any) -> None:
+    """InputError where the arrays take more than the limit once unpacked; none is unpacked yet."""
+    unpacked = sum(
+        math.prod(map(int, variable.shape)) * variable.dtype.itemsize
+        for variable in file.variables.values()
+    )
+    if unpacked > SOLUTION:
+        raise InputError(
+            f"{path}: {WHAT} takes {in_words(unpacked)} once unpacked, and at most"
+            f" {in_words(SOLUTION)} are read"
+        )
+
+
+def _require_format(path: Path, attributes: Mapping[str, Any], newest: str) -> None:
+    """InputError where a stored solution is of another format than `newest`; what states no format
+    and no engine is not judged.
+
+    Asked before the arrays are looked for: those of another format may have other names.
+    """
+    kind, _, known = newest.rpartition(" ")
+    if "format" not in attributes:
+        if "engine" in attributes:
+            raise InputError(
+                f"{path}: this solution was written by version 0.1, which is read no more; load and"
+                " save it with halfplane 0.3, or solve the scene again"
+            )
+        return
+    stated = str(attributes["format"])
+    stated_kind, _, number = stated.rpartition(" ")
+    if stated_kind == kind and number.isdecimal() and int(number) > int(known):
+        raise InputError(
+            f"{path}: format is '{stated}', of a later version, and this one reads '{newest}';"
+            " update halfplane, or solve the scene again"
+        )
+
+
+def _require_form(path: Path, file: Any, form: Mapping[str, tuple[str, ...]]) -> None:
+    """InputError where an array is missing, has other axes, or holds no real numbers."""
+    for name, dimensions in form.items():
+        if name not in file.variables:
+            raise InputError(f"{path}: {WHAT} can't be read: {name} is missing")
+        variable = file.variables[name]
+        if variable.dimensions != dimensions or variable.dtype.kind not in "fiu":
+            raise InputError(
+                f"{path}: {WHAT} can't be read: {name} should be numbers over"
+                f" {' and '.join(dimensions)}, and is {variable.dtype} over"
+                f" {' and '.join(map(str, variable.dimensions)) or 'nothing'}"
+            )
+    for name, variable in file.variables.items():
+        if variable.dtype.kind == "c":
+            raise InputError(
+                f"{path}: {WHAT} can't be read: {name} holds complex numbers, and should hold real"
+                " ones"
+            )
+
+
+def _unpacked(variable: Any) -> StoredArray:
+    attributes = {str(key): _plain(variable.attrs[key]) for key in variable.attrs}
+    return StoredArray(tuple(variable.dimensions), np.asarray(variable[...]), attributes)
+
+
+def _plain(value: Any) -> Any:
+    """A number or a word in the place of an array of one."""
+    return value.item() if isinstance(value, np.ndarray | np.generic) and value.size == 1 else value
