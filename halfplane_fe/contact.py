@@ -13,8 +13,8 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
-from scipy.optimize import brentq
 
 from halfplane_fe.arrays import Array, Mask, States
 from halfplane_fe.interface import Interface
@@ -491,7 +491,11 @@ class ContactProblem:
             low = latest_tilt - width
             high = latest_tilt + width
             if excess_moment(low) >= 0 >= excess_moment(high):
-                return float(brentq(excess_moment, low, high, xtol=1e-15 * width, rtol=8.9e-16))
+                return float(
+                    scipy.optimize.brentq(
+                        excess_moment, low, high, xtol=1e-15 * width, rtol=8.9e-16
+                    )
+                )
         raise ConvergenceError(
             f"contact: no tilt has the moment {moment:.6g} (scaled): its line of action misses"
             " the faces"

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from halfplane_fe.arrays import Array
 from scenes import (
@@ -128,7 +128,7 @@ def turns(leg: LoadSegment, normal: float, tangential: float) -> set[float]:
     rates[np.abs(rates) < rounding] = 0.0
     changes_sign = np.flatnonzero(rates[:-1] * rates[1:] < 0)
     instants = {
-        float(brentq(lambda t: float(rate(t)), times[k], times[k + 1], xtol=1e-14))
+        float(scipy.optimize.brentq(lambda t: float(rate(t)), times[k], times[k + 1], xtol=1e-14))
         for k in changes_sign
     }
     starts_or_ends_to_rest = (rates[1:-1] == 0) & ((rates[:-2] != 0) | (rates[2:] != 0))

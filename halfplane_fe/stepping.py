@@ -17,7 +17,7 @@ from functools import cache
 from typing import Literal, NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from halfplane_fe.arrays import Array, Mask, States
 from halfplane_fe.contact import ROUNDING, ContactProblem, InterfaceState, nodal
@@ -419,7 +419,7 @@ def _zero(
         value = function(time)
     if not at_low * function(high) < 0:
         return high
-    return float(brentq(function, low, high, xtol=1e-15, rtol=8.9e-16))
+    return float(scipy.optimize.brentq(function, low, high, xtol=1e-15, rtol=8.9e-16))
 
 
 def _first_crossing(before: Array, after: Array, nodes: Mask) -> tuple[float, int]:

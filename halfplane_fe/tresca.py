@@ -10,8 +10,8 @@ from collections.abc import Callable
 from typing import TypeVar
 
 import numpy as np
+import scipy
 from scipy.linalg import solve
-from scipy.optimize import brentq
 
 from halfplane_fe.arrays import Array, Mask, States
 from halfplane_fe.systems import SingularSet, Systems
@@ -132,7 +132,9 @@ def shear_at_known_pressure(
 
     # xtol below the round-off of U; rtol is the least that brentq takes.
     tolerance = 1e-13 * max(largest_shift, 1e-300)
-    shift = brentq(excess_load, -largest_shift, largest_shift, xtol=tolerance, rtol=8.9e-16)
+    shift = scipy.optimize.brentq(
+        excess_load, -largest_shift, largest_shift, xtol=tolerance, rtol=8.9e-16
+    )
     return shear_at(float(shift)), float(shift), states
 
 

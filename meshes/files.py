@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
-import meshio
 import numpy as np
 from numpy.typing import NDArray
 
@@ -35,6 +34,8 @@ def write_vtu(
     """
     kind = {2: "line", 3: "triangle", 6: "triangle6", 4: "quad", 9: "quad9"}[cells.shape[1]]
     data = {name: _three_components(values) for name, values in point_data.items()}
+    import meshio  # noqa: PLC0415 - and with it a command line of its own, where files are written
+
     meshio.write_points_cells(path, _three_components(points), [(kind, cells)], point_data=data)
 
 
