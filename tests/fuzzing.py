@@ -105,8 +105,10 @@ def spoilt(seed: bytes, chance: random.Random) -> bytes:
 
 
 def _accident(kind: str, seed: bytes, chance: random.Random) -> bytes:
-    at, size = chance.randrange(len(seed) + 1), chance.choice((1, 1, 8, 100))
-    head, tail = seed[:at], seed[at:]
+    place = chance.randrange(len(seed) + 1)
+    size = chance.choice((1, 1, 8, 100))
+    head = seed[:place]
+    tail = seed[place:]
     match kind:
         case "cut":
             return head
@@ -120,15 +122,16 @@ def _accident(kind: str, seed: bytes, chance: random.Random) -> bytes:
             return head + chance.randbytes(size) + tail[size:]
         case "lines":
             lines = seed.split(b"\n")
-            one, other = chance.randrange(len(lines)), chance.randrange(len(lines))
-            lines[one], lines[other] = lines[other], lines[one]
+            first = chance.randrange(len(lines))
+            second = chance.randrange(len(lines))
+            lines[first], lines[second] = lines[second], lines[first]
             return b"\n".join(lines)
-    found = list(NUMBERS.finditer(seed))
-    if not found:
+    numbers = list(NUMBERS.finditer(seed))
+    if not numbers:
         return seed
-    one = chance.choice(found)
-    other = chance.choice(found)[0] if chance.random() < 0.3 else chance.choice(TOKENS)
-    return seed[: one.start()] + other + seed[one.end() :]
+    number = chance.choice(numbers)
+    successor = chance.choice(numbers)[0] if chance.random() < 0.3 else chance.choice(TOKENS)
+    return seed[: number.start()] + successor + seed[number.end() :]
 
 
 # -------------------------------------------------------------------------------------------- doors
@@ -274,18 +277,26 @@ STUDY = {
     "axes": [AXIS],
 }
 POINTS = [{"number": 0, "address": ADDRESS, "coordinates": {"f": 0.5}}]
+
+
 # Field output of Abaqus: four nodes, two of them in contact, at two frames.
-REPORT = "\n".join(
-    f"{'*' * 80}\nField Output Report, written Tue Feb  3 2026\n\n   Step: Step-1\n   Frame:"
-    f" Increment {k}: Step Time = {k}.5\n\nField Output reported at nodes for part: BLOCK-1\n\n"
-    + "".join(f"{head:>16}" for head in ("Node", "COORD.COORD1", "CPRESS", "CSHEAR1"))
-    + f"\n           Label{'@Loc 1':>16}{'@Loc 1':>16}{'@Loc 1':>16}\n{'-' * 64}\n"
-    + "".join(
-        f"{n:>16}{n / 4:>16}{(n in (1, 2)) * 9.5e01:>16}{k * (n == 1) * 1.5:>16}\n"
-        for n in range(4)
+def report_frame(frame: int) -> str:
+    """One frame of the report."""
+    head = "".join(f"{name:>16}" for name in ("Node", "COORD.COORD1", "CPRESS", "CSHEAR1"))
+    rows = ""
+    for node in range(4):
+        pressure = 95.0 if node in (1, 2) else 0.0
+        shear = 1.5 * frame if node == 1 else 0.0
+        rows += f"{node:>16}{node / 4:>16}{pressure:>16}{shear:>16}\n"
+    return (
+        f"{'*' * 80}\nField Output Report, written Tue Feb  3 2026\n\n   Step: Step-1\n   Frame:"
+        f" Increment {frame}: Step Time = {frame}.5\n\nField Output reported at nodes for part:"
+        f" BLOCK-1\n\n{head}\n           Label{'@Loc 1':>16}{'@Loc 1':>16}{'@Loc 1':>16}\n"
+        f"{'-' * 64}\n{rows}"
     )
-    for k in (1, 2)
-)
+
+
+REPORT = report_frame(1) + "\n" + report_frame(2)
 # Those that are the same every time.
 PLAIN = {
     "series.csv": [
@@ -362,11 +373,10 @@ def good_files(name: str, folder: Path) -> list[bytes]:
                 "unlike-beta-fifth",
                 "compound-curvature",
             )
-            return [scene_text(one).encode() for one in names]
+            return [scene_text(scene).encode() for scene in names]
         case "scene.json":
-            return [
-                load_scene(one).model_dump_json().encode() for one in ("hertz-paper", "time-series")
-            ]
+            scenes = map(load_scene, ("hertz-paper", "time-series"))
+            return [scene.model_dump_json().encode() for scene in scenes]
         case "result.csv":
             return [written(rows(exact(steps=9, points=15)), folder / "seed.csv").read_bytes()]
         case "result.vtu":
@@ -389,7 +399,7 @@ def good_files(name: str, folder: Path) -> list[bytes]:
                 ).encode()
             ]
         case "stored.json":
-            result = {
+            answer = {
                 "address": ADDRESS,
                 "status": "done",
                 "figures": {"exact.dissipation": 1.0},
@@ -398,8 +408,8 @@ def good_files(name: str, folder: Path) -> list[bytes]:
             }
             stored = {
                 "format": "halfplane sweep 1",
-                "sha256": checksum(canonical(result)),
-                "result": result,
+                "sha256": checksum(canonical(answer)),
+                "result": answer,
             }
             return [json.dumps(stored).encode()]
         case "baseline.json":

@@ -4,7 +4,6 @@ or leaves its place.
 
 from __future__ import annotations
 
-import ast
 import itertools
 import json
 import os
@@ -26,11 +25,12 @@ import h5py
 import numpy as np
 import pytest
 
-from command_line import ROOT, forked, raising, refused, sentence
+from command_line import forked, raising, refused, sentence
 from fuzzing import APART, DOORS, TOKENS, Door, attempt, outcome, spoilt
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings, SurfaceGrading, half_disc
 from meshes.bodies import body_nodes, check_count, contact_nodes
+from refusals import refused_for, require_facts
 from reports.console import say, show_table
 from reports.folder import claim, default_folder, filled, replace_text
 from reports.scoring import field_files
@@ -56,7 +56,8 @@ def few_calls(most: int) -> Iterator[None]:
 
 
 # Spoilt files for each door: in every test run, and under --slow.
-QUICK, THOROUGH = 40, 2000
+QUICK = 40
+THOROUGH = 2000
 
 
 # ------------------------------------------------------------------------------------------- spoilt
@@ -68,7 +69,8 @@ def test_good_files_are_read_and_spoilt_ones_read_or_refused(
     name: str, first: int, last: int, tmp_path: Path
 ) -> None:
     """So are files that hold nothing but one or two of the signs that break parsers."""
-    door, home = DOORS[name], tmp_path / name
+    door = DOORS[name]
+    home = tmp_path / name
     home.mkdir()
     seeds = door.seeds(home)
     for seed in seeds:
@@ -123,9 +125,8 @@ def huge(path: Path, size: int) -> None:
 )
 def test_a_file_beyond_the_limit_is_refused(name: str, tmp_path: Path) -> None:
     huge(tmp_path / name, 3 * 10**9 if name.endswith(".nc") else 10**9)
-    said = outcome(DOORS[name], tmp_path / name)
-    assert name in said
-    assert f"at most {LIMITS[Path(name).suffix]} are read" in said
+    refusal = outcome(DOORS[name], tmp_path / name)
+    require_facts(refusal, name, f"at most {LIMITS[Path(name).suffix]}")
 
 
 @pytest.mark.parametrize("case", ["rows.csv", "dots.toml", "an answer.nc"])
@@ -136,14 +137,17 @@ def test_what_is_too_large_is_refused_by_a_process_with_little_memory(
     match case:
         case "rows.csv":
             huge(tmp_path / case, 10**9)
-            words, said = score, "at most 268 MB are read"
+            words = score
+            fact = "268 MB"
         case "dots.toml":  # the parser took 2 GB for 45 kB of them
             (tmp_path / case).write_text("a." * 22_500 + "a = 1\n", encoding="utf-8")
-            words, said = ("check", case), "Tables nested deeper than 8"
+            words = ("check", case)
+            fact = "deeper than 8"
         case _:
             bomb(tmp_path / case, (2**20, 2**20))
-            words, said = score, "takes 8.8e+03 GB once unpacked, and at most 2.15 GB are read"
-    assert said in sentence(forked(tmp_path, *words, memory=ROOM))
+            words = score
+            fact = "8.8e+03 GB"
+    require_facts(sentence(forked(tmp_path, *words, memory=ROOM)), case, fact)
 
 
 def bomb(path: Path, shape: tuple[int, int]) -> None:
@@ -183,11 +187,11 @@ def test_toml_is_bounded_before_it_is_parsed(name: str, text: str, tmp_path: Pat
     (tmp_path / name).write_text(text, encoding="utf-8")
     tracemalloc.start()
     try:
-        said = outcome(DOORS[name], tmp_path / name)
+        refusal = outcome(DOORS[name], tmp_path / name)
         peak = tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()
-    assert "not valid TOML: Tables nested deeper than 8 (at line" in said
+    require_facts(refusal, name, "deeper than 8", "at line")
     assert peak < 2e7
 
 
@@ -231,52 +235,52 @@ HOSTILE = {
     "keys": (
         "scene.toml",
         "".join(f"k{n} = 1\n" for n in range(10_001)),
-        "More than 10,000 keys (at line 10001, column 8)",
+        ["10,000 keys", "line 10001, column 8"],
     ),
     "tables": (
         "scene.toml",
         "".join(f"[k{n}]\n" for n in range(10_001)),
-        "More than 10,000 keys (at line 10001, column 1)",
+        ["10,000 keys", "line 10001, column 1"],
     ),
     "a hexadecimal number, of which no JSON could be written": (
         "scene.toml",
         "a = 1\ncycles = 0x" + "f" * 5000,
-        "A key or a number of 250 characters or more (at line 2, column 10)",
+        ["250 characters", "line 2, column 10"],
     ),
-    "rows": ("series.csv", "time,P,Q\n" + "1,2,3\n" * 100_001, "more than 100,000 rows"),
+    "rows": ("series.csv", "time,P,Q\n" + "1,2,3\n" * 100_001, ["100,000 rows"]),
     "a line of a table": (
         "series.csv",
         "1," * 10**6,
-        "line 1: more than 100,000 characters are no row",
+        ["line 1", "100,000 characters"],
     ),
     "a line of a result": (
         "result.csv",
         "x,pressure,shear\n" + "1," * 10**7,
-        "line 2: more than 10,000,000 characters",
+        ["line 2", "10,000,000 characters"],
     ),
     "a field file that unpacks to gigabytes": (
         "result.vtu",
         vtu_of_zeros(144, 2**24),
-        "unpacked it takes more than 134 MB of memory, which is the limit",
+        ["134 MB"],
     ),
     # JSON has whole numbers without end, and Python reads them: it was an OverflowError where one
     # was used.
     "a whole number": (
         "baseline.json",
         ENORMOUS.format("1", 400 * "0"),
-        "it holds a whole number of 401 digits",
+        ["401 digits"],
     ),
     "a negative one": (
         "baseline.json",
         ENORMOUS.format("-1", 400 * "0"),
-        "it holds a whole number of 402 digits",
+        ["402 digits"],
     ),
 } | {
-    f"{what} as {name}": (name, what, words)
-    for what, names, words in (
-        (LAUGHS, ("result.vtu", "result.pvd"), "broken off or of another form"),
-        ("/dev/zero", ("scene.toml", "series.csv"), "no regular file but a pipe or a device"),
-        ("a pipe", ("scene.toml", "series.csv"), "no regular file but a pipe or a device"),
+    f"{what} as {name}": (name, what, facts)
+    for what, names, facts in (
+        (LAUGHS, ("result.vtu", "result.pvd"), ["of another form"]),
+        ("/dev/zero", ("scene.toml", "series.csv"), ["no regular file"]),
+        ("a pipe", ("scene.toml", "series.csv"), ["no regular file"]),
     )
     for name in names
 }
@@ -284,7 +288,7 @@ HOSTILE = {
 
 @pytest.mark.parametrize("case", HOSTILE.values(), ids=[case[:60] for case in HOSTILE])
 def test_what_has_no_end_is_refused_at_its_door(
-    case: tuple[str, str, str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    case: tuple[str, str, list[str]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Rows, and memory for what is unpacked, with a smaller limit than the users', for the time
     goes with them.
@@ -292,7 +296,7 @@ def test_what_has_no_end_is_refused_at_its_door(
     assert text_tables.MOST_ROWS == 2_000_000
     monkeypatch.setattr(text_tables, "MOST_ROWS", 100_000)
     monkeypatch.setattr(field_files, "UNPACKED", 2**27)
-    name, content, words = case
+    name, content, facts = case
     match content:
         case "a pipe":
             os.mkfifo(tmp_path / name)
@@ -300,29 +304,22 @@ def test_what_has_no_end_is_refused_at_its_door(
             (tmp_path / name).symlink_to(content)
         case _:
             (tmp_path / name).write_text(content, encoding="utf-8")
-    assert words in outcome(DOORS[name], tmp_path / name)
+    require_facts(outcome(DOORS[name], tmp_path / name), name, *facts)
 
 
 # ------------------------------------------------------------------------------------------- meshes
 def test_absurd_meshes_and_settings_are_refused_and_the_finest_of_the_project_are_not(
     tmp_path: Path,
 ) -> None:
-    for options, said in (
-        (
-            "--element-size 1e-4 --edge-element-size 1e-4",
-            "nodes on its contact, and the limit is 8,000",
-        ),
-        (
-            "--edge-element-size 5e-4 --growth 0.02 --far-radius 1000",
-            "nodes, and the limit is 500,000",
-        ),
+    for options, facts in (
+        ("--element-size 1e-4 --edge-element-size 1e-4", ["nodes", "8,000"]),
+        ("--edge-element-size 5e-4 --growth 0.02 --far-radius 1000", ["nodes", "500,000"]),
     ):
-        assert said in refused(tmp_path, "fe", "hertz-paper", "--quiet", *options.split())
-    with pytest.raises(
-        InputError, match=r"element_size = 1e-09 is refused: it lies in \[0.0001, 0.25\]"
-    ):
+        refusal = refused(tmp_path, "fe", "hertz-paper", "--quiet", *options.split())
+        require_facts(refusal, *facts)
+    with refused_for("element_size = 1e-09", "[0.0001, 0.25]"):
         MeshSettings(element_size=1e-9)
-    with pytest.raises(InputError, match=r"it lies in \[4, 100000\]"):
+    with refused_for("[4, 100000]"):
         SolverSettings(steps_per_cycle=10**9)
     for mesh in (
         MeshSettings.fine(),
@@ -452,86 +449,6 @@ def test_an_address_in_a_plan_is_no_path(tmp_path: Path) -> None:
     assert victim.exists()
 
 
-# ------------------------------------------------------------------ sources that run what they read
-# Modules that make objects, and so run code, out of bytes.
-MODULES = {
-    "pickle",
-    "_pickle",
-    "cPickle",
-    "marshal",
-    "shelve",
-    "dill",
-    "cloudpickle",
-    "joblib",
-    "yaml",
-    "jsonpickle",
-}
-CALLS = {"eval", "exec", "compile", "__import__", "os.system"}
-METHODS = {"read_pickle", "to_pickle", "mktemp", "popen"}
-
-
-def dangers(tree: ast.AST) -> Iterator[str]:
-    for node in ast.walk(tree):
-        names = []
-        if isinstance(node, ast.Import):
-            names = [alias.name for alias in node.names]
-        elif isinstance(node, ast.ImportFrom):
-            names = [node.module or "", *(f"{node.module}.{alias.name}" for alias in node.names)]
-        yield from (f"import {name}" for name in names if set(name.split(".")) & MODULES)
-        if isinstance(node, ast.Call):
-            word = ast.unparse(node.func)
-            given = {one.arg: ast.unparse(one.value) for one in node.keywords}
-            method = isinstance(node.func, ast.Attribute) and node.func.attr in METHODS
-            loads = word in {"np.load", "numpy.load"} and given.get("allow_pickle") != "False"
-            if (
-                word in CALLS
-                or method
-                or loads
-                or "True" in (given.get("allow_pickle"), given.get("shell"))
-            ):
-                yield f"{word} with {given}"
-
-
-def test_no_source_file_can_run_what_it_reads() -> None:
-    files = [
-        path
-        for name in ("scenes", "semi_analytic", "meshes", "halfplane_fe", "reports")
-        for path in (ROOT / name).rglob("*.py")
-    ]
-    assert len(files) > 100
-    found = {
-        f"{path}: {danger}"
-        for path in files
-        for danger in dangers(ast.parse(path.read_text(encoding="utf-8")))
-    }
-    assert found == set()
-    planted = (
-        *(
-            "import pickle",
-            "from pickle import loads",
-            "import joblib.memory",
-            "from yaml import safe_load",
-            "exec(text)",
-        ),
-        *(
-            "np.load(path)",
-            "np.load(path, allow_pickle=True)",
-            "pd.read_pickle(path)",
-            "subprocess.run(text, shell=True)",
-        ),
-        *("tempfile.mktemp()", "os.system(text)"),
-    )
-    assert [line for line in planted if not list(dangers(ast.parse(line)))] == []
-    assert not list(
-        dangers(
-            ast.parse(
-                "np.load(f, allow_pickle=False); ast.parse(t, mode='eval'); json.loads(t);"
-                " re.compile(t)"
-            )
-        )
-    )
-
-
 # ------------------------------------------------------------------------------------------- rights
 @pytest.fixture
 def generous() -> Iterator[None]:
@@ -569,14 +486,14 @@ def test_a_file_that_is_being_written_is_private(
     writer: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Seen at the moment at which it gets its rights and its name."""
-    seen = []
+    modes = []
     for name in ("replace", "chmod"):
 
         def call(first: str, *rest: object, real: object = getattr(os, name)) -> None:
-            seen.append(rights(first))
+            modes.append(rights(first))
             real(first, *rest)
 
         monkeypatch.setattr(os, name, call)
     WRITERS[writer](tmp_path)
-    assert seen[0] == 0o600
+    assert modes[0] == 0o600
     assert len(list(tmp_path.iterdir())) == 1
