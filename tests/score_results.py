@@ -84,7 +84,8 @@ def bodies(deep: float = 0.0) -> tuple[np.ndarray, list[tuple[str, np.ndarray]]]
     """A block below y = 0 and a pad above, of quadrangles or, where deep, of one layer of bricks;
     nodes shuffled.
     """
-    x, planes = np.linspace(-HALF, HALF, 41), (0.0, deep) if deep else (0.0,)
+    x = np.linspace(-HALF, HALF, 41)
+    planes = (0.0, deep) if deep else (0.0,)
     points = np.array(
         [
             (place, y, z)
@@ -126,9 +127,11 @@ def mesh(deep: float = 0.0, **named: Any) -> meshio.Mesh:
     )
 
 
-def check(found: SurfaceResult, scale: float = 1.0) -> None:
-    np.testing.assert_allclose(found.x, np.linspace(-HALF, HALF, 41), atol=1e-12)
+def check(surface: SurfaceResult, scale: float = 1.0) -> None:
+    np.testing.assert_allclose(surface.x, np.linspace(-HALF, HALF, 41), atol=1e-12)
     np.testing.assert_allclose(
-        found.pressure[-1], scale * pressure_at(found.x), rtol=1e-12, atol=1e-9
+        surface.pressure[-1], scale * pressure_at(surface.x), rtol=1e-12, atol=1e-9
     )
-    np.testing.assert_allclose(found.shear[-1], scale * shear_at(found.x), rtol=1e-12, atol=1e-9)
+    np.testing.assert_allclose(
+        surface.shear[-1], scale * shear_at(surface.x), rtol=1e-12, atol=1e-9
+    )

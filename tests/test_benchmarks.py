@@ -60,7 +60,8 @@ def cases(tool: Tool) -> ModuleType:
 def test_every_scene_of_the_library_is_in_the_table_and_good(
     cases: ModuleType, regress: ModuleType
 ) -> None:
-    lines, names = list(cases.lines("regress")), set(regress.NAMES)
+    lines = list(cases.lines("regress"))
+    names = set(regress.NAMES)
 
     def scenes(quantity: str, at: str = "", *, known: bool) -> set[str]:
         return {
@@ -92,16 +93,19 @@ def test_every_scene_of_the_library_is_in_the_table_and_good(
 def hertz(name: str) -> Callable[[pytest.MonkeyPatch], None]:
     """A closed form of Hertz' contact by a hundredth."""
     right = getattr(HertzContact, name)
-    return lambda patch: patch.setattr(HertzContact, name, lambda *asked: 1.01 * right(*asked))
+    return lambda patch: patch.setattr(
+        HertzContact, name, lambda *arguments: 1.01 * right(*arguments)
+    )
 
 
 def a_later_edge(patch: pytest.MonkeyPatch) -> None:
     """P - P_c by a thousandth too large."""
     follow = load_series.follow
 
-    def wrong(*asked):
-        block = follow(*asked)
-        slipped, after = 1.001 * block.records.slipped, 1.001 * block.records.slipped_after
+    def wrong(*arguments):
+        block = follow(*arguments)
+        slipped = 1.001 * block.records.slipped
+        after = 1.001 * block.records.slipped_after
         return block._replace(records=block.records._replace(slipped=slipped, slipped_after=after))
 
     patch.setattr(load_series, "follow", wrong)
@@ -121,8 +125,8 @@ def a_field(patch: pytest.MonkeyPatch, name: str) -> None:
     """A field of the answer as a whole."""
     right = semi_analytic.solve
 
-    def wrong(*asked, **named):
-        answer = right(*asked, **named)
+    def wrong(*arguments, **keywords):
+        answer = right(*arguments, **keywords)
         values = getattr(answer, name)
         return (
             answer
@@ -198,13 +202,13 @@ def test_each_column_sees_its_own_fault_only(
     drifted = dataclasses.replace(line.baseline, value=line.baseline.value * (1 + 1e-10))
     (exact,) = line.references
     wrong = dataclasses.replace(exact, value="0.0020575001840")
-    for beside, error, drift in (
+    for planted, error, drift in (
         (line._replace(baseline=drifted), (0, 1e-13), (0.99e-10, 1.01e-10)),
         (line._replace(references=(wrong,)), (1e-11, 1), (0, 1e-11)),
     ):
-        assert not beside.good
-        assert error[0] <= beside.error <= error[1]
-        assert drift[0] <= beside.drift <= drift[1]
+        assert not planted.good
+        assert error[0] <= planted.error <= error[1]
+        assert drift[0] <= planted.drift <= drift[1]
     new = line._replace(baseline=None, references=())
     assert not new.good  # a scene that is new is not good until it is accepted
     assert (new.error, new.drift) == (None, None)
@@ -228,12 +232,13 @@ def test_a_baseline_moves_only_where_it_is_named(
     assert written == []
     assert cases.main([*command, "--accept", "full-stick:stroke"]) == 1
     (renewed,) = written
-    was, now = before.baseline("theory", "stroke"), renewed.baseline("theory", "stroke")
+    was = before.baseline("theory", "stroke")
+    now = renewed.baseline("theory", "stroke")
     assert table.agrees(was, now.value)
     assert now.commit == code_commit("*.py")
     assert renewed.baseline("theory", "largest_half_width").value == 3.0
-    shown = next(row for row in capsys.readouterr().out.splitlines() if " stroke " in row)
-    assert shown.split()[1:3] == ["stroke", "3.0"]
+    row_of_stroke = next(row for row in capsys.readouterr().out.splitlines() if " stroke " in row)
+    assert row_of_stroke.split()[1:3] == ["stroke", "3.0"]
     assert cases.main(["regress", "--accept", "no-such:stroke"]) == 2
 
 
@@ -246,11 +251,11 @@ def test_the_reference_of_a_time_series_sees_the_physics(regress: ModuleType) ->
     exact = regress.mp.mpf(known["dissipation"].value)
     assert abs(regress.truth(scene) / exact - 1) < 1e-15
     rows = [(t, p, q * (1 + 1e-9)) for t, p, q in scene.load.series().tolist()]
-    for beside in (
+    for change in (
         {"friction": scene.friction.coefficient * (1 + 1e-9)},
         {"load": TimeSeriesLoad(rows=rows)},
     ):
-        assert abs(regress.truth(scene.vary(**beside)) / exact - 1) > 1e-10
+        assert abs(regress.truth(scene.vary(**change)) / exact - 1) > 1e-10
 
 
 @pytest.mark.parametrize(
@@ -266,9 +271,9 @@ def test_references_evaluated_again_are_those_that_are_stored(
     """They have 30 digits and stay; a wrong one is replaced, and so is none that is no number."""
     for scene in (name, "full-stick"):
         known = regress.case_table.sheet(scene)
-        changed, apart, _ = regress.references(known)
+        changed, distance, _ = regress.references(known)
         assert changed == known
-        assert apart < 1e-12
+        assert distance < 1e-12
     known = regress.case_table.sheet(name)
     wrong = {
         case.key: dataclasses.replace(case, value=_with_first_entry(case.value, "1e-3"))
@@ -285,9 +290,9 @@ def test_references_evaluated_again_are_those_that_are_stored(
     )
     changed, _, _ = regress.references(planted)
     right = {case.key: case for case in known.references("theory") if case.key in wrong}
-    again = {case.key: case for case in changed.references("theory") if case.key in wrong}
+    evaluated = {case.key: case for case in changed.references("theory") if case.key in wrong}
     for key, case in right.items():
-        assert regress.case_table.difference(case, again[key].value).share < 1e-14
+        assert regress.case_table.difference(case, evaluated[key].value).share < 1e-14
     monkeypatch.setattr(regress, "field_truth", lambda *_: ["nan"] * 6)
     with pytest.raises(ArithmeticError, match="no number"):
         regress.references(known)
@@ -304,13 +309,14 @@ def test_the_table_of_ellipses_has_its_digits_by_two_routes(tool: Tool, row: dic
     """W in closed phases of slip, to 28 digits; W(x) by brute force. Of the extremes W takes 90
     digits and minutes.
     """
-    truth, half_plane = tool("regress_truth"), tool("half_plane")
+    truth = tool("regress_truth")
+    half_plane = tool("half_plane")
     with truth.mp.workdps(38):
         exact = truth.ellipse_dissipation(truth.Case(*(row[name] for name in truth.Case._fields)))
         assert abs(exact / truth.mp.mpf(row["dissipation"]) - 1) < 1e-28
     exact = list(map(float, row["density"]))
-    found = truth.density_truth(half_plane.scene_of(row), row["x"])
-    assert list(map(float, found)) == pytest.approx(exact, rel=0, abs=1e-14 * max(exact))
+    density = truth.density_truth(half_plane.scene_of(row), row["x"])
+    assert list(map(float, density)) == pytest.approx(exact, rel=0, abs=1e-14 * max(exact))
 
 
 @pytest.mark.slow
@@ -327,7 +333,8 @@ def test_the_harmonics_of_the_other_table_are_repeated_by_brute_force(
     load = HarmonicLoad(
         **means, normal_harmonics=case["normal"], tangential_harmonics=case["tangential"]
     )
-    scene, exact = make_scene(load, case["friction"]), list(map(float, case["density"]))
+    scene = make_scene(load, case["friction"])
+    exact = list(map(float, case["density"]))
     assert float(truth.truth(scene)) == pytest.approx(float(case["dissipation"]), rel=within, abs=0)
     assert list(map(float, truth.density_truth(scene, case["x"]))) == pytest.approx(
         exact, rel=0, abs=1e-12 * max(exact)
@@ -340,9 +347,11 @@ def blame(tool: Tool) -> ModuleType:
     return tool("covered")
 
 
-def found(blame: ModuleType, value: float, *terms: Term) -> Any:
-    one = Budget(dataclasses.replace(METRICS["dissipation"], value=value), terms, half_planes=True)
-    return blame.Found({"dissipation": value, blame.STEP: 0.0}, {"dissipation": one})
+def found_by(blame: ModuleType, value: float, *terms: Term) -> Any:
+    budget = Budget(
+        dataclasses.replace(METRICS["dissipation"], value=value), terms, half_planes=True
+    )
+    return blame.Found({"dissipation": value, blame.STEP: 0.0}, {"dissipation": budget})
 
 
 def mesh(value: float | None, uncertainty: float) -> Term:
@@ -367,7 +376,8 @@ BLAMED = [
 def test_blamed_is_what_is_large_and_steps_are_a_metric_by_themselves(
     blame: ModuleType, faulty: Any, blamed: str | None
 ) -> None:
-    bad, good = found(blame, *faulty), found(blame, *HEALTHY)
+    bad = found_by(blame, *faulty)
+    good = found_by(blame, *HEALTHY)
     assert list(blame.seen(bad, good)) == (["dissipation"] if blamed else [])
     assert blamed is None or bad.blamed("dissipation") == blamed
     long = blame.Found({blame.STEP: -1e-2}, {})
@@ -398,23 +408,25 @@ def test_the_page_of_numbers_is_what_was_measured_and_a_row_changed_by_hand_or_m
     tool: Tool,
 ) -> None:
     claims = tool("claims")
-    kept, page = json.loads(claims.STORE.read_text("utf-8")), claims.PAGE.read_text("utf-8")
-    assert body(page) == body(claims.page_of(kept))
+    stored = json.loads(claims.STORE.read_text("utf-8"))
+    page = claims.PAGE.read_text("utf-8")
+    assert body(page) == body(claims.page_of(stored))
     assert len(claims.TEN) == 10
     assert rows_of(page) <= claims.MOST_ROWS
-    assert set(kept) == set(claims.SECTIONS)
+    assert set(stored) == set(claims.SECTIONS)
     assert all(callable(claims.section(title)) for title in claims.SECTIONS)
-    assert all(f"| {title} | {len(kept[title]['rows'])} |" in page for title in claims.SECTIONS)
+    assert all(f"| {title} | {len(stored[title]['rows'])} |" in page for title in claims.SECTIONS)
 
-    _, title, what = claims.TEN[0]
-    next(row for row in kept[title]["rows"] if row["what"] == what)["measured"] = 1e-3
-    forged = claims.page_of(kept)
-    assert "\n".join(claims.ten_of(kept)) not in page
+    _, title, claim = claims.TEN[0]
+    next(row for row in stored[title]["rows"] if row["what"] == claim)["measured"] = 1e-3
+    forged = claims.page_of(stored)
+    assert "\n".join(claims.ten_of(stored)) not in page
     assert body(forged) != body(page)
-    assert f"| {title} | {what} | 0.001 | 1e-12 | **no** |" in forged
-    for section in kept.values():  # all missed: the page says how many it does not show
+    assert f"| {title} | {claim} | 0.001 | 1e-12 | **no** |" in forged
+    for section in stored.values():  # all missed: the page says how many it does not show
         section["rows"] = [row | {"measured": 2.0, "limit": 1.0} for row in section["rows"]]
-    forged, count = claims.page_of(kept), sum(len(section["rows"]) for section in kept.values())
+    forged = claims.page_of(stored)
+    count = sum(len(section["rows"]) for section in stored.values())
     assert rows_of(forged) == claims.MOST_ROWS
     assert (
         f"Missed, {count} in all, the first"
@@ -426,14 +438,12 @@ def test_words_choose_cases_and_a_word_that_fits_none_is_refused(
     tool: Tool, tmp_path: Path
 ) -> None:
     """Each case is stored when it is measured; the others stay."""
-    claims, cases = (
-        tool("claims"),
-        {
-            "Finite": lambda: 1,
-            "Finite, again": lambda: 2,
-            "Theory": lambda: 3,
-        },
-    )
+    claims = tool("claims")
+    cases = {
+        "Finite": lambda: 1,
+        "Finite, again": lambda: 2,
+        "Theory": lambda: 3,
+    }
     assert claims.measure(tmp_path / "one.json", cases, ["Finite*", "Theo"]) == {
         "Finite": 1,
         "Finite, again": 2,
@@ -454,11 +464,12 @@ def test_words_choose_cases_and_a_word_that_fits_none_is_refused(
 
 
 def test_the_pages_of_stress_and_calculix_have_their_cases(tool: Tool) -> None:
-    stress, third = tool("stress"), tool("third")
-    kept = json.loads(stress.STORE.read_text("utf-8"))
-    assert set(kept) == set(stress.cases())
+    stress = tool("stress")
+    third = tool("third")
+    outcomes = json.loads(stress.STORE.read_text("utf-8"))
+    assert set(outcomes) == set(stress.cases())
     assert stress.PAGE.read_text("utf-8") == stress.page(
-        {name: stress.Outcome(**one) for name, one in kept.items()}
+        {name: stress.Outcome(**row) for name, row in outcomes.items()}
     )
     stored = json.loads(third.STORED.read_text("utf-8"))
     assert set(stored) == set(third.CASES)
@@ -470,8 +481,10 @@ def test_the_pages_of_stress_and_calculix_have_their_cases(tool: Tool) -> None:
 
 # ----------------------------------------------- the page of performance: its judges are right
 def test_peers_are_judged_by_closed_forms_that_theory_meets(tool: Tool) -> None:
-    peers, models = tool("peers"), tool("finite_elements")
-    scene, x = models.cattaneo_mindlin((0.6,)), np.linspace(-1.2, 1.2, 241)
+    peers = tool("peers")
+    models = tool("finite_elements")
+    scene = models.cattaneo_mindlin((0.6,))
+    x = np.linspace(-1.2, 1.2, 241)
     theory = semi_analytic.solve(scene, x=x, time=[2.0], fields=("pressure", "shear"))
     pressure, shear = peers.closed_form(scene, x)
     # Measured 5e-14 and 4e-14 MPa of 58 and 18.
@@ -486,8 +499,9 @@ def test_peers_are_judged_by_closed_forms_that_theory_meets(tool: Tool) -> None:
 def test_lines_by_hand_are_counted_in_each_code_and_the_page_says_what_its_files_hold(
     tool: Tool,
 ) -> None:
-    found, performance = tool("peers").lines_by_hand(), tool("performance")
-    assert found.keys() == {
+    counts = tool("peers").lines_by_hand()
+    performance = tool("performance")
+    assert counts.keys() == {
         "tamaas",
         "contactmechanics",
         "getfem",
@@ -496,7 +510,7 @@ def test_lines_by_hand_are_counted_in_each_code_and_the_page_says_what_its_files
         "ours",
         "calculix",
     }
-    assert (found["tamaas"], found["contactmechanics"]) == (10, 7)
+    assert (counts["tamaas"], counts["contactmechanics"]) == (10, 7)
     assert performance.PAGE.read_text(encoding="utf-8") == performance.page_text()
 
 
@@ -511,16 +525,16 @@ def test_a_rival_is_no_worse_in_time_and_error_and_better_in_one(tool: Tool) -> 
         (0.1, 1.1, 0),
         (2.0, 0.1, 0),
     ):
-        other = {"text": "other", "seconds": seconds, "work": error, "shear": None, "loop": 1.2}
-        found = {"series": {"named settings": [default], "else": [other]}}
-        assert len(performance.better(found, default, ["work", "shear"])) == rivals
-        assert performance.better(found, default, ["work", "shear", "loop"]) == []
+        rival = {"text": "other", "seconds": seconds, "work": error, "shear": None, "loop": 1.2}
+        series = {"series": {"named settings": [default], "else": [rival]}}
+        assert len(performance.better(series, default, ["work", "shear"])) == rivals
+        assert performance.better(series, default, ["work", "shear", "loop"]) == []
     exact = {"text": "exact", "seconds": 1.0, "work": 2e-5, "shear": None, "loop": 2e-5}
-    found = {
+    series = {
         "series": {
             "named settings": [exact],
             "else": [exact | {"text": "by chance", "work": 1e-6, "loop": 1e-6}],
         }
     }
     # both are within the scatter of W
-    assert performance.better(found, exact, ["work", "loop"]) == []
+    assert performance.better(series, exact, ["work", "loop"]) == []

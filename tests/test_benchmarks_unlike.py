@@ -16,7 +16,9 @@ from scene_cases import scene_of
 from scenes import ContactSolution, Scene
 from semi_analytic import grid as dense_grid
 
-P, F, K = math.pi / 4, 0.5, 0.6  # E* = R = a = 1
+P = math.pi / 4
+F = 0.5
+K = 0.6  # E* = R = a = 1
 NAMES = {"unlike-beta-tenth": 0.1, "unlike-beta-fifth": 0.2}
 
 
@@ -28,9 +30,9 @@ def peak(count: int) -> float:
     """Largest pressure of Hertz' contact, relative error; elements that end where the contact does,
     which carry all of P.
     """
-    found = dense_grid.solve(parabola, (-1.25, 1.25), count, F, [P], [0.0])
-    assert found.step * np.sum(found.pressure) == pytest.approx(P, rel=1e-12)
-    return abs(found.pressure.max() / 0.5 - 1)
+    solution = dense_grid.solve(parabola, (-1.25, 1.25), count, F, [P], [0.0])
+    assert solution.step * np.sum(solution.pressure) == pytest.approx(P, rel=1e-12)
+    return abs(solution.pressure.max() / 0.5 - 1)
 
 
 def mindlin(count: int, steps: int | None = None, friction: float = F) -> float:
@@ -40,11 +42,11 @@ def mindlin(count: int, steps: int | None = None, friction: float = F) -> float:
     up = np.linspace(0, 1, (steps or count // 5) + 1)[1:]
     cycle = np.concatenate([1 - 2 * up, 2 * up - 1])
     shear = K * F * P * np.concatenate([[0.0], up, cycle, cycle])
-    found = dense_grid.solve(
+    solution = dense_grid.solve(
         parabola, (-1.25, 1.25), count, friction, np.full(len(shear), P), shear
     )
     exact = 4 * F**2 * P**2 / math.pi * ((1 - K) * math.log(1 - K) + K - K**2 / 2)
-    return found.cycle_work(len(cycle))[-1] / exact - 1
+    return solution.cycle_work(len(cycle))[-1] / exact - 1
 
 
 # Measured: 3e-5 and order 1.99; where a stick edge falls within an element makes single errors of W
@@ -72,12 +74,14 @@ def on_grid(name: str, beta: float, cells: int = 100, increments: int = 20) -> t
     """W of the second cycle and its largest pressure, of a polygon of loads; the first line in
     equal steps of the half-width.
     """
-    scene, part = scene_of(name), np.arange(1, increments + 1)[:, None] / increments
+    scene = scene_of(name)
+    part = np.arange(1, increments + 1)[:, None] / increments
     modulus = 1 / sum(
         (1 - m.poisson_ratio**2) / m.young_modulus
         for m in (scene.material.lower, scene.material.upper)
     )
-    initial, end = scene.load.initial_loading, scene.load.initial_loading[-1]
+    initial = scene.load.initial_loading
+    end = scene.load.initial_loading[-1]
     half = 1.15 * math.sqrt(
         4 * max(p for p, _ in initial) * scene.profile.radius / (math.pi * modulus)
     )
@@ -87,20 +91,26 @@ def on_grid(name: str, beta: float, cells: int = 100, increments: int = 20) -> t
 
     cycle = along(end, *scene.load.cycle, end)
     loads = np.concatenate([part**2 * np.array(initial[0]), *along(*initial), *cycle, *cycle]).T
-    extent, friction = (-half, half), scene.friction.coefficient
-    given = {"modulus": modulus, "dundurs": beta}
-    found = dense_grid.solve(
-        lambda x: parabola(x) / scene.profile.radius, extent, cells, friction, *loads, **given
+    extent = (-half, half)
+    friction = scene.friction.coefficient
+    reference_keys = {"modulus": modulus, "dundurs": beta}
+    solution = dense_grid.solve(
+        lambda x: parabola(x) / scene.profile.radius,
+        extent,
+        cells,
+        friction,
+        *loads,
+        **reference_keys,
     )
     count = increments * len(cycle)
-    return found.cycle_work(count)[-1], float(found.pressure[-count:].max())
+    return solution.cycle_work(count)[-1], float(solution.pressure[-count:].max())
 
 
 def expected(name: str, engine: str, quantity: str = "dissipation") -> float:
     return next(
-        one.value
-        for one in scene_of(name).expected
-        if (one.engine, one.quantity) == (engine, quantity)
+        number.value
+        for number in scene_of(name).expected
+        if (number.engine, number.quantity) == (engine, quantity)
     )
 
 
@@ -163,8 +173,9 @@ CLOSED = [
 def test_closed_solutions_of_unlike_bodies_are_met(
     beta: float, friction: float, exact: float, within: float
 ) -> None:
-    found = pressed(beta, friction)
-    stick, contact = np.ptp(found.stick_edges[-1]), np.ptp(found.contact_edges[-1])
+    solution = pressed(beta, friction)
+    stick = np.ptp(solution.stick_edges[-1])
+    contact = np.ptp(solution.contact_edges[-1])
     assert (stick / contact if friction < 1 else 48 / (math.pi * contact**2)) == pytest.approx(
         exact, abs=within
     )

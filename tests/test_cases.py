@@ -80,14 +80,14 @@ def test_digits_of_a_scene_file_are_all_there_and_the_engine_named_has_the_numbe
     ]
     assert sum(len(case.value) > 25 for case in works) >= 14
     assert all(isinstance(case.value, str) for case in works)
-    own = [
+    numbers = [
         case
         for name in scene_names()
         for case in case_table.expected(name)
         if not case.is_reference
     ]
-    assert {case.run for case in own} == {case_table.ELEMENTS}
-    assert all(case.source.startswith("our own") for case in own)
+    assert {case.run for case in numbers} == {case_table.ELEMENTS}
+    assert all(case.source.startswith("our own") for case in numbers)
 
 
 CASE = Case("scene", "theory", "shear", "grid", [[1.0, None, -2.0], [0.0, "E", 4]], 1e-3, 0.0, "")

@@ -53,12 +53,12 @@ def folders(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
         "nasty": evil(),
         "bodies": compare(semi_analytic.solve(real, x=fe.x, time=fe.time), fe),
     }
-    found = {}
+    places = {}
     for name, comparison in pages.items():
         out = tmp_path_factory.mktemp("page") / name
         write(comparison, out, command=f"halfplane run {EVIL}", seconds={EVIL: 1.5})
-        found[name] = out
-    return found
+        places[name] = out
+    return places
 
 
 @pytest.fixture(scope="module")
@@ -83,7 +83,9 @@ def visit(browser: Any, folders: dict[str, Path]) -> Iterator[Callable[..., Any]
     """Opens a page; at the end nothing may have been said on the console and nothing asked of any
     network.
     """
-    opened, heard, asked = [], [], []
+    opened = []
+    heard = []
+    requests = []
 
     def open_page(name: str | Path, **options: Any) -> Any:
         context = browser.new_context(**(DESKTOP | options))
@@ -91,7 +93,7 @@ def visit(browser: Any, folders: dict[str, Path]) -> Iterator[Callable[..., Any]
         page = context.new_page()
         page.on("console", lambda message: heard.append(message.text))
         page.on("pageerror", lambda error: heard.append(str(error)))
-        page.on("request", lambda request: asked.append(request.url))
+        page.on("request", lambda request: requests.append(request.url))
         page.goto(f"file://{name if isinstance(name, Path) else folders[name]}/report.html")
         opened.append(context)
         return page
@@ -100,9 +102,9 @@ def visit(browser: Any, folders: dict[str, Path]) -> Iterator[Callable[..., Any]
     for context in opened:
         context.close()
     assert heard == []
-    assert [url for url in asked if not url.startswith(("file://", "data:", "blob:"))] == []
+    assert [url for url in requests if not url.startswith(("file://", "data:", "blob:"))] == []
     assert [
-        url for url in asked if url.startswith("file://") and not url.endswith("report.html")
+        url for url in requests if url.startswith("file://") and not url.endswith("report.html")
     ] == []
 
 
@@ -189,7 +191,7 @@ def test_the_slider_moves_every_linked_figure(visit: Callable[..., Any], name: s
     assert counts["cursors"] >= 7
     # p does not move where P is constant, nor p's difference: that is this scene's truth, not the
     # slider's fault.
-    still = {
+    unmoved = {
         (kind, k)
         for kind in before
         for k, mark in enumerate(before[kind])
@@ -198,10 +200,10 @@ def test_the_slider_moves_every_linked_figure(visit: Callable[..., Any], name: s
     fields = page.evaluate(
         '[...document.querySelectorAll("path[data-field]")].map((e) => e.dataset.field)'
     )
-    assert {fields[k] for kind, k in still if kind == "lines"} <= (
+    assert {fields[k] for kind, k in unmoved if kind == "lines"} <= (
         {"p0", "p1", "dp"} if name == "nasty" else {"p0"}
     )
-    assert not [kind for kind, _ in still if kind != "lines"]
+    assert not [kind for kind, _ in unmoved if kind != "lines"]
     assert "P " in page.locator("#readout").inner_text()
 
 
@@ -322,9 +324,12 @@ def test_a_click_on_the_legend_hides_its_curves_and_shows_them_again(
 
 def test_a_drag_zooms_a_double_click_and_keys_show_it_whole(visit: Callable[..., Any]) -> None:
     page = visit("bodies")
-    panel, ticks = page.locator("#panel-edges"), page.locator("#panel-edges .tick.across")
+    panel = page.locator("#panel-edges")
+    ticks = page.locator("#panel-edges .tick.across")
     panel.scroll_into_view_if_needed()
-    path, before, labels = panel.locator(".curve").first, None, ticks.all_text_contents()
+    path = panel.locator(".curve").first
+    before = None
+    labels = ticks.all_text_contents()
     before = path.get_attribute("d")
     box = panel.bounding_box()
 
@@ -356,9 +361,9 @@ def test_a_drag_zooms_a_double_click_and_keys_show_it_whole(visit: Callable[...,
     page.locator("#panel-now").scroll_into_view_if_needed()
     page.locator("#panel-now").focus()
     page.keyboard.press("+")
-    shown = page.locator("#panel-now .curve.f.p").get_attribute("d")
+    path_of_curve = page.locator("#panel-now .curve.f.p").get_attribute("d")
     page.locator("#instant").fill("3")
-    assert page.locator("#panel-now .curve.f.p").get_attribute("d") != shown
+    assert page.locator("#panel-now .curve.f.p").get_attribute("d") != path_of_curve
     page.keyboard.press("0")
 
 

@@ -46,17 +46,17 @@ DOUBLING = (1.0, 2.0, 4.0, 8.0)
 
 
 # -------------------------------------------------------------------------------------- refinements
-def refinement(of, sizes=DOUBLING, **more) -> Refinement:
-    return Refinement(sizes, tuple(float(of(h)) for h in sizes), **more)
+def refinement(of, sizes=DOUBLING, **keywords) -> Refinement:
+    return Refinement(sizes, tuple(float(of(h)) for h in sizes), **keywords)
 
 
 def test_example_of_nasa_to_every_digit():
     """Examining Spatial (Grid) Convergence, NPARC Alliance: values, ratio 2, safety factor 1.25."""
     nasa = Refinement((1.0, 2.0, 4.0), (0.97050, 0.96854, 0.96178))
-    found = extrapolate(nasa)
-    numbers = (found.order, found.value, found.uncertainty / 0.97050)
+    limit = extrapolate(nasa)
+    numbers = (limit.order, limit.value, limit.uncertainty / 0.97050)
     assert [f"{number:.6f}" for number in numbers] == ["1.786170", "0.971300", "0.001031"]
-    assert found.kind == "monotone"
+    assert limit.kind == "monotone"
 
 
 @pytest.mark.parametrize("order", [0.7, 1.0, 1.5, 2.0])
@@ -66,10 +66,10 @@ def test_powers_are_found_whatever_the_ratios(order, sizes):
     with it.
     """
     for finer in (1.0, 0.5):
-        found = extrapolate(refinement(lambda h, k=finer: 3 - 0.02 * (k * h) ** order, sizes))
-        assert found.kind == "monotone"
-        assert (found.order, found.value) == pytest.approx((order, 3), abs=1e-6)
-        assert found.uncertainty == pytest.approx(1.25 * 0.02 * finer**order, rel=1e-4)
+        limit = extrapolate(refinement(lambda h, k=finer: 3 - 0.02 * (k * h) ** order, sizes))
+        assert limit.kind == "monotone"
+        assert (limit.order, limit.value) == pytest.approx((order, 3), abs=1e-6)
+        assert limit.uncertainty == pytest.approx(1.25 * 0.02 * finer**order, rel=1e-4)
 
 
 @pytest.mark.parametrize(
@@ -114,9 +114,9 @@ def test_rules_for_what_is_no_clean_power():
     turned = refinement(lambda h: 1 + 0.01 * h**2 + 0.01 * h - 4e-5 * h**4)
     orders = [observed_order(turned.sizes[i : i + 3], turned.values[i : i + 3]) for i in (0, 1)]
     assert orders[0] > orders[1]
-    found = extrapolate(turned)
-    assert ("Roache" in found.rule, found.order) == (True, orders[0])
-    assert found.uncertainty == pytest.approx(
+    limit = extrapolate(turned)
+    assert ("Roache" in limit.rule, limit.order) == (True, orders[0])
+    assert limit.uncertainty == pytest.approx(
         1.25 * (turned.values[1] - turned.values[0]) / (2 ** orders[1] - 1), rel=1e-12
     )
 
@@ -128,11 +128,11 @@ def test_scattered_refinements_cover_the_truth(order, noise, least):
     % are covered.
     """
     rng = np.random.default_rng(20)
-    found = [
+    limits = [
         extrapolate(refinement(lambda h: 1 + 0.01 * h**order + noise * rng.uniform(-1, 1)))
         for _ in range(100)
     ]
-    assert np.mean([abs(one.value - 1) <= one.uncertainty for one in found]) >= least
+    assert np.mean([abs(limit.value - 1) <= limit.uncertainty for limit in limits]) >= least
 
 
 def test_refinements_that_are_none():
@@ -154,17 +154,17 @@ STEPS = SolverSettings(steps_per_cycle=24, step_tolerance=float("inf"))
 
 @contextmanager
 def silent(_name: str):
-    yield lambda _done, _total, _text: None
+    yield lambda _step, _total, _text: None
 
 
 def compared(name: str, mesh: MeshSettings = MESH, settings: SolverSettings = STEPS) -> Comparison:
     scene = load_scene(name)
-    result = halfplane_fe.solve(scene, mesh, settings)
+    solution = halfplane_fe.solve(scene, mesh, settings)
     reference, polygon = (
-        semi_analytic.solve(scene, x=result.x, time=result.time, straight_steps=straight)
+        semi_analytic.solve(scene, x=solution.x, time=solution.time, straight_steps=straight)
         for straight in (False, True)
     )
-    return compare(reference, result, polygon_reference=polygon)
+    return compare(reference, solution, polygon_reference=polygon)
 
 
 @pytest.fixture(scope="module")
@@ -192,13 +192,13 @@ def test_terms_and_rest_add_up_to_the_metric(paper):
     """
     comparison, refinements = paper
     budget = error_budget(comparison, refinements, plain_seconds=1.0)
-    wanted = {"dissipation", "peak_pressure", "pressure", "shear", "contact_edge", "stick_edge"}
-    assert wanted <= {one.metric.key for one in budget.budgets}
-    for one in budget.budgets:
-        assert one.rest + sum(term.value or 0.0 for term in one.terms) == pytest.approx(
-            one.total, abs=1e-14
+    keys = {"dissipation", "peak_pressure", "pressure", "shear", "contact_edge", "stick_edge"}
+    assert keys <= {line.metric.key for line in budget.budgets}
+    for line in budget.budgets:
+        assert line.rest + sum(term.value or 0.0 for term in line.terms) == pytest.approx(
+            line.total, abs=1e-14
         )
-        assert [term.name for term in one.terms] == [
+        assert [term.name for term in line.terms] == [
             "mesh",
             "penalty",
             "step",
@@ -206,8 +206,8 @@ def test_terms_and_rest_add_up_to_the_metric(paper):
             "solver",
             "half-plane theory",
         ]
-    headlines = [one for one in budget.budgets if one.metric.headline]
-    assert sum(one.honest for one in headlines) >= 0.9 * len(headlines)
+    headlines = [line for line in budget.budgets if line.metric.headline]
+    assert sum(line.honest for line in headlines) >= 0.9 * len(headlines)
     exact = comparison.metric("dissipation_step").value
     assert abs(exact) > 1e-4
     straight = comparison.polygon_reference.dissipation / comparison.reference.dissipation - 1
@@ -222,12 +222,12 @@ def test_an_idealisation_error_stands_out_and_vanishes(paper):
         comparison, result=replace(comparison.result, dissipation_uncertainty=float("nan"))
     )
     metric = replace(comparison.metric("dissipation"), value=1.1e-2)
-    found = error_budget(
+    line = error_budget(
         replace(comparison, metrics=(metric,)), invented(comparison, 1e-3, 1e-2), 1.0
     ).budget("dissipation")
-    assert found.rest == pytest.approx(1e-2, rel=1e-6)
-    assert found.uncertainty == pytest.approx(1.25e-3, rel=1e-3)
-    assert (found.resolved, found.honest, replace(found, half_planes=False).honest) == (
+    assert line.rest == pytest.approx(1e-2, rel=1e-6)
+    assert line.uncertainty == pytest.approx(1.25e-3, rel=1e-3)
+    assert (line.resolved, line.honest, replace(line, half_planes=False).honest) == (
         True,
         False,
         None,
@@ -241,10 +241,10 @@ def test_an_idealisation_error_stands_out_and_vanishes(paper):
 
 
 @pytest.mark.parametrize(
-    ("stated", "kept"), [(1e-4, False), (0.0, False), (9e-3, True), (float("nan"), True)]
+    ("stated", "refined"), [(1e-4, False), (0.0, False), (9e-3, True), (float("nan"), True)]
 )
 def test_the_work_of_a_scattered_ladder_has_the_smaller_uncertainty_that_the_answer_states(
-    paper, stated, kept
+    paper, stated, refined
 ):
     """Runs at 0, 1e-3, -1e-3 are three times their spread uncertain, 6e-3; the answer's own is of
     the mesh and the steps.
@@ -254,19 +254,19 @@ def test_the_work_of_a_scattered_ladder_has_the_smaller_uncertainty_that_the_ans
     runs = tuple(
         Run(f"{h:g}h", h, {"dissipation": v}) for h, v in zip((1.0, 2.0, 4.0), values, strict=True)
     )
-    result = replace(
+    solution = replace(
         comparison.result, dissipation_uncertainty=stated * comparison.reference.dissipation
     )
-    found = error_budget(
-        replace(comparison, result=result), replace(refinements, mesh=runs), 1.0
+    line = error_budget(
+        replace(comparison, result=solution), replace(refinements, mesh=runs), 1.0
     ).budget("dissipation")
-    mesh = found.terms[0]
-    assert mesh.uncertainty == pytest.approx(6e-3 if kept else stated)
+    mesh = line.terms[0]
+    assert mesh.uncertainty == pytest.approx(6e-3 if refined else stated)
     assert mesh.value is None
-    assert ("that the run itself states" in mesh.how) is not kept
-    if not kept:
+    assert ("that the run itself states" in mesh.how) is not refined
+    if not refined:
         assert "three times the spread, 6.0e-03" in mesh.how
-        assert found.uncertainty < 6e-3
+        assert line.uncertainty < 6e-3
 
 
 def test_what_was_not_measured_is_not_zero_and_bounds_add_where_scatter_adds_by_squares(paper):
@@ -275,13 +275,13 @@ def test_what_was_not_measured_is_not_zero_and_bounds_add_where_scatter_adds_by_
         replace(run, values={}, failure=f"{run.label} did not converge")
         for run in refinements.mesh[1:]
     )
-    found = error_budget(
+    line = error_budget(
         comparison, replace(refinements, mesh=(refinements.mesh[0], *fallen)), 1.0
     ).budget("dissipation")
-    mesh = found.terms[0]
+    mesh = line.terms[0]
     assert (mesh.value, mesh.uncertainty, mesh.measured) == (None, None, False)
     assert mesh.how.startswith("not measured: 2h did not converge")
-    assert (found.uncertainty, found.resolved, found.honest) == (None, None, None)
+    assert (line.uncertainty, line.resolved, line.honest) == (None, None, None)
     metric = comparison.metric("dissipation")
     terms = tuple(
         Term(str(u), None, u, "", bound)
@@ -298,18 +298,18 @@ def test_what_was_not_measured_is_not_zero_and_bounds_add_where_scatter_adds_by_
 def test_honesty_is_written_into_the_comparison_page_and_file(paper):
     comparison, refinements = paper
     budget = error_budget(comparison, refinements, refinements.seconds)
-    found = with_budget(comparison, budget)
-    assert found.budget is budget
-    assert found.honest.startswith(
+    report = with_budget(comparison, budget)
+    assert report.budget is budget
+    assert report.honest.startswith(
         f"{sum(b.honest for b in budget.budgets)} of {len(budget.budgets)} metrics"
     )
     assert budget.cost == pytest.approx(2.0)
     assert Report(comparison).honest == "not assessed: the run was made without a budget"
-    page = render(found, (), "", {})
+    page = render(report, (), "", {})
     assert all(f">{name}</th>" in page for name in ("mesh", "step", "far field", "unexplained"))
     assert "Run and budget took 2.00 times" in page
     assert "Where the discrepancy comes from" not in render(Report(comparison), (), "", {})
-    stored = json.loads(as_json(found))
+    stored = json.loads(as_json(report))
     shares = stored["budget"]["metrics"]["dissipation"]
     values = [term["value"] or 0.0 for term in shares["terms"].values()]
     assert sum(values) + shares["unexplained"] == pytest.approx(shares["E"], abs=1e-14)
@@ -328,9 +328,9 @@ def test_where_theory_has_no_polygon_the_step_is_measured_by_halving_it(paper, m
     def step(*runs: Run) -> Term:
         return budgets._step(metric, Refinements((run("h", 0.01),), (), (), "4h", {}, 1.0, runs))
 
-    found = step(run("4h", 0.0100), run("4h, halved", 0.0097))
-    assert (found.value, found.uncertainty) == pytest.approx((4e-4, 3e-4), rel=1e-9)
-    assert "halved increments" in found.how
+    term = step(run("4h", 0.0100), run("4h, halved", 0.0097))
+    assert (term.value, term.uncertainty) == pytest.approx((4e-4, 3e-4), rel=1e-9)
+    assert "halved increments" in term.how
     for lost in (
         step(),
         step(run("4h", 0.01), run("4h, halved", None, "4h, halved did not converge")),
@@ -338,34 +338,34 @@ def test_where_theory_has_no_polygon_the_step_is_measured_by_halving_it(paper, m
         assert not lost.measured
         assert "no answer on the polygon" in lost.how
     # Theory that refuses its polygon: never of a scene without bulk stress and tilt.
-    result = comparison.result
-    assert budgets.theory_on_steps(result) is not None
+    solution = comparison.result
+    assert budgets.theory_on_steps(solution) is not None
 
     monkeypatch.setattr(
         semi_analytic, "solve", raising(InputError("straight_steps: not with bulk stress or tilt"))
     )
     with pytest.raises(InputError):
-        budgets.theory_on_steps(result)
-    pulled = replace(result, scene=result.scene.vary(load={"bulk_stress_lower": 1.0}))
+        budgets.theory_on_steps(solution)
+    pulled = replace(solution, scene=solution.scene.vary(load={"bulk_stress_lower": 1.0}))
     assert budgets.theory_on_steps(pulled) is None
     theirs = replace(comparison.reference, scene=pulled.scene)
     alone = compare(theirs, pulled)
     assert any("error of the steps is not set apart" in note for note in alone.notes)
-    assert "dissipation_polygon" not in {one.key for one in alone.metrics}
+    assert "dissipation_polygon" not in {measured_metric.key for measured_metric in alone.metrics}
     assert budgets.without_steps(alone)["dissipation"] == alone.metric("dissipation").value
     with pytest.raises(InputError, match="polygon"):
-        budgets.without_steps(compare(comparison.reference, result))
+        budgets.without_steps(compare(comparison.reference, solution))
 
 
 def test_rungs_need_no_coarse_run_of_their_own_and_keep_the_penalty_layer(paper):
-    whole = paper[0].result
+    solution = paper[0].result
     scene = load_scene("cattaneo-mindlin")
     coarse = MeshSettings(element_size=0.25, edge_element_size=0.1, order=1)
     first = halfplane_fe.solve(scene, coarse, STEPS)
     spared = halfplane_fe.solve(scene, coarse, STEPS, scales=first.scales)
     assert spared.dissipation == first.dissipation
     assert not any(count for name, count in spared.work.counts.items() if name.startswith("coarse"))
-    assert any(count for name, count in whole.work.counts.items() if name.startswith("coarse"))
+    assert any(count for name, count in solution.work.counts.items() if name.startswith("coarse"))
     assert mesh_ratio(MeshSettings.coarse()) == 2.0
     assert mesh_ratio(MeshSettings(element_size=0.1, edge_element_size=0.1)) == pytest.approx(
         2.5 ** (1 / 3)
@@ -386,13 +386,13 @@ def test_rungs_need_no_coarse_run_of_their_own_and_keep_the_penalty_layer(paper)
 def test_penalty_is_a_term_of_its_own():
     soft = replace(STEPS, method="penalty", normal_stiffness=3.0, tangential_stiffness=3.0)
     comparison = compared("cattaneo-mindlin", settings=soft)
-    found = error_budget(comparison, climb(comparison, MESH, soft, silent), 1.0).budget(
+    line = error_budget(comparison, climb(comparison, MESH, soft, silent), 1.0).budget(
         "dissipation"
     )
-    penalty = found.terms[1]
+    penalty = line.terms[1]
     exact = compared("cattaneo-mindlin").metric("dissipation").value
-    assert abs(found.total - exact) > 1e-3
-    assert penalty.value == pytest.approx(found.total - exact, rel=1e-9)
+    assert abs(line.total - exact) > 1e-3
+    assert penalty.value == pytest.approx(line.total - exact, rel=1e-9)
     layered, bare = (
         halfplane_fe.solve(comparison.scene, *coarser(MESH, law, 0.25)).dissipation
         / comparison.reference.dissipation
@@ -404,31 +404,32 @@ def test_penalty_is_a_term_of_its_own():
 def test_meshes_of_real_bodies_that_agree_by_chance_leave_the_peak_as_uncertain_as_the_run_states():
     """Of a pair of layers an error of 1.4e-4 was stated as 4e-6."""
     comparison = compared("blocks", MeshSettings.coarse(), replace(STEPS, steps_per_cycle=8))
-    result, values = comparison.result, budgets.without_steps(comparison)
+    solution = comparison.result
+    values = budgets.without_steps(comparison)
     runs = tuple(
         Run(f"{size:g}h", size, {k: v for k, v in values.items() if k == "largest_pressure"})
         for size in (1.0, 2.0, 4.0)
     )
-    found = error_budget(comparison, Refinements(runs, (), (), "4h", {}, 0.0), 1.0).budget(
+    line = error_budget(comparison, Refinements(runs, (), (), "4h", {}, 0.0), 1.0).budget(
         "largest_pressure"
     )
     stated = (
-        result.largest_pressure_uncertainty
+        solution.largest_pressure_uncertainty
         / comparison.reference.pressure[comparison.reference.last_cycle].max()
     )
-    assert found.uncertainty == pytest.approx(stated, rel=1e-2)
-    assert found.uncertainty > 1e-4
-    assert "the run itself states" in found.terms[0].how
+    assert line.uncertainty == pytest.approx(stated, rel=1e-2)
+    assert line.uncertainty > 1e-4
+    assert "the run itself states" in line.terms[0].how
 
 
 @pytest.mark.slow
 def test_real_bodies_have_an_idealisation_error_and_no_far_field():
     comparison = compared("blocks", MeshSettings(), SolverSettings())
-    found = error_budget(
+    line = error_budget(
         comparison, climb(comparison, MeshSettings(), SolverSettings(), silent), 1.0
     ).budget("peak_pressure")
-    assert (found.resolved, found.honest) == (True, None)
-    assert found.terms[3].how == "none: the bodies have a size of their own"
+    assert (line.resolved, line.honest) == (True, None)
+    assert line.terms[3].how == "none: the bodies have a size of their own"
 
 
 # ------------------------------------------------------------------------------------- three states
@@ -466,13 +467,15 @@ def planted(paper, error: float, doubt: float | None) -> Report:
         "dissipation": error * size
     }
     metrics = tuple(replace(metric, value=values[metric.key]) for metric in comparison.metrics)
-    whole = error_budget(replace(comparison, metrics=metrics), refinements, 1.0)
+    budget = error_budget(replace(comparison, metrics=metrics), refinements, 1.0)
     doubts = {"dissipation": None if doubt is None else doubt * size}
     budgets = (
-        replace(one, terms=(Term("mesh", 0.0, doubts.get(one.metric.key, 0.0), ""),))
-        for one in whole.budgets
+        replace(line, terms=(Term("mesh", 0.0, doubts.get(line.metric.key, 0.0), ""),))
+        for line in budget.budgets
     )
-    return with_budget(replace(comparison, metrics=metrics), replace(whole, budgets=tuple(budgets)))
+    return with_budget(
+        replace(comparison, metrics=metrics), replace(budget, budgets=tuple(budgets))
+    )
 
 
 @pytest.mark.parametrize(("error", "doubt", "state"), CASES)
@@ -480,30 +483,30 @@ def test_every_door_says_the_same_of_a_verdict(
     paper, error: float, doubt: float | None, state: str, capsys
 ):
     """It follows from the error, its uncertainty and the tolerance."""
-    found = planted(paper, error, doubt)
-    metric = found.metric("dissipation")
-    assert metric.verdict == found.comparison.verdict == state
-    assert metric.accurate is found.passed is (state == "within")
-    stored = json.loads(as_json(found))
+    report = planted(paper, error, doubt)
+    metric = report.metric("dissipation")
+    assert metric.verdict == report.comparison.verdict == state
+    assert metric.accurate is report.passed is (state == "within")
+    stored = json.loads(as_json(report))
     assert stored["metrics"]["dissipation"]["verdict"] == stored["verdict"]["verdict"] == state
     assert (
         stored["verdict"]["passed"]
         is stored["metrics"]["dissipation"]["accurate"]
         is (state == "within")
     )
-    page = render(found, (), "", {})
+    page = render(report, (), "", {})
     css = {"within": "good", "outside": "bad", "undecided": "open"}
     assert f'<p class="verdict {css[state]}">' in page
     table = page[page.index("<tbody>") : page.index("</tbody>")]
     assert table.count(f'<td class="{state}">{state}</td>') == (3 if state == "within" else 1)
-    assert (lead(found.comparison) == "Undecided.") is (state == "undecided")
-    assert ("undecided counts as outside" in verdict(found.comparison)) is (state == "undecided")
-    show(verdict_shown(found))
-    assert exit_code(found.comparison) == (0 if state == "within" else 1)
-    shown = capsys.readouterr()
-    assert f"│ {state}" in shown.out
+    assert (lead(report.comparison) == "Undecided.") is (state == "undecided")
+    assert ("undecided counts as outside" in verdict(report.comparison)) is (state == "undecided")
+    show(verdict_shown(report))
+    assert exit_code(report.comparison) == (0 if state == "within" else 1)
+    streams = capsys.readouterr()
+    assert f"│ {state}" in streams.out
     last = "halfplane: hertz-paper: undecided: dissipation; this counts as outside: exit code 1"
-    assert shown.err.splitlines() == ([last] if state == "undecided" else [])
+    assert streams.err.splitlines() == ([last] if state == "undecided" else [])
 
 
 def test_what_no_uncertainty_is_known_for_is_said(paper):
@@ -527,16 +530,16 @@ def test_what_no_uncertainty_is_known_for_is_said(paper):
 
 
 def test_outside_and_a_violated_law_come_before_undecided(paper, capsys):
-    found = planted(paper, 0.9, 0.2)
+    report = planted(paper, 0.9, 0.2)
     worse = tuple(
-        replace(m, value=1.0) if m.key == "shear" else m for m in found.comparison.metrics
+        replace(m, value=1.0) if m.key == "shear" else m for m in report.comparison.metrics
     )
-    both = replace(found, comparison=replace(found.comparison, metrics=worse))
-    assert both.comparison.verdict == "outside"
-    assert "more than the tolerance in shear traction, L2 (" in verdict(both.comparison)
-    assert "reaches across the tolerance in dissipation (" in verdict(both.comparison)
-    law = replace(found.comparison.result_certificates[0], value=9.0)
-    violated = replace(found, comparison=replace(found.comparison, result_certificates=(law,)))
+    report_of_both = replace(report, comparison=replace(report.comparison, metrics=worse))
+    assert report_of_both.comparison.verdict == "outside"
+    assert "more than the tolerance in shear traction, L2 (" in verdict(report_of_both.comparison)
+    assert "reaches across the tolerance in dissipation (" in verdict(report_of_both.comparison)
+    law = replace(report.comparison.result_certificates[0], value=9.0)
+    violated = replace(report, comparison=replace(report.comparison, result_certificates=(law,)))
     assert (lead(violated.comparison), exit_code(violated.comparison)) == (
         "Not within tolerance.",
         1,
@@ -556,9 +559,9 @@ def test_run_with_a_budget_ends_with_1_and_says_why_on_its_last_line(tmp_path):
         "--steps-per-cycle",
         "8",
     )
-    done = halfplane(tmp_path, "run", "blocks", "--budget", "--out", "out", "--quiet", *coarse)
-    assert done.returncode == 1
-    last = done.stderr.splitlines()[-1]
+    outcome = halfplane(tmp_path, "run", "blocks", "--budget", "--out", "out", "--quiet", *coarse)
+    assert outcome.returncode == 1
+    last = outcome.stderr.splitlines()[-1]
     assert last.startswith("halfplane: blocks: undecided: ")
     assert "stick_edge" in last
     assert last.endswith("this counts as outside: exit code 1")

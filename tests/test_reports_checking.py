@@ -175,7 +175,8 @@ def test_gross_sliding_and_separation_are_found_where_they_start(
     start: float | None,
 ) -> None:
     path = scene(PolygonLoad(initial_loading=way, cycle=cycle), friction)
-    fault, near = fault_of(path), nearest_to_sliding(path)
+    fault = fault_of(path)
+    near = nearest_to_sliding(path)
     assert (f"load: {reason} " in str(fault), getattr(fault, "time", None)) == (
         start is not None,
         start and pytest.approx(start),
@@ -233,16 +234,18 @@ def test_a_record_is_judged_as_the_legs_between_its_rows(
         record = BASE.model_copy(
             update={"load": TimeSeriesLoad(rows=rows, repeats=repeats), "friction": friction}
         )
-        path, found = record.load.path(), nearest_to_sliding(record)
+        path = record.load.path()
+        nearest = nearest_to_sliding(record)
         legs = [*path.initial_loading, *path.cycle]
         p, q = (np.array([leg.loads([leg.start, leg.end])[k] for leg in legs]) for k in (0, 1))
         with np.errstate(divide="ignore", invalid="ignore"):
             ratio = np.where(p < 0, np.inf, np.where(q == 0, 0.0, np.abs(q) / (0.3 * p)))
         worst = int(np.argmax(ratio.max(axis=1)))
-        assert found.ratio == ratio.max()
-        assert legs[worst].start <= found.time <= legs[worst].end
-        assert found.part == (("cycle" if worst else "initial loading") if repeats else "path")
-        outside, fault = np.flatnonzero(ratio.max(axis=1) > 1 + 1e-12), fault_of(record)
+        assert nearest.ratio == ratio.max()
+        assert legs[worst].start <= nearest.time <= legs[worst].end
+        assert nearest.part == (("cycle" if worst else "initial loading") if repeats else "path")
+        outside = np.flatnonzero(ratio.max(axis=1) > 1 + 1e-12)
+        fault = fault_of(record)
         assert (fault is None) == (len(outside) == 0)
         if fault is not None:
             assert legs[outside[0]].start <= fault.time <= legs[outside[0]].end
@@ -301,16 +304,16 @@ def pressed(load: float, **changes: object) -> Scene:
 def test_numbers_of_the_largest_contact_are_those_of_hertz() -> None:
     """a = sqrt(4 P R/(pi E*)), p0 = E* a/(2 R)."""
     bodies = Bodies(lower=Block(width=20.0, height=8.0), upper=Pad(width=12.0, height=6.0))
-    found = largest_contact(pressed(80.0, bodies=bodies), "mine")
+    contact = largest_contact(pressed(80.0, bodies=bodies), "mine")
     modulus = 210e3 / (2 * (1 - 0.3**2))
     half = math.sqrt(4 * 80 * 1000 / (math.pi * modulus))
-    assert found.normal_load == 80
-    assert found.half_width == pytest.approx(half, rel=1e-14)
-    assert found.peak_pressure == pytest.approx(modulus * half / 2000, rel=1e-12)
-    assert found.strain == pytest.approx(half / 2000, rel=1e-12)
-    assert found.edge_slope == pytest.approx(half / 1000, rel=1e-8)
+    assert contact.normal_load == 80
+    assert contact.half_width == pytest.approx(half, rel=1e-14)
+    assert contact.peak_pressure == pytest.approx(modulus * half / 2000, rel=1e-12)
+    assert contact.strain == pytest.approx(half / 2000, rel=1e-12)
+    assert contact.edge_slope == pytest.approx(half / 1000, rel=1e-8)
     sizes = {"lower width/a": 20, "lower height/a": 8, "upper width/a": 12, "upper height/a": 6}
-    assert found.ratios == pytest.approx(
+    assert contact.ratios == pytest.approx(
         {"a/R": half / 1000} | {name: size / half for name, size in sizes.items()}
     )
 
@@ -318,13 +321,15 @@ def test_numbers_of_the_largest_contact_are_those_of_hertz() -> None:
 def test_the_peak_under_a_flat_with_rounded_edges_is_found_beside_its_corner() -> None:
     """Against 20,001 points; b/a is that of the corner."""
     scene = load_scene("flat-rounded-paper")
-    found = largest_contact(scene, "mine")
-    x = found.half_width * np.linspace(0, 1, 20_001)
+    largest = largest_contact(scene, "mine")
+    x = largest.half_width * np.linspace(0, 1, 20_001)
     contact = semi_analytic.profiles.contact_of(scene.profile, scene.material)
-    assert found.peak_pressure == pytest.approx(
-        float(np.max(contact.pressure(x, found.normal_load))), rel=1e-5
+    assert largest.peak_pressure == pytest.approx(
+        float(np.max(contact.pressure(x, largest.normal_load))), rel=1e-5
     )
-    assert found.ratios["b/a"] == pytest.approx(scene.profile.flat_half_length / found.half_width)
+    assert largest.ratios["b/a"] == pytest.approx(
+        scene.profile.flat_half_length / largest.half_width
+    )
 
 
 # E* = R = f = 1, P = 3, Q = +-1.8: a, and the bulk strain up to which both ends slip one way.
@@ -381,7 +386,7 @@ def test_check_states_the_eccentricity_and_whether_bulk_is_moderate(
         **keys,
     }
     soft = {"young_modulus": 2.0, "poisson_ratio": 0.0}
-    asked = Scene.model_validate(
+    pulled = Scene.model_validate(
         {
             "material": soft,
             "profile": {"kind": "hertz", "radius": 1.0},
@@ -389,22 +394,22 @@ def test_check_states_the_eccentricity_and_whether_bulk_is_moderate(
             "load": load,
         }
     )
-    found = bulk_and_tilt(asked)
-    assert found.eccentricity == (
+    turning = bulk_and_tilt(pulled)
+    assert turning.eccentricity == (
         None if eccentricity is None else pytest.approx(eccentricity, rel=1e-9)
     )
-    assert found.share_of_moderate == (
+    assert turning.share_of_moderate == (
         None if moderate is None else pytest.approx(moderate, rel=1e-9)
     )
-    assert found.centre == pytest.approx(centre, rel=1e-9)
+    assert turning.centre == pytest.approx(centre, rel=1e-9)
     strains = [
         np.max(np.abs(stress or 0.0)) / 2
         for stress in (keys.get("bulk_stress_lower"), keys.get("bulk_stress_upper"))
     ]
-    assert found.strain == pytest.approx(sum(strains), rel=1e-9)
-    assert words in bulk_in_words(found)
+    assert turning.strain == pytest.approx(sum(strains), rel=1e-9)
+    assert words in bulk_in_words(turning)
     assert bulk_and_tilt(load_scene("cattaneo-mindlin")) is None
-    still = asked.vary(
+    at_rest = pulled.vary(
         load={
             "initial_loading": [(3.0, 0.0)],
             "cycle": [(2.0, 0.0)],
@@ -412,27 +417,27 @@ def test_check_states_the_eccentricity_and_whether_bulk_is_moderate(
             **NONE,
         }
     )
-    without = bulk_and_tilt(still)
+    without = bulk_and_tilt(at_rest)
     assert "a Q that does not move" in bulk_in_words(without)
 
 
 def test_check_says_how_large_the_contact_gets_and_infinity_is_null_for_programs(
     tmp_path: Path,
 ) -> None:
-    said = halfplane(tmp_path, "check", "blocks").stdout
-    found = largest_contact(load_scene("blocks"), "blocks")
+    stdout = halfplane(tmp_path, "check", "blocks").stdout
+    contact = largest_contact(load_scene("blocks"), "blocks")
     words = (
-        f"a = {found.half_width:.4g} mm",
-        f"p0 = {found.peak_pressure:.4g} MPa",
+        f"a = {contact.half_width:.4g} mm",
+        f"p0 = {contact.peak_pressure:.4g} MPa",
         "a/R = ",
         "upper height/a = ",
         "p0/E* = ",
     )
     words += ("a block 20 mm wide", "a finding about the idealisation")
-    assert not [word for word in words if word not in said]
+    assert not [word for word in words if word not in stdout]
     answer = json.loads(halfplane(tmp_path, "check", "blocks", "--json").stdout)["result"]
     assert (answer["largest_contact"], answer["remarks"]) == (
-        {**vars(found), "ratios": found.ratios},
+        {**vars(contact), "ratios": contact.ratios},
         [],
     )
     wedge = pressed(80.0, profile=PowerLaw(exponent=1.0, length=1.0, rise=0.01))
@@ -458,9 +463,9 @@ SPOKEN = (
 
 @pytest.mark.parametrize("name", SPOKEN)
 def test_check_speaks_in_sentences_of_at_most_25_words(name: str, tmp_path: Path) -> None:
-    said = re.split(r"(?<=[.?!])\s", halfplane(tmp_path, "check", name).stdout)
-    assert len(said) > 8
-    assert not [sentence for sentence in said if len(sentence.split()) > 25]
+    sentences = re.split(r"(?<=[.?!])\s", halfplane(tmp_path, "check", name).stdout)
+    assert len(sentences) > 8
+    assert not [sentence for sentence in sentences if len(sentence.split()) > 25]
 
 
 REMARKED = {
@@ -490,9 +495,9 @@ REMARKED = {
 def test_what_looks_like_a_slip_of_units_is_remarked_and_not_refused(case: str) -> None:
     changes, words = REMARKED[case]
     scene = pressed(8e-5 if case in ("rubber", "units of one's own") else 80.0, **changes)
-    said = remarks(scene, largest_contact(scene, "mine"))
-    assert len(said) == bool(words), said
-    assert all(word in said[0] for word in words)
+    remarks_made = remarks(scene, largest_contact(scene, "mine"))
+    assert len(remarks_made) == bool(words), remarks_made
+    assert all(word in remarks_made[0] for word in words)
 
 
 BLOCK = Block(width=20.0, height=8.0)
@@ -542,13 +547,13 @@ def test_check_refuses_what_run_refuses_in_the_same_sentence(
         monkeypatch.setattr(
             "halfplane_fe.solve", lambda *_, **__: pytest.fail("finite elements were solved first")
         )
-    said = [
+    refusals = [
         refused(tmp_path, "check", "mine.json"),
         refused(tmp_path, "run", "mine.json", "--quiet"),
     ]
-    assert words in said[0]
-    assert said[0] == said[1]
-    assert ("`halfplane exact mine.json` gives half-plane theory's answer" in said[0]) == (
+    assert words in refusals[0]
+    assert refusals[0] == refusals[1]
+    assert ("`halfplane exact mine.json` gives half-plane theory's answer" in refusals[0]) == (
         "rows" not in case
     )
 
@@ -601,23 +606,25 @@ def test_a_scene_that_one_engine_alone_takes_is_checked_and_gets_its_answer(
         True,
         True,
     )
-    found = json.loads(halfplane(tmp_path, "check", "mine.toml", "--json").stdout)["result"]
+    answer_of_check = json.loads(halfplane(tmp_path, "check", "mine.toml", "--json").stdout)[
+        "result"
+    ]
     refusing, taking = (
         ("half_plane", "finite_elements") if command == "fe" else ("finite_elements", "half_plane")
     )
-    assert words in found["engines"][refusing]
-    assert found["engines"][taking] == ""
+    assert words in answer_of_check["engines"][refusing]
+    assert answer_of_check["engines"][taking] == ""
     # Bulk stress moves no pressure; nor does theory know a pressure under a tilt that it does not
     # take.
-    assert (found["largest_contact"] is None) == ("tilt" in case or "moment" in case)
-    said = refused(tmp_path, "run", "mine.toml", "--quiet", "--budget")
-    assert said.endswith(
+    assert (answer_of_check["largest_contact"] is None) == ("tilt" in case or "moment" in case)
+    refusal = refused(tmp_path, "run", "mine.toml", "--quiet", "--budget")
+    assert refusal.endswith(
         f"mine.toml: --budget goes with a comparison of both engines: leave it out. {alone}"
     )
-    done = halfplane(tmp_path, "run", "mine.toml", "--json", "--quiet", *COARSE)
-    answer = json.loads(done.stdout)
+    outcome = halfplane(tmp_path, "run", "mine.toml", "--json", "--quiet", *COARSE)
+    answer = json.loads(outcome.stdout)
     jsonschema.validate(answer, answer_schema())
-    assert (done.returncode, done.stderr) == (0, f"halfplane: mine: no comparison. {alone}\n")
+    assert (outcome.returncode, outcome.stderr) == (0, f"halfplane: mine: no comparison. {alone}\n")
     assert (answer["command"], answer["exit_code"]) == (command, 0)
     assert alone in answer["result"]["notes"]
     assert answer["result"]["dissipation"] >= 0
@@ -629,24 +636,24 @@ def test_what_neither_engine_takes_is_refused_with_both_reasons(tmp_path: Path) 
     BASE.vary(load=OUT_OF_PHASE, profile=DENTED, bodies=held, name="mine").save(
         tmp_path / "mine.toml"
     )
-    said = refused(tmp_path, "check", "mine.toml")
-    assert "nothing pulls the ends of the lower body" in said
+    refusal = refused(tmp_path, "check", "mine.toml")
+    assert "nothing pulls the ends of the lower body" in refusal
     assert (
         "half-plane theory refuses the scene too: profile: it bends down near x = 0.979796: under"
-        " bulk stress or tilt" in said
+        " bulk stress or tilt" in refusal
     )
-    assert refused(tmp_path, "run", "mine.toml", "--quiet") == said
+    assert refused(tmp_path, "run", "mine.toml", "--quiet") == refusal
 
 
 def test_a_record_too_long_for_finite_elements_is_checked_without_them(tmp_path: Path) -> None:
     time = np.arange(10_001.0)
     rows = np.stack([time, 80 + 8 * np.cos(time), 8 * np.sin(time)], axis=1)
     BASE.vary(load=TimeSeriesLoad(rows=rows)).save(tmp_path / "mine.json")
-    done = halfplane(tmp_path, "check", "mine.json")
-    assert done.returncode == 0
+    outcome = halfplane(tmp_path, "check", "mine.json")
+    assert outcome.returncode == 0
     assert (
         "Remark: The record has 10001 rows, and finite elements take at least two increments a row"
-        in done.stdout
+        in outcome.stdout
     )
 
 
@@ -668,9 +675,9 @@ KNOW_P_AND_Q_ALONE = {
 }
 
 
-@pytest.mark.parametrize("what", KNOW_P_AND_Q_ALONE)
-def test_what_knows_p_and_q_alone_refuses_bulk_stress_in_a_sentence(what: str) -> None:
-    call, words = KNOW_P_AND_Q_ALONE[what]
+@pytest.mark.parametrize("caller", KNOW_P_AND_Q_ALONE)
+def test_what_knows_p_and_q_alone_refuses_bulk_stress_in_a_sentence(caller: str) -> None:
+    call, words = KNOW_P_AND_Q_ALONE[caller]
     load = {
         "kind": "polygon",
         "initial_loading": [(90.0, 0.0), (90.0, 25.0)],
@@ -695,15 +702,16 @@ def of_rows(rows: Any, **keys: Any) -> Scene:
 def test_cycles_are_those_of_the_standard_and_lie_within_one_another() -> None:
     assert dict(count_cycles(HISTORY)) == COUNTS
     # a work of 1 for each unit of the way
-    time, so_far = np.arange(9.0), np.abs(np.diff(HISTORY, prepend=-2.0)).cumsum()
-    found = list(with_work(counted(time, np.array(HISTORY)), time, so_far))
-    own: dict[float, float] = {}
-    for cycle in found:
-        own[cycle.range] = own.get(cycle.range, 0.0) + cycle.count
+    time = np.arange(9.0)
+    so_far = np.abs(np.diff(HISTORY, prepend=-2.0)).cumsum()
+    rows = list(with_work(counted(time, np.array(HISTORY)), time, so_far))
+    counts: dict[float, float] = {}
+    for cycle in rows:
+        counts[cycle.range] = counts.get(cycle.range, 0.0) + cycle.count
         # there and back for a closed one
         assert cycle.dissipation == pytest.approx(2 * cycle.count * cycle.range)
-    assert own == COUNTS
-    (closed,) = [cycle for cycle in found if cycle.count == 1]
+    assert counts == COUNTS
+    (closed,) = [cycle for cycle in rows if cycle.count == 1]
     # from -1 to 3 and back to -1 on the way to -4
     assert (closed.start, closed.end) == (4.0, 5 + 4 / 7)
 
@@ -721,8 +729,8 @@ def test_the_work_of_a_closed_cycle_is_that_of_the_cycle_alone() -> None:
         [5, 90, 25],
         [6, 90, -25],
     ]
-    found = load_cycles(semi_analytic.solve(of_rows(rows)))
-    (inner,) = [cycle for cycle in found.cycles if cycle.count == 1 and cycle.range == 25]
+    cycles = load_cycles(semi_analytic.solve(of_rows(rows)))
+    (inner,) = [cycle for cycle in cycles.cycles if cycle.count == 1 and cycle.range == 25]
     alone = RIG.vary(
         load=PolygonLoad(initial_loading=[(90, 0), (90, 30), (90, 20)], cycle=[(90, -5)])
     )
@@ -733,21 +741,21 @@ def test_the_work_of_a_closed_cycle_is_that_of_the_cycle_alone() -> None:
 @pytest.mark.parametrize("name", ["time-series", "flight"])
 def test_the_work_of_all_cycles_adds_up(name: str) -> None:
     solution = semi_analytic.solve(scene_of(name))
-    found = load_cycles(solution)
-    assert sum(cycle.dissipation for cycle in found.cycles) == pytest.approx(
+    cycles = load_cycles(solution)
+    assert sum(cycle.dissipation for cycle in cycles.cycles) == pytest.approx(
         solution.dissipation, rel=1e-12
     )
-    assert min(cycle.dissipation for cycle in found.cycles) >= 0
-    assert found.per_cycle * found.counted == pytest.approx(solution.dissipation, rel=1e-12)
-    assert np.all(np.diff(found.cumulative) >= 0)
+    assert min(cycle.dissipation for cycle in cycles.cycles) >= 0
+    assert cycles.per_cycle * cycles.counted == pytest.approx(solution.dissipation, rel=1e-12)
+    assert np.all(np.diff(cycles.cumulative) >= 0)
 
 
 def test_a_record_that_repeats_has_the_cycles_of_its_last_round() -> None:
     rows = [[0, 90, 0], [1, 90, 30], [2, 90, 10], [3, 90, 20], [4, 90, -30], [5, 90, 0]]
     solution = semi_analytic.solve(of_rows(rows, repeats=True))
-    found = load_cycles(solution)
-    assert found.cumulative[-1] == pytest.approx(solution.dissipation, rel=1e-12)
-    assert sorted((cycle.range, cycle.count) for cycle in found.cycles)[0] == (10, 1)
+    cycles = load_cycles(solution)
+    assert cycles.cumulative[-1] == pytest.approx(solution.dissipation, rel=1e-12)
+    assert sorted((cycle.range, cycle.count) for cycle in cycles.cycles)[0] == (10, 1)
     assert load_cycles(semi_analytic.solve("hertz-paper")) is None
 
 
@@ -775,19 +783,20 @@ def test_what_noise_makes_of_the_work_is_found_and_warned_of(size: float, warned
         ).dissipation
 
     scene = of_rows(noisy(size))
-    found, true = check_record(scene), work(noisy(size)) / work(noisy(0.0)) - 1
+    check = check_record(scene)
+    true = work(noisy(size)) / work(noisy(0.0)) - 1
     if size:
-        assert found.noise == (pytest.approx(size, rel=0.1), pytest.approx(size, rel=0.1))
-        assert found.by_noise == pytest.approx(true, rel=0.25, abs=2e-3)
+        assert check.noise == (pytest.approx(size, rel=0.1), pytest.approx(size, rel=0.1))
+        assert check.by_noise == pytest.approx(true, rel=0.25, abs=2e-3)
     else:
-        assert (found.noise, found.by_noise) == ((0.0, 0.0), None)
-    assert any(warning for _, warning in record_in_words(scene, found)) is warned
+        assert (check.noise, check.by_noise) == ((0.0, 0.0), None)
+    assert any(warning for _, warning in record_in_words(scene, check)) is warned
     if warned:
-        mended = check_record(scene.vary(load={"average": found.average}))
+        mended = check_record(scene.vary(load={"average": check.average}))
         assert mended.dissipation == pytest.approx(work(noisy(0.0)), rel=0.02)
         assert not any(
             warning
-            for _, warning in record_in_words(scene.vary(load={"average": found.average}), mended)
+            for _, warning in record_in_words(scene.vary(load={"average": check.average}), mended)
         )
 
 
@@ -805,12 +814,12 @@ def test_coarse_or_clean_rows_are_not_taken_for_noise() -> None:
 
 def test_a_threshold_that_changes_the_work_is_warned_of() -> None:
     scene = of_rows(noisy(0.0), reduce="tolerance", threshold={"P": 3, "Q": 3})
-    found = check_record(scene)
-    said = dict(record_in_words(scene, found))
-    first, second = said
-    assert f"The path goes through {found.kept:,} of 4,000 rows: by half-plane theory W = " in first
+    check = check_record(scene)
+    warnings = dict(record_in_words(scene, check))
+    first, second = warnings
+    assert f"The path goes through {check.kept:,} of 4,000 rows: by half-plane theory W = " in first
     assert second.startswith("With half the threshold W changes by +")
-    assert list(said.values()) == [True, True]
+    assert list(warnings.values()) == [True, True]
     fine = of_rows(noisy(0.0), reduce="tolerance", threshold={"P": 0.01, "Q": 0.01})
     record = check_record(fine)
     assert not any(warning for _, warning in record_in_words(fine, record))
@@ -831,8 +840,8 @@ def test_check_says_how_each_column_of_a_loop_is_read(tmp_path: Path) -> None:
     )
     loop = ("--loop", "loop.csv")
     words = ("check", "cattaneo-mindlin", "--json", *loop, "--mapping", "map.toml")
-    done = json.loads(halfplane(tmp_path, *words).stdout)["result"]
-    assert dict(done["read_as"]["loop.csv"]) == {
+    answer = json.loads(halfplane(tmp_path, *words).stdout)["result"]
+    assert dict(answer["read_as"]["loop.csv"]) == {
         "file": "loop.csv: 200 rows from line 2 on",
         "columns separated by": "semicolon",
         "decimal sign": "comma",
@@ -840,7 +849,7 @@ def test_check_says_how_each_column_of_a_loop_is_read(tmp_path: Path) -> None:
         "tangential load Q": "'Force [N]', N (in its heading), times 1, over the thickness 8",
         "time": "no column: rows follow each other evenly",
     }
-    (note,) = [note for note in done["notes"] if "as it was read" in note]
+    (note,) = [note for note in answer["notes"] if "as it was read" in note]
     assert "Tangential load Q: 'Force [N]', N (in its heading)" in note
     (tmp_path / "map.toml").write_text("[columns]\ntangential_load = 'Force [N]'\n")
     refused = halfplane(tmp_path, *words)
@@ -854,16 +863,20 @@ def test_check_says_how_each_column_of_a_loop_is_read(tmp_path: Path) -> None:
 
 
 def test_every_example_file_is_read_as_the_record_that_it_holds(tmp_path: Path) -> None:
-    made = examples()
-    made.main(tmp_path)
+    makers = examples()
+    makers.main(tmp_path)
     shutil.copy(ROOT / "scenes" / "library" / "time-series.csv", tmp_path)
     text = (ROOT / "scenes" / "library" / "time-series.toml").read_text("utf-8")
-    for name, keys in made.SCENES.items():
+    for name, keys in makers.SCENES.items():
         table = "profile" if "tabulated" in keys else "load"
         start = text.index(f"[{table}]")
         end = text.find("\n[", start + 1)
-        own = f'{text[:start]}[{table}]\nfile = "{name}"\n{keys}\n{text[end:] if end > 0 else ""}'
-        (tmp_path / "scene.toml").write_text(own.partition("\n[[expected]]")[0], encoding="utf-8")
+        text_of_scene = (
+            f'{text[:start]}[{table}]\nfile = "{name}"\n{keys}\n{text[end:] if end > 0 else ""}'
+        )
+        (tmp_path / "scene.toml").write_text(
+            text_of_scene.partition("\n[[expected]]")[0], encoding="utf-8"
+        )
         scene = load_scene(tmp_path / "scene.toml")
         if table == "profile":
             x = np.linspace(-1.5, 1.5, 61)
@@ -871,41 +884,41 @@ def test_every_example_file_is_read_as_the_record_that_it_holds(tmp_path: Path) 
                 scene.profile.points.values, np.column_stack([x, x**2 / 2000]), atol=1e-9
             )
         elif name == "noisy.csv":
-            assert np.std(scene.load.rows.values - made.record(2000), axis=0)[1:] == pytest.approx(
-                [0.3, 0.3], rel=0.05
-            )
+            assert np.std(scene.load.rows.values - makers.record(2000), axis=0)[
+                1:
+            ] == pytest.approx([0.3, 0.3], rel=0.05)
         else:
             np.testing.assert_allclose(
-                scene.load.rows.values, made.record(161), atol=6e-3, err_msg=name
+                scene.load.rows.values, makers.record(161), atol=6e-3, err_msg=name
             )
         assert dict(getattr(scene, table).read_as)["file"].startswith(name)
 
 
 def test_reports_of_abaqus_are_scored_as_the_theory_that_they_hold(tmp_path: Path) -> None:
     """One made like those of its users: both parts, nodes within them, three frames."""
-    made = examples()
-    made.main(tmp_path)
-    scene = load_scene(made.RESULT)
+    makers = examples()
+    makers.main(tmp_path)
+    scene = load_scene(makers.RESULT)
     x = np.linspace(-1.2, 1.2, 61)
-    exact = semi_analytic.solve(scene, x=x, time=made.TIMES, fields=("pressure", "shear"))
-    for name in made.REPORTS:
-        found = read(tmp_path / name, Mapping(times=made.TIMES))
+    exact = semi_analytic.solve(scene, x=x, time=makers.TIMES, fields=("pressure", "shear"))
+    for name in makers.REPORTS:
+        table = read(tmp_path / name, Mapping(times=makers.TIMES))
         for quantity in ("x", "time", "pressure", "shear"):
             np.testing.assert_allclose(
-                getattr(found, quantity),
+                getattr(table, quantity),
                 getattr(exact, quantity),
                 rtol=1e-5,
                 atol=1e-5,
                 err_msg=name,
             )
-        report = score_file(tmp_path / name, Mapping(times=made.TIMES), scene)
+        report = score_file(tmp_path / name, Mapping(times=makers.TIMES), scene)
         # Three instants hold no cycle: the dissipation has a tolerance and no value, so the whole
         # has not passed.
         assert "outside" not in {metric.verdict for metric in report.comparison.metrics}
         assert report.comparison.admissible
         assert abs(report.metric("peak_pressure").value) < 1e-5
     field = read(tmp_path / "field.rpt", Mapping())
-    assert field.time.tolist() == list(made.TIMES)
+    assert field.time.tolist() == list(makers.TIMES)
     assert field.notes[:2] == (
         "the nodal values of BLOCK-1 were taken, at 3 frames",
         "61 nodes that do not lie on the contact surface were left out",
@@ -974,32 +987,32 @@ def test_check_exact_json_and_page_say_how_a_record_was_read_and_what_its_cycles
         "threshold": {"P": 1, "Q": 1},
     }
     path.write_text(json.dumps(keys), encoding="utf-8")
-    done = json.loads(halfplane(tmp_path, "check", str(path), "--json").stdout)["result"]
-    (read,) = [note for note in done["notes"] if "as it was read" in note]
+    answer = json.loads(halfplane(tmp_path, "check", str(path), "--json").stdout)["result"]
+    (read,) = [note for note in answer["notes"] if "as it was read" in note]
     assert (
         "Columns separated by: semicolon. Decimal sign: comma. Time: 'Time [s]', s (in its"
         " heading), times 1." in read
     )
-    assert any("The path goes through" in words for words in done["remarks"])
-    done = json.loads(
+    assert any("The path goes through" in words for words in answer["remarks"])
+    answer = json.loads(
         halfplane(
             tmp_path, "exact", str(path), "--json", "--quiet", "--out", str(tmp_path / "exact")
         ).stdout
     )["result"]
-    cycles = done["load_cycles"]
-    assert cycles["cumulative"]["dissipation"][-1] == pytest.approx(done["dissipation"], rel=1e-12)
+    cycles = answer["load_cycles"]
+    assert cycles["cumulative"]["dissipation"][-1] == pytest.approx(
+        answer["dissipation"], rel=1e-12
+    )
     assert cycles["dissipation_per_cycle"] * cycles["counted"] == pytest.approx(
-        done["dissipation"], rel=1e-12
+        answer["dissipation"], rel=1e-12
     )
     loaded = load_scene(path)
     exact = semi_analytic.solve(
         loaded, x=np.linspace(-1.2, 1.2, 41), time=loaded.load.series()[::40, 0]
     )
     page = reports.write(reports.compare(exact, exact), tmp_path / "out")
-    html, content = (
-        page.read_text("utf-8"),
-        json.loads((page.parent / "comparison.json").read_text("utf-8")),
-    )
+    html = page.read_text("utf-8")
+    content = json.loads((page.parent / "comparison.json").read_text("utf-8"))
     assert 'id="measured"' in html
     assert "Dissipation of each load cycle" in html
     assert content["measured"]["read_as"]["load.file"][1] == ["columns separated by", "semicolon"]
@@ -1124,10 +1137,10 @@ def layer(upper: str, base: str, height: float, width: float, unlike: bool) -> S
 def half_width_and_reach(of: Callable[..., Any], scene: Scene) -> tuple[float, float] | str:
     """The sentence where the contact is refused."""
     try:
-        found = of(scene, Counter())
+        size_of_contact = of(scene, Counter())
     except InputError as fault:
         return str(fault)
-    sizes = getattr(found, "scales", found)
+    sizes = getattr(size_of_contact, "scales", size_of_contact)
     return sizes.half_width, sizes.reach
 
 
@@ -1153,12 +1166,12 @@ def test_of_a_long_record_the_rows_of_extreme_loads_count(bulk) -> None:
     load = scales._with_extreme_rows(scene).load
     short = load.rows.values
     assert len(short) <= 10
-    for values, few in (
+    for values, extremes in (
         (rows[:, 1], short[:, 1]),
         (rows[:, 2], short[:, 2]),
         (rows[:, 2] / rows[:, 1], short[:, 2] / short[:, 1]),
     ):
-        assert (few.min(), few.max()) == (values.min(), values.max())
+        assert (extremes.min(), extremes.max()) == (values.min(), values.max())
     assert short[[0, -1]].tolist() == rows[[0, -1]].tolist()
     if bulk:
         assert load.bulk_stress_lower == tuple(short[:, 0].tolist())
@@ -1166,7 +1179,7 @@ def test_of_a_long_record_the_rows_of_extreme_loads_count(bulk) -> None:
 
 
 def test_check_says_how_it_knows_that_bodies_have_room(tmp_path: Path) -> None:
-    done = halfplane(tmp_path, "check", "layer")
-    assert "The bodies have room for the contact: it has the half-width 0.99" in done.stdout
-    assert "This is an estimate by finite elements on a coarse mesh" in done.stdout
+    outcome = halfplane(tmp_path, "check", "layer")
+    assert "The bodies have room for the contact: it has the half-width 0.99" in outcome.stdout
+    assert "This is an estimate by finite elements on a coarse mesh" in outcome.stdout
     assert "estimate" not in halfplane(tmp_path, "check", "hertz-paper").stdout

@@ -127,9 +127,9 @@ class TestFiles:
         assert reader.time_values == answer.time[steps].tolist()
         for step, snapshot in zip(steps, snapshots, strict=True):
             reader.set_active_time_value(snapshot.time)
-            found = reader.read()
-            assert [data.part for data in reader.active_datasets] == [0, 1, 2]
-            for block, body in zip(list(found)[:2], snapshot.bodies, strict=True):
+            table = reader.read()
+            assert [active_dataset.part for active_dataset in reader.active_datasets] == [0, 1, 2]
+            for block, body in zip(list(table)[:2], snapshot.bodies, strict=True):
                 np.testing.assert_array_equal(block.points[:, :2], body.points)
                 np.testing.assert_array_equal(block["von_mises"], body.von_mises)
                 np.testing.assert_array_equal(block["displacement"][:, :2], body.displacement)
@@ -137,7 +137,7 @@ class TestFiles:
                 np.testing.assert_array_equal(np.stack([xx, yy, xy, zz], axis=1), body.stress)
                 assert not yz.any()
                 assert not xz.any()
-            line = found[2]
+            line = table[2]
             np.testing.assert_allclose(line.points[:, 0], answer.x, rtol=0, atol=1e-12)
             assert not line.points[:, 1:].any()
             for name in ("pressure", "shear", "slip", "state"):
@@ -160,21 +160,24 @@ class TestStress:
     ) -> None:
         answer = answer_of("blocks")
         (snapshot,) = halfplane_fe.fields(answer, [answer.time[-1]])
-        found, scales = peak(snapshot), scales_of([snapshot])
-        assert found["value"] == max(body.von_mises.max() for body in snapshot.bodies) == scales[0]
-        body = snapshot.bodies[found["body"] == "upper"]
+        largest = peak(snapshot)
+        scales = scales_of([snapshot])
+        assert (
+            largest["value"] == max(body.von_mises.max() for body in snapshot.bodies) == scales[0]
+        )
+        body = snapshot.bodies[largest["body"] == "upper"]
         assert (
             body.von_mises[
-                np.argmin(np.linalg.norm(body.points - (found["x"], found["y"]), axis=1))
+                np.argmin(np.linalg.norm(body.points - (largest["x"], largest["y"]), axis=1))
             ]
-            == found["value"]
+            == largest["value"]
         )
         xx, yy, xy, zz = snapshot.bodies[0].stress.T
         zero = np.zeros_like(xx)
         tensors = np.array([[xx, xy, zero], [xy, yy, zero], [zero, zero, zz]]).transpose(2, 0, 1)
         principal = np.linalg.eigvalsh(tensors)[:, 2]
         np.testing.assert_allclose(
-            tension(snapshot.bodies[0]), principal, atol=1e-12 * found["value"]
+            tension(snapshot.bodies[0]), principal, atol=1e-12 * largest["value"]
         )
         assert (
             peak(snapshot, tension)["value"]
@@ -190,18 +193,18 @@ class TestStress:
         answer = answer_of("triangles")
         step = int(np.argmax(answer.tangential_load))
         (snapshot,) = halfplane_fe.fields(answer, [answer.time[step]])
-        found = edge_tension(snapshot)
-        assert found is not None
-        body = snapshot.bodies[found["body"] == "upper"]
+        at_edge = edge_tension(snapshot)
+        assert at_edge is not None
+        body = snapshot.bodies[at_edge["body"] == "upper"]
         edge = int(np.argmax(body.edge_tension))
-        assert (found["value"], found["uncertainty"]) == (
+        assert (at_edge["value"], at_edge["uncertainty"]) == (
             body.edge_tension[edge],
             body.edge_tension_uncertainty[edge],
         )
-        assert found["x"] == pytest.approx(answer.contact_edges[step, edge], abs=0.1)
+        assert at_edge["x"] == pytest.approx(answer.contact_edges[step, edge], abs=0.1)
         assert (
-            max(other.edge_tension.max() for other in snapshot.bodies)
-            == found["value"]
+            max(other_body.edge_tension.max() for other_body in snapshot.bodies)
+            == at_edge["value"]
             > peak(snapshot, tension)["value"]
         )
 
@@ -218,12 +221,15 @@ def history(xx: Any = 0.0, yy: Any = 0.0, xy: Any = 0.0, zz: Any = 0.0) -> np.nd
 
 # Stress s along one axis, to and fro about 0, pulled alone and pressed alone; t of pure shear, and
 # of shear that turns round: xx - yy and xy a quarter of a turn apart, of one size.
-S, T, K, LIMIT, E, NU = 150.0, 120.0, 0.3, 400.0, 200e3, 0.3
+S = 150.0
+T = 120.0
+K = 0.3
+LIMIT = 400.0
+E = 200e3
+NU = 0.3
 AXIS, PULLED, PRESSED = (history(xx=S * (np.cos(TURN) + mean)) for mean in (0, 1, -1))
-SHEARED, ROUND = (
-    history(xy=T * np.cos(TURN)),
-    history(xx=T * np.cos(TURN), yy=-T * np.cos(TURN), xy=T * np.sin(TURN)),
-)
+SHEARED = history(xy=T * np.cos(TURN))
+ROUND = history(xx=T * np.cos(TURN), yy=-T * np.cos(TURN), xy=T * np.sin(TURN))
 # of the critical plane of Fatemi and Socie, k = 1
 SINE = (np.sqrt(1 + 8 * (T / LIMIT) ** 2) - 1) / (4 * T / LIMIT)
 MEASURES = {
@@ -271,10 +277,10 @@ class TestFatigue:
     def test_each_measure_has_its_closed_value(
         self, measure: str, stress: np.ndarray, value: float, close: float
     ) -> None:
-        found = fatigue.measures(stress, fatigue.Criteria((1.0, LIMIT), K), E, NU)[
+        measured = fatigue.measures(stress, fatigue.Criteria((1.0, LIMIT), K), E, NU)[
             MEASURES.get(measure, measure)
         ]
-        assert found[0] == pytest.approx(value, rel=close, abs=0.0 if value else close)
+        assert measured[0] == pytest.approx(value, rel=close, abs=0.0 if value else close)
 
     @pytest.mark.slow
     def test_both_engines_at_the_edge_of_a_known_contact(self) -> None:
@@ -287,9 +293,11 @@ class TestFatigue:
         scene = load_scene("cattaneo-mindlin")
         answer = fe_run(scene, MeshSettings(edge_element_size=0.025), FEW_STEPS)
         peak = semi_analytic.edge_tension(scene, 2.0)[0].max()
-        found = fatigue.largest(fatigue.survey(answer, fatigue.Criteria((1.0, 400.0), 0.3)))
-        assert len(found) == 16
-        for row in found:
+        largest_measures = fatigue.largest(
+            fatigue.survey(answer, fatigue.Criteria((1.0, 400.0), 0.3))
+        )
+        assert len(largest_measures) == 16
+        for row in largest_measures:
             assert row["finite_elements"]["value"] == pytest.approx(
                 row["theory"]["value"], rel=5e-3
             ), row["measure"]
@@ -298,8 +306,8 @@ class TestFatigue:
                 assert row["theory"]["value"] == pytest.approx(peak, rel=1e-6)
             if row["measure"] == "Smith-Watson-Topper":
                 # At the least the edge is pressed by as much: the range is twice the tension.
-                wanted = peak**2 * (1 - material.poisson_ratio**2) / material.young_modulus
-                assert row["theory"]["value"] == pytest.approx(wanted, rel=1e-4)
+                expected = peak**2 * (1 - material.poisson_ratio**2) / material.young_modulus
+                assert row["theory"]["value"] == pytest.approx(expected, rel=1e-4)
                 assert abs(row["theory"]["x"]) == pytest.approx(1.0, abs=1e-9)
         tables = [
             fatigue.survey(answer, fatigue.Criteria(critical_distance=distance))
@@ -330,10 +338,10 @@ class TestInstants:
         cycle = answer.time[answer.last_cycle]
         series, notes = series_of(answer, None, 8)
         assert not notes
-        found = np.array([instant.time for instant in series])
-        assert set(found) <= set(cycle[:-1])
+        times = np.array([instant.time for instant in series])
+        assert set(times) <= set(cycle[:-1])
         assert (
-            np.abs(found - np.linspace(cycle[0], cycle[-1], 9)[:-1]).max()
+            np.abs(times - np.linspace(cycle[0], cycle[-1], 9)[:-1]).max()
             <= np.diff(cycle).max() / 2 + 1e-12
         )
         for every in (1, 3):
@@ -341,7 +349,7 @@ class TestInstants:
                 :-1:every
             ].tolist()
         series, notes = series_of(answer, None, 1000)
-        assert len({one.time for one in series}) == len(series) < len(cycle)
+        assert len({snapshot.time for snapshot in series}) == len(series) < len(cycle)
         assert f"{len(series)} instants instead of 1000" in notes[0]
 
     def test_stills_are_drawn_only_where_instants_are_named(self) -> None:
@@ -362,19 +370,19 @@ class TestPictures:
         """A unit square in a window of 4 by 2: a quarter of the width, half of the height, at the
         lower left.
         """
-        found = picture([Skin(self.SQUARE, self.CELL, np.zeros(4))], (-1.0, 3.0, 0.0, 2.0), 200)
-        assert found.shape == (100, 200, 3)
-        rows, columns = np.nonzero(found.min(axis=2) < 100)
+        image = picture([Skin(self.SQUARE, self.CELL, np.zeros(4))], (-1.0, 3.0, 0.0, 2.0), 200)
+        assert image.shape == (100, 200, 3)
+        rows, columns = np.nonzero(image.min(axis=2) < 100)
         assert (rows.min(), rows.max() + 1) == pytest.approx((50, 100), abs=1)
         assert (columns.min(), columns.max() + 1) == pytest.approx((50, 100), abs=1)
 
     def test_values_take_the_colours_of_the_scale(self) -> None:
-        found = picture(
+        image = picture(
             [Skin(self.SQUARE, self.CELL, self.SQUARE[:, 1])], (0.0, 1.0, 0.0, 1.0), 64
         ).astype(int)
         for row in (2, 20, 40, 61):
-            wanted = 255 * np.array(mpl.colormaps["viridis"](1 - (row + 0.5) / 64)[:3])
-            assert np.abs(found[row, 32] - wanted).max() < 8
+            colour = 255 * np.array(mpl.colormaps["viridis"](1 - (row + 0.5) / 64)[:3])
+            assert np.abs(image[row, 32] - colour).max() < 8
 
     def test_edges_are_seen_only_where_requested(self) -> None:
         skins = [Skin(self.SQUARE, self.CELL, np.ones(4), edges=edges) for edges in (0.0, 1.0)]
@@ -440,13 +448,13 @@ class TestCommand:
         have not.
         """
         document = ET.parse(folder / "out" / "pictures" / "mesh.svg")
-        shown = {
+        drawn = {
             colour
             for path in document.iter("{http://www.w3.org/2000/svg}path")
             for colour in re.findall(r"#\w+", path.get("style", ""))
         }
         colours = {name: style_of(f"curve side-{name}")["stroke"] for name in BOUNDARIES}
-        assert {name for name, colour in colours.items() if colour in shown} == {
+        assert {name for name, colour in colours.items() if colour in drawn} == {
             "contact",
             "free",
             "sides",

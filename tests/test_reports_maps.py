@@ -57,7 +57,7 @@ from scenes import (
 from semi_analytic.profiles import contact_of
 
 Array = NDArray[np.float64]
-THERE = {one.name: one for one in pages.present(PUBLISHED)}
+THERE = {table.name: table for table in pages.present(PUBLISHED)}
 PAPER = ellipse_path(1 / 3, 1.1 / 3, 1 / 3, np.pi / 2)
 NOTHING = Curvatures(0.0, 0.0)
 
@@ -137,7 +137,8 @@ def test_a_bound_counts_the_uncertainty() -> None:
 def test_without_bodies_it_is_half_plane_theory() -> None:
     """Measured 2e-4: chords of the loop, cells of the memory."""
     scene = scene_of("phase-45")
-    load, material = scene.load, scene.material
+    load = scene.load
+    material = scene.material
     assert isinstance(load, EllipseLoad)
     p0 = load.mean_normal_load
     amplitudes = (
@@ -195,11 +196,10 @@ def blocks(base: str, height: float, aspect: float) -> Scene:
 
 def pad(flat: float, curvature: float, ratio: float = 0.6) -> Scene:
     """A pad of the map: a = 1 by half-plane theory, P constant, Q between +-ratio f P."""
-    load, steel = steel_load(flat, curvature), Elastic(young_modulus=210e3, poisson_ratio=0.3)
-    base, upper = (
-        load_scene("two-cylinders"),
-        Pad(width=2 * flat + 1.4 / curvature, height=1 / curvature),
-    )
+    load = steel_load(flat, curvature)
+    steel = Elastic(young_modulus=210e3, poisson_ratio=0.3)
+    base = load_scene("two-cylinders")
+    upper = Pad(width=2 * flat + 1.4 / curvature, height=1 / curvature)
     changes = {
         "material": Materials(lower=steel, upper=steel),
         "profile": FlatRounded(radius=1 / curvature, flat_half_length=flat),
@@ -221,7 +221,8 @@ def polygon(*way: tuple[float, float], cycle: tuple[tuple[float, float], ...]) -
     return PolygonLoad(initial_loading=way, cycle=cycle)
 
 
-SCENE, LOAD = pad(0.5, 0.05), (steel_load(0.5, 0.05), 0.3 * steel_load(0.5, 0.05))
+SCENE = pad(0.5, 0.05)
+LOAD = (steel_load(0.5, 0.05), 0.3 * steel_load(0.5, 0.05))
 MOVING = SCENE.vary(load=polygon(LOAD, cycle=((0.9 * LOAD[0], 0.0),)))
 TURNING = SCENE.vary(
     load=polygon(LOAD, cycle=tuple((LOAD[0], share * LOAD[1]) for share in (0.0, 0.5, -1.0)))
@@ -287,20 +288,20 @@ def test_studies_are_studies_and_pages_and_tables_are_current_and_whole(name: st
 
 
 def test_first_page_and_laws_are_current_and_all_is_small() -> None:
-    there = list(THERE.values())
-    assert (PUBLISHED / "README.md").read_text(encoding="utf-8") == pages.index(PUBLISHED, there)
-    stored, made = (
+    rows = list(THERE.values())
+    assert (PUBLISHED / "README.md").read_text(encoding="utf-8") == pages.index(PUBLISHED, rows)
+    stored, fresh = (
         json.loads(text)
-        for text in ((PUBLISHED / "laws.json").read_text(), pages.laws_text(PUBLISHED, there))
+        for text in ((PUBLISHED / "laws.json").read_text(), pages.laws_text(PUBLISHED, rows))
     )
-    for kind, given in (("laws", 1e-4), ("curvatures", 1e-4)):
-        for one, other in zip(stored[kind], made[kind], strict=True):
+    for kind, tolerance in (("laws", 1e-4), ("curvatures", 1e-4)):
+        for present, fresh_row in zip(stored[kind], fresh[kind], strict=True):
             numbers = [
                 {key: value for key, value in row.items() if isinstance(value, float)}
-                for row in (one, other)
+                for row in (present, fresh_row)
             ]
-            assert numbers[0] == pytest.approx(numbers[1], rel=given)
-            assert {**one, **numbers[1]} == other
+            assert numbers[0] == pytest.approx(numbers[1], rel=tolerance)
+            assert {**present, **numbers[1]} == fresh_row
     assert sum(path.stat().st_size for path in PUBLISHED.iterdir()) < 3e6
 
 
@@ -348,10 +349,10 @@ def test_corrections_on_points_that_nothing_was_fitted_to() -> None:
     assert np.median(rest / error) < 0.08
     assert (rest / error).max() < 0.15  # what advice counts with
     rows = tabled("loop", "The correction under loops that nothing was fitted to")
-    seen = [row for row in rows if row["error of theory, %"] != "sticks throughout"]
-    assert len(seen) > 30
+    rows_with_slip = [row for row in rows if row["error of theory, %"] != "sticks throughout"]
+    assert len(rows_with_slip) > 30
     left = []
-    for row in seen:
+    for row in rows_with_slip:
         left.append(abs(float(row["left after correction, %"])))
         allowed = max(
             3 * float(row["uncertainty, %"]), 0.035 * abs(float(row["error of theory, %"])), 0.05
@@ -363,9 +364,9 @@ def test_corrections_on_points_that_nothing_was_fitted_to() -> None:
 # ------------------------------------------------------------------------------------------- advice
 def advised(scene: Scene) -> tuple[list[Part], dict[str, tuple[float, float]]]:
     """The departures of a scene, and what the first does."""
-    _, found = parts_of(scene)
-    assert found[0].values is not None
-    return list(found), dict(found[0].values)
+    _, parts = parts_of(scene)
+    assert parts[0].values is not None
+    return list(parts), dict(parts[0].values)
 
 
 def test_readings_between_points_and_lines() -> None:
@@ -404,27 +405,25 @@ def test_advice_on_pads() -> None:
     """
     for curvature, within in ((1e-3, 0.01), (1e-4, 1e-3)):
         for ratio in (0.3, 0.6):
-            found, values = advised(pad(0.5, curvature, ratio))
-            assert len(found) == 1
-            assert "first power of a/R" in found[0].how
+            parts, values = advised(pad(0.5, curvature, ratio))
+            assert len(parts) == 1
+            assert "first power of a/R" in parts[0].how
             assert values["error.dissipation"][0] == pytest.approx(
                 curvature * work_constant(0.5, ratio), rel=within
             )
-    found, _ = advised(MOVING)
-    assert found[0].extrapolated
-    assert "which this loop is not" in found[0].how
+    parts, _ = advised(MOVING)
+    assert parts[0].extrapolated
+    assert "which this loop is not" in parts[0].how
 
 
 def without_beta(upper_stiff: bool, curvature: float) -> Scene:
     """Moduli that differ by two, and beta = 0: G2/G1 = (1 - 2 nu2)/(1 - 2 nu1) = 1/2."""
-    stiff, soft = (
-        Elastic(young_modulus=210e3, poisson_ratio=0.3),
-        Elastic(young_modulus=210e3 * 1.4 / 2.6, poisson_ratio=0.4),
+    stiff = Elastic(young_modulus=210e3, poisson_ratio=0.3)
+    soft = Elastic(young_modulus=210e3 * 1.4 / 2.6, poisson_ratio=0.4)
+    materials = Materials(
+        upper=stiff if upper_stiff else soft, lower=soft if upper_stiff else stiff
     )
-    materials, base = (
-        Materials(upper=stiff if upper_stiff else soft, lower=soft if upper_stiff else stiff),
-        pad(0.5, curvature),
-    )
+    base = pad(0.5, curvature)
     load = float(contact_of(base.profile, materials).load(1.0))
     return base.vary(
         material=materials,
@@ -436,8 +435,8 @@ def without_beta(upper_stiff: bool, curvature: float) -> Scene:
 def test_the_curved_bodys_modulus_alone_counts(upper_stiff: bool, share: float) -> None:
     scene = without_beta(upper_stiff, 1e-3)
     assert share_of(scene.material.upper, scene.material) == pytest.approx(share, abs=1e-4)
-    found, values = advised(scene)
-    assert [part.what[:9] for part in found] == ["true arcs"]
+    parts, values = advised(scene)
+    assert [part.what[:9] for part in parts] == ["true arcs"]
     assert values["error.dissipation"][0] == pytest.approx(
         1e-3 * share * work_constant(0.5, 0.6), rel=0.01
     )
@@ -449,13 +448,14 @@ def test_correction_and_advice_on_held_out_pads() -> None:
     """
     for row in read(PUBLISHED, "pad-held-out").to_dict("records"):
         scene = pad(float(row["flat"]), float(row["curvature"]), float(row["ratio"]))
-        error, doubt = float(row["error.dissipation"]), float(row["error.dissipation.uncertainty"])
+        error = float(row["error.dissipation"])
+        doubt = float(row["error.dissipation.uncertainty"])
         _, values = advised(scene)
         for figure in FIGURES:
-            said, unsure = values[figure]
-            assert abs(said - float(row[figure])) <= unsure + float(row[f"{figure}.uncertainty"]), (
-                figure
-            )
+            stated, unsure = values[figure]
+            assert abs(stated - float(row[figure])) <= unsure + float(
+                row[f"{figure}.uncertainty"]
+            ), figure
         assert abs(pages.left(error, pad_correction(scene))) <= 0.25 * abs(error) + doubt
 
 
@@ -464,11 +464,11 @@ def measured(scene: Scene, settings: MeshSettings) -> dict[str, float]:
     """Errors of half-plane theory, by finite elements."""
     fe = halfplane_fe.solve(scene, settings)
     exact = semi_analytic.solve(scene, x=fe.x, time=fe.time, fields=("dissipation", "pressure"))
-    found = {
+    errors = {
         "error.dissipation": fe.dissipation / exact.dissipation - 1,
         "error.p0": fe.pressure.max() / exact.pressure.max() - 1,
     }
-    return {name: float(value) for name, value in found.items()}
+    return {name: float(value) for name, value in errors.items()}
 
 
 FINE = MeshSettings(element_size=0.025, edge_element_size=0.005, growth=0.1)
@@ -492,10 +492,11 @@ def test_advice_holds_in_a_run(case: str) -> None:
     twice = replace(
         mesh, element_size=2 * mesh.element_size, edge_element_size=2 * mesh.edge_element_size
     )
-    _, found = parts_of(scene)
-    fine, coarse = measured(scene, mesh), measured(scene, twice)
+    _, parts = parts_of(scene)
+    fine = measured(scene, mesh)
+    coarse = measured(scene, twice)
     # The mesh's own part is taken out at order 2: p0 of the soft pad is +0.544, +0.468, +0.441 % as
     # sizes are halved.
     for figure, truth in fine.items():
-        error, doubt = total(found, figure)
+        error, doubt = total(parts, figure)
         assert abs(truth + (truth - coarse[figure]) / 3 - error) <= doubt, figure

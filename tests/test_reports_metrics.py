@@ -30,16 +30,20 @@ from scenes.scene import OWN_TOLERANCES
 from test_reports_synthetic import LOAD_RATIO, cattaneo_mindlin, with_fields
 
 TRUTH = cattaneo_mindlin()
-X, TIME = TRUTH.x, TRUTH.time
-SPACING, STEPS = float(X[1] - X[0]), len(TIME) - 1
+X = TRUTH.x
+TIME = TRUTH.time
+SPACING = float(X[1] - X[0])
+STEPS = len(TIME) - 1
 INSIDE = TRUTH.state != SurfaceState.OPEN
 FRICTION = TRUTH.scene.friction.coefficient
-STROKE, W = float(np.ptp(TRUTH.tangential_displacement)), TRUTH.dissipation
+STROKE = float(np.ptp(TRUTH.tangential_displacement))
+W = TRUTH.dissipation
 SCALES = compare(TRUTH, TRUTH).scales
 # What the closed form itself leaves of a metric that should be 0.
 ROUNDING = 1e-12
 # An instant soon after Q turned at its largest, when q has both signs, and one on the way up.
-AFTER_TURN, ON_THE_WAY = 50, 30
+AFTER_TURN = 50
+ON_THE_WAY = 30
 
 
 def changed(**fields: Any) -> ContactSolution:
@@ -99,10 +103,12 @@ def swapped() -> ContactSolution:
 
 def full_stick(*runs: tuple[int, int]) -> ContactSolution:
     """The whole contact sticking from the first to the last step of each run."""
-    found = TRUTH.stick_edges
+    stick_edges = TRUTH.stick_edges
     for first, last in runs:
-        found = at(slice(first, last + 1), found, new=TRUTH.contact_edges[first : last + 1])
-    return changed(stick_edges=found)
+        stick_edges = at(
+            slice(first, last + 1), stick_edges, new=TRUTH.contact_edges[first : last + 1]
+        )
+    return changed(stick_edges=stick_edges)
 
 
 def to_and_fro(late: int) -> ContactSolution:
@@ -462,11 +468,11 @@ FAULTS: dict[str, tuple[Callable[[], ContactSolution], dict[str, float], str, Co
 }
 
 
-def seen(found: Comparison) -> set[str]:
+def seen(comparison: Comparison) -> set[str]:
     """The metrics that are not 0."""
     return {
         metric.key
-        for metric in found.metrics
+        for metric in comparison.metrics
         if metric.value is not None and not abs(metric.value) < ROUNDING
     }
 
@@ -474,16 +480,23 @@ def seen(found: Comparison) -> set[str]:
 @pytest.mark.parametrize("name", FAULTS)
 def test_fault_is_seen_by_its_metrics_alone(name: str) -> None:
     plant, amounts, also, reference = FAULTS[name]
-    found = compare(reference, plant(), polygon_reference=TRUTH if reference is TRUTH else None)
-    assert seen(found) == {*amounts, *also.split()}
+    comparison = compare(
+        reference, plant(), polygon_reference=TRUTH if reference is TRUTH else None
+    )
+    assert seen(comparison) == {*amounts, *also.split()}
     for key, value in amounts.items():
-        assert found.metric(key).value == pytest.approx(value, rel=1e-9, abs=ROUNDING), key
-    assert all(metric.value is not None or metric.note for metric in found.metrics)
+        assert comparison.metric(key).value == pytest.approx(value, rel=1e-9, abs=ROUNDING), key
+    assert all(metric.value is not None or metric.note for metric in comparison.metrics)
 
 
 def test_places_times_uncertainties_and_units_of_the_worst() -> None:
-    found = {name: compare(reference, plant()) for name, (plant, _, _, reference) in FAULTS.items()}
-    metrics = {name: {metric.key: metric for metric in one.metrics} for name, one in found.items()}
+    comparisons = {
+        name: compare(reference, plant()) for name, (plant, _, _, reference) in FAULTS.items()
+    }
+    metrics = {
+        name: {metric.key: metric for metric in comparison.metrics}
+        for name, comparison in comparisons.items()
+    }
     assert metrics["pressure 1 % low at one instant"]["peak_pressure"].time == TIME[17]
     assert metrics["energy balance not closed"]["energy_balance"].time == TIME[9]
     assert compare(recorded(3e-4), TRUTH).metric("energy_balance").note == "the result records none"
@@ -492,7 +505,7 @@ def test_places_times_uncertainties_and_units_of_the_worst() -> None:
     assert worst.elements == pytest.approx(0.5)
     assert unit_of(worst) == "of a_ref (+0.5 elements)"
     assert compare(TRUTH, TRUTH).metric("stick_edge").elements is None
-    content = json.loads(as_json(Report(found["right contact edge 0.02 a out"])))
+    content = json.loads(as_json(Report(comparisons["right contact edge 0.02 a out"])))
     stored = content["metrics"]["contact_edge"]
     assert stored["value"] == pytest.approx(0.02)
     assert (stored["unit"], stored["region"], stored["signed"]) == (
@@ -509,7 +522,8 @@ def test_places_times_uncertainties_and_units_of_the_worst() -> None:
 NAN = float("nan")
 NO_EDGES = changed(stick_edges=at(slice(40, 43), TRUTH.stick_edges, new=NAN))
 LARGEST_SLIP_ZONE = int(np.argmin(TRUTH.stick_half_width))
-LONG_STICK, TWO_STICKS = full_stick((50, 58)), full_stick((50, 58), (90, 93))
+LONG_STICK = full_stick((50, 58))
+TWO_STICKS = full_stick((50, 58), (90, 93))
 # Of the stick edge at the four instants of full stick that one lacks.
 JUMP = float(np.max(1 - TRUTH.stick_half_width[90:94]))
 LITTLE, LESS = (changed(dissipation=part * SCALES.dissipation) for part in (1e-6, 1e-6 - 1e-3))
@@ -565,26 +579,26 @@ NOTED: dict[str, tuple[ContactSolution, ContactSolution, str, float | None, str]
 
 @pytest.mark.parametrize("case", NOTED)
 def test_what_one_of_them_lacks_is_said(case: str) -> None:
-    reference, result, key, value, note = NOTED[case]
-    metric = compare(reference, result).metric(key)
+    reference, solution, key, value, note = NOTED[case]
+    metric = compare(reference, solution).metric(key)
     assert metric.value == (value if value is None else pytest.approx(value, nan_ok=True))
     assert note in metric.note if note else not metric.note or metric.absolute
     assert metric.absolute is (case in ("no dissipation", "no slip"))
 
 
-@pytest.mark.parametrize("more", [1 - 1e-12, 1.0, 1 + 1e-12])
-def test_of_differences_alike_but_for_rounding_the_first_counts(more: float) -> None:
+@pytest.mark.parametrize("excess", [1 - 1e-12, 1.0, 1 + 1e-12])
+def test_of_differences_alike_but_for_rounding_the_first_counts(excess: float) -> None:
     """A cycle that is its own mirror image has each twice, with both signs: which was named was
     chance.
     """
     shift = TRUTH.tangential_displacement.copy()
-    shift[[20, 80]] += 0.03 * STROKE * np.array([1, -more])
+    shift[[20, 80]] += 0.03 * STROKE * np.array([1, -excess])
     density = TRUTH.dissipation_density.copy()
-    density[[40, 60]] += 0.07 * density.max() * np.array([1, -more])
-    found = compare(TRUTH, changed(tangential_displacement=shift, dissipation_density=density))
-    moved = found.metric("tangential_displacement")
+    density[[40, 60]] += 0.07 * density.max() * np.array([1, -excess])
+    comparison = compare(TRUTH, changed(tangential_displacement=shift, dissipation_density=density))
+    moved = comparison.metric("tangential_displacement")
     assert (moved.value, moved.time) == pytest.approx((0.03, TIME[20]))
-    largest = found.metric("dissipation_density")
+    largest = comparison.metric("dissipation_density")
     assert (largest.value, largest.place) == pytest.approx((0.07, X[40]))
 
 
@@ -601,11 +615,12 @@ def test_maps_count_both_ways_and_a_stick_edge_that_is_never_there_fails() -> No
 
 def test_step_error_stands_apart() -> None:
     """The polygon's answer 3 % off the smooth one, the result 1 % off the polygon's."""
-    polygon, result = changed(dissipation=1.03 * W), changed(dissipation=1.03 * 1.01 * W)
-    found = compare(TRUTH, result, polygon_reference=polygon)
-    values = [found.metric(f"dissipation{part}").value for part in ("_step", "_polygon", "")]
+    polygon = changed(dissipation=1.03 * W)
+    solution = changed(dissipation=1.03 * 1.01 * W)
+    comparison = compare(TRUTH, solution, polygon_reference=polygon)
+    values = [comparison.metric(f"dissipation{part}").value for part in ("_step", "_polygon", "")]
     assert values == pytest.approx([0.03, 0.01, 0.0403])
-    assert "dissipation_polygon" not in {metric.key for metric in compare(TRUTH, result).metrics}
+    assert "dissipation_polygon" not in {metric.key for metric in compare(TRUTH, solution).metrics}
 
 
 def test_peak_is_not_biased_by_where_the_points_lie() -> None:
@@ -635,7 +650,9 @@ def weighted(angle: float, factor: float = 1.0, shear: float = 0.0) -> Weighted:
     """Nodes whose weights make the forces of the closed form exact, on a surface that leans by
     `angle`.
     """
-    fields = {one.name: getattr(TRUTH, one.name) for one in dataclasses.fields(ContactSolution)}
+    fields = {
+        field.name: getattr(TRUTH, field.name) for field in dataclasses.fields(ContactSolution)
+    }
     fields |= {"pressure": factor * TRUTH.pressure, "shear": shear * TRUTH.pressure}
     return Weighted(
         **fields,
@@ -648,14 +665,18 @@ def test_resultants_are_those_of_the_results_own_weights_and_need_no_reference()
     """A pressure of resultant 1.01 P that leans by 0.1: 1.01 cos 0.1 P up and 1.01 sin 0.1 P
     sideways, less Q. Shear lifts.
     """
-    found = compare(TRUTH, weighted(0.1, 1.01))
-    assert found.metric("resultant_normal").value == pytest.approx(1.01 * np.cos(0.1) - 1, rel=1e-9)
+    comparison = compare(TRUTH, weighted(0.1, 1.01))
+    assert comparison.metric("resultant_normal").value == pytest.approx(
+        1.01 * np.cos(0.1) - 1, rel=1e-9
+    )
     sideways = 1.01 * np.sin(0.1) - TRUTH.tangential_load / TRUTH.normal_load
-    assert found.metric("resultant_tangential").value == pytest.approx(sideways.max(), rel=1e-9)
-    assert not found.metric("resultant_normal").note
+    assert comparison.metric("resultant_tangential").value == pytest.approx(
+        sideways.max(), rel=1e-9
+    )
+    assert not comparison.metric("resultant_normal").note
     lifted = 0.5 * (np.cos(0.1) - np.sin(0.1)) - 1
-    for other in (TRUTH, changed(pressure=2 * TRUTH.pressure)):
-        assert compare(other, weighted(0.1, 0.5, 0.5)).metric(
+    for reference in (TRUTH, changed(pressure=2 * TRUTH.pressure)):
+        assert compare(reference, weighted(0.1, 0.5, 0.5)).metric(
             "resultant_normal"
         ).value == pytest.approx(lifted, rel=1e-9)
 
@@ -677,23 +698,24 @@ def test_what_is_not_a_number_fails(name: str) -> None:
     """One NaN in the middle of the data of either: the metrics of that field are not finite and
     fail, without a tolerance too.
     """
-    data = getattr(TRUTH, name)
+    values = getattr(TRUTH, name)
     poisoned: Any = NAN
-    if isinstance(data, np.ndarray):
-        place = (17, -1) if data.shape[-1] == 2 else (len(data) // 3, len(X) // 2)
-        poisoned = at(place[: data.ndim], data, new=NAN)
+    if isinstance(values, np.ndarray):
+        place = (17, -1) if values.shape[-1] == 2 else (len(values) // 3, len(X) // 2)
+        poisoned = at(place[: values.ndim], values, new=NAN)
     bad = changed(**{name: poisoned})
-    for found in (compare(bad, TRUTH), compare(TRUTH, bad)):
+    for comparison in (compare(bad, TRUTH), compare(TRUTH, bad)):
         for key in POISON[name].split():
-            assert not np.isfinite(found.metric(key).value or 0.0), key
-            assert found.metric(key).accurate is False, key
-        assert not found.passed
+            assert not np.isfinite(comparison.metric(key).value or 0.0), key
+            assert comparison.metric(key).accurate is False, key
+        assert not comparison.passed
 
 
 # -------------------------------------------------------------------------------------------- units
 def in_other_units(solution: ContactSolution, stress: float, length: float) -> ContactSolution:
     """The same solution in other units of stress and length."""
-    force, energy = stress * length, stress * length**2
+    force = stress * length
+    energy = stress * length**2
     material = solution.scene.material
     stiffer = {
         b: m.vary(young_modulus=m.young_modulus * stress)
@@ -744,19 +766,19 @@ UNITS = {name: (reference, plant) for name, (plant, _, _, reference) in FAULTS.i
 @pytest.mark.parametrize(("stress", "length"), [(1e9, 1.0), (1.0, 1e9)])
 def test_units_do_not_matter(stress: float, length: float) -> None:
     for name, (reference, plant) in UNITS.items():
-        result = plant()
-        before = compare(reference, result)
+        solution = plant()
+        before = compare(reference, solution)
         after = compare(
-            in_other_units(reference, stress, length), in_other_units(result, stress, length)
+            in_other_units(reference, stress, length), in_other_units(solution, stress, length)
         )
         absolute = [metric.key for metric in after.metrics if metric.absolute]
         assert absolute == [metric.key for metric in before.metrics if metric.absolute]
         for metric in after.metrics:
             value = before.metric(metric.key).value
-            wanted = (
+            expected = (
                 None if value is None else pytest.approx(value, rel=1e-9, abs=1e-12, nan_ok=True)
             )
-            assert metric.value == wanted, (name, metric.key)
+            assert metric.value == expected, (name, metric.key)
     assert {
         "dissipation",
         "dissipation_density",
@@ -773,9 +795,9 @@ def test_verdict_against_the_tolerances_of_the_scene() -> None:
     assert [metric.key for metric in outside.metrics if metric.accurate is False] == ["dissipation"]
     renamed = TRUTH.scene.vary(title="renamed", name="other")
     assert compare(TRUTH, changed(scene=renamed)).passed
-    other = changed(scene=TRUTH.scene.vary(friction=0.505))
+    solution = changed(scene=TRUTH.scene.vary(friction=0.505))
     with pytest.raises(InputError, match=r"different questions: friction is .*0\.5.* and .*0\.505"):
-        compare(TRUTH, other)
+        compare(TRUTH, solution)
 
 
 def test_scales_and_frictionless_shear() -> None:
@@ -790,19 +812,19 @@ def test_scales_and_frictionless_shear() -> None:
         dissipation=0.0,
         dissipation_density=0 * X,
     )
-    found = compare(smooth, with_fields(smooth, shear=0.01 * TRUTH.pressure))
-    assert found.metric("shear").value == pytest.approx(0.01)
-    assert any("Frictionless" in note for note in found.notes)
+    comparison = compare(smooth, with_fields(smooth, shear=0.01 * TRUTH.pressure))
+    assert comparison.metric("shear").value == pytest.approx(0.01)
+    assert any("Frictionless" in note for note in comparison.notes)
 
 
 def test_a_pickled_comparison_has_the_same_metrics() -> None:
     """A sweep of somebody else sends it between processes, with the functions of the table."""
     comparison = compare(cattaneo_mindlin(), cattaneo_mindlin())
-    again = pickle.loads(pickle.dumps(comparison))
-    assert [(one.key, one.value) for one in again.metrics] == [
-        (one.key, one.value) for one in comparison.metrics
+    stored = pickle.loads(pickle.dumps(comparison))
+    assert [(metric.key, metric.value) for metric in stored.metrics] == [
+        (metric.key, metric.value) for metric in comparison.metrics
     ]
-    assert all(one.measure is METRICS[one.key].measure for one in again.metrics)
+    assert all(metric.measure is METRICS[metric.key].measure for metric in stored.metrics)
 
 
 def test_light_instants_are_shown_and_not_judged() -> None:
@@ -810,22 +832,24 @@ def test_light_instants_are_shown_and_not_judged() -> None:
     and said so.
     """
     light = changed(normal_load=at(17, TRUTH.normal_load, 0.05))
-    found = compare(light, with_fields(light, pressure=at(17, TRUTH.pressure, 0.5)))
-    metric = found.metric("pressure")
+    comparison = compare(light, with_fields(light, pressure=at(17, TRUTH.pressure, 0.5)))
+    metric = comparison.metric("pressure")
     assert metric.value == 0.0
     assert metric.series[17] == pytest.approx(0.5)
-    assert any("1 of 121 instants carry less than 0.1 P_ref" in note for note in found.notes)
+    assert any("1 of 121 instants carry less than 0.1 P_ref" in note for note in comparison.notes)
 
 
 @pytest.mark.parametrize("name", ["hertz-paper", "full-stick", "cylinder-roller-frictionless"])
 def test_half_plane_theory_against_itself(name: str) -> None:
     """Every metric is exactly 0 or says in words why it does not apply."""
     exact = semi_analytic.solve(load_scene(name))
-    found = compare(exact, exact)
-    assert seen(found) == set()
-    assert all(metric.value is not None or metric.note for metric in found.metrics)
+    comparison = compare(exact, exact)
+    assert seen(comparison) == set()
+    assert all(metric.value is not None or metric.note for metric in comparison.metrics)
     if "frictionless" in name:
-        notes = {metric.key for metric in found.metrics if metric.note.startswith("frictionless")}
+        notes = {
+            metric.key for metric in comparison.metrics if metric.note.startswith("frictionless")
+        }
         assert notes >= {"slip", "largest_slip_common"}
 
 
@@ -833,17 +857,17 @@ OF_BULK = {"stick_eccentricity", "bulk_work", "dissipation_drift", "moment", "ti
 
 
 def test_every_metric_has_its_row_in_the_table_on_the_page_and_a_planted_fault() -> None:
-    found = compare(PULLED, PULLED, polygon_reference=PULLED)
-    assert [metric.key for metric in found.metrics] == sorted(
+    comparison = compare(PULLED, PULLED, polygon_reference=PULLED)
+    assert [metric.key for metric in comparison.metrics] == sorted(
         METRICS, key=lambda key: not METRICS[key].headline
     )
-    assert [*found.headlines, *found.others] == list(found.metrics)
+    assert [*comparison.headlines, *comparison.others] == list(comparison.metrics)
     plain = compare(TRUTH, TRUTH, polygon_reference=TRUTH)
-    assert {metric.key for metric in found.metrics} - {
+    assert {metric.key for metric in comparison.metrics} - {
         metric.key for metric in plain.metrics
     } == OF_BULK
-    assert (len(plain.headlines), len(found.headlines)) == (7, 8)
-    assert (len(plain.metrics), len(found.metrics)) == (23, 28)
+    assert (len(plain.headlines), len(comparison.headlines)) == (7, 8)
+    assert (len(plain.metrics), len(comparison.metrics)) == (23, 28)
     unsigned = {"pressure", "shear", "state", "slip", "energy_balance"}
     assert {row.key for row in METRICS.values() if not row.signed} == unsigned
     page = (Path(__file__).parents[1] / "docs" / "metrics.md").read_text(encoding="utf-8")
@@ -857,20 +881,22 @@ def test_tension_at_the_trailing_edge() -> None:
     """Theory against finite elements on a coarse mesh, within the uncertainty; a hundredth more
     traction is seen as such.
     """
-    result = fe_run(
+    solution = fe_run(
         load_scene("cattaneo-mindlin"), MeshSettings(edge_element_size=0.025), FEW_STEPS
     )
-    exact = semi_analytic.solve(result.scene, x=result.x, time=result.time)
-    found = compare(exact, result).metric("edge_tension")
-    assert abs(found.value) <= found.uncertainty < 0.01
-    assert found.amounts[0] == pytest.approx(semi_analytic.edge_tension(exact, exact.time)[0].max())
+    exact = semi_analytic.solve(solution.scene, x=solution.x, time=solution.time)
+    metric = compare(exact, solution).metric("edge_tension")
+    assert abs(metric.value) <= metric.uncertainty < 0.01
+    assert metric.amounts[0] == pytest.approx(
+        semi_analytic.edge_tension(exact, exact.time)[0].max()
+    )
     scaled = {
-        name: 1.01 * getattr(result, name) for name in ("pressure", "shear", "tangential_load")
+        name: 1.01 * getattr(solution, name) for name in ("pressure", "shear", "tangential_load")
     }
-    more = compare(exact, dataclasses.replace(result, **scaled)).metric("edge_tension")
-    assert more.value == pytest.approx(1.01 * (1 + found.value) - 1, abs=1e-6)
-    other = dataclasses.replace(exact, engine="somebody's code")
-    assert "not known of somebody's code" in compare(exact, other).metric("edge_tension").note
+    scaled_metric = compare(exact, dataclasses.replace(solution, **scaled)).metric("edge_tension")
+    assert scaled_metric.value == pytest.approx(1.01 * (1 + metric.value) - 1, abs=1e-6)
+    foreign = dataclasses.replace(exact, engine="somebody's code")
+    assert "not known of somebody's code" in compare(exact, foreign).metric("edge_tension").note
 
 
 # ---------------------------------------------------------------------------------- laws of contact
@@ -896,13 +922,15 @@ LAWS = {
 @pytest.mark.parametrize("law", LAWS)
 def test_each_law_broken_is_seen_by_its_own_certificate(law: str) -> None:
     plant, broken = LAWS[law]
-    found = compare(TRUTH, plant())
-    failed = {check.label: check.time for check in found.result_certificates if not check.holds}
+    comparison = compare(TRUTH, plant())
+    failed = {
+        check.label: check.time for check in comparison.result_certificates if not check.holds
+    }
     assert set(failed) == broken or (law == "tension" and broken <= set(failed))
-    assert found.passed is (law == "none")
+    assert comparison.passed is (law == "none")
     if "record" in law:
         assert failed == {"energy balance (record)": TIME[9]}
-        assert found.accurate is (law == "record")
+        assert comparison.accurate is (law == "record")
 
 
 # --------------------------------------- one solution on the points and instants of another; events
@@ -917,32 +945,32 @@ def test_stated_interpolation_error_is_honest() -> None:
     like = last_cycle(ROUGH)
     smaller = 0
     for points in range(100, 420, 3):
-        found = sample(
+        sampled = sample(
             last_cycle(cattaneo_mindlin(steps_per_leg=20, points=points)), like, "closed form"
         )
-        if found.interpolation:
-            error = np.max(np.abs(found.pressure - like.pressure)) / np.max(like.pressure)
-            smaller += error > found.interpolation["pressure"]
+        if sampled.interpolation:
+            error = np.max(np.abs(sampled.pressure - like.pressure)) / np.max(like.pressure)
+            smaller += error > sampled.interpolation["pressure"]
     assert smaller <= 1
 
 
 def test_interpolation_in_time_and_space_is_said() -> None:
-    found = compare(cattaneo_mindlin(steps_per_leg=31, points=150), ROUGH)
+    comparison = compare(cattaneo_mindlin(steps_per_leg=31, points=150), ROUGH)
     for name in ("pressure", "shear"):
         truth = getattr(ROUGH, name)
-        error = np.max(np.abs(getattr(found.expected, name) - truth)) / np.max(np.abs(truth))
-        assert 0 < error <= found.expected.interpolation[name] < 0.5
-    assert any("was interpolated" in note for note in found.notes)
+        error = np.max(np.abs(getattr(comparison.expected, name) - truth)) / np.max(np.abs(truth))
+        assert 0 < error <= comparison.expected.interpolation[name] < 0.5
+    assert any("was interpolated" in note for note in comparison.notes)
 
 
 def test_instants_are_matched_by_phase_not_by_revolution() -> None:
     """The same cycle one revolution later: nothing to interpolate, nothing to tell apart. Less than
     a cycle is refused.
     """
-    found = compare(ROUGH, with_fields(ROUGH, time=ROUGH.time + 3.0))
-    assert not found.expected.interpolation
-    assert not any("interpolated" in note for note in found.notes)
-    assert all(not metric.value for metric in found.metrics)
+    comparison = compare(ROUGH, with_fields(ROUGH, time=ROUGH.time + 3.0))
+    assert not comparison.expected.interpolation
+    assert not any("interpolated" in note for note in comparison.notes)
+    assert all(not metric.value for metric in comparison.metrics)
     names = (
         "pressure",
         "shear",
@@ -985,11 +1013,11 @@ def test_events_of_a_cycle_under_constant_pressure_are_spread_over_time_not_over
     be, wherever an engine landed.
     """
     cycle = last_cycle(ROUGH)
-    found = events(cycle, ROUGH.scene.friction.coefficient)
-    labels = {event.label: cycle.time[event.index] for event in found}
-    assert (len(found), labels["Q largest"], labels["Q least"]) == (6, 2.0, 3.0)
+    marked = events(cycle, ROUGH.scene.friction.coefficient)
+    labels = {event.label: cycle.time[event.index] for event in marked}
+    assert (len(marked), labels["Q largest"], labels["Q least"]) == (6, 2.0, 3.0)
     assert not any(label.startswith("P ") for label in labels)
-    assert [event.index for event in found] == sorted({event.index for event in found})
+    assert [event.index for event in marked] == sorted({event.index for event in marked})
     # Nine tenths of the instants in the first hundredth of the cycle.
     time = np.concatenate(
         [
@@ -1021,7 +1049,7 @@ def test_events_of_the_papers_ellipse() -> None:
     cycle = last_cycle(
         with_fields(ROUGH, scene=scene, state=state, **steps, **blank, **edges, **series)
     )
-    found = events(cycle, 1.0)
+    marked = events(cycle, 1.0)
     labels = [
         "Q least",
         "P largest",
@@ -1030,8 +1058,8 @@ def test_events_of_the_papers_ellipse() -> None:
         "P least",
         "reverse slip ends",
     ]
-    assert [event.label for event in found] == labels
-    assert cycle.fraction[[event.index for event in found]] == pytest.approx(
+    assert [event.label for event in marked] == labels
+    assert cycle.fraction[[event.index for event in marked]] == pytest.approx(
         [0, 0.25, 0.5, 0.625, 0.75, 0.875]
     )
 
@@ -1041,12 +1069,15 @@ def test_a_contact_that_dissipates_nothing_or_is_only_pressed_has_fewer_figures(
     tmp_path: Path,
 ) -> None:
     """No loop, no work, no cycle; and instants too light to be judged, which is said."""
-    still, pressed = (
-        compare(one, one) for one in map(semi_analytic.solve, ("full-stick", "hertz-normal"))
+    stuck, pressed = (
+        compare(solution, solution)
+        for solution in map(semi_analytic.solve, ("full-stick", "hertz-normal"))
     )
-    assert (still.metric("dissipation").absolute, still.metric("dissipation").value) == (True, 0)
-    assert not still.metric("stick_edge").note
-    drawn, fewer = ({drawing.name for drawing in draw(Report(one))} for one in (still, pressed))
+    assert (stuck.metric("dissipation").absolute, stuck.metric("dissipation").value) == (True, 0)
+    assert not stuck.metric("stick_edge").note
+    drawn, fewer = (
+        {drawing.name for drawing in draw(Report(solution))} for solution in (stuck, pressed)
+    )
     assert {"tractions", "hysteresis"} <= drawn - {"dissipation_density"} == drawn
     assert not {"hysteresis", "dissipation_density"} & fewer
     page = write(pressed, tmp_path / "out").read_text(encoding="utf-8")
@@ -1060,16 +1091,17 @@ def test_report_of_both_engines_its_fields_when_asked_and_its_stored_solutions(
     """Values of ten comparisons are frozen in test_contract.py; limits of each metric stand in
     test_halfplane_fe_accuracy.py.
     """
-    fe, out = fe_run(load_scene("hertz-paper"), COARSE, FEW_STEPS), tmp_path / "out"
+    fe = fe_run(load_scene("hertz-paper"), COARSE, FEW_STEPS)
+    out = tmp_path / "out"
     exact, polygon = (
         semi_analytic.solve(fe.scene, x=fe.x, time=fe.time, straight_steps=straight)
         for straight in (False, True)
     )
     paper = compare(exact, fe, polygon_reference=polygon)
-    total, other, step = (
+    total, fresh_solver, step = (
         paper.metric(f"dissipation{part}").value for part in ("", "_polygon", "_step")
     )
-    assert (1 + step) * (1 + other) == pytest.approx(1 + total, rel=1e-13)
+    assert (1 + step) * (1 + fresh_solver) == pytest.approx(1 + total, rel=1e-13)
     page = write(
         paper, out, command="halfplane run hertz-paper", vtu_instants=paper.found.time[[0, 5]]
     )
@@ -1088,16 +1120,16 @@ def test_report_of_both_engines_its_fields_when_asked_and_its_stored_solutions(
     stored = json.loads((out / "comparison.json").read_text(encoding="utf-8"))
     assert stored["result"]["skipped"]["condensations"]["count"] == 1
     assert stored["result"]["versions"]["numpy"] == np.__version__
-    reference, result = (
+    reference, solution = (
         ContactSolution.load(out / f"{name}.nc") for name in ("reference", "result")
     )
-    again = compare(reference, result, polygon_reference=polygon)
+    comparison = compare(reference, solution, polygon_reference=polygon)
     # The file holds no nodal weights, so the resultants of what was stored go by another rule,
     # which they say.
     by_weights = {"resultant_normal", "resultant_tangential"}
-    for one, fresh in zip(again.metrics, paper.metrics, strict=True):
-        assert one.value == fresh.value or fresh.key in by_weights, fresh.key
-    assert all("states no weights" in again.metric(key).note for key in by_weights)
+    for metric, fresh in zip(comparison.metrics, paper.metrics, strict=True):
+        assert metric.value == fresh.value or fresh.key in by_weights, fresh.key
+    assert all("states no weights" in comparison.metric(key).note for key in by_weights)
     with pytest.raises(InputError, match="semi_analytic has no bodies"):
         write(compare(exact, exact), tmp_path / "none", vtu_instants=[exact.time[0]])
     assert not (tmp_path / "none").exists()

@@ -232,15 +232,15 @@ def test_other_friction_takes_the_numbers_away() -> None:
     """With f = 0.9 the same rows give other numbers and other verdicts: nothing in them is written
     down beforehand.
     """
-    other = Paper(paper().hertz.with_load(friction=0.9), paper().rounded.with_load(friction=0.9))
-    found = course(other.hertz) | loads(other)
-    verdict, values = found["permanent stick"]
+    rougher = Paper(paper().hertz.with_load(friction=0.9), paper().rounded.with_load(friction=0.9))
+    numbers = course(rougher.hertz) | loads(rougher)
+    verdict, values = numbers["permanent stick"]
     assert verdict != "confirmed"
     assert values["a(P_T)/a0"] < 0.72
-    edge = found["one-way slip"][1]
+    edge = numbers["one-way slip"][1]
     assert edge["edge"] == pytest.approx(edge["largest a in E-G"], abs=1e-8)
     assert edge["edge"] != pytest.approx(0.874, abs=5e-4)
-    assert found["coefficients of figure 4b"][0] == "refined"
+    assert numbers["coefficients of figure 4b"][0] == "refined"
 
 
 @pytest.mark.parametrize(
@@ -253,8 +253,8 @@ def test_another_lag_changes_a_verdict(phase: float, verdict: str) -> None:
     case = paper().hertz.with_load(
         phase_degrees=phase, mean_tangential_load=0.0, initial_loading="straight"
     )
-    found, values = slip_speed(case)
-    assert found == verdict
+    changed_verdict, values = slip_speed(case)
+    assert changed_verdict == verdict
     assert np.sign(round(values["speeds while the point slips"], 9) - 1) == np.sign(phase - 90.0)
     edge = one_way_slip(case)[1]
     assert edge["edge"] == pytest.approx(edge["largest a in E-G"], abs=1e-7)
@@ -268,8 +268,10 @@ def test_sweeps_start_at_the_engines_limit_and_hold_the_examples() -> None:
         np.testing.assert_allclose(sweep.ratio[:, 0], sliding_limit(FRICTIONS), rtol=1e-8)
         assert np.all(np.isfinite(sweep.work) & np.isfinite(sweep.peak))
         assert np.all((sweep.place > 0) & (sweep.place < 1))
-        own = case.steady.dissipation / case.work_unit * 9
-        assert np.interp(3.0, sweep.ratio[0], sweep.work[0]) == pytest.approx(own, rel=5e-3)
+        work_of_example = case.steady.dissipation / case.work_unit * 9
+        assert np.interp(3.0, sweep.ratio[0], sweep.work[0]) == pytest.approx(
+            work_of_example, rel=5e-3
+        )
     ratio = sliding_limit(FRICTIONS) * np.array([[1 - 1e-9], [1 + 1e-9]])
     reason = dissipation(**paper().hertz.circles(np.array(FRICTIONS), ratio)).reason
     assert np.all(reason[0] == Reason.SLIDING)
@@ -315,8 +317,8 @@ def test_page_is_whole_small_and_alone(report: PaperReport, page: str) -> None:
     keys = [row.key for row in report.statements] + [row.key for row in report.misprints]
     assert all(key.replace("'", "&#39;") in page for key in keys)
     assert "halfplane paper --out out" in page
-    found = re.findall(r'\bid="([^"]+)"', page)
-    assert len(found) == len(set(found))
+    identifiers = re.findall(r'\bid="([^"]+)"', page)
+    assert len(identifiers) == len(set(identifiers))
 
 
 def text_boxes(
@@ -355,8 +357,8 @@ def text_boxes(
 
 def font_size(element: ET.Element, above: float) -> float:
     """Of the style of a text, or of the one that it is in."""
-    found = re.search(r"font-size:([\d.]+)", element.get("style", ""))
-    return float(found[1]) if found else above
+    size = re.search(r"font-size:([\d.]+)", element.get("style", ""))
+    return float(size[1]) if size else above
 
 
 @pytest.mark.parametrize("name", FIGURES)
@@ -368,9 +370,9 @@ def test_figure(page: str, plates: dict[str, Plate], name: str) -> None:
     panels = [panel for panel in plate.panels if isinstance(panel, Panel)]
     marks = [mark for panel in panels for mark in panel.marks]
     figure = page[page.index(f'<figure id="{name}"') :].partition("</figure>")[0]
-    shown = figure[figure.index('<div class="panels') :]
-    assert shown.count('class="curve ') >= sum(isinstance(mark, Curve) for mark in marks)
-    assert shown.count('class="band ') == sum(isinstance(mark, Band) for mark in marks)
+    content = figure[figure.index('<div class="panels') :]
+    assert content.count('class="curve ') >= sum(isinstance(mark, Curve) for mark in marks)
+    assert content.count('class="band ') == sum(isinstance(mark, Band) for mark in marks)
     assert {mark.label for mark in marks if isinstance(mark, Curve | Band) and mark.label} <= {
         key.text for key in plate.keys
     }
@@ -394,32 +396,32 @@ def test_figure(page: str, plates: dict[str, Plate], name: str) -> None:
             float(document.attrib["height"]) - bottom,
         )
         assert min(outside) >= -1, word
-        for other, left_of_other, top_of_other, right_of_other, bottom_of_other in boxes[
+        for neighbour, left_of_other, top_of_other, right_of_other, bottom_of_other in boxes[
             number + 1 :
         ]:
-            beside = right - 1 <= left_of_other or right_of_other - 1 <= left
+            is_beside = right - 1 <= left_of_other or right_of_other - 1 <= left
             above = bottom - 1 <= top_of_other or bottom_of_other - 1 <= top
-            assert beside or above, (word, other)
+            assert is_beside or above, (word, neighbour)
 
 
 def test_texts_over_each_other_are_seen() -> None:
     """The tester tested: two words at one place, one beside them, one turned."""
     texts = "".join(
-        f'<text x="{x}" y="20" style="font-size:10" {more}>word</text>'
-        for x, more in (
+        f'<text x="{x}" y="20" style="font-size:10" {attributes}>word</text>'
+        for x, attributes in (
             (10, ""),
             (12, ""),
             (60, 'text-anchor="middle"'),
             (90, 'transform="rotate(-90)"'),
         )
     )
-    first, over, beside, turned = text_boxes(
+    first, over, neighbour, turned = text_boxes(
         ET.fromstring(f'<svg><svg x="5" y="0">{texts}</svg></svg>'), 0.0, 0.0
     )
     assert first[1] == 15.0
     assert first[3] > over[1]
-    assert beside[1] > over[3]
-    assert beside[1] + beside[3] == pytest.approx(2 * 65.0)
+    assert neighbour[1] > over[3]
+    assert neighbour[1] + neighbour[3] == pytest.approx(2 * 65.0)
     assert (turned[3], turned[4]) == pytest.approx((95.0, 20.0), abs=3.0)
     assert turned[4] - turned[2] > turned[3] - turned[1]
 
@@ -431,6 +433,6 @@ def test_command(report: PaperReport, monkeypatch: pytest.MonkeyPatch, tmp_path:
     doubted = replace(
         report, misprints=(replace(report.misprints[0], proven=False), *report.misprints[1:])
     )
-    for found, code in ((doubted, 1), (report, 0)):
-        monkeypatch.setattr(paper_page, "write", lambda *_, result=found: result)
+    for written_report, code in ((doubted, 1), (report, 0)):
+        monkeypatch.setattr(paper_page, "write", lambda *_, result=written_report: result)
         assert main(["paper", "--out", str(tmp_path / "out"), "--quiet"]) == code

@@ -80,8 +80,8 @@ def planted(table: ModuleType, key: str, scene: str, severity: float | None = No
     return fault.plant(load_scene(scene), fault.severities[0] if severity is None else severity)
 
 
-def keys(found: tuple[Diagnosis, ...]) -> list[str]:
-    return [one.fault for one in found]
+def keys(diagnoses: tuple[Diagnosis, ...]) -> list[str]:
+    return [diagnosis.fault for diagnosis in diagnoses]
 
 
 def slow(*values: object) -> Any:
@@ -95,7 +95,8 @@ def test_every_fault_of_the_set_has_words_and_is_planted(table: ModuleType) -> N
 
 # E* = R = f = 1, P = 3 and Q = +-1.8. What the scene states, what the result has, which fault that
 # is.
-BULK, TILT = {"bulk_stress_lower": (0.0, 0.6, -0.6)}, {"tilt": 0.1}
+BULK = {"bulk_stress_lower": (0.0, 0.6, -0.6)}
+TILT = {"tilt": 0.1}
 BULK_FAULTS: list[tuple[dict[str, Any], dict[str, Any], str]] = [
     (BULK, {"bulk_stress_lower": (0.0, -0.6, 0.6)}, "bulk_sign"),
     (BULK, {"bulk_stress_lower": None}, "bulk_left_out"),
@@ -111,7 +112,8 @@ def pulled(keys: dict[str, Any]) -> Scene:
         "cycle": [(3.0, -1.8)],
         **keys,
     }
-    soft, profile = {"young_modulus": 2.0, "poisson_ratio": 0.0}, {"kind": "hertz", "radius": 1.0}
+    soft = {"young_modulus": 2.0, "poisson_ratio": 0.0}
+    profile = {"kind": "hertz", "radius": 1.0}
     return Scene.model_validate(
         {"material": soft, "profile": profile, "friction": 1.0, "load": load}
     )
@@ -124,19 +126,20 @@ def test_bulk_stress_and_tilt_turned_or_left_out_are_found_in_a_foreign_result(
     stated: dict[str, Any], wrong: dict[str, Any], fault: str
 ) -> None:
     """The file says nothing of them: bulk stress and tilt are the scene's."""
-    scene, time = pulled(stated), np.linspace(4.0, 6.0, 33)
+    scene = pulled(stated)
+    time = np.linspace(4.0, 6.0, 33)
     x = np.linspace(-2.4, 2.4, 121)
     theirs = semi_analytic.solve(scene.vary(load=wrong), x=x, time=time)
     right = semi_analytic.solve(scene, x=x, time=time)
     for answer, named in ((theirs, fault), (right, "")):
-        found = score(
+        report = score(
             x, answer.pressure, answer.shear, scene=scene, time=time, slip=answer.slip, code="mine"
         )
-        assert [one.fault for one in found.diagnoses][:1] == ([named] if named else [])
-        assert not found.guesses
+        assert [diagnosis.fault for diagnosis in report.diagnoses][:1] == ([named] if named else [])
+        assert not report.guesses
     # By one rule on both sides, so that a right result has no error at all.
     assert (
-        max(abs(found.metric(key).value or 0.0) for key in ("stick_eccentricity", "dissipation"))
+        max(abs(report.metric(key).value or 0.0) for key in ("stick_eccentricity", "dissipation"))
         < 1e-9
     )
     wronged = score(
@@ -196,7 +199,7 @@ def test_a_right_pressure_under_a_shear_that_nothing_plainer_explains_is_creep_a
 ) -> None:
     """Tractions that no fault of the set makes, bent towards the edges."""
     true = table.truth("cattaneo-mindlin")
-    found = diagnose(
+    diagnoses = diagnose(
         compare(
             true,
             replace(
@@ -204,8 +207,8 @@ def test_a_right_pressure_under_a_shear_that_nothing_plainer_explains_is_creep_a
             ),
         )
     )
-    assert found[0].fault == fault
-    assert not {"soft_normal", "small_body"} & set(keys(found))
+    assert diagnoses[0].fault == fault
+    assert not {"soft_normal", "small_body"} & set(keys(diagnoses))
 
 
 @pytest.mark.parametrize(
@@ -256,46 +259,51 @@ def test_nor_do_finite_elements_on_their_default_mesh(table: ModuleType, scene: 
 def test_of_two_faults_at_once_both_are_among_the_first_three(
     table: ModuleType, scene: str, first: str, second: str
 ) -> None:
-    true, result = table.truth(scene), load_scene(scene)
-    factor, asked = {"stiffness": 0.8, "friction": 1.2}, result
+    true = table.truth(scene)
+    faulty_scene = load_scene(scene)
+    factor = {"stiffness": 0.8, "friction": 1.2}
+    solved_scene = faulty_scene
     for key in {first, second} & set(factor):
         k = factor[key]
-        asked = (
-            stiffer(asked, k)
+        solved_scene = (
+            stiffer(solved_scene, k)
             if key == "stiffness"
-            else with_friction(asked, k * asked.friction.coefficient)
+            else with_friction(solved_scene, k * solved_scene.friction.coefficient)
         )
     x = true.x - (0.03 if second == "offset" else 0.0)
-    found = replace(semi_analytic.solve(asked, x=x, time=true.time), scene=result, x=true.x)
+    faulty = replace(
+        semi_analytic.solve(solved_scene, x=x, time=true.time), scene=faulty_scene, x=true.x
+    )
     p, q = {
-        "shear_sign": (found.pressure, -found.shear),
-        "swapped": (found.shear, found.pressure),
-        "units": (1e-3 * found.pressure, 1e-3 * found.shear),
-    }.get(first, (found.pressure, found.shear))
-    named = diagnose(compare(true, replace(found, pressure=p, shear=q)))
+        "shear_sign": (faulty.pressure, -faulty.shear),
+        "swapped": (faulty.shear, faulty.pressure),
+        "units": (1e-3 * faulty.pressure, 1e-3 * faulty.shear),
+    }.get(first, (faulty.pressure, faulty.shear))
+    named = diagnose(compare(true, replace(faulty, pressure=p, shear=q)))
     assert {first, second} <= set(keys(named)[:3])
     # taken away as the round factor that it is, so that the other one is found as large as it was
     # made
     if first == "units":
-        other = next(one for one in named if one.fault == second)
-        assert f" {factor[second]:.3g} times " in other.sentence
+        second_named = next(diagnosis for diagnosis in named if diagnosis.fault == second)
+        assert f" {factor[second]:.3g} times " in second_named.sentence
 
 
 @pytest.mark.slow
 def test_a_smooth_wave_is_no_known_pattern(table: ModuleType) -> None:
     true = table.truth("cattaneo-mindlin")
     wave = 0.1 * true.pressure * np.cos(9 * true.x)
-    (only,) = diagnose(
+    (diagnosis,) = diagnose(
         compare(true, replace(true, pressure=true.pressure + wave, shear=true.shear - wave))
     )
-    assert (only.fault, only.strength) == (UNKNOWN, 0.0)
-    assert "no known pattern" in only.sentence
+    assert (diagnosis.fault, diagnosis.strength) == (UNKNOWN, 0.0)
+    assert "no known pattern" in diagnosis.sentence
 
 
 def test_a_result_of_tractions_alone_with_holes_or_of_few_instants_is_judged_all_the_same(
     table: ModuleType,
 ) -> None:
-    scene, true = load_scene("cattaneo-mindlin"), table.truth("cattaneo-mindlin")
+    scene = load_scene("cattaneo-mindlin")
+    true = table.truth("cattaneo-mindlin")
     names = (
         "slip",
         "contact_edges",
@@ -313,17 +321,20 @@ def test_a_result_of_tractions_alone_with_holes_or_of_few_instants_is_judged_all
     assert any("no numbers" in line for line in first.evidence)
     assert diagnose(compare(true, replace(true, shear=np.full_like(shear, np.nan)))) == ()
     path = scene.load.path()
-    few = semi_analytic.solve(
+    solution = semi_analytic.solve(
         scene, x=true.x, time=path.cycle_start + path.period * np.array([0.0, 0.5, 1.0])
     )
-    assert keys(diagnose(compare(few, replace(few, shear=-few.shear))))[0] == "shear_sign"
+    assert (
+        keys(diagnose(compare(solution, replace(solution, shear=-solution.shear))))[0]
+        == "shear_sign"
+    )
 
 
 def test_a_frictionless_scene_has_no_fault_of_friction() -> None:
     scene = load_scene("hertz-normal")
     x = np.linspace(-1.3, 1.3, 81) * float(semi_analytic.solve(scene).contact_half_width.max())
     true = semi_analytic.solve(scene, x=x)
-    found = diagnose(
+    diagnoses = diagnose(
         compare(
             true,
             replace(
@@ -331,8 +342,8 @@ def test_a_frictionless_scene_has_no_fault_of_friction() -> None:
             ),
         )
     )
-    assert found[0].fault == "stiffness"
-    assert not {"friction", "full_stick", "memoryless", "elastic_slip"} & set(keys(found))
+    assert diagnoses[0].fault == "stiffness"
+    assert not {"friction", "full_stick", "memoryless", "elastic_slip"} & set(keys(diagnoses))
 
 
 def test_the_work_alone_tells_steps_too_long_where_tractions_hide_them(table: ModuleType) -> None:
@@ -342,58 +353,65 @@ def test_the_work_alone_tells_steps_too_long_where_tractions_hide_them(table: Mo
         semi_analytic.solve(scene, x=np.linspace(-1.6, 1.6, 61), time=time, straight_steps=s)
         for s in (False, True)
     )
-    (only,) = diagnose(
+    (diagnosis,) = diagnose(
         compare(
             true,
             replace(polygon, pressure=true.pressure, shear=true.shear),
             polygon_reference=polygon,
         )
     )
-    assert only.fault == "steps"
-    assert "16 a cycle" in only.sentence
+    assert diagnosis.fault == "steps"
+    assert "16 a cycle" in diagnosis.sentence
 
 
 # --------------------------------------------------------------------- what the hypotheses stand on
 def test_what_a_hypothesis_explains_is_a_share(table: ModuleType) -> None:
-    what = discrepancy(planted(table, "shear_sign", "cattaneo-mindlin"))
-    assert what is not None
-    assert what.explained(what.expected) == 0.0
-    assert what.explained(what.found) == 1.0
+    difference = discrepancy(planted(table, "shear_sign", "cattaneo-mindlin"))
+    assert difference is not None
+    assert difference.explained(difference.expected) == 0.0
+    assert difference.explained(difference.found) == 1.0
     # half of a difference of two
-    assert what.explained((what.expected[0], 0 * what.expected[1])) == pytest.approx(0.75)
-    rest = Hypothesis("shear_sign", what.found).mended(what)
+    assert difference.explained(
+        (difference.expected[0], 0 * difference.expected[1])
+    ) == pytest.approx(0.75)
+    rest = Hypothesis("shear_sign", difference.found).mended(difference)
     assert rest.apart(rest.expected) == 0.0
 
 
 def test_the_scenes_own_coupling_is_no_fault_of_the_result(table: ModuleType) -> None:
     """Theory leaves it out; it was told as bodies that are "not the scene's"."""
     comparison = planted(table, "shear_sign", "cattaneo-mindlin")
-    what = discrepancy(comparison)
-    assert what is not None
-    found = Hypothesis("coupling", what.found)
-    assert "not the scene's" in sentence_of(found, what)
+    difference = discrepancy(comparison)
+    assert difference is not None
+    hypothesis = Hypothesis("coupling", difference.found)
+    assert "not the scene's" in sentence_of(hypothesis, difference)
     material = comparison.scene.material
     unlike = Materials(upper=material.upper.vary(poisson_ratio=0.45), lower=material.lower)
     scene = comparison.scene.vary(material=unlike)
-    own = sentence_of(
-        found,
+    sentence = sentence_of(
+        hypothesis,
         replace(
-            what, comparison=replace(comparison, result=replace(comparison.result, scene=scene))
+            difference,
+            comparison=replace(comparison, result=replace(comparison.result, scene=scene)),
         ),
     )
-    assert f"the scene's own materials make it, which have {coupling_constant(unlike):.2g}" in own
-    assert "no fault of the result" in own
+    assert (
+        f"the scene's own materials make it, which have {coupling_constant(unlike):.2g}" in sentence
+    )
+    assert "no fault of the result" in sentence
 
 
 def scattered() -> tuple[Scene, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Scene, x, time, and tractions with noise of a hundredth of the largest pressure where they
     are not 0.
     """
-    scene, x = load_scene("cattaneo-mindlin"), np.linspace(-1.2, 1.2, 61)
+    scene = load_scene("cattaneo-mindlin")
+    x = np.linspace(-1.2, 1.2, 61)
     exact = semi_analytic.solve(
         scene, x=x, time=np.linspace(1, 5, 25), fields=("pressure", "shear")
     )
-    random, size = np.random.default_rng(3), 0.01 * exact.pressure.max()
+    random = np.random.default_rng(3)
+    size = 0.01 * exact.pressure.max()
     noise = size * random.normal(size=(2, *exact.pressure.shape)) * (exact.pressure > 0)
     return scene, x, exact.time, np.maximum(exact.pressure + noise[0], 0), exact.shear + noise[1]
 
@@ -405,33 +423,33 @@ def judged(
     comparison = score_surface(
         surface_result("arrays", "", x, fields, {"time": time}), Mapping(), scene
     ).comparison
-    what = discrepancy(comparison)
-    assert what is not None
-    return comparison, list(scatter(what))
+    difference = discrepancy(comparison)
+    assert difference is not None
+    return comparison, list(scatter(difference))
 
 
 def test_scattered_points_beyond_the_coulomb_limit_are_one_finding_with_a_count() -> None:
     """What one point exceeds by far is more than noise; a wave over the whole contact is none."""
     scene, x, time, p, q = scattered()
-    comparison, (only,) = judged(scene, x, time, p, q)
-    assert only.fault == NOISE
+    comparison, (diagnosis,) = judged(scene, x, time, p, q)
+    assert diagnosis.fault == NOISE
     sizes = [
         float(word)
-        for word in re.findall(r"([\d.]+) in [pq]/", only.sentence.replace("(f p_ref)", ""))
+        for word in re.findall(r"([\d.]+) in [pq]/", diagnosis.sentence.replace("(f p_ref)", ""))
     ]
     assert sizes == pytest.approx([0.01, 0.02], rel=0.1)
     counts = re.findall(
-        r"^(\d+) of (\d+) points in contact exceed the Coulomb limit", only.evidence[0]
+        r"^(\d+) of (\d+) points in contact exceed the Coulomb limit", diagnosis.evidence[0]
     )[0]
     # the instants of the last cycle are judged
     touching = (p > 0) & np.isin(time, comparison.found.time)[:, None]
     beyond = (np.abs(q) > scene.friction.coefficient * p) & touching
     assert [int(word) for word in counts] == [beyond.sum(), touching.sum()]
-    assert only.evidence[0].endswith("no more than noise makes: no fault of the contact law")
+    assert diagnosis.evidence[0].endswith("no more than noise makes: no fault of the contact law")
     wrong = q.copy()
     wrong[12, 30] = 0.8 * p.max()
-    _, found = judged(scene, x, time, p, wrong)
-    assert not found or found[0].evidence[0].endswith("more than noise alone makes")
+    _, diagnoses = judged(scene, x, time, p, wrong)
+    assert not diagnoses or diagnoses[0].evidence[0].endswith("more than noise alone makes")
     exact = semi_analytic.solve(scene, x=x, time=time, fields=("pressure", "shear"))
     wave = 1 + 0.02 * np.sin(9 * x)
     assert judged(scene, x, time, exact.pressure * wave, exact.shear * wave)[1] == []

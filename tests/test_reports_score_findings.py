@@ -74,52 +74,54 @@ def test_a_whole_cycle_has_its_dissipation_wherever_it_starts_and_however_it_is_
 ) -> None:
     solution = cycle_from(start)
     for names in (("CSLIP1",), ("CSLIP1", "P", "Q")):
-        found = score_file(
+        report = score_file(
             written(frames(solution, form, *names), tmp_path / "cycle.csv"), Mapping(), CATTANEO
         )
-        assert found.metric("dissipation").value == pytest.approx(0.0, abs=1e-3), names
+        assert report.metric("dissipation").value == pytest.approx(0.0, abs=1e-3), names
         for key in ("permanent_stick", "largest_slip", "dissipation_density"):
-            assert found.metric(key).value == pytest.approx(0.0, abs=1e-3), (key, names)
-        assert found.passed
+            assert report.metric(key).value == pytest.approx(0.0, abs=1e-3), (key, names)
+        assert report.passed
 
 
 def test_a_cycle_that_starts_at_the_top_of_a_sine_is_whole(tmp_path: Path) -> None:
     """There the loads stand still, and a small error of a load is a large one of the time."""
     scene = load_scene("hertz-paper")
     top = float(scene.load.phase_degrees) / 360
-    found = score_file(
+    report = score_file(
         written(frames(cycle_from(top, scene, 24), "%.5g", "CSLIP1"), tmp_path / "top.csv"),
         Mapping(),
         scene,
     )
-    assert found.metric("dissipation").value is not None
+    assert report.metric("dissipation").value is not None
 
 
 def test_finite_elements_on_their_own_instants_are_a_reference_for_a_cycle_from_elsewhere() -> None:
     """The reference is put on the result's instants by the phase of the path, not by the time since
     the first of them.
     """
-    reference, result = cycle_from(0.0, steps=600), cycle_from(0.4)
-    found = compare(reference, result)
-    assert found.metric("shear").value < 0.02
+    reference = cycle_from(0.0, steps=600)
+    cycle = cycle_from(0.4)
+    comparison = compare(reference, cycle)
+    assert comparison.metric("shear").value < 0.02
     np.testing.assert_allclose(
-        found.expected.tangential_load, found.found.tangential_load, atol=1e-9 * 90
+        comparison.expected.tangential_load, comparison.found.tangential_load, atol=1e-9 * 90
     )
 
 
 def test_the_last_whole_cycle_of_instants() -> None:
     """The path's own where it is there, else the last period, else a part that is called one."""
-    period, start = 1.0, 1.0
-    own = np.linspace(1.0, 3.0, 21)
-    indices, whole = last_whole_cycle(own, period, start)
-    assert (indices.tolist(), whole) == ([*range(10, 21)], True)
-    indices, whole = last_whole_cycle(own[:15], period, start)  # from 1 to 2.4
-    assert (indices.tolist(), whole) == ([*range(11)], True)
-    indices, whole = last_whole_cycle(own[3:15], period, start)  # from 1.3 to 2.4
-    assert (indices.tolist(), whole) == ([*range(1, 12)], True)
-    indices, whole = last_whole_cycle(own[3:12], period, start)  # from 1.3 to 2.1
-    assert not whole
-    off = own[3:14].copy()
+    period = 1.0
+    start = 1.0
+    instants = np.linspace(1.0, 3.0, 21)
+    indices, is_whole = last_whole_cycle(instants, period, start)
+    assert (indices.tolist(), is_whole) == ([*range(10, 21)], True)
+    indices, is_whole = last_whole_cycle(instants[:15], period, start)  # from 1 to 2.4
+    assert (indices.tolist(), is_whole) == ([*range(11)], True)
+    indices, is_whole = last_whole_cycle(instants[3:15], period, start)  # from 1.3 to 2.4
+    assert (indices.tolist(), is_whole) == ([*range(1, 12)], True)
+    indices, is_whole = last_whole_cycle(instants[3:12], period, start)  # from 1.3 to 2.1
+    assert not is_whole
+    off = instants[3:14].copy()
     off[-1] += 0.001  # a hundredth of a step
     assert last_whole_cycle(off, period, start)[1]
     off[-1] += 0.009
@@ -132,16 +134,16 @@ def test_what_has_a_tolerance_and_no_value_is_said_beside_the_verdict_and_ends_w
 ) -> None:
     table = frames(cycle_from(0.0), "%.6g", "CSLIP1", "P", "Q")
     part = written(table[table["frame"] < STEPS - 2], tmp_path / "part.csv")
-    found = score_file(part, Mapping(), CATTANEO)
-    assert (found.comparison.verdict, found.passed) == ("within", False)
-    assert [metric.key for metric in found.comparison.unscored] == ["dissipation"]
-    assert exit_code(found.comparison) == 1
+    report = score_file(part, Mapping(), CATTANEO)
+    assert (report.comparison.verdict, report.passed) == ("within", False)
+    assert [metric.key for metric in report.comparison.unscored] == ["dissipation"]
+    assert exit_code(report.comparison) == 1
     assert (
         "not scored, though a tolerance judges it: dissipation: exit code 1"
         in capsys.readouterr().err
     )
-    assert lead(found.comparison) == "Within tolerance as far as it was scored."
-    assert "Not scored, though a tolerance judges it: dissipation." in verdict(found.comparison)
+    assert lead(report.comparison) == "Within tolerance as far as it was scored."
+    assert "Not scored, though a tolerance judges it: dissipation." in verdict(report.comparison)
     left_out = score_file(
         part, Mapping(), CATTANEO, tolerances=requested_tolerances(["dissipation=none"])
     )
@@ -150,13 +152,14 @@ def test_what_has_a_tolerance_and_no_value_is_said_beside_the_verdict_and_ends_w
 
 
 def test_a_pressure_alone_is_scored_where_the_scene_has_no_tangential_load(tmp_path: Path) -> None:
-    scene, x = load_scene("hertz-normal"), np.linspace(-1.1, 1.1, 61)
+    scene = load_scene("hertz-normal")
+    x = np.linspace(-1.1, 1.1, 61)
     pressure = semi_analytic.solve(scene, x=x, time=[1.0]).pressure[0]
     table = written(pd.DataFrame({"x": x, "CPRESS": pressure}), tmp_path / "pressure.csv")
-    found = score_file(table, Mapping(), scene)
-    assert found.passed
-    assert abs(found.metric("peak_pressure").value) < 1e-9
-    assert found.comparison.found.time.tolist() == pytest.approx([1.0])
+    report = score_file(table, Mapping(), scene)
+    assert report.passed
+    assert abs(report.metric("peak_pressure").value) < 1e-9
+    assert report.comparison.found.time.tolist() == pytest.approx([1.0])
     with pytest.raises(
         InputError, match="without a shear the pressure alone does not say which instant is which"
     ):
@@ -170,8 +173,8 @@ def test_german_headings_and_decimal_commas_are_read(tmp_path: Path) -> None:
     lines.insert(0, "x [mm];Kontaktdruck [MPa];Schubspannung [MPa]")
     path = tmp_path / "werte.csv"
     path.write_text("\n".join(lines), encoding="utf-8")
-    found = score_file(path, Mapping(), CATTANEO)
-    assert abs(found.metric("shear").value) < 1e-3
+    report = score_file(path, Mapping(), CATTANEO)
+    assert abs(report.metric("shear").value) < 1e-3
 
 
 @pytest.mark.parametrize(
@@ -198,12 +201,12 @@ def test_two_results_of_one_stem_do_not_share_a_folder(
         json.dumps({"command": "halfplane score x.csv --scene hertz-paper --out out/score-x"})
     )
     assert _folder_of(Path("x.csv"), False) == folder
-    for other, loop in ((Path("x.rpt"), False), (Path("b/x.csv"), False), (Path("x.csv"), True)):
+    for rival, loop in ((Path("x.rpt"), False), (Path("b/x.csv"), False), (Path("x.csv"), True)):
         with pytest.raises(
             InputError,
             match=r"it holds the score of x\.csv, which this one would replace; name a folder",
         ):
-            _folder_of(other, loop)
+            _folder_of(rival, loop)
 
 
 # ---------------------------------------------------------------------- single cells that stand out
@@ -214,15 +217,15 @@ def test_a_cell_that_stands_out_is_named_with_its_line_and_column_and_hides_noth
     table = frames(solution, "%.6g", "P", "Q")
     row = 7 * len(solution.x) + 25
     table.loc[row, "CPRESS"] = "1e5"
-    found = score_file(written(table, tmp_path / "spiked.csv"), Mapping(), CATTANEO)
-    assert found.guesses[0].startswith(
+    report = score_file(written(table, tmp_path / "spiked.csv"), Mapping(), CATTANEO)
+    assert report.guesses[0].startswith(
         f"line {row + 2}, column 'CPRESS' (instant 8, x = {solution.x[25]:.6g}): pressure 100000"
     )
     # no unit is guessed from it
-    assert not any("multiplied by" in sentence for sentence in found.guesses)
-    assert found.comparison.verdict == "outside"  # it is scored as it is
-    (only,) = diagnosed(found).diagnoses
-    assert only.fault == "outlier"
+    assert not any("multiplied by" in sentence for sentence in report.guesses)
+    assert report.comparison.verdict == "outside"  # it is scored as it is
+    (diagnosis,) = diagnosed(report).diagnoses
+    assert diagnosis.fault == "outlier"
 
 
 def test_frames_beside_each_other_name_the_column_of_the_cell(tmp_path: Path) -> None:
@@ -233,8 +236,8 @@ def test_frames_beside_each_other_name_the_column_of_the_cell(tmp_path: Path) ->
     table = pd.DataFrame(columns)
     table.loc[30, "CPRESS_3"] = 1e5
     mapping = Mapping(times=tuple(solution.time.tolist()))
-    found = score_file(written(table, tmp_path / "wide.csv"), mapping, CATTANEO)
-    assert found.guesses[0].startswith("line 32, column 'CPRESS_3' (instant 3")
+    report = score_file(written(table, tmp_path / "wide.csv"), mapping, CATTANEO)
+    assert report.guesses[0].startswith("line 32, column 'CPRESS_3' (instant 3")
 
 
 def test_neither_an_edge_nor_a_contact_of_one_point_stands_out() -> None:
@@ -254,16 +257,16 @@ def test_instants_that_share_one_time_end_the_choice_of_events(tmp_path: Path) -
     """It went on for ever: where all instants are equally near, one that was chosen came out
     again.
     """
-    found = score_file(
+    report = score_file(
         written(frames(cycle_from(0.0), "%.6g", "P", "Q"), tmp_path / "cycle.csv"),
         Mapping(),
         CATTANEO,
     )
-    cycle = found.comparison.found
-    still = replace(
+    cycle = report.comparison.found
+    at_rest = replace(
         cycle, whole=False, time=np.ones_like(cycle.time), fraction=np.ones_like(cycle.time)
     )
-    assert 1 <= len(events(still, 0.5)) <= 6
+    assert 1 <= len(events(at_rest, 0.5)) <= 6
 
 
 # ----------------------------------------------------------------- causes with a trace of their own
@@ -295,25 +298,26 @@ def test_a_mesh_too_coarse_for_the_contact_is_the_mesh_and_no_load_unit_or_modul
     elements: float,
 ) -> None:
     theory = semi_analytic.solve(ROLLER, x=[0.0], time=[1.0])
-    half_width, peak = float(theory.contact_half_width[0]), float(theory.pressure[0, 0])
+    half_width = float(theory.contact_half_width[0])
+    peak = float(theory.pressure[0, 0])
     x, pressure = averaged(half_width, peak, half_width / elements)
-    found = score(x, pressure, None, scene=ROLLER, time=[1.0])
-    assert [one.fault for one in found.diagnoses] == ["coarse_edge"]
-    assert "The pressures add up to the load" in found.diagnoses[0].sentence
+    report = score(x, pressure, None, scene=ROLLER, time=[1.0])
+    assert [diagnosis.fault for diagnosis in report.diagnoses] == ["coarse_edge"]
+    assert "The pressures add up to the load" in report.diagnoses[0].sentence
     # A wrong load on the same mesh is no matter of the mesh.
     wrong = score(x, 1.15 * pressure, None, scene=ROLLER, time=[1.0])
-    assert not any("add up to the load" in one.sentence for one in wrong.diagnoses)
+    assert not any("add up to the load" in diagnosis.sentence for diagnosis in wrong.diagnoses)
 
 
 def test_a_result_on_the_coulomb_limit_where_the_reference_sticks_is_a_fault_of_the_result() -> (
     None
 ):
     solution = semi_analytic.solve(CATTANEO, x=np.linspace(-1.1, 1.1, 121), time=[1.5])
-    found = score(
+    report = score(
         solution.x, solution.pressure, 0.5 * solution.pressure, scene=CATTANEO, time=[1.5]
     )
-    assert found.diagnoses[0].fault == "full_slip"
-    assert "fault of the result" in found.diagnoses[0].sentence
+    assert report.diagnoses[0].fault == "full_slip"
+    assert "fault of the result" in report.diagnoses[0].sentence
 
 
 def test_against_a_reference_that_has_the_coupling_its_lack_is_no_idealisation() -> None:
@@ -324,12 +328,12 @@ def test_against_a_reference_that_has_the_coupling_its_lack_is_no_idealisation()
     scene = CATTANEO.vary(material=Materials.model_validate(unlike))
     exact = semi_analytic.solve(scene, x=np.linspace(-12, 12, 121), time=np.linspace(4, 7, 13))
     comparison = compare(exact, exact)
-    what = discrepancy(comparison)
-    assert what is not None
-    coupling = Hypothesis("coupling", what.found)
-    assert "no fault of the result" in sentence_of(coupling, what)
+    difference = discrepancy(comparison)
+    assert difference is not None
+    coupling = Hypothesis("coupling", difference.found)
+    assert "no fault of the result" in sentence_of(coupling, difference)
     against = replace(
-        what, comparison=replace(comparison, reference=replace(exact, engine="halfplane_fe"))
+        difference, comparison=replace(comparison, reference=replace(exact, engine="halfplane_fe"))
     )
     assert "It is a fault of the result" in sentence_of(coupling, against)
     assert "--against fe" not in sentence_of(coupling, against)
@@ -341,12 +345,13 @@ def test_creep_in_proportion_to_the_shear_is_a_soft_penalty_whatever_the_mesh_ad
 ) -> None:
     """The pressure is as wrong as that of a mesh, which hid the penalty."""
     solution = cycle_from(0.0, steps=30)
-    half_width, modulus = 1.0, 210e3 / (2 * (1 - 0.3**2))
+    half_width = 1.0
+    modulus = 210e3 / (2 * (1 - 0.3**2))
     creep = np.where(
         solution.pressure > 0, solution.shear / (stiffness * modulus / half_width), 0.0
     )
     coarse = solution.pressure * (1 + 0.02 * np.cos(60 * solution.x))
-    found = score(
+    report = score(
         solution.x,
         coarse,
         solution.shear,
@@ -354,10 +359,10 @@ def test_creep_in_proportion_to_the_shear_is_a_soft_penalty_whatever_the_mesh_ad
         time=solution.time,
         slip=solution.slip + creep,
     )
-    faults = [one.fault for one in found.diagnoses]
+    faults = [diagnosis.fault for diagnosis in report.diagnoses]
     assert (faults[:1] == ["elastic_slip"]) == named
     if named:
         assert any(
             f"stiffness of {stiffness:.2g} E*/a_ref" in words
-            for words in found.diagnoses[0].evidence
+            for words in report.diagnoses[0].evidence
         )

@@ -53,20 +53,23 @@ def file(content: Any, name: str = "result.vtu") -> Make:
     """Writes what is a text, a table, a mesh or makes one of these."""
 
     def make(folder: Path) -> Path:
-        made, path = content() if callable(content) else content, folder / name
-        if isinstance(made, str):
-            path.write_text(made, encoding="utf-8")
+        content_made = content() if callable(content) else content
+        path = folder / name
+        if isinstance(content_made, str):
+            path.write_text(content_made, encoding="utf-8")
         else:
-            made.write(path) if isinstance(made, meshio.Mesh) else written(made, path)
+            content_made.write(path) if isinstance(content_made, meshio.Mesh) else written(
+                content_made, path
+            )
         return path
 
     return make
 
 
-def same(found: Any, names: tuple[str, ...], rtol: float = 0.0) -> None:
+def same(surface: Any, names: tuple[str, ...], rtol: float = 0.0) -> None:
     for name in names:
         np.testing.assert_allclose(
-            getattr(found, name), getattr(exact(), name), rtol=rtol, atol=rtol, err_msg=name
+            getattr(surface, name), getattr(exact(), name), rtol=rtol, atol=rtol, err_msg=name
         )
 
 
@@ -90,9 +93,9 @@ LAYOUTS = {
 
 @pytest.mark.parametrize("layout", LAYOUTS)
 def test_every_layout_of_rows_gives_the_same_fields(layout: str, tmp_path: Path) -> None:
-    found = result(written(LAYOUTS[layout], tmp_path / "result.csv"))
+    surface = result(written(LAYOUTS[layout], tmp_path / "result.csv"))
     same(
-        found,
+        surface,
         (
             "x",
             "pressure",
@@ -102,7 +105,7 @@ def test_every_layout_of_rows_gives_the_same_fields(layout: str, tmp_path: Path)
             *(["time"] if "time" in LAYOUTS[layout] else []),
         ),
     )
-    assert any("sorted" in note for note in found.notes) == (layout == "shuffled")
+    assert any("sorted" in note for note in surface.notes) == (layout == "shuffled")
 
 
 @pytest.mark.parametrize(
@@ -118,34 +121,36 @@ def test_frames_beside_each_other(tag: str, tmp_path: Path) -> None:
     table = np.column_stack([values for _, values in columns])
     lines += [",".join(map(repr, row)) for row in table.tolist()]
     path = file("\n".join(lines) + "\n", "paths.csv")(tmp_path)
-    found = result(path)
-    same(found, ("x", "pressure", "shear", *(["time"] if "time" in tag else [])))
-    assert any("25 frames" in note for note in found.notes)
-    assert (found.time is None) == ("time" not in tag)
+    surface = result(path)
+    same(surface, ("x", "pressure", "shear", *(["time"] if "time" in tag else [])))
+    assert any("25 frames" in note for note in surface.notes)
+    assert (surface.time is None) == ("time" not in tag)
     np.testing.assert_array_equal(result(path, times=exact().time.tolist()).time, exact().time)
 
 
 def test_places_that_move_a_little_are_averaged_and_named(tmp_path: Path) -> None:
     table = LONG.assign(x=LONG["x"] + np.repeat(1e-3 * np.sin(np.arange(25)), 105))
-    found = result(written(table, tmp_path / "r.csv"))
-    assert any("its mean was taken" in note for note in found.notes)
-    np.testing.assert_allclose(found.x, exact().x, atol=1e-3)
+    surface = result(written(table, tmp_path / "r.csv"))
+    assert any("its mean was taken" in note for note in surface.notes)
+    np.testing.assert_allclose(surface.x, exact().x, atol=1e-3)
 
 
 def test_a_pressure_without_a_shear_is_scored_for_what_it_has(tmp_path: Path) -> None:
     """Its stick edges, states, slip and work are not in the result, and no instant is found by a
     load that is not there.
     """
-    few, path = exact(steps=9, points=53), tmp_path / "pressure.csv"
+    solution = exact(steps=9, points=53)
+    path = tmp_path / "pressure.csv"
     columns = {
-        f"CPRESS t={time!r}": row for time, row in zip(few.time.tolist(), few.pressure, strict=True)
+        f"CPRESS t={time!r}": row
+        for time, row in zip(solution.time.tolist(), solution.pressure, strict=True)
     }
-    frames = result(written(pd.DataFrame({"X": few.x} | columns), path))
-    table = rows(few)[["time", "x", "pressure"]]
+    frames = result(written(pd.DataFrame({"X": solution.x} | columns), path))
+    table = rows(solution)[["time", "x", "pressure"]]
     alone = result(written(table, path))
     assert (frames.sheared, alone.sheared) == (False, False)
     np.testing.assert_array_equal(frames.pressure, alone.pressure)
-    report = score_file(path, Mapping(), few.scene)
+    report = score_file(path, Mapping(), solution.scene)
     comparison = report.comparison
     for key in ("peak_pressure", "pressure", "contact_edge"):
         assert abs(comparison.metric(key).value) < 1e-9, key
@@ -168,13 +173,15 @@ def test_a_pressure_without_a_shear_is_scored_for_what_it_has(tmp_path: Path) ->
         "No law of contact is violated, as far as a pressure without a shear can show."
         in verdict(report.comparison)
     )
-    wrong = score_file(path, Mapping(times=few.time.tolist(), factors={"stress": 1.1}), few.scene)
+    wrong = score_file(
+        path, Mapping(times=solution.time.tolist(), factors={"stress": 1.1}), solution.scene
+    )
     assert diagnosed(wrong).diagnoses[0].fault in ("traction_factor", "pressure_factor", "units")
     written(table[["x", "pressure"]].iloc[:53], path)
     with pytest.raises(
         InputError, match="without a shear the pressure alone does not say which instant is which"
     ):
-        score_file(path, Mapping(), few.scene)
+        score_file(path, Mapping(), solution.scene)
 
 
 # ------------------------------------------------------------------------------------------ mapping
@@ -194,12 +201,12 @@ def test_the_mapping_scales_turns_and_shifts_and_the_example_changes_nothing(
         ' 1e-6\n[signs]\npressure = "compression negative"\nshear = "on upper"\nslip = "lower over'
         ' upper"\n'
     )
-    found = result(
+    surface = result(
         written(table, tmp_path / "r.csv"),
         **_mapping(tmp_path, text).model_dump(exclude_unset=True),
     )
-    same(found, ("x", "pressure", "shear", "slip", "normal_load"), 1e-13)
-    assert found.code == "mine 1"
+    same(surface, ("x", "pressure", "shear", "slip", "normal_load"), 1e-13)
+    assert surface.code == "mine 1"
     text = (resources.files("reports") / "templates" / "mapping.toml").read_text("utf-8")
     assert _mapping(tmp_path, text) == Mapping()
     every = re.sub(r"(?m)^# ([\w\"].*=.*|\[element_sizes\])$", r"\1", text)
@@ -227,7 +234,8 @@ def stress(count: int, yy: int, xy: list[int]) -> meshio.Mesh:
     def at(points: np.ndarray) -> np.ndarray:
         p, q = fields(points)
         values = np.full((len(points), count), 7.0)
-        values[:, yy], values[:, xy] = -p, q[:, None]
+        values[:, yy] = -p
+        values[:, xy] = q[:, None]
         return values
 
     return mesh(stress=at)
@@ -267,14 +275,16 @@ def marked() -> meshio.Mesh:
     lines = ("line", np.column_stack([face[:-1], face[1:]]))
     # as meshio writes a set of points
     outside = np.where(np.isin(np.arange(len(points)), face), 0.0, -1.0)
-    data = tractions(points) | {"face": outside, "both": (points[:, 1] == 0).astype(float)}
-    return meshio.Mesh(points, [*cells, lines], data, {"tag": [np.full(80, 3), np.full(40, 12)]})
+    point_fields = tractions(points) | {"face": outside, "both": (points[:, 1] == 0).astype(float)}
+    return meshio.Mesh(
+        points, [*cells, lines], point_fields, {"tag": [np.full(80, 3), np.full(40, 12)]}
+    )
 
 
 def raised() -> meshio.Mesh:
-    whole = mesh()
-    whole.points[:, 1] += 5.0
-    return whole
+    full_mesh = mesh()
+    full_mesh.points[:, 1] += 5.0
+    return full_mesh
 
 
 def collection(folder: Path, times: tuple[float, ...] = (0.0, 0.5, 2.0)) -> Path:
@@ -285,9 +295,9 @@ def collection(folder: Path, times: tuple[float, ...] = (0.0, 0.5, 2.0)) -> Path
     entries = []
     for k, time in reversed(list(enumerate(times))):
         for part in (0, 1):
-            own = cells[0][1][40 * part : 40 * part + 40]
+            quads = cells[0][1][40 * part : 40 * part + 40]
             name = f"body{part}_{k}.vtu"
-            meshio.Mesh(points, [("quad", own)], tractions(points, k + 1)).write(folder / name)
+            meshio.Mesh(points, [("quad", quads)], tractions(points, k + 1)).write(folder / name)
             entries.append(PvdEntry(time, part, f"body {part}", name))
     write_pvd(folder / "result.pvd", entries)
     return folder / "result.pvd"
@@ -309,14 +319,14 @@ BARE = {name: WHOLE[name] for name in ("CPRESS", "CSHEAR1")}
 LOWER = np.isin(np.arange(len(POINTS)), CELLS[0][1][:40]) & (POINTS[:, 1] == 0)
 
 
-def parts(*made: dict[str, np.ndarray]) -> Make:
+def parts(*fields_of_parts: dict[str, np.ndarray]) -> Make:
     """The two bodies of one instant in files of their own, each with its fields."""
 
     def make(folder: Path) -> Path:
-        for part, own in enumerate(made):
-            meshio.Mesh(POINTS, [("quad", CELLS[0][1][40 * part : 40 * part + 40])], own).write(
-                folder / f"body{part}.vtu"
-            )
+        for part, point_fields in enumerate(fields_of_parts):
+            meshio.Mesh(
+                POINTS, [("quad", CELLS[0][1][40 * part : 40 * part + 40])], point_fields
+            ).write(folder / f"body{part}.vtu")
         write_pvd(
             folder / "result.pvd",
             [PvdEntry(1.0, part, f"body {part}", f"body{part}.vtu") for part in (0, 1)],
@@ -333,7 +343,8 @@ ORDERS = [
     (4, 1, [3], "xx, yy, zz, xy"),
     (4, 3, [1, 2], "rows of 2 x 2"),
 ]
-UPPER, LEFT = {"signs": {"shear": "on upper"}}, "has no 'CPRESS', 'CSHEAR1': left out"
+UPPER = {"signs": {"shear": "on upper"}}
+LEFT = "has no 'CPRESS', 'CSHEAR1': left out"
 FORCE = {
     "columns": {"pressure": "force:1", "shear": "force:0"},
     "signs": {"pressure": "compression negative"},
@@ -455,16 +466,16 @@ def test_every_file_of_fields_gives_the_tractions_of_the_surface_and_says_how(
     # these in the process that users have
     if case not in (".vtu, 0.0 deep", ".vtk, 0.25 deep", "a collection"):
         monkeypatch.setattr(field_files, "_read_apart", read_here)
-    found = result(make(tmp_path), **mapping)
-    check(found, scale)
-    said = " ".join(found.notes)
-    assert not [words for words in notes if words not in said]
+    surface = result(make(tmp_path), **mapping)
+    check(surface, scale)
+    all_notes = " ".join(surface.notes)
+    assert not [words for words in notes if words not in all_notes]
     if " deep" in case or "asked for" in case:
-        np.testing.assert_allclose(found.slip[0], 1e-3 * found.x, atol=1e-15)
-    assert case != "slip of one part" or found.slip is None
+        np.testing.assert_allclose(surface.slip[0], 1e-3 * surface.x, atol=1e-15)
+    assert case != "slip of one part" or surface.slip is None
     if " deep" in case:
-        assert found.time is None
-        assert ("thick" in said) == ("0.25" in case)
+        assert surface.time is None
+        assert ("thick" in all_notes) == ("0.25" in case)
 
 
 def test_instants_come_in_the_order_of_time_and_mapping_shifts_and_scales(
@@ -472,25 +483,27 @@ def test_instants_come_in_the_order_of_time_and_mapping_shifts_and_scales(
 ) -> None:
     monkeypatch.setattr(field_files, "_read_apart", read_here)
     path = collection(tmp_path)
-    found = result(path)
-    np.testing.assert_array_equal(found.time, [0.0, 0.5, 2.0])
-    np.testing.assert_allclose(found.pressure[0] * 2, found.pressure[1])
+    surface = result(path)
+    np.testing.assert_array_equal(surface.time, [0.0, 0.5, 2.0])
+    np.testing.assert_allclose(surface.pressure[0] * 2, surface.pressure[1])
     np.testing.assert_array_equal(result(path, times=[1, 2, 3]).time, [1.0, 2.0, 3.0])
     np.testing.assert_array_equal(result(path, factors={"time": 2.0}).time, [0.0, 1.0, 4.0])
-    found = result(file(raised)(tmp_path), y_offset=5000.0, x_offset=500.0, factors={"length": 1e3})
-    np.testing.assert_allclose(found.x, 1e3 * X - 500.0)
+    surface = result(
+        file(raised)(tmp_path), y_offset=5000.0, x_offset=500.0, factors={"length": 1e3}
+    )
+    np.testing.assert_allclose(surface.x, 1e3 * X - 500.0)
 
 
 def test_a_pressure_at_the_points_of_a_face_needs_no_shear(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(field_files, "_read_apart", read_here)
-    whole = mesh()
-    del whole.point_data["CSHEAR1"]
-    found = result(file(whole)(tmp_path))
-    np.testing.assert_allclose(found.pressure[-1], pressure_at(found.x), rtol=1e-12, atol=1e-9)
-    assert not found.sheared
-    assert "tractions are the fields CPRESS, without a shear" in found.notes
+    full_mesh = mesh()
+    del full_mesh.point_data["CSHEAR1"]
+    surface = result(file(full_mesh)(tmp_path))
+    np.testing.assert_allclose(surface.pressure[-1], pressure_at(surface.x), rtol=1e-12, atol=1e-9)
+    assert not surface.sheared
+    assert "tractions are the fields CPRESS, without a shear" in surface.notes
 
 
 @pytest.mark.parametrize("suffix", [".vtu", ".vtk"])
@@ -543,7 +556,9 @@ def test_files_too_large_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyP
 
 
 # ------------------------------------------------------------------ what CalculiX 2.20 really wrote
-P, Q, FRICTION = 400.0, 60.0, 0.3
+P = 400.0
+Q = 60.0
+FRICTION = 0.3
 MORTAR, SURFACE = ((DATA / f"{name}.frd").read_text() for name in ("mortar", "surface-to-surface"))
 BLOCK = read_frd(DATA / "mortar.frd").blocks[0]
 FORCE_HEAD = "total surface force (fx,fy,fz) and moment about the origin (mx,my,mz)"
@@ -561,34 +576,34 @@ ADDS_UP = {
 
 @pytest.mark.parametrize("name", ADDS_UP)
 def test_equilibrium_holds_every_sign_of_calculix(name: str) -> None:
-    found = result(name)
+    surface = result(name)
     normal, tangential = (
-        np.trapezoid(field, found.x, axis=1) for field in (found.pressure, found.shear)
+        np.trapezoid(field, surface.x, axis=1) for field in (surface.pressure, surface.shear)
     )
     np.testing.assert_allclose(normal, [P, P], rtol=ADDS_UP[name])
     # Shear is loaded to half of sliding: the same edges, on a part of the pressure.
     np.testing.assert_allclose(tangential, [0.0, Q], atol=ADDS_UP[name] * P * FRICTION * 1.5)
-    np.testing.assert_array_equal(found.time, [1.0, 2.0])
-    assert np.all(np.diff(found.x) > 0)
+    np.testing.assert_array_equal(surface.time, [1.0, 2.0])
+    assert np.all(np.diff(surface.x) > 0)
     # Friction holds the Coulomb limit (1e-5 of the peak: six digits in the file); the upper body
     # slips along the pull.
     assert np.all(
-        np.abs(found.shear) <= FRICTION * np.abs(found.pressure) + 1e-5 * found.pressure.max()
+        np.abs(surface.shear) <= FRICTION * np.abs(surface.pressure) + 1e-5 * surface.pressure.max()
     )
-    slides = (np.abs(found.shear[1]) > 0.999 * FRICTION * found.pressure[1]) & (
-        found.pressure[1] > 1.0
+    slides = (np.abs(surface.shear[1]) > 0.999 * FRICTION * surface.pressure[1]) & (
+        surface.pressure[1] > 1.0
     )
     assert np.count_nonzero(slides) >= 2
-    assert np.all((found.slip[1] - found.slip[0])[slides] > 0)
-    assert np.all(found.shear[1][slides] > 0)
+    assert np.all((surface.slip[1] - surface.slip[0])[slides] > 0)
+    assert np.all(surface.shear[1][slides] > 0)
     if name.startswith("surface"):
-        np.testing.assert_allclose(found.normal_load, [P, P], rtol=1e-4)
-        np.testing.assert_allclose(found.tangential_load, [0.0, Q], atol=1e-4 * Q)
+        np.testing.assert_allclose(surface.normal_load, [P, P], rtol=1e-4)
+        np.testing.assert_allclose(surface.tangential_load, [0.0, Q], atol=1e-4 * Q)
         words = (
             "resultants of the contact pair in surface-to-surface.dat, divided by the mapping's"
             " thickness, 1"
         )
-        assert any(words in note for note in found.notes)
+        assert any(words in note for note in surface.notes)
 
 
 def test_either_body_as_slave_gives_the_same_tractions_those_of_hertz() -> None:
@@ -597,20 +612,20 @@ def test_either_body_as_slave_gives_the_same_tractions_those_of_hertz() -> None:
     )
     inside = np.abs(lower.x) < 0.45
     for of in ("pressure", "shear"):
-        other = np.array([np.interp(lower.x, upper.x, row) for row in getattr(upper, of)])
+        interpolated = np.array([np.interp(lower.x, upper.x, row) for row in getattr(upper, of)])
         # Measured 4.2 % of the peak for p, at x = 0 where node-to-surface dips; 2.0 % for q, stick
         # edge between nodes.
         np.testing.assert_allclose(
-            getattr(lower, of)[:, inside], other[:, inside], atol=0.06 * lower.pressure.max()
+            getattr(lower, of)[:, inside], interpolated[:, inside], atol=0.06 * lower.pressure.max()
         )
     thick = "the model is 1 thick: the tractions are those of its plane z = -0.5, one of 2"
-    for found, words in (
+    for surface, words in (
         (lower, "the lower body"),
         (upper, "the upper body"),
         (lower, thick),
         (upper, "the slave face is curved"),
     ):
-        assert words in " ".join(found.notes)
+        assert words in " ".join(surface.notes)
     half_width = np.sqrt(4 * P * 100.0 / (np.pi * 210000 / (1 - 0.3**2) / 2))
     hertz = 2 * P / (np.pi * half_width**2) * np.sqrt(np.maximum(half_width**2 - upper.x**2, 0.0))
     # Measured 0.045 of the peak: six elements a half-width, bodies of 3 mm. A wrong thickness is
@@ -627,10 +642,10 @@ def test_either_body_as_slave_gives_the_same_tractions_those_of_hertz() -> None:
 def beside(folder: Path, force: list[tuple[float, float]], normal: tuple[float, ...]) -> Path:
     """The mortar run (0.5 thick) with resultants printed beside it, as CalculiX would."""
     text = ""
-    for time, own in ((1.0, force[0]), (2.0, force[1])):
+    for time, resultant in ((1.0, force[0]), (2.0, force[1])):
         text += f" statistics for slave set SUPPER, master set SLOWER and time  {time:.7E}\n\n"
         for head, row in (
-            (FORCE_HEAD, (*own, 0, 0, 0, 0)),
+            (FORCE_HEAD, (*resultant, 0, 0, 0, 0)),
             ("center of gravity and mean normal", (0, 0, 0, *normal)),
         ):
             text += f"   {head}\n\n" + "".join(f"{v:14.6E}" for v in row) + "\n\n"
@@ -640,9 +655,9 @@ def beside(folder: Path, force: list[tuple[float, float]], normal: tuple[float, 
 
 def test_resultants_beside_the_file_are_turned_divided_named_and_checked(tmp_path: Path) -> None:
     path = beside(tmp_path, [(0.0, 200.0), (-30.0, 200.0)], (0.0, -1.0, 0.0))
-    found = result(path)
-    np.testing.assert_allclose([found.normal_load, found.tangential_load], [[P, P], [0.0, Q]])
-    assert any("the mesh's thickness, 0.5" in note for note in found.notes)
+    surface = result(path)
+    np.testing.assert_allclose([surface.normal_load, surface.tangential_load], [[P, P], [0.0, Q]])
+    assert any("the mesh's thickness, 0.5" in note for note in surface.notes)
     np.testing.assert_allclose(result(path, thickness=1.0).normal_load, [200.0, 200.0])
     text = path.with_suffix(".dat").read_text()
     path.with_suffix(".dat").write_text(
@@ -651,9 +666,9 @@ def test_resultants_beside_the_file_are_turned_divided_named_and_checked(tmp_pat
     with pytest.raises(InputError, match=r"several contact pairs \(slave faces OTHER, SUPPER\)"):
         result(path)
     np.testing.assert_allclose(result(path, surface="SUPPER").normal_load, [P, P])
-    found = result(beside(tmp_path, [(0.0, 0.0), (0.0, 0.0)], (np.nan,) * 3))
-    assert found.normal_load is None
-    assert any("states the pair's resultant at 0 of 2 times" in note for note in found.notes)
+    surface = result(beside(tmp_path, [(0.0, 0.0), (0.0, 0.0)], (np.nan,) * 3))
+    assert surface.normal_load is None
+    assert any("states the pair's resultant at 0 of 2 times" in note for note in surface.notes)
 
 
 def test_units_times_offset_and_stated_signs_of_calculix() -> None:
@@ -686,29 +701,37 @@ def test_stress_stands_in_for_contact_values_in_either_form(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path = edited(tmp_path, "surface-to-surface.frd", (" -4  CONTACT ", " -4  CONTAXT "))
-    found = result(path)
+    surface = result(path)
     file = read_frd(path, ("STRESS",))
-    own, block = CalculixMesh(file), file.blocks[-1]
-    values = np.zeros((len(own.numbers), 6))
-    values[own.rows(block.nodes)] = block.values
-    quads = own.rows(np.array([element.nodes for element in file.elements]))
-    meshio.Mesh(own.points, [("quad", quads)], {"stress": values}).write(tmp_path / "result.vtu")
-    for one in (found, result(tmp_path / "result.vtu")):
+    grid = CalculixMesh(file)
+    block = file.blocks[-1]
+    values = np.zeros((len(grid.numbers), 6))
+    values[grid.rows(block.nodes)] = block.values
+    quads = grid.rows(np.array([element.nodes for element in file.elements]))
+    meshio.Mesh(grid.points, [("quad", quads)], {"stress": values}).write(tmp_path / "result.vtu")
+    for surface_read in (surface, result(tmp_path / "result.vtu")):
         # Extrapolated nodal stress of linear elements: 7 % of P, 2 % of Q measured.
-        np.testing.assert_allclose(np.trapezoid(one.pressure[-1], one.x), P, rtol=0.12)
-        np.testing.assert_allclose(np.trapezoid(one.shear[-1], one.x), Q, rtol=0.12)
-        assert one.slip is None
-    opened, plainly = [], Path.open
+        np.testing.assert_allclose(
+            np.trapezoid(surface_read.pressure[-1], surface_read.x), P, rtol=0.12
+        )
+        np.testing.assert_allclose(
+            np.trapezoid(surface_read.shear[-1], surface_read.x), Q, rtol=0.12
+        )
+        assert surface_read.slip is None
+    opened = []
+    plainly = Path.open
     monkeypatch.setattr(
-        Path, "open", lambda path, *how, **more: opened.append(path) or plainly(path, *how, **more)
+        Path,
+        "open",
+        lambda path, *how, **keywords: opened.append(path) or plainly(path, *how, **keywords),
     )
     result(path)
     assert opened == [path]  # read once, although it has no contact values
-    assert "p = -SYY and q = SXY of the lower body" in found.notes[0]
+    assert "p = -SYY and q = SXY of the lower body" in surface.notes[0]
     # Resultants still come from the .dat file, whichever body was the slave.
     path.with_suffix(".dat").write_bytes((DATA / "surface-to-surface.dat").read_bytes())
     np.testing.assert_allclose(result(path).tangential_load, [0.0, Q], atol=1e-4 * Q)
-    np.testing.assert_allclose(result(path, factors={"stress": 2.0}).shear, 2 * found.shear)
+    np.testing.assert_allclose(result(path, factors={"stress": 2.0}).shear, 2 * surface.shear)
     with pytest.raises(InputError, match=r"no node of a lower body's face at y = 0\.5; .*y_offset"):
         result(path, y_offset=0.5)
 
@@ -773,12 +796,12 @@ def table(change: Callable[[Any], Any]) -> Make:
     return file(lambda: change(LONG.astype(object)), "result.csv")
 
 
-def calculix(name: str, text: str, *beside: str) -> Make:
+def calculix(name: str, text: str, *neighbours: str) -> Make:
     """A file of CalculiX, and others that lie beside it."""
 
     def make(folder: Path) -> Path:
-        for other in beside:
-            (folder / name).with_suffix(".frd").write_text(other)
+        for neighbour in neighbours:
+            (folder / name).with_suffix(".frd").write_text(neighbour)
         return file(text, name)(folder)
 
     return make
@@ -963,11 +986,11 @@ FAULTS: dict[str, tuple[Any, ...]] = {
 def test_each_fault_of_a_file_is_one_sentence(
     fault: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    make, said, *mapping = FAULTS[fault]
+    make, fact, *mapping = FAULTS[fault]
     if fault not in ("empty VTU", "no VTK", "no such point"):
         monkeypatch.setattr(field_files, "_read_apart", read_here)
     path = make(tmp_path)
-    with pytest.raises(InputError, match=re.escape(said)) as caught:
+    with pytest.raises(InputError, match=re.escape(fact)) as caught:
         result(path, **(mapping[0] if mapping else {}))
     assert "\n" not in str(caught.value)
     place = {
@@ -982,11 +1005,11 @@ def test_each_fault_of_a_file_is_one_sentence(
 def test_a_calculix_file_that_lacks_an_instant_is_read_and_says_so(
     tmp_path: Path, fault: str
 ) -> None:
-    text, said = SHORT[fault]
+    text, fact = SHORT[fault]
     (tmp_path / "run.frd").write_text(text)
-    found = result(tmp_path / "run.frd")
-    np.testing.assert_array_equal(found.time, [1.0])
-    assert any(said in note for note in found.notes)
+    surface = result(tmp_path / "run.frd")
+    np.testing.assert_array_equal(surface.time, [1.0])
+    assert any(fact in note for note in surface.notes)
 
 
 # -------------------------------------------------------------------------- the forms .frd and .dat
@@ -1060,11 +1083,11 @@ def test_numbers_of_fixed_width_come_back_exactly(
     tmp_path_factory: pytest.TempPathFactory,
     columns: int,
     count: int,
-    data: st.DataObject,
+    draws: st.DataObject,
     form: int,
 ) -> None:
     """Over several lines where there are more than six."""
-    values = data.draw(
+    values = draws.draw(
         st.lists(
             st.lists(SIX_DIGITS, min_size=columns, max_size=columns), min_size=count, max_size=count
         )
@@ -1081,19 +1104,19 @@ def test_numbers_of_fixed_width_come_back_exactly(
 
 
 def test_what_else_is_in_a_frd_file(tmp_path: Path) -> None:
-    found = frd_of(tmp_path, frd([(1, *range(6))]))
-    assert (found.version, found.names, found.times) == (
+    frd_file = frd_of(tmp_path, frd([(1, *range(6))]))
+    assert (frd_file.version, frd_file.names, frd_file.times) == (
         "CalculiX Version 2.20",
         ("CONTACT",),
         (0.5,),
     )
-    np.testing.assert_array_equal(found.nodes, [1, 2, 3, 40])
-    np.testing.assert_array_equal(found.points, [row[1:] for row in NODES])
-    assert [(e.number, e.kind, e.nodes) for e in found.elements] == [(1, 9, (1, 2, 3, 40))]
+    np.testing.assert_array_equal(frd_file.nodes, [1, 2, 3, 40])
+    np.testing.assert_array_equal(frd_file.points, [row[1:] for row in NODES])
+    assert [(e.number, e.kind, e.nodes) for e in frd_file.elements] == [(1, 9, (1, 2, 3, 40))]
     with pytest.raises(KeyError):
-        found.blocks[0].column("CPRES")
-    other = frd_of(tmp_path, frd([(1, 1.0)], "PEEQ", ("PE",)))  # not asked for: passed over
-    assert (other.blocks, other.names, other.times) == ((), ("PEEQ",), (0.5,))
+        frd_file.blocks[0].column("CPRES")
+    frd_file = frd_of(tmp_path, frd([(1, 1.0)], "PEEQ", ("PE",)))  # not asked for: passed over
+    assert (frd_file.blocks, frd_file.names, frd_file.times) == ((), ("PEEQ",), (0.5,))
     # ALL, which viewers work out, is not in the file
     text = frd([(1, 1.0, 2.0, 3.0)], "DISP", ("D1", "D2", "D3", "ALL"))
     text = text.replace(
@@ -1116,17 +1139,18 @@ def test_a_frd_file_that_breaks_off_anywhere_is_refused_or_read_short(tmp_path: 
     """A run that is still going on: whole blocks may be missing at the end, but no block is read in
     part.
     """
-    whole, path = MORTAR.encode(), tmp_path / "cut.frd"
+    content = MORTAR.encode()
+    path = tmp_path / "cut.frd"
     blocks = {b.line: b for b in read_frd(DATA / "mortar.frd").blocks}
-    for end in np.linspace(0, len(whole) - 10, 30).astype(int):
-        path.write_bytes(whole[:end])
+    for end in np.linspace(0, len(content) - 10, 30).astype(int):
+        path.write_bytes(content[:end])
         try:
-            found = read_frd(path)
+            frd_file = read_frd(path)
         except InputError:
             continue
-        for block in found.blocks:
+        for block in frd_file.blocks:
             np.testing.assert_array_equal(block.values, blocks[block.line].values)
-        assert not found.ended
+        assert not frd_file.ended
 
 
 PRINTOUT = """
@@ -1151,21 +1175,21 @@ PRINTOUT = """
 
 
 def test_tables_of_a_printed_file(tmp_path: Path) -> None:
-    found = read_dat(DATA / "surface-to-surface.dat")
-    whats = [(table.what, table.scope, table.time) for table in found.tables]
+    dat_file = read_dat(DATA / "surface-to-surface.dat")
+    whats = [(table.what, table.scope, table.time) for table in dat_file.tables]
     assert whats[0] == ("total force", "set BOTTOM", 1.0)
     assert ("contact stress", "all contact elements", 2.0) in whats
     # The support carries what the pad brings.
-    np.testing.assert_allclose(found.tables[0].values[0, :2], [0.0, P], atol=1e-3)
-    pair = found.pairs[-1]
+    np.testing.assert_allclose(dat_file.tables[0].values[0, :2], [0.0, P], atol=1e-3)
+    pair = dat_file.pairs[-1]
     assert (pair.slave, pair.master, pair.time) == ("SLOWER", "SUPPER", 2.0)
     np.testing.assert_allclose([*pair.force[:2], pair.normal[1]], [Q, -P, 1.0], rtol=1e-4)
     (tmp_path / "case.dat").write_text(PRINTOUT)
-    found = read_dat(tmp_path / "case.dat")
-    np.testing.assert_array_equal(found.tables[0].ids, [[1], [7]])
-    np.testing.assert_array_equal(found.tables[0].values[0], [1.0, -2.0, 3.0])
-    np.testing.assert_array_equal(found.tables[1].ids, [[12]])
-    np.testing.assert_array_equal(found.pairs[0].force, [1.0, 2.0, 3.0])
+    dat_file = read_dat(tmp_path / "case.dat")
+    np.testing.assert_array_equal(dat_file.tables[0].ids, [[1], [7]])
+    np.testing.assert_array_equal(dat_file.tables[0].values[0], [1.0, -2.0, 3.0])
+    np.testing.assert_array_equal(dat_file.tables[1].ids, [[12]])
+    np.testing.assert_array_equal(dat_file.pairs[0].force, [1.0, 2.0, 3.0])
 
 
 FRD_FAULTS = [
@@ -1242,18 +1266,18 @@ DAT_FAULTS = [
 
 
 @pytest.mark.parametrize(
-    ("name", "whole", "old", "new", "line", "said"),
+    ("name", "good_text", "old", "new", "line", "fact"),
     [
         *(("case.frd", GOOD, *row) for row in FRD_FAULTS),
         *(("case.dat", PRINTOUT, *row) for row in DAT_FAULTS),
     ],
 )
 def test_a_fault_in_a_file_of_calculix_is_refused_with_its_line(
-    tmp_path: Path, name: str, whole: str, old: str, new: str, line: int, said: str
+    tmp_path: Path, name: str, good_text: str, old: str, new: str, line: int, fact: str
 ) -> None:
-    assert old in whole
-    (tmp_path / name).write_text(whole.replace(old, new, 1))
-    with pytest.raises(InputError, match=said) as caught:
+    assert old in good_text
+    (tmp_path / name).write_text(good_text.replace(old, new, 1))
+    with pytest.raises(InputError, match=fact) as caught:
         (
             read_frd(tmp_path / name, ("CONTACT", "DISP"))
             if name == "case.frd"
@@ -1261,6 +1285,6 @@ def test_a_fault_in_a_file_of_calculix_is_refused_with_its_line(
         )
     assert (
         "expected" not in str(caught.value)
-        or "breaks off" in said
+        or "breaks off" in fact
         or f"{name}: line {line}: expected" in str(caught.value)
     )

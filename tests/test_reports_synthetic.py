@@ -25,7 +25,9 @@ def closed_form_dissipation(scene: Scene) -> float:
     """W = (4 f^2 P^2/(pi E*)) [(1-k) ln(1-k) + k - k^2/2], k = Q/(fP): theory.md's constant-P loop,
     anchors' formula.
     """
-    f, load, k = scene.friction.coefficient, scene.load.path().at(1.0)[0], LOAD_RATIO
+    f = scene.friction.coefficient
+    load = scene.load.path().at(1.0)[0]
+    k = LOAD_RATIO
     return float(
         2
         * compliance(scene.material)
@@ -40,7 +42,8 @@ def cattaneo_mindlin(steps_per_leg: int = 40, points: int = 161, **changed: Any)
     replaced by `changed`.
     """
     scene = load_scene("cattaneo-mindlin")
-    f, a = scene.friction.coefficient, HALF_WIDTH
+    f = scene.friction.coefficient
+    a = HALF_WIDTH
     time = np.linspace(1.0, 4.0, 3 * steps_per_leg + 1)
     normal, tangential = scene.load.path().at(time)
     load = float(normal[0])
@@ -108,8 +111,8 @@ def evil() -> Comparison:
     truth = cattaneo_mindlin(steps_per_leg=12, points=61)
     words = dict.fromkeys(("name", "title", "purpose", "source"), EVIL)
     record = replace(truth.record, notes=(EVIL,), message=EVIL)
-    own = {"record": record, "settings": {EVIL: EVIL}, "versions": {EVIL: EVIL}, "engine": EVIL}
-    truth = replace(truth, scene=truth.scene.vary(**words, units=f"{EVIL}, {EVIL}, MPa"), **own)
+    hostile = {"record": record, "settings": {EVIL: EVIL}, "versions": {EVIL: EVIL}, "engine": EVIL}
+    truth = replace(truth, scene=truth.scene.vary(**words, units=f"{EVIL}, {EVIL}, MPa"), **hostile)
     wrong = {
         "pressure": 1.01 * truth.pressure,
         "shear": 0.99 * truth.shear,
@@ -137,7 +140,8 @@ def _shift(scene: Scene, load: float, share: Any) -> np.ndarray:
     """U = (A f/pi) int_{P_c}^{P} ln(2L/a(eta)) d eta, P_c = P (1 - share), a^2 proportional to
     eta.
     """
-    f, length = scene.friction.coefficient, scene.profile.datum_length
+    f = scene.friction.coefficient
+    length = scene.profile.datum_length
     start = load * (1 - np.asarray(share))
 
     def primitive(eta: np.ndarray) -> np.ndarray:

@@ -125,11 +125,11 @@ def parse(text: str) -> list[Card]:
         cards.append((words[0], parameters, []))
     if inside:
         raise ValueError("the last step does not end")
-    for keyword, _, data in cards:
+    for keyword, _, lines_of_data in cards:
         kinds = KEYWORDS[keyword][1]
-        if kinds is not None and bool(data) != bool(kinds):
-            raise ValueError(f"*{keyword} with {len(data)} data lines")
-        for row in data if kinds is not None else []:
+        if kinds is not None and bool(lines_of_data) != bool(kinds):
+            raise ValueError(f"*{keyword} with {len(lines_of_data)} data lines")
+        for row in lines_of_data if kinds is not None else []:
             check_row(keyword, row, kinds or "")
     return cards
 
@@ -162,14 +162,16 @@ def cards_of(name: str) -> list[Card]:
 
 
 def data_of(cards: list[Card], keyword: str) -> list[list[str]]:
-    return [row for name, _, data in cards if name == keyword for row in data]
+    return [row for name, _, lines_of_data in cards if name == keyword for row in lines_of_data]
 
 
 def amplitudes(cards: list[Card]) -> dict[str, np.ndarray]:
     """(n, 2) time and value of each."""
     return {
-        parameters["NAME"]: np.array([float(word) for row in data for word in row]).reshape(-1, 2)
-        for keyword, parameters, data in cards
+        parameters["NAME"]: np.array(
+            [float(word) for row in lines_of_data for word in row]
+        ).reshape(-1, 2)
+        for keyword, parameters, lines_of_data in cards
         if keyword == "AMPLITUDE"
     }
 
@@ -177,18 +179,21 @@ def amplitudes(cards: list[Card]) -> dict[str, np.ndarray]:
 @pytest.mark.parametrize("name", SCENES)
 class TestText:
     def test_every_name_and_number_that_a_deck_refers_to_is_there(self, name: str) -> None:
-        cards, reference = cards_of(name), deck_of(name).reference
+        cards = cards_of(name)
+        reference = deck_of(name).reference
         nodes = {int(row[0]) for row in data_of(cards, "NODE")}
         elements = [[int(word) for word in row] for row in data_of(cards, "ELEMENT")]
         assert [row[0] for row in elements] == list(range(1, len(elements) + 1))
         used = {node for row in elements for node in row[1:]}
         assert used | {reference} == nodes == set(range(1, reference + 1))
         sets = {
-            parameters["NSET"]: data for keyword, parameters, data in cards if keyword == "NSET"
+            parameters["NSET"]: lines_of_data
+            for keyword, parameters, lines_of_data in cards
+            if keyword == "NSET"
         }
         assert set(sets) == {"LOWER_FACE_NODES", "UPPER_FACE_NODES"}
-        for data in sets.values():
-            members = [int(word) for row in data for word in row]
+        for lines_of_data in sets.values():
+            members = [int(word) for row in lines_of_data for word in row]
             assert len(members) > 10
             assert set(members) <= used
         names = {
@@ -205,7 +210,9 @@ class TestText:
     def test_amplitudes_are_the_scenes_loads_and_a_step_ends_at_every_instant(
         self, name: str
     ) -> None:
-        cards, deck, scene = cards_of(name), deck_of(name), load_scene(name)
+        cards = cards_of(name)
+        deck = deck_of(name)
+        scene = load_scene(name)
         tables = amplitudes(cards)
         path = scene.load.path()
         time = tables["NORMAL_LOAD"][:, 0] + path.start
@@ -226,8 +233,8 @@ class TestText:
         )
         assert 0 < ends[0] < ends[1]
         signs = {
-            parameters["AMPLITUDE"]: data[0]
-            for keyword, parameters, data in cards
+            parameters["AMPLITUDE"]: lines_of_data[0]
+            for keyword, parameters, lines_of_data in cards
             if keyword == "CLOAD"
         }
         assert signs["NORMAL_LOAD"] == [str(deck.reference), "2", "-1."]
@@ -247,7 +254,8 @@ class TestBodies:
             assert (y.max() < 0) if body is deck.lower else (y.min() > 0)
             assert abs((areas * x).sum() / areas.sum()) < 1e-9 * np.abs(body.nodes).max()
             cells = body.elements[body.contact_faces[:, 0] - body.first_element]
-            side, rows = body.contact_faces[:, 1] - 1, np.arange(len(cells))
+            side = body.contact_faces[:, 1] - 1
+            rows = np.arange(len(cells))
             # Anticlockwise: the lower body's face is passed through from right to left, the upper
             # one's from left to right.
             ends = [cells[rows, side], cells[rows, (side + 1) % 4]]
@@ -311,17 +319,17 @@ def moved(
     """What the equations make of (node, direction) by the movements of the nodes that drive
     them.
     """
-    found = {}
+    movements = {}
     for row in data_of(parse(text), "EQUATION")[1::2]:
         terms = [
             (int(a), int(b), float(c))
             for a, b, c in zip(row[::3], row[1::3], row[2::3], strict=True)
         ]
         first = terms[0]
-        found[first[:2]] = (
+        movements[first[:2]] = (
             -sum(factor * nodes[node, way] for node, way, factor in terms[1:]) / first[2]
         )
-    return found
+    return movements
 
 
 @pytest.mark.parametrize(
@@ -333,13 +341,16 @@ def test_half_planes_under_bulk_stress_move_by_its_strain_and_the_upper_one_turn
     turn: dict[str, Any],
 ) -> None:
     deck = imposed(bulk_stress_lower=WAVE, bulk_stress_upper=-7.0, **turn)
-    path, size, last = deck.scene.load.path(), deck.scales.half_width, len(deck.time) - 1
+    path = deck.scene.load.path()
+    size = deck.scales.half_width
+    last = len(deck.time) - 1
     text = deck_text(deck)
     cards = parse(text)
     tables = amplitudes(cards)
     # u = eps (x, -nu/(1 - nu) y) of a uniform stress along x in plane strain, and a turn that opens
     # the gap at x > 0.
-    nu, young = 0.3, 210e3
+    nu = 0.3
+    young = 210e3
     time = deck.time[last]
     stresses = 3 + 20 * math.cos(time - math.pi / 2), -7.0
     strains = [stress * (1 - nu**2) / young for stress in stresses]
@@ -354,7 +365,7 @@ def test_half_planes_under_bulk_stress_move_by_its_strain_and_the_upper_one_turn
         (deck.reference, 1): 0.02,
         (deck.reference, 2): -0.05,
     }
-    found = moved(deck, text, nodes)
+    movements = moved(deck, text, nodes)
     for body, strain, plane, turned in (
         (deck.lower, strains[0], (0.0, 0.0), 0.0),
         (deck.upper, strains[1], (0.02, -0.05), alpha),
@@ -362,12 +373,12 @@ def test_half_planes_under_bulk_stress_move_by_its_strain_and_the_upper_one_turn
         for way, numbers in body.held.items():
             x, y = body.nodes[numbers - body.first_node].T
             stretched = strain * (x if way == 1 else -nu / (1 - nu) * y)
-            wanted = (
+            expected = (
                 plane[way - 1] + stretched + (turned if turn else 0.0) * (-y if way == 1 else x)
             )
             # On the lower arc nothing moves the node at x = 0 along x, which is held.
-            by_equation = [found.get((node, way), 0.0) for node in numbers.tolist()]
-            assert by_equation == pytest.approx(wanted, rel=1e-9, abs=1e-15)
+            by_equation = [movements.get((node, way), 0.0) for node in numbers.tolist()]
+            assert by_equation == pytest.approx(expected, rel=1e-9, abs=1e-15)
     assert ("TILT" in tables) == ("tilt" in turn)
     if "tilt" in turn:
         assert tables["TILT"][last, 1] == pytest.approx(1e-3 * size)
@@ -377,17 +388,17 @@ def test_half_planes_under_bulk_stress_move_by_its_strain_and_the_upper_one_turn
         assert tables["MOMENT"][last, 1] == pytest.approx(moment / size, rel=1e-9)
         pushes = [
             row
-            for k, parameters, data in cards
+            for k, parameters, lines_of_data in cards
             if k == "CLOAD" and parameters["AMPLITUDE"] == "MOMENT"
-            for row in data
+            for row in lines_of_data
         ]
         assert pushes == [[str(deck.turning), "1", "-1."]]  # what M does on -alpha
     # A node that an equation moves is not held as well, and what drives it is.
     held = {(int(row[0]), int(row[1])) for row in data_of(cards, "BOUNDARY")}
     assert {
         (node, way) for way, numbers in deck.lower.held.items() for node in numbers.tolist()
-    } <= held | found.keys()
-    assert not held & found.keys()
+    } <= held | movements.keys()
+    assert not held & movements.keys()
     assert {(deck.strained, 1), (deck.strained, 2)} <= held
 
 
@@ -398,10 +409,10 @@ def test_the_ends_of_blocks_are_pulled_and_those_on_rollers_hold_the_tangential_
     places = np.concatenate([deck.lower.nodes, deck.upper.nodes])
     corners = {int(row[0]): [int(word) for word in row[1:]] for row in data_of(cards, "ELEMENT")}
     forces = {}
-    for keyword, parameters, data in cards:
+    for keyword, parameters, lines_of_data in cards:
         if keyword == "DLOAD" and parameters["AMPLITUDE"] not in forces:
             total = np.zeros(2)
-            for element, face, factor in data:
+            for element, face, factor in lines_of_data:
                 k = int(face[1:]) - 1
                 start, end = (places[corners[int(element)][n] - 1] for n in (k, (k + 1) % 4))
                 # corners go round anticlockwise
@@ -418,7 +429,8 @@ def test_the_ends_of_blocks_are_pulled_and_those_on_rollers_hold_the_tangential_
         f"{body}_{side}_END" for body in ("LOWER", "UPPER") for side in ("LEFT", "RIGHT")
     }
     left, right = (tables[f"LOWER_{side}_END"] for side in ("LEFT", "RIGHT"))
-    q, stress = tables["TANGENTIAL_LOAD"], deck.bulk_stress[0]
+    q = tables["TANGENTIAL_LOAD"]
+    stress = deck.bulk_stress[0]
     assert (right - left) * height + q == pytest.approx(0 * q, abs=1e-9), (
         "nothing is left for what keeps it from drifting"
     )
@@ -456,15 +468,15 @@ def test_what_a_deck_can_not_pull_is_refused(
 
 def test_the_roller_benchmark_mirrors_the_half_cylinder_and_loads_its_top() -> None:
     half = deck_of("cylinder-roller-frictionless")
-    whole = third.whole_cylinder(half)
-    assert whole.upper.areas().min() > 0
-    assert whole.upper.areas().sum() == pytest.approx(2 * half.upper.areas().sum(), rel=1e-12)
+    cylinder = third.whole_cylinder(half)
+    assert cylinder.upper.areas().min() > 0
+    assert cylinder.upper.areas().sum() == pytest.approx(2 * half.upper.areas().sum(), rel=1e-12)
     assert (
-        len(np.unique(whole.upper.nodes.round(9), axis=0))
-        == len(whole.upper.nodes)
-        == whole.reference - whole.upper.first_node
+        len(np.unique(cylinder.upper.nodes.round(9), axis=0))
+        == len(cylinder.upper.nodes)
+        == cylinder.reference - cylinder.upper.first_node
     )
-    loaded = whole.upper.nodes[whole.upper.held[2] - whole.upper.first_node]
+    loaded = cylinder.upper.nodes[cylinder.upper.held[2] - cylinder.upper.first_node]
     assert loaded[:, 1].max() == pytest.approx(100.0)
     assert np.abs(loaded[:, 0]).max() <= half.scales.half_width
     assert third.two_increments(half).time.tolist() == [0.0, 0.5, 1.0]
@@ -472,7 +484,8 @@ def test_the_roller_benchmark_mirrors_the_half_cylinder_and_loads_its_top() -> N
 
 
 def test_the_cycle_closes_and_its_turning_points_are_instants() -> None:
-    deck, path = deck_of("hertz-paper"), load_scene("hertz-paper").load.path()
+    deck = deck_of("hertz-paper")
+    path = load_scene("hertz-paper").load.path()
     begin = int(np.argmin(np.abs(deck.time - path.cycle_start)))
     for load in (deck.normal_load, deck.tangential_load):
         assert np.isclose(load[begin], load[-1])
@@ -545,13 +558,13 @@ def test_the_status_file_has_accepted_and_rejected_attempts_and_maybe_half_a_lin
 
 def test_a_run_that_reaches_its_end_counts_increments_and_iterations(tmp_path: Path) -> None:
     """It ends when its progress was seen."""
-    seen: list[tuple[int, int | None, str]] = []
+    states: list[tuple[int, int | None, str]] = []
 
     def report(*state: Any) -> None:
-        seen.append(state)
+        states.append(state)
         (tmp_path / "seen").touch()
 
-    done = run_calculix(
+    outcome = run_calculix(
         stand_in(tmp_path, "until [ -e seen ]; do sleep 0.05; done"),
         tmp_path,
         "deck",
@@ -559,8 +572,8 @@ def test_a_run_that_reaches_its_end_counts_increments_and_iterations(tmp_path: P
         300.0,
         report,
     )
-    assert (done.increments, done.iterations) == (2, 84)
-    assert seen[-1][:2] == (100, 100)
+    assert (outcome.increments, outcome.iterations) == (2, 84)
+    assert states[-1][:2] == (100, 100)
 
 
 def interrupted(*_: object) -> None:
@@ -608,11 +621,12 @@ def test_a_run_that_stops_early_is_reported_with_the_end_of_its_log_and_its_proc
     fault: Any,
     words: str,
 ) -> None:
-    started, popen = [], subprocess.Popen
+    started = []
+    popen = subprocess.Popen
     monkeypatch.setattr(
         subprocess,
         "Popen",
-        lambda *given, **how: started.append(popen(*given, **how)) or started[0],
+        lambda *arguments, **how: started.append(popen(*arguments, **how)) or started[0],
     )
     with pytest.raises(fault, match=words):
         run_calculix(stand_in(tmp_path, body), tmp_path, "deck", end, limit, report)
@@ -663,9 +677,11 @@ class TestCalculix:
         comparison: Any = third.comparison
         for key, limit in limits.items():
             assert abs(comparison.metric(key).value) < limit, key
-        result = comparison.result
+        solution = comparison.result
         assert np.allclose(
-            result.normal_load[1:], comparison.scene.load.path().at(result.time[1:])[0], rtol=2e-3
+            solution.normal_load[1:],
+            comparison.scene.load.path().at(solution.time[1:])[0],
+            rtol=2e-3,
         )
 
     def test_run_leaves_three_columns_and_a_time_limit_the_rest(

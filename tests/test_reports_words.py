@@ -172,29 +172,32 @@ WORDS = [
 ]
 
 
-@pytest.mark.parametrize(("of", "changed", "there", "absent"), WORDS)
+@pytest.mark.parametrize(("of", "changed", "present_words", "absent"), WORDS)
 def test_words(
-    of: Callable[[Scene], str], changed: dict[str, Any], there: list[str], absent: list[str]
+    of: Callable[[Scene], str], changed: dict[str, Any], present_words: list[str], absent: list[str]
 ) -> None:
     words = of(scene(**changed))
-    assert all(each in words for each in there)
+    assert all(each in words for each in present_words)
     assert not any(each in words for each in absent)
 
 
 def test_the_question_of_every_scene_of_the_library() -> None:
     for name in scene_names():
-        asked = question(load_scene(name))
+        sentence = question(load_scene(name))
         assert not [
-            words for words in ("friction coefficient", "MPa", "N/mm") if words not in asked
+            words for words in ("friction coefficient", "MPa", "N/mm") if words not in sentence
         ]
-        assert asked.endswith("?")
+        assert sentence.endswith("?")
     assert units(scene(units="SI")) == ("force", "length", "stress")
 
 
 def test_values_have_sign_unit_elements_and_no_more_digits_than_are_known() -> None:
     edges = TRUTH.stick_edges - np.array([0.0, 0.01])
-    found = compare(TRUTH, with_fields(TRUTH, stick_edges=edges, settings={"element_size": 0.02}))
-    edge, norm = found.metric("stick_edge"), found.metric("pressure")
+    comparison = compare(
+        TRUTH, with_fields(TRUTH, stick_edges=edges, settings={"element_size": 0.02})
+    )
+    edge = comparison.metric("stick_edge")
+    norm = comparison.metric("pressure")
     assert (value_of(edge), unit_of(edge), tolerance_of(edge)) == (
         "−1 %",
         "of a_ref (−0.5 elements)",
@@ -244,20 +247,20 @@ def bodies(
     blocks = TRUTH.scene.vary(bodies=load_scene("blocks").bodies, tolerances={})
     theory = with_fields(TRUTH, scene=blocks, engine="semi_analytic")
     changed = {"dissipation": work * TRUTH.dissipation, "pressure": pressure * TRUTH.pressure}
-    found = compare(
+    comparison = compare(
         theory, with_fields(theory, engine="halfplane_fe", **changed), tolerances=tolerances
     )
     return replace(
-        found,
-        metrics=tuple(replace(metric, uncertainty=uncertainty) for metric in found.metrics),
+        comparison,
+        metrics=tuple(replace(metric, uncertainty=uncertainty) for metric in comparison.metrics),
     )
 
 
 def test_theory_of_work_where_the_finite_elements_dissipate_nothing_is_no_share() -> None:
     """FE/theory − 1 is −1 then, and theory/FE − 1 has no value, whatever the uncertainty."""
     for uncertainty in (None, 6e-4):
-        said = headline(bodies(0.0, 1.005, uncertainty))
-        assert said.startswith(
+        sentence = headline(bodies(0.0, 1.005, uncertainty))
+        assert sentence.startswith(
             "Half-plane theory has dissipation where the finite elements have none and"
             " underestimates the peak"
         )
@@ -292,17 +295,17 @@ def test_page_terminal_and_file_say_what_the_dissipation_is_of(words: str, tmp_p
     )
     assert any(f"dissipation of the {words} [" in row[0] for row in summary_rows(theory))
     text = write(report, tmp_path).read_text("utf-8")
-    shown = re.sub(r"<script.*?</script>|<style.*?</style>|<[^>]*>", " ", text, flags=re.DOTALL)
+    plain = re.sub(r"<script.*?</script>|<style.*?</style>|<[^>]*>", " ", text, flags=re.DOTALL)
     labels = " ".join(re.findall(r'(?:title|aria-label)="([^"]*)"', text))
-    assert f"W, {words}" in shown
+    assert f"W, {words}" in plain
     metrics = json.loads((tmp_path / "comparison.json").read_text("utf-8"))["metrics"].values()
-    told = " ".join(
+    printed = " ".join(
         f"{metric['norm']} {metric['region']} {metric['definition']}" for metric in metrics
     )
-    assert words in told
-    assert all(("cycle" in part) is (words == "last cycle") for part in (labels, told))
-    assert ("last cycle" in shown) is (words == "last cycle")
-    assert not re.search(r"whole (last|whole)", shown + told) or words == "last cycle"
+    assert words in printed
+    assert all(("cycle" in part) is (words == "last cycle") for part in (labels, printed))
+    assert ("last cycle" in plain) is (words == "last cycle")
+    assert not re.search(r"whole (last|whole)", plain + printed) or words == "last cycle"
 
 
 def test_the_headline_says_how_wrong_theory_is_and_how_far_both_agree() -> None:
@@ -330,13 +333,13 @@ def test_the_headline_says_how_wrong_theory_is_and_how_far_both_agree() -> None:
     assert headline(compare(theory, known)).endswith(
         "errors of the dissipation by their own estimates: finite elements 0.05 %."
     )
-    other = with_fields(theory, engine="another code", dissipation=1.02 * TRUTH.dissipation)
-    said = headline(compare(theory, other))
-    assert said.startswith(
+    slightly_more = with_fields(theory, engine="another code", dissipation=1.02 * TRUTH.dissipation)
+    sentence = headline(compare(theory, slightly_more))
+    assert sentence.startswith(
         "another code, measured by half-plane theory, overestimates the dissipation by 2 % and"
         " agrees in the peak pressure"
     )
-    assert "furthest" not in said  # W itself is
+    assert "furthest" not in sentence  # W itself is
     turned = with_fields(theory, engine="another code", shear=-TRUTH.shear)
     assert "; furthest from its tolerance: shear traction, L2, " in headline(
         compare(theory, turned)
@@ -348,9 +351,9 @@ def test_bodies_without_a_tolerance_are_not_judged() -> None:
     free = bodies(0.98, 1.0, 6e-4)
     assert (free.verdict, free.passed, lead(free)) == (None, True, "")
     assert "nothing is judged" in verdict(free)
-    for tolerance, wanted in ((0.05, "within"), (0.01, "outside"), (0.02, "undecided")):
-        asked = bodies(0.98, 1.0, 6e-4, dissipation=tolerance)
-        assert (asked.verdict, asked.passed) == (wanted, wanted == "within")
+    for tolerance, state in ((0.05, "within"), (0.01, "outside"), (0.02, "undecided")):
+        report = bodies(0.98, 1.0, 6e-4, dissipation=tolerance)
+        assert (report.verdict, report.passed) == (state, state == "within")
     with pytest.raises(InputError, match="tolerances: 'disipation' is no metric"):
         bodies(0.98, disipation=0.01)
 
@@ -380,14 +383,14 @@ def test_the_first_table_has_both_values_in_the_scene_s_units() -> None:
 
 class TestSketch:
     def test_outlines_are_to_scale_and_meet_at_the_origin(self) -> None:
-        both = scene(bodies={"lower": A_BLOCK, "upper": A_PAD})
-        lower, upper = (outline(both, name, 1.0) for name in ("lower", "upper"))
+        two_bodies = scene(bodies={"lower": A_BLOCK, "upper": A_PAD})
+        lower, upper = (outline(two_bodies, name, 1.0) for name in ("lower", "upper"))
         np.testing.assert_allclose(
             [np.ptp(lower, axis=0), np.ptp(upper, axis=0)], [[20, 12], [10, 8]]
         )
         assert lower[:, 1].max() == upper[:, 1].min() == 0
         face = upper[:181]
-        radius = both.profile.radius
+        radius = two_bodies.profile.radius
         np.testing.assert_allclose(
             face[:, 0] ** 2 + (face[:, 1] - radius) ** 2, radius**2, rtol=1e-12
         )
@@ -404,9 +407,13 @@ class TestSketch:
             "bodies": {"lower": {"kind": "cylinder", "radius": 50.0}},
             "profile": {"kind": "hertz", "radius": 50.0},
         }
-        for asked in (scene(), scene(bodies={"lower": rollers, "upper": A_PAD}), scene(**round_)):
-            drawn = sketch(asked, 1.0)
-            assert drawn.alt == bodies_in_words(asked)
+        for drawn_scene in (
+            scene(),
+            scene(bodies={"lower": rollers, "upper": A_PAD}),
+            scene(**round_),
+        ):
+            drawn = sketch(drawn_scene, 1.0)
+            assert drawn.alt == bodies_in_words(drawn_scene)
             assert drawn.svg().startswith("<svg")
             assert set(drawn.table) == {"body", "x [mm]", "y [mm]"}
 
@@ -454,7 +461,8 @@ class TestSketch:
             arc = next(
                 mark for mark in panel.marks if isinstance(mark, Curve) and mark.css == "arrow"
             )
-            x, y = np.asarray(arc.x), -np.asarray(arc.y)  # y of a drawing points down
+            x = np.asarray(arc.x)
+            y = -np.asarray(arc.y)  # y of a drawing points down
             turned.append(
                 np.sign(np.sum(x[:-1] * y[1:] - x[1:] * y[:-1]) + x[-1] * y[0] - x[0] * y[-1])
             )
@@ -462,21 +470,23 @@ class TestSketch:
 
 
 @pytest.fixture(scope="module")
-def found() -> Comparison:
+def comparison() -> Comparison:
     """Coarse: far outside of every tolerance, which are those of half-planes."""
-    both = scene(bodies={"lower": A_BLOCK, "upper": A_PAD}, material=UNLIKE)
-    fe = halfplane_fe.solve(both, COARSE, FEW_STEPS)
-    return compare(semi_analytic.solve(both, x=fe.x, time=fe.time), fe, tolerances=OWN_TOLERANCES)
+    two_bodies = scene(bodies={"lower": A_BLOCK, "upper": A_PAD}, material=UNLIKE)
+    fe = halfplane_fe.solve(two_bodies, COARSE, FEW_STEPS)
+    return compare(
+        semi_analytic.solve(two_bodies, x=fe.x, time=fe.time), fe, tolerances=OWN_TOLERANCES
+    )
 
 
 @pytest.fixture(scope="module")
-def folder(found: Comparison, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return write(found, tmp_path_factory.mktemp("bodies") / "out").parent
+def folder(comparison: Comparison, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write(comparison, tmp_path_factory.mktemp("bodies") / "out").parent
 
 
 class TestPage:
     def test_first_screen_has_bodies_sketch_and_finding(
-        self, found: Comparison, folder: Path
+        self, comparison: Comparison, folder: Path
     ) -> None:
         page = (folder / "report.html").read_text(encoding="utf-8")
         head = page[: page.index("</header>")]
@@ -490,20 +500,22 @@ class TestPage:
         assert "<b>Outside tolerance: a finding about the idealisation.</b>" in page
         assert "counted from their supports" in page
         stored = json.loads((folder / "comparison.json").read_text(encoding="utf-8"))
-        assert stored["bodies"] == bodies_in_words(found.scene)
+        assert stored["bodies"] == bodies_in_words(comparison.scene)
         assert stored["result"]["settings"]["dundurs"]["alpha"] == pytest.approx(-0.5)
         assert stored["result"]["mesh_quality"]["upper"]["least_angle"] > 15
         assert stored["reference"]["mesh_quality"] == {}
 
     def test_tables_have_a_row_for_each_body_and_minus_signs_that_are_ones(
-        self, found: Comparison, folder: Path
+        self, comparison: Comparison, folder: Path
     ) -> None:
         page = (folder / "report.html").read_text(encoding="utf-8")
         cells = re.findall(r"<td class=\"n\">([^<]*)</td>", page)
         assert any("−" in cell for cell in cells)
         assert not [cell for cell in cells if re.search(r"-\d", cell)]
         table = page[page.index('id="meshes"') :]
-        for body, name in zip(getattr(found.result, "bodies", ()), ("lower", "upper"), strict=True):
+        for body, name in zip(
+            getattr(comparison.result, "bodies", ()), ("lower", "upper"), strict=True
+        ):
             row = table[table.index(f"<td>{name}</td>") :]
             row = row[: row.index("</tr>")]
             assert f"{body.quality['least_angle']:.1f}°" in row
@@ -511,29 +523,33 @@ class TestPage:
         assert "base fixed; sides guided along y" in table
 
     def test_lead_is_a_finding_only_for_real_bodies_that_obey_every_law(
-        self, found: Comparison
+        self, comparison: Comparison
     ) -> None:
-        assert not found.accurate
-        assert "a finding" in lead(found)
+        assert not comparison.accurate
+        assert "a finding" in lead(comparison)
         violated = replace(
-            found, result_certificates=(replace(found.result_certificates[0], value=1.0),)
+            comparison, result_certificates=(replace(comparison.result_certificates[0], value=1.0),)
         )
         assert lead(violated) == "Not within tolerance."
 
-    def test_of_somebody_elses_result_it_may_be_a_fault_as_well(self, found: Comparison) -> None:
-        theirs = replace(found, result=replace(found.result, engine="their code"))
+    def test_of_somebody_elses_result_it_may_be_a_fault_as_well(
+        self, comparison: Comparison
+    ) -> None:
+        theirs = replace(comparison, result=replace(comparison.result, engine="their code"))
         assert lead(theirs) == "Outside tolerance: by the idealisation, by the result, or by both."
         assert "that of their code" in beyond_theory(theirs)
-        on_the_same_bodies = replace(theirs, reference=replace(found.result, engine="halfplane_fe"))
+        on_the_same_bodies = replace(
+            theirs, reference=replace(comparison.result, engine="halfplane_fe")
+        )
         assert lead(on_the_same_bodies) == "Not within tolerance."
         assert not beyond_theory(on_the_same_bodies)
 
 
 @pytest.mark.parametrize(
-    ("name", "found"), [("unlike-beta-tenth", True), ("cattaneo-mindlin", False)]
+    ("name", "is_finding"), [("unlike-beta-tenth", True), ("cattaneo-mindlin", False)]
 )
 def test_coupling_of_unlike_half_planes_is_a_finding_and_no_error_of_the_engines(
-    name: str, found: bool
+    name: str, is_finding: bool
 ) -> None:
     """The same pressure, 10 % off, is a finding where theory leaves the coupling out, and an error
     where theory is exact.
@@ -543,9 +559,11 @@ def test_coupling_of_unlike_half_planes_is_a_finding_and_no_error_of_the_engines
     comparison = replace(compare(exact, off, tolerances=OWN_TOLERANCES), result_certificates=())
     assert not comparison.passed
     assert lead(comparison) == (
-        "Outside tolerance: a finding about the idealisation." if found else "Not within tolerance."
+        "Outside tolerance: a finding about the idealisation."
+        if is_finding
+        else "Not within tolerance."
     )
-    assert ("not a fault of the engines" in beyond_theory(comparison)) is found
+    assert ("not a fault of the engines" in beyond_theory(comparison)) is is_finding
 
 
 def test_the_docs_table_of_bodies_is_a_scene_s_and_names_every_key() -> None:
@@ -588,8 +606,8 @@ class TestWorkOfTheLoads:
             == f"{approach_work(pressed.result):.10g}"
         )
 
-    def test_a_load_that_stands_still_works_nothing(self, found: Comparison) -> None:
-        assert normal_work(found.result) is None
+    def test_a_load_that_stands_still_works_nothing(self, comparison: Comparison) -> None:
+        assert normal_work(comparison.result) is None
 
     def test_half_planes_have_one_route_in_q_alone(self, tmp_path: Path) -> None:
         page = write(

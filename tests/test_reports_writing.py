@@ -67,8 +67,8 @@ FIGURES = {
 @pytest.fixture(scope="module")
 def comparison() -> Comparison:
     """A result 1 % high in pressure, with an engine's name and a note that a page must escape."""
-    result = with_fields(TRUTH, pressure=1.01 * TRUTH.pressure, engine="somebody's <b>code</b>")
-    return compare(TRUTH, result, polygon_reference=TRUTH)
+    solution = with_fields(TRUTH, pressure=1.01 * TRUTH.pressure, engine="somebody's <b>code</b>")
+    return compare(TRUTH, solution, polygon_reference=TRUTH)
 
 
 @pytest.fixture(scope="module")
@@ -140,8 +140,10 @@ def test_tables_hold_what_the_figures_draw(folder: Path, comparison: Comparison)
         assert list(rows[0]) == list(drawing.table)
         for name, column in drawing.table.items():
             if not isinstance(column[0], str):
-                found = [float(row[name]) if row[name] else np.nan for row in rows]
-                assert np.array_equal(found, np.asarray(column, dtype=float), equal_nan=True), name
+                numbers = [float(row[name]) if row[name] else np.nan for row in rows]
+                assert np.array_equal(numbers, np.asarray(column, dtype=float), equal_nan=True), (
+                    name
+                )
         if drawing.name == "state_map":
             heading = "state_reference (0 open, 1 stick, 2 forward slip, 3 reverse slip)"
             stored = np.array([int(row[heading]) for row in rows]).reshape(len(TRUTH.time), -1)
@@ -157,7 +159,8 @@ def test_with_bulk_stress_and_tilt_page_file_and_console_name_them_and_both_work
     work = 0.9368781396315213
     load = {"kind": "polygon", "initial_loading": [(3.0, 0.0), (3.0, 1.8)], "cycle": [(3.0, -1.8)]}
     load |= {"bulk_stress_lower": (0.0, 0.6, -0.6), "tilt": 0.0}
-    soft, profile = {"young_modulus": 2.0, "poisson_ratio": 0.0}, {"kind": "hertz", "radius": 1.0}
+    soft = {"young_modulus": 2.0, "poisson_ratio": 0.0}
+    profile = {"kind": "hertz", "radius": 1.0}
     scene = Scene.model_validate(
         {"material": soft, "profile": profile, "friction": 1.0, "load": load}
     )
@@ -178,9 +181,9 @@ def test_with_bulk_stress_and_tilt_page_file_and_console_name_them_and_both_work
     assert (answer["permanent_stick_left"], answer["permanent_stick_right"]) == pytest.approx(
         (-0.93607744, 1.53607744), abs=1e-7
     )
-    beside = {"bulk_work", "permanent_stick_left", "permanent_stick_right"}
-    assert beside <= answer.keys()
-    assert not beside & plain["reference"].keys()
+    added = {"bulk_work", "permanent_stick_left", "permanent_stick_right"}
+    assert added <= answer.keys()
+    assert not added & plain["reference"].keys()
     # Both works by the rows of the figure's table, and their sum.
     rows = list(
         csv.DictReader(
@@ -202,21 +205,21 @@ def test_with_bulk_stress_and_tilt_page_file_and_console_name_them_and_both_work
     ):
         assert words in page, words
         assert words not in (folder / "report.html").read_text(encoding="utf-8"), words
-    shown = dict(summary_rows(exact))
+    summary = dict(summary_rows(exact))
     assert float(
-        next(shown[name] for name in shown if name.startswith("closed integral of (Q dU - m_q"))
+        next(summary[name] for name in summary if name.startswith("closed integral of (Q dU - m_q"))
     ) == pytest.approx(work)
-    assert any(name.startswith("of it by bulk stress") for name in shown)
+    assert any(name.startswith("of it by bulk stress") for name in summary)
     assert not any("m_q" in name for name, _ in summary_rows(TRUTH))
 
 
 def test_the_map_of_states_and_the_table_say_one_share() -> None:
     sticks = np.where((TRUTH.state > 1) & (TRUTH.x > 0), 1, TRUTH.state).astype(TRUTH.state.dtype)
-    found = compare(TRUTH, with_fields(TRUTH, state=sticks), polygon_reference=TRUTH)
-    assert found.metric("state").value
-    captions = {plate.name: plate.caption for plate in draw(Report(found))}
+    comparison = compare(TRUTH, with_fields(TRUTH, state=sticks), polygon_reference=TRUTH)
+    assert comparison.metric("state").value
+    captions = {plate.name: plate.caption for plate in draw(Report(comparison))}
     assert (
-        f" They differ over {value_of(found.metric('state'))} of the length in contact"
+        f" They differ over {value_of(comparison.metric('state'))} of the length in contact"
         in captions["state_map"]
     )
 
@@ -229,7 +232,9 @@ class Page(HTMLParser):
     def __init__(self, text: str) -> None:
         super().__init__()
         self.found: list[tuple[str, dict[str, str | None]]] = []
-        self.scripts, self.dangers, self.words = 0, [], []
+        self.scripts = 0
+        self.dangers = []
+        self.words = []
         self.feed(text)
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
@@ -250,8 +255,8 @@ class Page(HTMLParser):
         if tag in {"iframe", "object", "embed", "base", "form"}:
             self.dangers.append((tag, "", ""))
 
-    def handle_data(self, data: str) -> None:
-        self.words.append(data)
+    def handle_data(self, text: str) -> None:
+        self.words.append(text)
 
 
 @pytest.fixture(scope="module")
@@ -317,35 +322,35 @@ class TestNotebook:
 
     def test_every_scene_of_the_library(self) -> None:
         for scene in map(load_scene, scene_names()):
-            shown = ET.fromstring(scene._repr_html_())
-            assert scene.title in "".join(shown.itertext())
-            assert len(shown.findall(".//tr")) == 10 + scene.load.has_bulk_or_tilt
-            assert {element.tag for element in shown.iter()} <= TABLE
+            table = ET.fromstring(scene._repr_html_())
+            assert scene.title in "".join(table.itertext())
+            assert len(table.findall(".//tr")) == 10 + scene.load.has_bulk_or_tilt
+            assert {element.tag for element in table.iter()} <= TABLE
 
     def test_the_table_of_a_solution_and_that_of_a_comparison_with_its_verdict(
         self, comparison: Comparison
     ) -> None:
         solution = semi_analytic.solve(load_scene("hertz-paper"))
-        shown = ET.fromstring(solution._repr_html_())
-        assert [element.tag for element in shown.iter()].count("table") == 1
-        assert {element.tag for element in shown.iter()} <= TABLE
-        words = "".join(shown.itertext())
+        table = ET.fromstring(solution._repr_html_())
+        assert [element.tag for element in table.iter()].count("table") == 1
+        assert {element.tag for element in table.iter()} <= TABLE
+        words = "".join(table.itertext())
         assert f"{solution.dissipation:.6g}" in words
         assert "half-plane theory" in words
-        shown = ET.fromstring(comparison._repr_html_())
-        words = "".join(shown.itertext())
+        table = ET.fromstring(comparison._repr_html_())
+        words = "".join(table.itertext())
         assert "Not within tolerance." in words
         assert "outside" in words
-        assert {element.tag for element in shown.iter()} <= TABLE
-        assert len(shown.findall(".//tr")) == 1 + len(comparison.headlines)
+        assert {element.tag for element in table.iter()} <= TABLE
+        assert len(table.findall(".//tr")) == 1 + len(comparison.headlines)
 
     def test_words_from_outside_are_escaped(self) -> None:
-        found = evil()
+        hostile = evil()
         nothing = with_fields(
-            found.result, tangential_displacement=np.full(len(TRUTH.time), np.nan)
+            hostile.result, tangential_displacement=np.full(len(TRUTH.time), np.nan)
         )
-        for shown in (found.scene, found.result, nothing, found, Report(found)):
-            words = shown._repr_html_()
+        for shown_value in (hostile.scene, hostile.result, nothing, hostile, Report(hostile)):
+            words = shown_value._repr_html_()
             assert EVIL in "".join(ET.fromstring(words).itertext())
             assert (Page(words).scripts, Page(words).dangers) == (0, [])
 
@@ -375,7 +380,8 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
         "figures": ["exact.dissipation"],
     }
     study = study_of(content | {"axes": [axis, words]}, "evil")
-    store, points = Store(home / "sweep"), expand(study)
+    store = Store(home / "sweep")
+    points = expand(study)
     store.prepare()
     store.write_plan(
         json.loads(study.model_dump_json()),
@@ -429,15 +435,15 @@ def test_a_browser_runs_nothing_of_a_sweep(pages: dict[str, Path]) -> None:
         "--virtual-time-budget=3000",
         "--dump-dom",
     ]
-    done = subprocess.run(
+    process = subprocess.run(
         [*command, pages["sweep"].as_uri()],
         capture_output=True,
         text=True,
         timeout=1200,
         check=True,
     )
-    assert "<title>run</title>" not in done.stdout
-    assert "&lt;script&gt;" in done.stdout
+    assert "<title>run</title>" not in process.stdout
+    assert "&lt;script&gt;" in process.stdout
 
 
 def cells(text: str) -> list[str]:
@@ -456,15 +462,15 @@ def test_formulas_in_tables_are_text(formula: str) -> None:
 def test_numbers_in_tables_stay_and_no_table_has_a_formula(pages: dict[str, Path]) -> None:
     for number in ("-1", "+1e-3", "-inf", "0", "", "1.5"):
         assert harmless(number) == number
-    found = [
+    formulas = [
         cell
         for page in pages.values()
         for path in page.parent.rglob("*.csv")
         for cell in cells(path.read_text("utf-8"))
     ]
-    assert len(found) > 1000
-    assert [cell for cell in found if harmless(cell) != cell] == []
-    assert {"'=1+1", "'@x"} <= set(found)
+    assert len(formulas) > 1000
+    assert [cell for cell in formulas if harmless(cell) != cell] == []
+    assert {"'=1+1", "'@x"} <= set(formulas)
 
 
 # -------------------------------------------------------------------- charts: on the page and alone
@@ -506,21 +512,21 @@ def plate(name: str = "all") -> Plate:
 
 
 def test_subscripts_are_set_all_else_is_escaped_and_looks_are_those_of_a_light_page() -> None:
-    shown = {
+    rendered = {
         "x / a_ref": "x / a<sub>ref</sub>",
         "A f² P_ref²": "A f² P<sub>ref</sub>²",
         "‖p_ref‖ <b>": "‖p<sub>ref</sub>‖ &lt;b&gt;",
         "my_scene": "my_scene",
         "": "",
     }
-    assert {text: marked(text) for text in shown} == shown
-    wanted = {
+    assert {text: marked(text) for text in rendered} == rendered
+    expected = {
         "stroke": "#a83400",
         "stroke-width": "1.3",
         "stroke-dasharray": "6 2.5",
         "fill": "none",
     }
-    assert wanted.items() <= dict(style_of("curve f q")).items()
+    assert expected.items() <= dict(style_of("curve f q")).items()
     assert style_of("body lower")["fill"] == "#cfe3f2"
     assert style_of("title", text=True)["font-size"] == "13"  # not that of a phone
 
@@ -530,7 +536,9 @@ def test_every_figure_stands_alone_and_can_be_published() -> None:
     takes, with its own words.
     """
     compared = compare(TRUTH, with_fields(TRUTH, shear=0.99 * TRUTH.shear))
-    alone_by_name = {one.name: figure(compared, one.name) for one in draw(Report(compared))}
+    alone_by_name = {
+        drawing.name: figure(compared, drawing.name) for drawing in draw(Report(compared))
+    }
     assert all(len(alone) > 2000 for alone in alone_by_name.values())
     for alone in (*alone_by_name.values(), plate().svg()):
         root = ET.fromstring(alone)
@@ -557,7 +565,7 @@ def test_a_script_gets_each_figure_by_the_name_of_its_values(
     write(comparison, tmp_path / "out")
     names = {path.stem for path in (tmp_path / "out" / "figures").glob("*.csv")}
     assert names == FIGURES
-    drawn = {one.name: one for one in draw(Report(comparison))}
+    drawn = {drawing.name: drawing for drawing in draw(Report(comparison))}
     for name in names:
         assert figure(comparison, name) == figure(Report(comparison), name) == drawn[name].svg()
     with pytest.raises(
@@ -601,11 +609,11 @@ def test_every_plot_of_a_difference_carries_its_number() -> None:
 
 def test_errors_of_real_bodies_without_a_tolerance_are_drawn_in_per_cent() -> None:
     blocks = TRUTH.scene.vary(bodies=load_scene("blocks").bodies, tolerances={})
-    found = compare(
+    comparison = compare(
         with_fields(TRUTH, scene=blocks),
         with_fields(TRUTH, scene=blocks, pressure=1.02 * TRUTH.pressure),
     )
-    assert found.verdict is None
-    (plate,) = (one for one in draw(Report(found)) if one.name == "errors")
+    assert comparison.verdict is None
+    (plate,) = (drawing for drawing in draw(Report(comparison)) if drawing.name == "errors")
     assert {"peak_pressure", "pressure", "contact_edge"} <= set(plate.table)
     assert "Peak pressure, worst instant: 2 % at" in " ".join(key.text for key in plate.keys)
