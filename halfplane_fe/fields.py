@@ -7,7 +7,6 @@ in blocks.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -40,7 +39,7 @@ from halfplane_fe.interface import body_forces
 from halfplane_fe.scales import contact_modulus
 from halfplane_fe.solve import FiniteElementSolution
 from scenes import ContactSolution, Elastic, HalfPlane, InputError, Scene
-from scenes.bodies import Cylinder, Shape, face_of
+from scenes.bodies import Shape, face_of
 
 # VTK's order of an element's nodes the other way round, by number of nodes.
 _REFLECTED = {3: [0, 2, 1], 6: [0, 2, 1, 5, 4, 3], 4: [0, 3, 2, 1], 9: [0, 3, 2, 1, 7, 6, 5, 4, 8]}
@@ -689,11 +688,7 @@ def _joined_stress(nodal: _NodalFields, near: _NearContact, material: Elastic) -
 
 def _room(shape: Shape) -> float:
     """Distance from the middle of the face to the nearest support or side of a body [length]."""
-    if isinstance(shape, HalfPlane):
-        return math.inf
-    if isinstance(shape, Cylinder):
-        return shape.radius
-    return min(shape.width / 2, shape.height)
+    return min(shape.face_half_width, shape.least_depth)
 
 
 def _counter_clockwise(points: Array, cells: Indices) -> Indices:

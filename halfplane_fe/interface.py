@@ -282,11 +282,8 @@ def without_local_difference(faces: Interface, scene: Scene) -> Interface | None
 
 
 def least_depth(scene: Scene) -> float:
-    """Height, or radius, of the thinner body; infinite of half-planes [length]."""
-    return min(
-        float(getattr(body, "height", getattr(body, "radius", np.inf)))
-        for body in (scene.bodies.lower, scene.bodies.upper)
-    )
+    """Least depth of material below either face; infinite of half-planes [length]."""
+    return min(scene.bodies.lower.least_depth, scene.bodies.upper.least_depth)
 
 
 def _sizes_ahead(x: Array) -> Array:

@@ -49,7 +49,7 @@ from halfplane_fe.far_field import (
 )
 from halfplane_fe.interface import shapes_alike
 from halfplane_fe.path import has_bulk_stress
-from meshes import BodyMesh, MeshSettings, SurfaceGrading, build
+from meshes import BodyMesh, MeshSettings, Solid, SurfaceGrading, build
 from scenes import (
     Block,
     BodyEffects,
@@ -60,6 +60,7 @@ from scenes import (
     Profile,
     Scene,
     Shape,
+    TShape,
     scene_of,
 )
 
@@ -309,7 +310,7 @@ def _exponents(totals: Iterable[int]) -> list[tuple[int, int]]:
 
 def face_kernels(
     name: str,
-    shape: Block,
+    shape: Solid,
     profile: Profile,
     material: Elastic,
     datum_length: float,
@@ -335,7 +336,7 @@ def face_kernels(
 
 
 def body_numbers(
-    name: str, shape: Block, profile: Profile, material: Elastic, datum_length: float
+    name: str, shape: Solid, profile: Profile, material: Elastic, datum_length: float
 ) -> BodyNumbers:
     """What a body of a scene adds, each number with the difference from a coarser mesh as its
     uncertainty.
@@ -358,9 +359,9 @@ def body_numbers(
     return BodyNumbers(**estimates, unknowns=fine.unknowns + coarse.unknowns, factorisations=2)
 
 
-def _nearest_end(shape: Block) -> float:
+def _nearest_end(shape: Solid) -> float:
     """Distance from the middle of the face to the nearest place where the body ends [length]."""
-    return min(shape.face_half_width, shape.height)
+    return min(shape.face_half_width, shape.least_depth)
 
 
 # ----------------------------------------------------------------------------- both bodies together
@@ -407,12 +408,12 @@ def _numbers_in(scene: Scene, name: Literal["lower", "upper"]) -> BodyNumbers:
 
 def _check(name: str, shape: Shape, scene: Scene) -> None:
     """InputError where the numbers are not derived for this body or its loads."""
-    if not isinstance(shape, Block):
+    if not isinstance(shape, Block | TShape):
         raise InputError(
             f"bodies.{name}: body effects are known for flat faces, and that of a {shape.kind} is"
-            " curved; take a block, or solve the scene with finite elements"
+            " curved; take a block or a t_shape, or solve the scene with finite elements"
         )
-    if shape.base == "rollers" and shape.sides == "free":
+    if isinstance(shape, Block) and shape.base == "rollers" and shape.sides == "free":
         raise InputError(
             f"bodies.{name}: a body on rollers with free sides holds no tangential load, and its"
             " effects are not known; take base = 'fixed' or sides = 'guided'"

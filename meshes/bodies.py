@@ -7,7 +7,7 @@ memory for it.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
@@ -239,10 +239,11 @@ def check_count(name: str, grading: SurfaceGrading, growth: float, order: int) -
 
 Array = NDArray[np.float64]
 
-# Elements around a base corner over the one in it. At a corner of a free side with a fixed base the
-# displacement goes as r^0.71 (nu = 0.3), and elements of size h there leave an error of h^1.42 in
-# the tangential displacement: 0.42 % of that of a block 8 a wide and 10 a high without grading,
-# 0.017 % with 16, 0.005 % with 64, for a sixth more nodes.
+# Elements around a sharp corner over the one in it. At a corner of a free side with a fixed base
+# the displacement goes as r^0.71 (nu = 0.3), and elements of size h there leave an error of h^1.42
+# in the tangential displacement: 0.42 % of that of a block 8 a wide and 10 a high without grading,
+# 0.017 % with 16, 0.005 % with 64, for a sixth more nodes. At the re-entrant corner of a step it
+# goes as r^0.54.
 _CORNER_SHARE = 64
 
 
@@ -282,7 +283,7 @@ def surface_points(grading: SurfaceGrading) -> Array:
 
 
 def size_formula(
-    grading: SurfaceGrading, growth: float, base_corner: tuple[float, float] | None = None
+    grading: SurfaceGrading, growth: float, sharp_corners: Sequence[tuple[float, float]] = ()
 ) -> str:
     """Element size at a point of x >= 0, that of the nearest surface elements, growing with the
     distance: for gmsh's MathEval.
@@ -291,9 +292,8 @@ def size_formula(
 
     Parameters
     ----------
-    base_corner
-        (x, y) of the corner of a free side with a fixed base; None without one. Strain is
-        infinite there
+    sharp_corners
+        (x, y) of corners where the strain is infinite
     """
     outer = grading.outer
     inner = grading.inner
@@ -306,18 +306,18 @@ def size_formula(
     if grading.halvings:
         # The elements of the surface are as long as they are far from the tip.
         fine = f"Min({fine}, {grading.tip_size!r} + {max(growth, _TIP_GROWTH)!r} * Sqrt(x^2 + y^2))"
-    if base_corner is None:
-        return fine
-    x, y = base_corner
-    around = grading.edge_size + growth * math.hypot(max(x - outer, 0.0), y)
-    size = float(rounded(min(around, x, -y) / _CORNER_SHARE))
-    return (
-        f"Min({fine}, {size!r} + {corner_growth(growth)!r} * Sqrt((x - {x!r})^2 + (y + {-y!r})^2))"
-    )
+    for x, y in sharp_corners:
+        around = grading.edge_size + growth * math.hypot(max(x - outer, 0.0), y)
+        size = float(rounded(min(around, x, -y) / _CORNER_SHARE))
+        fine = (
+            f"Min({fine}, {size!r} + {corner_growth(growth)!r} * Sqrt((x - {x!r})^2 + (y +"
+            f" {-y!r})^2))"
+        )
+    return fine
 
 
 def corner_growth(growth: float) -> float:
-    """Growth of the element size with the distance from a base corner: twice that from the contact
+    """Growth of the element size with the distance from a sharp corner: twice that from the contact
     up to 0.4, or the same.
 
     >>> corner_growth(0.12), corner_growth(0.2), corner_growth(0.5)

@@ -1,5 +1,5 @@
-"""Blocks, pads and cylinders, meshed by gmsh: graded to the contact, mirror-symmetric, the face
-where it truly is.
+"""Bodies meshed by gmsh: blocks, pads, cylinders, T-shapes and shouldered pads, graded to the
+contact, mirror-symmetric, the face where it truly is.
 
 The half-disc stands for a half-plane. `build` goes from a shape to its mesh.
 """
@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping
+from typing import TypeAlias
 
 import gmsh
 import numpy as np
@@ -25,7 +26,17 @@ from meshes.bodies import (
     surface_points,
 )
 from meshes.mirrored import mesh_quality, mirrored_mesh
-from scenes import Block, Cylinder, HalfPlane, InputError, Pad, Profile, Shape
+from scenes import (
+    Block,
+    Cylinder,
+    HalfPlane,
+    InputError,
+    Pad,
+    Profile,
+    Shape,
+    ShoulderedPad,
+    TShape,
+)
 from scenes.bodies import Face, face_of
 
 
@@ -74,11 +85,13 @@ def _quarter(grading: SurfaceGrading) -> dict[str, list[int]]:
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
+Solid: TypeAlias = Block | Pad | Cylinder | TShape | ShoulderedPad
+"""A body that ends somewhere."""
 
 
 def solid(
     name: str,
-    shape: Block | Pad | Cylinder,
+    shape: Solid,
     profile: Profile,
     grading: SurfaceGrading,
     growth: float = 0.2,
@@ -87,9 +100,10 @@ def solid(
 ) -> BodyMesh:
     """A body of finite size in its own frame: first contact at the origin, y out of the body.
 
-    Elements are small at the contact and in the corner of a free side with a fixed base, where the
-    strain is infinite. Boundaries: "contact" (|x| <= grading.outer), "free" (the rest of the face),
-    "sides" (none for a cylinder), "base".
+    Elements are small at the contact and where the strain is infinite: in the corner of a free side
+    with a fixed base, and in the re-entrant corner of a step. Boundaries: "contact" (|x| <=
+    grading.outer), "free" (the rest of the face), "sides" (with those of a step; none for a
+    cylinder), "base".
 
     Raises
     ------
@@ -99,22 +113,16 @@ def solid(
     """
     check_face(name, shape, profile, grading)
     face = face_of(shape, profile)
-    half_width = shape.face_half_width
-    height = shape.radius if isinstance(shape, Cylinder) else shape.height
     unit = scaled_grading(grading, 1 / grading.outer).drawn_for(cells)
     length = grading.outer
-    outline = _Outline(face, half_width / length, height / length, length)
-    supports = _supports(shape)
-    free_side_on_fixed_base = supports["base"] == "fixed" and "sides" not in supports
-    size = size_formula(unit, growth, outline.base_corner if free_side_on_fixed_base else None)
+    outline = _Outline(shape, face, length)
+    size = size_formula(unit, growth, outline.sharp_corners)
     mesh = mirrored_mesh(lambda: outline.draw(unit, growth), size, order, cells, outline.settle)
     mesh = mesh.scaled(float(length))
-    return BodyMesh(name, mesh, grading, mesh_quality(mesh, _area(shape, face)), supports)
+    return BodyMesh(name, mesh, grading, mesh_quality(mesh, _area(shape, face)), _supports(shape))
 
 
-def check_face(
-    name: str, shape: Block | Pad | Cylinder, profile: Profile, grading: SurfaceGrading
-) -> None:
+def check_face(name: str, shape: Solid, profile: Profile, grading: SurfaceGrading) -> None:
     """InputError where the face does not reach past the places that may touch, or a pad's face goes
     below its base.
     """
@@ -125,23 +133,23 @@ def check_face(
             f" {shape.kind}'s face at {half_width:.6g}: make the {shape.kind} wider, or the load"
             " less"
         )
-    if (
-        isinstance(shape, Pad)
-        and not float(face_of(shape, profile).depth(np.array(half_width))) < shape.height
-    ):
-        raise InputError(
-            f"bodies.{name}.height = {shape.height:g} is refused: the pad's face goes as deep at"
-            " its sides; make it higher"
-        )
+    if isinstance(shape, Pad | ShoulderedPad):
+        key = "height" if isinstance(shape, Pad) else "shoulder_depth"
+        depth_of_sides = getattr(shape, key)
+        if not float(face_of(shape, profile).depth(np.array(half_width))) < depth_of_sides:
+            raise InputError(
+                f"bodies.{name}.{key} = {depth_of_sides:g} is refused: the pad's face goes as deep"
+                " at its sides; make it higher"
+            )
 
 
-def _supports(shape: Block | Pad | Cylinder) -> Mapping[str, str]:
-    if isinstance(shape, Cylinder):
-        return {"base": "fixed"}
-    return {"base": shape.base} | ({"sides": "guided"} if shape.sides == "guided" else {})
+def _supports(shape: Solid) -> Mapping[str, str]:
+    if isinstance(shape, Block | Pad):
+        return {"base": shape.base} | ({"sides": "guided"} if shape.sides == "guided" else {})
+    return {"base": "fixed"}
 
 
-def _area(shape: Block | Pad | Cylinder, face: Face) -> float:
+def _area(shape: Solid, face: Face) -> float:
     """Area of the body [length^2], by 1,280 Gauss points along the face."""
     if isinstance(shape, Cylinder):
         return np.pi * shape.radius**2 / 2
@@ -150,24 +158,41 @@ def _area(shape: Block | Pad | Cylinder, face: Face) -> float:
     pieces = np.linspace(flat, shape.width / 2, 65)
     half = (pieces[1] - pieces[0]) / 2
     depth = face.depth(pieces[:-1, None] + half * (1 + nodes))
-    return float(shape.width * shape.height - 2 * half * np.sum(depth @ weights))
+    area = shape.width * shape.height
+    if isinstance(shape, TShape | ShoulderedPad):
+        step = shape.step
+        area = shape.width * step.depth + 2 * step.half_width * (shape.height - step.depth)
+    return float(area - 2 * half * np.sum(depth @ weights))
 
 
 class _Outline:
     """The half x >= 0 of a body in units of its contact side's half-width."""
 
-    def __init__(self, face: Face, half_width: float, height: float, length: float) -> None:
+    def __init__(self, shape: Solid, face: Face, length: float) -> None:
         self._face = face
         self._length = length
+        half_width = shape.face_half_width / length
+        height = (shape.radius if isinstance(shape, Cylinder) else shape.height) / length
         # The face's drop from the width as it is: at the end of an arc of 90 degrees it changes
         # with the root of the width.
         drop = float(self._true_depth(np.array(half_width)))
         self._half_width, self._height, self._drop = rounded([half_width, height, drop]).tolist()
+        self._foot = (self._half_width, -self._height)
+        supports = _supports(shape)
+        self._is_sharp_at_base = supports["base"] == "fixed" and "sides" not in supports
+        self._at_step: list[tuple[float, float]] = []  # from the face downwards
+        if isinstance(shape, TShape | ShoulderedPad):
+            depth, below = rounded(np.array(shape.step) / length).tolist()
+            self._at_step = [(self._half_width, -depth), (below, -depth)]
+            self._foot = (below, -self._height)
 
     @property
-    def base_corner(self) -> tuple[float, float]:
-        """Where side, or face, and base meet."""
-        return self._half_width, -self._height
+    def sharp_corners(self) -> list[tuple[float, float]]:
+        """Where the strain is infinite: in the corner of a free side, or face, and a fixed base,
+        and in the re-entrant corner of a step.
+        """
+        corners = [self._foot] if self._is_sharp_at_base else []
+        return corners + sorted(self._at_step)[:1]
 
     def _depth(self, x: Array) -> Array:
         return rounded(self._true_depth(x))
@@ -191,8 +216,10 @@ class _Outline:
         sides = []
         foot = end
         if self._drop < self._height * (1 - 1e-9):
-            foot = geo.addPoint(self._half_width, -self._height, 0)
-            sides = [geo.addLine(end, foot)]
+            for x, y in (*self._at_step, self._foot):
+                corner = geo.addPoint(x, y, 0)
+                sides.append(geo.addLine(foot, corner))
+                foot = corner
         base = geo.addLine(foot, axis_end)
         axis = geo.addLine(axis_end, surface[0])
         geo.addPlaneSurface([geo.addCurveLoop([*contact, *free, *sides, base, axis])])
@@ -248,8 +275,7 @@ def check(
 def build(
     name: str, shape: Shape, profile: Profile, grading: SurfaceGrading, mesh: MeshSettings
 ) -> BodyMesh:
-    """The mesh of a body: a half-disc for a half-plane, the body itself for a block, a pad or a
-    cylinder.
+    """The mesh of a body: a half-disc for a half-plane, the body itself for all other shapes.
 
     Parameters
     ----------

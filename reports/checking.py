@@ -27,8 +27,10 @@ from scenes import (
     PolygonLoad,
     ProfileDataError,
     Scene,
+    ShoulderedPad,
     StraightSegment,
     TimeSeriesLoad,
+    TShape,
     sampled,
 )
 from scenes.unit_words import UNITS
@@ -487,7 +489,7 @@ def _ratios(scene: Scene, half: float) -> dict[str, float]:
         if key in sizes:
             ratios["b/a"] = sizes[key] / half
     for name, body in (("lower", scene.bodies.lower), ("upper", scene.bodies.upper)):
-        if isinstance(body, Block | Pad):
+        if isinstance(body, Block | Pad | TShape | ShoulderedPad):
             ratios[f"{name} width/a"] = body.width / half
             ratios[f"{name} height/a"] = body.height / half
         elif isinstance(body, Cylinder):

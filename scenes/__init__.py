@@ -34,7 +34,18 @@ Its files and the answer::
     notebook_forms.py   HTML and figures of scenes and solutions, registered by whoever draws them
 """
 
-from scenes.bodies import Block, Bodies, Cylinder, Elastic, HalfPlane, Materials, Pad, Shape
+from scenes.bodies import (
+    Block,
+    Bodies,
+    Cylinder,
+    Elastic,
+    HalfPlane,
+    Materials,
+    Pad,
+    Shape,
+    ShoulderedPad,
+    TShape,
+)
 from scenes.body_effects import BodyEffects, Estimate
 from scenes.errors import (
     ConvergenceError,
@@ -151,8 +162,10 @@ __all__ = [
     "Record",
     "Scene",
     "Shape",
+    "ShoulderedPad",
     "StraightSegment",
     "SurfaceState",
+    "TShape",
     "Tabulated",
     "TimeSeriesLoad",
     "Tolerances",

@@ -1,12 +1,12 @@
-"""The two bodies: materials, shapes (half-planes, blocks, pads, cylinders), and their faces as they
-are made.
+"""The two bodies: materials, shapes (half-planes, blocks, pads, cylinders, T-shapes, shouldered
+pads), and their faces as they are made.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,6 +73,20 @@ class HalfPlane(Frozen):
         """Half the width of the face [length]."""
         return float("inf")
 
+    @property
+    def least_depth(self) -> float:
+        """Least depth of material below the face [length]."""
+        return float("inf")
+
+
+class Step(NamedTuple):
+    """Where the sides of a body jump inwards or outwards: depth below the first contact, and half
+    of the width from there down to the base [length].
+    """
+
+    depth: float
+    half_width: float
+
 
 class _Rectangle(Frozen):
     """What block and pad have in common; the base of an upper one carries the load."""
@@ -95,6 +109,11 @@ class _Rectangle(Frozen):
     def face_half_width(self) -> float:
         """Half the width of the face [length]."""
         return self.width / 2
+
+    @property
+    def least_depth(self) -> float:
+        """Least depth of material below the face [length]."""
+        return self.height
 
 
 class Block(_Rectangle):
@@ -129,8 +148,116 @@ class Cylinder(Frozen):
         """Half the width of the face [length]."""
         return self.radius
 
+    @property
+    def least_depth(self) -> float:
+        """Least depth of material below the face [length]."""
+        return self.radius
 
-Shape = Annotated[HalfPlane | Block | Pad | Cylinder, Field(discriminator="kind")]
+
+class TShape(Frozen):
+    """Flange with a flat face on a narrower stem, the end of which is fixed to a rigid plane (which
+    carries the load of an upper body).
+
+    >>> TShape(width=20.0, flange_height=6.0, stem_width=12.0, height=18.0).step
+    Step(depth=6.0, half_width=6.0)
+    """
+
+    kind: Literal["t_shape"] = "t_shape"
+    width: Positive = Field(description="of the flange, along the face, length units (library: mm)")
+    flange_height: Positive = Field(
+        description="from the face to the underside of the flange, length units (library: mm)"
+    )
+    stem_width: Positive = Field(
+        description="less than that of the flange, length units (library: mm)"
+    )
+    height: Positive = Field(
+        description="from the face to the end of the stem, length units (library: mm)"
+    )
+
+    @property
+    def face_half_width(self) -> float:
+        """Half the width of the face [length]."""
+        return self.width / 2
+
+    @property
+    def least_depth(self) -> float:
+        """Least depth of material below the face [length]."""
+        return self.flange_height
+
+    @property
+    def step(self) -> Step:
+        """Where the flange ends and the stem begins."""
+        return Step(self.flange_height, self.stem_width / 2)
+
+    @model_validator(mode="after")
+    def _stem_below_a_wider_flange(self) -> Self:
+        if self.stem_width >= self.width:
+            raise ValueError(
+                f"stem_width = {self.stem_width:g} is refused: it is less than width ="
+                f" {self.width:g}; take kind = 'block' for a body without a flange"
+            )
+        if self.flange_height >= self.height:
+            raise ValueError(
+                f"flange_height = {self.flange_height:g} is refused: it is less than height ="
+                f" {self.height:g}, which counts from the face to the end of the stem"
+            )
+        return self
+
+
+class ShoulderedPad(Frozen):
+    """Pad on a wider shoulder, the base of which is fixed to a rigid plane (which carries the load
+    of an upper body); its face is the true profile, as that of a pad.
+
+    >>> ShoulderedPad(width=8.0, shoulder_depth=5.0, shoulder_width=20.0, height=15.0).step
+    Step(depth=5.0, half_width=10.0)
+    """
+
+    kind: Literal["shouldered_pad"] = "shouldered_pad"
+    width: Positive = Field(description="of the pad, along its face, length units (library: mm)")
+    shoulder_depth: Positive = Field(
+        description="from the point of first contact to the shoulder, length units (library: mm)"
+    )
+    shoulder_width: Positive = Field(
+        description="more than that of the pad, length units (library: mm)"
+    )
+    height: Positive = Field(
+        description="from the point of first contact to the base, length units (library: mm)"
+    )
+
+    @property
+    def face_half_width(self) -> float:
+        """Half the width of the face [length]."""
+        return self.width / 2
+
+    @property
+    def least_depth(self) -> float:
+        """Least depth of material below the face [length]."""
+        return self.height
+
+    @property
+    def step(self) -> Step:
+        """Where the pad ends and the shoulder begins."""
+        return Step(self.shoulder_depth, self.shoulder_width / 2)
+
+    @model_validator(mode="after")
+    def _pad_on_a_wider_shoulder(self) -> Self:
+        if self.shoulder_width <= self.width:
+            raise ValueError(
+                f"shoulder_width = {self.shoulder_width:g} is refused: it is more than width ="
+                f" {self.width:g}; take kind = 'pad' for a body without a shoulder"
+            )
+        if self.shoulder_depth >= self.height:
+            raise ValueError(
+                f"shoulder_depth = {self.shoulder_depth:g} is refused: it is less than height ="
+                f" {self.height:g}, which counts from the point of first contact to the base"
+            )
+        return self
+
+
+Shape = Annotated[
+    HalfPlane | Block | Pad | Cylinder | TShape | ShoulderedPad, Field(discriminator="kind")
+]
+_PADS = ("pad", "shouldered_pad")
 
 
 class Bodies(Frozen):
@@ -151,24 +278,25 @@ class Bodies(Frozen):
 
     @property
     def faces_are_true(self) -> bool:
-        """Whether the gap comes from the shape of a face (pad, cylinder); else the profile is a gap
-        between two flat faces.
+        """Whether the gap comes from the shape of a face (pads, cylinders); else the profile is a
+        gap between two flat faces.
         """
-        return any(body.kind in ("pad", "cylinder") for body in (self.lower, self.upper))
+        return any(body.kind in (*_PADS, "cylinder") for body in (self.lower, self.upper))
 
     @model_validator(mode="after")
     def _fit_together(self) -> Self:
         kinds = (self.lower.kind, self.upper.kind)
-        if kinds.count("pad") == 2 or set(kinds) == {"pad", "cylinder"}:
+        true_faces = [kind for kind in kinds if kind in (*_PADS, "cylinder")]
+        if len(true_faces) == 2 and true_faces != ["cylinder", "cylinder"]:
             raise ValueError(
-                f"a {kinds[1]} on a {kinds[0]}: a pad faces a half_plane or a block, for the"
-                " profile is its own alone"
+                f"a {kinds[1]} on a {kinds[0]}: a pad faces a half_plane, a block or a t_shape, for"
+                " the profile is its own alone"
             )
         for pad, name, other in (
             (self.upper, "upper", self.lower),
             (self.lower, "lower", self.upper),
         ):
-            if pad.kind == "pad" and pad.face_half_width > other.face_half_width:
+            if isinstance(pad, Pad | ShoulderedPad) and pad.face_half_width > other.face_half_width:
                 raise ValueError(
                     f"the {name} body, a pad of width {pad.width:g}, is wider than the {other.kind}"
                     f" that it faces, of width {2 * other.face_half_width:g}: make the pad narrower"
@@ -221,9 +349,9 @@ def arc_depth(x: Array, radius: float, flat_half_length: float = 0.0) -> Array:
 
 def face_of(shape: Shape, profile: Profile) -> Face:
     """The face of a body: flat, an arc, a flat with arcs, or the profile itself."""
-    if not isinstance(shape, Cylinder | Pad):
+    if not isinstance(shape, Cylinder | Pad | ShoulderedPad):
         return Face(np.zeros_like, flat=True)
-    arc = profile.arc if isinstance(shape, Pad) else (0.0, shape.radius)
+    arc = (0.0, shape.radius) if isinstance(shape, Cylinder) else profile.arc
     return (
         Face(profile.height) if arc is None else Face(lambda x: arc_depth(x, arc[1], arc[0]), arc)
     )

@@ -16,7 +16,7 @@ from pydantic import Field, field_validator, model_validator
 from pydantic_core import PydanticSerializationError
 
 from scenes.arrays import LARGEST
-from scenes.bodies import Bodies, Elastic, Materials, Pad
+from scenes.bodies import Bodies, Elastic, Materials, Pad, ShoulderedPad
 from scenes.errors import InputError, shown
 from scenes.files import keys_of, parsed_toml, write_keys
 from scenes.frozen import Frozen, Positive, ShortForm, a_scale, checked, did_you_mean, validated
@@ -264,7 +264,7 @@ class Scene(Frozen):
                 f" {radius:.12g} (1/R is the sum of 1/radius over the cylinders)"
             )
         for name, body in (("lower", self.bodies.lower), ("upper", self.bodies.upper)):
-            if isinstance(body, Pad) and arc and body.width / 2 >= sum(arc):
+            if isinstance(body, Pad | ShoulderedPad) and arc and body.width / 2 >= sum(arc):
                 raise ValueError(
                     f"bodies.{name}.width = {body.width:g} goes past the end of the pad's arcs, at"
                     f" {2 * sum(arc):g}: make it less"

@@ -1,5 +1,5 @@
-"""Meshes of half-discs, blocks, pads and cylinders: area, named boundaries, true face, mirror
-symmetry; files; Ctrl-C.
+"""Meshes of half-discs, blocks, pads, cylinders, T-shapes and shouldered pads: area, named
+boundaries, true face, mirror symmetry; files; Ctrl-C.
 """
 
 import functools
@@ -16,7 +16,18 @@ import skfem
 from meshes import MeshSettings, SurfaceGrading, half_disc, mesh_quality, solid, write_vtu
 from meshes.bodies import size_formula
 from meshes.interrupts import interrupts_wait
-from scenes import Block, Cylinder, FlatRounded, Hertz, InputError, Pad, Tabulated, Wedge
+from scenes import (
+    Block,
+    Cylinder,
+    FlatRounded,
+    Hertz,
+    InputError,
+    Pad,
+    ShoulderedPad,
+    Tabulated,
+    TShape,
+    Wedge,
+)
 from scenes.bodies import face_of
 
 DISC = SurfaceGrading(inner=0.6, outer=1.1, size=0.12, edge_size=0.05, radius=6.0)
@@ -33,6 +44,14 @@ SHAPES = {
     "pad, wedge": (PAD, Wedge(tip_radius=5.0, tip_half_length=0.5)),
     "pad, tabulated": (PAD, Tabulated(points=ROWS)),
     "cylinder": (Cylinder(radius=5.0), Hertz(radius=5.0)),
+    "t_shape": (
+        TShape(width=8.0, flange_height=2.0, stem_width=4.0, height=5.0),
+        Hertz(radius=10.0),
+    ),
+    "shouldered pad": (
+        ShoulderedPad(width=4.0, shoulder_depth=2.0, shoulder_width=9.0, height=5.0),
+        Hertz(radius=10.0),
+    ),
 }
 KINDS = tuple(itertools.product((1, 2), ("triangles", "quadrilaterals")))
 CASES = [
@@ -70,6 +89,10 @@ def exact_area(name):
     rectangle, reach = shape.width * shape.height, shape.width / 2
     if isinstance(shape, Block):
         return rectangle
+    if isinstance(shape, TShape):
+        return 8.0 * 2.0 + 4.0 * 3.0
+    if isinstance(shape, ShoulderedPad):
+        rectangle = 4.0 * 2.0 + 9.0 * 3.0
     if isinstance(profile, Wedge):
         b, R = profile.tip_half_length, profile.tip_radius
         return rectangle - 2 * (
@@ -124,10 +147,19 @@ def test_boundaries_have_one_name_each_and_lie_where_they_are_named(name, order,
         return
     base = places(name, "base", order, cells)
     assert np.all(base[1] <= -deepest(name) * (1 - 1e-11))
-    assert base[0].max() == -base[0].min() == pytest.approx(half_width(name), rel=1e-11)
+    stepped = {"t_shape": 2.0, "shouldered pad": 4.5}
+    half_of_base = stepped.get(name, half_width(name))
+    assert base[0].max() == -base[0].min() == pytest.approx(half_of_base, rel=1e-11)
     if name != "cylinder":
         sides = places(name, "sides", order, cells)
-        assert np.all(np.abs(sides[0]) >= far)
+        if name in stepped:
+            above = np.isclose(np.abs(sides[0]), half_width(name)) & (sides[1] > -2.0 - 1e-9)
+            below = np.isclose(np.abs(sides[0]), half_of_base) & (sides[1] < -2.0 + 1e-9)
+            assert np.all(above | below | np.isclose(sides[1], -2.0))
+            assert above.any()
+            assert below.any()
+        else:
+            assert np.all(np.abs(sides[0]) >= far)
         assert sides[1].min() == pytest.approx(-deepest(name), rel=1e-11)
 
 
@@ -140,9 +172,8 @@ def test_area_and_shape(name, order, cells):
     element = skfem.ElementTriP1() if cells == "triangles" else skfem.ElementQuad1()
     basis = skfem.Basis(one.mesh, element, intorder=6)
     error = float(basis.dx.sum()) / exact_area(name) - 1
-    limits = {"block": (1e-11, 1e-11), "cylinder": (6e-3, 5e-6)} | dict.fromkeys(
-        DISCS, (1.2e-2, 1e-5)
-    )
+    limits = dict.fromkeys(("block", "t_shape"), (1e-11, 1e-11)) | {"cylinder": (6e-3, 5e-6)}
+    limits |= dict.fromkeys(DISCS, (1.2e-2, 1e-5))
     assert abs(error) < limits.get(name, (5e-4, 2e-7))[order - 1]
     assert one.quality["area_error"] == pytest.approx(error, abs=1e-9)
     worst, mean = (0.6, 0.9) if cells == "triangles" else (0.25, 0.85)
@@ -275,6 +306,10 @@ def test_corners_of_the_admitted_settings_make_sound_meshes(
                 "bodies.upper.height = 2 is refused: the pad's face goes as deep at its sides; make"
                 " it higher"
             ),
+        ),
+        (
+            ShoulderedPad(width=12.0, shoulder_depth=2.0, shoulder_width=14.0, height=5.0),
+            "bodies.upper.shoulder_depth = 2 is refused: the pad's face goes as deep at its sides;",
         ),
     ],
 )

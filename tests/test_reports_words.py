@@ -60,6 +60,20 @@ TRUTH = cattaneo_mindlin(steps_per_leg=10, points=41)
 
 A_BLOCK = {"kind": "block", "width": 20.0, "height": 12.0}
 A_PAD = {"kind": "pad", "width": 10.0, "height": 8.0, "sides": "guided"}
+A_T_SHAPE = {
+    "kind": "t_shape",
+    "width": 20.0,
+    "flange_height": 6.0,
+    "stem_width": 12.0,
+    "height": 18.0,
+}
+A_SHOULDERED_PAD = {
+    "kind": "shouldered_pad",
+    "width": 8.0,
+    "shoulder_depth": 5.0,
+    "shoulder_width": 16.0,
+    "height": 15.0,
+}
 LOAD = load_scene("cattaneo-mindlin").load.model_dump(exclude_none=True)
 UNCOUPLED = {
     part: {"young_modulus": e, "poisson_ratio": 0.4999999999999}
@@ -119,6 +133,22 @@ WORDS = [
         },
         ["half of a solid cylinder of radius 50 mm", "The upper body is a half-plane"],
         ["tilt"],
+    ),
+    (
+        bodies_in_words,
+        {"bodies": {"lower": A_T_SHAPE, "upper": A_SHOULDERED_PAD}},
+        [
+            (
+                "The lower body is a T-shape 18 mm high: a flange 20 mm wide and 6 mm high on a"
+                " stem 12 mm wide, the end of which is fixed to a rigid plane."
+            ),
+            (
+                "The upper body is a pad 8 mm wide, 5 mm above a shoulder 16 mm wide, 15 mm high,"
+                " its base fixed to a rigid plane."
+            ),
+            "faces as they are made",
+        ],
+        ["half-plane"],
     ),
     (
         idealisation,
@@ -395,6 +425,13 @@ class TestSketch:
             face[:, 0] ** 2 + (face[:, 1] - radius) ** 2, radius**2, rtol=1e-12
         )
 
+    def test_outlines_with_a_step_have_its_corners(self) -> None:
+        both = scene(bodies={"lower": A_T_SHAPE, "upper": A_SHOULDERED_PAD})
+        flange = [[10, 0], [10, -6], [6, -6], [6, -18], [-6, -18], [-6, -6], [-10, -6]]
+        np.testing.assert_allclose(outline(both, "lower", 1.0)[-7:], flange, atol=1e-12)
+        shoulder = [[4, 5], [8, 5], [8, 15], [-8, 15], [-8, 5], [-4, 5]]
+        np.testing.assert_allclose(outline(both, "upper", 1.0)[-6:], shoulder, atol=1e-12)
+
     def test_half_planes_are_as_wide_as_what_they_face_needs(self) -> None:
         assert np.ptp(outline(scene(bodies={"upper": A_PAD}), "lower", 1.0)[:, 0]) > 10
         assert np.ptp(outline(scene(), "lower", 2.0)[:, 0]) == pytest.approx(
@@ -407,9 +444,11 @@ class TestSketch:
             "bodies": {"lower": {"kind": "cylinder", "radius": 50.0}},
             "profile": {"kind": "hertz", "radius": 50.0},
         }
+        stepped = {"lower": A_T_SHAPE, "upper": A_SHOULDERED_PAD}
         for drawn_scene in (
             scene(),
             scene(bodies={"lower": rollers, "upper": A_PAD}),
+            scene(bodies=stepped),
             scene(**round_),
         ):
             drawn = sketch(drawn_scene, 1.0)

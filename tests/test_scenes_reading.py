@@ -194,14 +194,50 @@ REFUSED = {
     ),
     "two pads": (
         *bodies(lower=PAD, upper=PAD),
-        "bodies is refused: a pad on a pad: a pad faces a half_plane or a block",
+        "bodies is refused: a pad on a pad: a pad faces a half_plane, a block or a t_shape",
     ),
     "a pad on a cylinder": (
         *bodies(
             lower='{kind = "cylinder", radius = 2.0}',
             upper='{kind = "pad", width = 1.0, height = 5.0}',
         ),
-        "a pad on a cylinder: a pad faces a half_plane or a block",
+        "a pad on a cylinder: a pad faces a half_plane, a block or a t_shape",
+    ),
+    "a shouldered pad on a pad": (
+        *bodies(
+            lower=PAD,
+            upper='{kind = "shouldered_pad", width = 1.0, shoulder_depth = 1.0, shoulder_width ='
+            " 3.0, height = 5.0}",
+        ),
+        "bodies is refused: a shouldered_pad on a pad: a pad faces a half_plane, a block or a",
+    ),
+    "a T-shape without a flange": (
+        *bodies(
+            upper='{kind = "t_shape", width = 6.0, flange_height = 2.0, stem_width = 6.0, height'
+            " = 5.0}"
+        ),
+        "stem_width = 6 is refused: it is less than width = 6",
+    ),
+    "a T-shape without a stem": (
+        *bodies(
+            upper='{kind = "t_shape", width = 6.0, flange_height = 5.0, stem_width = 3.0, height'
+            " = 5.0}"
+        ),
+        "flange_height = 5 is refused: it is less than height = 5",
+    ),
+    "a shoulder narrower than its pad": (
+        *bodies(
+            upper='{kind = "shouldered_pad", width = 4.0, shoulder_depth = 1.0, shoulder_width ='
+            " 3.0, height = 5.0}"
+        ),
+        "shoulder_width = 3 is refused: it is more than width = 4",
+    ),
+    "a shoulder below its base": (
+        *bodies(
+            upper='{kind = "shouldered_pad", width = 1.0, shoulder_depth = 6.0, shoulder_width ='
+            " 3.0, height = 5.0}"
+        ),
+        "shoulder_depth = 6 is refused: it is less than height = 5",
     ),
     "cylinders of another radius": (
         *bodies(

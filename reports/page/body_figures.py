@@ -28,7 +28,7 @@ from reports.comparison.words import bodies_in_words, bulk_and_tilt
 from reports.page.cycle_view import Array
 from reports.profile_fit import fit_of
 from reports.units import load_unit, number, units
-from scenes import Cylinder, HalfPlane, Scene, Shape, sampled
+from scenes import Cylinder, HalfPlane, Scene, Shape, ShoulderedPad, TShape, sampled
 from scenes.bodies import face_of
 
 # Half the width of a half-plane as drawn, over a or over the half-width of the body that it faces.
@@ -206,8 +206,12 @@ def outline(scene: Scene, name: str, half_width: float) -> Array:
     face = np.column_stack([x, -side * face_of(shape, scene.profile).depth(x)])
     if isinstance(shape, Cylinder):
         return face
-    base = np.array([[width, -side * height], [-width, -side * height]])
-    return np.vstack([face, base])
+    right = [(width, height)]
+    if isinstance(shape, TShape | ShoulderedPad):
+        below = shape.step.half_width
+        right = [(width, shape.step.depth), (below, shape.step.depth), (below, height)]
+    left = [(-x, depth) for x, depth in reversed(right)]
+    return np.vstack([face, np.array(right + left) * [1.0, -side]])
 
 
 def _body(frame: Frame, points: Array, shape: Shape, name: str) -> Iterator[Mark]:
@@ -232,10 +236,11 @@ def _supports(frame: Frame, shape: Shape, points: Array, side: float) -> Iterato
     """
     if isinstance(shape, HalfPlane):
         return
-    half_width = shape.face_half_width
-    left, right = frame.x.place([-half_width, half_width]).tolist()
     top = float(frame.y.place(points[0, 1]))
     lowest = np.argmax(-side * points[:, 1])
+    at_base = points[:, 1] == points[lowest, 1]
+    half_width = float(np.abs(points[at_base, 0]).max())
+    left, right = frame.x.place([-half_width, half_width]).tolist()
     base = float(frame.y.place(points[lowest, 1]))
     base_rolls = getattr(shape, "base", "") == "rollers"
     yield from _plane((left, base), (right, base), (0.0, side), base_rolls)

@@ -19,7 +19,17 @@ from reports.studies.maps.corrections import (
 )
 from reports.studies.maps.laws import MAPS, PUBLISHED, Chart, Line, along, lines, read
 from reports.studies.sweep.solving import QUANTITIES
-from scenes import Block, Cylinder, FlatRounded, Hertz, InputError, Pad, Scene
+from scenes import (
+    Block,
+    Cylinder,
+    FlatRounded,
+    Hertz,
+    InputError,
+    Pad,
+    Scene,
+    ShoulderedPad,
+    TShape,
+)
 from scenes.frozen import validated
 
 FIGURES = ("error.dissipation", "error.p0", "error.contact_half_width")
@@ -181,7 +191,7 @@ def parts_of(scene: Scene, folder: Path = PUBLISHED) -> tuple[float, tuple[Part,
         semi_analytic.solve(scene, cycles="steady", fields=())
     )
     found, bodies = _size(scene, half_width, folder), (scene.bodies.lower, scene.bodies.upper)
-    if any(isinstance(body, Cylinder | Pad) for body in bodies):
+    if any(isinstance(body, Cylinder | Pad | ShoulderedPad) for body in bodies):
         curvature, (cylinder, pad) = half_width / profile.radius, MAPS["curvature"].charts
         what = f"true arcs, a/R = {curvature:.3g}"
         if isinstance(profile, FlatRounded):
@@ -229,6 +239,9 @@ def _size(scene: Scene, half_width: float, folder: Path) -> list[Part]:
                         too_small,
                     )
                 )
+        elif isinstance(body, TShape | ShoulderedPad):
+            what = f"the {name} body, a {body.kind}"
+            parts.append(Part(what, None, "no map has bodies with a step in their sides"))
         elif isinstance(body, Block | Pad):
             height, aspect = body.height / half_width, body.width / body.height
             what = (

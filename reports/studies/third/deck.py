@@ -23,7 +23,7 @@ from halfplane_fe.scales import Scales, find_scales, sheared
 from halfplane_fe.solve import surface_grading
 from meshes import BodyMesh, MeshSettings
 from reports.charts.templating import template
-from scenes import Block, Cylinder, HalfPlane, InputError, Profile, Scene, Shape, freeze
+from scenes import Block, HalfPlane, InputError, Profile, Scene, Shape, freeze
 from scenes.frozen import validated
 
 Array = NDArray[np.float64]
@@ -355,7 +355,7 @@ def _approach(scene: Scene, settings: DeckSettings, scales: Scales, load: float)
     def depth(body: Shape) -> float:
         if isinstance(body, HalfPlane):
             return settings.far_radius * scales.half_width
-        return body.radius if isinstance(body, Cylinder) else body.height
+        return body.least_depth
 
     least = min(depth(scene.bodies.lower), depth(scene.bodies.upper))
     return float(2 * load * np.log1p(4 * least / scales.half_width) / (np.pi * scales.modulus))
