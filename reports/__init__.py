@@ -46,5 +46,6 @@ def __dir__() -> list[str]:
     return sorted(__all__)
 
 
-if "scenes" in sys.modules:
+# `scenes` in a checkout, `halfplane.scenes` where the wheel is installed
+if f"{__name__.removesuffix('reports')}scenes" in sys.modules:
     import_module("reports.page.notebook")

@@ -504,7 +504,8 @@ def figure(report: Comparison | Report, name: str) -> str:
 
     Examples
     --------
-    >>> import reports, semi_analytic
+    >>> import reports
+    >>> import semi_analytic
     >>> exact = semi_analytic.solve("cattaneo-mindlin")
     >>> reports.figure(reports.compare(exact, exact), "hysteresis")[:11]
     '<svg xmlns='

@@ -74,7 +74,8 @@ def score(
 
     Examples
     --------
-    >>> import numpy as np, semi_analytic
+    >>> import numpy as np
+    >>> import semi_analytic
     >>> x = np.linspace(-1.2, 1.2, 241)
     >>> exact = semi_analytic.solve(load_scene("cattaneo-mindlin"), x=x, time=[1.5])
     >>> found = score(

@@ -50,15 +50,12 @@ if TYPE_CHECKING:
 
 Values = dict[str, float | None]
 # What numbers depend on: the engines and what they stand on, and what a worker imports of
-# `reports`.
+# `reports`. In a checkout the packages lie at the top, in the wheel inside `halfplane`.
+_REPORTS = __name__.removesuffix(".studies.sweep.solving")
+_BESIDE_REPORTS = _REPORTS.removesuffix("reports")
 _CODE = (
-    "scenes",
-    "semi_analytic",
-    "meshes",
-    "halfplane_fe",
-    "reports.comparison",
-    "reports.python_numbers",
-    "reports.units",
+    *(_BESIDE_REPORTS + name for name in ("scenes", "semi_analytic", "meshes", "halfplane_fe")),
+    *(f"{_REPORTS}.{name}" for name in ("comparison", "python_numbers", "units")),
 )
 _LIBRARIES = ("numpy", "scipy", "scikit-fem", "gmsh", "pydantic")
 # Roache's index of two grids, 3/(2^p - 1) with p = 3/2: where tractions end as a root, errors fall

@@ -1,0 +1,104 @@
+"""The wheel: the five packages inside `halfplane`, with their imports rewritten to match.
+
+At the top of site-packages they would stand beside a user's own `reports` or `scenes`. Line numbers
+stay: a traceback of the wheel leads to the line of the checkout. An editable installation is the
+checkout as it is; halfplane/package_names.py joins the two.
+"""
+
+from __future__ import annotations
+
+import ast
+import doctest
+import re
+import shutil
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from hatchling.builders.hooks.plugin.interface import BuildHookInterface
+
+PACKAGES = ("scenes", "semi_analytic", "meshes", "halfplane_fe", "reports")
+LOADERS = ("import_module", "find_spec", "files", "PackageLoader", "source_digest")
+# Of the published reports, only the tables of the maps, which `halfplane advise` reads.
+PUBLISHED = re.compile(r"reports/published/(?!maps/([\w-]+\.csv|laws\.json)$)")
+_ANY = rf"({'|'.join(PACKAGES)})\b"
+_BEGIN = r"(?m)^(\s*(?:>>> |\.\.\. )?)"  # of a line of code, or of an example in a docstring
+RULES = (
+    (re.compile(rf"{_BEGIN}from {_ANY}(?=[\w.]* import\b)"), r"\1from halfplane.\2"),
+    (re.compile(rf"{_BEGIN}import {_ANY}(?=\s*$)"), r"\1from halfplane import \2"),
+    (re.compile(rf'(\b(?:{"|".join(LOADERS)})\(f?"){_ANY}(?=[".])'), r"\1halfplane.\2"),
+)
+_DOTTED = re.compile(rf'(?<="){_ANY}(\.\w+)+(?=")')
+
+
+def rewritten(text: str, root: Path) -> str:
+    """The text of a module with the packages inside `halfplane`: imports, examples of docstrings,
+    and strings that name a module; ValueError where an import of the old names is left.
+
+    >>> rewritten("from scenes import Scene", Path())
+    'from halfplane.scenes import Scene'
+    """
+    for rule, replacement in RULES:
+        text = rule.sub(replacement, text)
+
+    def with_prefix(name: re.Match[str]) -> str:
+        path = root / name[0].replace(".", "/")
+        is_module = path.with_suffix(".py").is_file() or (path / "__init__.py").is_file()
+        return f"halfplane.{name[0]}" if is_module else name[0]
+
+    text = _DOTTED.sub(with_prefix, text)
+    tree = ast.parse(text)
+    strings = [node.value for node in ast.walk(tree) if isinstance(node, ast.Constant)]
+    docstrings = [value for value in strings if isinstance(value, str) and ">>> " in value]
+    parser = doctest.DocTestParser()
+    examples = [example.source for words in docstrings for example in parser.get_examples(words)]
+    for source in (tree, *map(ast.parse, examples)):
+        if left := [name for node in ast.walk(source) if (name := _old_name(node))]:
+            raise ValueError(f"the build cannot rewrite these imports: {', '.join(left)}")
+    return text
+
+
+def _old_name(node: ast.AST) -> str:
+    """What a statement or a call takes of a package by its old name; empty where nothing."""
+    names: list[Any] = []
+    if isinstance(node, ast.Import):
+        names = [alias.name for alias in node.names]
+    elif isinstance(node, ast.ImportFrom) and not node.level:
+        names = [node.module]
+    elif isinstance(node, ast.Call) and ast.unparse(node.func).split(".")[-1] in LOADERS:
+        inside = [part for argument in node.args for part in ast.walk(argument)]
+        names = [part.value for part in inside if isinstance(part, ast.Constant)]
+    return ", ".join(str(name) for name in names if str(name).split(".")[0] in PACKAGES)
+
+
+def write_tree(root: Path, target: Path) -> None:
+    """The package `halfplane` as the wheel has it, in the folder `target`."""
+    for folder in ("halfplane", *PACKAGES):
+        for path in sorted((root / folder).rglob("*")):
+            name = path.relative_to(root).as_posix()
+            if path.is_dir() or "__pycache__" in path.parts or PUBLISHED.match(name):
+                continue
+            place = target / name.removeprefix("halfplane/")
+            place.parent.mkdir(parents=True, exist_ok=True)
+            if path.suffix == ".py":
+                place.write_text(rewritten(path.read_text("utf-8"), root), "utf-8")
+            else:
+                shutil.copyfile(path, place)
+
+
+class PackagesInside(BuildHookInterface[Any]):
+    """Called by hatchling before the wheel is packed and after."""
+
+    def initialize(self, version: str, build_data: dict[str, Any]) -> None:
+        if version == "editable":
+            return
+        self.scratch = Path(tempfile.mkdtemp(prefix="halfplane-wheel-"))
+        write_tree(Path(self.root), self.scratch / "halfplane")
+        names = self.scratch / "halfplane_package_names.pth"
+        names.write_text("import halfplane.package_names\n", "utf-8")
+        build_data["force_include"][str(self.scratch / "halfplane")] = "halfplane"
+        build_data["force_include"][str(names)] = names.name
+
+    def finalize(self, version: str, _build_data: dict[str, Any], _artifact_path: str) -> None:
+        if version != "editable":
+            shutil.rmtree(self.scratch)
