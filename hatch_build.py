@@ -87,18 +87,15 @@ def write_tree(root: Path, target: Path) -> None:
 
 
 class PackagesInside(BuildHookInterface[Any]):
-    """Called by hatchling before the wheel is packed and after."""
+    """Called by hatchling before the wheel is packed."""
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         if version == "editable":
             return
-        self.scratch = Path(tempfile.mkdtemp(prefix="halfplane-wheel-"))
-        write_tree(Path(self.root), self.scratch / "halfplane")
-        names = self.scratch / "halfplane_package_names.pth"
+        self.scratch = tempfile.TemporaryDirectory(prefix="halfplane-wheel-")  # gone with the hook
+        folder = Path(self.scratch.name)
+        write_tree(Path(self.root), folder / "halfplane")
+        names = folder / "halfplane_package_names.pth"
         names.write_text("import halfplane.package_names\n", "utf-8")
-        build_data["force_include"][str(self.scratch / "halfplane")] = "halfplane"
+        build_data["force_include"][str(folder / "halfplane")] = "halfplane"
         build_data["force_include"][str(names)] = names.name
-
-    def finalize(self, version: str, _build_data: dict[str, Any], _artifact_path: str) -> None:
-        if version != "editable":
-            shutil.rmtree(self.scratch)

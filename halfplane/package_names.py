@@ -76,7 +76,8 @@ class SecondNames:
         if spec is None:
             return None
         is_package = spec.submodule_search_locations is not None
-        return ModuleSpec(name, self, origin=spec.origin, is_package=is_package)
+        loader: Any = self  # importlib asks for the methods below alone
+        return ModuleSpec(name, loader, origin=spec.origin, is_package=is_package)
 
     def _users_own(self, name: str) -> bool:
         """Whether any other finder has Python code by that name; a folder without any, such as one
@@ -151,7 +152,7 @@ def _require_checkout() -> None:
     checkout = Path(__file__).parents[1]
     for package in PACKAGES:
         spec = find_spec(package)
-        origin = spec and spec.origin
+        origin = None if spec is None else spec.origin
         if origin is None or not Path(origin).is_relative_to(checkout):
             raise ImportError(
                 f"halfplane runs from its checkout {checkout}, where its package {package!r} lies"
@@ -168,6 +169,5 @@ def install() -> None:
     is_wheel = os.path.isdir(os.path.join(os.path.dirname(__file__), "scenes"))
     # First, for second names only: a folder of scene files called `scenes` would count as a
     # package without code. What a user has by that name is looked up before.
-    sys.meta_path.insert(
-        0, SecondNames("", "halfplane.") if is_wheel else SecondNames("halfplane.", "")
-    )
+    names = SecondNames("", "halfplane.") if is_wheel else SecondNames("halfplane.", "")
+    sys.meta_path.insert(0, names)
