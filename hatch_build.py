@@ -47,28 +47,31 @@ def rewritten(text: str, root: Path) -> str:
         return f"halfplane.{name[0]}" if is_module else name[0]
 
     text = _DOTTED.sub(with_prefix, text)
-    tree = ast.parse(text)
-    strings = [node.value for node in ast.walk(tree) if isinstance(node, ast.Constant)]
-    docstrings = [value for value in strings if isinstance(value, str) and ">>> " in value]
+    nodes = list(ast.walk(ast.parse(text)))
     parser = doctest.DocTestParser()
-    examples = [example.source for words in docstrings for example in parser.get_examples(words)]
-    for source in (tree, *map(ast.parse, examples)):
-        if left := [name for node in ast.walk(source) if (name := _old_name(node))]:
-            raise ValueError(f"the build cannot rewrite these imports: {', '.join(left)}")
+    for node in tuple(nodes):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and ">>> " in node.value:
+            for example in parser.get_examples(node.value):
+                nodes += ast.walk(ast.parse(example.source))
+    left = [name for node in nodes for name in _old_names(node)]
+    if left:
+        raise ValueError(f"the build cannot rewrite these imports: {', '.join(left)}")
     return text
 
 
-def _old_name(node: ast.AST) -> str:
-    """What a statement or a call takes of a package by its old name; empty where nothing."""
+def _old_names(node: ast.AST) -> list[str]:
+    """What a statement or a call takes of the packages by their old names."""
     names: list[Any] = []
     if isinstance(node, ast.Import):
         names = [alias.name for alias in node.names]
     elif isinstance(node, ast.ImportFrom) and not node.level:
         names = [node.module]
-    elif isinstance(node, ast.Call) and ast.unparse(node.func).split(".")[-1] in LOADERS:
-        inside = [part for argument in node.args for part in ast.walk(argument)]
-        names = [part.value for part in inside if isinstance(part, ast.Constant)]
-    return ", ".join(str(name) for name in names if str(name).split(".")[0] in PACKAGES)
+    elif isinstance(node, ast.Call):
+        function = getattr(node.func, "attr", getattr(node.func, "id", ""))
+        if function in LOADERS:
+            inside = [part for argument in node.args for part in ast.walk(argument)]
+            names = [part.value for part in inside if isinstance(part, ast.Constant)]
+    return [str(name) for name in names if str(name).split(".")[0] in PACKAGES]
 
 
 def write_tree(root: Path, target: Path) -> None:

@@ -154,9 +154,9 @@ values = [0.6, 0.7]
 DRIVER = """
 import json, sys
 from pathlib import Path
-from reports.cli import main
-from reports.cli.application import app
-from reports.studies.maps.laws import PUBLISHED
+from halfplane.reports.cli import main
+from halfplane.reports.cli.application import app
+from halfplane.reports.studies.maps.laws import PUBLISHED
 if __name__ == "__main__":
     Path("maps").mkdir()
     for table in PUBLISHED.glob("limits-*.csv"):
@@ -225,7 +225,7 @@ def environment(home: Path, scratch: Path, pins: list[str] | None) -> Path:
         run(python, "-m", "pip", "install", "--quiet", *pins)
         run(python, "-m", "pip", "install", "--quiet", wheel)
         run(python, "-m", "pip", "check")
-    where = run(python, "-c", "import reports; print(reports.__file__)", cwd=scratch).strip()
+    where = run(python, "-c", "import halfplane; print(halfplane.__file__)", cwd=scratch).strip()
     if not Path(where).is_relative_to(home):
         raise RuntimeError(f"the checkout was run, not the wheel: {where}")
     return python
@@ -263,7 +263,7 @@ def compared(home: Path, folder: Path, pins: list[str]) -> list[str]:
         run(
             python,
             "-m",
-            "reports",
+            "halfplane",
             "run",
             "hertz-paper",
             "--quiet",
