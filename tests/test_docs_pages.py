@@ -488,7 +488,7 @@ def test_the_paper_is_quoted_nowhere() -> None:
     kinds = {".py", ".md", ".html", ".toml", ".txt", ".ipynb"}
     below = [
         path
-        for name in (*PACKAGES, "benchmarks", "docs", "tests")
+        for name in (*PACKAGES, "halfplane", "benchmarks", "docs", "tests")
         for path in (ROOT / name).rglob("*")
     ]
     files = [

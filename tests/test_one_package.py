@@ -169,9 +169,14 @@ def test_the_wheel_has_every_module_with_its_lines(tree: Path) -> None:
             ) == original_text.replace("halfplane.", ""), path
     inside = tree / "halfplane"
     packed = {path.relative_to(inside).as_posix() for path in inside.rglob("*") if path.is_file()}
-    assert {"py.typed", "__main__.py", "package_names.py", "scenes/py.typed"} <= packed
+    assert {"py.typed", "__main__.py", "package_names.py"} <= packed
     assert {"reports/templates/report.html", "scenes/library/hertz-paper.toml"} <= packed
+    assert {f"{package}/py.typed" for package in PACKAGES} <= packed
     assert not [name for name in packed if "__pycache__" in name]
+    maps = ROOT / "reports" / "published" / "maps"
+    tables = {path.relative_to(ROOT).as_posix() for path in maps.glob("*.csv")}
+    published = {name for name in packed if "published" in name}
+    assert published == {*tables, "reports/published/maps/laws.json"}
 
 
 # ------------------------------------------------------------------- the wheel beside other modules

@@ -15,7 +15,6 @@ from typing import Any
 import case_table
 import publishing
 import pytest
-from hatchling.builders.wheel import WheelBuilder
 from publishing import (
     error_of,
     frozen,
@@ -44,7 +43,6 @@ from reports.comparison.findings import (
 )
 from reports.page.content import as_json
 from reports.page.writing import published
-from reports.studies.maps.laws import PUBLISHED
 from scenes import load_scene, scene_names
 from test_reports_synthetic import cattaneo_mindlin
 
@@ -414,16 +412,3 @@ def test_the_published_roller_is_met_once_displacements_are_large(name: str) -> 
         assert abs(ours / theirs.value - 1) > 0.015
         assert abs(ours / theirs.value * large[key] / small[key] - 1) < 0.01
         assert theirs.source in page(name, STORED[name])
-
-
-def test_of_the_published_reports_the_wheel_has_the_tables_of_the_maps_alone() -> None:
-    packed = {file.distribution_path for file in WheelBuilder(str(ROOT)).recurse_included_files()}
-    assert "reports/templates/report.html" in packed
-    published = {Path(path) for path in packed if "published" in path}
-    assert published == {
-        path.relative_to(ROOT) for path in (*PUBLISHED.glob("*.csv"), PUBLISHED / "laws.json")
-    }
-    assert {
-        f"{package}/py.typed"
-        for package in ("scenes", "semi_analytic", "meshes", "halfplane_fe", "reports")
-    } <= packed
