@@ -36,19 +36,20 @@ class Layer:
 def coefficients(layer: Layer, half_width: float, terms: int = 24) -> Array:
     """c_j of the pressure on a contact of given half-width, (terms,) [stress]."""
     # notation: E' = E/(1 - nu^2), m = 2 j + 1
-    nu, a = layer.poisson_ratio, half_width
+    nu = layer.poisson_ratio
+    a = half_width
     plane = layer.young_modulus / (1 - nu**2)
     m = 2 * np.arange(terms) + 1
     s = np.cos((2 * np.arange(terms) + 1) * np.pi / (4 * terms + 2))  # the positive zeros of T_2N+1
     nodes, weights = np.polynomial.legendre.leggauss(60)
     ends = np.linspace(0, 22 / layer.thickness, int(22 * a / layer.thickness) + 12)
     half = (ends[1] - ends[0]) / 2
-    k, dk = (ends[:-1, None] + half * (1 + nodes)).ravel(), np.tile(half * weights, len(ends) - 1)
-    w, kappa = k * layer.thickness, 3 - 4 * nu
-    low, high = (
-        2 * kappa * np.sinh(2 * w) - 4 * w,
-        2 * kappa * np.cosh(2 * w) + 1 + kappa**2 + 4 * w**2,
-    )
+    k = (ends[:-1, None] + half * (1 + nodes)).ravel()
+    dk = np.tile(half * weights, len(ends) - 1)
+    w = k * layer.thickness
+    kappa = 3 - 4 * nu
+    low = 2 * kappa * np.sinh(2 * w) - 4 * w
+    high = 2 * kappa * np.cosh(2 * w) + 1 + kappa**2 + 4 * w**2
     # of sqrt(1 - s^2) U_2j(s), cosine
     transformed = np.pi * m * (-1.0) ** (m // 2) * jv(m, k[:, None] * a) / k[:, None]
     # u(x) = 1/pi int u(k) cos kx dk over k > 0, and L = 1 gives u' = -(2/E') T_m

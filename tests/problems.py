@@ -60,12 +60,15 @@ def mindlin_shear(x, P, turns: Sequence[float], f, R, E):
     The first branch is f [p(x, P) - p(x, P - Q/f)]; each reversal adds the same with twice the
     friction.
     """
-    q, before, factor = np.zeros_like(np.asarray(x, dtype=float)), 0.0, 1.0
+    q = np.zeros_like(np.asarray(x, dtype=float))
+    before = 0.0
+    factor = 1.0
     for turn in turns:
         change = (turn - before) / factor
         stick = hertz_pressure(x, P - abs(change) / f, R, E)
         q = q + factor * math.copysign(f, change) * (hertz_pressure(x, P, R, E) - stick)
-        before, factor = turn, 2.0
+        before = turn
+        factor = 2.0
     return q
 
 
@@ -126,7 +129,8 @@ def _zero(x):
 
 def _hertz(name, tags, scene, time, **further) -> Problem:
     """What every Hertz contact has, and `further`."""
-    R, E = scene.profile.radius, contact_modulus(scene)
+    R = scene.profile.radius
+    E = contact_modulus(scene)
     P = float(scene.load.path().at(time)[0])
     a = float(hertz_half_width(P, R, E))
     exact = {
@@ -154,12 +158,10 @@ def _hertz_normal() -> Problem:
 def _mindlin(name, time, turns_over_amplitude, tags) -> Problem:
     """The library's scene at `time` in the second revolution, after the given turns of Q."""
     scene = load_scene("cattaneo-mindlin")
-    f, R, E, L = (
-        scene.friction.coefficient,
-        scene.profile.radius,
-        contact_modulus(scene),
-        scene.profile.datum_length,
-    )
+    f = scene.friction.coefficient
+    R = scene.profile.radius
+    E = contact_modulus(scene)
+    L = scene.profile.datum_length
     P, amplitude = scene.load.cycle[0]
     turns = [share * amplitude for share in turns_over_amplitude]
     last = turns[0] if len(turns) == 1 else (turns[-1] - turns[-2]) / 2
@@ -219,7 +221,8 @@ def _paper(name, letter) -> Problem:
     second revolution.
     """
     scene = load_scene("hertz-paper")
-    start, period = scene.load.path().cycle_start, scene.load.path().period
+    start = scene.load.path().cycle_start
+    period = scene.load.path().period
     time = start + period + (semi_analytic.event(scene, letter).time - start) % period
     theory = _by_theory(name, {"tangential", "hertz", "cycle", "varying P"}, scene, time)
     steady = semi_analytic.solve(scene, x=[0.0], fields=("dissipation",))
@@ -319,9 +322,12 @@ def errors(problem: Problem, solution: ContactSolution) -> dict[str, float]:
     peak and dissipation relative, but dissipation over W of sliding (4 f^2 P^2/pi E*) where the
     true one is 0.
     """
-    exact, step, x = problem.exact, step_at(solution, problem.time), solution.x
+    exact = problem.exact
+    step = step_at(solution, problem.time)
+    x = solution.x
     true_pressure = exact["pressure"](x)
-    size, friction = norm(x, true_pressure), solution.scene.friction.coefficient
+    size = norm(x, true_pressure)
+    friction = solution.scene.friction.coefficient
     found = {
         "pressure": norm(x, solution.pressure[step] - true_pressure) / size,
         "shear": norm(x, solution.shear[step] - exact["shear"](x)) / (friction * size),
@@ -355,9 +361,13 @@ def law_violations(answer: FiniteElementSolution) -> dict[str, float]:
 
     Over the largest pressure, the largest load, or the work of sliding, whichever applies.
     """
-    f, p, q, state = answer.scene.friction.coefficient, answer.pressure, answer.shear, answer.state
+    f = answer.scene.friction.coefficient
+    p = answer.pressure
+    q = answer.shear
+    state = answer.state
     across, along = answer.normals * answer.weights
-    largest, load = float(p.max()), float(answer.normal_load.max())
+    largest = float(p.max())
+    load = float(answer.normal_load.max())
     sense = np.select(
         [state == SurfaceState.SLIP_FORWARD, state == SurfaceState.SLIP_REVERSE], [1, -1], 0
     )

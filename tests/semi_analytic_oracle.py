@@ -141,7 +141,8 @@ def law_of(profile):
         case "flat_rounded":
             return Bends((LONG(profile.flat_half_length),), (1 / LONG(profile.radius),))
         case "compound":
-            one, two = 1 / LONG(profile.inner_radius), 1 / LONG(profile.outer_radius)
+            one = 1 / LONG(profile.inner_radius)
+            two = 1 / LONG(profile.outer_radius)
             return Bends((LONG(0), LONG(profile.inner_half_length)), (one, two - one))
         case "wedge":
             return Bends(
@@ -175,11 +176,14 @@ def half_width(law, load, guess):
     """a(P), (n,): Newton's method inside a bracket about a guess."""
     load, guess = (np.atleast_1d(np.asarray(values, dtype=LONG)) for values in (load, guess))
     least = law.breaks[0]
-    low, high = np.full(load.shape, least), 2 * guess + least
+    low = np.full(load.shape, least)
+    high = 2 * guess + least
     half = np.maximum(guess, least)
     for _ in range(100):
-        fault, rate = law.load(half) - load, law.rate(half)
-        low, high = np.where(fault <= 0, half, low), np.where(fault >= 0, half, high)
+        fault = law.load(half) - load
+        rate = law.rate(half)
+        low = np.where(fault <= 0, half, low)
+        high = np.where(fault >= 0, half, high)
         newton = half - fault / np.where(rate > 0, rate, 1)
         new = np.where((newton >= low) & (newton <= high) & (rate > 0), newton, (low + high) / 2)
         if np.all(np.abs(new - half) <= 3e-19 * half):
@@ -194,7 +198,9 @@ class Punches:
     """
 
     def __init__(self, profile, step=0.2):
-        self.law, self.datum, self.step = law_of(profile), LONG(profile.datum_length), step
+        self.law = law_of(profile)
+        self.datum = LONG(profile.datum_length)
+        self.step = step
         self.least = self.law.breaks[0]
 
     def _marks(self, low, high):
@@ -241,12 +247,14 @@ class Punches:
 
 def _slope_on(piece):
     """M' as a function of eta on a piece of the engine's curve."""
-    leg, anchor = piece.anchor.leg, LONG(piece.anchor.normal)
+    leg = piece.anchor.leg
+    anchor = LONG(piece.anchor.normal)
     if piece.arc is None:
         return lambda eta: LONG(piece.slope) + 2 * LONG(piece.bend) * (eta - anchor)
     if leg.ellipse:
         p0, p1, q1 = (LONG(v) for v in (leg.mean[0], *leg.ellipse.amplitude))
-        sine, cosine = np.sin(LONG(leg.ellipse.phase)), np.cos(LONG(leg.ellipse.phase))
+        sine = np.sin(LONG(leg.ellipse.phase))
+        cosine = np.cos(LONG(leg.ellipse.phase))
 
         def slope(eta):
             # At an end of the arc the difference may round to 0, where M' has no bound.
@@ -288,7 +296,8 @@ class Oracle(Punches):
         """(lower, upper half-width, M') of the curve of instant k, M' as a function of the
         half-width.
         """
-        s, load = self.snapshot, self.law.load
+        s = self.snapshot
+        load = self.law.load
         front = float(s.load[k] - s.slipped[k])
         if s.slipped[k]:
             line = LONG(float(s.direction[k]) * s.friction)
@@ -296,7 +305,8 @@ class Oracle(Punches):
         upper = front
         for piece in pieces(s.actives[s.which[k]]):
             # What an arc starts from is its time: P0 + P1 cos t may have few digits of a small P.
-            leg, slope = piece.anchor.leg, _slope_on(piece)
+            leg = piece.anchor.leg
+            slope = _slope_on(piece)
             bottom = (
                 piece.bottom
                 if piece.arc is None
@@ -310,7 +320,8 @@ class Oracle(Punches):
         of instant k.
         """
         half = self.half(float(self.snapshot.load[k]))
-        parts, points = list(self.parts(k)), np.abs(np.asarray(x, dtype=float)).astype(LONG)
+        parts = list(self.parts(k))
+        points = np.abs(np.asarray(x, dtype=float)).astype(LONG)
         return {
             "pressure": np.array([self.traction(at, self.least, half) for at in points]),
             "shear": np.array([sum(self.traction(at, *part) for part in parts) for at in points]),
@@ -336,13 +347,15 @@ def root(function, value, low, high):
     shape: Newton inside a bracket.
     """
     value = np.asarray(value, dtype=LONG)
-    a, b = np.full(value.shape, LONG(low)), np.full(value.shape, LONG(high))
+    a = np.full(value.shape, LONG(low))
+    b = np.full(value.shape, LONG(high))
     rising = np.sign(function(b)[0] - function(a)[0])
     t = (a + b) / 2
     for _ in range(140):
         now, rate = function(t)
         fault = rising * (now - value)
-        a, b = np.where(fault <= 0, t, a), np.where(fault >= 0, t, b)
+        a = np.where(fault <= 0, t, a)
+        b = np.where(fault >= 0, t, b)
         newton = t - rising * fault / np.where(rate != 0, rate, 1)
         new = np.where((newton > a) & (newton < b) & (rate != 0), newton, (a + b) / 2)
         if np.all(np.abs(new - t) <= 3e-19 * np.abs(t)):
@@ -374,7 +387,8 @@ class Phase:
 
     def loads(self, time):
         """P, Q, dP/dt, dQ/dt."""
-        t, leg = np.asarray(time, dtype=LONG), self.leg
+        t = np.asarray(time, dtype=LONG)
+        leg = self.leg
         if isinstance(leg, StraightSegment):
             length = LONG(leg.end) - LONG(leg.start)
             share = (t - LONG(leg.start)) / length
@@ -418,7 +432,8 @@ def _phases(whole, friction):
         known = np.flatnonzero(sign)
         for left, right in pairwise(known):
             if sign[left] != sign[right]:
-                low, high = times[left], times[right]
+                low = times[left]
+                high = times[right]
                 for _ in range(90):
                     middle = (low + high) / 2
                     low, high = (
@@ -437,14 +452,16 @@ def phases_of(path, friction, cycles):
     """All phases of the initial loading and of `cycles` revolutions, and the number of the first
     phase of the last revolution.
     """
-    friction, groups = LONG(friction), []
+    friction = LONG(friction)
+    groups = []
     if path.period is None:
         groups.append(path.initial_loading)
     else:
         groups += [path.initial_loading, *[path.cycle] * cycles]
     wholes = {}
     for leg in (*path.initial_loading, *path.cycle):
-        begin, end = LONG(leg.start), LONG(leg.end)
+        begin = LONG(leg.start)
+        end = LONG(leg.end)
         # A revolution ends where it began, to all digits.
         end = begin + TURN if isinstance(leg, HarmonicSegment) else end
         ends = [tuple(LONG(v) for v in getattr(leg, name, ())) for name in ("first", "last")]
@@ -501,11 +518,13 @@ def _slips(phases, number, sign, friction):
     first, last = phase.ends(-friction, sign)
     if not last > first:
         return
-    reach, least = first, phase.ends(friction, sign)[0]
+    reach = first
+    least = phase.ends(friction, sign)[0]
     for past in reversed(phases[:number]):
         if reach >= last:
             return
-        (low, low_after), (high, high_after) = past.ends(-friction, sign), past.ends(friction, sign)
+        low, low_after = past.ends(-friction, sign)
+        high, high_after = past.ends(friction, sign)
         least = min(least, high_after)
         if low_after > reach:  # the path jumps by rounding
             yield from _held(Slip(phase, sign, friction, reach, low_after, least), phase)
@@ -551,7 +570,8 @@ def _held(slip, phase):
     elif np.any(ahead):
         marks = [begin, end]
         for k in np.flatnonzero(ahead[1:] != ahead[:-1]):
-            low, high = inner[k], inner[k + 1]
+            low = inner[k]
+            high = inner[k + 1]
             for _ in range(80):
                 middle = (low + high) / 2
                 inside = phase.loads(middle)[0] - found.front(middle) > 0
@@ -568,34 +588,44 @@ def memory(phases, number, time, eta, friction):
     """M(eta) at `time` of phase `number`, 0 < eta <= P: where the largest lower and the least upper
     bound meet, looking back.
     """
-    friction, eta, time = LONG(friction), LONG(eta), LONG(time)
-    lowest, highest = -LONG(np.inf), LONG(np.inf)
+    friction = LONG(friction)
+    eta = LONG(eta)
+    time = LONG(time)
+    lowest = -LONG(np.inf)
+    highest = LONG(np.inf)
     for past in [replace(phases[number], end=time), *reversed(phases[:number])]:
-        below, above = past.of(-friction, 1), past.of(friction, 1)
+        below = past.of(-friction, 1)
+        above = past.of(friction, 1)
         ends = np.array([past.end, past.begin], dtype=LONG)
-        low, high = below(ends)[0] + friction * eta, above(ends)[0] - friction * eta
+        low = below(ends)[0] + friction * eta
+        high = above(ends)[0] - friction * eta
         for k in range(2):
-            a, b = max(lowest, low[k]), min(highest, high[k])
+            a = max(lowest, low[k])
+            b = min(highest, high[k])
             if a >= b:
                 if k == 0:
                     return (a + b) / 2
                 return _meeting(past, below, above, friction * eta, lowest, highest)
             if k == 0:
-                lowest, highest = a, b
-        lowest, highest = max(lowest, low[1]), min(highest, high[1])
+                lowest = a
+                highest = b
+        lowest = max(lowest, low[1])
+        highest = min(highest, high[1])
     return (lowest + highest) / 2
 
 
 def _meeting(past, below, above, half, lowest, highest):
     """The value at which both bounds meet within a phase."""
-    late, early = past.end, past.begin
+    late = past.end
+    early = past.begin
     for _ in range(100):
         middle = (late + early) / 2
         if max(lowest, below(middle)[0] + half) >= min(highest, above(middle)[0] - half):
             early = middle
         else:
             late = middle
-    a, b = max(lowest, below(early)[0] + half), min(highest, above(early)[0] - half)
+    a = max(lowest, below(early)[0] + half)
+    b = min(highest, above(early)[0] - half)
     return (a + b) / 2
 
 
@@ -614,11 +644,9 @@ class Work:
         )
         numbers = range(self.first, len(self.phases))
         self.slips = [slip for k in numbers for slip in slips_of(self.phases, k, self.friction)]
-        self.law, self.parts, self.contact = (
-            law_of(scene.profile),
-            parts,
-            contact_of(scene.profile, scene.material),
-        )
+        self.law = law_of(scene.profile)
+        self.parts = parts
+        self.contact = contact_of(scene.profile, scene.material)
         self.lower, self.near, self.weight = _rule(step)
         self.corners = [b for b in self.law.breaks if b > 0]
         self.corner_loads = [LONG(self.law.load(b)) for b in self.corners]
@@ -626,7 +654,8 @@ class Work:
     def nodes(self, begin, end):
         """Nodes and weights on [begin, end]."""
         length = np.asarray(end - begin)[..., None]
-        begin, end = np.asarray(begin)[..., None], np.asarray(end)[..., None]
+        begin = np.asarray(begin)[..., None]
+        end = np.asarray(end)[..., None]
         return (
             np.where(self.lower, begin + length * self.near, end - length * self.near),
             length * self.weight,
@@ -676,11 +705,10 @@ class Work:
 
     def times_at(self, slip, edge_load):
         """(begin, end) of the slip at points of that edge load, None if there is none."""
-        begin, end = slip.begin, slip.end
-        loads, fronts = (
-            slip.phase.loads(np.array([begin, end]))[0],
-            slip.front(np.array([begin, end])),
-        )
+        begin = slip.begin
+        end = slip.end
+        loads = slip.phase.loads(np.array([begin, end]))[0]
+        fronts = slip.front(np.array([begin, end]))
         if fronts[1] >= edge_load or max(loads) <= edge_load:
             return None
         meets = self._meets(slip, edge_load, begin, end)
@@ -696,7 +724,8 @@ class Work:
         """p(x, P) at the half-widths (n,) >= x, all between the same two corners: alpha^2 = x^2 +
         w^2.
         """
-        total, edge = 0 * half, np.sqrt((half - x) * (half + x))
+        total = 0 * half
+        edge = np.sqrt((half - x) * (half + x))
         marks = [
             0 * half,
             *(
@@ -728,12 +757,11 @@ class Work:
             span = self.times_at(slip, edge_load) if slip.sign == sign else None
             for begin, end in pairwise(self._marks(slip, *span)) if span else ():
                 times, weight = self.nodes(begin, end)
-                p, front, growth = (
-                    slip.phase.loads(times)[0],
-                    slip.front(times),
-                    slip.growth(times)[1],
-                )
-                a, c = self.half(p), self.half(front)
+                p = slip.phase.loads(times)[0]
+                front = slip.front(times)
+                growth = slip.growth(times)[1]
+                a = self.half(p)
+                c = self.half(front)
                 reach = np.arcsinh(np.sqrt(np.maximum((x - c) * (x + c), 0)) / c)
                 total += np.sum(weight * self.pressure(x, np.maximum(a, x)) * growth * reach)
         return 2 / PI * self.friction * total
@@ -744,10 +772,8 @@ class Work:
         for slip in self.slips:
             for begin, end in pairwise(self._marks(slip, slip.begin, slip.end)):
                 times, weight = self.nodes(begin, end)
-                a, c = (
-                    self.half(slip.phase.loads(times)[0]),
-                    self.half(np.maximum(slip.front(times), 0)),
-                )
+                a = self.half(slip.phase.loads(times)[0])
+                c = self.half(np.maximum(slip.front(times), 0))
                 total[slip.sign] += np.sum(weight * slip.growth(times)[1] * self._area(a, c))
         return 2 / PI * self.friction * np.array([total[1], total[-1]])
 

@@ -57,7 +57,9 @@ from scenes import (
 )
 from tolerances import ORDERS, TOLERANCES, check, check_order, order_of
 
-FRICTION, RADIUS, DATUM = 0.5, np.pi / 4, 1.0  # E* = 1: P = a^2
+FRICTION = 0.5
+RADIUS = np.pi / 4
+DATUM = 1.0  # E* = 1: P = a^2
 
 
 @pytest.mark.parametrize("problem", PROBLEMS.values(), ids=PROBLEMS.keys())
@@ -157,14 +159,16 @@ def mindlin_errors(elements, order=2):
         pressure = hertz_pressure(sides.x, 1.0, RADIUS, 1.0)
         back = next(state for state in run.states if abs(state.time - 3) < 1e-9)
         half = next(state for state in run.states if abs(state.time - 2.5) < 1e-9)
-        shear_error, edge_error = [], []
+        shear_error = []
+        edge_error = []
         for state, turns in ((half, (q, 0.0)), (back, (q, -q))):
             exact = mindlin_shear(sides.x, 1.0, turns, FRICTION, RADIUS, 1.0)
             error = state.shear / sides.weights - exact
             shear_error.append(
                 np.sqrt(sides.weights @ error**2 / (sides.weights @ pressure**2)) / FRICTION
             )
-            stick, closed = (state.state == SurfaceState.STICK)[None], state.closed[None]
+            stick = (state.state == SurfaceState.STICK)[None]
+            closed = state.closed[None]
             ((left, right),) = stick_edges(sides.x, stick, closed, np.array([[-1.0, 1.0]]))
             c = mindlin_stick_half_width(1.0, (turns[1] - turns[0]) / 2, FRICTION, RADIUS, 1.0)
             edge_error.append((right - left) / 2 - c)
@@ -182,7 +186,8 @@ def mindlin_errors(elements, order=2):
 def excess(steps, late, mean):
     """Late less mean work of the last cycle, over its dissipation."""
     answer = stepped_run("augmented_lagrangian", steps)
-    cycle, energy = answer.last_cycle[1:], answer.record.energy
+    cycle = answer.last_cycle[1:]
+    energy = answer.record.energy
     return float(abs((energy[late] - energy[mean])[cycle].sum()) / answer.dissipation)
 
 
@@ -257,10 +262,8 @@ HALF_PLANES = Bodies()
 
 def layer(thickness, stiffness=1e6):
     """Pressed once without friction: a layer on a rigid base, and a punch so stiff."""
-    soft, stiff = (
-        Elastic(young_modulus=1.0, poisson_ratio=0.3),
-        Elastic(young_modulus=stiffness, poisson_ratio=0.3),
-    )
+    soft = Elastic(young_modulus=1.0, poisson_ratio=0.3)
+    stiff = Elastic(young_modulus=stiffness, poisson_ratio=0.3)
     load = layer_truth.load_on(layer_truth.Layer(1.0, 0.3, thickness, 100.0), 1.0)
     return load_scene("hertz-normal").vary(
         material=Materials(lower=soft, upper=stiff),
@@ -341,7 +344,9 @@ def moving_edges(elements, cured=True):
     """W over loops of straight lines in which contact and stick edges move, of five sizes; `cured`:
     with the N - T of `solve`.
     """
-    sides, body, found = interface(elements, 2), Elastic(young_modulus=1.82, poisson_ratio=0.3), []
+    sides = interface(elements, 2)
+    body = Elastic(young_modulus=1.82, poisson_ratio=0.3)
+    found = []
     alike = Materials(upper=body, lower=body)
     like = load_scene("hertz-paper").vary(
         material=alike, profile=Hertz(radius=RADIUS), friction=FRICTION
@@ -367,7 +372,8 @@ def test_the_last_digits_of_x_do_not_choose_what_is_smoothed() -> None:
     """Nodes 17 elements apart were within the band or beyond it by rounding: W of one scene had
     other digits from the sixth on.
     """
-    scene, sides = load_scene("hertz-paper"), interface(32, 2)
+    scene = load_scene("hertz-paper")
+    sides = interface(32, 2)
     digits = np.random.default_rng(0).integers(-4, 5, len(sides.x)) * np.spacing(
         np.abs(sides.x).max()
     )
@@ -383,7 +389,8 @@ def refinement(function, sizes):
     return lambda: (sizes, [function(round(1 / size)) for size in sizes])
 
 
-HALVED, THREE = [1 / 8, 1 / 16, 1 / 32], [1 / n for n in (48, 96, 192)]
+HALVED = [1 / 8, 1 / 16, 1 / 32]
+THREE = [1 / n for n in (48, 96, 192)]
 REFINEMENTS = {
     **{
         f"hertz {name}, quadratic": refinement(
@@ -540,18 +547,14 @@ def test_far_end_of_the_ladder_is_half_plane_theory():
 
 
 # ------------------------------------------------------------------------------------------ Dundurs
-RUBBER, CORK = (
-    Elastic(young_modulus=7e3, poisson_ratio=0.45),
-    Elastic(young_modulus=70e3, poisson_ratio=0.0),
-)
+RUBBER = Elastic(young_modulus=7e3, poisson_ratio=0.45)
+CORK = Elastic(young_modulus=70e3, poisson_ratio=0.0)
 
 
 def test_like_bodies_have_none_and_exchanged_ones_the_opposite() -> None:
     assert dundurs(Materials(upper=STEEL, lower=STEEL)) == (0.0, 0.0)
-    one, other = (
-        dundurs(Materials(upper=RUBBER, lower=STEEL)),
-        dundurs(Materials(upper=STEEL, lower=RUBBER)),
-    )
+    one = dundurs(Materials(upper=RUBBER, lower=STEEL))
+    other = dundurs(Materials(upper=STEEL, lower=RUBBER))
     assert one.alpha > 0
     assert one.beta > 0
     assert other == (-one.alpha, -one.beta)

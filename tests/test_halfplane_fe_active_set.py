@@ -41,7 +41,7 @@ def test_projection_is_the_nearest_pressure_and_the_shear_cut_off_at_f_p(pressur
     """So the laws hold in what it gives, and it is idempotent, its own mirror image, the same in
     any unit.
 
-    (p, q) = project(p - r g, q + r ds) where, and only where, Signorini's and Coulomb's laws hold;
+    p, q = project(p - r g, q + r ds) where, and only where, Signorini's and Coulomb's laws hold;
     on the cone counts as sticking.
     """
     p, q, state = project(pressure, shear, f)
@@ -173,7 +173,8 @@ def test_every_law_holds_along_any_path(pair, path):
     -s(-x).
     """
     contact = problem(pair)
-    states, mirrored = walk(contact, path), walk(contact, [(p, -q) for p, q in path])
+    states = walk(contact, path)
+    mirrored = walk(contact, [(p, -q) for p, q in path])
     for before, after in itertools.pairwise(states):
         assert max(certificates(contact, [before, after]).values()) < 1e-9
         energy = increment_energies(contact, [before, after], [after.state])
@@ -191,7 +192,8 @@ def test_every_law_holds_along_any_path(pair, path):
 
 
 def test_a_node_that_pulls_by_a_thousand_millionth_of_the_largest_nodal_force_lets_go():
-    springs, none = np.eye(2), np.zeros(2)
+    springs = np.eye(2)
+    none = np.zeros(2)
     flat = Interface(
         np.array([0.0, 1.0]),
         np.ones(2),
@@ -217,7 +219,8 @@ def test_penalty_is_the_law_with_a_layer_between_the_faces(layer):
     states = walk(contact)
     for before, after in itertools.pairwise(states):
         assert max(certificates(contact, [before, after]).values()) < 1e-9
-    last, sides = states[-1], contact.interface
+    last = states[-1]
+    sides = contact.interface
     bodies_gap = contact.height - last.approach + sides.normal @ last.pressure
     np.testing.assert_allclose(
         bodies_gap[last.closed], -layer * last.pressure[last.closed], atol=1e-12
@@ -241,7 +244,8 @@ def test_too_few_iterations_raise_with_instant_loads_and_count(monkeypatch):
 # ------------------------------------------------------------------------------ sets of node states
 
 
-N, SLIDING = 30, 0.7
+N = 30
+SLIDING = 0.7
 RNG = np.random.default_rng(7)
 
 
@@ -253,7 +257,8 @@ def random_systems(pair: str = "unlike", n: int = N, work: Counter[str] | None =
         if pair == "unlike"
         else (None, np.zeros(n))
     )
-    normals, none = np.stack([-slope, np.ones(n)]) / np.hypot(1, slope), np.zeros(n)
+    normals = np.stack([-slope, np.ones(n)]) / np.hypot(1, slope)
+    none = np.zeros(n)
     faces = Interface(
         np.linspace(-1, 1, n), np.ones(n), normals, none, normal, tangential, coupling
     )
@@ -283,25 +288,20 @@ def residual(
     """Worst violation of the equations that the states name, written out afresh, `given` being what
     some rows are to have.
     """
-    values, faces, n = (
-        one.answers(states, 2, rows, given).T @ [*loads, 1.0],
-        one.interface,
-        len(states),
-    )
-    (slip, p, q, gap), (approach, shift, tilt), (n_x, n_y) = (
-        nodal(values),
-        values[:3],
-        faces.normals,
-    )
+    values = one.answers(states, 2, rows, given).T @ [*loads, 1.0]
+    faces = one.interface
+    n = len(states)
+    slip, p, q, gap = nodal(values)
+    approach, shift, tilt = values[:3]
+    n_x, n_y = faces.normals
     coupling = np.zeros((n, n)) if faces.coupling is None else faces.coupling
     found_gap = n_x * shift - n_y * approach + faces.normal @ p - coupling.T @ q
     found_slip = n_y * shift + n_x * approach + coupling @ p - faces.tangential @ q
-    sign, wanted = np.select([states == FORWARD, states == REVERSE], [1.0, -1.0]), np.zeros(2 * n)
+    sign = np.select([states == FORWARD, states == REVERSE], [1.0, -1.0])
+    wanted = np.zeros(2 * n)
     wanted[rows] = given
-    normal, tangential = (
-        np.where(states == OPEN, p, gap),
-        np.where(states == STICK, slip, q - sign * SLIDING * p),
-    )
+    normal = np.where(states == OPEN, p, gap)
+    tangential = np.where(states == STICK, slip, q - sign * SLIDING * p)
     balance = [n_y @ p + n_x @ q - loads[0], n_y @ q - n_x @ p - loads[1], tilt]
     equations = [
         found_gap - gap,
@@ -346,7 +346,8 @@ def test_sets_of_first_nodes_are_solved_to_rounding_and_none_is_factorised(
 
 
 def test_bodies_that_nothing_holds_are_no_answer():
-    one, slides = random_systems(), np.full(N, FORWARD, dtype=np.int8)
+    one = random_systems()
+    slides = np.full(N, FORWARD, dtype=np.int8)
     near = slides.copy()
     near[3] = STICK
     with pytest.raises(SingularSet):
@@ -377,7 +378,8 @@ def test_bytes_kept_stay_within_the_bound(every: int, monkeypatch: pytest.Monkey
     whole = 8 * (122**2 + 120 * (3 + 4 * n))  # of a base all of whose answers are there
     monkeypatch.setattr(systems, "_BYTES", bound := 3 * whole)
     monkeypatch.setattr(systems, "_MOST_ROWS", 40)
-    one, reached = random_systems(n=n), []
+    one = random_systems(n=n)
+    reached = []
     for states in sets(300, n, every):
         assert residual(one, states, (1.0, 0.1), np.arange(2), np.ones(2)) < 1e-10
         bases = [(base.factors[0], base.beyond, base.answers) for base in one._bases]
@@ -420,7 +422,8 @@ def test_half_the_nodes_give_the_answer_of_all(name, settings, monkeypatch):
         "dissipation_density",
         "tangential_displacement",
     ):
-        expected, found = getattr(full, field), getattr(halved, field)
+        expected = getattr(full, field)
+        found = getattr(halved, field)
         np.testing.assert_allclose(
             found, expected, rtol=0, atol=1e-8 * np.nanmax(np.abs(expected)), err_msg=field
         )
@@ -468,7 +471,8 @@ def test_friction_work_of_an_increment_in_which_a_node_starts_to_slide_is_that_o
         energies = increment_energies(problem, states, [state.state for state in states[1:]])
         return energies.dissipation.sum(axis=0), states
 
-    (whole, states), (parts, _) = work(1), work(400)
+    whole, states = work(1)
+    parts, _ = work(400)
     before, after = (np.abs(slip_sign(state.state)) for state in states)
     assert (before.sum(), after.sum()) == (1, 2)
     np.testing.assert_allclose(whole, parts, rtol=1e-9)

@@ -45,10 +45,12 @@ def compression() -> tuple[ContactProblem, list[InterfaceState], Array]:
         pair = coarse_pair(load_scene("hertz-normal"))
         size = scales._fitting_size(pair)
         problem = pair.problem(size, half(pair.faces(size)), tangential=False)
-    loads, states = np.linspace(0.5, 1.0, 400), [problem.at_rest()]
+    loads = np.linspace(0.5, 1.0, 400)
+    states = [problem.at_rest()]
     for load in loads:
         states.append(problem.equilibrium(states[-1], 0.0, (load, 0.0))[0])
-    radius, load = pair.scene.profile.radius, loads * pair.load
+    radius = pair.scene.profile.radius
+    load = loads * pair.load
     half_width = np.sqrt(4 * load * radius / (np.pi * pair.modulus))
     exact = -2 / (np.pi * pair.modulus) * load * (np.log(half_width) - 0.5)
     over = np.array([state.approach for state in states[1:]]) * pair.load / pair.modulus - exact
@@ -99,9 +101,12 @@ def at_many_places(name: str, count: int = 9) -> Iterator[tuple[PathRun, float, 
 def test_w_scatters_less_over_the_places_of_the_edges(name: str, left: float) -> None:
     """Measured over 21 places, rms over W (h/a)^2: 1.04 and 0.10, 0.81 and 0.11, 2.99 and 0.80."""
     exact = semi_analytic.solve(load_scene(name), x=[0.0], fields=("dissipation",)).dissipation
-    before, after, scatter = [], [], []
+    before = []
+    after = []
+    scatter = []
     for run, square, unit in at_many_places(name):
-        work, found = float(run.cycle_density[-1].sum()) * unit, run.excess[-1]
+        work = float(run.cycle_density[-1].sum()) * unit
+        found = run.excess[-1]
         assert found.edges == 2  # of stick and of contact, on the half that is solved
         assert run.column("dissipation")[run.cycle_starts[-1] :].sum() * unit == pytest.approx(
             work, rel=1e-12

@@ -46,7 +46,8 @@ FEW = MeshSettings(element_size=1 / 6, edge_element_size=1 / 8, far_radius=6.0, 
 # None halved for its step error, and 17 a cycle: rounding would choose other increments of a
 # reflected load.
 REGULAR = SolverSettings(steps_per_cycle=17, step_tolerance=np.inf)
-ROLLERS, FIXED = Block(width=16.0, height=4.0, base="rollers"), Block(width=16.0, height=4.0)
+ROLLERS = Block(width=16.0, height=4.0, base="rollers")
+FIXED = Block(width=16.0, height=4.0)
 A0 = 1.9544100476  # a(P = 3)
 
 
@@ -235,7 +236,8 @@ MIXED = ellipse(**BASE, bulk_stress_lower=wave(0.2, 0.3, 100), tilt=wave(0.1, 0.
 MOMENT = ellipse(**BASE, bulk_stress_upper=wave(0.2, 0.3, 100), moment=wave(0.3, 0.2, 30))
 # x -> -x turns Q and the tilt, a stress is a stress from either side
 MIRROR = ("Q", "tilt", "moment")
-HELD, SLOW = wave(0.4, 0.6, 20), pytest.mark.slow
+HELD = wave(0.4, 0.6, 20)
+SLOW = pytest.mark.slow
 LOWER = scene(ellipse(**BASE, bulk_stress_lower=wave(0.2, 0.3, 20)))
 HALVES = ellipse(
     **BASE, bulk_stress_lower=wave(0.1, 0.15, 20), bulk_stress_upper=wave(-0.1, 0.15, -160)
@@ -313,7 +315,8 @@ AT_ONCE = ("reflected", "shear turned", "upside down", "unequal sides")
 )
 def test_two_scenes_that_are_one_have_one_answer(name: str) -> None:
     first, second, side, sense, room = SAME[name]
-    one, other = numbers(solved(first)), numbers(solved(second), side, sense)
+    one = numbers(solved(first))
+    other = numbers(solved(second), side, sense)
     for field, values in one.items():
         np.testing.assert_allclose(
             other[field], values, rtol=room, atol=room * max(np.abs(values).max(), 1), err_msg=field
@@ -394,7 +397,8 @@ def test_the_tilt_under_a_moment_is_found_without_newtons_iteration_too(
             initial_loading=[(3, 0), (3, 1.2)], moment=[-0.3, -0.3], bulk_stress_lower=[0, 0.2]
         )
     )
-    newton, active_set = solved(question), ContactProblem._active_set
+    newton = solved(question)
+    active_set = ContactProblem._active_set
 
     def none(self: ContactProblem, states: np.ndarray, *rest: Any) -> Any:
         return (None, 1, 0) if self.tangential else active_set(self, states, *rest)
@@ -412,13 +416,16 @@ def test_the_tilt_under_a_moment_is_found_without_newtons_iteration_too(
 def test_turning_points_of_five_loads_and_the_area_between_their_curve_and_its_chord() -> None:
     """Against sums over 20,000 chords; skew, and none of a straight leg."""
     leg = MIXED.path().cycle[0]
-    start, end = leg.start + 0.3, leg.start + 0.9
+    start = leg.start + 0.3
+    end = leg.start + 0.9
     time = np.linspace(start, end, 20_001)
     loads = np.array([loads_of(leg, t) for t in time.tolist()])
-    middle, rise = (loads[1:] + loads[:-1]) / 2, np.diff(loads, axis=0)
+    middle = (loads[1:] + loads[:-1]) / 2
+    rise = np.diff(loads, axis=0)
     chord = np.outer((loads[0] + loads[-1]) / 2, loads[-1] - loads[0])
     found = enclosed(leg, np.array([start, end]))[:, :, 0]
-    bulk, tilt = math.radians(100), math.radians(30)
+    bulk = math.radians(100)
+    tilt = math.radians(30)
     for turn in (bulk, bulk + math.pi, tilt, tilt + math.pi):
         inside = leg.start + np.mod(turn - leg.start, 2 * math.pi)
         assert np.abs(np.array(turning_points(leg, 0.5)) - inside).min() < 1e-9
@@ -446,7 +453,8 @@ def test_a_half_plane_under_stress_moves_as_a_uniform_field_exactly() -> None:
     off the arc.
     """
     body = half_disc("lower", GRADING, 0.5)
-    system, found = assemble(body, STEEL), condense(body, STEEL, 4.0)
+    system = assemble(body, STEEL)
+    found = condense(body, STEEL, 4.0)
     np.testing.assert_allclose(found.by_stress, [found.x * 0.91 / 2, 0 * found.x], atol=1e-15)
     places = system.basis.doflocs
     x_dofs = np.isin(np.arange(system.basis.N), system.basis.get_dofs(elements=True).all(["u^1"]))

@@ -76,7 +76,8 @@ def test_a_cached_body_has_the_bits_of_a_condensed_one_and_the_mesh_that_was_giv
     assert cached.body is given
     again = condense(given, STEEL, 7.0)
     for field in fields(again):
-        value, expected = getattr(cached, field.name), getattr(again, field.name)
+        value = getattr(cached, field.name)
+        expected = getattr(again, field.name)
         if isinstance(expected, np.ndarray):
             assert value.tobytes() == expected.tobytes()
             assert not value.flags.writeable
@@ -165,13 +166,11 @@ def test_the_least_recently_used_body_gives_way_and_the_bound_holds() -> None:
 
 def test_a_body_beyond_the_bound_is_not_cached_and_removes_no_other() -> None:
     bodies = CondensedBodies(LARGE)
-    small, large = (
-        (body(), STEEL, 7.0),
-        (
-            half_disc("lower", replace(body().grading, edge_size=0.1, size=0.1)),
-            STEEL,
-            7.0,
-        ),
+    small = (body(), STEEL, 7.0)
+    large = (
+        half_disc("lower", replace(body().grading, edge_size=0.1, size=0.1)),
+        STEEL,
+        7.0,
     )
     condensations(bodies, small)
     bodies.bound_bytes = bodies.nbytes

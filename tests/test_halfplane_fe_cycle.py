@@ -46,10 +46,8 @@ from scenes import (
 )
 from tolerances import check
 
-STEEL, ALUMINIUM = (
-    Elastic(young_modulus=210e3, poisson_ratio=0.3),
-    Elastic(young_modulus=70e3, poisson_ratio=0.33),
-)
+STEEL = Elastic(young_modulus=210e3, poisson_ratio=0.3)
+ALUMINIUM = Elastic(young_modulus=70e3, poisson_ratio=0.33)
 UNLIKE = Materials(upper=ALUMINIUM, lower=STEEL)
 BENCHMARKS = Path(__file__).parent.parent / "benchmarks"
 sys.path.insert(0, str(BENCHMARKS))
@@ -116,7 +114,8 @@ def test_every_scene_keeps_the_laws_and_its_energy_at_every_instant(name):
     is stored or rubbed away.
     """
     answer = fe_run(scene_of(name))
-    record, energy = answer.record, answer.record.energy
+    record = answer.record
+    energy = answer.record.energy
     assert record.converged
     assert set(record.certificates) >= NAMED
     for values in record.certificates.values():
@@ -243,7 +242,8 @@ def walking(low, high):
     """Two nodes on springs: Q moves pressure from one to the other, and the one with less slides
     forward.
     """
-    none, coupling = np.zeros(2), 6 * np.array([[1.0, -1.0], [1.0, -1.0]])
+    none = np.zeros(2)
+    coupling = 6 * np.array([[1.0, -1.0], [1.0, -1.0]])
     faces = Interface(
         np.array([0.0, 1.0]),
         np.ones(2),
@@ -289,11 +289,9 @@ COUNTED = {
 @pytest.mark.parametrize("name", COUNTED)
 def test_work_counts(name):
     answer = fe_run(scene_of(name))
-    counts, skipped, (condensations, tangential) = (
-        answer.work.counts,
-        answer.work.skipped,
-        COUNTED[name],
-    )
+    counts = answer.work.counts
+    skipped = answer.work.skipped
+    condensations, tangential = COUNTED[name]
     assert counts["condensations"] == condensations
     assert ("condensations" in skipped, "tangential problem" in skipped) == (
         condensations == 1,
@@ -315,7 +313,8 @@ def test_work_counts(name):
 
 
 FEWER = MeshSettings(element_size=1 / 6, edge_element_size=1 / 10, far_radius=6.0, growth=0.5)
-LONGER, STIFFER = 1e9, 1e12
+LONGER = 1e9
+STIFFER = 1e12
 FACTORS = {
     **dict.fromkeys(
         ("x", "slip", "contact_edges", "normal_approach", "tangential_displacement"), LONGER
@@ -331,7 +330,8 @@ FACTORS = {
 
 
 def test_units_do_not_matter():
-    plain, settings = load_scene("hertz-paper"), SolverSettings(steps_per_cycle=24)
+    plain = load_scene("hertz-paper")
+    settings = SolverSettings(steps_per_cycle=24)
     amounts = (
         "mean_normal_load",
         "normal_amplitude",
@@ -348,7 +348,8 @@ def test_units_do_not_matter():
     )
     one, other = (fe_run(scene, FEWER, settings) for scene in (plain, changed))
     for field, factor in FACTORS.items():
-        here, there = np.asarray(getattr(one, field)), np.asarray(getattr(other, field)) / factor
+        here = np.asarray(getattr(one, field))
+        there = np.asarray(getattr(other, field)) / factor
         np.testing.assert_allclose(
             there, here, rtol=0, atol=1e-9 * np.abs(here).max(), err_msg=field
         )
@@ -387,7 +388,8 @@ def test_balance_is_closed_at_every_step_and_the_layer_has_its_share(method):
     check("certificates", float(np.abs(rest).max() / whole))
     assert ("layer" in energy) == (method == "penalty")
     if method == "penalty":
-        audit, weights = answer.penalty, answer.condensed[0].weights
+        audit = answer.penalty
+        weights = answer.condensed[0].weights
         stored = (
             (
                 answer.pressure**2 / audit.normal_stiffness
@@ -412,7 +414,8 @@ def unlike(name: str) -> Scene:
 
 def test_a_tighter_step_tolerance_halves_more_and_errs_less() -> None:
     scene = load_scene("hertz-paper")
-    errors, halved = [], []
+    errors = []
+    halved = []
     for tolerance in (np.inf, 1e-3, 1e-4):
         answer = halfplane_fe.solve(
             scene, MODEST, SolverSettings(steps_per_cycle=16, step_tolerance=tolerance)
@@ -457,7 +460,8 @@ def test_a_node_at_its_event_is_what_it_was_in_the_increment_that_led_there() ->
     """One that let go has slid for all of the increment, or stuck, whatever it slipped before; one
     that touches was open.
     """
-    closed, opened = SurfaceState.STICK, SurfaceState.OPEN
+    closed = SurfaceState.STICK
+    opened = SurfaceState.OPEN
     rest = InterfaceState(0.0, (0.0, 0.0), np.zeros(3 + 4 * 4), np.zeros(4, dtype=np.int8))
     history = rest.changed(slip=[1.0, 1.0, 1.0, 1.0], state=[closed, closed, closed, opened])
     solved = history.changed(slip=[1.0, 1.5, 0.5, 2.0], state=[opened, opened, opened, closed])
@@ -478,10 +482,8 @@ def test_each_node_touches_at_an_instant_of_its_own(stiffer: float) -> None:
     bodies that are hardly unlike touch so soon after each other that the second node, still open by
     1e-8 to 1e-5, must not be taken for met with the first.
     """
-    lower, load = (
-        Elastic(young_modulus=210e3, poisson_ratio=0.3),
-        PolygonLoad(initial_loading=[(30, 0), (60, 6), (90, -9)]),
-    )
+    lower = Elastic(young_modulus=210e3, poisson_ratio=0.3)
+    load = PolygonLoad(initial_loading=[(30, 0), (60, 6), (90, -9)])
     upper = lower.model_copy(update={"young_modulus": 210e3 * (1 + stiffer)})
     scene = load_scene("hertz-paper").model_copy(
         update={"material": Materials(upper=upper, lower=lower), "load": load}
@@ -573,10 +575,8 @@ def test_near_gross_sliding_no_node_is_forced_to_stick_beyond_the_cone() -> None
     """Unlike bodies, f = 0.039, initial loading and cycle at 0.999 of gross sliding: a false
     convergence here once left q > f p.
     """
-    soft, hard = (
-        Elastic(young_modulus=2e4, poisson_ratio=0.1),
-        Elastic(young_modulus=2.1e5, poisson_ratio=0.3),
-    )
+    soft = Elastic(young_modulus=2e4, poisson_ratio=0.1)
+    hard = Elastic(young_modulus=2.1e5, poisson_ratio=0.3)
     load = EllipseLoad(
         mean_normal_load=100, normal_amplitude=11, tangential_amplitude=3.85, phase_degrees=-87
     )
@@ -678,11 +678,9 @@ def test_audit_of_the_layer_is_what_the_bodies_do_and_is_in_the_record():
     other where they stick.
     """
     answer = layer_run("hertz-paper", "penalty", 1e2)
-    audit, weights, unit = (
-        answer.penalty,
-        answer.condensed[0].weights,
-        answer.scales.load / answer.scales.modulus,
-    )
+    audit = answer.penalty
+    weights = answer.condensed[0].weights
+    unit = answer.scales.load / answer.scales.modulus
     layer = answer.pressure / audit.normal_stiffness
     assert audit.normal_stiffness == pytest.approx(
         1e2 * answer.scales.modulus / answer.settings["element_size"]
@@ -758,7 +756,8 @@ def test_instants_that_are_left_out_cost_nothing_but_themselves(
     """Each instant is as in the whole answer; what is of the whole path is that of the whole answer
     to rounding, and it is said.
     """
-    found, whole = solved(rows, most, repeats), solved(rows, 10**9, repeats)
+    found = solved(rows, most, repeats)
+    whole = solved(rows, 10**9, repeats)
     assert len(found.time) == len(found.states) <= most < len(whole.time)
     assert found.thinned > whole.thinned
     kept = np.searchsorted(whole.time, found.time)

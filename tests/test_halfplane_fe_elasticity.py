@@ -33,7 +33,8 @@ from tolerances import check, check_order
 # --------------------------------------------- a point force on a half-plane, by finite differences
 
 
-YOUNG, POINT = 3.0, 5.0
+YOUNG = 3.0
+POINT = 5.0
 ratios = st.floats(-0.9, 0.49)
 angles = st.floats(-math.pi / 2 + 0.05, math.pi / 2 - 0.05)
 FORCES = {"along x": 0, "along y": 1}
@@ -42,7 +43,8 @@ EACH_FORCE = pytest.mark.parametrize("force", FORCES.values(), ids=FORCES.keys()
 
 def displacement(x, y, nu, force, place=0.0, datum=POINT):
     """(2, n) at points (x, y) under a unit force."""
-    x, y = np.atleast_1d(np.asarray(x, dtype=float)), np.atleast_1d(np.asarray(y, dtype=float))
+    x = np.atleast_1d(np.asarray(x, dtype=float))
+    y = np.atleast_1d(np.asarray(y, dtype=float))
     return surface_force_displacement(x, y, np.array([place]), YOUNG, nu, datum)[:, :, force, 0]
 
 
@@ -80,7 +82,9 @@ def test_a_point_force_is_in_equilibrium_with_its_tractions(force, nu, angle, cu
     """Navier's equations, traction on any cut, a free surface, no movement at the datum, the same
     field elsewhere, mirror.
     """
-    x, y, h = math.sin(angle), -math.cos(angle), 2e-3
+    x = math.sin(angle)
+    y = -math.cos(angle)
+    h = 2e-3
     u = lambda i, j: displacement(x + i * h, y + j * h, nu, force)[:, 0]  # noqa: E731
     xx = (-u(2, 0) + 16 * u(1, 0) - 30 * u(0, 0) + 16 * u(-1, 0) - u(-2, 0)) / (12 * h**2)
     yy = (-u(0, 2) + 16 * u(0, 1) - 30 * u(0, 0) + 16 * u(0, -1) - u(0, -2)) / (12 * h**2)
@@ -112,7 +116,8 @@ def test_a_point_force_is_in_equilibrium_with_its_tractions(force, nu, angle, cu
 
 
 STEEL = Elastic(young_modulus=2.0, poisson_ratio=0.3)
-DATUM, END = 7.0, 1.2
+DATUM = 7.0
+END = 1.2
 
 
 @functools.cache
@@ -137,9 +142,12 @@ def uniform_errors(elements, order=2, material=STEEL):
     """
     one = condensed(elements, order=order, material=material)
     inside = np.abs(one.x) <= 1
-    x, young, nu = one.x[inside], material.young_modulus, material.poisson_ratio
+    x = one.x[inside]
+    young = material.young_modulus
+    nu = material.poisson_ratio
     by = lambda i, j: (one.compliance[i, :, j, :] @ one.weights)[inside]  # noqa: E731
-    exact, across = pressed_in(x, END, young, nu, DATUM), drawn_inwards(x, young, nu)
+    exact = pressed_in(x, END, young, nu, DATUM)
+    across = drawn_inwards(x, young, nu)
     # By a pull along +y the surface comes out and is pushed apart; along x by shear it moves as far
     # as in by pressure.
     return [
@@ -200,10 +208,8 @@ def test_both_modes_of_a_half_give_the_compliance_of_the_whole(kind, monkeypatch
         forces = np.random.default_rng(1).standard_normal((2, len(whole.x)))
         moved = displacement_fields(whole, forces[..., None], DATUM)[1]
         expected = np.einsum("injm,jm->in", by_half.compliance, forces)
-        found, limit = (
-            moved[elasticity.assemble(mesh, material).contact, 0],
-            (1e-6 if "far_field" in mesh.supports else 2e-11),
-        )
+        found = moved[elasticity.assemble(mesh, material).contact, 0]
+        limit = 1e-6 if "far_field" in mesh.supports else 2e-11
         np.testing.assert_allclose(found, expected, rtol=0, atol=limit * np.abs(expected).max())
 
 
@@ -225,7 +231,9 @@ def test_compliance_converges_at_the_order_of_its_elements(order, sizes, name):
 # ----------------------------------------------------------------------- blocks, pads and cylinders
 
 
-WIDTH, HEIGHT, PRESSURE = 4.0, 3.0, 1.5
+WIDTH = 4.0
+HEIGHT = 3.0
+PRESSURE = 1.5
 FACE = Hertz(radius=6.0)
 MATERIALS = {
     "steel": Elastic(young_modulus=2.0, poisson_ratio=0.3),
@@ -273,7 +281,8 @@ def test_a_uniform_pressure_gives_the_plane_strain_solution(order, cells, name, 
     # linear elements are refused above nu = 0.45
     material = MATERIALS[name if order == 2 else "steel"]
     (x, y), (u_x, u_y), tension = pressed(base, sides, order, cells, material)
-    nu, free = material.poisson_ratio, sides == "free"
+    nu = material.poisson_ratio
+    free = sides == "free"
     across = (1 - nu**2) if free else (1 + nu) * (1 - 2 * nu) / (1 - nu)
     strain = PRESSURE / material.young_modulus * across
     np.testing.assert_allclose(u_y, -strain * (y + HEIGHT), rtol=0, atol=1e-12 * HEIGHT)
@@ -314,7 +323,8 @@ def test_compliance_is_symmetric_definite_and_its_own_mirror_image(name, order, 
             "lower", SUPPORTED[name], FACE, SurfaceGrading(0.0, 1.0, 0.1, 0.1), 0.5, order, cells
         )
         one = condense(body, MATERIALS["steel"], 1.0)
-    n, signs = len(one.x), np.array([-1.0, 1.0])
+    n = len(one.x)
+    signs = np.array([-1.0, 1.0])
     flat = one.compliance.reshape(2 * n, 2 * n)
     values = np.linalg.eigvalsh(flat)
     check("asymmetry", one.diagnostics["asymmetry"])
@@ -347,11 +357,13 @@ def errors_at(poisson_ratio):
     """Dissipation, and pressure at the end in L2 and in the worst of its inner nodes."""
     scene = scene_at(poisson_ratio)
     answer = halfplane_fe.solve(scene, COARSE, FEW_STEPS)
-    body, f = scene.material.lower, scene.friction.coefficient
+    body = scene.material.lower
+    f = scene.friction.coefficient
     modulus = body.young_modulus / (1 - body.poisson_ratio**2) / 2
     load, amplitude = scene.load.cycle[0]
     exact = hertz_pressure(answer.x, load, scene.profile.radius, modulus)
-    off, weights = answer.pressure[-1] - exact, answer.condensed[0].weights
+    off = answer.pressure[-1] - exact
+    weights = answer.condensed[0].weights
     inner = np.abs(answer.x) < 0.5 * answer.contact_half_width[-1]
     return {
         "dissipation": abs(
@@ -391,7 +403,9 @@ def test_stress_of_the_elements_far_from_the_contact_is_that_of_theory(poisson_r
     answer = fe_run(scene)
     step = int(np.argmax(answer.tangential_load))
     (snapshot,) = halfplane_fe.fields(answer, [answer.time[step]])
-    p0, a, lower = answer.pressure[step].max(), answer.contact_half_width[step], snapshot.bodies[0]
+    p0 = answer.pressure[step].max()
+    a = answer.contact_half_width[step]
+    lower = snapshot.bodies[0]
     far = np.abs(np.hypot(*lower.points.T) / a - 4.2) < 0.8
     exact = semi_analytic.stress(scene, *lower.points[far].T, answer.time[step])[0]
     assert np.abs(lower.stress[far] - exact).max() < 5e-3 * p0
@@ -409,10 +423,8 @@ def test_stress_of_the_elements_far_from_the_contact_is_that_of_theory(poisson_r
 )
 def test_strain_at_the_corners_of_a_fixed_base_is_meshed_finely(shape) -> None:
     """Displacement under a uniform shear, against elements a quarter as large everywhere."""
-    profile, material = (
-        Hertz(radius=getattr(shape, "radius", 1000.0)),
-        Elastic(young_modulus=1.0, poisson_ratio=0.3),
-    )
+    profile = Hertz(radius=getattr(shape, "radius", 1000.0))
+    material = Elastic(young_modulus=1.0, poisson_ratio=0.3)
 
     def displacement(growth: float, size: float) -> tuple[float, float]:
         """Mean displacement of the contact along x by a unit of shear force, and degrees of

@@ -118,10 +118,12 @@ def test_slip_and_gap_of_the_bodies_are_those_of_the_interface(name):
             getattr(answer.states[step], name) * answer.scales.load
             for name in ("pressure", "shear")
         )
-        of_mesh, gap_of_mesh = (made.tangential - smooth.tangential) @ q, np.zeros_like(gap)
+        of_mesh = (made.tangential - smooth.tangential) @ q
+        gap_of_mesh = np.zeros_like(gap)
         if made.coupling is not None:
             local = made.coupling - smooth.coupling
-            of_mesh, gap_of_mesh = of_mesh - local @ p, local.T @ q
+            of_mesh = of_mesh - local @ p
+            gap_of_mesh = local.T @ q
         check("fields", float(np.abs(apart[:, 0] + of_mesh - answer.slip[step]).max() / unit))
         check(
             "fields", float(np.abs(gap + gap_of_mesh - answer.states[step].gap * unit).max() / unit)
@@ -149,7 +151,8 @@ def test_stress_of_hertz_is_largest_below_the_surface():
         )
         z = np.abs(body.points[axis, 1])
         m = np.sqrt(1 + z**2)
-        xx, yy = -p0 * ((1 + 2 * z**2) / m - 2 * z), -p0 / m
+        xx = -p0 * ((1 + 2 * z**2) / m - 2 * z)
+        yy = -p0 / m
         check(
             "stress",
             float(
@@ -214,8 +217,10 @@ def test_tension_at_the_trailing_edge_on_a_coarse_mesh():
     """2 f p0 sqrt(Q/(f P)): to 2e-3 with elements of a/40, opposite at the other edge and body;
     nodes have 71 to 88 % of it.
     """
-    scene, share = load_scene("cattaneo-mindlin"), 0.1
-    load, f = scene.load.cycle[0][0], scene.friction.coefficient
+    scene = load_scene("cattaneo-mindlin")
+    share = 0.1
+    load = scene.load.cycle[0][0]
+    f = scene.friction.coefficient
     scene = scene.vary(load={"cycle": [[load, share * f * load], [load, -share * f * load]]})
     answer = fe_run(scene, MeshSettings(edge_element_size=0.025), FEW_STEPS)
     step = int(np.argmax(answer.tangential_load))
@@ -300,7 +305,8 @@ def test_tension_is_covered_wherever_the_edges_stand_in_their_elements(name, pre
     """Stated over true error at the median of 22 profiles: 9.4 on coarse meshes, 5.7 on default
     ones.
     """
-    scene, mesh = partial_slip(FLAT_BOTTOMS[name]), MeshSettings.preset(preset)
+    scene = partial_slip(FLAT_BOTTOMS[name])
+    mesh = MeshSettings.preset(preset)
     known = fe_run(scene, COARSE, FEW_STEPS).scales
     for share in (0.0, 0.25, 0.5, 0.75):
         moved = replace(
@@ -318,7 +324,8 @@ def test_tension_does_not_hang_on_the_last_digits_of_the_pressure(name):
     """At an event the node that meets or leaves has a pressure of round-off, of either sign or
     none; between blocks every instant has a part of all that are sampled. Every seventh event, and
     the instant after it, stand for all."""
-    answer, rng = fe_run(load_scene(name), MeshSettings.coarse()), np.random.default_rng(1)
+    answer = fe_run(load_scene(name), MeshSettings.coarse())
+    rng = np.random.default_rng(1)
     largest = answer.pressure.max(axis=1, keepdims=True)
     at_events = (answer.pressure != 0) & (np.abs(answer.pressure) < 1e-9 * largest)
     events = np.flatnonzero(at_events.any(axis=1))
@@ -368,8 +375,10 @@ def test_pressure_over_the_form_of_a_kinked_profile_is_a_root(name):
     exact = semi_analytic.solve(
         scene, x=np.linspace(-1.3, 1.3, 1001), time=[time], fields=("pressure", "shear")
     )
-    a, closed = float(exact.contact_half_width[0]), exact.pressure[0] > 0
-    x, p = exact.x[closed] + 0.2, exact.pressure[0, closed]
+    a = float(exact.contact_half_width[0])
+    closed = exact.pressure[0] > 0
+    x = exact.x[closed] + 0.2
+    p = exact.pressure[0, closed]
     nodal = Nodal(
         x,
         p,
@@ -433,7 +442,8 @@ def test_what_the_size_of_a_body_adds_is_found_from_places_beside_the_contact():
     face.
     """
     rng = np.random.default_rng(3)
-    x, y = rng.uniform(-3, 3, 2000), -rng.uniform(0, 3, 2000)
+    x = rng.uniform(-3, 3, 2000)
+    y = -rng.uniform(0, 3, 2000)
     field = size_effect_basis(x + 1j * y, 3.0) @ rng.normal(size=(13, 2))
     seen = (y < -0.15) | (np.abs(x) > 1.2)
     rest = fitted_size_effect(x[seen], y[seen], field[seen], np.ones(seen.sum()), 3.0, 1.0)
@@ -519,16 +529,15 @@ def test_the_form_that_every_smooth_edge_has_is_found_exactly():
     """p = (E*/2) beta sqrt(d) inside, g = (2/3) beta d^(3/2) outside, from the two nodes around the
     edge.
     """
-    modulus, beta, spacing = 3.0, 0.7, 0.01
-    x, shares = (
-        np.array([-1.0 - spacing, -1.0, 1.0, 1.0 + spacing]),
-        np.array([[1e-6, 0.98], [0.3, 0.77], [0.5, 0.02], [1.0, 0.0]]),
-    )
-    pressure, gap = (
-        modulus / 2 * beta * np.sqrt(shares * spacing),
-        2 / 3 * beta * ((1 - shares) * spacing) ** 1.5,
-    )
-    none, closed = 0 * shares, np.tile([False, True, True, False], (len(shares), 1))
+    modulus = 3.0
+    beta = 0.7
+    spacing = 0.01
+    x = np.array([-1.0 - spacing, -1.0, 1.0, 1.0 + spacing])
+    shares = np.array([[1e-6, 0.98], [0.3, 0.77], [0.5, 0.02], [1.0, 0.0]])
+    pressure = modulus / 2 * beta * np.sqrt(shares * spacing)
+    gap = 2 / 3 * beta * ((1 - shares) * spacing) ** 1.5
+    none = 0 * shares
+    closed = np.tile([False, True, True, False], (len(shares), 1))
     pressures, gaps = (
         np.hstack([one[:, :1], two, one[:, 1:]]) for one, two in ((none, pressure), (gap, none))
     )
@@ -543,8 +552,10 @@ def test_the_form_that_every_smooth_edge_has_is_found_exactly():
 
 def test_the_fitted_edge_is_better_than_its_form_whatever_the_outermost_nodes_say():
     """Hertz, the outermost nodes 5 % off; an edge elsewhere leaves the form."""
-    x, a = np.linspace(-1.5, 1.5, 301), np.linspace(0.9, 0.95, 23)[:, None]
-    closed, pressure = np.abs(x) < a, np.sqrt(np.maximum(a**2 - x**2, 0.0)) / 2
+    x = np.linspace(-1.5, 1.5, 301)
+    a = np.linspace(0.9, 0.95, 23)[:, None]
+    closed = np.abs(x) < a
+    pressure = np.sqrt(np.maximum(a**2 - x**2, 0.0)) / 2
     pressure = np.where(np.abs(x) > a - 0.025, 1.05 * pressure, pressure)
     form = [-1, 1] * a + 0.003
     assert np.abs(fitted_contact_edges(x, pressure, closed, form) - [-1, 1] * a).max() < 1e-5
@@ -555,11 +566,9 @@ def test_the_fitted_edge_is_better_than_its_form_whatever_the_outermost_nodes_sa
 
 def test_few_nodes_are_the_whole_contact_uncertain_and_nothing_sticks_nothing_is_said():
     x = np.linspace(-1, 1, 41)
-    closed, wide, none = (
-        np.abs(x)[None] < 0.11,
-        np.abs(x)[None] < 0.91,
-        np.zeros((1, 41), dtype=bool),
-    )
+    closed = np.abs(x)[None] < 0.11
+    wide = np.abs(x)[None] < 0.91
+    none = np.zeros((1, 41), dtype=bool)
     assert contact_uncertainty(x, closed * 1.0, closed, pair(0.12)).tolist() == [[0.24, 0.24]]
     assert np.isnan(
         stick_uncertainty(x, (none, none), wide, pair(0.92), pair(np.nan), np.abs(pair(0.01)))
@@ -581,13 +590,17 @@ def test_creep_and_narrow_slip_zones_widen_the_uncertainty():
     contact, of_contact = (
         np.tile(values, (len(table), 1)) for values in ((-0.91, 0.91), (0.004, 0.004))
     )
-    seen, law, closed = np.abs(x) < seen, np.abs(x) < law, np.abs(x) < 0.91 + 0 * seen
+    closed = np.abs(x) < 0.91 + 0 * seen
+    seen = np.abs(x) < seen
+    law = np.abs(x) < law
     edges = stick_edges(x, seen, closed, contact)
     found = stick_uncertainty(x, (seen, law), closed, contact, edges, of_contact)
     np.testing.assert_allclose(found, np.repeat(expected, 2, axis=1), atol=1e-15)
 
 
-STICK, FORWARD, REVERSE = SurfaceState.STICK, SurfaceState.SLIP_FORWARD, SurfaceState.SLIP_REVERSE
+STICK = SurfaceState.STICK
+FORWARD = SurfaceState.SLIP_FORWARD
+REVERSE = SurfaceState.SLIP_REVERSE
 # Loads and slips (of two nodes) of an increment that follows a fast one, and the states that a
 # reader shall see; f = 0.5.
 CREEP = {
@@ -606,10 +619,8 @@ CREEP = {
 @pytest.mark.parametrize(("loads", "slip", "seen"), CREEP.values(), ids=CREEP.keys())
 def test_what_only_creeps_sticks(loads, slip, seen):
     """After an increment in which node 1 slips forward by 1 at a change of load of 1."""
-    rest, slip = (
-        InterfaceState(0.0, (0.0, 0.0), np.zeros(11), np.full(2, STICK, dtype=np.int8)),
-        np.array(slip),
-    )
+    rest = InterfaceState(0.0, (0.0, 0.0), np.zeros(11), np.full(2, STICK, dtype=np.int8))
+    slip = np.array(slip)
     senses = np.where(slip > 0, FORWARD, np.where(slip < 0, REVERSE, STICK)).astype(np.int8)
     before = replace(rest.changed(slip=[0.0, 1.0], state=[STICK, FORWARD]), loads=(0.0, 1.0))
     after = replace(
@@ -625,8 +636,10 @@ def test_a_known_stick_edge_is_fitted_to_a_twentieth_of_an_element() -> None:
     """On either side, and not where the shear says nothing of an edge: then by the nodes'
     states.
     """
-    x, contact = np.linspace(-1.0, 1.0, 401), np.array([[-0.95, 0.95]])
-    edge, closed = 0.6037, np.abs(x)[None] < 0.95
+    x = np.linspace(-1.0, 1.0, 401)
+    contact = np.array([[-0.95, 0.95]])
+    edge = 0.6037
+    closed = np.abs(x)[None] < 0.95
     stick = np.abs(x)[None] < edge
     limit = 1.0 + 0.0 * closed
     shear = limit - np.sqrt(np.maximum(edge**2 - x**2, 0.0))
@@ -646,7 +659,9 @@ def test_a_known_stick_edge_is_fitted_to_a_twentieth_of_an_element() -> None:
 
 def test_stick_edge_by_status_forgives_single_nodes_at_the_rim() -> None:
     x = np.linspace(-1, 1, 41)
-    closed, stick, contact = np.abs(x)[None] < 0.91, np.abs(x)[None] < 0.41, pair(0.92)
+    closed = np.abs(x)[None] < 0.91
+    stick = np.abs(x)[None] < 0.41
+    contact = pair(0.92)
     clean = stick_edges(x, stick, closed, contact)
     stick[0, np.abs(np.abs(x) - 0.9) < 1e-9] = True  # just touched
     stick[0, np.abs(np.abs(x) - 0.1) < 1e-9] = False

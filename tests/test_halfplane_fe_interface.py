@@ -30,10 +30,8 @@ from meshes import BodyMesh, SurfaceGrading, solid
 from scenes import Block, Elastic, Hertz, SurfaceState
 from tolerances import order_of
 
-STEEL, SOFT = (
-    Elastic(young_modulus=2.0, poisson_ratio=0.3),
-    Elastic(young_modulus=0.7, poisson_ratio=0.1),
-)
+STEEL = Elastic(young_modulus=2.0, poisson_ratio=0.3)
+SOFT = Elastic(young_modulus=0.7, poisson_ratio=0.1)
 GRADING = SurfaceGrading(inner=0.5, outer=1.1, size=0.2, edge_size=0.1, radius=4.0)
 
 
@@ -62,7 +60,8 @@ def block(material, height, order):
     )
     x, y = basis.doflocs
     vertical = np.isin(np.arange(basis.N), basis.get_dofs(elements=True).all(["u^2"]))
-    left, right = np.flatnonzero(x == 0), np.flatnonzero(x == BLOCK)
+    left = np.flatnonzero(x == 0)
+    right = np.flatnonzero(x == BLOCK)
     alike = (y[right][:, None] == y[left]) & (vertical[right][:, None] == vertical[left])
     fold = np.eye(basis.N)
     fold[right] = fold[left[alike.argmax(axis=1)]]  # the right side is the left side
@@ -75,7 +74,8 @@ def block(material, height, order):
     free = np.flatnonzero((x < BLOCK) & (y > -height))
     inverse = np.zeros((basis.N, basis.N))
     inverse[np.ix_(free, free)] = np.linalg.inv((fold.T @ stiffness @ fold)[np.ix_(free, free)])
-    n, flat = top.shape[1], top.ravel()
+    n = top.shape[1]
+    flat = top.ravel()
     compliance = inverse[np.ix_(flat, flat)].reshape(2, n, 2, n)
     return CondensedBody(
         BodyMesh("block", mesh, GRADING, {}),
@@ -108,7 +108,8 @@ def test_uniform_tractions_pass_between_two_blocks(order, upper, share):
     )
     zero = np.zeros_like(interface.x)
     contact = ContactProblem(interface, zero, 0.4, Layer(zero, zero))
-    pressure, shear = 1.5, share * 0.4 * 1.5
+    pressure = 1.5
+    shear = share * 0.4 * 1.5
     state, _ = contact.equilibrium(contact.at_rest(), 1.0, (pressure * BLOCK, shear * BLOCK))
     weights = contact.interface.weights
     np.testing.assert_allclose(weights.sum(), BLOCK, rtol=1e-14)
@@ -118,7 +119,8 @@ def test_uniform_tractions_pass_between_two_blocks(order, upper, share):
     # shear.
     normal = tangential = 0.0
     for material, height in ((STEEL, 1.0), (upper, 1.0 if upper is STEEL else 0.6)):
-        young, nu = material.young_modulus, material.poisson_ratio
+        young = material.young_modulus
+        nu = material.poisson_ratio
         normal += height * (1 + nu) * (1 - 2 * nu) / (young * (1 - nu))
         tangential += height * 2 * (1 + nu) / young
     assert state.approach == pytest.approx(normal * pressure, rel=1e-11)
@@ -200,13 +202,15 @@ def test_matching_sides_give_the_identity_and_sides_of_different_extent_are_refu
 
 
 MATERIAL = Elastic(young_modulus=2.0, poisson_ratio=0.3)
-WIDTH, HEIGHTS = 2.6, {"lower": 1.5, "upper": 1.2}
+WIDTH = 2.6
+HEIGHTS = {"lower": 1.5, "upper": 1.2}
 LINES = {
     "flat": lambda x: 0 * x,
     "incline 0.5": lambda x: 0.5 * x,
     "parabola, a/R = 0.3": lambda x: 0.15 * x**2,
 }
-STRAIGHT, CURVED = tuple(LINES)[:2], tuple(LINES)[2:]
+STRAIGHT = tuple(LINES)[:2]
+CURVED = tuple(LINES)[2:]
 RATIOS = (1.0, 0.25, 4.0)
 KINDS = tuple(itertools.product((1, 2), ("triangles", "quadrilaterals")))
 
@@ -214,7 +218,8 @@ KINDS = tuple(itertools.product((1, 2), ("triangles", "quadrilaterals")))
 @functools.cache
 def bent(which, line, order, cells, size, base="rollers"):
     """A block whose face follows the line, in its own frame."""
-    height, sign = HEIGHTS[which], {"lower": 1.0, "upper": -1.0}[which]
+    height = HEIGHTS[which]
+    sign = {"lower": 1.0, "upper": -1.0}[which]
     shape = Block(width=WIDTH, height=height, base=base)
     body = solid(
         which, shape, Hertz(radius=1.0), SurfaceGrading(0.0, 1.0, size, size), 0.5, order, cells
@@ -308,7 +313,9 @@ def both_loaded(line, order, cells, ratio, coarser=0.4, base="rollers"):
     }
 
 
-PRESSURE, SHEAR, SHIFT = 1.5, 0.4, 0.2
+PRESSURE = 1.5
+SHEAR = 0.4
+SHIFT = 0.2
 
 
 def patch_errors(line, kind, ratio, stress, coarser=0.4):
@@ -320,15 +327,19 @@ def patch_errors(line, kind, ratio, stress, coarser=0.4):
     interface = couple(lower, upper)
     slope = LINES[line](1.0) if line in STRAIGHT else 0.0
     normal = np.array([-slope, 1.0]) / np.hypot(1, slope)
-    pressure, shear = -normal @ stress @ normal, np.array([normal[1], -normal[0]]) @ stress @ normal
+    pressure = -normal @ stress @ normal
+    shear = np.array([normal[1], -normal[0]]) @ stress @ normal
     forces = body_forces(lower, upper, pressure * interface.weights, shear * interface.weights)
-    errors, young, nu = {}, MATERIAL.young_modulus, MATERIAL.poisson_ratio
+    errors = {}
+    young = MATERIAL.young_modulus
+    nu = MATERIAL.poisson_ratio
     for which, body in both_loaded(line, *kind, ratio, coarser, base).items():
         # reflected in y = 0
         own = stress if which == "lower" else stress * np.array([[1.0, -1.0], [-1.0, 1.0]])
         strain = ((1 + nu) * (own - nu * np.trace(own) * np.eye(2))) / young
         # a block that stands on y = -height: no rotation of the base
-        x, y = body.places[0], body.places[1] + HEIGHTS[which]
+        x = body.places[0]
+        y = body.places[1] + HEIGHTS[which]
         exact = np.stack([strain[0, 0] * x + 2 * strain[0, 1] * y, strain[1, 1] * y])
         found = body.moved(own, forces[which])
         errors[f"forces, {which}"] = (
@@ -436,15 +447,14 @@ def test_a_hydrostatic_state_goes_through_the_contact(line, ratio, order, cells)
         for which in ("lower", "upper")
     ]
     gap, slip = along[1] - along[0]
-    zero, (n_x, n_y) = np.zeros_like(interface.x), interface.normals
+    zero = np.zeros_like(interface.x)
+    n_x, n_y = interface.normals
     problem = ContactProblem(interface, gap + coupled.gap - n_x * SHIFT, 0.5, Layer(zero, zero))
     # A sticking node has a slip of minus what the other boundaries do: the faces meet as they were
     # made, once the upper body has come back by the shift that is planted here.
-    wanted, rest, sticks = (
-        PRESSURE * interface.weights,
-        problem.at_rest(),
-        np.full(len(zero), SurfaceState.STICK, dtype=np.int8),
-    )
+    wanted = PRESSURE * interface.weights
+    rest = problem.at_rest()
+    sticks = np.full(len(zero), SurfaceState.STICK, dtype=np.int8)
     lacking = np.concatenate([-rest.gap, n_y * SHIFT - slip - rest.slip])
     systems = Systems(interface, Layer(zero, zero), 0.5)
     loads = interface.carried(wanted, 0 * wanted)

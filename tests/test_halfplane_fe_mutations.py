@@ -78,7 +78,8 @@ def shear_turned_round(answer):
 
 def of_another_instant(answer, problem):
     """The shear of twelve steps before."""
-    step, shear = step_at(answer, problem.time), np.array(answer.shear)
+    step = step_at(answer, problem.time)
+    shear = np.array(answer.shear)
     shear[step] = shear[step - 12]
     return replace(answer, shear=shear)
 
@@ -190,18 +191,15 @@ def test_engine_with_other_friction_is_refused(factor, ends):
 # --------------------------------------------------------------------------- violations of the laws
 def a_law_broken(answer, law):
     """The answer with one law broken by a thousandth."""
-    step, changed = (
-        len(answer.time) - 1,
-        {name: np.array(getattr(answer, name)) for name in ("pressure", "shear", "slip")},
-    )
-    state, (pressure, shear, slip) = (
-        answer.state[step],
-        (values[step] for values in changed.values()),
-    )
+    step = len(answer.time) - 1
+    changed = {name: np.array(getattr(answer, name)) for name in ("pressure", "shear", "slip")}
+    state = answer.state[step]
+    pressure, shear, slip = (values[step] for values in changed.values())
     node = int(
         np.flatnonzero(np.isin(state, [SurfaceState.SLIP_FORWARD, SurfaceState.SLIP_REVERSE]))[0]
     )
-    amount, sense = 1e-3 * answer.pressure.max(), np.sign(shear[node])
+    amount = 1e-3 * answer.pressure.max()
+    sense = np.sign(shear[node])
     match law:
         case "tension":
             pressure[0] -= amount

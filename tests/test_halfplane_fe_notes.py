@@ -121,7 +121,8 @@ def test_revolutions_that_do_not_repeat_are_noted_with_how_the_dissipation_drift
 def test_run_says_so_on_the_terminal_in_json_and_on_the_page(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    out, scene_file = tmp_path / "out", tmp_path / "blocks-on-rollers.json"
+    out = tmp_path / "out"
+    scene_file = tmp_path / "blocks-on-rollers.json"
     scene_file.write_text(json.dumps({**ON_ROLLERS, "cycles": 2}), encoding="utf-8")
     main(["run", str(scene_file), "--no-budget", "--out", str(out), *OPTIONS])
     words = " ".join(capsys.readouterr().out.split())
@@ -150,7 +151,8 @@ def test_little_slip_is_covered_wherever_the_edges_stand_in_their_elements(eleme
 
     Shifting nodes by a share of an element moves W by up to 3e-4 at a/48 and 3e-5 at a/160.
     """
-    scene, shares = scene_of("phase-180"), []
+    scene = scene_of("phase-180")
+    shares = []
     known = halfplane_fe.solve(scene, ROUGH).scales
     true = semi_analytic.solve(scene, x=[0.0], fields=("dissipation",)).dissipation
     for share in (0.0, 0.375, 0.625, 0.75):
@@ -170,7 +172,8 @@ def test_the_uncertainty_is_of_the_mesh_and_of_the_steps(
     between nodes would add, of W (h/a)^2, of W for elements that grow away from the edges; and of
     what kinks in increments add in the last cycle.
     """
-    module, runs = sys.modules["halfplane_fe.solve"], []
+    module = sys.modules["halfplane_fe.solve"]
+    runs = []
     run_path = module.run_path
     monkeypatch.setattr(
         module,
@@ -181,11 +184,10 @@ def test_the_uncertainty_is_of_the_mesh_and_of_the_steps(
     solution = halfplane_fe.solve(
         load_scene("hertz-paper"), replace(ROUGH, edge_element_size=1 / 32), never_halved
     )
-    refinement, apart = (
-        solution.scales.element * 32,
-        abs(solution.dissipation - solution.scales.dissipation),
-    )
-    unit, work = solution.scales.load**2 / solution.scales.modulus, solution.dissipation
+    refinement = solution.scales.element * 32
+    apart = abs(solution.dissipation - solution.scales.dissipation)
+    unit = solution.scales.load**2 / solution.scales.modulus
+    work = solution.dissipation
     steps = 0.2 * runs[-1].column("bent")[runs[-1].cycle_starts[-1] :].sum() * unit
     assert steps > 1e-5 * work
     scatter = runs[-1].excess[-1].scatter * unit
@@ -277,7 +279,8 @@ def layers(height: float) -> Scene:
 
 def test_elements_that_are_large_beside_a_thin_body_count_in_the_uncertainty_of_the_peak() -> None:
     """0.003 (H/t)^2 of the peak, H the elements of the middle and t the body."""
-    mesh, height = MeshSettings(element_size=1 / 12, edge_element_size=1 / 80, growth=0.5), 0.08
+    mesh = MeshSettings(element_size=1 / 12, edge_element_size=1 / 80, growth=0.5)
+    height = 0.08
     solution = halfplane_fe.solve(layers(height), mesh, FEW)
     elements = mesh.element_size * solution.scales.half_width
     assert (

@@ -241,7 +241,8 @@ def test_both_engines_admit_the_same_loads_at_the_limit(friction, force, length)
     f P (1 + 1e-9) refused.
     """
     steel = Elastic(young_modulus=210e3 * force / length**2, poisson_ratio=0.3)
-    profile, largest = Hertz(radius=1000 * length), 100 * force / length
+    profile = Hertz(radius=1000 * length)
+    largest = 100 * force / length
 
     def scene(share):
         load = PolygonLoad(initial_loading=[(largest, 0), (largest, share * friction * largest)])
@@ -297,15 +298,11 @@ COARSE = (
     "--steps-per-cycle",
     "8",
 )
-STEEL, ALUMINIUM = (
-    "{ young_modulus = 210e3, poisson_ratio = 0.3 }",
-    "{ young_modulus = 70e3, poisson_ratio = 0.33 }",
-)
+STEEL = "{ young_modulus = 210e3, poisson_ratio = 0.3 }"
+ALUMINIUM = "{ young_modulus = 70e3, poisson_ratio = 0.33 }"
 HERTZ = '{ kind = "hertz", radius = 50.0 }'
-BLOCK, PAD = (
-    '{ kind = "block", width = 12.0, height = 6.0 }',
-    '{ kind = "pad", width = 6.0, height = 4.0 }',
-)
+BLOCK = '{ kind = "block", width = 12.0, height = 6.0 }'
+PAD = '{ kind = "pad", width = 6.0, height = 4.0 }'
 LOOSE = '{ kind = "block", width = 12.0, height = 6.0, base = "rollers" }'
 SHEARED = "[[500.0, 0.0], [500.0, 60.0]]"
 

@@ -15,7 +15,9 @@ from reports.scoring.mapping import Mapping, load_mapping
 from scenes import InputError, load_scene
 from scenes.text_tables import text_table
 
-FRICTION, LOAD, SHARE = 0.55, 160.0, 0.7
+FRICTION = 0.55
+LOAD = 160.0
+SHARE = 0.7
 LARGEST = SHARE * FRICTION * LOAD
 SCENE = load_scene("cattaneo-mindlin").vary(
     friction=FRICTION,
@@ -60,7 +62,8 @@ VARYING = {
 
 def steady_cycle(scene, count=4001):
     """Shares of a cycle, U and Q there, and its W, by theory."""
-    path, shares = scene.load.path(), np.linspace(0.0, 1.0, count)
+    path = scene.load.path()
+    shares = np.linspace(0.0, 1.0, count)
     times = path.cycle_start + path.period * (1 + shares)
     solution = semi_analytic.solve(
         scene, x=0.0, time=times, fields=("tangential_displacement", "dissipation"), cycles="steady"
@@ -113,7 +116,8 @@ def rows_of(control, form, count, cycles=1, start=0.0, closed=True, noise=0.0, s
     share = np.mod(start + cycles * np.arange(count + closed) / count, 1.0)
     wave = np.cos(2 * np.pi * share) if form == "sine" else 4 * np.abs(share - 0.5) - 1
     given, other = (load, shift) if control == "Q" else (shift, load)
-    middle, amplitude = (given.max() + given.min()) / 2, np.ptp(given) / 2
+    middle = (given.max() + given.min()) / 2
+    amplitude = np.ptp(given) / 2
     driven = middle + amplitude * wave
     half = len(given) // 2
     falling = CubicSpline(given[half::-1], other[half::-1])(driven)
@@ -297,7 +301,8 @@ def test_rows_that_stand_still_are_refused():
 
 
 def test_the_area_is_that_of_the_polygon():
-    shift, load = np.array([0.0, 1.0, 1.0, 0.0] * 10), np.array([0.0, 0.0, 1.0, 1.0] * 10)
+    shift = np.array([0.0, 1.0, 1.0, 0.0] * 10)
+    load = np.array([0.0, 0.0, 1.0, 1.0] * 10)
     found = loop_branches.polygon_area(shift, load, np.arange(40) / 4, 0.0, 0.0)
     assert (found.value, found.cycles) == (pytest.approx(-1.0), 10)
     noisy = loop_branches.polygon_area(shift, load, np.arange(40) / 4, 0.1, 0.0)

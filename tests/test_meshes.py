@@ -86,7 +86,8 @@ def exact_area(name):
     shape, profile = SHAPES[name]
     if isinstance(shape, Cylinder):
         return math.pi * shape.radius**2 / 2
-    rectangle, reach = shape.width * shape.height, shape.width / 2
+    rectangle = shape.width * shape.height
+    reach = shape.width / 2
     if isinstance(shape, Block):
         return rectangle
     if isinstance(shape, TShape):
@@ -94,13 +95,15 @@ def exact_area(name):
     if isinstance(shape, ShoulderedPad):
         rectangle = 4.0 * 2.0 + 9.0 * 3.0
     if isinstance(profile, Wedge):
-        b, R = profile.tip_half_length, profile.tip_radius
+        b = profile.tip_half_length
+        R = profile.tip_radius
         return rectangle - 2 * (
             b**3 / (6 * R) + (reach - b) * b**2 / (2 * R) + b * (reach - b) ** 2 / (2 * R)
         )
     if isinstance(profile, Tabulated):
         return rectangle - shape.width**3 / (24 * 10.0)
-    R, b = profile.radius, getattr(profile, "flat_half_length", 0.0)
+    R = profile.radius
+    b = getattr(profile, "flat_half_length", 0.0)
     s = reach - b  # under the arc: R s less the segment of the circle
     return rectangle - 2 * (R * s - (s * math.sqrt(R**2 - s**2) + R**2 * math.asin(s / R)) / 2)
 
@@ -126,7 +129,8 @@ def depth(name, x):
 
 @EVERY
 def test_boundaries_have_one_name_each_and_lie_where_they_are_named(name, order, cells):
-    mesh, grading = body(name, order, cells).mesh, DISCS.get(name, GRADING)
+    mesh = body(name, order, cells).mesh
+    grading = DISCS.get(name, GRADING)
     named = (
         {"contact", "free", "far_field"}
         if name in DISCS
@@ -201,7 +205,8 @@ def test_nodes_lie_on_the_true_face_cut_as_asked(name, order, cells):
     if name == "pad, hertz":
         assert np.abs(y + np.square(x) / 20).max() == pytest.approx(1.1**4 / 8 / 10**3, rel=0.05)
     corners = x[::order]
-    steps, inside = np.diff(corners), np.abs(corners[1:] + corners[:-1]) / 2 < grading.inner
+    steps = np.diff(corners)
+    inside = np.abs(corners[1:] + corners[:-1]) / 2 < grading.inner
     # Quadrilaterals come in twos: six pieces of 0.1 where triangles have five of 0.12.
     np.testing.assert_allclose(
         steps[inside], grading.size if cells == "triangles" else 0.1, rtol=1e-9

@@ -18,7 +18,10 @@ from problems import PROBLEMS, drawn_inwards, errors, pressed_in
 
 @pytest.mark.parametrize("x", [0.0, 0.4, -1.3])
 def test_one_body_under_uniform_traction(x):
-    b, young, nu, L = 1.4, 3.0, 0.2, 5.0
+    b = 1.4
+    young = 3.0
+    nu = 0.2
+    L = 5.0
     down = sum(quad(lambda s: math.log(L / abs(x - s)), *ends)[0] for ends in ((-b, x), (x, b)))
     assert pressed_in(x, b, young, nu, L) == pytest.approx(
         2 * (1 - nu**2) / (math.pi * young) * down, rel=1e-9
@@ -33,7 +36,8 @@ NUMBERS = ("contact_half_width", "stick_half_width", "normal_approach", "tangent
 
 
 def test_errors_of_the_truth_itself_are_none_and_each_planted_fault_is_seen_alone_with_its_size():
-    problem, x = PROBLEMS["mindlin, Q largest"], np.linspace(-1.05, 1.05, 401)
+    problem = PROBLEMS["mindlin, Q largest"]
+    x = np.linspace(-1.05, 1.05, 401)
     exact = problem.exact
     truth = {name: np.array([exact[name]]) for name in NUMBERS} | {
         "dissipation": exact["dissipation"]

@@ -105,7 +105,8 @@ def drawn(
 
 
 def _profile(one: Drawn) -> object:
-    unit, part = one.length, one.part
+    unit = one.length
+    part = one.part
     match one.profile:
         case "hertz":
             return {"kind": "hertz", "radius": part * unit}
@@ -140,12 +141,16 @@ def _profile(one: Drawn) -> object:
 
 
 def _load(one: Drawn) -> object:
-    force, friction, (first, second) = one.length * one.stress, one.friction, one.phases
+    force = one.length * one.stress
+    friction = one.friction
+    first, second = one.phases
     # no corner stands twice in a row
     swing = max(one.swing, 0.02) if one.load == "polygon" else one.swing
-    p0, p1 = force * one.mean, force * one.mean * swing
+    p0 = force * one.mean
+    p1 = force * one.mean * swing
     room = friction * (p0 - p1)
-    q0, q1 = one.sign * one.offset * room * (1 - one.use), one.sign * one.use * room
+    q0 = one.sign * one.offset * room * (1 - one.use)
+    q1 = one.sign * one.use * room
     amplitudes = {"mean_normal_load": p0, "mean_tangential_load": q0}
     if one.load == "ellipse":
         degrees = math.degrees(first) - (0 if q1 >= 0 else math.copysign(180, first))
@@ -186,7 +191,9 @@ def _load(one: Drawn) -> object:
 
 
 # ---------------------------------------------------------------------------- the half-plane engine
-SCENES, MODELS, BLOCKS = 2000, 200, 40
+SCENES = 2000
+MODELS = 200
+BLOCKS = 40
 REGRESSIONS = sorted((Path(__file__).parent / "data" / "regression_scenes").glob("*.toml"))
 NUMERICAL = ("tabulated", "callable")
 CLOSED = tuple(name for name in PROFILES if name not in NUMERICAL)
@@ -224,7 +231,8 @@ def check_fields(one, answer):
     """Inside the cone, symmetric, and p the same without friction and without Q, at a few
     instants.
     """
-    scene, half = one.scene, float(np.max(answer.contact_half_width))
+    scene = one.scene
+    half = float(np.max(answer.contact_half_width))
     wanted = {
         "x": half * np.linspace(-1.05, 1.05, 12),
         "time": answer.time[:: max(len(answer.time) // 4, 1)][-3:],
@@ -330,10 +338,8 @@ def check_model(one):
         scene, x=answer.x, time=answer.time[chosen], fields=("pressure", "shear")
     )
     here = np.isfinite(exact.pressure).all(axis=0)  # it is infinite at the tip of a wedge
-    size, friction = (
-        np.sqrt(exact.pressure[:, here] ** 2 @ answer.weights[here]),
-        scene.friction.coefficient,
-    )
+    size = np.sqrt(exact.pressure[:, here] ** 2 @ answer.weights[here])
+    friction = scene.friction.coefficient
     apart = {
         name: (getattr(answer, name)[chosen] - getattr(exact, name))[:, here]
         for name in ("pressure", "shear")
@@ -396,11 +402,9 @@ def random_case(seed: int) -> tuple[Scene, MeshSettings]:
     materials, mesh ratios up to 1 : 4.
     """
     rng = np.random.default_rng(seed)
-    friction, swing, phase = (
-        10 ** rng.uniform(-2, np.log10(2)),
-        rng.uniform(0.0, 0.9),
-        rng.uniform(-180, 180),
-    )
+    friction = 10 ** rng.uniform(-2, np.log10(2))
+    swing = rng.uniform(0.0, 0.9)
+    phase = rng.uniform(-180, 180)
     mean = 100.0
     angle = np.linspace(0, 2 * np.pi, 4001)
     room = friction * mean * (1 + swing * np.cos(angle))

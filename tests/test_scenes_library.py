@@ -45,7 +45,8 @@ from scenes import (
 ROOT = Path(__file__).parents[1]
 NAMES = scene_names()
 EVERY = (*NAMES, *CASES)  # of the library and of tests/scenes
-FINITE, THEORY = "finite elements", "half-plane theory"
+FINITE = "finite elements"
+THEORY = "half-plane theory"
 WANTED = 16
 # These run on the coarse mesh in every test run; test_contract.py freezes twelve scenes.
 QUICK = ("blocks", "cylinder-roller-frictionless", "layer", "full-stick")
@@ -66,7 +67,8 @@ def test_the_library_is_large_enough_and_nothing_stands_twice() -> None:
 
 def honest_tags(scene: Scene) -> dict[str, bool]:
     """Tags that the scene's own tables decide."""
-    load, kinds = scene.load, {scene.bodies.lower.kind, scene.bodies.upper.kind}
+    load = scene.load
+    kinds = {scene.bodies.lower.kind, scene.bodies.upper.kind}
     path = load.path()
     turns = np.concatenate(
         [
@@ -205,7 +207,8 @@ def periodic(
     k = np.arange(1, terms)
     c = 2 / terms * np.cos(np.outer(k, theta)) @ slope
     nodes, weights = np.polynomial.legendre.leggauss(200)
-    angle, weights = (nodes + 1) * np.pi / 2, weights * np.pi / 2
+    angle = (nodes + 1) * np.pi / 2
+    weights = weights * np.pi / 2
     along = distance / math.pi * reach * np.sin(angle) / (1 + (reach * np.cos(angle)) ** 2)
     return float(weights @ (np.sin(np.outer(angle, k)) @ c * along)), float(
         np.sin(k * np.pi / 2) @ c
@@ -216,11 +219,9 @@ def test_numbers_of_the_row_of_contacts() -> None:
     """Contacts far from each other are those of Hertz."""
     assert periodic(1.0, 1.0, 1e4, 1.0) == pytest.approx((math.pi / 4, 0.5), rel=1e-6)
     scene = scene_of("row-of-contacts")
-    e_star, load, distance = (
-        modulus(scene),
-        scene.load.initial_loading[0][0],
-        scene.bodies.lower.width,
-    )
+    e_star = modulus(scene)
+    load = scene.load.initial_loading[0][0]
+    distance = scene.bodies.lower.width
     half_width = brentq(
         lambda a: periodic(e_star, scene.profile.radius, distance, a)[0] - load,
         0.5,
@@ -255,7 +256,8 @@ def test_numbers_of_the_large_pads(name: str) -> None:
     quadrature over x = a sin t.
     """
     scene = scene_of(name)
-    radius, load = scene.profile.radius, scene.load.initial_loading[0][0]
+    radius = scene.profile.radius
+    load = scene.load.initial_loading[0][0]
     a = value_of(name, "largest_half_width")
     carried = (
         modulus(scene)

@@ -70,7 +70,9 @@ def exact_loads(segment, moment):
     """(P, Q) of a segment at a double in the working precision of mpmath, from the segment's
     definition.
     """
-    t, start, end = mpmath.mpf(float(moment)), mpmath.mpf(segment.start), mpmath.mpf(segment.end)
+    t = mpmath.mpf(float(moment))
+    start = mpmath.mpf(segment.start)
+    end = mpmath.mpf(segment.end)
     match segment:
         case StraightSegment():
             part = (t - start) / (end - start)
@@ -144,7 +146,8 @@ def test_changes_and_rates_are_those_of_the_loads_in_any_shape_and_later_too(seg
         np.testing.assert_allclose(
             segment.rate_of(what, t), what.normal * dp + what.tangential * dq, atol=3e-13
         )
-        ahead, behind = segment.change_of(what, t + 1e-6, t), segment.change_of(what, t - 1e-6, t)
+        ahead = segment.change_of(what, t + 1e-6, t)
+        behind = segment.change_of(what, t - 1e-6, t)
         np.testing.assert_allclose(segment.rate_of(what, t), (ahead - behind) / 2e-6, atol=1e-8)
     times = np.full((2, 3), t[10])
     assert {
@@ -293,7 +296,8 @@ def test_segments_state_what_they_are_and_keep_their_ends():
     straight = StraightSegment(0.1, 0.7, (0.1, 0.3), (1.1, -0.7))
     assert [float(v) for t in (0.1, 0.7) for v in straight.loads(t)] == [0.1, 0.3, 1.1, -0.7]
     # A load that starts from nothing keeps its digits: 3 over a duration of 3.
-    parabola, step = SEGMENTS["parabola"], 2.0**-50 * np.arange(1.0, 9.0)
+    parabola = SEGMENTS["parabola"]
+    step = 2.0**-50 * np.arange(1.0, 9.0)
     p, q = parabola.loads(parabola.start + step)
     np.testing.assert_allclose(p, step, rtol=1e-14)
     np.testing.assert_allclose(q, (2 * 0.1 / 3 - 0.25) * step, rtol=1e-13)
@@ -430,7 +434,8 @@ def test_high_harmonics_are_what_they_say_however_many_times_are_asked_for(order
     )
     t = chance.uniform(0, TURN, (3, 1000))
     p, q = segment.loads(t)
-    k, a, phase = np.arange(1, order + 1), *np.array(waves).T
+    k = np.arange(1, order + 1)
+    a, phase = np.array(waves).T
     wanted = [3.0 * order + math.fsum(a * np.cos(k * x - np.radians(phase))) for x in t[1, ::50]]
     np.testing.assert_allclose(p[1, ::50], wanted, rtol=1e-14)
     np.testing.assert_allclose(q, waves[0][0] * np.cos(t - math.radians(waves[0][1])), atol=1e-14)
@@ -912,7 +917,8 @@ def test_noise_below_a_stated_load_is_initial_loading_at_q_0_and_the_rest_is_as_
     stated = float(str(refused.value).rpartition("= ")[2])
     scene = record_scene(least_normal_load=stated)
     require_admissible(scene, "mine.toml")
-    path, first = scene.load.series(), int(np.argmax(rows[:, 1] >= stated))
+    path = scene.load.series()
+    first = int(np.argmax(rows[:, 1] >= stated))
     np.testing.assert_array_equal(path[0, 1:], [0.0, 0.0])
     np.testing.assert_array_equal(path[1], [rows[first - 1, 0], stated, 0.0])
     np.testing.assert_array_equal(path[2:], rows[first:])

@@ -133,7 +133,8 @@ def test_faces(shape, profile, arc, flat):
     """Mirror-symmetric, at the origin at x = 0, never falling outwards; the profile itself where
     there is no arc.
     """
-    face, x = face_of(shape, profile), np.linspace(0, 2.5, 41)
+    face = face_of(shape, profile)
+    x = np.linspace(0, 2.5, 41)
     depth = face.depth(x)
     assert (face.arc, face.flat) == (arc, flat)
     np.testing.assert_array_equal(face.depth(-x), depth)
@@ -181,7 +182,8 @@ def scene_of(rows, kind, noise=None, **fit):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_exact_rows_give_the_truth_its_middle_and_its_offset(kind):
-    truth, s = TRUTHS[kind], np.linspace(0, 1.3, 201)
+    truth = TRUTHS[kind]
+    s = np.linspace(0, 1.3, 201)
     found = fit_profile(rows_of(truth), kind, noise=1e-9)
     close = 3e-5 if kind == "smoothing_spline" else 1e-9  # knots 0.06 mm apart
     np.testing.assert_allclose(
@@ -205,7 +207,8 @@ def test_exact_rows_give_the_truth_its_middle_and_its_offset(kind):
 
 def test_a_parabola_is_that_of_least_squares():
     rows = rows_of(TRUTHS["hertz"], noise=50e-6)
-    found, (c, b, a) = fit_profile(rows, "hertz"), np.polynomial.polynomial.polyfit(*rows.T, 2)
+    found = fit_profile(rows, "hertz")
+    c, b, a = np.polynomial.polynomial.polyfit(*rows.T, 2)
     assert found.radius == pytest.approx(1 / (2 * a), rel=1e-9)
     assert found.fitted.centre == pytest.approx(-b / (2 * a), rel=1e-7)
     assert found.fitted.offset == pytest.approx(c - b * b / (4 * a), rel=1e-9)
@@ -256,11 +259,10 @@ def test_a_fit_is_convex_or_one_sentence_whatever_the_noise(seed, kind, truth, n
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_units_and_a_shift_change_nothing(kind):
-    rows, unit = rows_of(TRUTHS["flat_rounded"], 61, 20e-6), np.array([25.4, 7.0])
-    one, other = (
-        fit_profile(rows, kind, noise=20e-6),
-        fit_profile(rows * unit + np.array([3.0, -9.0]), kind, noise=140e-6),
-    )
+    rows = rows_of(TRUTHS["flat_rounded"], 61, 20e-6)
+    unit = np.array([25.4, 7.0])
+    one = fit_profile(rows, kind, noise=20e-6)
+    other = fit_profile(rows * unit + np.array([3.0, -9.0]), kind, noise=140e-6)
     s = np.linspace(0, 1.3, 50)
     np.testing.assert_allclose(other.height(25.4 * s), 7.0 * one.height(s), rtol=1e-4, atol=7e-9)
     assert other.fitted.centre == pytest.approx(25.4 * one.fitted.centre + 3.0, abs=1e-4)
@@ -347,7 +349,9 @@ def test_a_spline_is_as_smooth_as_the_noise_asks(stated):
     """The weight of least expected error follows the noise, and the curve is nearer to the truth
     than one stiff or limp by far.
     """
-    truth, s, weights = EvenPolynomial(length=1.0, rises=(5e-4, 1e-4)), np.linspace(0, 1.2, 50), []
+    truth = EvenPolynomial(length=1.0, rises=(5e-4, 1e-4))
+    s = np.linspace(0, 1.2, 50)
+    weights = []
     for noise in (1e-8, 2e-5):
         rows = rows_of(truth, 301, noise)
         given = {"kind": "smoothing_spline", "noise": noise if stated else None}
@@ -376,7 +380,8 @@ def test_rows_that_share_an_x_for_want_of_digits_are_fitted(kind):
 
 
 def test_extreme_numbers_are_fitted_or_one_sentence():
-    x, h = np.linspace(-1.5, 1.5, 61), np.linspace(-1.5, 1.5, 61) ** 2 / 2000
+    x = np.linspace(-1.5, 1.5, 61)
+    h = np.linspace(-1.5, 1.5, 61) ** 2 / 2000
     for rows in (
         (x, 1e95 * h),
         (x, 1e-95 * h),
@@ -409,7 +414,8 @@ def test_noise_that_is_not_that_of_the_rows_is_said():
 
 # A trace of a flat pad as it lies in the instrument: x counted from its left end, noise of 0, 60
 # and 300 nm.
-TRACED, TRACE = FlatRounded(radius=25.0, flat_half_length=1.2), np.linspace(-2.4, 2.4, 201)
+TRACED = FlatRounded(radius=25.0, flat_half_length=1.2)
+TRACE = np.linspace(-2.4, 2.4, 201)
 TILTS = [(tilt, noise) for tilt in (-5e-3, 0.0, 1e-3, 3e-3, 5e-3) for noise in (0.0, 6e-5, 3e-4)]
 
 
@@ -507,7 +513,8 @@ def test_a_tilt_that_the_rows_do_not_show_is_none():
 
 def test_white_noise_is_called_a_pattern_by_chance_alone():
     """In one case of 1,000 by each of two rules; a wave of the size of the noise is seen."""
-    random, calls = np.random.default_rng(1), 0
+    random = np.random.default_rng(1)
+    calls = 0
     scene = load_scene("hertz-paper").vary(
         load=LOAD, profile=fit_profile(traced(0.0, 6e-5), "flat_rounded")
     )

@@ -59,10 +59,8 @@ cycle = [[2.0, 0.5], [2.0, -0.5]]
 POLYGON = PLAIN[PLAIN.index('kind = "polygon"') :]
 PAPER = scene_text("hertz-paper").split("[[expected]]")[0]
 BLOCK = '{kind = "block", width = 20.0, height = 3.0}'
-PAD, WIDE = (
-    '{kind = "pad", width = 8.0, height = 5.0}',
-    '{kind = "pad", width = 28.0, height = 5.0}',
-)
+PAD = '{kind = "pad", width = 8.0, height = 5.0}'
+WIDE = '{kind = "pad", width = 28.0, height = 5.0}'
 
 
 def bodies(**shapes: str) -> tuple[str, str]:
@@ -449,12 +447,10 @@ def test_the_page_of_the_limits_is_there_and_an_axis_of_a_sweep_is_answered_by_i
 
 
 # ---------------------------------------------------------------------------- tables beside a scene
-SERIES, TRACE = (
-    (POLYGON, 'kind = "time_series"\nfile = "table.csv"'),
-    (
-        HERTZ,
-        'kind = "tabulated"\nfile = "table.csv"',
-    ),
+SERIES = (POLYGON, 'kind = "time_series"\nfile = "table.csv"')
+TRACE = (
+    HERTZ,
+    'kind = "tabulated"\nfile = "table.csv"',
 )
 
 
@@ -463,7 +459,8 @@ def named(columns: str) -> tuple[str, str]:
     return SERIES[0], f"{SERIES[1]}\ncolumns = {{{columns}}}"
 
 
-DECIMAL, THOUSANDS = "the decimal sign of this file is a", "write no marks between thousands"
+DECIMAL = "the decimal sign of this file is a"
+THOUSANDS = "write no marks between thousands"
 TABLES = [
     (SERIES, "time,P,Q\n0,1,0\n1,nan,0\n", ", line 3: P = 'nan' is not a finite number"),
     (SERIES, "\ufefftime,P,Q\n0,1,0\n1,2,0\n1,3,0\n", ", line 4: time = 1 stands there twice"),
@@ -777,7 +774,8 @@ def test_tables_of_other_systems_are_read_and_what_they_are_written_in_is_said(
 
 def test_two_million_rows_are_streamed(tmp_path: Path) -> None:
     """A tenth of them here: what is held beside the numbers is that of some ten thousand rows."""
-    path, count = tmp_path / "long.csv", 200_000
+    path = tmp_path / "long.csv"
+    count = 200_000
     path.write_text(
         "time;P;Q\n" + "".join(f"{k};1,5;0,{k}\n" for k in range(count)), encoding="utf-8"
     )
@@ -816,7 +814,8 @@ TWO = (
     " 1.0\npoisson_ratio = -0.2"
 )
 ALL = '\nname = "other"\ncycles = 2\ntolerances = {shear = 0.5}\n[material]'
-WIDER, NARROW = ("radius = 2.0", "radius = 50.0"), BLOCK.replace("20.0", "8.0")
+WIDER = ("radius = 2.0", "radius = 50.0")
+NARROW = BLOCK.replace("20.0", "8.0")
 UNITS = (
     "N, mm, MPa",
     "N, m, Pa",

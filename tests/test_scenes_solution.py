@@ -13,7 +13,8 @@ import semi_analytic
 from scenes import InputError, load_scene, notebook_forms
 from scenes.solution import ContactSolution, Record, SurfaceState, Work, freeze
 
-STEPS, POINTS = 7, 5
+STEPS = 7
+POINTS = 5
 ARRAYS = (
     *(
         "time",
@@ -217,7 +218,8 @@ def test_a_printed_solution_has_five_lines(scene_name):
 
 
 def test_a_solution_is_frozen():
-    solution, mine = small_solution(), np.ones(3)
+    solution = small_solution()
+    mine = np.ones(3)
     for name in ARRAYS:
         with pytest.raises(ValueError, match="read-only"):
             getattr(solution, name)[...] = 0
@@ -237,7 +239,8 @@ def test_a_solution_is_frozen():
 
 def test_last_cycle_is_the_last_whole_revolution_with_both_ends_or_the_whole_of_a_path_that_ends():
     path = load_scene("hertz-paper").load.path()
-    begin, period = path.cycle_start, path.period
+    begin = path.cycle_start
+    period = path.period
     way = np.linspace(path.start, begin, 4)
     whole = np.concatenate([way, begin + period * np.array([0.25, 0.5, 1.0, 1.5, 1.75, 2.0])])
     # round-off of the last instant must not cost a cycle

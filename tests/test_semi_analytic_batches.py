@@ -54,7 +54,8 @@ LOADS = [
     (1.5, 0.0, 0.0, 1.4, 90.0),
     (1.0, 0.6, 0.1, 0.3, -70.0),
 ]
-HERTZ, FLAT = Hertz(radius=1.0), FlatRounded(radius=1.0, flat_half_length=0.7)
+HERTZ = Hertz(radius=1.0)
+FLAT = FlatRounded(radius=1.0, flat_half_length=0.7)
 PROFILES = {
     "power law": PowerLaw(exponent=3.3, length=1.0, rise=0.5),
     "compound, outside blunter": Compound(
@@ -219,7 +220,8 @@ def test_batch_and_marching_agree(ratio, use, phase, friction, flat, part):
 def random_loops(count, seed, largest=1.0):
     """P0 = 1; P1/P0, Q1 up to a share `largest` of gross sliding and the phase at random."""
     rng = np.random.default_rng(seed)
-    ratio, phase = rng.uniform(0.01, 0.95, count), rng.uniform(0, math.pi, count)
+    ratio = rng.uniform(0.01, 0.95, count)
+    phase = rng.uniform(0, math.pi, count)
     cosine = np.abs(np.cos(phase))
     force = rng.uniform(0, largest, count) * (
         -ratio * cosine + np.sqrt(1 - ratio**2 * (1 - cosine**2))
@@ -232,7 +234,8 @@ def test_work_by_series_and_few_nodes_is_that_of_the_graded_rule(profile):
     """Forward and reverse, down to slips of 1e-7; worst measured 5e-12 of A f^2 P0^2 in 1,500
     loops.
     """
-    loops, contact = random_loops(60, 3), contact_of(profile, MATERIAL)
+    loops = random_loops(60, 3)
+    contact = contact_of(profile, MATERIAL)
     tiny = random_loops(60, 4, 1e-3)
     for some in (loops, tiny, tiny.take(slice(0, 3))):
         for one, other in zip(
@@ -260,7 +263,8 @@ def test_parameters_of_every_kind_broadcast(kind):
     """Each member is that of its own profile; and loads in E* H, W in E* H^2, h = H h1(x/l): no
     units over forty decades.
     """
-    row, keys = LOADS[1], VARIED[kind]
+    row = LOADS[1]
+    keys = VARIED[kind]
     work, peak = (
         call(profile={"kind": kind} | keys, **question([row]))
         for call in (dissipation, peak_dissipation)
@@ -299,7 +303,8 @@ def test_power_laws_dissipate_as_two_over_n():
 
 def test_reasons_are_those_of_the_sampled_loops():
     """|Q| <= f P at 2,000 instants of 4,000 random loops, both senses, any Q0."""
-    rng, count = np.random.default_rng(7), 4000
+    rng = np.random.default_rng(7)
+    count = 4000
     ratio, mean, force, phase = (
         rng.uniform(*ends, count) for ends in ((0, 1), (-0.3, 0.3), (0, 0.5), (-7, 7))
     )
@@ -434,7 +439,8 @@ def test_peak_is_the_largest_value_of_the_density(name):
     """
     profile, row, friction = PEAKS[name]
     peak = peak_dissipation(profile=profile, **question([row], friction))
-    value, error = peak.value[0], peak.value_error[0]
+    value = peak.value[0]
+    error = peak.value_error[0]
     places = [peak.place[0], *peak.second_place[np.isfinite(peak.second_place)]]
     x = np.concatenate(
         [
@@ -553,7 +559,8 @@ def test_every_member_has_a_value_or_a_reason(call):
 
 
 def test_bad_parameters_are_the_members_own():
-    none, bad = Reason.NONE, Reason.INVALID
+    none = Reason.NONE
+    bad = Reason.INVALID
     for keys, reasons in (
         (
             {"kind": "flat_rounded", "radius": [1.0, -1.0, np.nan], "flat_half_length": 0.7},
@@ -614,7 +621,8 @@ INVERTED = {
 def random_loads(seed, count=60):
     rng = np.random.default_rng(seed)
     amplitude = rng.uniform(0.0, 0.98, count)
-    amplitude[:10], amplitude[10:15] = 10 ** rng.uniform(-7, -1, 10), 0.0
+    amplitude[:10] = 10 ** rng.uniform(-7, -1, 10)
+    amplitude[10:15] = 0.0
     return {
         "material": MATERIAL,
         "mean_normal_load": 1.0,
@@ -771,7 +779,8 @@ def test_work_of_a_member_is_that_of_the_member_alone_over_24_decades(name):
     """Whole, permuted, split: where the largest load of a block set the table, small ones were 30 %
     to 1e10 times wrong.
     """
-    profile, loads = OVER_DECADES[name], over_decades(36, 5, 24)
+    profile = OVER_DECADES[name]
+    loads = over_decades(36, 5, 24)
     found = batch(loads, profile=profile)
     assert np.all(found.reason == Reason.NONE)
     assert np.all(found.value > 0)
@@ -797,7 +806,8 @@ def test_a_batch_by_series_is_its_members_by_the_kernel(name):
     """Members enough for tables of ln a, over ten decades; each within the sum of both stated
     errors and 1e-10 of A f^2 P0^2.
     """
-    profile, loads = OVER_DECADES[name], over_decades(300, 8, 10)
+    profile = OVER_DECADES[name]
+    loads = over_decades(300, 8, 10)
     found = batch(loads, profile=profile)
     for k in range(0, 300, 30):
         alone = batch([column[k : k + 1] for column in loads], profile=profile)
@@ -811,9 +821,11 @@ def test_peak_of_a_member_is_that_of_the_member_alone_over_24_decades(name):
     """Primitives looked up by the sum of a point's number and an advance took the panel of another
     advance.
     """
-    profile, loads = OVER_DECADES[name], over_decades(36, 5, 24)
+    profile = OVER_DECADES[name]
+    loads = over_decades(36, 5, 24)
     few = np.arange(0, 36, 4)
-    few_loads, few_profiles = [column[few] for column in loads], some_members(profile, few)
+    few_loads = [column[few] for column in loads]
+    few_profiles = some_members(profile, few)
     found = batch(few_loads, peak_dissipation, few_profiles)
     for k in range(0, len(few), 2):
         member = slice(k, k + 1)
@@ -907,9 +919,13 @@ def test_what_is_no_real_number_is_refused_by_name(value):
 def exact_hertz_work(mean, amplitude, tangential, phase):
     """W pi E*/2 for f = 1 by int w' Lam dt in forty digits, of a given double phase."""
     with mp.workdps(40):
-        p0, p1, r = mp.mpf(mean), mp.mpf(amplitude), mp.mpf(tangential)
-        along, across = r * mp.cos(mp.mpf(phase)), r * mp.sin(mp.mpf(phase))
-        u, v = mp.hypot(along - p1, across), mp.hypot(along + p1, across)
+        p0 = mp.mpf(mean)
+        p1 = mp.mpf(amplitude)
+        r = mp.mpf(tangential)
+        along = r * mp.cos(mp.mpf(phase))
+        across = r * mp.sin(mp.mpf(phase))
+        u = mp.hypot(along - p1, across)
+        v = mp.hypot(along + p1, across)
         turn = mp.atan2(2 * p1 * across, (p1 - r) * (p1 + r))
         start = mp.atan2(across, along - p1)
         stick = p0 - (u + v) / 2
@@ -961,7 +977,8 @@ def test_stated_error_of_the_work_covers_the_graded_rule(name):
     profile = PROFILES.get(name, FLAT)
     contact = contact_of(profile, MATERIAL)
     rng = np.random.default_rng(31)
-    ratio, phase = rng.uniform(0.0, 0.95, 60), rng.uniform(0.01, math.pi - 0.01, 60)
+    ratio = rng.uniform(0.0, 0.95, 60)
+    phase = rng.uniform(0.01, math.pi - 0.01, 60)
     cosine = np.abs(np.cos(phase))
     force = 10 ** rng.uniform(-7, -0.01, 60) * (
         -ratio * cosine + np.sqrt(1 - ratio**2 * (1 - cosine**2))

@@ -284,11 +284,9 @@ def test_parabolas_without_tilt_are_the_symmetric_contact(profile):
     tilted = TiltedProfile(
         NestedIntervals(convex_profile(profile), 2.0, 0.0, 0.0, 4.0), profile.datum_length
     )
-    x, load, loads = (
-        np.linspace(-2.2, 2.1, 87),
-        np.linspace(0.05, 4, 49)[:, None],
-        np.array([0.5, 1.0, 3.3, 3.9]),
-    )
+    x = np.linspace(-2.2, 2.1, 87)
+    load = np.linspace(0.05, 4, 49)[:, None]
+    loads = np.array([0.5, 1.0, 3.3, 3.9])
     for name in ("pressure", "slip_integral"):
         np.testing.assert_allclose(
             getattr(tilted, name)(x, load),
@@ -330,7 +328,9 @@ def test_tractions_scatter_by_less_than_their_stated_error(name):
         "unequal sides": (UNEQUAL, 0, 0),
         "a flat face, fixed tilt": (FLAT, 0, 0.1),
     }.get(name, (HERTZ, 0.1, 0))
-    draw, found, stated = np.random.default_rng(7), [], 1e-12
+    draw = np.random.default_rng(7)
+    found = []
+    stated = 1e-12
     for share in 1 + 1e-6 * draw.uniform(-1, 1, 50):
         turned = {
             "mean": tilt + kappa,
@@ -364,7 +364,8 @@ def test_arcs_of_an_untilted_contact_leave_the_shear_of_the_symmetric_one(kind):
     """By series of the ends of contact and by P(a), along arcs in full stick: q to 1e-12 of the
     largest f p.
     """
-    scene, profile = extreme(kind, "ellipse"), PROFILES[kind]
+    scene = extreme(kind, "ellipse")
+    profile = PROFILES[kind]
     plain = contact_of(profile, scene.material)
     tilted = TiltedProfile(NestedIntervals(convex_profile(profile), 2.0, 0.0, 0.0, 1.9), 1.0)
     history = history_of(scene.load.path(), 0.5, 3)
@@ -420,11 +421,10 @@ def test_contact_under_a_tilt_against_adaptive_quadrature(name, load, tilt):
     """QUADPACK's rules for end singularities and principal values; moment, approach and gap from
     the pressure alone.
     """
-    profile, length = CURVED[name], 1.7
-    contact, slope = (
-        TiltedProfile(NestedIntervals(convex_profile(profile), 2.0, tilt, 0.0, 4.0), length),
-        slope_of(profile),
-    )
+    profile = CURVED[name]
+    length = 1.7
+    contact = TiltedProfile(NestedIntervals(convex_profile(profile), 2.0, tilt, 0.0, 4.0), length)
+    slope = slope_of(profile)
     m, c = (float(each) for each in contact.at(load))
     knot = math.acos(min(max(-m / c, -1.0), 1.0))
 
@@ -463,7 +463,8 @@ def test_contact_under_a_tilt_against_adaptive_quadrature(name, load, tilt):
         p = float(contact.pressure(m + c * math.cos(place), load))
         assert p == pytest.approx(math.sin(place) * whole / (2 * math.pi), abs=1e-9)
     nodes, weights = np.polynomial.legendre.leggauss(100)
-    share, weights = ((1 + nodes) / 2) ** 5, 2.5 * weights * ((1 + nodes) / 2) ** 4  # to the knot
+    share = ((1 + nodes) / 2) ** 5
+    weights = 2.5 * weights * ((1 + nodes) / 2) ** 4  # to the knot
     angles = np.concatenate([knot - knot * share, knot + (math.pi - knot) * share])
     xi = m + c * np.cos(angles)
     force = (
@@ -488,7 +489,8 @@ def test_the_pressure_at_points_next_to_nodes():
     """Where a difference quotient would keep no digits; of a parabola that comes as a function, at
     tilt 0.3.
     """
-    shape, c = convex_profile(ALIKE["the function x"][0]), 1.2
+    shape = convex_profile(ALIKE["the function x"][0])
+    c = 1.2
     xi, t, _ = shape._nodes(np.array(-0.3), np.array(c))
     here = np.abs(t) < 0.9 * c
     for away in (0.0, 1e-14, 1e-12, 1e-9, 1e-7):
@@ -518,11 +520,10 @@ ANY_CONTACT = {
 def test_contacts_of_any_load_and_tilt_are_in_balance(name):
     """A thousand at once, over many powers of ten."""
     profile, steepest, least = ANY_CONTACT[name]
-    shape, random = convex_profile(profile), np.random.default_rng(1)
-    product, tilt = (
-        least * (2 / least) ** random.random(1000),
-        steepest * random.uniform(-1, 1, 1000),
-    )
+    shape = convex_profile(profile)
+    random = np.random.default_rng(1)
+    product = least * (2 / least) ** random.random(1000)
+    tilt = steepest * random.uniform(-1, 1, 1000)
     m, c = shape.contact(product, tilt)
     found = shape.balance(m, c)
     np.testing.assert_allclose(found.load, product, rtol=3e-10)
@@ -716,7 +717,8 @@ BELOW_ROUNDING = {
 def test_bulk_and_tilt_below_rounding_leave_the_answer_without_them_and_are_noted(name):
     """The memory curve answers, and no grid; the stated errors hold what was left out."""
     extra, words = BELOW_ROUNDING[name]
-    scene, plain = make_scene(EllipseLoad(**PAPER, **extra)), make_scene(EllipseLoad(**PAPER))
+    scene = make_scene(EllipseLoad(**PAPER, **extra))
+    plain = make_scene(EllipseLoad(**PAPER))
     x = np.linspace(-2, 2, 9)
     found, known = (solve(each, x=x, time=[7.0, 9.0, 12.0]) for each in (scene, plain))
     assert "spans" in found.work.counts
@@ -763,13 +765,12 @@ def test_constant_bulk_and_tilt_change_nothing_in_the_steady_cycle(name):
     """It has the work of P and Q alone (Hertz: a tilt moves the contact) and is found without its
     initial loading.
     """
-    scene, plain = (
-        make_scene(EllipseLoad(**PAPER, **CONSTANT[name])),
-        make_scene(EllipseLoad(**PAPER)),
-    )
+    scene = make_scene(EllipseLoad(**PAPER, **CONSTANT[name]))
+    plain = make_scene(EllipseLoad(**PAPER))
     assert one_curve(scene) is None
     moved = -scene.load.path().cycle[0].turning.loads(5.0)[0] if "tilt" in name else 0.0
-    x, fields = np.linspace(-2, 2, 9), ("pressure", "state", "dissipation", "dissipation_density")
+    x = np.linspace(-2, 2, 9)
+    fields = ("pressure", "state", "dissipation", "dissipation_density")
     found = solve(scene, x=x + moved, cycles="steady", fields=fields)
     known = solve(plain, x=x, cycles="steady", fields=fields)
     assert "spans" in found.work.counts
@@ -848,7 +849,8 @@ def test_eccentricity_of_the_stick_zone():
 
 
 # -------------------------- grids, P, Q, bulk strain and tilt together; E* = 1, A = 2/E* = 2, R = 1
-HALF, PI = 1.9544100476116797, math.pi
+HALF = 1.9544100476116797
+PI = math.pi
 
 
 # Ten loads of a parabola with values of an exact engine that had them to 1e-8; points are clear of
@@ -880,7 +882,8 @@ def test_shear_of_a_contact_that_grows_in_stick_is_the_sum_of_its_increments(beg
     """q = int [Q'/pi - eps' (x - m)/A]/sqrt(c^2 - (x - m)^2) dt since x was touched, by quadrature
     and on a grid.
     """
-    first, rate = np.array(begin, dtype=float), np.subtract(end, begin)
+    first = np.array(begin, dtype=float)
+    rate = np.subtract(end, begin)
     untouched = [0.0, 0.0, *begin[2:]]
     increments = np.linspace(0, 1, 201)[:, None] ** 2
     rows = np.vstack([untouched, first + rate * increments])
@@ -947,7 +950,8 @@ def test_loops_in_phase_have_the_frozen_values_without_grids(name):
     """W to the 1e-8 of the table, by two routes to 1e-12; edges of stick at instants of the steady
     cycle.
     """
-    scene, instant = scene_of_fronts(name), FRONTS[name].points["instant"]
+    scene = scene_of_fronts(name)
+    instant = FRONTS[name].points["instant"]
     cases = {case.quantity: case for case in FRONTS[name].references("theory")}
     found = solve(
         scene,
@@ -970,7 +974,8 @@ def test_loops_in_phase_have_the_frozen_values_without_grids(name):
     late = (instant["time"][0] - found.time[0]) % period + found.time[0]
     edges = [np.interp(late, found.time, edge) for edge in found.stick_edges.T]
     assert edges == pytest.approx(cases["stick_edges"].value[0], abs=1e-4)  # between two instants
-    low, high = found.stick_edges[:, :1], found.stick_edges[:, 1:]
+    low = found.stick_edges[:, :1]
+    high = found.stick_edges[:, 1:]
     assert np.array_equal(found.state == 1, (found.x >= low) & (found.x <= high))
     assert {SLIP_FORWARD, SLIP_REVERSE} < set(np.unique(found.state))
 
@@ -1062,7 +1067,8 @@ def test_what_is_left_of_forty_cycles_out_of_phase():
     """Row 7: changes fall 23 and 50 times at first, then like k^-4; a geometric trend states a
     twentieth of what is left.
     """
-    turn, cell = 2 * PI * np.arange(321) / 320, 2 * 2.2568 / 80
+    turn = 2 * PI * np.arange(321) / 320
+    cell = 2 * 2.2568 / 80
     loads = np.stack([3 + np.cos(turn), 1.1 + np.sin(turn), 0.25 * np.sin(turn), 0 * turn], axis=1)
     grid = dense_grid.Grid(parabola, (-2.2568 - 2 * cell, 2.2568 + 3 * cell), 85, 1.0)
     grid.follow(loads[0] * np.linspace(0, 1, 81)[1:, None] ** 2)
@@ -1165,10 +1171,8 @@ def test_the_steady_cycle_alone_is_the_last_of_all_cycles(row):
 
 def on_grids(scene, x, **options):
     """A scene's load path on grids, whatever else takes it."""
-    path, most = (
-        scene.load.path(),
-        1.2 * (scene.load.mean_normal_load + scene.load.normal_amplitude),
-    )
+    path = scene.load.path()
+    most = 1.2 * (scene.load.mean_normal_load + scene.load.normal_amplitude)
     intervals = NestedIntervals(
         convex_profile(scene.profile), 2 / composite_modulus(scene.material), 0.0, 0.0, most
     )
@@ -1184,7 +1188,8 @@ def on_grids(scene, x, **options):
 )
 def test_the_stated_error_of_grids_covers_what_twice_the_order_changes(row):
     """W and the fields of the second cycle."""
-    scene, x = make_scene(EllipseLoad(**PAPER, **BROKEN[row][0])), np.linspace(-2.2, 2.2, 45)
+    scene = make_scene(EllipseLoad(**PAPER, **BROKEN[row][0]))
+    x = np.linspace(-2.2, 2.2, 45)
     path = scene.load.path()
     time = path.cycle_start + path.period * np.linspace(1, 2, 21)
     half, whole = (
@@ -1193,7 +1198,8 @@ def test_the_stated_error_of_grids_covers_what_twice_the_order_changes(row):
     assert abs(half.works[-1] / whole.works[-1] - 1) < half.errors["dissipation"] < 1e-3
     assert whole.errors["dissipation"] < 0.6 * half.errors["dissipation"]
     for name, field in (("shear", "shear"), ("slip", "slip"), ("density", "dissipation_density")):
-        ours, theirs = getattr(half, name), getattr(whole, name)
+        ours = getattr(half, name)
+        theirs = getattr(whole, name)
         assert np.sqrt(np.mean((ours - theirs) ** 2)) < half.errors[field] * np.max(
             np.abs(theirs)
         ), name
@@ -1244,9 +1250,11 @@ def test_grids_have_the_frozen_values_within_the_errors_that_they_state(name):
     """W, shear and slip within the stated errors (root mean squares), edges of stick within a
     cell.
     """
-    scene, instant = scene_of_fronts(name), FRONTS[name].points["instant"]
+    scene = scene_of_fronts(name)
+    instant = FRONTS[name].points["instant"]
     cases = {case.quantity: case for case in FRONTS[name].references("theory")}
-    x, time = np.array(instant["x"]), np.array(instant["time"])
+    x = np.array(instant["x"])
+    time = np.array(instant["time"])
     found = follow_on_grid(
         *leaning_profile(scene), scene.profile.height, scene.friction.coefficient, x, time
     )

@@ -30,7 +30,8 @@ from semi_analytic_oracle import Oracle
 PAPER = load_scene("hertz-paper")
 R = PAPER.profile.radius
 ROWS = np.linspace(0, 3, 31)
-HERTZ, FLAT = Hertz(radius=R), FlatRounded(radius=R, flat_half_length=0.505)
+HERTZ = Hertz(radius=R)
+FLAT = FlatRounded(radius=R, flat_half_length=0.505)
 LAW = PowerLaw(exponent=2.7, length=1.0, rise=1 / 2.7 / R)
 CASES = {
     "height of a parabola": (
@@ -78,7 +79,8 @@ def test_true_errors_are_below_the_estimates(name):
         < 0.01
     )
     for field in ("pressure", "shear", "slip", "dissipation", "dissipation_density"):
-        one, two = getattr(solution, field), getattr(truth, field)
+        one = getattr(solution, field)
+        two = getattr(truth, field)
         apart = np.abs(np.asarray(one) - two) / top.get(field, np.max(np.abs(two)))
         if field in ("pressure", "shear"):
             assert np.max(apart) <= estimates[f"{field} at the edge"] < 1e-5, field
@@ -92,7 +94,8 @@ def test_shear_at_the_stick_edge_is_as_uncertain_as_the_edge(name):
     digit of c, 2e-16, makes 1e-8 of the shear, which goes as the root of the distance. Estimates of
     3e-7 to 1.3e-5.
     """
-    scene, (profile, exact) = load_scene("cattaneo-mindlin"), CASES[name]
+    scene = load_scene("cattaneo-mindlin")
+    profile, exact = CASES[name]
     time = 2 + np.linspace(0.1, 0.4, 4)
     scene = scene.model_copy(update={"profile": exact})
     x = solve(scene, x=[0.0], time=time, fields=()).stick_half_width
@@ -137,7 +140,8 @@ def test_closed_forms_claim_no_error_and_rough_tables_state_theirs(monkeypatch, 
     assert type(solution).load(tmp_path / "solution.nc").record.errors == solution.record.errors
 
 
-X0_TO_2, TURNS = np.linspace(0, 2.1, 30), 3 * 2 * np.pi + np.linspace(0, 2 * np.pi, 25)
+X0_TO_2 = np.linspace(0, 2.1, 30)
+TURNS = 3 * 2 * np.pi + np.linspace(0, 2 * np.pi, 25)
 ALL_BUT_ELLIPSE = HarmonicLoad(
     mean_normal_load=1.0, normal_harmonics=[(0.999, 0.0)], tangential_harmonics=[(0.02, 90.0)]
 )
@@ -191,7 +195,8 @@ def test_last_digits_of_tiny_slip_and_of_the_tangential_displacement_are_told():
     scene = make_scene(polygon([(1.0, 0.0)], [(1.0, 1e-4), (1.0, -1e-4)]), 0.5).vary(
         profile=profile
     )
-    time, half = np.linspace(4.0, 7.0, 6), 1.13
+    time = np.linspace(4.0, 7.0, 6)
+    half = 1.13
     x = half * np.array([0.63, 0.93, 0.999, 1.1, 3.0])
     found = solve(scene, x=x, time=time, fields=("slip", "tangential_displacement"))
     oracle = Oracle(scene, time)

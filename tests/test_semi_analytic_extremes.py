@@ -99,7 +99,8 @@ def test_largest_slip_is_that_of_theorys_contact_where_every_point_sticks() -> N
     comparison = compare(semi_analytic.solve(scene, x=result.x, time=result.time), result)
     theory, measured = comparison.metric("largest_slip").amounts
     modulus = 1 / ((1 - 0.45**2) / 20e3 + (1 - 0.3**2) / 210e3)
-    load, friction = 60.0, 0.5
+    load = 60.0
+    friction = 0.5
     nodes, weights = np.polynomial.legendre.leggauss(40)
     # eta = P (1 - u^2) takes the root out of the arccosh at the edge.
     largest = math.sqrt(18.0 / friction / load)

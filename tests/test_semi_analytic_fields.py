@@ -142,7 +142,8 @@ def test_named_problems_have_their_closed_forms(problem):
     """Hertz, Cattaneo-Mindlin forth, half-way back and reversed, full stick: the table that the
     finite elements are measured by.
     """
-    path, half = problem.scene.load.path(), problem.exact["contact_half_width"]
+    path = problem.scene.load.path()
+    half = problem.exact["contact_half_width"]
     end = path.cycle_start + 2 * (path.period or 0.0)
     answer = solve(
         problem.scene, x=half * np.linspace(-1.21, 1.21, 97), time=np.unique([problem.time, end])
@@ -158,9 +159,13 @@ X = np.array([-1.2, -1.0, -0.9, -0.3, 0.0, 0.3, 0.632, 0.633, 0.9, 0.999, 1.0, 1
 def broken_laws(scene, answer):
     """The laws that an answer breaks, by name; no knowledge of how the engine works."""
     limit = scene.friction.coefficient * answer.pressure
-    size, edge, state = float(np.max(limit)), float(np.max(answer.contact_half_width)), answer.state
-    forward, reverse = state == SurfaceState.SLIP_FORWARD, state == SurfaceState.SLIP_REVERSE
-    step, alike = np.diff(answer.slip, axis=0), state[1:] == state[:-1]
+    size = float(np.max(limit))
+    edge = float(np.max(answer.contact_half_width))
+    state = answer.state
+    forward = state == SurfaceState.SLIP_FORWARD
+    reverse = state == SurfaceState.SLIP_REVERSE
+    step = np.diff(answer.slip, axis=0)
+    alike = state[1:] == state[:-1]
     travel = float(np.max(np.abs(answer.slip))) or 1.0
     stated = answer.record.errors.get("slip", 0.0)
     # on grids: 5 next to an edge, for what is stated is a root mean square
@@ -323,7 +328,8 @@ def of_any_size(profile):
     """A scene of lengths and stresses of 1, and the same of 1e12: P of 1e24 overflowed in the
     quotient of a traction.
     """
-    sizes, amounts = (1.0, 1e12), np.array([3.0, 1.0, 0.2, 0.8])
+    sizes = (1.0, 1e12)
+    amounts = np.array([3.0, 1.0, 0.2, 0.8])
     scenes = [
         make_scene(ellipse(*amounts * size**2, 70.0), 0.5, modulus=size).vary(profile=profile(size))
         for size in sizes
@@ -348,7 +354,8 @@ def turned(name):
 
 
 UPRIGHT = make_scene(EllipseLoad(**PAPER))
-FORCE, LENGTH = 1e3, 25.4
+FORCE = 1e3
+LENGTH = 25.4
 BIG = fretting(
     0.3,
     q=1.8 * FORCE * LENGTH,
@@ -494,7 +501,8 @@ def test_only_what_is_asked_for_is_computed(monkeypatch):
 
 
 def test_transient_work_is_counted_by_cycle_and_later_cycles_are_copies():
-    scene, only = load_scene("hertz-paper"), ("dissipation",)
+    scene = load_scene("hertz-paper")
+    only = ("dissipation",)
     start = scene.load.path().cycle_start
     own = solve(scene, fields=only)
     long = solve(scene, x=[0.0], time=start + 2 * np.pi * np.array([0.5, 1.0, 40.25]), fields=only)
@@ -578,18 +586,17 @@ def test_sliding_just_reached_is_admitted():
     assert flat.stick_half_width[0] == pytest.approx(0.3)
 
 
-ROUND, LOADS_ALONE = (
-    Hertz(radius=1.0),
-    {
-        "material": UNIT,
-        "mean_normal_load": 1.0,
-        "tangential_amplitude": 0.1,
-    },
-)
+ROUND = Hertz(radius=1.0)
+LOADS_ALONE = {
+    "material": UNIT,
+    "mean_normal_load": 1.0,
+    "tangential_amplitude": 0.1,
+}
 LOOP = LOADS_ALONE | {"normal_amplitude": 0.5, "friction_coefficient": 0.5}
 ROWS = [(x, x**2 / 2 if x > 0 else 0.4 * x**2 - x**3 / 10) for x in np.linspace(-3, 3, 25).tolist()]
 UNEQUAL = Tabulated(points=ROWS, symmetric=False)
-LEANS, ONCE = leaning(0.1), {"x": [0.0]}
+LEANS = leaning(0.1)
+ONCE = {"x": [0.0]}
 OUT_OF_PHASE = make_scene(
     EllipseLoad(**PAPER, bulk_stress_lower={"amplitude": 0.5, "phase_degrees": 60})
 )

@@ -67,10 +67,8 @@ def test_what_the_digits_of_an_arc_do_not_hold_is_stated(radius):
     fits of many values leave less.
     """
     profile = CallableProfile(height_function=arc(radius)[0], extent=EXTENT)
-    found, exact = (
-        slope_function(1.0, profile),
-        slope_function(1.0, CallableProfile(slope_function=arc(radius)[1], extent=EXTENT)),
-    )
+    found = slope_function(1.0, profile)
+    exact = slope_function(1.0, CallableProfile(slope_function=arc(radius)[1], extent=EXTENT))
     error = np.max(np.abs(found.load(HALF_WIDTHS) / exact.load(HALF_WIDTHS) - 1))
     of_one_value = np.finfo(float).eps * radius / arc(radius)[0](EXTENT)
     assert error <= profile.rounding_of_height.load < max(of_one_value, 1e-13)

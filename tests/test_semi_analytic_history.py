@@ -57,7 +57,8 @@ def test_the_curve_is_what_stepping_leaves_whatever_the_steps(points, where, par
     """By brute force; Lipschitz, at the load; a step may be split; mirrored; what lies above the
     load is forgotten.
     """
-    curve, (normal, tangential) = final_curve(points), points[-1]
+    curve = final_curve(points)
+    normal, tangential = points[-1]
     phases, _ = phases_of(LoadPath(tuple(straight_legs(points)), ()), FRICTION, 0)
     eta = normal * np.array([1e-3, 0.2, 0.5, 0.8])
     held = [float(memory(phases, len(phases) - 1, phases[-1].end, each, FRICTION)) for each in eta]
@@ -73,7 +74,8 @@ def test_the_curve_is_what_stepping_leaves_whatever_the_steps(points, where, par
     np.testing.assert_allclose(
         values(final_curve([(p, -q) for p, q in points]), eta), -values(curve, eta), atol=1e-14
     )
-    corners, where = [(0.0, 0.0), *points], min(where, len(points) - 1)
+    corners = [(0.0, 0.0), *points]
+    where = min(where, len(points) - 1)
     extra = tuple(
         a + part * (b - a) for a, b in zip(corners[where], corners[where + 1], strict=True)
     )
@@ -96,7 +98,8 @@ def test_initial_loading_does_not_matter_above_the_permanent_stick_load(
 ):
     """Three admissible initial loadings, one steady cycle: the curves differ only below P_T."""
     slack = (1 - ratio) * (1 - use)
-    q1, q0 = use * FRICTION * (1 - ratio), mean * slack * FRICTION
+    q1 = use * FRICTION * (1 - ratio)
+    q0 = mean * slack * FRICTION
     ends = []
     for initial_loading in (
         "straight",
@@ -168,7 +171,9 @@ def test_fronts_and_the_memory_curve_straight_from_the_path(load):
     """
     scene = extreme("hertz", load)
     history = history_of(scene.load.path(), scene.friction.coefficient, scene.cycles)
-    work, top, checked = Work(scene, history.covered[-1]), 2.0, 0
+    work = Work(scene, history.covered[-1])
+    top = 2.0
+    checked = 0
     for span in history.cycles[-1]:
         for part in (1e-4, 0.1, 0.6, 0.999):
             time = LONG(span.begin.time + (span.end.time - span.begin.time) * part)
@@ -270,7 +275,9 @@ def test_lines_polygons_and_series_have_events_without_letters():
 def by_spans(scene, **options):
     """The answer by the engine of curved paths."""
     with pytest.MonkeyPatch.context() as patch:
-        path, friction, cycles = scene.load.path(), scene.friction.coefficient, scene.cycles
+        path = scene.load.path()
+        friction = scene.friction.coefficient
+        cycles = scene.cycles
         patch.setattr(
             answer_by_memory,
             "_path_of",
@@ -296,10 +303,8 @@ def test_rows_and_functions_with_corners_are_the_polygon():
         0.5,
     )
     x = np.linspace(0, 1.8, 7)
-    one, two = (
-        solve(plain, x=x, time=np.linspace(1.0, 9.0, 33)),
-        solve(series, x=x, time=np.linspace(0.0, 8.0, 33)),
-    )
+    one = solve(plain, x=x, time=np.linspace(1.0, 9.0, 33))
+    two = solve(series, x=x, time=np.linspace(0.0, 8.0, 33))
     for name in ("shear", "slip"):
         np.testing.assert_allclose(getattr(two, name), getattr(one, name), atol=1e-14)
     assert two.dissipation == pytest.approx(one.dissipation, rel=1e-13, abs=0)

@@ -89,7 +89,8 @@ CASES |= {
     f"|x|^{n}": (PowerLaw(exponent=n, length=2.0, rise=0.5), (1e-6, 0.7, 40.0))
     for n in (1.0, 1.01, 1.3, 2.0, 3.0, 3.5, 6.0, 20.0)
 }
-EVERY, BOUNDED = pytest.mark.parametrize("name", CASES), ("tabulated", "callable")
+EVERY = pytest.mark.parametrize("name", CASES)
+BOUNDED = ("tabulated", "callable")
 
 # Relative errors admitted; measured 7e-13 of p at 0.999 a, where a last digit of a counts 500
 # times, 1e-12 by a derivative.
@@ -105,7 +106,9 @@ def kernels(contact, truth, a):
     """(name, arguments of the contact, exact value) at one half-width, the moments, weighted by
     P(alpha), too.
     """
-    load, a, least = float(contact.load(a)), LONG(a), truth.least
+    load = float(contact.load(a))
+    a = LONG(a)
+    least = truth.least
     for x in (
         float(a) * part
         for part in (0.0, 1e-3, 0.3, 0.9, 0.999, 1 + 1e-9, 1 + 1e-6, 1 + 1e-3, 1.3, 4.0)
@@ -133,7 +136,8 @@ def kernels(contact, truth, a):
 @EVERY
 def test_every_kernel_is_its_integral_over_the_punches_and_its_error_is_honest(name):
     profile, widths = CASES[name]
-    contact, truth = contact_on(profile), Punches(profile)
+    contact = contact_on(profile)
+    truth = Punches(profile)
     for a in widths:
         assert float(contact.half_width(contact.load(a))) == pytest.approx(
             a, rel=3e-15 if profile.kind != "callable" else 1e-12
@@ -142,7 +146,8 @@ def test_every_kernel_is_its_integral_over_the_punches_and_its_error_is_honest(n
             moment = kernel.endswith("moment")
             if moment and profile.kind == "callable":
                 continue
-            value, exact = float(getattr(contact, kernel)(*arguments)), float(true)
+            value = float(getattr(contact, kernel)(*arguments))
+            exact = float(true)
             limit = max(LIMITS.get(kernel, 4e-14), LIMITS.get(name, 0.0))
             assert value == pytest.approx(exact, rel=limit, abs=0), (kernel, a, arguments)
             if isinstance(contact, PunchSuperposition) and not moment:
@@ -167,7 +172,8 @@ def test_every_kernel_is_its_integral_over_the_punches_and_its_error_is_honest(n
 
 @EVERY
 def test_half_width_inverts_load_over_sixteen_decades(name):
-    contact, kind = contact_on(CASES[name][0]), CASES[name][0].kind
+    contact = contact_on(CASES[name][0])
+    kind = CASES[name][0].kind
     load = 10.0 ** np.linspace(-16, 0, 161) * (
         float(contact.load(0.996 * contact.extent)) if kind in BOUNDED else 1e8
     )
@@ -200,7 +206,8 @@ def test_close_half_widths_keep_their_digits(name):
                 else np.inf
             ):
                 continue
-            excess, advance = part * load, contact.advance(load)
+            excess = part * load
+            advance = contact.advance(load)
             outer, inner = (float(contact.half_width(load + sign * excess)) for sign in (1, -1))
             reach = (
                 np.arccosh(outer / a)
@@ -223,9 +230,11 @@ def test_the_law_of_the_oracle_is_that_of_the_slope_in_thirty_digits(name):
     P.
     """
     profile, widths = CASES[name]
-    law, a = law_of(profile), LONG(widths[1])
+    law = law_of(profile)
+    a = LONG(widths[1])
     with mp.workdps(34):
-        slope, exact_a = slope_of(profile), mp.mpf(widths[1])
+        slope = slope_of(profile)
+        exact_a = mp.mpf(widths[1])
         marks = sorted(
             {
                 mp.mpf(0),
@@ -342,7 +351,8 @@ SAME = {
 @pytest.mark.parametrize("name", SAME)
 def test_one_shape_in_two_forms(name):
     one, other, loads, limit = SAME[name]
-    one, other = contact_on(one), contact_on(other)
+    one = contact_on(one)
+    other = contact_on(other)
     for load in loads:
         half = float(other.half_width(load))
         assert float(one.half_width(load)) == pytest.approx(half, rel=limit)
@@ -380,7 +390,8 @@ def area_in_many_digits(flat, load, front):
         return tau
 
     primitive = lambda tau: ((1 + tau**2) * mp.atan(tau) - tau) / 2 - tau + mp.atan(tau)  # noqa: E731
-    one, two = tau_of(load), tau_of(front)
+    one = tau_of(load)
+    two = tau_of(front)
     return load * mp.log((1 + one**2) / (1 + two**2)) / 2 - primitive(one) + primitive(two)
 
 
@@ -405,8 +416,10 @@ def test_friction_work_kernel_from_the_smallest_front_to_the_whole_contact(flat,
 @pytest.mark.parametrize("n", [1.01, 1.3, 2.0, 3.0, 3.5, 6.0, 20.0])
 def test_pressure_of_power_laws_to_the_very_middle(n):
     """Where its series change: 40 digits."""
-    contact, m = PunchSuperposition(power_law(1.0, n, 1.0, 1.0), 3.0), mp.mpf(n)
-    one, xi = float(contact.load(1.0)), np.array([0.0, 0.99e-11, 1.01e-11, 0.0999, 0.1001])
+    contact = PunchSuperposition(power_law(1.0, n, 1.0, 1.0), 3.0)
+    m = mp.mpf(n)
+    one = float(contact.load(1.0))
+    xi = np.array([0.0, 0.99e-11, 1.01e-11, 0.0999, 0.1001])
     with mp.workdps(50):
         hyper = lambda xi: mp.sqrt(1 - xi**2) * mp.hyp2f1(1 - m / 2, 1, mp.mpf("1.5"), 1 - xi**2)  # noqa: E731
         exact = [1 / (n - 1), *(float(hyper(mp.mpf(value))) for value in xi[1:])]
@@ -423,7 +436,11 @@ def test_many_knots_cost_no_digits():
     x = half * (1 + np.geomspace(1e-4, 1e-1, 200))
     found = contact.arccosh_ratio(x, contact.load(x) - 40.0, contact.advance(40.0))
     np.testing.assert_allclose(found, np.arccosh(x / half), rtol=1e-11)
-    half, circle = np.linspace(0.3, 0.75, 40), lambda x: 1 - np.sqrt(1 - x * x)
+    half = np.linspace(0.3, 0.75, 40)
+
+    def circle(x):
+        return 1 - np.sqrt(1 - x * x)
+
     fine = contact_on(table(circle, 0.8, 641)).load(half)
     errors = [
         np.max(np.abs(contact_on(table(circle, 0.8, count)).load(half) / fine - 1))
@@ -474,7 +491,8 @@ def rows_of(chance):
     is made to rise: plateaus.
     """
     name = str(chance.choice(list(SHAPES)))
-    count, decimals = int(chance.choice([5, 11, 31, 101, 301])), int(chance.integers(2, 7))
+    count = int(chance.choice([5, 11, 31, 101, 301]))
+    decimals = int(chance.integers(2, 7))
     x = np.linspace(0, 3, count)
     if chance.random() < 0.3:
         x = np.unique(
@@ -634,10 +652,8 @@ def test_what_cannot_be_a_profile_is_refused_in_a_sentence(name):
 
 
 def test_unlike_bodies_have_a_modulus_and_a_coupling_constant():
-    soft, stiff = (
-        Elastic(young_modulus=1.0, poisson_ratio=0.25),
-        Elastic(young_modulus=2.0, poisson_ratio=0.0),
-    )
+    soft = Elastic(young_modulus=1.0, poisson_ratio=0.25)
+    stiff = Elastic(young_modulus=2.0, poisson_ratio=0.0)
     assert composite_modulus(Materials(upper=soft, lower=stiff)) == pytest.approx(
         1 / (0.9375 + 0.5)
     )

@@ -26,8 +26,11 @@ def mcewen(x, depth, a, p0):
     # The smaller of the two squares from their product, (x z)^2, without cancellation.
     larger = (root + np.abs(b)) / 2
     smaller = (x * depth) ** 2 / larger
-    m2, n2 = np.where(b >= 0, larger, smaller), np.where(b >= 0, smaller, larger)
-    m, n, share = np.sqrt(m2), np.sign(x) * np.sqrt(n2), (depth**2 + n2) / (m2 + n2)
+    m2 = np.where(b >= 0, larger, smaller)
+    n2 = np.where(b >= 0, smaller, larger)
+    m = np.sqrt(m2)
+    n = np.sign(x) * np.sqrt(n2)
+    share = (depth**2 + n2) / (m2 + n2)
     return np.stack(
         [
             -p0 / a * (m * (1 + share) - 2 * depth),
@@ -51,7 +54,8 @@ def places(a):
 
 def test_hertz_is_mcewen():
     """Measured 4e-12 of the peak pressure, from the face to six half-widths below it."""
-    a, p0 = 1.0, 2 * 90.62286500739786 / math.pi
+    a = 1.0
+    p0 = 2 * 90.62286500739786 / math.pi
     x, y = places(a)
     found = stress("hertz-normal", x, y, 1.0)[0]
     assert np.abs(found[:, :3] - mcewen(x, -y, a, p0)).max() < 1e-10 * p0
@@ -64,10 +68,12 @@ def test_tension_at_the_trailing_edge_of_cattaneo_and_mindlin(share):
     pressed by as much opposite.
     """
     scene = load_scene("cattaneo-mindlin")
-    load, f = scene.load.cycle[0][0], scene.friction.coefficient
+    load = scene.load.cycle[0][0]
+    f = scene.friction.coefficient
     scene = scene.vary(load={"cycle": [[load, share * f * load], [load, -share * f * load]]})
     pressed = semi_analytic.solve(scene, x=0.0, time=2.0)
-    a, p0 = float(pressed.contact_half_width[0]), float(pressed.pressure[0, 0])
+    a = float(pressed.contact_half_width[0])
+    p0 = float(pressed.pressure[0, 0])
     wanted = 2 * f * p0 * math.sqrt(share)
     values, uncertain = edge_tension(scene, [2.0, 3.0])
     turned = wanted * np.array([[1, -1], [-1, 1]])
@@ -111,11 +117,13 @@ def test_stress_is_the_integral_of_the_tractions(profile, load):
         knots += [b for b in contact.breaks if b < a]
         x = a * np.array([-1.7, -0.93, -0.4, 0.1, 0.61, 0.87, 1.2])
         y = -a * np.array([0.2, 0.5, 0.11, 2.0, 0.3, 0.08, 0.15])
-        found, face = stress(scene, x, y, time)[0], stress(scene, x, 0.0, time)[0]
+        found = stress(scene, x, y, time)[0]
+        face = stress(scene, x, 0.0, time)[0]
         for k, (point, height) in enumerate(zip(x, y, strict=True)):
             marks = np.unique(np.clip([-a, a, point, *knots, *(-knot for knot in knots)], -a, a))
             t, weight = (part.ravel() for part in graded(marks[:-1], marks[1:]))
-            t, weight = t[weight > 0], weight[weight > 0]
+            t = t[weight > 0]
+            weight = weight[weight > 0]
             at = semi_analytic.solve(
                 scene, x=np.unique([*t, point]), time=time, fields=("pressure", "shear")
             )
@@ -144,10 +152,8 @@ def test_stress_is_the_integral_of_the_tractions(profile, load):
 def test_the_upper_body_is_the_mirror_image_with_opposite_shear():
     scene = load_scene("hertz-paper")
     x, y = places(1.0)
-    lower, upper = (
-        stress(scene, x, y, [9.0, 11.0]),
-        stress(scene, -x, -y, [9.0, 11.0], body="upper"),
-    )
+    lower = stress(scene, x, y, [9.0, 11.0])
+    upper = stress(scene, -x, -y, [9.0, 11.0], body="upper")
     # Turned by half a circle the pair is itself again, loads included.
     np.testing.assert_allclose(upper, lower, atol=1e-12 * np.abs(lower).max())
 
@@ -171,15 +177,11 @@ def test_stress_from_tractions_is_that_of_the_memory_curve(name):
     scene = load_scene(name)
     time = semi_analytic.solve(scene, x=0.0, fields=()).time[[30, 60, 90, 150, 210, 290]]
     pairs = _with_tractions(scene, time)
-    x, y = (
-        np.array([-1.3, -0.4, 0.0, 0.6, 1.1, -1.5, 1.5]),
-        np.array([-0.2, -0.05, -2.0, -0.3, -0.01, 0.0, 0.0]),
-    )
-    exact, inside, profile = (
-        edge_tension(scene, time)[0],
-        stress(scene, x, y, time),
-        leaning_profile(scene)[1],
-    )
+    x = np.array([-1.3, -0.4, 0.0, 0.6, 1.1, -1.5, 1.5])
+    y = np.array([-0.2, -0.05, -2.0, -0.3, -0.01, 0.0, 0.0])
+    exact = edge_tension(scene, time)[0]
+    inside = stress(scene, x, y, time)
+    profile = leaning_profile(scene)[1]
     p0 = max(float(answer.pressure.max()) for answer, _ in pairs)
     for k, (answer, row) in enumerate(pairs):
         found, uncertain = _tensions(answer, row)
@@ -193,7 +195,10 @@ def test_with_bulk_stress_the_tension_is_that_of_two_pressures():
     """q = f p(x; a) less the pressure of the stick zone, moved by e = eps R/f: by hand; above it
     bulk stress alone.
     """
-    load, shear, eps, f = 3.0, 1.8, 0.2, 1.0
+    load = 3.0
+    shear = 1.8
+    eps = 0.2
+    f = 1.0
     scene = Scene.model_validate(
         {
             "material": {"young_modulus": 2.0, "poisson_ratio": 0.0},
@@ -207,7 +212,9 @@ def test_with_bulk_stress_the_tension_is_that_of_two_pressures():
         }
     )
     a = math.sqrt(4 * load / math.pi)
-    c, p0, e = a * math.sqrt(1 - shear / (f * load)), 2 * load / (math.pi * a), eps / f
+    c = a * math.sqrt(1 - shear / (f * load))
+    p0 = 2 * load / (math.pi * a)
+    e = eps / f
     left, right = (
         2 * f * p0 / a * (a - (far - math.sqrt(far**2 - c**2))) for far in (a + e, a - e)
     )

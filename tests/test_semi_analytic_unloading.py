@@ -26,7 +26,8 @@ COSTLY = tuple(name for name in PROFILES if name not in QUICK)
 def random_polygons(count: int) -> tuple[Scene, ...]:
     """Scenes whose cycle of two to four points passes (0, 0) once; the profiles take turns."""
     rng = np.random.default_rng(43)
-    names, scenes = list(PROFILES), []
+    names = list(PROFILES)
+    scenes = []
     for number in range(count):
         friction = round(float(rng.uniform(0.1, 1.2)), 2)
         points = []

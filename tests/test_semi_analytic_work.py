@@ -97,12 +97,11 @@ def test_error_of_pointwise_work_is_honest(monkeypatch):
     """Halved once only, W(x) is out by 3e-13 and the estimate says 4e-8, what the first pass was
     out by; left to itself, 1e-15.
     """
-    case, scene = NASTY["square wave"], nasty_scene("square wave")
+    case = NASTY["square wave"]
+    scene = nasty_scene("square wave")
     spans = history_of(scene.load.path(), scene.friction.coefficient, 6).cycles[-1]
-    contact, exact = (
-        contact_of(scene.profile, scene.material),
-        np.array([float(value) for value in case["density"]]),
-    )
+    contact = contact_of(scene.profile, scene.material)
+    exact = np.array([float(value) for value in case["density"]])
     for halvings, most, least in ((0, 1e-6, 1e-9), (17, 1e-11, 0.0)):
         monkeypatch.setattr(friction_work, "_HALVINGS", halvings)
         found = pointwise_dissipation(contact, 1.0, spans, np.array(case["x"]))
@@ -144,7 +143,8 @@ def edges_of(work):
 def points_of(work):
     """In the middle, next to the edges and on fronts."""
     edges = edges_of(work)
-    low, high = edges[0], edges[-1]
+    low = edges[0]
+    high = edges[-1]
     corners = [b * (1 + 1e-9) for b in work.corners[:1] if low < b < high]
     spread = [low + (high - low) * part for part in (1e-3, 0.42, 0.77)]
     return np.array([*spread, high * (1 - 1e-6), edges[len(edges) // 2], *corners], dtype=float)
@@ -162,7 +162,9 @@ def test_work_by_brute_force(profile, load):
     work = Work(scene, history.covered[-1], parts=max(PARTS.get(profile, 1), PARTS.get(load, 1)))
     x = points_of(work)
     found = solve(scene, x=x, fields=("dissipation_density", "dissipation"))
-    told, whole, exact = found.record.errors, np.sum(work.whole()), np.sum(work.density(x), axis=0)
+    told = found.record.errors
+    whole = np.sum(work.whole())
+    exact = np.sum(work.density(x), axis=0)
     assert abs(found.dissipation - whole) <= max(1e-12, told.get("dissipation", 0.0)) * whole
     off = np.max(np.abs(found.dissipation_density - exact))
     assert off <= max(2e-12, told.get("dissipation_density", 0.0)) * np.max(exact)
@@ -178,7 +180,8 @@ def test_no_point_misses_an_instant_in_which_the_load_hardly_grows():
         duration=2 * math.pi,
         repeats=True,
     )
-    scene, x = make_scene(load, friction=2.0), np.array([0.55, 0.6])
+    scene = make_scene(load, friction=2.0)
+    x = np.array([0.55, 0.6])
     exact = np.sum(Work(scene, 1).density(x), axis=0).astype(float)
     found = solve(scene, x=x, fields=("dissipation_density",)).dissipation_density
     np.testing.assert_allclose(found, exact, rtol=0, atol=1e-13 * np.max(exact))

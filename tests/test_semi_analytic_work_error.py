@@ -18,7 +18,8 @@ from semi_analytic_cases import ellipse, make_scene
 DIGITS = 70
 # The rounding of what is compared, and how far above the larger of it and the true error a stated
 # one may be.
-ROUNDING, ABOVE = 1e-13, 1e4
+ROUNDING = 1e-13
+ABOVE = 1e4
 
 
 class Arcs:
@@ -27,7 +28,9 @@ class Arcs:
     """
 
     def __init__(self, inner, outer, b):
-        self.inner, self.outer, self.b = mp.mpf(inner), mp.mpf(outer), mp.mpf(b)
+        self.inner = mp.mpf(inner)
+        self.outer = mp.mpf(outer)
+        self.b = mp.mpf(b)
         self.corner = self.load(self.b)
 
     def _root_and_angle(self, a):
@@ -54,7 +57,8 @@ class Arcs:
     def half_width(self, load):
         if self.inner and load <= self.corner:
             return mp.sqrt(4 * load / (mp.pi * self.inner))
-        low, high = self.b, 2 * self.b
+        low = self.b
+        high = 2 * self.b
         while self.load(high) < load:
             high *= 2
         for _ in range(12):
@@ -69,7 +73,8 @@ class Arcs:
         return a
 
     def area(self, load, slipped):
-        a, c = self.half_width(load), self.half_width(load - slipped)
+        a = self.half_width(load)
+        c = self.half_width(load - slipped)
         return load * mp.log(a / c) - (self.logarithm(a) - self.logarithm(c))
 
 
@@ -106,7 +111,8 @@ def crossings(function, length):
     signs = [mp.sign(function(place)) for place in places]
     for (begin, before), (end, after) in pairwise(zip(places, signs, strict=True)):
         if before * after < 0:
-            low, high = begin, end
+            low = begin
+            high = end
             while high - low > mp.mpf(10) ** -40 * length:
                 middle = (low + high) / 2
                 low, high = (middle, high) if mp.sign(function(middle)) == before else (low, middle)
@@ -118,7 +124,8 @@ def double_exponential(level):
     """Ways from the lower end (t < 0) or the upper one over the length, and weights, of a rule for
     singular ends.
     """
-    rule, step = [], mp.mpf(2) ** (1 - level)
+    rule = []
+    step = mp.mpf(2) ** (1 - level)
     with mp.workdps(30):
         for k in range(-int(4.2 / step), int(4.2 / step) + 1):
             t = k * step
@@ -131,11 +138,16 @@ def double_exponential(level):
 def exact_work(profile, friction, mean, amplitude, tangential, phase):
     """W of the steady ellipse for E* = 1, by the three phases of slip of `steady_ellipse`."""
     with mp.workdps(DIGITS):
-        law, angle = law_of(profile), mp.radians(mp.mpf(phase))
-        p0, p1, r = mp.mpf(mean), mp.mpf(amplitude), mp.mpf(tangential) / mp.mpf(friction)
+        law = law_of(profile)
+        angle = mp.radians(mp.mpf(phase))
+        p0 = mp.mpf(mean)
+        p1 = mp.mpf(amplitude)
+        r = mp.mpf(tangential) / mp.mpf(friction)
         least = r * mp.expj(-angle) - p1
-        u, v = abs(least), abs(r * mp.expj(-angle) + p1)
-        turn, start = mp.atan2(2 * r * p1 * mp.sin(angle), p1**2 - r**2), -mp.arg(least / u)
+        u = abs(least)
+        v = abs(r * mp.expj(-angle) + p1)
+        turn = mp.atan2(2 * r * p1 * mp.sin(angle), p1**2 - r**2)
+        start = -mp.arg(least / u)
         start = abs(start)
         phases = (  # rate over f, P - P_c and P at an angle s
             (
@@ -201,7 +213,8 @@ def random_loop(chance):
         PowerLaw(exponent=chance.uniform(1.2, 6), length=1.0, rise=0.5),
     )
     profile = profiles[chance.integers(len(profiles))]
-    friction, mean = chance.uniform(0.1, 1), 10 ** chance.uniform(-1, 1)
+    friction = chance.uniform(0.1, 1)
+    mean = 10 ** chance.uniform(-1, 1)
     nearly_unloads = chance.random() < 0.3
     share = (
         1 - 10 ** chance.uniform(-7, -0.01) if nearly_unloads else 10 ** chance.uniform(-4, -0.05)
