@@ -193,7 +193,7 @@ def _by_theory(name, tags, scene, time) -> Problem:
     """The truth is that of half-plane theory, whose kernels and W have their own thirty digits and
     M(eta) its own brute force.
     """
-    there = semi_analytic.solve(scene, x=[0.0], time=[time], fields=())
+    solution = semi_analytic.solve(scene, x=[0.0], time=[time], fields=())
 
     def exact(field):
         return lambda x: getattr(
@@ -202,7 +202,8 @@ def _by_theory(name, tags, scene, time) -> Problem:
 
     truth = {field: exact(field) for field in ("pressure", "shear")}
     truth |= {
-        name: float(getattr(there, name)[0]) for name in ("contact_half_width", "stick_half_width")
+        name: float(getattr(solution, name)[0])
+        for name in ("contact_half_width", "stick_half_width")
     }
     return Problem(name, frozenset({*tags, "by theory"}), scene, time, truth)
 
@@ -328,31 +329,31 @@ def errors(problem: Problem, solution: ContactSolution) -> dict[str, float]:
     true_pressure = exact["pressure"](x)
     size = norm(x, true_pressure)
     friction = solution.scene.friction.coefficient
-    found = {
+    measured = {
         "pressure": norm(x, solution.pressure[step] - true_pressure) / size,
         "shear": norm(x, solution.shear[step] - exact["shear"](x)) / (friction * size),
     }
     for name in ("contact_half_width", "stick_half_width"):
-        found[name] = (
+        measured[name] = (
             abs(float(getattr(solution, name)[step]) - exact[name]) / exact["contact_half_width"]
         )
     if "peak_pressure" in exact:
-        found["peak_pressure"] = abs(
+        measured["peak_pressure"] = abs(
             float(solution.pressure[step].max()) / exact["peak_pressure"] - 1
         )
     for name in ("normal_approach", "tangential_displacement"):
         if name in exact:
-            found[name] = (
+            measured[name] = (
                 abs(float(getattr(solution, name)[step]) - exact[name]) / exact["normal_approach"]
             )
     if "dissipation" in exact:
         sliding = (
             4 * (friction * problem.loads()[0]) ** 2 / (math.pi * contact_modulus(problem.scene))
         )
-        found["dissipation"] = abs(solution.dissipation - exact["dissipation"]) / (
+        measured["dissipation"] = abs(solution.dissipation - exact["dissipation"]) / (
             exact["dissipation"] or sliding
         )
-    return found
+    return measured
 
 
 def law_violations(answer: FiniteElementSolution) -> dict[str, float]:

@@ -152,14 +152,14 @@ PAPER = {
 }
 
 
-def fretting(eps, *, q=1.8, p=3.0, loading=(), **more):
+def fretting(eps, *, q=1.8, p=3.0, loading=(), **load_keys):
     """Constant P, Q between +-q with a bulk strain of +-eps in phase, from Q = 0."""
     before = [*loading, (p, 0), (p, q)]
     columns = {"bulk_stress_lower": (*[0] * (len(before) - 1), 2 * eps, -2 * eps)}
-    return make_scene(PolygonLoad(initial_loading=before, cycle=[(p, -q)], **columns | more))
+    return make_scene(PolygonLoad(initial_loading=before, cycle=[(p, -q)], **columns | load_keys))
 
 
-def leaning(kappa, tilt=0.0, mirror=1, **more):
+def leaning(kappa, tilt=0.0, mirror=1, **load_keys):
     """The ellipse of the paper with alpha = tilt + kappa P and eps = kappa Q, or its mirror image;
     the upper body is pulled.
     """
@@ -181,4 +181,4 @@ def leaning(kappa, tilt=0.0, mirror=1, **more):
         "initial_loading": [(2, 0)],
     }
     turn["initial_loading"] = [mirror * (tilt + 2 * kappa)]
-    return make_scene(EllipseLoad(**loads, bulk_stress_upper=stress, tilt=turn, **more))
+    return make_scene(EllipseLoad(**loads, bulk_stress_upper=stress, tilt=turn, **load_keys))

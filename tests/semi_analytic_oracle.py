@@ -67,15 +67,15 @@ def _flat(half, b):
     if b == 0:
         return PI / 4 * half * half
     tau = np.sqrt(np.maximum((half - b) * (half + b), 0)) / b
-    whole = (1 + tau * tau) * np.arctan(tau) - tau
+    area = (1 + tau * tau) * np.arctan(tau) - tau
     if np.all(tau >= 0.1):
-        return b * b / 2 * whole
+        return b * b / 2 * area
     small = np.minimum(tau, LONG(0.1))
     series = 0 * small
     for k in range(11, 0, -1):
         series = small * small * (2 / LONG(4 * k * k - 1) - series)
     series = series * small
-    return b * b / 2 * np.where(tau < 0.1, series, whole)
+    return b * b / 2 * np.where(tau < 0.1, series, area)
 
 
 def _flat_rate(half, b):
@@ -141,9 +141,12 @@ def law_of(profile):
         case "flat_rounded":
             return Bends((LONG(profile.flat_half_length),), (1 / LONG(profile.radius),))
         case "compound":
-            one = 1 / LONG(profile.inner_radius)
-            two = 1 / LONG(profile.outer_radius)
-            return Bends((LONG(0), LONG(profile.inner_half_length)), (one, two - one))
+            inner_curvature = 1 / LONG(profile.inner_radius)
+            outer_curvature = 1 / LONG(profile.outer_radius)
+            return Bends(
+                (LONG(0), LONG(profile.inner_half_length)),
+                (inner_curvature, outer_curvature - inner_curvature),
+            )
         case "wedge":
             return Bends(
                 (LONG(0), LONG(profile.tip_half_length)),
@@ -421,12 +424,14 @@ class Phase:
         return tuple(self.of(normal, tangential)(np.array([self.begin, self.end], dtype=LONG))[0])
 
 
-def _phases(whole, friction):
+def _phases(wave_of_loads, friction):
     """A leg in phases: sign changes of the three rates among samples, halved to the last digit."""
-    times = whole.begin + (whole.end - whole.begin) * np.linspace(0, 1, _SAMPLES).astype(LONG)
-    marks = [whole.begin, whole.end]
-    for what in ((LONG(1), 0), (-friction, 1), (friction, 1)):
-        rate = lambda t, what=what: whole.of(*what)(t)[1]  # noqa: E731
+    times = wave_of_loads.begin + (wave_of_loads.end - wave_of_loads.begin) * np.linspace(
+        0, 1, _SAMPLES
+    ).astype(LONG)
+    marks = [wave_of_loads.begin, wave_of_loads.end]
+    for combination in ((LONG(1), 0), (-friction, 1), (friction, 1)):
+        rate = lambda t, combination=combination: wave_of_loads.of(*combination)(t)[1]  # noqa: E731
         sign = np.sign(rate(times))
         sign[np.abs(rate(times)) <= 1e-17 * np.max(np.abs(rate(times)))] = 0
         known = np.flatnonzero(sign)
@@ -442,7 +447,7 @@ def _phases(whole, friction):
                 marks.append((low + high) / 2)
     marks = sorted(marks)
     return [
-        replace(whole, begin=a, end=b)
+        replace(wave_of_loads, begin=a, end=b)
         for a, b in pairwise(marks)
         if b - a > 1e-17 * max(abs(a), abs(b))
     ]
@@ -471,7 +476,7 @@ def phases_of(path, friction, cycles):
         wholes[id(path.initial_loading[-1])] = replace(
             joint, last=wholes[id(path.cycle[0])].loads(LONG(path.cycle[0].start))[:2]
         )
-    cut = {key: _phases(whole, friction) for key, whole in wholes.items()}
+    cut = {key: _phases(wave_of_loads, friction) for key, wave_of_loads in wholes.items()}
     listed = [[phase for leg in group for phase in cut[id(leg)]] for group in groups]
     return [phase for group in listed for phase in group], sum(len(group) for group in listed[:-1])
 
@@ -557,16 +562,16 @@ def _held(slip, phase):
     begin, end = np.where(marks == lows[0], phase.begin, times)
     if not end > begin:
         return
-    found = replace(slip, begin=begin, end=end)
+    held_slip = replace(slip, begin=begin, end=end)
     # Crowded to both ends: what lies between an end and the first of them is lost, with the cube of
     # its length.
     inner = (
         begin + (end - begin) * np.sin((np.arange(129).astype(LONG) + LONG(0.5)) * PI / 258) ** 2
     )
     load = phase.loads(inner)[0]
-    ahead = load - found.front(inner) > 1e-17 * load
+    ahead = load - held_slip.front(inner) > 1e-17 * load
     if np.all(ahead):
-        yield found
+        yield held_slip
     elif np.any(ahead):
         marks = [begin, end]
         for k in np.flatnonzero(ahead[1:] != ahead[:-1]):
@@ -574,13 +579,13 @@ def _held(slip, phase):
             high = inner[k + 1]
             for _ in range(80):
                 middle = (low + high) / 2
-                inside = phase.loads(middle)[0] - found.front(middle) > 0
+                inside = phase.loads(middle)[0] - held_slip.front(middle) > 0
                 low, high = (middle, high) if inside == ahead[k] else (low, middle)
             marks.append((low + high) / 2)
         state = bool(ahead[0])
         for a, b in pairwise(sorted(marks)):
             if state:
-                yield replace(found, begin=a, end=b)
+                yield replace(held_slip, begin=a, end=b)
             state = not state
 
 

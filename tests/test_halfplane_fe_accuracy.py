@@ -89,8 +89,8 @@ def interface(elements, order):
         min(1.0, 3.2 / elements),
         order,
     )
-    one = condense(body, Elastic(young_modulus=1.82, poisson_ratio=0.3), DATUM)
-    return couple(one, one)
+    condensed_body = condense(body, Elastic(young_modulus=1.82, poisson_ratio=0.3), DATUM)
+    return couple(condensed_body, condensed_body)
 
 
 def states_of(elements, order, load, steps, friction=FRICTION):
@@ -115,7 +115,7 @@ def hertz_errors(elements, order):
     sides, run = states_of(
         elements, order, PolygonLoad(initial_loading=[(0.5, 0.0), (1.0, 0.0)]), 8 * 30
     )
-    found = []
+    errors = []
     for state in run.states:
         if state.time < 1:
             continue
@@ -127,7 +127,7 @@ def hertz_errors(elements, order):
         )
         middle = np.abs(sides.x) < a / 4
         approach = hertz_approach(state.normal_load, RADIUS, 1.0, DATUM)
-        found.append(
+        errors.append(
             (
                 rms((pressure - exact)[middle]) / exact.max(),
                 np.sqrt(sides.weights @ (pressure - exact) ** 2 / (sides.weights @ exact**2)),
@@ -138,7 +138,7 @@ def hertz_errors(elements, order):
     return dict(
         zip(
             ("middle", "L2", "edge", "approach"),
-            (rms(column) for column in zip(*found, strict=True)),
+            (rms(column) for column in zip(*errors, strict=True)),
             strict=True,
         )
     )
@@ -147,7 +147,7 @@ def hertz_errors(elements, order):
 @functools.cache
 def mindlin_errors(elements, order=2):
     """Over cycles between +-0.4 and +-0.8 of f P: shear in L2, stick edge, dissipation."""
-    found = []
+    errors = []
     for share in np.linspace(0.4, 0.8, 9):
         q = share * FRICTION
         sides, run = states_of(
@@ -173,11 +173,11 @@ def mindlin_errors(elements, order=2):
             c = mindlin_stick_half_width(1.0, (turns[1] - turns[0]) / 2, FRICTION, RADIUS, 1.0)
             edge_error.append((right - left) / 2 - c)
         dissipation = run.cycle_density[-1].sum() / mindlin_dissipation(1.0, q, FRICTION, 1.0) - 1
-        found.append((rms(shear_error), rms(edge_error), dissipation))
+        errors.append((rms(shear_error), rms(edge_error), dissipation))
     return dict(
         zip(
             ("shear", "stick edge", "dissipation"),
-            (rms(column) for column in zip(*found, strict=True)),
+            (rms(column) for column in zip(*errors, strict=True)),
             strict=True,
         )
     )
@@ -346,10 +346,10 @@ def moving_edges(elements, cured=True):
     """
     sides = interface(elements, 2)
     body = Elastic(young_modulus=1.82, poisson_ratio=0.3)
-    found = []
-    alike = Materials(upper=body, lower=body)
+    errors = []
+    materials = Materials(upper=body, lower=body)
     like = load_scene("hertz-paper").vary(
-        material=alike, profile=Hertz(radius=RADIUS), friction=FRICTION
+        material=materials, profile=Hertz(radius=RADIUS), friction=FRICTION
     )
     for p in np.linspace(0.8, 1.0, 5):
         load = PolygonLoad(
@@ -364,8 +364,8 @@ def moving_edges(elements, cured=True):
         )
         run = run_path(contact, load.path(), Pace(1.0, 32, np.inf), 2, lambda *_: None)
         exact = semi_analytic.solve(scene, x=[0.0], fields=("dissipation",)).dissipation
-        found.append(run.cycle_density[-1].sum() / exact - 1)
-    return rms(found)
+        errors.append(run.cycle_density[-1].sum() / exact - 1)
+    return rms(errors)
 
 
 def test_the_last_digits_of_x_do_not_choose_what_is_smoothed() -> None:
@@ -377,11 +377,14 @@ def test_the_last_digits_of_x_do_not_choose_what_is_smoothed() -> None:
     digits = np.random.default_rng(0).integers(-4, 5, len(sides.x)) * np.spacing(
         np.abs(sides.x).max()
     )
-    faces, others = (
+    faces, faces_moved = (
         without_local_difference(replace(sides, x=x), scene) for x in (sides.x, sides.x + digits)
     )
     np.testing.assert_allclose(
-        others.tangential, faces.tangential, rtol=0, atol=1e-12 * np.abs(faces.tangential).max()
+        faces_moved.tangential,
+        faces.tangential,
+        rtol=0,
+        atol=1e-12 * np.abs(faces.tangential).max(),
     )
 
 
@@ -553,11 +556,11 @@ CORK = Elastic(young_modulus=70e3, poisson_ratio=0.0)
 
 def test_like_bodies_have_none_and_exchanged_ones_the_opposite() -> None:
     assert dundurs(Materials(upper=STEEL, lower=STEEL)) == (0.0, 0.0)
-    one = dundurs(Materials(upper=RUBBER, lower=STEEL))
-    other = dundurs(Materials(upper=STEEL, lower=RUBBER))
-    assert one.alpha > 0
-    assert one.beta > 0
-    assert other == (-one.alpha, -one.beta)
+    soft_above = dundurs(Materials(upper=RUBBER, lower=STEEL))
+    soft_below = dundurs(Materials(upper=STEEL, lower=RUBBER))
+    assert soft_above.alpha > 0
+    assert soft_above.beta > 0
+    assert soft_below == (-soft_above.alpha, -soft_above.beta)
 
 
 @pytest.mark.parametrize(("upper", "lower"), [(RUBBER, STEEL), (CORK, STEEL)])

@@ -80,11 +80,13 @@ PLANTED = {
 
 @pytest.mark.parametrize("name", [None, *PLANTED])
 def test_planted_violation_is_seen_with_its_size_and_nothing_else_is(name):
-    field, place, value, seen = PLANTED.get(name, ("gap", 0, GOOD["gap"][0], {}))
+    field, place, value, expected_laws = PLANTED.get(name, ("gap", 0, GOOD["gap"][0], {}))
     values = GOOD[field].copy()
     values[place] = value
-    found = violations(**(GOOD | {field: values}), friction=0.5)
-    assert found == pytest.approx({figure: seen.get(figure, 0.0) for figure in PLANTED}, abs=1e-15)
+    broken_laws = violations(**(GOOD | {field: values}), friction=0.5)
+    assert broken_laws == pytest.approx(
+        {figure: expected_laws.get(figure, 0.0) for figure in PLANTED}, abs=1e-15
+    )
 
 
 # ------------------------------------------------------------------------------------ one increment
@@ -117,7 +119,7 @@ def problem(pair="like", layer=0.0, friction=FRICTION, max_iterations=100):
     """Scaled so that E* = 1 and the contact reaches |x| = 1 at P = 1, or thereabouts."""
     sides = interface(pair)
     soft = np.full_like(sides.x, layer)
-    modulus = 1 / sum((1 - one.poisson_ratio**2) / one.young_modulus for one in MATERIALS[pair])
+    modulus = 1 / sum((1 - body.poisson_ratio**2) / body.young_modulus for body in MATERIALS[pair])
     height = 2 / np.pi / modulus * np.square(sides.x)
     return ContactProblem(sides, height, friction, Layer(soft, soft), max_iterations=max_iterations)
 
@@ -181,14 +183,14 @@ def test_every_law_holds_along_any_path(pair, path):
         assert energy.external == pytest.approx(energy.elastic + energy.interface, abs=1e-12)
         assert np.all(energy.dissipation >= 0)
         assert float(after.shear @ (after.slip - before.slip)) >= -1e-12
-    for one, other in zip(states, mirrored, strict=True):
-        closed = one.state != SurfaceState.OPEN
+    for state, mirror_state in zip(states, mirrored, strict=True):
+        closed = state.state != SurfaceState.OPEN
         for name, sign in (("pressure", 1), ("shear", -1), ("gap", 1)):
             np.testing.assert_allclose(
-                getattr(other, name), sign * getattr(one, name)[::-1], atol=1e-10
+                getattr(mirror_state, name), sign * getattr(state, name)[::-1], atol=1e-10
             )
-        np.testing.assert_allclose(other.slip[::-1][closed], -one.slip[closed], atol=1e-10)
-        assert other.shift == pytest.approx(-one.shift, abs=1e-10)
+        np.testing.assert_allclose(mirror_state.slip[::-1][closed], -state.slip[closed], atol=1e-10)
+        assert mirror_state.shift == pytest.approx(-state.shift, abs=1e-10)
 
 
 def test_a_node_that_pulls_by_a_thousand_millionth_of_the_largest_nodal_force_lets_go():
@@ -265,31 +267,31 @@ def random_systems(pair: str = "unlike", n: int = N, work: Counter[str] | None =
     return Systems(faces, Layer(none, none), SLIDING, Counter() if work is None else work)
 
 
-def sets(count: int, n: int = N, every: int = 7, few: int = 3) -> list[np.ndarray]:
+def sets(count: int, n: int = N, every: int = 7, changes: int = 3) -> list[np.ndarray]:
     """States that go on from each other, a few nodes at a time, and now and then a jump."""
     states = np.full(n, STICK, dtype=np.int8)
-    found = []
+    state_sets = []
     for number in range(count):
-        changed = RNG.choice(n, few if number % every else n, replace=False)
+        changed = RNG.choice(n, changes if number % every else n, replace=False)
         states = states.copy()
         states[changed] = RNG.integers(0, 4, len(changed))
         states[n // 2] = STICK
-        found.append(states)
-    return found
+        state_sets.append(states)
+    return state_sets
 
 
 def residual(
-    one: Systems,
+    set_systems: Systems,
     states: np.ndarray,
     loads: tuple[float, float],
     rows: np.ndarray,
-    given: np.ndarray,
+    fixed: np.ndarray,
 ) -> float:
     """Worst violation of the equations that the states name, written out afresh, `given` being what
     some rows are to have.
     """
-    values = one.answers(states, 2, rows, given).T @ [*loads, 1.0]
-    faces = one.interface
+    values = set_systems.answers(states, 2, rows, fixed).T @ [*loads, 1.0]
+    faces = set_systems.interface
     n = len(states)
     slip, p, q, gap = nodal(values)
     approach, shift, tilt = values[:3]
@@ -298,16 +300,16 @@ def residual(
     found_gap = n_x * shift - n_y * approach + faces.normal @ p - coupling.T @ q
     found_slip = n_y * shift + n_x * approach + coupling @ p - faces.tangential @ q
     sign = np.select([states == FORWARD, states == REVERSE], [1.0, -1.0])
-    wanted = np.zeros(2 * n)
-    wanted[rows] = given
+    expected = np.zeros(2 * n)
+    expected[rows] = fixed
     normal = np.where(states == OPEN, p, gap)
     tangential = np.where(states == STICK, slip, q - sign * SLIDING * p)
     balance = [n_y @ p + n_x @ q - loads[0], n_y @ q - n_x @ p - loads[1], tilt]
     equations = [
         found_gap - gap,
         found_slip - slip,
-        normal - wanted[:n],
-        tangential - wanted[n:],
+        normal - expected[:n],
+        tangential - expected[n:],
         balance,
     ]
     return float(np.abs(np.concatenate(equations)).max())
@@ -316,10 +318,12 @@ def residual(
 @pytest.mark.parametrize("pair", ["like", "unlike"])
 def test_every_set_is_solved_to_rounding_and_few_are_factorised(pair: str) -> None:
     work: Counter[str] = Counter()
-    one = random_systems(pair, work=work)
+    set_systems = random_systems(pair, work=work)
     for number, states in enumerate(sets(40)):
         rows = RNG.choice(2 * N, number % 5 * 12, replace=False)
-        assert residual(one, states, (1.0, 0.3), rows, RNG.standard_normal(len(rows))) < 1e-11
+        assert (
+            residual(set_systems, states, (1.0, 0.3), rows, RNG.standard_normal(len(rows))) < 1e-11
+        )
     assert work["linear solves"] == 40
     assert 0 < work["factorisations"] < 12
 
@@ -332,7 +336,7 @@ def test_sets_of_first_nodes_are_solved_to_rounding_and_none_is_factorised(
     """
     monkeypatch.setattr(systems, "_ROWS", 8)
     work: Counter[str] = Counter()
-    one = random_systems("like", work=work)
+    set_systems = random_systems("like", work=work)
     for number in range(40):
         touching, sticking = np.sort(RNG.integers(1, N + 1, 2))[::-1]
         sliding = RNG.choice([FORWARD, REVERSE], touching - sticking)
@@ -340,32 +344,38 @@ def test_sets_of_first_nodes_are_solved_to_rounding_and_none_is_factorised(
             [np.full(sticking, STICK), sliding, np.full(N - touching, OPEN)]
         ).astype(np.int8)
         rows = RNG.choice(2 * N, number % 5 * 12, replace=False)
-        assert residual(one, states, (1.0, 0.3), rows, RNG.standard_normal(len(rows))) < 1e-11
+        assert (
+            residual(set_systems, states, (1.0, 0.3), rows, RNG.standard_normal(len(rows))) < 1e-11
+        )
     assert work["linear solves"] == 40
     assert not work["factorisations"]
 
 
 def test_bodies_that_nothing_holds_are_no_answer():
-    one = random_systems()
+    set_systems = random_systems()
     slides = np.full(N, FORWARD, dtype=np.int8)
     near = slides.copy()
     near[3] = STICK
     with pytest.raises(SingularSet):
-        one.answers(slides, 2)
-    one.answers(near, 2)  # a base from which the set above is one row away
+        set_systems.answers(slides, 2)
+    set_systems.answers(near, 2)  # a base from which the set above is one row away
     with pytest.raises(SingularSet):
-        one.answers(slides, 2)
+        set_systems.answers(slides, 2)
     with pytest.raises(SingularSet):
-        one.answers(np.full(N, OPEN, dtype=np.int8), 2)
+        set_systems.answers(np.full(N, OPEN, dtype=np.int8), 2)
 
 
 def test_a_compliance_that_is_not_positive_definite_is_refused() -> None:
-    one = random_systems("like")
+    set_systems = random_systems("like")
     with pytest.raises(ConvergenceError, match="not positive definite"):
-        Systems(replace(one.interface, tangential=-one.interface.tangential), one.layer, SLIDING)
+        Systems(
+            replace(set_systems.interface, tangential=-set_systems.interface.tangential),
+            set_systems.layer,
+            SLIDING,
+        )
     Systems(
-        replace(one.interface, tangential=-one.interface.tangential),
-        one.layer,
+        replace(set_systems.interface, tangential=-set_systems.interface.tangential),
+        set_systems.layer,
         SLIDING,
         shears=False,
     )
@@ -375,17 +385,17 @@ def test_a_compliance_that_is_not_positive_definite_is_refused() -> None:
 def test_bytes_kept_stay_within_the_bound(every: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """Room for two bases or three, with their answers; none suffers."""
     n = 60
-    whole = 8 * (122**2 + 120 * (3 + 4 * n))  # of a base all of whose answers are there
-    monkeypatch.setattr(systems, "_BYTES", bound := 3 * whole)
+    base_bytes = 8 * (122**2 + 120 * (3 + 4 * n))  # of a base all of whose answers are there
+    monkeypatch.setattr(systems, "_BYTES", bound := 3 * base_bytes)
     monkeypatch.setattr(systems, "_MOST_ROWS", 40)
-    one = random_systems(n=n)
+    set_systems = random_systems(n=n)
     reached = []
     for states in sets(300, n, every):
-        assert residual(one, states, (1.0, 0.1), np.arange(2), np.ones(2)) < 1e-10
-        bases = [(base.factors[0], base.beyond, base.answers) for base in one._bases]
+        assert residual(set_systems, states, (1.0, 0.1), np.arange(2), np.ones(2)) < 1e-10
+        bases = [(base.factors[0], base.beyond, base.answers) for base in set_systems._bases]
         reached.append(sum(array.nbytes for arrays in bases for array in arrays))
     assert max(reached) <= bound
-    assert one.work["factorisations"] > 6
+    assert set_systems.work["factorisations"] > 6
     assert max(reached) > bound / 2  # or the bound was never met
 
 
@@ -423,9 +433,9 @@ def test_half_the_nodes_give_the_answer_of_all(name, settings, monkeypatch):
         "tangential_displacement",
     ):
         expected = getattr(full, field)
-        found = getattr(halved, field)
+        half_value = getattr(halved, field)
         np.testing.assert_allclose(
-            found, expected, rtol=0, atol=1e-8 * np.nanmax(np.abs(expected)), err_msg=field
+            half_value, expected, rtol=0, atol=1e-8 * np.nanmax(np.abs(expected)), err_msg=field
         )
     np.testing.assert_array_equal(halved.state, full.state)
     assert halved.dissipation == pytest.approx(full.dissipation, rel=1e-11)
@@ -434,19 +444,19 @@ def test_half_the_nodes_give_the_answer_of_all(name, settings, monkeypatch):
 @pytest.mark.parametrize(
     "spoil",
     [
-        lambda one: {"x": one.x + 1e-3},
-        lambda one: {"gap": one.gap + one.x},
-        lambda one: {"normals": np.stack([0.1 * one.x, np.ones_like(one.x)])},
-        lambda one: {"weights": one.weights * (1 + 0.1 * (one.x > 0))},
-        lambda one: {"normal": one.normal * (1 + 1e-6 * (one.x > 0))},
-        lambda one: {"coupling": one.normal},
+        lambda sides: {"x": sides.x + 1e-3},
+        lambda sides: {"gap": sides.gap + sides.x},
+        lambda sides: {"normals": np.stack([0.1 * sides.x, np.ones_like(sides.x)])},
+        lambda sides: {"weights": sides.weights * (1 + 0.1 * (sides.x > 0))},
+        lambda sides: {"normal": sides.normal * (1 + 1e-6 * (sides.x > 0))},
+        lambda sides: {"coupling": sides.normal},
     ],
     ids=["places", "gap", "slope", "weights", "compliance", "coupling"],
 )
 def test_faces_that_are_no_mirror_images_are_left_alone(spoil):
-    whole = couple(*fe_run(load_scene("hertz-paper")).condensed)
-    assert mirrored(whole, sheared=False)
-    assert not mirrored(replace(whole, **spoil(whole)), sheared=False)
+    interface = couple(*fe_run(load_scene("hertz-paper")).condensed)
+    assert mirrored(interface, sheared=False)
+    assert not mirrored(replace(interface, **spoil(interface)), sheared=False)
 
 
 def test_friction_work_of_an_increment_in_which_a_node_starts_to_slide_is_that_of_many():
@@ -471,11 +481,11 @@ def test_friction_work_of_an_increment_in_which_a_node_starts_to_slide_is_that_o
         energies = increment_energies(problem, states, [state.state for state in states[1:]])
         return energies.dissipation.sum(axis=0), states
 
-    whole, states = work(1)
+    work_of_increment, states = work(1)
     parts, _ = work(400)
     before, after = (np.abs(slip_sign(state.state)) for state in states)
     assert (before.sum(), after.sum()) == (1, 2)
-    np.testing.assert_allclose(whole, parts, rtol=1e-9)
+    np.testing.assert_allclose(work_of_increment, parts, rtol=1e-9)
     slip, pressure, _, _ = nodal(np.stack([state.values for state in states]))
     assert (
         np.abs(

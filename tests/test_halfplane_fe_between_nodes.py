@@ -62,20 +62,21 @@ def test_the_chords_of_the_compression_are_those_of_the_formula(
     compression: tuple[ContactProblem, list[InterfaceState], Array],
 ) -> None:
     problem, states, over = compression
-    found = []
+    chords = []
     for state in states:
         node = int(np.flatnonzero(state.closed)[-1])
         _, pressure, _, gap = nodal(state.values)
         by_load = nodal(problem.rates(state.state, 2)[0])
         way = pressure[node] / by_load[1][node], -gap[node + 1] / by_load[3][node + 1]
-        found.append(
+        chords.append(
             float(between_nodes._chord(problem, node, False, way[0] / sum(way), sum(way))[0])
         )
     # The line in P is the datum's; 30 elements that end are a little stiffer than a half-plane of
     # them.
     load = np.array([state.normal_load for state in states])
     left, all_of_it = (
-        one - np.polyval(np.polyfit(load, one, 2), load) for one in (over - np.array(found), over)
+        curve - np.polyval(np.polyfit(load, curve, 2), load)
+        for curve in (over - np.array(chords), over)
     )
     assert np.ptp(all_of_it) > 0.05
     assert np.sqrt(np.mean(left**2)) < 0.05 * np.sqrt(np.mean(all_of_it**2))
@@ -89,7 +90,7 @@ def at_many_places(name: str, count: int = 9) -> Iterator[tuple[PathRun, float, 
     size = scales._fitting_size(pair)
     for larger in np.linspace(0.92, 1.06, count):
         problem, run = scales._coarse_run(pair, size * larger)
-        pressed = max(run.states, key=lambda one: one.normal_load)
+        pressed = max(run.states, key=lambda state: state.normal_load)
         half_width = float(np.diff(scales._contact_edges(problem, [pressed]))[0, 0] / 2)
         yield run, (scales._ELEMENTS * half_width) ** -2.0, pair.load**2 / pair.modulus
 
@@ -106,33 +107,33 @@ def test_w_scatters_less_over_the_places_of_the_edges(name: str, left: float) ->
     scatter = []
     for run, square, unit in at_many_places(name):
         work = float(run.cycle_density[-1].sum()) * unit
-        found = run.excess[-1]
-        assert found.edges == 2  # of stick and of contact, on the half that is solved
+        excess = run.excess[-1]
+        assert excess.edges == 2  # of stick and of contact, on the half that is solved
         assert run.column("dissipation")[run.cycle_starts[-1] :].sum() * unit == pytest.approx(
             work, rel=1e-12
         )
         assert run.column("loop")[run.cycle_starts[-1] :].sum() * unit == pytest.approx(
             work, rel=1e-9
         )
-        before.append(((work + found.value * unit) / exact - 1) / square)
+        before.append(((work + excess.value * unit) / exact - 1) / square)
         after.append((work / exact - 1) / square)
-        scatter.append(found.scatter * unit / exact / square)
+        scatter.append(excess.scatter * unit / exact / square)
     rms_before, rms_after = (np.sqrt(np.mean(np.square(errors))) for errors in (before, after))
     assert rms_after < left * rms_before
     assert np.mean(scatter) == pytest.approx(rms_before, rel=0.4)  # told by each run alone
 
 
 def test_edges_that_are_not_between_quadratic_nodes_of_one_size_are_left_alone() -> None:
-    def counted(**given: object) -> list[int]:
-        found: list[Excess] = []
+    def counted(**options: object) -> list[int]:
+        excesses: list[Excess] = []
 
         def spy(problem: ContactProblem, states: list[InterfaceState]) -> Excess:
-            found.append(excess(problem, states))
-            return found[-1]
+            excesses.append(excess(problem, states))
+            return excesses[-1]
 
         with mock.patch("halfplane_fe.run.excess", spy):
-            halfplane_fe.solve("cattaneo-mindlin", **given)
-        return [one.edges for one in found]
+            halfplane_fe.solve("cattaneo-mindlin", **options)
+        return [record.edges for record in excesses]
 
     # two revolutions of the coarse run, two of the answer
     assert counted(mesh=MeshSettings.coarse()) == [2] * 4

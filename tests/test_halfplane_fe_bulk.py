@@ -315,15 +315,19 @@ AT_ONCE = ("reflected", "shear turned", "upside down", "unequal sides")
 )
 def test_two_scenes_that_are_one_have_one_answer(name: str) -> None:
     first, second, side, sense, room = SAME[name]
-    one = numbers(solved(first))
-    other = numbers(solved(second), side, sense)
-    for field, values in one.items():
+    first_numbers = numbers(solved(first))
+    second_numbers = numbers(solved(second), side, sense)
+    for field, values in first_numbers.items():
         np.testing.assert_allclose(
-            other[field], values, rtol=room, atol=room * max(np.abs(values).max(), 1), err_msg=field
+            second_numbers[field],
+            values,
+            rtol=room,
+            atol=room * max(np.abs(values).max(), 1),
+            err_msg=field,
         )
     if first is LOWER or "unequal" in name:  # and the change is one that counts
         plain = solved(same_strain(wave(0, 0))).dissipation
-        assert abs(one["W"][-1] / plain - 1) > 0.1
+        assert abs(first_numbers["W"][-1] / plain - 1) > 0.1
 
 
 # ------------------------------------------------------------------------------------------- energy
@@ -423,14 +427,14 @@ def test_turning_points_of_five_loads_and_the_area_between_their_curve_and_its_c
     middle = (loads[1:] + loads[:-1]) / 2
     rise = np.diff(loads, axis=0)
     chord = np.outer((loads[0] + loads[-1]) / 2, loads[-1] - loads[0])
-    found = enclosed(leg, np.array([start, end]))[:, :, 0]
+    areas = enclosed(leg, np.array([start, end]))[:, :, 0]
     bulk = math.radians(100)
     tilt = math.radians(30)
     for turn in (bulk, bulk + math.pi, tilt, tilt + math.pi):
         inside = leg.start + np.mod(turn - leg.start, 2 * math.pi)
         assert np.abs(np.array(turning_points(leg, 0.5)) - inside).min() < 1e-9
-    np.testing.assert_allclose(np.tril(found, -1), np.tril(middle.T @ rise - chord, -1), atol=1e-9)
-    np.testing.assert_array_equal(found, -found.T)
+    np.testing.assert_allclose(np.tril(areas, -1), np.tril(middle.T @ rise - chord, -1), atol=1e-9)
+    np.testing.assert_array_equal(areas, -areas.T)
     assert enclosed(MIXED.path().initial_loading[0], np.array([leg.start - 1, leg.start])) is None
 
 
@@ -454,8 +458,10 @@ def test_a_half_plane_under_stress_moves_as_a_uniform_field_exactly() -> None:
     """
     body = half_disc("lower", GRADING, 0.5)
     system = assemble(body, STEEL)
-    found = condense(body, STEEL, 4.0)
-    np.testing.assert_allclose(found.by_stress, [found.x * 0.91 / 2, 0 * found.x], atol=1e-15)
+    condensed_body = condense(body, STEEL, 4.0)
+    np.testing.assert_allclose(
+        condensed_body.by_stress, [condensed_body.x * 0.91 / 2, 0 * condensed_body.x], atol=1e-15
+    )
     places = system.basis.doflocs
     x_dofs = np.isin(np.arange(system.basis.N), system.basis.get_dofs(elements=True).all(["u^1"]))
     along, outward = uniform_stretch(STEEL, *places)
@@ -469,9 +475,11 @@ def test_a_half_plane_under_stress_moves_as_a_uniform_field_exactly() -> None:
 
 
 def test_a_specimen_on_rollers_stretches_uniformly_and_thins() -> None:
-    found = condense(block("rollers", 16.0, 3.0), STEEL, 1.0)
+    condensed_body = condense(block("rollers", 16.0, 3.0), STEEL, 1.0)
     np.testing.assert_allclose(
-        found.by_stress, uniform_stretch(STEEL, found.x, 0 * found.x + 3.0), atol=1e-10
+        condensed_body.by_stress,
+        uniform_stretch(STEEL, condensed_body.x, 0 * condensed_body.x + 3.0),
+        atol=1e-10,
     )
 
 
@@ -497,11 +505,17 @@ def test_stress_has_the_bulk_stress_in_it() -> None:
     )
     instant = [pulled.time[-1]]
     for body in (0, 1):
-        one, other = (fields(answer, instant)[0].bodies[body] for answer in (pulled, none))
-        np.testing.assert_allclose(
-            one.stress - other.stress, np.tile([0.4, 0, 0, 0.12], (len(one.stress), 1)), atol=1e-6
+        pulled_body, plain_body = (
+            fields(answer, instant)[0].bodies[body] for answer in (pulled, none)
         )
-        np.testing.assert_allclose(one.edge_tension - other.edge_tension, 0.4, atol=1e-6)
+        np.testing.assert_allclose(
+            pulled_body.stress - plain_body.stress,
+            np.tile([0.4, 0, 0, 0.12], (len(pulled_body.stress), 1)),
+            atol=1e-6,
+        )
+        np.testing.assert_allclose(
+            pulled_body.edge_tension - plain_body.edge_tension, 0.4, atol=1e-6
+        )
     tension, without = (
         edge_tension(answer, [len(answer.time) - 1])[0] for answer in (pulled, none)
     )

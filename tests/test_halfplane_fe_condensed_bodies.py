@@ -36,10 +36,10 @@ def body() -> BodyMesh:
     )
 
 
-def condensations(bodies: CondensedBodies, *given: Body) -> list[int]:
+def condensations(bodies: CondensedBodies, *inputs: Body) -> list[int]:
     """0 for each body taken from the cache, 1 for each that was condensed."""
     counts = []
-    for parts in given:
+    for parts in inputs:
         work: Counter[str] = Counter()
         bodies.condensed(*parts, work)
         assert work["condensations"] + work[CACHED] == 1
@@ -71,13 +71,15 @@ def test_the_second_solve_condenses_nothing_states_it_and_answers_the_same_bits(
 def test_a_cached_body_has_the_bits_of_a_condensed_one_and_the_mesh_that_was_given() -> None:
     bodies = CondensedBodies(LARGE)
     bodies.condensed(body(), STEEL, 7.0, Counter())
-    given = replace(body(), name="upper", quality={"worst": 1.0})  # which no compliance depends on
-    cached = bodies.condensed(given, STEEL, 7.0, Counter())
-    assert cached.body is given
-    again = condense(given, STEEL, 7.0)
-    for field in fields(again):
+    renamed = replace(
+        body(), name="upper", quality={"worst": 1.0}
+    )  # which no compliance depends on
+    cached = bodies.condensed(renamed, STEEL, 7.0, Counter())
+    assert cached.body is renamed
+    condensed_again = condense(renamed, STEEL, 7.0)
+    for field in fields(condensed_again):
         value = getattr(cached, field.name)
-        expected = getattr(again, field.name)
+        expected = getattr(condensed_again, field.name)
         if isinstance(expected, np.ndarray):
             assert value.tobytes() == expected.tobytes()
             assert not value.flags.writeable

@@ -190,15 +190,15 @@ SERIES = {
 def test_the_trend_of_a_series_and_what_is_left_of_it(name, count):
     series, limit, known, kind = SERIES[name]
     values = series(np.arange(1.0, count + 1)).tolist()
-    found = trend(values)
-    assert found.kind == kind
+    forecast = trend(values)
+    assert forecast.kind == kind
     if kind == "unclear":
-        assert np.isnan(found.limit)
-        assert found.left == pytest.approx(count * abs(values[-1] - values[-2]))
+        assert np.isnan(forecast.limit)
+        assert forecast.left == pytest.approx(count * abs(values[-1] - values[-2]))
     else:
         left = limit - values[-1]
-        assert found.left == pytest.approx(left, rel=0.04, abs=1e-15)
-        assert found.limit == pytest.approx(limit, abs=0.04 * abs(left) + 1e-15)
+        assert forecast.left == pytest.approx(left, rel=0.04, abs=1e-15)
+        assert forecast.limit == pytest.approx(limit, abs=0.04 * abs(left) + 1e-15)
     assert trend(values[: known - 1]).kind == "unclear"
     assert np.isnan(trend(values[:1]).left)
 
@@ -226,7 +226,7 @@ def test_revolutions_go_on_while_the_dissipation_has_more_to_go_than_its_uncerta
 
     monkeypatch.setattr("halfplane_fe.run._follow_legs", revolve)
     problem, load = walking(0.7, 0.9)
-    found = run_path(
+    outcome = run_path(
         problem,
         load.path(),
         Pace(1.0, 8, np.inf),
@@ -234,8 +234,8 @@ def test_revolutions_go_on_while_the_dissipation_has_more_to_go_than_its_uncerta
         lambda *_: None,
         uncertainty=lambda _run: uncertainty,
     )
-    assert len(found.cycle_density) == revolutions
-    assert found.steady_from == (revolutions - 1 if revolutions < 30 else None)
+    assert len(outcome.cycle_density) == revolutions
+    assert outcome.steady_from == (revolutions - 1 if revolutions < 30 else None)
 
 
 def walking(low, high):
@@ -346,31 +346,43 @@ def test_units_do_not_matter():
             **{name: getattr(plain.load, name) * STIFFER * LONGER for name in amounts}
         ),
     )
-    one, other = (fe_run(scene, FEWER, settings) for scene in (plain, changed))
+    plain_answer, scaled_answer = (fe_run(scene, FEWER, settings) for scene in (plain, changed))
     for field, factor in FACTORS.items():
-        here = np.asarray(getattr(one, field))
-        there = np.asarray(getattr(other, field)) / factor
+        plain_values = np.asarray(getattr(plain_answer, field))
+        scaled_values = np.asarray(getattr(scaled_answer, field)) / factor
         np.testing.assert_allclose(
-            there, here, rtol=0, atol=1e-9 * np.abs(here).max(), err_msg=field
+            scaled_values,
+            plain_values,
+            rtol=0,
+            atol=1e-9 * np.abs(plain_values).max(),
+            err_msg=field,
         )
 
 
 def test_the_initial_loading_is_forgotten():
-    found = [
+    answers = [
         fe_run(load_scene("hertz-paper").vary(load={"initial_loading": way}))
         for way in ("parabola", "straight")
     ]
-    check("initial loading", found[0].dissipation / found[1].dissipation - 1)
+    check("initial loading", answers[0].dissipation / answers[1].dissipation - 1)
 
 
 def test_progress_is_told():
-    told = []
+    reports = []
     halfplane_fe.solve(
-        load_scene("hertz-normal"), COARSE, FEW_STEPS, progress=lambda *what: told.append(what)
+        load_scene("hertz-normal"),
+        COARSE,
+        FEW_STEPS,
+        progress=lambda *report: reports.append(report),
     )
-    assert [text for _, _, text in told][:2] == ["coarse run", "meshing and condensing the bodies"]
-    done = [(done, total) for done, total, text in told if text.startswith("initial loading")]
-    assert done[-1][0] == done[-1][1]
+    assert [text for _, _, text in reports][:2] == [
+        "coarse run",
+        "meshing and condensing the bodies",
+    ]
+    counts = [
+        (counts, total) for counts, total, text in reports if text.startswith("initial loading")
+    ]
+    assert counts[-1][0] == counts[-1][1]
 
 
 # ----------------------------------------------------------------------------- energy of increments
@@ -384,8 +396,8 @@ def test_balance_is_closed_at_every_step_and_the_layer_has_its_share(method):
     answer = stepped_run(method, 24)
     energy = answer.record.energy
     rest = energy["external"] - energy["elastic"] - energy["interface"]
-    whole = np.abs(np.cumsum(energy["external"])).max()
-    check("certificates", float(np.abs(rest).max() / whole))
+    largest_work = np.abs(np.cumsum(energy["external"])).max()
+    check("certificates", float(np.abs(rest).max() / largest_work))
     assert ("layer" in energy) == (method == "penalty")
     if method == "penalty":
         audit = answer.penalty
@@ -399,7 +411,7 @@ def test_balance_is_closed_at_every_step_and_the_layer_has_its_share(method):
             / 2
         )
         np.testing.assert_allclose(np.cumsum(energy["layer"]), stored, atol=1e-12 * stored.max())
-        assert np.abs(rest + energy["layer"]).max() > 1e-5 * whole
+        assert np.abs(rest + energy["layer"]).max() > 1e-5 * largest_work
 
 
 # ---------------------------------------------------------- increments: halved, landed, thrown away
@@ -465,13 +477,13 @@ def test_a_node_at_its_event_is_what_it_was_in_the_increment_that_led_there() ->
     rest = InterfaceState(0.0, (0.0, 0.0), np.zeros(3 + 4 * 4), np.zeros(4, dtype=np.int8))
     history = rest.changed(slip=[1.0, 1.0, 1.0, 1.0], state=[closed, closed, closed, opened])
     solved = history.changed(slip=[1.0, 1.5, 0.5, 2.0], state=[opened, opened, opened, closed])
-    told = [
+    expected = [
         SurfaceState.STICK,
         SurfaceState.SLIP_FORWARD,
         SurfaceState.SLIP_REVERSE,
         SurfaceState.OPEN,
     ]
-    assert stepping.up_to_event(history, solved).tolist() == told
+    assert stepping.up_to_event(history, solved).tolist() == expected
     far = solved.changed(gap=np.ones(4))
     assert stepping.up_to_event(history, far).tolist() == far.state.tolist()
 
@@ -660,12 +672,12 @@ def test_augmented_lagrangian_is_independent_of_the_weights_over_six_decades():
     """
     plain = layer_run("hertz-paper", "augmented_lagrangian", 1e3)
     for weight in (1.0, 1e6):
-        other = layer_run("hertz-paper", "augmented_lagrangian", weight)
+        answer = layer_run("hertz-paper", "augmented_lagrangian", weight)
         for field in ("time", "pressure", "shear", "slip", "state"):
             np.testing.assert_array_equal(
-                getattr(other, field), getattr(plain, field), err_msg=f"{field}, {weight:g}"
+                getattr(answer, field), getattr(plain, field), err_msg=f"{field}, {weight:g}"
             )
-        assert other.work.counts["contact iterations"] == plain.work.counts["contact iterations"]
+        assert answer.work.counts["contact iterations"] == plain.work.counts["contact iterations"]
     audit = plain.penalty
     assert np.isinf([audit.normal_stiffness, audit.tangential_stiffness]).all()
     assert (audit.penetration, audit.elastic_slip, plain.settings["penalty"]) == (0.0, 0.0, {})
@@ -686,13 +698,13 @@ def test_audit_of_the_layer_is_what_the_bodies_do_and_is_in_the_record():
         1e2 * answer.scales.modulus / answer.settings["element_size"]
     )
     assert audit.penetration == pytest.approx(layer.max())
-    one, other = (body.compliance[1, :, 1, :] for body in answer.condensed)
+    lower, upper = (body.compliance[1, :, 1, :] for body in answer.condensed)
     last = len(answer.time) - 1
     closed = answer.states[last].closed
     gap = (
         answer.scene.profile.height(answer.x)
         - answer.normal_approach[last]
-        + (one + other) @ (answer.pressure[last] * weights)
+        + (lower + upper) @ (answer.pressure[last] * weights)
     )
     np.testing.assert_allclose(gap[closed], -layer[last][closed], atol=1e-10 * unit)
     depth = answer.contact_half_width.max() ** 2 / (2 * answer.scene.profile.radius)
@@ -756,11 +768,11 @@ def test_instants_that_are_left_out_cost_nothing_but_themselves(
     """Each instant is as in the whole answer; what is of the whole path is that of the whole answer
     to rounding, and it is said.
     """
-    found = solved(rows, most, repeats)
-    whole = solved(rows, 10**9, repeats)
-    assert len(found.time) == len(found.states) <= most < len(whole.time)
-    assert found.thinned > whole.thinned
-    kept = np.searchsorted(whole.time, found.time)
+    thinned = solved(rows, most, repeats)
+    complete = solved(rows, 10**9, repeats)
+    assert len(thinned.time) == len(thinned.states) <= most < len(complete.time)
+    assert thinned.thinned > complete.thinned
+    instants = np.searchsorted(complete.time, thinned.time)
     for name in (
         "time",
         "normal_load",
@@ -772,9 +784,9 @@ def test_instants_that_are_left_out_cost_nothing_but_themselves(
         "stick_edges",
     ):
         np.testing.assert_array_equal(
-            getattr(found, name), getattr(whole, name)[kept], err_msg=name
+            getattr(thinned, name), getattr(complete, name)[instants], err_msg=name
         )
-    assert found.steady_from == whole.steady_from
+    assert thinned.steady_from == complete.steady_from
     for name in (
         "dissipation",
         "dissipation_density",
@@ -782,45 +794,48 @@ def test_instants_that_are_left_out_cost_nothing_but_themselves(
         "permanent_stick_half_width",
         "loop_work",
     ):
-        assert getattr(found, name) == pytest.approx(
-            getattr(whole, name), rel=1e-14, nan_ok=True
+        assert getattr(thinned, name) == pytest.approx(
+            getattr(complete, name), rel=1e-14, nan_ok=True
         ), name
-    for name, energy in whole.record.energy.items():
-        assert found.record.energy[name].sum() == pytest.approx(
+    for name, energy in complete.record.energy.items():
+        assert thinned.record.energy[name].sum() == pytest.approx(
             energy.sum(), rel=1e-10, abs=1e-13
         ), name
     assert all(
-        found.record.certificates[name].max() == worst.max()
-        for name, worst in whole.record.certificates.items()
+        thinned.record.certificates[name].max() == worst.max()
+        for name, worst in complete.record.certificates.items()
     )
-    assert (found.record.iterations.sum(), found.work.counts) == (
-        whole.record.iterations.sum(),
-        whole.work.counts,
+    assert (thinned.record.iterations.sum(), thinned.work.counts) == (
+        complete.record.iterations.sum(),
+        complete.work.counts,
     )
-    missing = len(whole.time) - len(found.time)
+    missing = len(complete.time) - len(thinned.time)
     assert any(
-        note.startswith(f"{missing} of {len(whole.time)} instants") for note in found.record.notes
+        note.startswith(f"{missing} of {len(complete.time)} instants")
+        for note in thinned.record.notes
     )
-    assert found.work.skipped["instants"][0] == missing
+    assert thinned.work.skipped["instants"][0] == missing
     if repeats:  # a cycle keeps its start and its end
         assert (
-            found.time[found.last_cycle[[0, -1]]].tolist()
-            == whole.time[whole.last_cycle[[0, -1]]].tolist()
+            thinned.time[thinned.last_cycle[[0, -1]]].tolist()
+            == complete.time[complete.last_cycle[[0, -1]]].tolist()
         )
     elif rows < most:  # every row stays
-        assert np.isin(long_record.rows_of(rows)[:, 0], found.time).all()
+        assert np.isin(long_record.rows_of(rows)[:, 0], thinned.time).all()
     else:
         # evenly many of them, no more than nine rows of 0.01 s between two, which must not count as
         # straight lines
-        assert len(found.time) >= 6
-        assert np.diff(found.time).max() < 0.1
-        own = semi_analytic.solve(found.scene, x=found.x, time=found.time)
-        on_kept = semi_analytic.solve(found.scene, x=found.x, time=found.time, straight_steps=True)
-        assert own.dissipation == pytest.approx(
-            semi_analytic.solve(found.scene).dissipation, rel=1e-12
+        assert len(thinned.time) >= 6
+        assert np.diff(thinned.time).max() < 0.1
+        exact = semi_analytic.solve(thinned.scene, x=thinned.x, time=thinned.time)
+        on_kept = semi_analytic.solve(
+            thinned.scene, x=thinned.x, time=thinned.time, straight_steps=True
         )
-        assert on_kept.dissipation < 0.995 * own.dissipation
-        page = write(compare(own, found, polygon_reference=own), tmp_path / "out").read_text(
+        assert exact.dissipation == pytest.approx(
+            semi_analytic.solve(thinned.scene).dissipation, rel=1e-12
+        )
+        assert on_kept.dissipation < 0.995 * exact.dissipation
+        page = write(compare(exact, thinned, polygon_reference=exact), tmp_path / "out").read_text(
             encoding="utf-8"
         )
         assert "instants of this long path are left out" in page
@@ -855,16 +870,16 @@ def test_few_increments_have_the_dissipation_of_many(profile, friction, loads, i
     load = ellipse_of(90.0, swing, mean, amplitude, phase, friction)
     scene = load_scene("hertz-paper").vary(profile=profile, friction=friction, load=load)
     mesh = MeshSettings(element_size=1 / 24, edge_element_size=1 / 40, growth=0.5)
-    many = halfplane_fe.solve(
+    reference = halfplane_fe.solve(
         scene, mesh, SolverSettings(steps_per_cycle=384, step_tolerance=np.inf)
     )
-    few = halfplane_fe.solve(
+    answer = halfplane_fe.solve(
         scene,
         mesh,
         SolverSettings(steps_per_cycle=increments, step_tolerance=np.inf),
-        scales=many.scales,
+        scales=reference.scales,
     )
-    assert few.dissipation == pytest.approx(many.dissipation, rel=most)
+    assert answer.dissipation == pytest.approx(reference.dissipation, rel=most)
 
 
 def ellipse_of(normal, swing, mean, amplitude, phase, friction):

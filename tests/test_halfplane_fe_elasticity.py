@@ -92,20 +92,20 @@ def test_a_point_force_is_in_equilibrium_with_its_tractions(force, nu, angle, cu
     rest = (1 - 2 * nu) * (xx + yy) + np.array([xx[0] + xy[1], xy[0] + yy[1]])
     assert np.abs(rest).max() < 1e-4 * np.abs([xx, yy, xy]).max() + 1e-6
     normal = np.array([math.cos(cut), math.sin(cut)])
-    found = surface_force_traction(np.array([x]), np.array([y]), normal[:, None], np.zeros(1))[
+    tractions = surface_force_traction(np.array([x]), np.array([y]), normal[:, None], np.zeros(1))[
         :, 0, force, 0
     ]
-    np.testing.assert_allclose(found, stress(x, y, nu, force) @ normal, atol=1e-7)
+    np.testing.assert_allclose(tractions, stress(x, y, nu, force) @ normal, atol=1e-7)
     for side in (far, -far):
         # (2/pi) depth/x^2 at most
         assert np.abs(stress(side, -1e-2, nu, force)[:, 1]).max() < 0.7e-2 / far**2
         assert abs(displacement(side, 0.0, nu, force, datum=far)[force, 0]) < 1e-14
-    here = displacement(x, y, nu, force)
+    moved = displacement(x, y, nu, force)
     np.testing.assert_allclose(
-        displacement(x + place, y, nu, force, place=place), here, rtol=1e-12, atol=1e-13
+        displacement(x + place, y, nu, force, place=place), moved, rtol=1e-12, atol=1e-13
     )
     signs = [[1], [-1]] if force == 0 else [[-1], [1]]
-    np.testing.assert_allclose(displacement(-x, y, nu, force), signs * here, atol=1e-15)
+    np.testing.assert_allclose(displacement(-x, y, nu, force), signs * moved, atol=1e-15)
     # Betti: u_y by a force along x is u_x by one along y, the other way.
     assert displacement(far, 0.0, nu, 0)[1, 0] == pytest.approx(
         displacement(0.0, 0.0, nu, 1, place=far)[0, 0], abs=1e-15
@@ -140,12 +140,12 @@ def uniform_errors(elements, order=2, material=STEEL):
     """Errors under a uniform traction, whose nodal forces are exact: (normal, tangential, cross),
     over the largest displacement.
     """
-    one = condensed(elements, order=order, material=material)
-    inside = np.abs(one.x) <= 1
-    x = one.x[inside]
+    condensed_body = condensed(elements, order=order, material=material)
+    inside = np.abs(condensed_body.x) <= 1
+    x = condensed_body.x[inside]
     young = material.young_modulus
     nu = material.poisson_ratio
-    by = lambda i, j: (one.compliance[i, :, j, :] @ one.weights)[inside]  # noqa: E731
+    by = lambda i, j: (condensed_body.compliance[i, :, j, :] @ condensed_body.weights)[inside]  # noqa: E731
     exact = pressed_in(x, END, young, nu, DATUM)
     across = drawn_inwards(x, young, nu)
     # By a pull along +y the surface comes out and is pushed apart; along x by shear it moves as far
@@ -198,19 +198,24 @@ def test_both_modes_of_a_half_give_the_compliance_of_the_whole(kind, monkeypatch
     by_half = condense(mesh, material, DATUM)
     assert by_half.diagnostics["sparse_factorisations"] == 1 + modes
     monkeypatch.setattr(elasticity, "_mirror_images", lambda _: None)
-    whole = condense(mesh, material, DATUM)
-    assert whole.diagnostics["sparse_factorisations"] == 2
+    compliance = condense(mesh, material, DATUM)
+    assert compliance.diagnostics["sparse_factorisations"] == 2
     np.testing.assert_allclose(
-        by_half.compliance, whole.compliance, rtol=0, atol=2e-12 * np.abs(whole.compliance).max()
+        by_half.compliance,
+        compliance.compliance,
+        rtol=0,
+        atol=2e-12 * np.abs(compliance.compliance).max(),
     )
     # and that of a solution which is not condensed at all; walls hold end nodes there
     if "guided" not in kind:
-        forces = np.random.default_rng(1).standard_normal((2, len(whole.x)))
-        moved = displacement_fields(whole, forces[..., None], DATUM)[1]
+        forces = np.random.default_rng(1).standard_normal((2, len(compliance.x)))
+        moved = displacement_fields(compliance, forces[..., None], DATUM)[1]
         expected = np.einsum("injm,jm->in", by_half.compliance, forces)
-        found = moved[elasticity.assemble(mesh, material).contact, 0]
+        moved_nodes = moved[elasticity.assemble(mesh, material).contact, 0]
         limit = 1e-6 if "far_field" in mesh.supports else 2e-11
-        np.testing.assert_allclose(found, expected, rtol=0, atol=limit * np.abs(expected).max())
+        np.testing.assert_allclose(
+            moved_nodes, expected, rtol=0, atol=limit * np.abs(expected).max()
+        )
 
 
 @pytest.mark.parametrize("nu", [-0.3, 0.49])
@@ -314,32 +319,36 @@ def test_compliance_is_symmetric_definite_and_its_own_mirror_image(name, order, 
     eigenvalue, a support too many on the face a zero.
     """
     if name == "half-disc":
-        one = condensed(order=order)
+        condensed_body = condensed(order=order)
         # Simpson's rule is exact for cubic functions, the trapezoidal one for linear ones.
         for power, integral in enumerate((2 * END, 0.0, 2 * END**3 / 3, 0.0)[: 2 * order]):
-            assert one.weights @ one.x**power == pytest.approx(integral, abs=1e-12)
+            assert condensed_body.weights @ condensed_body.x**power == pytest.approx(
+                integral, abs=1e-12
+            )
     else:
         body = solid(
             "lower", SUPPORTED[name], FACE, SurfaceGrading(0.0, 1.0, 0.1, 0.1), 0.5, order, cells
         )
-        one = condense(body, MATERIALS["steel"], 1.0)
-    n = len(one.x)
+        condensed_body = condense(body, MATERIALS["steel"], 1.0)
+    n = len(condensed_body.x)
     signs = np.array([-1.0, 1.0])
-    flat = one.compliance.reshape(2 * n, 2 * n)
+    flat = condensed_body.compliance.reshape(2 * n, 2 * n)
     values = np.linalg.eigvalsh(flat)
-    check("asymmetry", one.diagnostics["asymmetry"])
-    assert one.diagnostics["residual"] < 1e-10
+    check("asymmetry", condensed_body.diagnostics["asymmetry"])
+    assert condensed_body.diagnostics["residual"] < 1e-10
     np.testing.assert_array_equal(flat, flat.T)
     # of the order of n (height/width)/E
     assert 0 < 1e-4 * values.max() < values.min() < values.max() < 50 * n
-    turned = one.compliance[:, ::-1, :, ::-1] * signs[:, None, None, None] * signs[:, None]
-    np.testing.assert_allclose(turned, one.compliance, rtol=0, atol=1e-11 * flat.max())
+    turned = (
+        condensed_body.compliance[:, ::-1, :, ::-1] * signs[:, None, None, None] * signs[:, None]
+    )
+    np.testing.assert_allclose(turned, condensed_body.compliance, rtol=0, atol=1e-11 * flat.max())
     if (
         getattr(SUPPORTED.get(name), "sides", "free") == "guided"
-        or one.body.supports.get("base") == "fixed"
+        or condensed_body.body.supports.get("base") == "fixed"
     ):
         # a shear far above the base: it does not turn away
-        assert 0 < (one.compliance[0, :, 0, :] @ one.weights).max() < 100
+        assert 0 < (condensed_body.compliance[0, :, 0, :] @ condensed_body.weights).max() < 100
 
 
 # ---------------------------------------------------------------------------- nearly incompressible
@@ -436,7 +445,7 @@ def test_strain_at_the_corners_of_a_fixed_base_is_meshed_finely(shape) -> None:
         by_shear = uniform @ condensed.compliance[0, :, 0] @ uniform
         return float(by_shear), condensed.diagnostics["degrees_of_freedom"]
 
-    default, few = displacement(0.2, 0.1)
-    fine, many = displacement(0.05, 0.025)
+    default, few_cells = displacement(0.2, 0.1)
+    fine, many_cells = displacement(0.05, 0.025)
     assert default == pytest.approx(fine, rel=2e-4)
-    assert 8 * few < many
+    assert 8 * few_cells < many_cells

@@ -101,8 +101,8 @@ def test_slip_and_gap_of_the_bodies_are_those_of_the_interface(name):
     The bodies have the parts of T and K that only the mesh makes, which the interface has not.
     """
     answer = fe_run(FACES[name]())
-    made = couple(*answer.condensed)
-    smooth = without_local_difference(made, answer.scene) or made
+    coupled = couple(*answer.condensed)
+    smooth = without_local_difference(coupled, answer.scene) or coupled
     steps = [len(answer.time) // 3, len(answer.time) // 2, len(answer.time) - 9]
     unit = answer.scales.load / answer.scales.modulus
     for step, snapshot in zip(steps, fields(answer, answer.time[steps]), strict=True):
@@ -112,19 +112,19 @@ def test_slip_and_gap_of_the_bodies_are_those_of_the_interface(name):
             answer.tangential_load[step],
         )
         lower, upper = (on_surface(body, answer.x) for body in snapshot.bodies)
-        apart = upper - lower
-        gap = answer.scene.profile.height(answer.x) + apart[:, 1]
+        relative = upper - lower
+        gap = answer.scene.profile.height(answer.x) + relative[:, 1]
         p, q = (
             getattr(answer.states[step], name) * answer.scales.load
             for name in ("pressure", "shear")
         )
-        of_mesh = (made.tangential - smooth.tangential) @ q
+        of_mesh = (coupled.tangential - smooth.tangential) @ q
         gap_of_mesh = np.zeros_like(gap)
-        if made.coupling is not None:
-            local = made.coupling - smooth.coupling
+        if coupled.coupling is not None:
+            local = coupled.coupling - smooth.coupling
             of_mesh = of_mesh - local @ p
             gap_of_mesh = local.T @ q
-        check("fields", float(np.abs(apart[:, 0] + of_mesh - answer.slip[step]).max() / unit))
+        check("fields", float(np.abs(relative[:, 0] + of_mesh - answer.slip[step]).max() / unit))
         check(
             "fields", float(np.abs(gap + gap_of_mesh - answer.states[step].gap * unit).max() / unit)
         )
@@ -334,9 +334,9 @@ def test_tension_does_not_hang_on_the_last_digits_of_the_pressure(name):
     tension, uncertain = edge_tension(answer, steps)
     noise = 1e-11 * largest * rng.standard_normal(answer.pressure.shape) * (answer.pressure != 0)
     for pressure in (answer.pressure + noise, np.where(at_events, 0.0, answer.pressure)):
-        found, doubt = edge_tension(replace(answer, pressure=pressure), steps)
-        assert np.abs(found - tension).max() < 1e-7 * np.abs(tension).max()
-        assert np.abs(doubt - uncertain).max() < 1e-7 * np.abs(tension).max()
+        noisy_tension, noisy_uncertainty = edge_tension(replace(answer, pressure=pressure), steps)
+        assert np.abs(noisy_tension - tension).max() < 1e-7 * np.abs(tension).max()
+        assert np.abs(noisy_uncertainty - uncertain).max() < 1e-7 * np.abs(tension).max()
 
 
 @pytest.mark.parametrize(
@@ -409,14 +409,15 @@ def test_stress_at_any_place_is_that_of_theory(body):
     x = np.array([-2.0, -1.1, -0.9, -0.3, 0.0, 0.4, 0.8, 1.2])
     y = -side * np.array([0.0, 0.01, 0.0, 0.3, 0.786, 0.0, 0.02, 0.0])
     times = answer.time[answer.last_cycle][::5]
-    found = stress(answer, x, y, times, body=body)
+    stresses = stress(answer, x, y, times, body=body)
     exact = semi_analytic.stress(answer.scene, x, y, times, body=body)
-    off = np.abs(found - exact).max(axis=2) / answer.pressure.max()
+    off = np.abs(stresses - exact).max(axis=2) / answer.pressure.max()
     assert off[:, y != 0].max() < 6e-3
     # on the face more while the stick edge, where the slope is infinite, goes past
     assert np.quantile(off, 0.95) < 4e-3
     assert (
-        np.abs(found - stress(answer, -x, y, times, body=body)).max() > 0.3 * answer.pressure.max()
+        np.abs(stresses - stress(answer, -x, y, times, body=body)).max()
+        > 0.3 * answer.pressure.max()
     )
 
 
@@ -445,8 +446,10 @@ def test_what_the_size_of_a_body_adds_is_found_from_places_beside_the_contact():
     x = rng.uniform(-3, 3, 2000)
     y = -rng.uniform(0, 3, 2000)
     field = size_effect_basis(x + 1j * y, 3.0) @ rng.normal(size=(13, 2))
-    seen = (y < -0.15) | (np.abs(x) > 1.2)
-    rest = fitted_size_effect(x[seen], y[seen], field[seen], np.ones(seen.sum()), 3.0, 1.0)
+    is_sampled = (y < -0.15) | (np.abs(x) > 1.2)
+    rest = fitted_size_effect(
+        x[is_sampled], y[is_sampled], field[is_sampled], np.ones(is_sampled.sum()), 3.0, 1.0
+    )
     np.testing.assert_allclose(rest.stress(x, y), field, atol=1e-9)
     assert np.abs(rest.stress(x, 0 * y)[:, 1:]).max() < 1e-9
     assert rest.error.max() < 1e-9
@@ -459,20 +462,20 @@ def test_tension_between_blocks_does_not_depend_on_the_mesh():
     """
     shape = Bodies(lower=Block(width=8.0, height=3.0), upper=Block(width=20.0, height=10.0))
     scene = load_scene("cattaneo-mindlin").vary(bodies=shape)
-    found = []
+    tensions = []
     for size in (0.025, 0.00625):
         answer = fe_run(scene, MeshSettings(edge_element_size=size), FEW_STEPS)
         step = int(np.argmax(answer.tangential_load))
         values, uncertain = edge_tension(answer, [step])
-        found.append(values[0])
+        tensions.append(values[0])
         (snapshot,) = fields(answer, [answer.time[step]])
-        for one, body in enumerate(snapshot.bodies):
+        for side, body in enumerate(snapshot.bodies):
             np.testing.assert_allclose(
-                body.edge_tension, values[0, one], atol=float(uncertain.max())
+                body.edge_tension, values[0, side], atol=float(uncertain.max())
             )
     theory = semi_analytic.edge_tension(scene, 2.0)[0][0, 0, 0]
-    assert theory / found[1][0, 0] == pytest.approx(0.806, abs=0.003)
-    assert np.abs(found[0] - found[1]).max() < 2e-3 * theory
+    assert theory / tensions[1][0, 0] == pytest.approx(0.806, abs=0.003)
+    assert np.abs(tensions[0] - tensions[1]).max() < 2e-3 * theory
 
 
 # -------------------------------------------------------------------------------------------- edges
@@ -501,12 +504,12 @@ def share_honest(error, uncertainty):
 @pytest.mark.parametrize("edge", EDGES)
 def test_uncertainty_is_honest_and_not_absurd(edge):
     """A fifth of it would fail this test."""
-    found = [errors_and_uncertainties(name, edge) for name in SCENES]
-    for error, uncertainty in found:
+    pairs = [errors_and_uncertainties(name, edge) for name in SCENES]
+    for error, uncertainty in pairs:
         assert share_honest(error, uncertainty) >= 0.95
         check(f"{edge} edge uncertainty", float(np.median(uncertainty)))
         assert np.all(uncertainty > 0)
-    assert min(share_honest(error, uncertainty / 5) for error, uncertainty in found) < 0.95
+    assert min(share_honest(error, uncertainty / 5) for error, uncertainty in pairs) < 0.95
 
 
 @pytest.mark.slow
@@ -539,10 +542,11 @@ def test_the_form_that_every_smooth_edge_has_is_found_exactly():
     none = 0 * shares
     closed = np.tile([False, True, True, False], (len(shares), 1))
     pressures, gaps = (
-        np.hstack([one[:, :1], two, one[:, 1:]]) for one, two in ((none, pressure), (gap, none))
+        np.hstack([outer[:, :1], inner, outer[:, 1:]])
+        for outer, inner in ((none, pressure), (gap, none))
     )
-    found = contact_edges(x, pressures, gaps, closed, modulus)
-    np.testing.assert_allclose(found, [-1.0, 1.0] * (1.0 + shares * spacing), rtol=0, atol=1e-15)
+    edges = contact_edges(x, pressures, gaps, closed, modulus)
+    np.testing.assert_allclose(edges, [-1.0, 1.0] * (1.0 + shares * spacing), rtol=0, atol=1e-15)
     np.testing.assert_array_equal(
         contact_edges(x, pressures, gaps, closed | True, modulus),
         np.tile(x[[0, -1]], (len(shares), 1)),
@@ -586,16 +590,16 @@ def test_creep_and_narrow_slip_zones_widen_the_uncertainty():
         (0.86, 0.86, 0.91 - 0.8625 + 0.004),
         (0.91, 0.91, 2 * step),
     ]
-    seen, law, expected = np.array(table).T[:, :, None]
+    visible, law, expected = np.array(table).T[:, :, None]
     contact, of_contact = (
         np.tile(values, (len(table), 1)) for values in ((-0.91, 0.91), (0.004, 0.004))
     )
-    closed = np.abs(x) < 0.91 + 0 * seen
-    seen = np.abs(x) < seen
+    closed = np.abs(x) < 0.91 + 0 * visible
+    visible = np.abs(x) < visible
     law = np.abs(x) < law
-    edges = stick_edges(x, seen, closed, contact)
-    found = stick_uncertainty(x, (seen, law), closed, contact, edges, of_contact)
-    np.testing.assert_allclose(found, np.repeat(expected, 2, axis=1), atol=1e-15)
+    edges = stick_edges(x, visible, closed, contact)
+    uncertainties = stick_uncertainty(x, (visible, law), closed, contact, edges, of_contact)
+    np.testing.assert_allclose(uncertainties, np.repeat(expected, 2, axis=1), atol=1e-15)
 
 
 STICK = SurfaceState.STICK
@@ -616,8 +620,8 @@ CREEP = {
 }
 
 
-@pytest.mark.parametrize(("loads", "slip", "seen"), CREEP.values(), ids=CREEP.keys())
-def test_what_only_creeps_sticks(loads, slip, seen):
+@pytest.mark.parametrize(("loads", "slip", "visible"), CREEP.values(), ids=CREEP.keys())
+def test_what_only_creeps_sticks(loads, slip, visible):
     """After an increment in which node 1 slips forward by 1 at a change of load of 1."""
     rest = InterfaceState(0.0, (0.0, 0.0), np.zeros(11), np.full(2, STICK, dtype=np.int8))
     slip = np.array(slip)
@@ -627,7 +631,7 @@ def test_what_only_creeps_sticks(loads, slip, seen):
         before.changed(slip=before.slip + slip, state=senses), loads=(loads[0], 1.0 + loads[1])
     )
     states = [rest, before, after]
-    assert visible_states(states, [], 0.5)[2].tolist() == list(seen)
+    assert visible_states(states, [], 0.5)[2].tolist() == list(visible)
     first = rest.changed(state=[SurfaceState.OPEN, FORWARD])  # of which nothing has moved
     assert visible_states([first, before, after], [], 0.5)[0].tolist() == [SurfaceState.OPEN, STICK]
 
@@ -643,9 +647,9 @@ def test_a_known_stick_edge_is_fitted_to_a_twentieth_of_an_element() -> None:
     stick = np.abs(x)[None] < edge
     limit = 1.0 + 0.0 * closed
     shear = limit - np.sqrt(np.maximum(edge**2 - x**2, 0.0))
-    found = stick_edges(x, stick, closed, contact, limit, shear)
+    fitted_edges = stick_edges(x, stick, closed, contact, limit, shear)
     # the squares are not quite straight
-    np.testing.assert_allclose(found, pair(edge), atol=0.05 * 2 * (x[1] - x[0]))
+    np.testing.assert_allclose(fitted_edges, pair(edge), atol=0.05 * 2 * (x[1] - x[0]))
     by_status = stick_edges(x, stick, closed, contact)
     np.testing.assert_allclose(by_status, pair(0.6025), atol=1e-12)
     # rises outwards

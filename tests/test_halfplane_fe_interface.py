@@ -50,8 +50,10 @@ def block(material, height, order):
     """A block y <= 0, held at its bottom and periodic along x, condensed to its top nodes as
     `condense` does a half-disc.
     """
-    even = np.linspace(0, BLOCK, 9)
-    mesh = skfem.MeshTri.init_tensor(even + 0.05 * np.sin(np.pi * even), np.linspace(-height, 0, 4))
+    even_places = np.linspace(0, BLOCK, 9)
+    mesh = skfem.MeshTri.init_tensor(
+        even_places + 0.05 * np.sin(np.pi * even_places), np.linspace(-height, 0, 4)
+    )
     basis = skfem.Basis(mesh, element(order), intorder=2 * order)
     stiffness = (
         linear_elasticity(*lame_parameters(material.young_modulus, material.poisson_ratio))
@@ -62,9 +64,9 @@ def block(material, height, order):
     vertical = np.isin(np.arange(basis.N), basis.get_dofs(elements=True).all(["u^2"]))
     left = np.flatnonzero(x == 0)
     right = np.flatnonzero(x == BLOCK)
-    alike = (y[right][:, None] == y[left]) & (vertical[right][:, None] == vertical[left])
+    is_mirrored = (y[right][:, None] == y[left]) & (vertical[right][:, None] == vertical[left])
     fold = np.eye(basis.N)
-    fold[right] = fold[left[alike.argmax(axis=1)]]  # the right side is the left side
+    fold[right] = fold[left[is_mirrored.argmax(axis=1)]]  # the right side is the left side
     top = [np.flatnonzero((y == 0) & (x < BLOCK) & (vertical == i)) for i in (False, True)]
     top = np.array([dofs[np.argsort(x[dofs])] for dofs in top])
     facets = skfem.FacetBasis(
@@ -216,13 +218,13 @@ KINDS = tuple(itertools.product((1, 2), ("triangles", "quadrilaterals")))
 
 
 @functools.cache
-def bent(which, line, order, cells, size, base="rollers"):
+def bent(body_name, line, order, cells, size, base="rollers"):
     """A block whose face follows the line, in its own frame."""
-    height = HEIGHTS[which]
-    sign = {"lower": 1.0, "upper": -1.0}[which]
+    height = HEIGHTS[body_name]
+    sign = {"lower": 1.0, "upper": -1.0}[body_name]
     shape = Block(width=WIDTH, height=height, base=base)
     body = solid(
-        which, shape, Hertz(radius=1.0), SurfaceGrading(0.0, 1.0, size, size), 0.5, order, cells
+        body_name, shape, Hertz(radius=1.0), SurfaceGrading(0.0, 1.0, size, size), 0.5, order, cells
     )
     x, y = body.mesh.p
     moved = np.stack([x, y + sign * LINES[line](x) * (1 + y / height)])
@@ -230,8 +232,8 @@ def bent(which, line, order, cells, size, base="rollers"):
 
 
 @functools.cache
-def condensed(*which):
-    return condense(bent(*which), MATERIAL, 1.0)
+def condensed(*arguments):
+    return condense(bent(*arguments), MATERIAL, 1.0)
 
 
 def sizes_of(ratio, coarser):
@@ -241,8 +243,8 @@ def sizes_of(ratio, coarser):
 
 def pair(line, order, cells, ratio, coarser=0.4, base="rollers"):
     return tuple(
-        condensed(which, line, order, cells, size, base)
-        for which, size in sizes_of(ratio, coarser).items()
+        condensed(body, line, order, cells, size, base)
+        for body, size in sizes_of(ratio, coarser).items()
     )
 
 
@@ -292,9 +294,9 @@ class Loaded:
         """Displacement of all degrees of freedom."""
         load = self.tractions(stress, ("free", "sides"))
         load[self.contact] += forces
-        found = np.zeros_like(load)
-        found[self.free] = self.factors.solve(load[self.free])
-        return found
+        displacements = np.zeros_like(load)
+        displacements[self.free] = self.factors.solve(load[self.free])
+        return displacements
 
     def consistent(self, stress):
         """(2, n) consistent forces on the contact."""
@@ -302,14 +304,14 @@ class Loaded:
 
 
 @functools.cache
-def loaded(*which):
-    return Loaded(bent(*which))
+def loaded(*arguments):
+    return Loaded(bent(*arguments))
 
 
 def both_loaded(line, order, cells, ratio, coarser=0.4, base="rollers"):
     return {
-        which: loaded(which, line, order, cells, size, base)
-        for which, size in sizes_of(ratio, coarser).items()
+        body: loaded(body, line, order, cells, size, base)
+        for body, size in sizes_of(ratio, coarser).items()
     }
 
 
@@ -333,21 +335,24 @@ def patch_errors(line, kind, ratio, stress, coarser=0.4):
     errors = {}
     young = MATERIAL.young_modulus
     nu = MATERIAL.poisson_ratio
-    for which, body in both_loaded(line, *kind, ratio, coarser, base).items():
+    for body_name, body in both_loaded(line, *kind, ratio, coarser, base).items():
         # reflected in y = 0
-        own = stress if which == "lower" else stress * np.array([[1.0, -1.0], [-1.0, 1.0]])
-        strain = ((1 + nu) * (own - nu * np.trace(own) * np.eye(2))) / young
+        body_stress = (
+            stress if body_name == "lower" else stress * np.array([[1.0, -1.0], [-1.0, 1.0]])
+        )
+        strain = ((1 + nu) * (body_stress - nu * np.trace(body_stress) * np.eye(2))) / young
         # a block that stands on y = -height: no rotation of the base
         x = body.places[0]
-        y = body.places[1] + HEIGHTS[which]
+        y = body.places[1] + HEIGHTS[body_name]
         exact = np.stack([strain[0, 0] * x + 2 * strain[0, 1] * y, strain[1, 1] * y])
-        found = body.moved(own, forces[which])
-        errors[f"forces, {which}"] = (
-            np.abs(forces[which] - body.consistent(own)).max() / np.abs(forces[which]).max()
+        displacement = body.moved(body_stress, forces[body_name])
+        errors[f"forces, {body_name}"] = (
+            np.abs(forces[body_name] - body.consistent(body_stress)).max()
+            / np.abs(forces[body_name]).max()
         )
-        errors[f"displacement, {which}"] = max(
-            np.abs(found[dofs] - one).max() / np.abs(exact).max()
-            for dofs, one in zip(body.dofs, exact, strict=True)
+        errors[f"displacement, {body_name}"] = max(
+            np.abs(displacement[dofs] - expected).max() / np.abs(exact).max()
+            for dofs, expected in zip(body.dofs, exact, strict=True)
         )
     return errors
 
@@ -402,14 +407,18 @@ def test_linear_sides_that_do_not_match_follow_a_curve_to_first_and_second_order
     at h = a/10.
     """
     sizes = (0.4, 0.2, 0.1)
-    found = [
+    errors_by_size = [
         patch_errors("parabola, a/R = 0.3", (1, "triangles"), ratio, HYDROSTATIC, size)
         for size in sizes
     ]
-    for which in HEIGHTS:
-        assert 0.9 < order_of(sizes, [errors[f"forces, {which}"] for errors in found]) < 1.5
-        assert 1.8 < order_of(sizes, [errors[f"displacement, {which}"] for errors in found]) < 2.4
-    assert max(found[-1].values()) < 1.5e-2
+    for body in HEIGHTS:
+        assert 0.9 < order_of(sizes, [errors[f"forces, {body}"] for errors in errors_by_size]) < 1.5
+        assert (
+            1.8
+            < order_of(sizes, [errors[f"displacement, {body}"] for errors in errors_by_size])
+            < 2.4
+        )
+    assert max(errors_by_size[-1].values()) < 1.5e-2
 
 
 @pytest.mark.parametrize("order", [1, 2])
@@ -438,13 +447,13 @@ def test_a_hydrostatic_state_goes_through_the_contact(line, ratio, order, cells)
     interface = couple(lower, upper)
     coupled = mortar(Side(lower.x, lower.y, order), Side(upper.x, -upper.y, order))
     moved = {}
-    for which, body in both_loaded(line, order, cells, ratio).items():
-        found = body.moved(HYDROSTATIC, 0.0)
-        moved[which] = found[body.contact]
+    for body_name, body in both_loaded(line, order, cells, ratio).items():
+        displacement = body.moved(HYDROSTATIC, 0.0)
+        moved[body_name] = displacement[body.contact]
     moved["upper"] = moved["upper"] * np.array([[1.0], [-1.0]])
     along = [
-        np.einsum("dncm,cm->dn", getattr(coupled, which), moved[which])
-        for which in ("lower", "upper")
+        np.einsum("dncm,cm->dn", getattr(coupled, body_name), moved[body_name])
+        for body_name in ("lower", "upper")
     ]
     gap, slip = along[1] - along[0]
     zero = np.zeros_like(interface.x)
@@ -452,12 +461,12 @@ def test_a_hydrostatic_state_goes_through_the_contact(line, ratio, order, cells)
     problem = ContactProblem(interface, gap + coupled.gap - n_x * SHIFT, 0.5, Layer(zero, zero))
     # A sticking node has a slip of minus what the other boundaries do: the faces meet as they were
     # made, once the upper body has come back by the shift that is planted here.
-    wanted = PRESSURE * interface.weights
+    expected = PRESSURE * interface.weights
     rest = problem.at_rest()
     sticks = np.full(len(zero), SurfaceState.STICK, dtype=np.int8)
     lacking = np.concatenate([-rest.gap, n_y * SHIFT - slip - rest.slip])
     systems = Systems(interface, Layer(zero, zero), 0.5)
-    loads = interface.carried(wanted, 0 * wanted)
+    loads = interface.carried(expected, 0 * expected)
     values = rest.values + np.array([*loads, 1.0]) @ systems.answers(
         sticks, 2, np.arange(2 * len(zero)), lacking
     )

@@ -37,10 +37,10 @@ CYCLES = [problem for problem in problems("cycle") if "full stick" not in proble
 def refused(problem, answer):
     """Names of the checks of `test_answers_agree_with_the_closed_forms` that fail."""
     group = "hertz" if "hertz" in problem.tags else "flat and rounded"
-    found = errors(problem, answer)
+    measured = errors(problem, answer)
     return {
         metric
-        for metric, error in found.items()
+        for metric, error in measured.items()
         if not error <= TOLERANCES[f"{group} {metric}"].limit
     }
 
@@ -49,10 +49,10 @@ def refused(problem, answer):
 
 
 def without_friction(answer):
-    still = np.zeros_like(answer.shear)
+    no_shear = np.zeros_like(answer.shear)
     return replace(
         answer,
-        shear=still,
+        shear=no_shear,
         dissipation=0.0,
         tangential_displacement=np.zeros_like(answer.tangential_displacement),
     )
@@ -163,9 +163,9 @@ BROKEN = [
 
 
 @pytest.mark.parametrize(
-    ("engine", "name", "seen"), BROKEN, ids=lambda value: getattr(value, "__name__", value)
+    ("engine", "name", "checks"), BROKEN, ids=lambda value: getattr(value, "__name__", value)
 )
-def test_a_broken_engine_is_refused_and_the_whole_one_is_not(engine, name, seen):
+def test_a_broken_engine_is_refused_and_the_whole_one_is_not(engine, name, checks):
     problem = (
         PROBLEMS[name]
         if PROBLEMS[name].scene.load.path().period is None
@@ -173,7 +173,7 @@ def test_a_broken_engine_is_refused_and_the_whole_one_is_not(engine, name, seen)
     )
     with must_fail.equilibrium(engine):
         answer = solve_broken(problem)
-    assert (answer is None or "shear" in refused(problem, answer)) == seen
+    assert (answer is None or "shear" in refused(problem, answer)) == checks
 
 
 @pytest.mark.parametrize(("factor", "ends"), [(0.0, True), (0.5, True), (0.9, False), (1.1, False)])
@@ -245,13 +245,13 @@ FAULTS = {fault.name: fault for fault in must_fail.FAULTS}
 def caught(name: str | None) -> frozenset[str]:
     """The checks that the answer with that fault fails, on the default mesh."""
     answer = must_fail.solved(FAULTS.get(name))
-    found = (
+    figures = (
         dict.fromkeys(must_fail.LIMITS, float("inf"))
         if isinstance(answer, str)
         else must_fail.figures(answer)
     )
     return frozenset(
-        check for check, limit in must_fail.LIMITS.items() if not found[check] <= limit
+        check for check, limit in must_fail.LIMITS.items() if not figures[check] <= limit
     )
 
 

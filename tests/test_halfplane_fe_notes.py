@@ -101,11 +101,11 @@ def test_revolutions_that_do_not_repeat_are_noted_with_how_the_dissipation_drift
     assert solution.dissipation_drift == pytest.approx(1 - before / last)
     assert "the last of 2 ends" in drift_note(solution)
     assert f"differs by {1 - before / last:+.1e} of itself" in drift_note(solution)
-    said = {
+    rows_of_summary = {
         ("note", drift_note(solution)),
         ("dissipation, change from the cycle before", f"{solution.dissipation_drift:+.2e} of it"),
     }
-    assert said <= set(summary_rows(solution))
+    assert rows_of_summary <= set(summary_rows(solution))
     steady = halfplane_fe.solve(load_scene("cattaneo-mindlin"), ROUGH, FEW)
     assert steady.steady_from is not None
     assert not any("repeats" in note for note in steady.record.notes)
@@ -133,12 +133,12 @@ def test_run_says_so_on_the_terminal_in_json_and_on_the_page(
     assert content["result"]["dissipation_drift"] == pytest.approx(
         unsettled().dissipation_drift, rel=1e-6
     )
-    shown = html.unescape((out / "report.html").read_text(encoding="utf-8"))
-    assert f"finite elements: {note}" in shown
+    page_text = html.unescape((out / "report.html").read_text(encoding="utf-8"))
+    assert f"finite elements: {note}" in page_text
     # And that the mesh is as rough as that of the coarse run.
     assert content["result"]["dissipation_uncertainty"] is None
     assert "the dissipation has no uncertainty estimate" in words
-    assert "the dissipation has no uncertainty estimate" in shown
+    assert "the dissipation has no uncertainty estimate" in page_text
 
 
 # --------------------------------------------------------------- the uncertainty of the dissipation
@@ -156,8 +156,8 @@ def test_little_slip_is_covered_wherever_the_edges_stand_in_their_elements(eleme
     known = halfplane_fe.solve(scene, ROUGH).scales
     true = semi_analytic.solve(scene, x=[0.0], fields=("dissipation",)).dissipation
     for share in (0.0, 0.375, 0.625, 0.75):
-        apart = share * known.half_width / elements
-        scales = replace(known, inner=known.inner + apart, reach=known.reach + apart)
+        shift = share * known.half_width / elements
+        scales = replace(known, inner=known.inner + shift, reach=known.reach + shift)
         solution = halfplane_fe.solve(
             scene, MeshSettings(edge_element_size=1 / elements), scales=scales
         )
@@ -178,14 +178,14 @@ def test_the_uncertainty_is_of_the_mesh_and_of_the_steps(
     monkeypatch.setattr(
         module,
         "run_path",
-        lambda *given, **named: runs.append(run_path(*given, **named)) or runs[-1],
+        lambda *arguments, **named: runs.append(run_path(*arguments, **named)) or runs[-1],
     )
     never_halved = replace(FEW, step_tolerance=np.inf)
     solution = halfplane_fe.solve(
         load_scene("hertz-paper"), replace(ROUGH, edge_element_size=1 / 32), never_halved
     )
     refinement = solution.scales.element * 32
-    apart = abs(solution.dissipation - solution.scales.dissipation)
+    difference = abs(solution.dissipation - solution.scales.dissipation)
     unit = solution.scales.load**2 / solution.scales.modulus
     work = solution.dissipation
     steps = 0.2 * runs[-1].column("bent")[runs[-1].cycle_starts[-1] :].sum() * unit
@@ -193,7 +193,7 @@ def test_the_uncertainty_is_of_the_mesh_and_of_the_steps(
     scatter = runs[-1].excess[-1].scatter * unit
     assert scatter > 1e-4 * work
     of_mesh = (
-        apart / (refinement**2 - 1)
+        difference / (refinement**2 - 1)
         + 0.15 * scatter
         + 0.1 * work / 32**2
         + 0.01875 * ROUGH.growth**4 * work
@@ -330,8 +330,8 @@ def test_a_over_r_plays_no_part_in_the_tractions():
     """
     scene = make_scene(ellipse(3.0, 1.0, 0.2, 0.8, 70.0), 0.5, radius=1.0)
     answer = halfplane_fe.solve(scene, COARSE, SHORT)
-    wanted = ("pressure", "tangential_displacement", "normal_approach", "dissipation")
-    exact = semi_analytic.solve(scene, x=answer.x, time=answer.time, fields=wanted)
+    fields = ("pressure", "tangential_displacement", "normal_approach", "dissipation")
+    exact = semi_analytic.solve(scene, x=answer.x, time=answer.time, fields=fields)
     assert answer.dissipation == pytest.approx(exact.dissipation, rel=3e-3)  # 6e-4
     loaded = answer.normal_load > 0.5 * answer.normal_load.max()
     off, size = (
@@ -367,15 +367,15 @@ def test_friction_of_any_size_scales_the_shear_and_nothing_else(friction):
     """Q in proportion to f: W/f^2 is the same. With q counted over p, f = 1e-3 kept its initial
     loading: W a third too large.
     """
-    one, other = (
+    usual, scaled = (
         halfplane_fe.solve(
             make_scene(ellipse(3.0, 1.0, 0.4 * f, 1.6 * f, 70.0), f, radius=100.0), COARSE, SHORT
         )
         for f in (1.0, friction)
     )
     # the same increments
-    assert other.dissipation / friction**2 == pytest.approx(one.dissipation, rel=1e-12)
-    assert other.steady_from == one.steady_from
+    assert scaled.dissipation / friction**2 == pytest.approx(usual.dissipation, rel=1e-12)
+    assert scaled.steady_from == usual.steady_from
 
 
 @pytest.mark.parametrize(
@@ -414,8 +414,8 @@ def test_a_flank_that_the_mesh_does_not_see_is_told():
     assert not any("steep" in note for note in halfplane_fe.solve(wide, COARSE, SHORT).record.notes)
 
 
-@pytest.mark.parametrize(("ratio", "told"), [(1.0, False), (4.0, True), (20.0, True)])
-def test_a_coarse_side_is_told_and_its_tractions_are_off_by_no_more(ratio, told):
+@pytest.mark.parametrize(("ratio", "is_noted"), [(1.0, False), (4.0, True), (20.0, True)])
+def test_a_coarse_side_is_told_and_its_tractions_are_off_by_no_more(ratio, is_noted):
     """Upper elements 4 and 20 times as long: q off by 9 % and 26 % of f p in L2, p by 4 % and 11 %;
     not a word of it before.
     """
@@ -425,19 +425,19 @@ def test_a_coarse_side_is_told_and_its_tractions_are_off_by_no_more(ratio, told)
         SHORT,
     )
     notes = [note for note in answer.record.notes if "on the coarser side" in note]
-    assert bool(notes) == told
-    found = np.flatnonzero(answer.normal_load > 0.3 * answer.normal_load.max())[-20::4]
+    assert bool(notes) == is_noted
+    steps = np.flatnonzero(answer.normal_load > 0.3 * answer.normal_load.max())[-20::4]
     exact = semi_analytic.solve(
-        answer.scene, x=answer.x, time=answer.time[found], fields=("pressure", "shear")
+        answer.scene, x=answer.x, time=answer.time[steps], fields=("pressure", "shear")
     )
     size = np.sqrt(exact.pressure**2 @ answer.weights)
-    off = np.sqrt((answer.shear[found] - exact.shear) ** 2 @ answer.weights) / (0.5 * size)
-    said = (
+    off = np.sqrt((answer.shear[steps] - exact.shear) ** 2 @ answer.weights) / (0.5 * size)
+    stated_error = (
         float(re.search(r"shear may be off by (\d+)%", notes[0])[1]) / 100
         if "shear may be" in "".join(notes)
         else 0.5
     )
-    assert off.max() <= (said if told else 0.05)
+    assert off.max() <= (stated_error if is_noted else 0.05)
 
 
 @pytest.mark.parametrize("edge", [1 / 16, 1 / 64])
@@ -456,11 +456,11 @@ def test_what_a_mesh_dissipates_where_nothing_slips_is_told(edge):
         if "the mesh alone" in note or "the error of the dissipation is a factor" in note
     )
     unit = 2 * (0.5 * answer.normal_load.max()) ** 2
-    said = re.search(r"up to (\S+) of", note)
+    stated_share = re.search(r"up to (\S+) of", note)
     assert (
         0
         < answer.dissipation
-        <= (unit * float(said[1]) if said else answer.dissipation_uncertainty)
+        <= (unit * float(stated_share[1]) if stated_share else answer.dissipation_uncertainty)
     )
 
 
@@ -492,9 +492,9 @@ def test_slivers_do_no_harm_or_are_refused_and_many_increments_move_nothing():
     """A hundredth of a degree: p 6.5e-3, q 3.3e-2, W 1.0e-3; stiffness that is rounding; 600
     increments on lines against 16.
     """
-    found = stress.with_slivers(1e-4)
-    assert found.shown["aspect"] > 1e4
-    assert max(found.errors.values()) < 0.05
+    sliver_run = stress.with_slivers(1e-4)
+    assert sliver_run.shown["aspect"] > 1e4
+    assert max(sliver_run.errors.values()) < 0.05
     with pytest.raises(ConvergenceError, match="rounding leaves a compliance"):
         stress.with_slivers(1e-10)
     assert max(stress.many_steps(2, 200).errors.values()) < 1e-9

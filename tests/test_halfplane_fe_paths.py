@@ -66,11 +66,11 @@ def test_turning_points_of_an_ellipse(phase, friction, start):
     expected = np.sort(
         start + (np.array([p + half for p in phases for half in (0, math.pi)]) - start) % TURN
     )
-    found = np.array(turning_points(leg, friction))
-    apart = np.diff(np.append(expected, expected[0] + TURN))
-    if apart.min() > 1e-3 and min(expected[0] - start, start + TURN - expected[-1]) > 1e-3:
-        np.testing.assert_allclose(found, expected, atol=1e-11)
-    for time in found:
+    turns = np.array(turning_points(leg, friction))
+    distances = np.diff(np.append(expected, expected[0] + TURN))
+    if distances.min() > 1e-3 and min(expected[0] - start, start + TURN - expected[-1]) > 1e-3:
+        np.testing.assert_allclose(turns, expected, atol=1e-11)
+    for time in turns:
         p, q = leg.rates(time)
         assert min(abs(p), abs(q - friction * p), abs(q + friction * p)) < 1e-9
 
@@ -96,9 +96,9 @@ def test_every_turn_of_a_high_harmonic_is_found(order):
         .path()
         .cycle[0]
     )
-    found = np.array(turning_points(leg, 0.5))
+    turns = np.array(turning_points(leg, 0.5))
     np.testing.assert_allclose(
-        found, (np.arange(2 * order) + 0.5) * math.pi / order, atol=1 / (2 * order**2)
+        turns, (np.arange(2 * order) + 0.5) * math.pi / order, atol=1 / (2 * order**2)
     )
 
 
@@ -221,15 +221,15 @@ def test_inadmissible_paths_are_named_with_instant_and_loads(name):
     load, friction, reason, time, loads = REFUSED[name]
     with pytest.raises(InadmissibleLoadError, match=reason) as caught:
         check_admissible(load.path(), friction)
-    found = caught.value
-    assert (found.time, found.normal_load, found.tangential_load) == pytest.approx(
+    refusal = caught.value
+    assert (refusal.time, refusal.normal_load, refusal.tangential_load) == pytest.approx(
         (time, *loads), abs=1e-9
     )
     assert (
-        f"at time {found.time:.6g} with P = {found.normal_load:.6g}, Q ="
-        f" {found.tangential_load:.6g}" in str(found)
+        f"at time {refusal.time:.6g} with P = {refusal.normal_load:.6g}, Q ="
+        f" {refusal.tangential_load:.6g}" in str(refusal)
     )
-    assert "\n" not in str(found)
+    assert "\n" not in str(refusal)
 
 
 @pytest.mark.parametrize(
@@ -324,8 +324,8 @@ def written(
     return path
 
 
-def bodies(folder, *arguments, **others):
-    return load_scene(written(folder, *arguments, **others))
+def bodies(folder, *arguments, **options):
+    return load_scene(written(folder, *arguments, **options))
 
 
 FAULTS = {
@@ -379,14 +379,14 @@ def test_faults_of_input_end_in_one_sentence_and_exit_code_2(name, tmp_path, mon
     monkeypatch.chdir(tmp_path)
     assert main(["fe", path.name, "--quiet", *COARSE]) == 2
     printed = capsys.readouterr()
-    told = " ".join(printed.err.split())
+    message = " ".join(printed.err.split())
     # with the loads and the instant, as for half-planes
     if name in ("separation", "gross sliding"):
-        assert told.startswith("halfplane: scene.toml: ")
-        assert words in told
-        assert "time 2" in told
+        assert message.startswith("halfplane: scene.toml: ")
+        assert words in message
+        assert "time 2" in message
     else:
-        assert told == f"halfplane: scene.toml: {words}"
+        assert message == f"halfplane: scene.toml: {words}"
     assert printed.out == ""
     assert [file.name for file in tmp_path.iterdir()] == ["scene.toml"]
 
@@ -406,9 +406,9 @@ def too_small(find_scales):
     """A coarse run that takes the contact for half as large as it is."""
 
     def planted(question, work):
-        found = find_scales(question, work)
+        scales = find_scales(question, work)
         return dataclasses.replace(
-            found, half_width=0.5 * found.half_width, reach=0.5 * found.reach, inner=0.0
+            scales, half_width=0.5 * scales.half_width, reach=0.5 * scales.reach, inner=0.0
         )
 
     return planted
@@ -466,6 +466,6 @@ def test_linear_sides_that_do_not_match_are_no_penetration(tmp_path):
     mesh = MeshSettings(
         element_size=1 / 6, edge_element_size=1 / 12, order=1, upper_ratio=0.25, growth=1.0
     )
-    found = halfplane_fe.solve(question, mesh)
+    answer = halfplane_fe.solve(question, mesh)
     matching = halfplane_fe.solve(question, dataclasses.replace(mesh, upper_ratio=1.0))
-    assert found.contact_half_width[-1] == pytest.approx(matching.contact_half_width[-1], rel=0.05)
+    assert answer.contact_half_width[-1] == pytest.approx(matching.contact_half_width[-1], rel=0.05)

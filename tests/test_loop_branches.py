@@ -115,13 +115,13 @@ def rows_of(control, form, count, cycles=1, start=0.0, closed=True, noise=0.0, s
     _, shift, load, _ = CYCLE
     share = np.mod(start + cycles * np.arange(count + closed) / count, 1.0)
     wave = np.cos(2 * np.pi * share) if form == "sine" else 4 * np.abs(share - 0.5) - 1
-    given, other = (load, shift) if control == "Q" else (shift, load)
-    middle = (given.max() + given.min()) / 2
-    amplitude = np.ptp(given) / 2
+    driving, driven_by = (load, shift) if control == "Q" else (shift, load)
+    middle = (driving.max() + driving.min()) / 2
+    amplitude = np.ptp(driving) / 2
     driven = middle + amplitude * wave
-    half = len(given) // 2
-    falling = CubicSpline(given[half::-1], other[half::-1])(driven)
-    rising = CubicSpline(given[half:], other[half:])(driven)
+    half = len(driving) // 2
+    falling = CubicSpline(driving[half::-1], driven_by[half::-1])(driven)
+    rising = CubicSpline(driving[half:], driven_by[half:])(driven)
     answer = np.where(share < 0.5, falling, rising)
     u, q = (answer, driven) if control == "Q" else (driven, answer)
     u = u + RIG * q + 0.1 * np.ptp(shift)
@@ -132,14 +132,14 @@ def rows_of(control, form, count, cycles=1, start=0.0, closed=True, noise=0.0, s
     ]
 
 
-def loop_of(u, q, **more):
-    return MeasuredLoop("loop.csv", u, q, np.arange(len(u), dtype=float), **more)
+def loop_of(u, q, **options):
+    return MeasuredLoop("loop.csv", u, q, np.arange(len(u), dtype=float), **options)
 
 
-def holds(found):
+def holds(score):
     """Whether f and W lie within what is stated."""
-    measured = found.rows[0]
-    return found.agrees, abs(measured.area - CYCLE[3]) <= measured.area_uncertainty
+    measured = score.rows[0]
+    return score.agrees, abs(measured.area - CYCLE[3]) <= measured.area_uncertainty
 
 
 EXACT = [
@@ -159,16 +159,16 @@ def test_an_exact_loop_gives_f_and_its_area_within_what_is_stated(
     control, form, count, cycles, start, closed
 ):
     u, q = rows_of(control, form, count, cycles, start, closed)
-    found = score_loop(loop_of(u, q), SCENE)
-    assert holds(found) == (True, True)
-    assert found.friction == pytest.approx(FRICTION, rel=2e-6)
-    assert found.low < FRICTION < found.high
-    assert found.high - found.low < 1e-4 * FRICTION
-    assert found.compliance == pytest.approx(RIG, rel=1e-5)
-    assert found.rows[1].area == pytest.approx(CYCLE[3], rel=1e-4)
+    score = score_loop(loop_of(u, q), SCENE)
+    assert holds(score) == (True, True)
+    assert score.friction == pytest.approx(FRICTION, rel=2e-6)
+    assert score.low < FRICTION < score.high
+    assert score.high - score.low < 1e-4 * FRICTION
+    assert score.compliance == pytest.approx(RIG, rel=1e-5)
+    assert score.rows[1].area == pytest.approx(CYCLE[3], rel=1e-4)
     # A polygon within the loop: its error is of the order of the square of the step, and what is
     # stated is no more than needed.
-    assert 0 < found.rows[0].area_uncertainty < 20 * CYCLE[3] * (cycles / count) ** 2
+    assert 0 < score.rows[0].area_uncertainty < 20 * CYCLE[3] * (cycles / count) ** 2
 
 
 NOISY = [
@@ -180,13 +180,13 @@ NOISY = [
 
 
 def test_noise_is_covered_by_the_intervals():
-    found = [
+    scores = [
         score_loop(loop_of(*rows_of(*case, noise=0.01, seed=seed)), SCENE)
         for seed, case in enumerate(NOISY)
     ]
-    inside = np.array([holds(score) for score in found])
+    inside = np.array([holds(score) for score in scores])
     assert inside.sum(axis=0).min() >= len(NOISY) - 1
-    for score, (_, _, count, _, _) in zip(found, NOISY, strict=True):
+    for score, (_, _, count, _, _) in zip(scores, NOISY, strict=True):
         assert score.high - score.low > 0.01 * FRICTION
         assert score.rows[0].by_noise > 0.001 * CYCLE[3]
         assert count < 100 or score.noise == pytest.approx(0.01 * np.ptp(score.shift) / 2, rel=0.2)
@@ -204,15 +204,15 @@ def test_an_interval_is_as_wide_as_the_digits_of_the_rows_leave_open():
 
 
 def check_exact_rows_of_varying(name, count, start, closed):
-    found = score_loop(loop_of(*rows_of_varying(name, count, start, closed)), VARYING[name])
-    assert found.cycles == pytest.approx(1.0, abs=1.6 / count + 0.01)
-    assert found.friction == pytest.approx(FRICTION, rel=1e-5)
-    assert found.low < FRICTION < found.high
+    score = score_loop(loop_of(*rows_of_varying(name, count, start, closed)), VARYING[name])
+    assert score.cycles == pytest.approx(1.0, abs=1.6 / count + 0.01)
+    assert score.friction == pytest.approx(FRICTION, rel=1e-5)
+    assert score.low < FRICTION < score.high
     # Where Q stands at its turning points, their Q is known to a row less exactly.
-    assert found.high - found.low < (1e-3 if name == "Q stands" else 1e-4) * FRICTION
+    assert score.high - score.low < (1e-3 if name == "Q stands" else 1e-4) * FRICTION
     work = varying_work(name)
-    assert found.rows[1].area == pytest.approx(work, rel=1e-4)
-    measured = found.rows[0]
+    assert score.rows[1].area == pytest.approx(work, rel=1e-4)
+    measured = score.rows[0]
     assert abs(measured.area - work) <= measured.area_uncertainty
     assert measured.by_distance < 30 * work / count**2
     assert measured.by_noise < 1e-3 * work
@@ -235,12 +235,12 @@ def test_where_p_varies_rows_begin_anywhere_and_take_any_time(name, count, start
 
 def covered_of_varying(name, start, seed):
     """Whether f and W lie within what is stated, of 240 rows of a cycle with noise of 0.5 %."""
-    found = score_loop(
+    score = score_loop(
         loop_of(*rows_of_varying(name, 240, start, noise=0.005, seed=seed)), VARYING[name]
     )
-    measured = found.rows[0]
-    assert found.noise == pytest.approx(0.005 * np.ptp(found.shift) / 2, rel=0.25)
-    return found.agrees, abs(measured.area - varying_work(name)) <= measured.area_uncertainty
+    measured = score.rows[0]
+    assert score.noise == pytest.approx(0.005 * np.ptp(score.shift) / 2, rel=0.25)
+    return score.agrees, abs(measured.area - varying_work(name)) <= measured.area_uncertainty
 
 
 def test_where_p_varies_noise_is_covered():
@@ -276,10 +276,10 @@ def test_a_path_with_more_turning_points_is_placed_over_time():
     shares, shift, load, work = steady_cycle(scene)
     places = np.mod(0.13 + 3 * np.arange(721) / 720, 1.0)
     u, q = (np.interp(places, shares, values) for values in (shift, load))
-    found = score_loop(loop_of(u, q), scene)
-    assert found.friction == pytest.approx(FRICTION, rel=1e-3)
-    assert found.rows[0].area == pytest.approx(work, rel=1e-2)
-    assert any("follow the scene's Q over time" in sentence for sentence in found.said)
+    score = score_loop(loop_of(u, q), scene)
+    assert score.friction == pytest.approx(FRICTION, rel=1e-3)
+    assert score.rows[0].area == pytest.approx(work, rel=1e-2)
+    assert any("follow the scene's Q over time" in sentence for sentence in score.said)
 
 
 def test_what_is_no_loop_is_refused():
@@ -303,10 +303,10 @@ def test_rows_that_stand_still_are_refused():
 def test_the_area_is_that_of_the_polygon():
     shift = np.array([0.0, 1.0, 1.0, 0.0] * 10)
     load = np.array([0.0, 0.0, 1.0, 1.0] * 10)
-    found = loop_branches.polygon_area(shift, load, np.arange(40) / 4, 0.0, 0.0)
-    assert (found.value, found.cycles) == (pytest.approx(-1.0), 10)
+    area = loop_branches.polygon_area(shift, load, np.arange(40) / 4, 0.0, 0.0)
+    assert (area.value, area.cycles) == (pytest.approx(-1.0), 10)
     noisy = loop_branches.polygon_area(shift, load, np.arange(40) / 4, 0.1, 0.0)
-    assert noisy.by_noise > found.by_noise == 0
+    assert noisy.by_noise > area.by_noise == 0
 
 
 # ---------------------------------------------------------------------------------- tables of loops
@@ -318,9 +318,9 @@ def written(path, head, first, second, tail=""):
 def test_forces_over_a_stated_thickness_are_loads(tmp_path):
     u, q = rows_of("Q", "triangle", 100)
     written(tmp_path / "loop.csv", ["Displacement (µm),Tangential force (N)"], 1e3 * u, 12 * q)
-    found = read_loop(tmp_path / "loop.csv", Mapping(thickness=12.0), SCENE)
-    np.testing.assert_allclose(found.load, q, rtol=1e-6, atol=1e-6 * LARGEST)
-    read = dict(found.read_as)
+    loop = read_loop(tmp_path / "loop.csv", Mapping(thickness=12.0), SCENE)
+    np.testing.assert_allclose(loop.load, q, rtol=1e-6, atol=1e-6 * LARGEST)
+    read = dict(loop.read_as)
     assert read["relative displacement U"] == (
         "'Displacement (µm)', µm (in its heading), times 0.001"
     )
@@ -328,7 +328,7 @@ def test_forces_over_a_stated_thickness_are_loads(tmp_path):
         "'Tangential force (N)', N (in its heading), times 1, over the thickness 12"
     )
     assert read["time"] == "no column: rows follow each other evenly"
-    assert score_loop(found, SCENE).agrees
+    assert score_loop(loop, SCENE).agrees
     with pytest.raises(
         InputError,
         match=(
@@ -359,8 +359,8 @@ def test_a_unit_that_cannot_be_used_is_asked_for(tmp_path, head, words):
     with pytest.raises(InputError, match=words):
         read_loop(tmp_path / "loop.csv", Mapping(columns=columns), SCENE)
     stated = Mapping(columns=columns, factors={"length": 1.0, "load": 0.5})
-    found = read_loop(tmp_path / "loop.csv", stated, SCENE)
-    assert dict(found.read_as)["tangential load Q"].endswith(
+    loop = read_loop(tmp_path / "loop.csv", stated, SCENE)
+    assert dict(loop.read_as)["tangential load Q"].endswith(
         "times 0.5 (factors.load of the mapping)"
     )
 
@@ -388,9 +388,9 @@ def test_two_columns_without_names_are_taken_by_number(tmp_path):
         read_loop(tmp_path / "loop.csv", Mapping(), SCENE)
     (tmp_path / "map.toml").write_text("[columns]\nslip = 1\n", encoding="utf-8")
     mapping = load_mapping(tmp_path / "map.toml")
-    found = read_loop(tmp_path / "loop.csv", mapping, SCENE)
-    np.testing.assert_allclose(found.shift, u, rtol=1e-6, atol=1e-6 * np.ptp(u))
-    np.testing.assert_allclose(found.load, q, rtol=1e-6, atol=1e-6 * LARGEST)
+    loop = read_loop(tmp_path / "loop.csv", mapping, SCENE)
+    np.testing.assert_allclose(loop.shift, u, rtol=1e-6, atol=1e-6 * np.ptp(u))
+    np.testing.assert_allclose(loop.load, q, rtol=1e-6, atol=1e-6 * LARGEST)
     with pytest.raises(InputError, match=r"columns.slip = 3, and there are 2 columns"):
         read_loop(tmp_path / "loop.csv", Mapping.model_validate({"columns": {"slip": 3}}), SCENE)
     with pytest.raises(InputError, match=r"takes 'column 1' for U and for Q"):
@@ -405,8 +405,8 @@ def test_the_step_of_the_digits_is_that_of_the_file_in_the_units_of_the_scene(tm
     u, q = rows_of("Q", "triangle", 100)
     rows = [f"{a:.3f},{b:.1f}" for a, b in zip((1e3 * u).tolist(), (12 * q).tolist(), strict=True)]
     (tmp_path / "loop.csv").write_text("\n".join(["U [um],Q [N]", *rows]), encoding="utf-8")
-    found = read_loop(tmp_path / "loop.csv", Mapping(thickness=12.0), SCENE)
-    assert found.resolution == pytest.approx((1e-6, 0.1 / 12))
+    loop = read_loop(tmp_path / "loop.csv", Mapping(thickness=12.0), SCENE)
+    assert loop.resolution == pytest.approx((1e-6, 0.1 / 12))
 
 
 def test_settings_above_the_headings_and_empty_cells_behind_them(tmp_path):
@@ -419,9 +419,9 @@ def test_settings_above_the_headings_and_empty_cells_behind_them(tmp_path):
         "U [mm],Q [N/mm],",
     ]
     written(tmp_path / "loop.csv", head, u, q, tail=",,")
-    found = read_loop(tmp_path / "loop.csv", Mapping(), SCENE)
-    np.testing.assert_allclose(found.load, q, rtol=1e-6, atol=1e-6 * LARGEST)
-    assert loops.score_loop(found, SCENE).agrees
+    loop = read_loop(tmp_path / "loop.csv", Mapping(), SCENE)
+    np.testing.assert_allclose(loop.load, q, rtol=1e-6, atol=1e-6 * LARGEST)
+    assert loops.score_loop(loop, SCENE).agrees
 
 
 def test_empty_cells_behind_the_rows_are_no_columns(tmp_path):

@@ -118,8 +118,8 @@ def places(name, boundary, order, cells):
         ("quadrilaterals", 2): skfem.ElementQuad2,
     }[cells, order]
     basis = skfem.Basis(mesh, scalar(), intorder=2)
-    found = basis.doflocs[:, basis.get_dofs(boundary).all()]
-    return found[:, np.lexsort((found[1], found[0]))]
+    nodes = basis.doflocs[:, basis.get_dofs(boundary).all()]
+    return nodes[:, np.lexsort((nodes[1], nodes[0]))]
 
 
 def depth(name, x):
@@ -172,21 +172,21 @@ def test_area_and_shape(name, order, cells):
     """Worst area: 8.5e-3 with chords, 6e-6 with curved sides; angles 27 degrees, shapes 0.70 and
     0.39. None is folded.
     """
-    one = body(name, order, cells)
+    meshed = body(name, order, cells)
     element = skfem.ElementTriP1() if cells == "triangles" else skfem.ElementQuad1()
-    basis = skfem.Basis(one.mesh, element, intorder=6)
+    basis = skfem.Basis(meshed.mesh, element, intorder=6)
     error = float(basis.dx.sum()) / exact_area(name) - 1
     limits = dict.fromkeys(("block", "t_shape"), (1e-11, 1e-11)) | {"cylinder": (6e-3, 5e-6)}
     limits |= dict.fromkeys(DISCS, (1.2e-2, 1e-5))
     assert abs(error) < limits.get(name, (5e-4, 2e-7))[order - 1]
-    assert one.quality["area_error"] == pytest.approx(error, abs=1e-9)
+    assert meshed.quality["area_error"] == pytest.approx(error, abs=1e-9)
     worst, mean = (0.6, 0.9) if cells == "triangles" else (0.25, 0.85)
-    assert one.quality["least_angle"] > 20
-    assert one.quality["worst_shape"] > worst
-    assert one.quality["mean_shape"] > mean
-    assert (one.quality["elements"], one.quality["nodes"]) == (
-        one.mesh.t.shape[1],
-        one.mesh.p.shape[1],
+    assert meshed.quality["least_angle"] > 20
+    assert meshed.quality["worst_shape"] > worst
+    assert meshed.quality["mean_shape"] > mean
+    assert (meshed.quality["elements"], meshed.quality["nodes"]) == (
+        meshed.mesh.t.shape[1],
+        meshed.mesh.p.shape[1],
     )
     determinant = basis.mapping.detDF(basis.X)
     assert np.all(np.sign(determinant) == np.sign(determinant[:, :1]))
@@ -243,11 +243,11 @@ def test_quality_of_known_triangles():
         (1e-3, 1e-3, 0.115, 2.31e-3, -0.5),
     ):
         mesh = skfem.MeshTri(np.array([[0, 1, 0.5], [0, 0, third]]), np.array([[0], [1], [2]]))
-        found = mesh_quality(mesh, exact_area=area)
-        assert found["least_angle"] == pytest.approx(least, rel=0.01)
-        assert found["worst_shape"] == found["mean_shape"] == pytest.approx(shape, rel=0.02)
-        assert found["area_error"] == pytest.approx(error, abs=1e-14)
-    assert found["size_ratio"] == pytest.approx(2.0, rel=1e-5)
+        quality = mesh_quality(mesh, exact_area=area)
+        assert quality["least_angle"] == pytest.approx(least, rel=0.01)
+        assert quality["worst_shape"] == quality["mean_shape"] == pytest.approx(shape, rel=0.02)
+        assert quality["area_error"] == pytest.approx(error, abs=1e-14)
+    assert quality["size_ratio"] == pytest.approx(2.0, rel=1e-5)
 
 
 ROUGH = [(0.0, 0.1, 0.1), (0.95, 0.14, 0.02), (0.3, 0.05, 0.03)]
@@ -271,14 +271,14 @@ def test_corners_of_the_admitted_settings_make_sound_meshes(
     """
     for radius in (2.2, 40.0) if name in DISCS else (None,):
         grading = SurfaceGrading(inner, 1.1, size, edge_size, *([radius] if radius else []))
-        one = (
+        meshed = (
             half_disc("any", grading, growth, 2)
             if radius
             else solid("upper", *SHAPES[name], grading, growth, 2, cells)
         )
-        assert one.quality["worst_shape"] > 0.15
-        assert one.quality["least_angle"] > 10
-        assert abs(one.quality["area_error"]) < (5e-3 if radius else 1e-5)
+        assert meshed.quality["worst_shape"] > 0.15
+        assert meshed.quality["least_angle"] > 10
+        assert abs(meshed.quality["area_error"]) < (5e-3 if radius else 1e-5)
 
 
 # ----------------------------------------------------------------------------------------- refusals
@@ -382,11 +382,11 @@ def test_an_interrupt_before_an_error_is_not_lost():
 
 
 def test_an_interrupt_while_gmsh_meshes_is_not_lost_and_the_next_mesh_is_made(monkeypatch):
-    given = gmsh.model.mesh.generate
+    generate = gmsh.model.mesh.generate
 
     def interrupted(dimension):
         os.kill(os.getpid(), signal.SIGINT)
-        given(dimension)
+        generate(dimension)
 
     monkeypatch.setattr(gmsh.model.mesh, "generate", interrupted)
     with pytest.raises(KeyboardInterrupt):
@@ -416,7 +416,7 @@ def test_elements_grow_with_the_distance_from_the_nearest_of_the_surface(inner):
     words = {"Sqrt": np.sqrt, "Max": max, "Min": min}
     formula = size_formula(grading, 0.3).replace("^", "**")
     for x, y in itertools.product((0.0, 0.3, 0.6, 0.9, 1.1, 4.0), (0.0, -0.2, -3.0)):
-        wanted = 0.05 + 0.3 * np.hypot(max(x - 1.1, inner - x, 0.0), y)
+        expected = 0.05 + 0.3 * np.hypot(max(x - 1.1, inner - x, 0.0), y)
         if inner:
-            wanted = min(wanted, 0.12 + 0.3 * np.hypot(max(x - inner, 0.0), y))
-        assert eval(formula, {}, {**words, "x": x, "y": y}) == pytest.approx(wanted, rel=1e-14)
+            expected = min(expected, 0.12 + 0.3 * np.hypot(max(x - inner, 0.0), y))
+        assert eval(formula, {}, {**words, "x": x, "y": y}) == pytest.approx(expected, rel=1e-14)

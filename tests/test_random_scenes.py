@@ -104,10 +104,10 @@ def drawn(
     )
 
 
-def _profile(one: Drawn) -> object:
-    unit = one.length
-    part = one.part
-    match one.profile:
+def _profile(drawing: Drawn) -> object:
+    unit = drawing.length
+    part = drawing.part
+    match drawing.profile:
         case "hertz":
             return {"kind": "hertz", "radius": part * unit}
         case "flat_rounded":
@@ -115,12 +115,12 @@ def _profile(one: Drawn) -> object:
         case "power_law":
             return {
                 "kind": "power_law",
-                "exponent": 1.0 + 4.0 * one.sharp,
+                "exponent": 1.0 + 4.0 * drawing.sharp,
                 "length": unit,
                 "rise": part * unit,
             }
         case "compound":
-            half = (0.2 + 0.8 * one.sharp) * unit
+            half = (0.2 + 0.8 * drawing.sharp) * unit
             return {
                 "kind": "compound",
                 "inner_radius": unit,
@@ -140,23 +140,27 @@ def _profile(one: Drawn) -> object:
             )
 
 
-def _load(one: Drawn) -> object:
-    force = one.length * one.stress
-    friction = one.friction
-    first, second = one.phases
+def _load(drawing: Drawn) -> object:
+    force = drawing.length * drawing.stress
+    friction = drawing.friction
+    first, second = drawing.phases
     # no corner stands twice in a row
-    swing = max(one.swing, 0.02) if one.load == "polygon" else one.swing
-    p0 = force * one.mean
-    p1 = force * one.mean * swing
+    swing = max(drawing.swing, 0.02) if drawing.load == "polygon" else drawing.swing
+    p0 = force * drawing.mean
+    p1 = force * drawing.mean * swing
     room = friction * (p0 - p1)
-    q0 = one.sign * one.offset * room * (1 - one.use)
-    q1 = one.sign * one.use * room
+    q0 = drawing.sign * drawing.offset * room * (1 - drawing.use)
+    q1 = drawing.sign * drawing.use * room
     amplitudes = {"mean_normal_load": p0, "mean_tangential_load": q0}
-    if one.load == "ellipse":
+    if drawing.load == "ellipse":
         degrees = math.degrees(first) - (0 if q1 >= 0 else math.copysign(180, first))
-        own = {"normal_amplitude": p1, "tangential_amplitude": abs(q1), "phase_degrees": degrees}
-        return {"kind": "ellipse", **amplitudes, **own}
-    if one.load == "harmonics":
+        ellipse = {
+            "normal_amplitude": p1,
+            "tangential_amplitude": abs(q1),
+            "phase_degrees": degrees,
+        }
+        return {"kind": "ellipse", **amplitudes, **ellipse}
+    if drawing.load == "harmonics":
         turned = 0 if q1 >= 0 else 180
         waves = [
             [0.7 * abs(q1), math.degrees(first) + turned],
@@ -168,7 +172,7 @@ def _load(one: Drawn) -> object:
             "normal_harmonics": [[p1, 0.0]],
             "tangential_harmonics": waves,
         }
-    if one.load == "callable":
+    if drawing.load == "callable":
         return CallableLoad(
             normal_load=lambda t: p0 + p1 * math.cos(t),
             tangential_load=lambda t: q0 + q1 * math.cos(t - first),
@@ -178,13 +182,13 @@ def _load(one: Drawn) -> object:
     turn = (
         2
         * np.pi
-        * np.arange(25 if one.load == "time_series" else 9)
-        / (24 if one.load == "time_series" else 8)
+        * np.arange(25 if drawing.load == "time_series" else 9)
+        / (24 if drawing.load == "time_series" else 8)
     )
     waves = q0 + q1 * (0.7 * np.cos(turn - first) + 0.3 * np.cos(2 * turn - second))
     rows = np.column_stack([turn, p0 + p1 * np.cos(turn), waves])
     rows[-1, 1:] = rows[0, 1:]
-    if one.load == "time_series":
+    if drawing.load == "time_series":
         return {"kind": "time_series", "rows": rows.tolist(), "repeats": True}
     corners = rows[:-1, 1:].tolist()
     return {"kind": "polygon", "initial_loading": corners[:1], "cycle": corners[1:]}
@@ -200,9 +204,9 @@ CLOSED = tuple(name for name in PROFILES if name not in NUMERICAL)
 TOLD = 0.05
 
 
-def costs_seconds(one):
+def costs_seconds(drawing):
     """Smooth paths that are no ellipses, on a table: 1 to 10 s a solve, every law 13 to 37 s."""
-    return one.profile == "tabulated" and one.load in SMOOTH
+    return drawing.profile == "tabulated" and drawing.load in SMOOTH
 
 
 def solved(scene):
@@ -227,55 +231,55 @@ def check(scene, answer):
         assert off <= allowed * answer.dissipation + 1e-12 * unit_of(scene, answer)
 
 
-def check_fields(one, answer):
+def check_fields(drawing, answer):
     """Inside the cone, symmetric, and p the same without friction and without Q, at a few
     instants.
     """
-    scene = one.scene
+    scene = drawing.scene
     half = float(np.max(answer.contact_half_width))
-    wanted = {
+    places = {
         "x": half * np.linspace(-1.05, 1.05, 12),
         "time": answer.time[:: max(len(answer.time) // 4, 1)][-3:],
     }
-    found = semi_analytic.solve(scene, **wanted, fields=("pressure", "shear"))
-    limit = scene.friction.coefficient * found.pressure
-    assert np.all(np.abs(found.shear) <= limit * (1 + 1e-12) + 1e-9 * np.max(limit))
-    size = 1e-12 * np.max(found.pressure)
-    np.testing.assert_allclose(found.pressure, found.pressure[:, ::-1], rtol=0, atol=size)
-    pressed = replace(one, sign=0.0).scene.vary(friction=0.0)
-    alone = semi_analytic.solve(pressed, **wanted, fields=("pressure", "dissipation"))
-    np.testing.assert_allclose(alone.pressure, found.pressure, rtol=0, atol=size)
+    solution = semi_analytic.solve(scene, **places, fields=("pressure", "shear"))
+    limit = scene.friction.coefficient * solution.pressure
+    assert np.all(np.abs(solution.shear) <= limit * (1 + 1e-12) + 1e-9 * np.max(limit))
+    size = 1e-12 * np.max(solution.pressure)
+    np.testing.assert_allclose(solution.pressure, solution.pressure[:, ::-1], rtol=0, atol=size)
+    pressed = replace(drawing, sign=0.0).scene.vary(friction=0.0)
+    alone = semi_analytic.solve(pressed, **places, fields=("pressure", "dissipation"))
+    np.testing.assert_allclose(alone.pressure, solution.pressure, rtol=0, atol=size)
     assert alone.dissipation == 0
 
 
-def same_work(one, answer, changed, factor=1.0):
+def same_work(drawing, answer, changed, factor=1.0):
     """Other clothes, the same W: to 1e-9, to what the answers say of themselves, or to 1e-12 of f^2
     P^2/E*.
     """
     try:
-        other = solved(changed.scene)
+        other_answer = solved(changed.scene)
     except InadmissibleLoadError:
-        assert one.use > 0.98 or changed.offset, (
+        assert drawing.use > 0.98 or changed.offset, (
             "only rounding or an offset can make an admissible path slide"
         )
         return
-    told = max(each.record.errors.get("dissipation", 0.0) for each in (answer, other))
-    off = abs(other.dissipation / factor - answer.dissipation)
-    assert off <= (1e-9 + told) * answer.dissipation + 1e-12 * unit_of(one.scene, answer)
+    stated = max(each.record.errors.get("dissipation", 0.0) for each in (answer, other_answer))
+    off = abs(other_answer.dissipation / factor - answer.dissipation)
+    assert off <= (1e-9 + stated) * answer.dissipation + 1e-12 * unit_of(drawing.scene, answer)
 
 
-def keeps_every_law(one):
+def keeps_every_law(drawing):
     try:
-        answer = solved(one.scene)
+        answer = solved(drawing.scene)
     except InadmissibleLoadError:
         assume(False)
-    check(one.scene, answer)
-    if costs_seconds(one):
+    check(drawing.scene, answer)
+    if costs_seconds(drawing):
         return
-    check_fields(one, answer)
-    same_work(one, answer, replace(one, sign=-1.0))
-    same_work(one, answer, replace(one, length=2.0**30, stress=2.0**-40), 2.0**20)
-    same_work(one, answer, replace(one, offset=0.5))
+    check_fields(drawing, answer)
+    same_work(drawing, answer, replace(drawing, sign=-1.0))
+    same_work(drawing, answer, replace(drawing, length=2.0**30, stress=2.0**-40), 2.0**20)
+    same_work(drawing, answer, replace(drawing, offset=0.5))
 
 
 # Nothing is shrunk where a scene takes seconds: the one that failed is printed as it was drawn.
@@ -287,8 +291,8 @@ LONG = {
 
 @settings(max_examples=10)
 @given(drawn(CLOSED, ("ellipse", "polygon", "time_series")))
-def test_a_few_random_scenes_keep_every_law(one):
-    keeps_every_law(one)
+def test_a_few_random_scenes_keep_every_law(drawing):
+    keeps_every_law(drawing)
 
 
 @pytest.mark.slow
@@ -302,11 +306,11 @@ def test_two_thousand_random_scenes_keep_every_law(block):
     @seed(block)
     @settings(max_examples=SCENES // BLOCKS, **LONG)
     @given(drawn())
-    def trial(one):
-        if costs_seconds(one):
+    def trial(drawing):
+        if costs_seconds(drawing):
             count["smooth"] += 1
             assume(count["smooth"] % 20 == 1)
-        keeps_every_law(one)
+        keeps_every_law(drawing)
 
     trial()
 
@@ -321,11 +325,11 @@ def model_of(scene):
     return halfplane_fe.solve(scene, MeshSettings.coarse(), SolverSettings(steps_per_cycle=24))
 
 
-def check_model(one):
+def check_model(drawing):
     """Laws, mirror, and p, q and W against theory to 5 % each, or a note of the very thing that is
     off.
     """
-    scene = one.scene
+    scene = drawing.scene
     try:
         answer = model_of(scene)
     except InadmissibleLoadError:
@@ -337,15 +341,17 @@ def check_model(one):
     exact = semi_analytic.solve(
         scene, x=answer.x, time=answer.time[chosen], fields=("pressure", "shear")
     )
-    here = np.isfinite(exact.pressure).all(axis=0)  # it is infinite at the tip of a wedge
-    size = np.sqrt(exact.pressure[:, here] ** 2 @ answer.weights[here])
+    is_finite = np.isfinite(exact.pressure).all(axis=0)  # it is infinite at the tip of a wedge
+    size = np.sqrt(exact.pressure[:, is_finite] ** 2 @ answer.weights[is_finite])
     friction = scene.friction.coefficient
-    apart = {
-        name: (getattr(answer, name)[chosen] - getattr(exact, name))[:, here]
+    differences = {
+        name: (getattr(answer, name)[chosen] - getattr(exact, name))[:, is_finite]
         for name in ("pressure", "shear")
     }
     off = {
-        name: float(np.max(np.sqrt(apart[name] ** 2 @ answer.weights[here]) / (unit * size)))
+        name: float(
+            np.max(np.sqrt(differences[name] ** 2 @ answer.weights[is_finite]) / (unit * size))
+        )
         for name, unit in (("pressure", 1.0), ("shear", friction))
     }
     assert off["pressure"] <= TOLD or told(
@@ -360,8 +366,8 @@ def check_model(one):
         answer, "dissipation is", "its dissipation would", "tractions and dissipation"
     ), astray / work
     assert astray <= 0.1 * work + 1e-3 * 2 * unit_of(scene, answer)
-    other = model_of(replace(one, sign=-1.0).scene)
-    assert other.dissipation == pytest.approx(
+    mirrored = model_of(replace(drawing, sign=-1.0).scene)
+    assert mirrored.dissipation == pytest.approx(
         answer.dissipation, rel=1e-4, abs=1e-6 * unit_of(scene, answer)
     )
 
@@ -373,11 +379,11 @@ def test_random_models_keep_every_law_and_theory(block):
     @settings(max_examples=MODELS // BLOCKS, **LONG)
     @given(
         drawn(loads=("ellipse", "polygon", "time_series", "harmonics")).filter(
-            lambda one: not costs_seconds(one)
+            lambda drawing: not costs_seconds(drawing)
         )
     )
-    def trial(one):
-        check_model(one)
+    def trial(drawing):
+        check_model(drawing)
 
     trial()
 
@@ -411,7 +417,7 @@ def random_case(seed: int) -> tuple[Scene, MeshSettings]:
     share = np.abs(np.cos(angle - np.radians(phase)))
     limit = float(np.min(room / np.maximum(share, 1e-12)))
     steel = {"young_modulus": 210e3, "poisson_ratio": 0.3}
-    other = {"young_modulus": 10 ** rng.uniform(4, 6), "poisson_ratio": rng.uniform(0.0, 0.49)}
+    softer = {"young_modulus": 10 ** rng.uniform(4, 6), "poisson_ratio": rng.uniform(0.0, 0.49)}
     profiles = (
         {"kind": "hertz", "radius": 1000.0},
         {"kind": "flat_rounded", "radius": 500.0, "flat_half_length": 10 ** rng.uniform(-1, 0.5)},
@@ -419,7 +425,7 @@ def random_case(seed: int) -> tuple[Scene, MeshSettings]:
     scene = Scene.model_validate(
         {
             "name": f"random {seed}",
-            "material": {"upper": steel if rng.random() < 0.5 else other, "lower": steel},
+            "material": {"upper": steel if rng.random() < 0.5 else softer, "lower": steel},
             "profile": profiles[rng.integers(2)],
             "friction": {"coefficient": friction},
             "load": {

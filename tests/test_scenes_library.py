@@ -56,10 +56,10 @@ QUICK = ("blocks", "cylinder-roller-frictionless", "layer", "full-stick")
 def test_the_library_is_large_enough_and_nothing_stands_twice() -> None:
     assert len(NAMES) >= WANTED
     assert len(set(NAMES)) == len(NAMES)
-    found = [load_scene(name) for name in NAMES]
+    scenes = [load_scene(name) for name in NAMES]
     for texts in (
-        [scene.title for scene in found],
-        [scene.vary(name="").model_dump_json() for scene in found],
+        [scene.title for scene in scenes],
+        [scene.vary(name="").model_dump_json() for scene in scenes],
     ):
         assert len(set(texts)) == len(texts)
     assert all(re.fullmatch(r"[a-z0-9]+(-[a-z0-9]+)*", name) for name in NAMES)
@@ -99,7 +99,9 @@ def honest_tags(scene: Scene) -> dict[str, bool]:
         "constant-load": periodic and float(np.ptp(turns[:, 0])) == 0,
         "line": periodic and float(np.ptp(turns[:, 0])) > 0 and bool(wide[1] < 1e-9 * wide[0]),
         "bulk": load.bulk_stress_lower is not None or load.bulk_stress_upper is not None,
-        "tilt": any(one is not None for one in (load.tilt, load.moment, load.line_of_action)),
+        "tilt": any(
+            turning is not None for turning in (load.tilt, load.moment, load.line_of_action)
+        ),
     }
 
 
@@ -113,15 +115,15 @@ def test_tags_say_what_the_scene_is_and_every_scene_expects_numbers_with_their_s
     assert {tag: tag in scene.tags for tag in honest_tags(scene)} == honest_tags(scene)
     assert scene.purpose
     assert scene.source
-    assert {one.engine for one in scene.expected} >= {THEORY} | (
+    assert {number.engine for number in scene.expected} >= {THEORY} | (
         {FINITE} if not scene.bodies.half_planes else set()
     )
-    assert len({(one.quantity, one.engine, one.value) for one in scene.expected}) == len(
-        scene.expected
-    )
-    assert all(len(one.source) > 10 for one in scene.expected)
+    assert len(
+        {(number.quantity, number.engine, number.value) for number in scene.expected}
+    ) == len(scene.expected)
+    assert all(len(number.source) > 10 for number in scene.expected)
     # Something in each scene is somebody else's number, whatever may be frozen beside it.
-    assert [one for one in scene.expected if not one.source.startswith("our own")]
+    assert [number for number in scene.expected if not number.source.startswith("our own")]
 
 
 def test_every_tag_but_those_of_profiles_to_come_finds_a_scene() -> None:
@@ -172,16 +174,16 @@ def test_finite_elements_on_a_coarse_mesh_come_near(name: str) -> None:
 def test_finite_elements_meet_what_is_expected_of_them(name: str) -> None:
     scene = scene_of(name)
     findings = list(laws.expected_numbers(scene, [halfplane_fe.solve(scene)]))
-    assert not [one for one in findings if not one.met]
+    assert not [finding for finding in findings if not finding.met]
 
 
 # ---------------------------------------------------------- sources that are neither of the engines
 def value_of(name: str, quantity: str) -> float:
     """The expected number of the finite elements."""
     return next(
-        one.value
-        for one in scene_of(name).expected
-        if (one.engine, one.quantity) == (FINITE, quantity)
+        number.value
+        for number in scene_of(name).expected
+        if (number.engine, number.quantity) == (FINITE, quantity)
     )
 
 
@@ -278,9 +280,9 @@ def test_beta_of_the_unlike_half_planes() -> None:
 
 
 def test_the_flight_is_what_its_script_makes() -> None:
-    made = runpy.run_path(str(FOLDER / "flight.py"))["text"]()
-    assert made == (FOLDER / "flight.csv").read_text(encoding="utf-8")
-    assert made.startswith("# made by flight.py, not measured")
+    text = runpy.run_path(str(FOLDER / "flight.py"))["text"]()
+    assert text == (FOLDER / "flight.csv").read_text(encoding="utf-8")
+    assert text.startswith("# made by flight.py, not measured")
     assert set(scene_companions("time-series")) == {"time-series.csv"}
 
 
@@ -315,21 +317,21 @@ def test_what_is_right_is_met_and_what_is_off_or_not_there_is_missed(
 ) -> None:
     quantity, value, difference = PLANTED[name]
     work = mindlin.dissipation
-    one = Expected(quantity=quantity, value=value(work), tolerance=1e-6, source="planted")
+    planted = Expected(quantity=quantity, value=value(work), tolerance=1e-6, source="planted")
     answer = replace(mindlin, permanent_stick_half_width=math.nan)
-    (found,) = laws.expected_numbers(answer.scene.vary(expected=(one,)), [answer])
-    assert found.met is (name == "right")
-    assert found.difference == pytest.approx(difference(work), rel=1e-3, abs=1e-12, nan_ok=True)
-    row = laws.expected_rows([found])[0]
-    assert (row[-1] == "no", row[3] == "none") == (not found.met, "no " in name)
+    (finding,) = laws.expected_numbers(answer.scene.vary(expected=(planted,)), [answer])
+    assert finding.met is (name == "right")
+    assert finding.difference == pytest.approx(difference(work), rel=1e-3, abs=1e-12, nan_ok=True)
+    row = laws.expected_rows([finding])[0]
+    assert (row[-1] == "no", row[3] == "none") == (not finding.met, "no " in name)
 
 
 def test_numbers_of_the_other_engine_are_left_out(mindlin: ContactSolution) -> None:
-    assert [one.expected.engine for one in laws.expected_numbers(mindlin.scene, [mindlin])] == [
-        THEORY
-    ] * 3
+    assert [
+        finding.expected.engine for finding in laws.expected_numbers(mindlin.scene, [mindlin])
+    ] == [THEORY] * 3
     content = json.loads(as_json(Report(compare(mindlin, mindlin))))["expected"]
-    assert [one["met"] for one in content] == [True] * 3
+    assert [finding["met"] for finding in content] == [True] * 3
     assert {
         "quantity",
         "value",

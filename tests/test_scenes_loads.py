@@ -104,33 +104,37 @@ def test_loads_are_the_definition_and_changes_free_of_cancellation(segment, part
     since = segment.start + part * (segment.end - segment.start)
     moment = since + (1 if ahead else -1) * 10**step
     assume(segment.start <= moment <= segment.end and moment != since)
-    found = [
-        float(segment.change_of(what, moment, since)) for what in (NORMAL_LOAD, TANGENTIAL_LOAD)
+    changes = [
+        float(segment.change_of(combination, moment, since))
+        for combination in (NORMAL_LOAD, TANGENTIAL_LOAD)
     ]
     # 40 waves: a sum of as many rounded arguments
-    many = len(getattr(segment, "tangential", ())) > 10
+    is_long = len(getattr(segment, "tangential", ())) > 10
     with mpmath.workdps(50):
         before, after = (exact_loads(segment, t) for t in (since, moment))
-        wanted = [float(value) for value in before]
+        expected = [float(value) for value in before]
         np.testing.assert_allclose(
-            segment.loads(since), wanted, rtol=0, atol=2e-14 if many else 5e-15
+            segment.loads(since), expected, rtol=0, atol=2e-14 if is_long else 5e-15
         )
         # Arguments of sines are rounded, k t - b to a digit of its size: counted where a sine is
         # near its zero.
         waves = (
             [wave for part in (segment.normal, segment.tangential) for wave in enumerate(part, 1)]
-            if many
+            if is_long
             else []
         )
         rounded = 2.3e-16 * sum(k * abs(a) * (k * segment.end + abs(b)) for k, (a, b) in waves)
         slack = max(rounded, 4e-15) * abs(moment - since)
-        for value, one, other in zip(found, before, after, strict=True):
-            assert abs(value - (other - one)) <= 1e-14 * abs(other - one) + slack
+        for value, load_before, load_after in zip(changes, before, after, strict=True):
+            assert (
+                abs(value - (load_after - load_before))
+                <= 1e-14 * abs(load_after - load_before) + slack
+            )
 
 
-def runs(segment, what):
+def runs(segment, combination):
     """Stretches of time on which a combination does not turn."""
-    return list(pairwise([segment.start, *segment.turning_points(what), segment.end]))
+    return list(pairwise([segment.start, *segment.turning_points(combination), segment.end]))
 
 
 @EVERY
@@ -138,84 +142,96 @@ def test_changes_and_rates_are_those_of_the_loads_in_any_shape_and_later_too(seg
     t = np.linspace(segment.start, segment.end, 41)
     p, q = segment.loads(t)
     dp, dq = segment.rates(t)
-    for what in COMBINATIONS:
-        value = what.normal * p + what.tangential * q
+    for combination in COMBINATIONS:
+        value = combination.normal * p + combination.tangential * q
         np.testing.assert_allclose(
-            segment.change_of(what, t[:, None], t), value[:, None] - value, atol=2e-14
+            segment.change_of(combination, t[:, None], t), value[:, None] - value, atol=2e-14
         )
         np.testing.assert_allclose(
-            segment.rate_of(what, t), what.normal * dp + what.tangential * dq, atol=3e-13
+            segment.rate_of(combination, t),
+            combination.normal * dp + combination.tangential * dq,
+            atol=3e-13,
         )
-        ahead = segment.change_of(what, t + 1e-6, t)
-        behind = segment.change_of(what, t - 1e-6, t)
-        np.testing.assert_allclose(segment.rate_of(what, t), (ahead - behind) / 2e-6, atol=1e-8)
+        ahead = segment.change_of(combination, t + 1e-6, t)
+        behind = segment.change_of(combination, t - 1e-6, t)
+        np.testing.assert_allclose(
+            segment.rate_of(combination, t), (ahead - behind) / 2e-6, atol=1e-8
+        )
     times = np.full((2, 3), t[10])
     assert {
         part.shape
         for part in (
             *segment.loads(times),
             *segment.rates(times),
-            segment.change_of(what, times, t[0]),
+            segment.change_of(combination, times, t[0]),
         )
     } == {(2, 3)}
     for delay in (-50.0, 0.3, 7 * TURN):
         np.testing.assert_allclose(
             segment.shifted(delay).loads(t + delay), segment.loads(t), atol=2e-12
         )
-    for what in COMBINATIONS:  # such as the moment of a line of action
-        moment = segment.beside(what)
+    for combination in COMBINATIONS:  # such as the moment of a line of action
+        moment = segment.beside(combination)
         np.testing.assert_allclose(
-            moment.loads(t), (0 * p, what.normal * p + what.tangential * q), rtol=0, atol=2e-14
+            moment.loads(t),
+            (0 * p, combination.normal * p + combination.tangential * q),
+            rtol=0,
+            atol=2e-14,
         )
         assert (moment.start, moment.end) == (segment.start, segment.end)
     if form := segment.slope_and_bend(segment.end):  # the parabola of a segment is its path
-        since = [segment.change_of(one, t, segment.end) for one in (NORMAL_LOAD, TANGENTIAL_LOAD)]
+        since = [
+            segment.change_of(load_kind, t, segment.end)
+            for load_kind in (NORMAL_LOAD, TANGENTIAL_LOAD)
+        ]
         np.testing.assert_allclose(since[1], (form[0] + form[1] * since[0]) * since[0], atol=1e-14)
 
 
 @EVERY
-@pytest.mark.parametrize("what", COMBINATIONS)
-def test_all_turning_points_are_found_and_nothing_else(segment, what):
+@pytest.mark.parametrize("combination", COMBINATIONS)
+def test_all_turning_points_are_found_and_nothing_else(segment, combination):
     t = np.linspace(segment.start, segment.end, 19_997)
-    rates = segment.rate_of(what, t)
+    rates = segment.rate_of(combination, t)
     size = np.max(np.abs(rates))
     rates[np.abs(rates) < 1e-13 * max(size, 1.0)] = 0
     changes = np.flatnonzero(rates[:-1] * rates[1:] < 0)
-    found = segment.turning_points(what)
-    assert len(found) == len(changes) <= segment.most_turns
-    for moment, k in zip(found, changes, strict=True):
+    turns = segment.turning_points(combination)
+    assert len(turns) == len(changes) <= segment.most_turns
+    for moment, k in zip(turns, changes, strict=True):
         assert t[k] - 1e-12 <= moment <= t[k + 1] + 1e-12
-        assert abs(segment.rate_of(what, moment)) < 1e-12 * size
+        assert abs(segment.rate_of(combination, moment)) < 1e-12 * size
 
 
-def found_again(segment, what, close):
+def found_again(segment, combination, close):
     """The change at the time that is found for an amount is that amount, from either end of every
     stretch.
     """
-    for ends in runs(segment, what):
+    for ends in runs(segment, combination):
         for first, last in (ends, ends[::-1]):
-            amount = segment.change_of(what, np.linspace(*ends, 33), first)
+            amount = segment.change_of(combination, np.linspace(*ends, 33), first)
             if abs(amount[0] - amount[-1]) < 1e-12:  # a constant load: any time will do
                 continue
-            again = segment.time_of(what, amount, first, last)
+            times = segment.time_of(combination, amount, first, last)
             np.testing.assert_allclose(
-                segment.change_of(what, again, first), amount, rtol=0, atol=close
+                segment.change_of(combination, times, first), amount, rtol=0, atol=close
             )
             most = amount[np.argmax(np.abs(amount))]
-            assert segment.time_of(what, [-np.sign(most), 3 * most], first, last).tolist() == [
+            assert segment.time_of(
+                combination, [-np.sign(most), 3 * most], first, last
+            ).tolist() == [
                 first,
                 last,
             ]
 
 
 @EVERY
-@pytest.mark.parametrize("what", COMBINATIONS)
-def test_a_time_is_found_again_by_the_change_since_either_end(segment, what):
+@pytest.mark.parametrize("combination", COMBINATIONS)
+def test_a_time_is_found_again_by_the_change_since_either_end(segment, combination):
     size = max(
-        np.max(np.abs(segment.change_of(what, np.linspace(*ends, 33), ends[0])))
-        for ends in runs(segment, what)
+        np.max(np.abs(segment.change_of(combination, np.linspace(*ends, 33), ends[0])))
+        for ends in runs(segment, combination)
     )
-    found_again(segment, what, 1e-14 * max(1.0, size))  # 6e-15 of 40 waves
+    found_again(segment, combination, 1e-14 * max(1.0, size))  # 6e-15 of 40 waves
 
 
 @settings(max_examples=15)
@@ -244,21 +260,23 @@ def test_a_change_that_rounding_puts_beyond_an_end_is_at_that_end_and_no_number_
 
 def test_one_wave_keeps_its_digits_next_to_an_extremum_and_has_a_mirrored_time():
     """There the sum of the changes of both loads has lost them."""
-    what = Combination(-0.6, 1.0)
-    top = ELLIPSE.turning_points(what)[0]
-    apart = np.array([1e-3, 1e-5, 1e-7])
+    combination = Combination(-0.6, 1.0)
+    top = ELLIPSE.turning_points(combination)[0]
+    distances = np.array([1e-3, 1e-5, 1e-7])
     expected = (
-        -ELLIPSE.wave(what)[0]
+        -ELLIPSE.wave(combination)[0]
         * 2
-        * np.sin(apart / 2) ** 2
-        * np.sign(ELLIPSE.change_of(what, top, top + 1.0))
+        * np.sin(distances / 2) ** 2
+        * np.sign(ELLIPSE.change_of(combination, top, top + 1.0))
     )
-    np.testing.assert_allclose(ELLIPSE.change_of(what, top + apart, top), expected, rtol=1e-8)
-    for what in COMBINATIONS:
+    np.testing.assert_allclose(
+        ELLIPSE.change_of(combination, top + distances, top), expected, rtol=1e-8
+    )
+    for combination in COMBINATIONS:
         for moment in (4.2, 6.0, 9.9):
-            other = float(ELLIPSE.mirrored(what, moment, 7.0))
-            assert abs(other - 7.0) <= math.pi
-            assert abs(ELLIPSE.change_of(what, other, moment)) < 1e-14
+            mirror_time = float(ELLIPSE.mirrored(combination, moment, 7.0))
+            assert abs(mirror_time - 7.0) <= math.pi
+            assert abs(ELLIPSE.change_of(combination, mirror_time, moment)) < 1e-14
     assert all(
         segment.mirrored(NORMAL_LOAD, 1.0, 1.0) is None
         for segment in SEGMENTS.values()
@@ -436,8 +454,8 @@ def test_high_harmonics_are_what_they_say_however_many_times_are_asked_for(order
     p, q = segment.loads(t)
     k = np.arange(1, order + 1)
     a, phase = np.array(waves).T
-    wanted = [3.0 * order + math.fsum(a * np.cos(k * x - np.radians(phase))) for x in t[1, ::50]]
-    np.testing.assert_allclose(p[1, ::50], wanted, rtol=1e-14)
+    expected = [3.0 * order + math.fsum(a * np.cos(k * x - np.radians(phase))) for x in t[1, ::50]]
+    np.testing.assert_allclose(p[1, ::50], expected, rtol=1e-14)
     np.testing.assert_allclose(q, waves[0][0] * np.cos(t - math.radians(waves[0][1])), atol=1e-14)
     alone = [(segment.loads(x)[0], segment.rates(x)[0]) for x in t[1, ::50]]
     np.testing.assert_array_equal(alone, np.transpose([p[1, ::50], segment.rates(t)[0][1, ::50]]))
@@ -466,14 +484,14 @@ LEGS = [
 @pytest.mark.parametrize("segment", LEGS, ids=lambda segment: type(segment).__name__)
 def test_a_segment_turns_no_more_often_than_it_says_and_samples_show_it(segment):
     dense = segment.rates(np.linspace(segment.start, segment.end, 100_001)[1:-1])
-    few = segment.rates(sampled(segment, 25)[1:-1])
+    sparse = segment.rates(sampled(segment, 25)[1:-1])
     for normal, tangential in ((1, 0), (0, 1), (-0.5, 1), (0.5, 1)):
-        true, seen = (
+        true_turns, sampled_turns = (
             np.count_nonzero(np.diff(np.sign(normal * p + tangential * q)) != 0)
-            for p, q in (dense, few)
+            for p, q in (dense, sparse)
         )
-        assert true <= segment.most_turns
-        assert seen == true or segment.most_turns < 30
+        assert true_turns <= segment.most_turns
+        assert sampled_turns == true_turns or segment.most_turns < 30
 
 
 # ---------------------------------------------------------------------------- functions and records
@@ -493,12 +511,12 @@ def test_functions_are_followed_to_round_off_and_a_kink_becomes_an_edge():
 RECORD = {"rows": [[0, 1, 0], [1, 2, 0.1], [2, 1, 0]], "repeats": False}
 
 
-def make(given):
-    if "rows" in given:
-        return TimeSeriesLoad(**{"repeats": True} | given)
+def make(keys):
+    if "rows" in keys:
+        return TimeSeriesLoad(**{"repeats": True} | keys)
     return CallableLoad(
         **{"normal_load": lambda t: 2 + 0 * t, "tangential_load": lambda t: 0 * t, "duration": 1.0}
-        | given
+        | keys
     )
 
 
@@ -536,10 +554,10 @@ REFUSED_LOADS = [
 ]
 
 
-@pytest.mark.parametrize(("given", "why"), REFUSED_LOADS)
-def test_functions_and_rows_that_will_not_do_are_refused(given, why):
+@pytest.mark.parametrize(("keys", "why"), REFUSED_LOADS)
+def test_functions_and_rows_that_will_not_do_are_refused(keys, why):
     with np.errstate(all="ignore"), pytest.raises(InputError, match=why):
-        make(given)
+        make(keys)
 
 
 def test_a_series_starts_from_nothing():
@@ -566,10 +584,10 @@ def test_turning_points_are_those_of_the_definition(values: list[int], threshold
     more.
     """
     array = np.array(values, dtype=float)
-    found = turning_points(array, threshold)
-    ends = np.unique([0, *found, len(values) - 1])
-    inner = array[found[found > 0]] if len(found) else array[:0]
-    assert np.all(np.diff(found) > 0)
+    turns = turning_points(array, threshold)
+    ends = np.unique([0, *turns, len(values) - 1])
+    inner = array[turns[turns > 0]] if len(turns) else array[:0]
+    assert np.all(np.diff(turns) > 0)
     assert np.all(np.abs(np.diff(inner)) > threshold)
     assert np.all(np.diff(inner)[:-1] * np.diff(inner)[1:] < 0)
     for first, last in pairwise(ends.tolist()):
@@ -579,15 +597,17 @@ def test_turning_points_are_those_of_the_definition(values: list[int], threshold
         assert back <= threshold or (open_end and array[last] == array[first])
     if threshold == 0:
         steps = [step for step in np.diff(array) if step]
-        assert len(found[found > 0]) == sum(one * other < 0 for one, other in pairwise(steps))
+        assert len(turns[turns > 0]) == sum(
+            step_before * step_after < 0 for step_before, step_after in pairwise(steps)
+        )
 
 
-def distance_in_order(path: np.ndarray, kept: np.ndarray) -> float:
+def distance_in_order(path: np.ndarray, vertices: np.ndarray) -> float:
     """By brute force: the least size at which a walk along the kept lines, never back, is that near
     each point of the path.
     """
     worst = 0.0
-    for first, last in pairwise(kept.tolist()):
+    for first, last in pairwise(vertices.tolist()):
         share = np.linspace(0, 1, 2001)
         line = path[first] + share[:, None] * (path[last] - path[first])
         reached = np.zeros(1)
@@ -610,12 +630,14 @@ def test_a_reduced_path_stays_within_its_tolerance_in_order(
     points: list[tuple[int, int]], size: float
 ) -> None:
     path = np.array(points, dtype=float)
-    kept = within(path, np.array([size, size]))
-    assert (kept[0], kept[-1]) == (0, len(path) - 1)
-    assert np.all(np.diff(kept) > 0)
-    assert distance_in_order(path, kept) <= size + 0.01  # of the samples on a line of at most 10
-    other = within(path * [1, 0.25], np.array([size, size / 4]))  # each load has its own tolerance
-    assert other.tolist() == kept.tolist()
+    vertices = within(path, np.array([size, size]))
+    assert (vertices[0], vertices[-1]) == (0, len(path) - 1)
+    assert np.all(np.diff(vertices) > 0)
+    assert (
+        distance_in_order(path, vertices) <= size + 0.01
+    )  # of the samples on a line of at most 10
+    scaled = within(path * [1, 0.25], np.array([size, size / 4]))  # each load has its own tolerance
+    assert scaled.tolist() == vertices.tolist()
 
 
 def test_a_reduced_record_keeps_the_work_and_says_what_it_kept() -> None:
@@ -632,16 +654,16 @@ def test_a_reduced_record_keeps_the_work_and_says_what_it_kept() -> None:
             scene, x=[0.0], time=ends, fields=("dissipation",)
         ).dissipation, len(scene.load.kept_rows())
 
-    whole, _ = work()
-    for keys, most, kept in (
+    full_work, _ = work()
+    for keys, most, most_rows in (
         ({"reduce": "tolerance", "threshold": {"P": 0.02, "Q": 0.02}}, 2e-3, 350),
         ({"reduce": "tolerance", "threshold": {"P": 0.2, "Q": 0.2}}, 2e-2, 120),
         ({"reduce": "turning_points"}, 0.2, 30),
         ({"average": 4}, 1e-2, 300),
     ):
-        found, count = work(**keys)
-        assert abs(found / whole - 1) < most, keys
-        assert count <= kept, keys
+        reduced_work, count = work(**keys)
+        assert abs(reduced_work / full_work - 1) < most, keys
+        assert count <= most_rows, keys
     words = base.vary(load={"reduce": "turning_points", "threshold": {"Q": 0.5}}).load.in_words(
         "N/mm"
     )
@@ -786,26 +808,28 @@ def test_a_corner_counts_at_which_only_bulk_stress_or_tilt_changes(
     """
     if not counts:
         place = "2.0, 0.0" if values is None or values[0] == values[1] else "2.0, 1.0"
-        beside = "" if values is None else " with the same bulk stress and tilt"
+        with_what = "" if values is None else " with the same bulk stress and tilt"
         with pytest.raises(
-            ValueError, match=rf"the point \[{place}\] stands twice in a row{beside}: leave one out"
+            ValueError,
+            match=rf"the point \[{place}\] stands twice in a row{with_what}: leave one out",
         ):
             PolygonLoad(**STILL, **{key: values})
         return
-    found = PolygonLoad(**STILL, **{key: values}).path()
+    path = PolygonLoad(**STILL, **{key: values}).path()
     points = [*STILL["initial_loading"], *STILL["cycle"]]
     rows = [[k + 1, *point] for k, point in enumerate(points)]
     same = TimeSeriesLoad(rows=rows, **{key: values}).path()
-    assert found.moment_given == same.moment_given
-    for one, other in zip(
-        (*found.initial_loading, *found.cycle), same.initial_loading, strict=False
+    assert path.moment_given == same.moment_given
+    for leg_of_points, leg_of_rows in zip(
+        (*path.initial_loading, *path.cycle), same.initial_loading, strict=False
     ):
         for part in (
             lambda leg: leg,
             lambda leg: leg.turning if key in ("tilt", "moment") else leg.bulk,
         ):
             ends = [
-                np.array(part(leg).loads(np.array([leg.start, leg.end]))) for leg in (one, other)
+                np.array(part(leg).loads(np.array([leg.start, leg.end])))
+                for leg in (leg_of_points, leg_of_rows)
             ]
             assert np.array_equal(*ends)
 
@@ -826,9 +850,9 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize("what", REFUSED)
-def test_what_cannot_be_meant_is_refused(what: str) -> None:
-    changes, words = REFUSED[what]
+@pytest.mark.parametrize("fault", REFUSED)
+def test_what_cannot_be_meant_is_refused(fault: str) -> None:
+    changes, words = REFUSED[fault]
     with pytest.raises(InputError, match=words.replace("(", r"\(")):
         PolygonLoad(**CORNERS).vary(**changes)
 
@@ -925,10 +949,10 @@ def test_noise_below_a_stated_load_is_initial_loading_at_q_0_and_the_rest_is_as_
     # W is that of the rows from there on, which begin by a straight line to the first of them: the
     # same but for noise.
     cut = record_scene(start={"row": first + 1})
-    one, other = (
+    work, work_of_cut = (
         semi_analytic.solve(each, x=0.0, fields="dissipation").dissipation for each in (scene, cut)
     )
-    assert one == pytest.approx(other, rel=1e-3)
+    assert work == pytest.approx(work_of_cut, rel=1e-3)
 
 
 def test_start_and_end_cut_a_record_by_time_and_by_row():

@@ -36,13 +36,13 @@ IMPOSSIBLE = [
 
 def number_keys(table: Any, way: tuple[str, ...] = ()) -> list[tuple[str, ...]]:
     """Ways to all keys of a table that hold one number."""
-    found = []
+    ways = []
     for name, value in table:
         if isinstance(value, BaseModel):
-            found += number_keys(value, (*way, name))
+            ways += number_keys(value, (*way, name))
         elif isinstance(value, float) and not isinstance(value, bool) and name not in FREE:
-            found.append((*way, name))
-    return found
+            ways.append((*way, name))
+    return ways
 
 
 def changed(way: tuple[str, ...], value: Any) -> dict[str, Any]:
@@ -138,10 +138,10 @@ def test_huge_bulk_stress_is_refused_and_no_raw_error() -> None:
 def test_complex_numbers_in_a_stored_solution_are_refused(tmp_path: Any) -> None:
     """Certificates were read by their real parts."""
     path = tmp_path / "complex.nc"
-    data = semi_analytic.solve(load_scene("hertz-normal"), x=[0.0]).to_dataset()
-    data["tilt"] = data["time"] * (1 + 1j)
+    dataset = semi_analytic.solve(load_scene("hertz-normal"), x=[0.0]).to_dataset()
+    dataset["tilt"] = dataset["time"] * (1 + 1j)
     with pytest.warns(UserWarning, match="invalid netcdf"):
-        data.to_netcdf(path, engine="h5netcdf", invalid_netcdf=True)
+        dataset.to_netcdf(path, engine="h5netcdf", invalid_netcdf=True)
     with pytest.raises(InputError, match="tilt holds complex numbers"):
         ContactSolution.load(path)
 

@@ -63,9 +63,9 @@ def test_a_profile_is_symmetric_rises_from_zero_and_survives_json(profile):
     assert isinstance(profile, (Hertz, FlatRounded)) or "mm" in profile.in_words("mm")
     if not isinstance(profile, CallableProfile):
         scene = load_scene("hertz-paper").vary(profile=profile)
-        again = Scene.model_validate_json(scene.model_dump_json())
-        assert again == scene
-        np.testing.assert_array_equal(again.profile.height(x), height)
+        reloaded = Scene.model_validate_json(scene.model_dump_json())
+        assert reloaded == scene
+        np.testing.assert_array_equal(reloaded.profile.height(x), height)
 
 
 def test_heights_by_hand():
@@ -184,42 +184,40 @@ def scene_of(rows, kind, noise=None, **fit):
 def test_exact_rows_give_the_truth_its_middle_and_its_offset(kind):
     truth = TRUTHS[kind]
     s = np.linspace(0, 1.3, 201)
-    found = fit_profile(rows_of(truth), kind, noise=1e-9)
+    fit = fit_profile(rows_of(truth), kind, noise=1e-9)
     close = 3e-5 if kind == "smoothing_spline" else 1e-9  # knots 0.06 mm apart
     np.testing.assert_allclose(
-        found.height(s), truth.height(s), atol=close * float(truth.height(1.3))
+        fit.height(s), truth.height(s), atol=close * float(truth.height(1.3))
     )
-    assert found.fitted.centre == pytest.approx(
-        0.1, abs=1e-5 if kind == "smoothing_spline" else 1e-8
-    )
-    assert found.fitted.offset == pytest.approx(0.3, abs=1e-7)
-    assert found.fitted.extent == pytest.approx(min(1.6 - 0.1, 1.4 + 0.1), abs=0.1)
+    assert fit.fitted.centre == pytest.approx(0.1, abs=1e-5 if kind == "smoothing_spline" else 1e-8)
+    assert fit.fitted.offset == pytest.approx(0.3, abs=1e-7)
+    assert fit.fitted.extent == pytest.approx(min(1.6 - 0.1, 1.4 + 0.1), abs=0.1)
     if kind == "flat_rounded":
-        assert (found.radius, found.flat_half_length) == (
+        assert (fit.radius, fit.flat_half_length) == (
             pytest.approx(300.0, rel=1e-6),
             pytest.approx(0.5, rel=1e-6),
         )
     if kind == "even_polynomial":  # which bends down nowhere although a power of it is negative
         np.testing.assert_allclose(
-            np.array(found.rises) / found.length ** (2.0 * np.arange(1, 5)), truth.rises, rtol=1e-4
+            np.array(fit.rises) / fit.length ** (2.0 * np.arange(1, 5)), truth.rises, rtol=1e-4
         )
 
 
 def test_a_parabola_is_that_of_least_squares():
     rows = rows_of(TRUTHS["hertz"], noise=50e-6)
-    found = fit_profile(rows, "hertz")
+    fit = fit_profile(rows, "hertz")
     c, b, a = np.polynomial.polynomial.polyfit(*rows.T, 2)
-    assert found.radius == pytest.approx(1 / (2 * a), rel=1e-9)
-    assert found.fitted.centre == pytest.approx(-b / (2 * a), rel=1e-7)
-    assert found.fitted.offset == pytest.approx(c - b * b / (4 * a), rel=1e-9)
+    assert fit.radius == pytest.approx(1 / (2 * a), rel=1e-9)
+    assert fit.fitted.centre == pytest.approx(-b / (2 * a), rel=1e-7)
+    assert fit.fitted.offset == pytest.approx(c - b * b / (4 * a), rel=1e-9)
     rest = rows[:, 1] - np.polynomial.polynomial.polyval(rows[:, 0], (c, b, a))
-    assert found.fitted.noise == pytest.approx(np.sqrt(rest @ rest / 98), rel=1e-6)
-    assert not found.fitted.noise_stated
+    assert fit.fitted.noise == pytest.approx(np.sqrt(rest @ rest / 98), rel=1e-6)
+    assert not fit.fitted.noise_stated
 
 
 def test_a_flat_with_rounded_edges_is_the_best_of_a_search_through_all_its_numbers():
     rows = rows_of(TRUTHS["flat_rounded"], 61, noise=50e-6, seed=4)
-    found = fit_profile(rows, "flat_rounded")
+    fit = fit_profile(rows, "flat_rounded")
 
     def misfit(middle, half):
         beyond = np.maximum(np.abs(rows[:, 0] - middle) - half, 0.0) ** 2 / 2
@@ -227,9 +225,9 @@ def test_a_flat_with_rounded_edges_is_the_best_of_a_search_through_all_its_numbe
         left = rows[:, 1] - columns @ np.linalg.lstsq(columns, rows[:, 1], rcond=None)[0]
         return float(left @ left)
 
-    best = misfit(found.fitted.centre, found.flat_half_length)
+    best = misfit(fit.fitted.centre, fit.flat_half_length)
     # a penalty on the tilt keeps it from the very best
-    assert best == pytest.approx(61 * found.fitted.residual**2, rel=1e-3)
+    assert best == pytest.approx(61 * fit.fitted.residual**2, rel=1e-3)
     assert best <= min(
         misfit(m, b) for m in np.linspace(-0.1, 0.3, 81) for b in np.linspace(0.2, 0.8, 61)
     ) * (1 + 1e-9)
@@ -245,27 +243,27 @@ def test_a_flat_with_rounded_edges_is_the_best_of_a_search_through_all_its_numbe
 def test_a_fit_is_convex_or_one_sentence_whatever_the_noise(seed, kind, truth, noise):
     rows = rows_of(TRUTHS[truth], 12 + seed % 60, noise, seed=seed)
     try:
-        found = fit_profile(rows, kind)
+        fit = fit_profile(rows, kind)
     except InputError as fault:
         rule = str(fault)
-        found = None
-    if found is None:
+        fit = None
+    if fit is None:
         assert "do not bend up" in rule
         return
-    s = np.linspace(0, found.fitted.extent, 400)
-    assert np.all(np.diff(found.height(s), 2) >= -1e-12 * float(found.height(s[-1])))
-    assert float(found.height(s[-1])) > 0
+    s = np.linspace(0, fit.fitted.extent, 400)
+    assert np.all(np.diff(fit.height(s), 2) >= -1e-12 * float(fit.height(s[-1])))
+    assert float(fit.height(s[-1])) > 0
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_units_and_a_shift_change_nothing(kind):
     rows = rows_of(TRUTHS["flat_rounded"], 61, 20e-6)
     unit = np.array([25.4, 7.0])
-    one = fit_profile(rows, kind, noise=20e-6)
-    other = fit_profile(rows * unit + np.array([3.0, -9.0]), kind, noise=140e-6)
+    plain = fit_profile(rows, kind, noise=20e-6)
+    scaled = fit_profile(rows * unit + np.array([3.0, -9.0]), kind, noise=140e-6)
     s = np.linspace(0, 1.3, 50)
-    np.testing.assert_allclose(other.height(25.4 * s), 7.0 * one.height(s), rtol=1e-4, atol=7e-9)
-    assert other.fitted.centre == pytest.approx(25.4 * one.fitted.centre + 3.0, abs=1e-4)
+    np.testing.assert_allclose(scaled.height(25.4 * s), 7.0 * plain.height(s), rtol=1e-4, atol=7e-9)
+    assert scaled.fitted.centre == pytest.approx(25.4 * plain.fitted.centre + 3.0, abs=1e-4)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -284,10 +282,10 @@ def test_a_saved_scene_gives_the_same_answer_without_the_file(kind, tmp_path):
     assert first.profile.fitted.source == "trace.csv"
     first.save(tmp_path / "saved.toml")
     (tmp_path / "trace.csv").unlink()
-    again = load_scene(tmp_path / "saved.toml")
-    assert again.profile == first.profile
+    reloaded = load_scene(tmp_path / "saved.toml")
+    assert reloaded.profile == first.profile
     assert Scene.model_validate_json(first.model_dump_json()).profile == first.profile
-    assert fit_uncertainty(again, 3) == fit_uncertainty(first, 3)
+    assert fit_uncertainty(reloaded, 3) == fit_uncertainty(first, 3)
 
 
 def test_other_numbers_are_fitted_to_nothing():
@@ -306,8 +304,8 @@ def test_extent_and_centre_are_respected():
     assert inner.flat_half_length == pytest.approx(0.5, rel=1e-5)
     assert 0.8 < inner.fitted.extent <= 0.9
     assert inner.fitted.left_out == np.count_nonzero(np.abs(rows[:, 0] - 0.1) > 0.9)
-    beside = fit_profile(rows, "hertz", centre=0.3)
-    assert (beside.fitted.centre, beside.fitted.centre_fitted) == (0.3, False)
+    off_centre = fit_profile(rows, "hertz", centre=0.3)
+    assert (off_centre.fitted.centre, off_centre.fitted.centre_fitted) == (0.3, False)
     right = rows_of(TRUTHS["hertz"], 301, middle=0.0)
     right = fit_profile(right[right[:, 0] >= 0], "hertz")
     assert (right.fitted.centre, right.fitted.centre_fitted) == (0.0, False)
@@ -318,9 +316,9 @@ def test_extent_and_centre_are_respected():
         )
         assert shifted.fitted.centre_fitted
         assert shifted.fitted.centre == pytest.approx(1.6, abs=0.05)
-    said = fit_in_words(scene_of(rows, "flat_rounded", 1e-6, extent=0.9), 1.2)
-    assert "reach 0.8" in said[-1]
-    assert "extrapolation" in said[-1]
+    sentences = fit_in_words(scene_of(rows, "flat_rounded", 1e-6, extent=0.9), 1.2)
+    assert "reach 0.8" in sentences[-1]
+    assert "extrapolation" in sentences[-1]
 
 
 @pytest.mark.parametrize(
@@ -354,15 +352,16 @@ def test_a_spline_is_as_smooth_as_the_noise_asks(stated):
     weights = []
     for noise in (1e-8, 2e-5):
         rows = rows_of(truth, 301, noise)
-        given = {"kind": "smoothing_spline", "noise": noise if stated else None}
-        found = [
-            fitted_keys(*rows.T, FitRequest(**given, weight=weight)) for weight in (None, 1e-9, 1e3)
+        request = {"kind": "smoothing_spline", "noise": noise if stated else None}
+        fits = [
+            fitted_keys(*rows.T, FitRequest(**request, weight=weight))
+            for weight in (None, 1e-9, 1e3)
         ]
         off = [
-            np.std(Tabulated(points=keys["points"]).height(s) - truth.height(s)) for keys in found
+            np.std(Tabulated(points=keys["points"]).height(s) - truth.height(s)) for keys in fits
         ]
         assert off[0] <= 1.02 * min(off[1:])
-        weights.append(found[0]["fitted"]["weight"])
+        weights.append(fits[0]["fitted"]["weight"])
     assert 100 * weights[0] <= weights[1]
 
 
@@ -404,12 +403,12 @@ def test_extreme_numbers_are_fitted_or_one_sentence():
 
 def test_noise_that_is_not_that_of_the_rows_is_said():
     rows = rows_of(TRUTHS["flat_rounded"], 301, 20e-6)
-    asked = (("flat_rounded", 20e-6), ("hertz", 20e-6), ("flat_rounded", 1e-4))
-    said = [fit_in_words(scene_of(rows, kind, noise), 0.5) for kind, noise in asked]
-    assert [len(sentences) for sentences in said] == [1, 3, 2]
-    assert "The residuals are no noise" in said[1][1]
-    assert "does not describe the rows" in said[1][2]
-    assert "the noise is smaller than stated" in said[2][1]
+    requests = (("flat_rounded", 20e-6), ("hertz", 20e-6), ("flat_rounded", 1e-4))
+    sentences_of_each = [fit_in_words(scene_of(rows, kind, noise), 0.5) for kind, noise in requests]
+    assert [len(sentences) for sentences in sentences_of_each] == [1, 3, 2]
+    assert "The residuals are no noise" in sentences_of_each[1][1]
+    assert "does not describe the rows" in sentences_of_each[1][2]
+    assert "the noise is smaller than stated" in sentences_of_each[2][1]
 
 
 # A trace of a flat pad as it lies in the instrument: x counted from its left end, noise of 0, 60
@@ -435,7 +434,7 @@ def test_the_tilt_of_a_trace_is_fitted_with_the_shape_and_taken_out(tilt, noise)
     linear theory.
     """
     rows = traced(tilt, noise)
-    found = fit_profile(rows, "flat_rounded")
+    fit = fit_profile(rows, "flat_rounded")
     s = np.abs(TRACE - 0.08) - 1.2
     edge = np.maximum(s, 0.0)
     bend = 1 / 25.0
@@ -445,19 +444,19 @@ def test_the_tilt_of_a_trace_is_fitted_with_the_shape_and_taken_out(tilt, noise)
         [np.ones(len(s)), TRACE - 0.08, -bend * edge * side, -bend * edge, edge**2 / 2]
     )
     deviations = noise * np.sqrt(np.diag(np.linalg.inv(slopes.T @ slopes)))
-    fitted = found.fitted
+    fitted = fit.fitted
     errors = np.abs(
         [
             fitted.offset - (0.01 + 0.08 * tilt),
             fitted.tilt - tilt,
             fitted.centre - 2.48,
-            found.flat_half_length - 1.2,
-            1 / found.radius - bend,
+            fit.flat_half_length - 1.2,
+            1 / fit.radius - bend,
         ]
     )
     assert np.all(errors <= 4 * deviations + 2e-6)
     assert fitted.tilt_fitted
-    scene = load_scene("hertz-paper").vary(load=LOAD, profile=found)
+    scene = load_scene("hertz-paper").vary(load=LOAD, profile=fit)
     assert not fit_warnings(scene, 1.0)
 
 
@@ -470,8 +469,8 @@ def test_w_of_a_tilted_trace_lies_within_what_is_stated():
     }
     scene = load_scene("hertz-paper").vary(load=load, friction=0.5, profile=keys, expected=())
     truth = semi_analytic.solve(scene.vary(profile=TRACED), x=0.0, fields="dissipation").dissipation
-    found = fit_uncertainty(scene, 10).dissipation
-    assert abs(found.value - truth) <= found.uncertainty <= 0.02 * truth
+    work = fit_uncertainty(scene, 10).dissipation
+    assert abs(work.value - truth) <= work.uncertainty <= 0.02 * truth
     # A tilt that is stated, and is not that of the trace, leaves residuals with a pattern: said,
     # and covered.
     level = scene.vary(
@@ -500,9 +499,9 @@ def test_a_tilt_that_the_rows_do_not_show_is_none():
         ]
     )
     for kind in ("hertz", "flat_rounded", "even_polynomial"):
-        found = fit_profile(rows, kind)
-        assert found.fitted.centre == pytest.approx(-90 * 3e-3, abs=0.05)
-        assert float(found.height(1.0)) == pytest.approx(1 / 180, rel=5e-3)
+        fit = fit_profile(rows, kind)
+        assert fit.fitted.centre == pytest.approx(-90 * 3e-3, abs=0.05)
+        assert float(fit.height(1.0)) == pytest.approx(1 / 180, rel=5e-3)
     right = rows_of(TRUTHS["flat_rounded"], 301, middle=0.0)
     one_side = fit_profile(right[right[:, 0] >= 0], "flat_rounded")
     assert not one_side.fitted.tilt_fitted
@@ -527,10 +526,12 @@ def test_white_noise_is_called_a_pattern_by_chance_alone():
         rows = curve + np.column_stack(
             [np.zeros(len(TRACE)), 6e-5 * random.standard_normal(len(TRACE))]
         )
-        for more, seen in ((0.0, False), (wave, True)):
-            other = fitted.model_copy(update={"rows": Table.of(rows + more)})
-            profile = scene.profile.model_copy(update={"fitted": other})
-            calls += bool(fit_warnings(scene.model_copy(update={"profile": profile}), 0.0)) != seen
+        for wave_added, is_pattern in ((0.0, False), (wave, True)):
+            refitted = fitted.model_copy(update={"rows": Table.of(rows + wave_added)})
+            profile = scene.profile.model_copy(update={"fitted": refitted})
+            calls += (
+                bool(fit_warnings(scene.model_copy(update={"profile": profile}), 0.0)) != is_pattern
+            )
     assert calls <= 3
 
 
@@ -541,17 +542,17 @@ def test_uncertainty_grows_with_the_noise_and_is_the_spread_of_other_measurement
         for noise in (2e-6, 20e-6)
     )
     for name in ("dissipation", "half_width", "peak_pressure"):
-        one, other = (getattr(found, name).uncertainty for found in (small, large))
-        assert other / one == pytest.approx(10.0, rel=0.35)
+        first, second = (getattr(uncertainty, name).uncertainty for uncertainty in (small, large))
+        assert second / first == pytest.approx(10.0, rel=0.35)
     # By real other measurements.
     scenes = [
         scene_of(rows_of(truth, 101, 20e-6, seed=seed), "flat_rounded", 20e-6) for seed in range(60)
     ]
     widths = [largest_contact(scene, "").half_width for scene in scenes]
     assert large.half_width.uncertainty == pytest.approx(2 * np.std(widths), rel=0.25)
-    one, other = (fit_uncertainty(scenes[0], 4, seed) for seed in (1, 2))
-    assert (one.resamples, one.failed) == (4, 0)
-    assert one.half_width != other.half_width
+    first, second = (fit_uncertainty(scenes[0], 4, seed) for seed in (1, 2))
+    assert (first.resamples, first.failed) == (4, 0)
+    assert first.half_width != second.half_width
 
 
 def test_the_uncertainty_of_a_spline_covers_what_smoothing_takes_from_a_flat():
@@ -559,28 +560,28 @@ def test_the_uncertainty_of_a_spline_covers_what_smoothing_takes_from_a_flat():
     these have lost it already.
     """
     scene = scene_of(rows_of(TRUTHS["flat_rounded"], 61, 50e-6, seed=1), "smoothing_spline", 50e-6)
-    found = fit_uncertainty(scene, 10).half_width
+    half_width = fit_uncertainty(scene, 10).half_width
 
     def change(keys):
         return (
             largest_contact(scene.vary(profile={**keys, "fitted": None}), "").half_width
-            - found.value
+            - half_width.value
         )
 
     random = np.random.default_rng(0)
-    others = [change(fitted_again(scene.profile, random.standard_normal(61))) for _ in range(10)]
+    changes = [change(fitted_again(scene.profile, random.standard_normal(61))) for _ in range(10)]
     closer = abs(change(fitted_again(scene.profile, smoothing=0.1)))
-    assert closer > abs(np.mean(others))
-    assert found.uncertainty == pytest.approx(2 * np.std(others) + closer, rel=1e-9)
+    assert closer > abs(np.mean(changes))
+    assert half_width.uncertainty == pytest.approx(2 * np.std(changes) + closer, rel=1e-9)
 
 
 def test_page_and_json_state_the_fit():
     scene = scene_of(rows_of(TRUTHS["flat_rounded"], 301, 20e-6), "flat_rounded", 20e-6)
-    said, found = findings(scene)
-    assert "W = 0.000" in said[-1]
-    whole = content(scene)
-    assert whole["uncertainty_95"]["dissipation"]["value"] == found.dissipation.value
-    assert (whole["fit"]["count"], whole["sentences"]) == (301, said)
+    sentences, uncertainty = findings(scene)
+    assert "W = 0.000" in sentences[-1]
+    page_content = content(scene)
+    assert page_content["uncertainty_95"]["dissipation"]["value"] == uncertainty.dissipation.value
+    assert (page_content["fit"]["count"], page_content["sentences"]) == (301, sentences)
     assert content(load_scene("hertz-paper")) is None
     plate = fit_residuals(scene, 0.9)
     assert len(plate.table["x [mm]"]) == 301

@@ -378,13 +378,13 @@ def test_every_fault_is_one_sentence_naming_file_key_value_and_rule(
     """And the same in JSON."""
     old, new, named = (REFUSED | BROKEN)[fault]
     (tmp_path / "mine.toml").write_text(edited(old, new), encoding="utf-8")
-    said = {"mine.toml": refusal(tmp_path / "mine.toml")}
+    refusals = {"mine.toml": refusal(tmp_path / "mine.toml")}
     if fault not in NO_JSON | BROKEN.keys():
         (tmp_path / "mine.json").write_text(
             json.dumps(tomllib.loads(edited(old, new))), encoding="utf-8"
         )
-        said["mine.json"] = refusal(tmp_path / "mine.json")
-    for name, sentence in said.items():
+        refusals["mine.json"] = refusal(tmp_path / "mine.json")
+    for name, sentence in refusals.items():
         assert sentence.startswith(f"{tmp_path / name}: ")
         assert not [part for part in named.split("|") if part not in sentence], sentence
         assert "What is neglected" not in sentence or "did you mean" not in sentence
@@ -561,16 +561,16 @@ TABLES = [
 ]
 
 
-@pytest.mark.parametrize(("edit", "text", "said"), TABLES)
+@pytest.mark.parametrize(("edit", "text", "words"), TABLES)
 def test_faults_in_tables_name_file_line_and_rule(
-    edit: tuple[str, str], text: str | None, said: str, tmp_path: Path
+    edit: tuple[str, str], text: str | None, words: str, tmp_path: Path
 ) -> None:
     if text is not None:
         (tmp_path / "table.csv").write_text(text, encoding="utf-8")
     (tmp_path / "mine.toml").write_text(PLAIN.replace(*edit), encoding="utf-8")
     sentence = refusal(tmp_path / "mine.toml")
     assert "table.csv" in sentence
-    assert said in sentence
+    assert words in sentence
 
 
 # Text, keys of the table, rows that are found, words of the record.
@@ -657,19 +657,24 @@ def test_a_record_of_any_form_is_read_and_what_was_assumed_is_said(
     )
     scene = load_scene(tmp_path / "mine.toml")
     np.testing.assert_allclose(scene.load.rows.values, rows, rtol=1e-15)
-    said = "; ".join(": ".join(pair) for pair in scene.load.read_as)
-    assert all(word in said for word in words), said
+    record = "; ".join(": ".join(pair) for pair in scene.load.read_as)
+    assert all(word in record for word in words), record
     assert (
         Scene.model_validate_json(scene.model_dump_json())
         == scene.vary(friction=scene.friction.coefficient)
         == scene
     )
     scene.save(tmp_path / "saved.toml")
-    again = load_scene(tmp_path / "saved.toml").load
-    assert (again.rows, again.read_as) == (scene.load.rows, scene.load.read_as)
-    assert again.file is again.columns is again.scale is None
-    other = scene.vary(load={"rows": [[0, 1, 0], [1, 2, 0]]}).load
-    assert (other.file, other.read_as, other.thickness, other.units) == (None, None, None, None)
+    reloaded = load_scene(tmp_path / "saved.toml").load
+    assert (reloaded.rows, reloaded.read_as) == (scene.load.rows, scene.load.read_as)
+    assert reloaded.file is reloaded.columns is reloaded.scale is None
+    replaced = scene.vary(load={"rows": [[0, 1, 0], [1, 2, 0]]}).load
+    assert (replaced.file, replaced.read_as, replaced.thickness, replaced.units) == (
+        None,
+        None,
+        None,
+        None,
+    )
 
 
 def test_reading_keys_without_a_file_and_units_that_came_later_are_refused(
@@ -692,8 +697,8 @@ def test_reading_keys_without_a_file_and_units_that_came_later_are_refused(
         match=r"columns of load\.file were turned into 'N, mm, MPa': give file and units together",
     ):
         scene.vary(units="kN, mm, GPa")
-    both = scene.vary(units="kN, mm, GPa", load={"file": "table.csv"})
-    np.testing.assert_allclose(both.load.rows.values[:, 1], [1e-3, 2e-3])
+    in_new_units = scene.vary(units="kN, mm, GPa", load={"file": "table.csv"})
+    np.testing.assert_allclose(in_new_units.load.rows.values[:, 1], [1e-3, 2e-3])
     for words in ("volts", "mm"):
         with pytest.raises(InputError, match=f"units.P: '{words}' is no unit of force"):
             scene.vary(load={"units": {"P": words}})
@@ -733,17 +738,17 @@ def test_whatever_stands_in_a_table_is_numbers_or_a_sentence(
     path = tmp_path_factory.getbasetemp() / "any.csv"
     path.write_text(head + text, encoding="utf-8")
     try:
-        found = text_table(path, ("time", "P", "Q"))
+        table = text_table(path, ("time", "P", "Q"))
     except InputError as fault:
         assert str(fault).startswith(str(path))  # noqa: PT017
     else:
         lines = (head + text).split("\n")
-        assert np.all(np.abs(found.values) <= 1e100)
-        assert found.values.shape == (len(found.lines), 3)
+        assert np.all(np.abs(table.values) <= 1e100)
+        assert table.values.shape == (len(table.lines), 3)
         # each number stands on its line
-        for row, line in zip(found.values.tolist(), found.lines.tolist(), strict=True):
+        for row, line in zip(table.values.tolist(), table.lines.tolist(), strict=True):
             cells = re.split(
-                r"[;\t, ]+" if found.decimal == "point" else r"[;\t ]+",
+                r"[;\t, ]+" if table.decimal == "point" else r"[;\t ]+",
                 lines[line - 1].split("#")[0].replace('"', " "),
             )
             numbers = [float(cell.replace(",", ".")) for cell in cells if cell]
@@ -751,11 +756,11 @@ def test_whatever_stands_in_a_table_is_numbers_or_a_sentence(
 
 
 @pytest.mark.parametrize(
-    ("encoding", "said"),
+    ("encoding", "name"),
     [("utf-8", ""), ("utf-8-sig", ""), ("utf-16", "UTF-16"), ("cp1252", "Windows-1252")],
 )
 def test_tables_of_other_systems_are_read_and_what_they_are_written_in_is_said(
-    encoding: str, said: str, tmp_path: Path
+    encoding: str, name: str, tmp_path: Path
 ) -> None:
     text = "# Kraft über Zeit\r\nZeit;P;Q\r\n0;1,5;0,5\r\n1;2,5;0,5\r\n"
     (tmp_path / "table.csv").write_bytes(text.encode(encoding))
@@ -763,11 +768,11 @@ def test_tables_of_other_systems_are_read_and_what_they_are_written_in_is_said(
     (tmp_path / "mine.toml").write_text(scene, encoding="utf-8")
     load = load_scene(tmp_path / "mine.toml").load
     assert load.rows.values.tolist() == [[0, 1.5, 0.5], [1, 2.5, 0.5]]  # type: ignore[union-attr]
-    found = dict(load.read_as or ()).get("characters", "")  # type: ignore[union-attr]
-    assert found.startswith(said)
-    assert bool(found) == bool(said)
+    characters = dict(load.read_as or ()).get("characters", "")  # type: ignore[union-attr]
+    assert characters.startswith(name)
+    assert bool(characters) == bool(name)
     (tmp_path / "table.csv").write_bytes(
-        b"\xff\xfe\x00\xd8\x41\x00" if said == "UTF-16" else b"time,P,Q\n\xff\x00,1\n"
+        b"\xff\xfe\x00\xd8\x41\x00" if name == "UTF-16" else b"time,P,Q\n\xff\x00,1\n"
     )
     assert "the file can't be read: it is not UTF-" in refusal(tmp_path / "mine.toml")
 
@@ -780,11 +785,11 @@ def test_two_million_rows_are_streamed(tmp_path: Path) -> None:
         "time;P;Q\n" + "".join(f"{k};1,5;0,{k}\n" for k in range(count)), encoding="utf-8"
     )
     tracemalloc.start()
-    found = text_table(path, ("time", "P", "Q"))
+    table = text_table(path, ("time", "P", "Q"))
     most = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
-    assert (len(found.values), found.lines[-1]) == (count, count + 1)
-    assert most < 2.2 * found.values.nbytes + 2 * found.lines.nbytes + 16e6
+    assert (len(table.values), table.lines[-1]) == (count, count + 1)
+    assert most < 2.2 * table.values.nbytes + 2 * table.lines.nbytes + 16e6
 
 
 def test_tables_lie_beside_the_scene_file_and_their_rows_go_with_the_scene(
@@ -915,8 +920,8 @@ READ |= {
 
 @pytest.mark.parametrize("name", READ)
 def test_what_a_file_says_is_read_from_toml_and_json(name: str, tmp_path: Path) -> None:
-    edits, asked, answer = READ[name]
-    text = reduce(lambda whole, edit: whole.replace(*edit), edits, PLAIN)
+    edits, property_of, answer = READ[name]
+    text = reduce(lambda text_so_far, edit: text_so_far.replace(*edit), edits, PLAIN)
     (tmp_path / "mine.toml").write_text(text, encoding="utf-8-sig")
     (tmp_path / "mine.json").write_text(json.dumps(tomllib.loads(text)), encoding="utf-8")
     scene = load_scene(tmp_path / "mine.toml")
@@ -925,7 +930,7 @@ def test_what_a_file_says_is_read_from_toml_and_json(name: str, tmp_path: Path) 
         == load_scene(str(tmp_path / "mine.json"))
         == Scene.model_validate_json(scene.model_dump_json())
     )
-    assert asked(scene) == answer
+    assert property_of(scene) == answer
     with pytest.raises(Exception, match="frozen"):
         scene.cycles = 3
 
@@ -994,13 +999,13 @@ KEYS = st.sampled_from(
 def test_whatever_stands_in_a_file_is_a_scene_or_a_sentence(
     place: list[str], value: Any, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
-    data = tomllib.loads(PLAIN)
-    table = data
+    keys = tomllib.loads(PLAIN)
+    table = keys
     for key in place[:-1]:
         table = table[key] if isinstance(table.get(key), dict) else table
     table[place[-1] if place else "extra"] = value
     file = tmp_path_factory.getbasetemp() / "any.json"
-    file.write_text(json.dumps(data), encoding="utf-8")
+    file.write_text(json.dumps(keys), encoding="utf-8")
     try:
         answer: object = load_scene(file)
     except InputError as sentence:
@@ -1064,9 +1069,9 @@ def test_a_unit_that_is_not_known_is_asked_for_in_one_sentence(tmp_path):
 
 def test_loads_with_units_behind_a_blank_are_found_by_their_usual_names(tmp_path):
     (tmp_path / "loads.csv").write_text("Time s;Normal force kN;Shear force N\n0;1;0\n1;1;200\n")
-    found = text_table(tmp_path / "loads.csv", ("time", "P", "Q"))
+    table = text_table(tmp_path / "loads.csv", ("time", "P", "Q"))
     # one letter is a unit where the kind of the column says so
-    assert found.units == ("", "kN", "")
+    assert table.units == ("", "kN", "")
     keys = json.loads(load_scene("hertz-paper").model_dump_json(exclude_none=True))
     load = {"kind": "time_series", "file": "loads.csv", "thickness": 10.0}
     (tmp_path / "scene.json").write_text(json.dumps(keys | {"load": load, "expected": []}))

@@ -83,20 +83,20 @@ def parts(value):
 )
 def test_a_dataset_and_a_file_hold_all_of_it(scene_name, steady_from, tmp_path):
     solution = replace(small_solution(scene_name), steady_from=steady_from)
-    data = solution.to_dataset()
-    np.testing.assert_equal(parts(ContactSolution.from_dataset(data)), parts(solution))
+    dataset = solution.to_dataset()
+    np.testing.assert_equal(parts(ContactSolution.from_dataset(dataset)), parts(solution))
     solution.save(tmp_path / "answer.nc")
-    found = ContactSolution.load(tmp_path / "answer.nc")
-    np.testing.assert_equal(parts(found), parts(solution))
+    loaded = ContactSolution.load(tmp_path / "answer.nc")
+    np.testing.assert_equal(parts(loaded), parts(solution))
     with pytest.raises(ValueError, match="read-only"):
-        found.pressure[0, 0] = 1.0
-    assert data["pressure"].dims == ("time", "x")
-    assert data["stick_edges"].dims == ("time", "side")
-    assert list(data["side"].values) == ["left", "right"]
+        loaded.pressure[0, 0] = 1.0
+    assert dataset["pressure"].dims == ("time", "x")
+    assert dataset["stick_edges"].dims == ("time", "side")
+    assert list(dataset["side"].values) == ["left", "right"]
     assert (
-        data["certificate_cone"].dims
-        == data["energy_external"].dims
-        == data["time"].dims
+        dataset["certificate_cone"].dims
+        == dataset["energy_external"].dims
+        == dataset["time"].dims
         == ("time",)
     )
 
@@ -105,9 +105,9 @@ def test_a_file_of_another_format_is_refused_before_its_variables_are_looked_for
     """Variables of another format may have other names, so a missing one must not be what is
     reported.
     """
-    data = small_solution().to_dataset().drop_vars("slip")
-    later = data.assign_attrs(format="halfplane solution 3")
-    first = data.copy()
+    dataset = small_solution().to_dataset().drop_vars("slip")
+    later = dataset.assign_attrs(format="halfplane solution 3")
+    first = dataset.copy()
     del first.attrs["format"]
     for name, stored, rule in (
         ("later.nc", later, "of a later version"),
@@ -124,18 +124,25 @@ def test_dataset_has_units_long_names_and_coordinates(tmp_path):
     """
     solution = replace(small_solution(), scene=load_scene("hertz-paper").vary(units="kN, mm, GPa"))
     solution.save(tmp_path / "answer.nc")
-    for data in (solution.to_dataset(), xr.load_dataset(tmp_path / "answer.nc", engine="h5netcdf")):
-        named = [name for name in ARRAYS if name in data.variables]
+    for dataset in (
+        solution.to_dataset(),
+        xr.load_dataset(tmp_path / "answer.nc", engine="h5netcdf"),
+    ):
+        named = [name for name in ARRAYS if name in dataset.variables]
         assert set(named) == set(ARRAYS)
-        assert all(data[name].attrs["long_name"] and data[name].attrs["units"] for name in named)
-        assert data["pressure"].attrs == {"long_name": "contact pressure p", "units": "GPa"}
-        found = [
-            data[name].attrs["units"] for name in ("x", "normal_load", "cycle_dissipation", "state")
+        assert all(
+            dataset[name].attrs["long_name"] and dataset[name].attrs["units"] for name in named
+        )
+        assert dataset["pressure"].attrs == {"long_name": "contact pressure p", "units": "GPa"}
+        units = [
+            dataset[name].attrs["units"]
+            for name in ("x", "normal_load", "cycle_dissipation", "state")
         ]
-        assert found == ["mm", "kN/mm", "kN·mm/mm", "1"]
-        assert float(data["pressure"].sel(x=0.5)[3]) == solution.pressure[3, 3]
+        assert units == ["mm", "kN/mm", "kN·mm/mm", "1"]
+        assert float(dataset["pressure"].sel(x=0.5)[3]) == solution.pressure[3, 3]
         assert (
-            data["pressure"].isel(x=0).sel(time=solution.time[2]).item() == solution.pressure[2, 0]
+            dataset["pressure"].isel(x=0).sel(time=solution.time[2]).item()
+            == solution.pressure[2, 0]
         )
     assert load_scene("hertz-paper").vary(units="whatever").unit_words == (
         "force",
@@ -188,9 +195,9 @@ def test_figures_of_a_solution():
         loop.axes[0].get_lines()[0].get_xydata()[:, 1], solution.tangential_load[steps]
     )
     assert "W = 0.002058 N·mm/mm per cycle" in loop.axes[0].get_title(loc="left")
-    for kept in (figure, loop):
-        kept.canvas.draw()
-        plt.close(kept)
+    for drawing in (figure, loop):
+        drawing.canvas.draw()
+        plt.close(drawing)
     plt.close("all")
     with pytest.raises(InputError, match="time = 99 lies outside"):
         solution.plot(time=99)
@@ -242,10 +249,10 @@ def test_last_cycle_is_the_last_whole_revolution_with_both_ends_or_the_whole_of_
     begin = path.cycle_start
     period = path.period
     way = np.linspace(path.start, begin, 4)
-    whole = np.concatenate([way, begin + period * np.array([0.25, 0.5, 1.0, 1.5, 1.75, 2.0])])
+    time_whole = np.concatenate([way, begin + period * np.array([0.25, 0.5, 1.0, 1.5, 1.75, 2.0])])
     # round-off of the last instant must not cost a cycle
-    rounded = np.append(whole[:-1], whole[-1] * (1 - 1e-15))
-    for time in (whole, rounded):
+    rounded = np.append(time_whole[:-1], time_whole[-1] * (1 - 1e-15))
+    for time in (time_whole, rounded):
         assert small_solution(time=time).last_cycle.tolist() == [6, 7, 8, 9]
     unfinished = np.concatenate([way[[0, -1]], begin + period * np.array([0.5, 1.0, 1.25, 1.5])])
     assert small_solution(time=unfinished).last_cycle.tolist() == [1, 2, 3]

@@ -81,10 +81,10 @@ CHANGED = [
 @pytest.mark.parametrize(("changes", "key", "value"), CHANGED)
 def test_the_key_is_changed_and_nothing_else(changes: dict[str, Any], key: str, value: Any) -> None:
     changed = PAPER.vary(**changes)
-    found: Any = changed
+    part_value: Any = changed
     for part in key.split("."):
-        found = getattr(found, part)
-    assert found == value
+        part_value = getattr(part_value, part)
+    assert part_value == value
     assert changed != PAPER
     assert changed.vary(**{name: getattr(PAPER, name) for name in changes}) == PAPER
 
@@ -101,8 +101,8 @@ def test_a_mapping_keeps_the_keys_that_it_does_not_name_at_every_depth() -> None
     assert changed.material == Materials(
         lower=scene.material.lower, upper=scene.material.upper.vary(poisson_ratio=0.2)
     )
-    both = scene.vary(material={"young_modulus": 7e4}).material
-    assert both.upper == both.lower == scene.material.lower.vary(young_modulus=7e4)
+    material = scene.vary(material={"young_modulus": 7e4}).material
+    assert material.upper == material.lower == scene.material.lower.vary(young_modulus=7e4)
 
 
 # Of rules that a file breaks too, one of each way that a change is given: a key, a part of a table,
@@ -132,16 +132,18 @@ SAID = [
 ]
 
 
-@pytest.mark.parametrize(("changes", "said"), SAID)
+@pytest.mark.parametrize(("changes", "expected_words"), SAID)
 def test_what_a_file_may_not_say_is_refused_in_one_sentence(
-    changes: dict[str, Any], said: list[str]
+    changes: dict[str, Any], expected_words: list[str]
 ) -> None:
     for change in (lambda: PAPER.vary(**changes), lambda: PAPER.model_copy(update=changes)):
         with pytest.raises(InputError) as refusal:
             change()
         assert str(refusal.value).startswith("vary: ")
         assert "\n" not in str(refusal.value)
-        assert not [words for words in said if words not in str(refusal.value)], refusal.value
+        assert not [words for words in expected_words if words not in str(refusal.value)], (
+            refusal.value
+        )
 
 
 @pytest.mark.parametrize(
@@ -253,11 +255,11 @@ CALLS: list[tuple[Callable[[Path], object], str]] = [
 ]
 
 
-@pytest.mark.parametrize(("call", "said"), CALLS)
+@pytest.mark.parametrize(("call", "words"), CALLS)
 def test_no_door_takes_what_went_past_the_checks(
-    call: Callable[[Path], object], said: str, tmp_path: Path
+    call: Callable[[Path], object], words: str, tmp_path: Path
 ) -> None:
-    with pytest.raises(InputError, match=said):
+    with pytest.raises(InputError, match=words):
         call(tmp_path / "out")
     assert not (tmp_path / "out").exists()
 
@@ -266,9 +268,9 @@ def test_no_door_takes_what_went_past_the_checks(
 def test_a_name_a_path_and_a_scene_have_one_answer(tmp_path: Path) -> None:
     PAPER.save(tmp_path / "mine.toml")
     same = semi_analytic.solve(PAPER, x=[0.5], time=[9.0], fields=["shear"])
-    for given in (str(tmp_path / "mine.toml"), tmp_path / "mine.toml", "hertz-paper"):
+    for source in (str(tmp_path / "mine.toml"), tmp_path / "mine.toml", "hertz-paper"):
         assert (
-            semi_analytic.solve(given, x=0.5, time=9.0, fields="shear").shear.item()
+            semi_analytic.solve(source, x=0.5, time=9.0, fields="shear").shear.item()
             == same.shear.item()
             != 0.0
         )
@@ -291,10 +293,10 @@ def test_friction_as_a_number_stands_for_its_table(tmp_path: Path) -> None:
 def test_a_saved_scene_is_read_back_as_it_was(name: str, tmp_path: Path) -> None:
     scene = load_scene(name)
     # A scene with a CSV file takes its rows along.
-    whole = scene.vary(load={"file": None}) if isinstance(scene.load, TimeSeriesLoad) else scene
+    expected = scene.vary(load={"file": None}) if isinstance(scene.load, TimeSeriesLoad) else scene
     for suffix in (".toml", ".json"):
         scene.save(tmp_path / f"mine{suffix}")
-        assert load_scene(tmp_path / f"mine{suffix}") == whole
+        assert load_scene(tmp_path / f"mine{suffix}") == expected
     assert sorted(path.name for path in tmp_path.iterdir()) == ["mine.json", "mine.toml"]
 
 
@@ -322,11 +324,11 @@ def test_any_words_survive_and_what_can_not_be_saved_leaves_what_was_there(tmp_p
     assert path.read_bytes() == before
     long.save(tmp_path / "mine.json")
     assert load_scene(tmp_path / "mine.json") == long
-    for bad, said in (
+    for bad, rule in (
         (tmp_path / "mine.yaml", "ends in .toml or .json"),
         (tmp_path / "no" / "a.toml", "can't be written"),
     ):
-        with pytest.raises(InputError, match=said):
+        with pytest.raises(InputError, match=rule):
             PAPER.save(bad)
     assert sorted(p.name for p in tmp_path.iterdir()) == ["mine.json", "mine.toml"]
 

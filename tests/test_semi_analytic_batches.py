@@ -83,9 +83,9 @@ def question(loads, friction=1.0, **changes):
     return {"material": MATERIAL} | arguments | changes
 
 
-def solved(profile, row, friction=1.0, **asked):
+def solved(profile, row, friction=1.0, **options):
     scene = make_scene(ellipse(*row), friction).vary(profile=profile)
-    return solve(scene, **asked)
+    return solve(scene, **options)
 
 
 def batch(load, call=dissipation, profile=HERTZ, friction=1.0):
@@ -119,14 +119,14 @@ def test_batch_is_that_of_thirty_digits(flat):
         ]
         mean, amplitude, force, phase, friction = columns
         phase = phase if rows[0].get("radians") else np.radians(phase)
-        found = batch(
+        work = batch(
             (mean, amplitude, 0.0, force, phase), profile=FLAT if flat else HERTZ, friction=friction
         )
         np.testing.assert_allclose(
-            found.value, [float(row["dissipation"]) for row in rows], rtol=limit, atol=0
+            work.value, [float(row["dissipation"]) for row in rows], rtol=limit, atol=0
         )
-        assert np.all(found.reason == Reason.NONE)
-        np.testing.assert_allclose(found.forward + found.reverse, found.value, rtol=1e-15)
+        assert np.all(work.reason == Reason.NONE)
+        np.testing.assert_allclose(work.forward + work.reverse, work.value, rtol=1e-15)
 
 
 HARDLY_GROWING = EvenPolynomial(length=1.0, rises=(1.0, -1.0, 0.43))
@@ -163,12 +163,12 @@ def test_work_is_that_of_twenty_five_digits(case):
     name, ratio, force, phase = case
     exact = [float(value) for value in IN_DIGITS[case]]
     for count in (1, 20):  # by the kernel of the profile, and by series
-        found = batch(
+        work = batch(
             (1.0, np.full(count, ratio), 0.0, force, phase),
             profile=PROFILES.get(name, HARDLY_GROWING),
         )
         np.testing.assert_allclose(
-            [found.forward[-1], found.reverse[-1]], exact, rtol=1e-12, atol=1e-14
+            [work.forward[-1], work.reverse[-1]], exact, rtol=1e-12, atol=1e-14
         )
 
 
@@ -202,15 +202,15 @@ def test_batch_and_marching_agree(ratio, use, phase, friction, flat, part):
     spans = history_of(scene.load.path(), friction, 6).cycles[-1]
     angle = math.radians(math.degrees(phase))
     marched = global_dissipation(contact, 1.0, spans)
-    found = batch((1.0, ratio, 0.0, q1, angle), profile=scene.profile, friction=friction)
+    work = batch((1.0, ratio, 0.0, q1, angle), profile=scene.profile, friction=friction)
     floor = 1e-15 * friction**2
-    assert float(found.forward) == pytest.approx(float(marched.forward), rel=1e-9, abs=floor)
-    assert float(found.reverse) == pytest.approx(float(marched.reverse), rel=1e-9, abs=floor)
+    assert float(work.forward) == pytest.approx(float(marched.forward), rel=1e-9, abs=floor)
+    assert float(work.reverse) == pytest.approx(float(marched.reverse), rel=1e-9, abs=floor)
     loop = ellipses_of(*(np.array([value]) for value in (1.0, ratio, q1, angle, friction)))
     inner, outer = (float(contact.half_width(load)) for load in (loop.permanent[0], 1 + ratio))
     x = np.array([inner + part * (outer - inner)])
-    here = sum(density_of(loop, contact, x)) * 2 * friction**2 / math.pi
-    assert float(here[0]) == pytest.approx(
+    density = sum(density_of(loop, contact, x)) * 2 * friction**2 / math.pi
+    assert float(density[0]) == pytest.approx(
         float(pointwise_dissipation(contact, 1.0, spans, x).total[0]),
         rel=1e-8,
         abs=1e-13 * friction**2,
@@ -237,11 +237,13 @@ def test_work_by_series_and_few_nodes_is_that_of_the_graded_rule(profile):
     loops = random_loops(60, 3)
     contact = contact_of(profile, MATERIAL)
     tiny = random_loops(60, 4, 1e-3)
-    for some in (loops, tiny, tiny.take(slice(0, 3))):
-        for one, other in zip(
-            dissipation_of(some, contact), works_over_time(some, contact), strict=True
+    for loops_of_batch in (loops, tiny, tiny.take(slice(0, 3))):
+        for by_series, by_rule in zip(
+            dissipation_of(loops_of_batch, contact),
+            works_over_time(loops_of_batch, contact),
+            strict=True,
         ):
-            np.testing.assert_allclose(one, other, rtol=1e-10, atol=1e-11)
+            np.testing.assert_allclose(by_series, by_rule, rtol=1e-10, atol=1e-11)
 
 
 # ---------------------------------------------------------------------------------------- broadcast
@@ -276,9 +278,10 @@ def test_parameters_of_every_kind_broadcast(kind):
             for name, value in keys.items()
         }
         # whose contact is in the scene's own units
-        own = load_scene("hertz-paper").vary(profile={"kind": kind} | numbers).profile
+        member_profile = load_scene("hertz-paper").vary(profile={"kind": kind} | numbers).profile
         alone, alone_peak = (
-            call(profile=own, **question([row])) for call in (dissipation, peak_dissipation)
+            call(profile=member_profile, **question([row]))
+            for call in (dissipation, peak_dissipation)
         )
         assert work.value[k] == pytest.approx(alone.value[0], rel=1e-12, abs=0)
         assert peak.value[k] == pytest.approx(alone_peak.value[0], rel=1e-9, abs=0)
@@ -329,25 +332,25 @@ def test_reasons_are_those_of_the_sampled_loops():
     )
 
 
-def limit(ratio, phase, friction, both):
+def limit(ratio, phase, friction, both_senses):
     """Largest Q1, and Q0, for P0 = 1: 0, or such that both senses of slip are at their limit at
     once (P_T = 0).
     """
     cosine = abs(math.cos(phase))
-    if not both:
+    if not both_senses:
         return friction * (-ratio * cosine + math.sqrt(1 - ratio**2 * (1 - cosine**2))), 0.0
     r = math.sqrt((1 - ratio**2) / (1 - ratio**2 * cosine**2))
     u, v = (math.hypot(r * math.cos(phase) + sign * ratio, r * math.sin(phase)) for sign in (-1, 1))
     return friction * r, friction * (v - u) / 2
 
 
-@pytest.mark.parametrize("both", [False, True])
+@pytest.mark.parametrize("both_senses", [False, True])
 @pytest.mark.parametrize(
     "profile",
     [HERTZ, FLAT, *list(PROFILES.values())[:4]],
     ids=lambda profile: profile.kind,
 )
-def test_at_the_very_limit_of_sliding_the_work_is_finite_and_the_limit(profile, both):
+def test_at_the_very_limit_of_sliding_the_work_is_finite_and_the_limit(profile, both_senses):
     """|Q| = f P reached in one sense or both; from 1 - 1e-9 of it the work differs by less than
     1e-7.
     """
@@ -359,7 +362,7 @@ def test_at_the_very_limit_of_sliding_the_work_is_finite_and_the_limit(profile, 
     ratio, phase = (np.array(column)[:, None] for column in zip(*rows, strict=True))
     force, mean = (
         np.array(column)[:, None]
-        for column in zip(*(limit(*row, 0.5, both) for row in rows), strict=True)
+        for column in zip(*(limit(*row, 0.5, both_senses) for row in rows), strict=True)
     )
     batch = dissipation(
         profile=profile,
@@ -374,7 +377,7 @@ def test_at_the_very_limit_of_sliding_the_work_is_finite_and_the_limit(profile, 
     assert np.all(batch.reason == Reason.NONE)
     assert np.all(batch.value > 0)
     np.testing.assert_allclose(batch.value[:, 0], batch.value[:, 1], rtol=1e-7)
-    if both:
+    if both_senses:
         assert np.all(batch.permanent_stick_load[:, 0] <= 1e-15)
 
 
@@ -399,13 +402,13 @@ def test_lines_within_the_cone_dissipate_nothing(profile):
     """Phase 0 or pi with Q1 <= f P1, tangency and full unloading through the origin included; the
     phase is pi to 1e-16 only.
     """
-    found = batch(
+    work = batch(
         (1.0, *(np.array(column) for column in zip(*LINES, strict=True))),
         profile=profile,
         friction=0.5,
     )
-    assert np.all(found.reason == Reason.NONE)
-    assert np.all(np.abs(found.value) <= 1e-15)
+    assert np.all(work.reason == Reason.NONE)
+    assert np.all(np.abs(work.value) <= 1e-15)
     limiting = batch((1.0, 0.0, 0.0, 0.5, math.pi / 2), friction=0.5)
     assert float(limiting.value) == pytest.approx(4 * 0.25 / math.pi / 2, rel=1e-13, abs=0)
 
@@ -453,10 +456,10 @@ def test_peak_is_the_largest_value_of_the_density(name):
     ).dissipation_density
     assert 0 < error < 1e-8 * value
     assert np.max(density) <= value * (1 + 1e-10) + error
-    for found, there in zip(
+    for peak_value, density_near in zip(
         (value, *peak.second_value), np.split(density[401:], len(places)), strict=False
     ):
-        assert found == pytest.approx(np.max(there), rel=1e-6, abs=0)
+        assert peak_value == pytest.approx(np.max(density_near), rel=1e-6, abs=0)
     assert not peak.second_value[0] > value
     if "5.0" in name:  # in units of the paper, A P1^2/a(P0) with A = 2
         np.testing.assert_allclose(
@@ -574,11 +577,11 @@ def test_bad_parameters_are_the_members_own():
     ):
         assert dissipation(profile=keys, **question([LOADS[0]])).reason.tolist() == reasons
     for name in ("table of five rows", "function"):
-        found = dissipation(
+        work = dissipation(
             profile=PROFILES[name], **question([LOADS[0], (1000.0, 0.5, 0.0, 0.5, 60.0)])
         )
-        assert found.reason.tolist() == [none, Reason.EXTENT]
-        assert np.isfinite(found.value[0])
+        assert work.reason.tolist() == [none, Reason.EXTENT]
+        assert np.isfinite(work.value[0])
     assert batch((3.0, 1.0, 1.1, 1.0, 1.0), friction=np.empty(0)).value.shape == (0,)
 
 
@@ -640,36 +643,40 @@ def test_every_root_is_found_as_brute_force_counts_them(name):
     target = span.least + (span.most - span.least) * np.random.default_rng(1).uniform(
         0.02, 0.98, 60
     )
-    found = friction_from(target, **question)
-    assert not found.reason.any()
+    friction = friction_from(target, **question)
+    assert not friction.reason.any()
     with np.errstate(divide="ignore"):
         no_slip = question["tangential_amplitude"] / question["normal_amplitude"]
-    top = np.maximum(found.least_friction, np.where(np.isfinite(no_slip), no_slip, 0.0)) * 1e6
+    top = np.maximum(friction.least_friction, np.where(np.isfinite(no_slip), no_slip, 0.0)) * 1e6
     every = (
-        found.least_friction
+        friction.least_friction
         * (1 + 1e-12)
-        * (top / found.least_friction) ** np.linspace(0, 1, 1801)[:, None]
+        * (top / friction.least_friction) ** np.linspace(0, 1, 1801)[:, None]
     )
     works = dissipation(friction_coefficient=every, **question).value
     crossings = np.count_nonzero(np.diff(np.sign(works - target), axis=0), axis=0)
     # two roots between two samples of the brute force
     near = np.min(np.abs(works - target), axis=0) < 1e-5 * target
-    assert np.all((crossings == found.count) | near)
-    assert np.count_nonzero(crossings != found.count) <= 2
-    again = dissipation(friction_coefficient=np.moveaxis(found.roots, -1, 0), **question).value
-    there = np.isfinite(found.roots).T
-    assert np.allclose(again[there], np.broadcast_to(target, again.shape)[there], rtol=1e-8, atol=0)
-    assert np.all(np.diff(found.roots, axis=-1)[there.T[:, 1:]] > 0)
+    assert np.all((crossings == friction.count) | near)
+    assert np.count_nonzero(crossings != friction.count) <= 2
+    works_again = dissipation(
+        friction_coefficient=np.moveaxis(friction.roots, -1, 0), **question
+    ).value
+    is_root = np.isfinite(friction.roots).T
+    assert np.allclose(
+        works_again[is_root], np.broadcast_to(target, works_again.shape)[is_root], rtol=1e-8, atol=0
+    )
+    assert np.all(np.diff(friction.roots, axis=-1)[is_root.T[:, 1:]] > 0)
 
 
 def test_two_and_three_roots_where_the_normal_load_varies():
     question = {"profile": Hertz(radius=1.0), "material": MATERIAL, "mean_normal_load": 1.0}
     two = {"normal_amplitude": 1 / 3, "tangential_amplitude": 1 / 3, "phase": math.pi / 2}
     least = friction_from(1.0, **question, **two).least
-    found = friction_from([1.01 * least, 1.001 * least, (1 + 1e-8) * least], **question, **two)
+    inverse = friction_from([1.01 * least, 1.001 * least, (1 + 1e-8) * least], **question, **two)
     # the last two next to the turning point, between two samples of the search
-    assert found.count.tolist() == [2, 2, 2]
-    assert np.all(np.diff(np.diff(found.roots, axis=1), axis=0) < 0)
+    assert inverse.count.tolist() == [2, 2, 2]
+    assert np.all(np.diff(np.diff(inverse.roots, axis=1), axis=0) < 0)
     dense = dissipation(friction_coefficient=np.linspace(0.6, 2.0, 20001), **question, **two).value
     assert least == pytest.approx(np.nanmin(dense), rel=1e-9)
     three = {"normal_amplitude": 0.7, "tangential_amplitude": 0.1, "phase": 1.66}
@@ -688,46 +695,48 @@ def test_the_sliding_limit_is_the_largest_quotient_of_the_loads():
     tangential = loads["mean_tangential_load"] + loads["tangential_amplitude"] * np.cos(
         time - loads["phase"]
     )
-    found = sliding_limit(
+    limit_friction = sliding_limit(
         1.0,
         *(
             loads[key]
             for key in ("normal_amplitude", "mean_tangential_load", "tangential_amplitude", "phase")
         ),
     )
-    assert np.allclose(found, np.max(np.abs(tangential) / normal, axis=0), rtol=1e-5)
+    assert np.allclose(limit_friction, np.max(np.abs(tangential) / normal, axis=0), rtol=1e-5)
 
 
 def test_a_scene_with_another_load_is_inverted_by_the_engine_that_marches():
     scene = load_scene("cattaneo-mindlin")
     work = solve(scene, x=0.0, fields="dissipation").dissipation
-    found = friction_from([work, 1e9], scene=scene)
-    assert found.count.tolist() == [1, 0]
-    assert found.roots[0, 0] == pytest.approx(scene.friction.coefficient, rel=1e-9)
-    assert found.reason[1] == NoFriction.TOO_MUCH
+    friction = friction_from([work, 1e9], scene=scene)
+    assert friction.count.tolist() == [1, 0]
+    assert friction.roots[0, 0] == pytest.approx(scene.friction.coefficient, rel=1e-9)
+    assert friction.reason[1] == NoFriction.TOO_MUCH
 
 
 def test_a_member_without_a_root_gets_one_reason():
     scene = load_scene("hertz-paper")
-    found = friction_from([1e-9, 1.0, -1.0, np.nan], scene=scene)
-    assert found.reason.tolist() == [
+    friction = friction_from([1e-9, 1.0, -1.0, np.nan], scene=scene)
+    assert friction.reason.tolist() == [
         NoFriction.TOO_LITTLE,
         NoFriction.TOO_MUCH,
         NoFriction.INVALID,
         NoFriction.INVALID,
     ]
-    assert np.isnan(found.roots).all()
-    assert len(found.sentences) == 4
-    assert "the least is 0.002057" in found.sentences[0]
-    assert "the most is 0.00230181, and they slide grossly below f = 0.79185" in found.sentences[1]
+    assert np.isnan(friction.roots).all()
+    assert len(friction.sentences) == 4
+    assert "the least is 0.002057" in friction.sentences[0]
+    assert (
+        "the most is 0.00230181, and they slide grossly below f = 0.79185" in friction.sentences[1]
+    )
     question = {
         "profile": Hertz(radius=1.0),
         "material": UNIT,
         "mean_normal_load": 1.0,
         "tangential_amplitude": 0.1,
     }
-    apart = friction_from(0.1, normal_amplitude=[1.5, 0.5], **question)
-    assert apart.reason[0] == NoFriction.LOADS
+    separated = friction_from(0.1, normal_amplitude=[1.5, 0.5], **question)
+    assert separated.reason[0] == NoFriction.LOADS
 
 
 # --------------------------------------------------------------------- a member is what it is alone
@@ -781,24 +790,24 @@ def test_work_of_a_member_is_that_of_the_member_alone_over_24_decades(name):
     """
     profile = OVER_DECADES[name]
     loads = over_decades(36, 5, 24)
-    found = batch(loads, profile=profile)
-    assert np.all(found.reason == Reason.NONE)
-    assert np.all(found.value > 0)
+    work = batch(loads, profile=profile)
+    assert np.all(work.reason == Reason.NONE)
+    assert np.all(work.value > 0)
     order = np.random.default_rng(3).permutation(36)
     permuted = batch([column[order] for column in loads], profile=some_members(profile, order))
-    np.testing.assert_allclose(permuted.value, found.value[order], rtol=1e-10, atol=0)
+    np.testing.assert_allclose(permuted.value, work.value[order], rtol=1e-10, atol=0)
     half = slice(0, 18)
     np.testing.assert_allclose(
         batch([column[half] for column in loads], profile=some_members(profile, half)).value,
-        found.value[half],
+        work.value[half],
         rtol=1e-10,
         atol=0,
     )
     for k in range(0, 36, 3):
         member = slice(k, k + 1)
         alone = batch([column[member] for column in loads], profile=some_members(profile, member))
-        assert abs(alone.value[0] - found.value[k]) <= 1e-10 * alone.value[0]
-        assert alone.value_error[0] == pytest.approx(found.value_error[k], rel=1e-3)
+        assert abs(alone.value[0] - work.value[k]) <= 1e-10 * alone.value[0]
+        assert alone.value_error[0] == pytest.approx(work.value_error[k], rel=1e-3)
 
 
 @pytest.mark.parametrize("name", ["compound", "polynomial"])
@@ -808,11 +817,11 @@ def test_a_batch_by_series_is_its_members_by_the_kernel(name):
     """
     profile = OVER_DECADES[name]
     loads = over_decades(300, 8, 10)
-    found = batch(loads, profile=profile)
+    work = batch(loads, profile=profile)
     for k in range(0, 300, 30):
         alone = batch([column[k : k + 1] for column in loads], profile=profile)
-        difference = abs(alone.value[0] - found.value[k])
-        assert difference <= alone.value_error[0] + found.value_error[k]
+        difference = abs(alone.value[0] - work.value[k])
+        assert difference <= alone.value_error[0] + work.value_error[k]
         assert difference <= 1e-10 * max(alone.value[0], 2 / math.pi * loads[0][k] ** 2)
 
 
@@ -823,18 +832,18 @@ def test_peak_of_a_member_is_that_of_the_member_alone_over_24_decades(name):
     """
     profile = OVER_DECADES[name]
     loads = over_decades(36, 5, 24)
-    few = np.arange(0, 36, 4)
-    few_loads = [column[few] for column in loads]
-    few_profiles = some_members(profile, few)
-    found = batch(few_loads, peak_dissipation, few_profiles)
-    for k in range(0, len(few), 2):
+    members = np.arange(0, 36, 4)
+    few_loads = [column[members] for column in loads]
+    few_profiles = some_members(profile, members)
+    peak = batch(few_loads, peak_dissipation, few_profiles)
+    for k in range(0, len(members), 2):
         member = slice(k, k + 1)
         alone = batch(
             [column[member] for column in few_loads],
             peak_dissipation,
             some_members(few_profiles, member),
         )
-        assert found.value[k] == pytest.approx(
+        assert peak.value[k] == pytest.approx(
             alone.value[0], rel=1e-9, abs=2 * alone.value_error[0]
         )
 
@@ -842,13 +851,13 @@ def test_peak_of_a_member_is_that_of_the_member_alone_over_24_decades(name):
 def test_two_flats_fourteen_decades_apart_have_their_own_values():
     """-0.44 stood for the second, with reason 0."""
     profile = {"kind": "flat_rounded", "radius": 1.0, "flat_half_length": [1e-6, 10.0]}
-    found = dissipation(
+    work = dissipation(
         profile=profile,
         material=MATERIAL,
         friction_coefficient=1.0,
         **PAPER | {"mean_tangential_load": 0.0},
     )
-    np.testing.assert_allclose(found.value, [0.2601684133471604, 0.027755517515796843], rtol=1e-12)
+    np.testing.assert_allclose(work.value, [0.2601684133471604, 0.027755517515796843], rtol=1e-12)
 
 
 def test_a_load_outside_a_table_is_never_read():
@@ -882,9 +891,9 @@ def test_numbers_that_cannot_be_squared_have_a_reason(call, key, value):
         keys | ({key: value} if key != "loads" else {}),
         *([HERTZ] if key == "loads" else []),
     ):
-        found = batch(loads, call, profile)
-        assert int(found.reason) == Reason.INVALID
-        assert np.isnan(found.value)
+        answer = batch(loads, call, profile)
+        assert int(answer.reason) == Reason.INVALID
+        assert np.isnan(answer.value)
 
 
 @pytest.mark.parametrize("call", [dissipation, peak_dissipation])
@@ -893,10 +902,10 @@ def test_what_is_masked_has_a_reason_and_no_value(call):
     for argument in ("mean", "radius"):
         loads = (masked if argument == "mean" else 3.0, 1.0, 1.1, 1.0, math.pi / 2)
         profile = {"kind": "hertz", "radius": masked if argument == "radius" else 1.0}
-        found = batch(loads, call, profile)
-        assert found.reason.tolist() == [Reason.NONE, Reason.INVALID]
-        assert np.isnan(found.value[1])
-        assert found.value[0] > 0
+        answer = batch(loads, call, profile)
+        assert answer.reason.tolist() == [Reason.NONE, Reason.INVALID]
+        assert np.isnan(answer.value[1])
+        assert answer.value[0] > 0
 
 
 @pytest.mark.parametrize(
@@ -960,13 +969,13 @@ def exact_hertz_work(mean, amplitude, tangential, phase):
 def test_stated_error_of_the_work_covers_forty_digits():
     """Hertz, slips from 1e-6 of sliding on; the error is no blank cheque either."""
     loads = over_decades(16, 21, 2)
-    found = batch(loads)
+    work = batch(loads)
     for k in range(16):
         mean, amplitude, _, tangential, phase = (float(column[k]) for column in loads)
         exact = 2 / math.pi * exact_hertz_work(mean, amplitude, tangential, phase % math.pi)
-        error = float(abs(mp.mpf(float(found.value[k])) - exact))
-        assert error <= found.value_error[k]
-        assert found.value_error[k] <= 1e-8 * float(exact) + 1e-15 * mean**2
+        error = float(abs(mp.mpf(float(work.value[k])) - exact))
+        assert error <= work.value_error[k]
+        assert work.value_error[k] <= 1e-8 * float(exact) + 1e-15 * mean**2
 
 
 @pytest.mark.parametrize("name", [*PROFILES, "flat"])
@@ -984,8 +993,8 @@ def test_stated_error_of_the_work_covers_the_graded_rule(name):
         -ratio * cosine + np.sqrt(1 - ratio**2 * (1 - cosine**2))
     )
     loops = ellipses_of(np.ones(60), ratio, force, phase, np.ones(60))
-    found = batch((1.0, ratio, 0.0, force, phase), profile=profile)
+    work = batch((1.0, ratio, 0.0, force, phase), profile=profile)
     exact = 2 / math.pi * sum(works_over_time(loops, contact))
-    assert np.all(np.abs(found.value - exact) <= found.value_error + 1e-13 * exact)
-    assert np.count_nonzero(found.value < 1e-10) > 10
-    assert np.median(found.value_error / exact) < 1e-8
+    assert np.all(np.abs(work.value - exact) <= work.value_error + 1e-13 * exact)
+    assert np.count_nonzero(work.value < 1e-10) > 10
+    assert np.median(work.value_error / exact) < 1e-8

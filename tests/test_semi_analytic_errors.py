@@ -79,13 +79,15 @@ def test_true_errors_are_below_the_estimates(name):
         < 0.01
     )
     for field in ("pressure", "shear", "slip", "dissipation", "dissipation_density"):
-        one = getattr(solution, field)
-        two = getattr(truth, field)
-        apart = np.abs(np.asarray(one) - two) / top.get(field, np.max(np.abs(two)))
+        values = getattr(solution, field)
+        true_values = getattr(truth, field)
+        errors = np.abs(np.asarray(values) - true_values) / top.get(
+            field, np.max(np.abs(true_values))
+        )
         if field in ("pressure", "shear"):
-            assert np.max(apart) <= estimates[f"{field} at the edge"] < 1e-5, field
-            apart = apart[~near]
-        assert np.max(apart) <= estimates[field] < 1e-9, field
+            assert np.max(errors) <= estimates[f"{field} at the edge"] < 1e-5, field
+            errors = errors[~near]
+        assert np.max(errors) <= estimates[field] < 1e-9, field
 
 
 @pytest.mark.parametrize("name", [name for name, (_, exact) in CASES.items() if exact is HERTZ])
@@ -100,12 +102,14 @@ def test_shear_at_the_stick_edge_is_as_uncertain_as_the_edge(name):
     scene = scene.model_copy(update={"profile": exact})
     x = solve(scene, x=[0.0], time=time, fields=()).stick_half_width
     truth = solve(scene, x=[0.0, *x], time=time, fields=("pressure", "shear"))
-    found = solve(scene.model_copy(update={"profile": profile}), x=x, time=time, fields=("shear",))
-    apart = np.max(np.abs(found.shear - truth.shear[:, 1:])) / (
+    solution = solve(
+        scene.model_copy(update={"profile": profile}), x=x, time=time, fields=("shear",)
+    )
+    error = np.max(np.abs(solution.shear - truth.shear[:, 1:])) / (
         scene.friction.coefficient * np.max(truth.pressure)
     )
-    assert 1e-8 < found.record.errors["shear at the edge"] < 1e-4
-    assert apart <= found.record.errors["shear at the edge"]
+    assert 1e-8 < solution.record.errors["shear at the edge"] < 1e-4
+    assert error <= solution.record.errors["shear at the edge"]
 
 
 def test_closed_forms_claim_no_error_and_rough_tables_state_theirs(monkeypatch, tmp_path):
@@ -170,11 +174,11 @@ ROUGHER = {
 @pytest.mark.parametrize("name", ROUGHER)
 def test_what_a_rougher_rule_loses_is_stated(name, monkeypatch):
     """Not below the true error, where next to none was stated; and in a note where it counts."""
-    rough, (scene, asked), (field, least, most) = ROUGHER[name]
-    good = solve(scene, **asked, fields=(field, "pressure"))
+    rough, (scene, options), (field, least, most) = ROUGHER[name]
+    good = solve(scene, **options, fields=(field, "pressure"))
     assert good.record.errors.get(field, 0.0) < 1e-12
     monkeypatch.setattr(fields, *rough)
-    poor = solve(scene, **asked, fields=(field,))
+    poor = solve(scene, **options, fields=(field,))
     size = (
         np.max(np.abs(good.slip))
         if field == "slip"
@@ -198,13 +202,13 @@ def test_last_digits_of_tiny_slip_and_of_the_tangential_displacement_are_told():
     time = np.linspace(4.0, 7.0, 6)
     half = 1.13
     x = half * np.array([0.63, 0.93, 0.999, 1.1, 3.0])
-    found = solve(scene, x=x, time=time, fields=("slip", "tangential_displacement"))
+    solution = solve(scene, x=x, time=time, fields=("slip", "tangential_displacement"))
     oracle = Oracle(scene, time)
     exact = [oracle.at(k, x) for k in range(len(time))]
     for name in ("slip", "tangential_displacement"):
         truth = np.array([each[name] for each in exact])
-        off = float(np.max(np.abs(getattr(found, name) - truth)) / np.max(np.abs(truth)))
-        assert off <= found.record.errors[name] < 2e-9, name
+        off = float(np.max(np.abs(getattr(solution, name) - truth)) / np.max(np.abs(truth)))
+        assert off <= solution.record.errors[name] < 2e-9, name
         assert off < {"slip": 1e-13, "tangential_displacement": 1e-10}[name]
 
 
@@ -215,9 +219,9 @@ def lost_at(place):
     """A kernel that finds nothing at one place or load, of the contact or of the edge of slip
     alone.
     """
-    return lambda found: (
+    return lambda method: (
         lambda self, at, *rest: np.where(
-            np.abs(np.asarray(at) - place) < 1e-9, np.nan, found(self, at, *rest)
+            np.abs(np.asarray(at) - place) < 1e-9, np.nan, method(self, at, *rest)
         )
     )
 
@@ -225,11 +229,11 @@ def lost_at(place):
 def middle_of(kind):
     """Stated errors of one kernel, one of which is not a number."""
 
-    def planted(own):
-        def lost(self, asked, *given):
-            error = own(self, asked, *given)
+    def planted(quadrature_error):
+        def lost(self, kind_asked, *arguments):
+            error = quadrature_error(self, kind_asked, *arguments)
             middle = np.arange(error.size).reshape(error.shape) == error.size // 2
-            return np.where(middle & (asked == kind), np.nan, error)
+            return np.where(middle & (kind_asked == kind), np.nan, error)
 
         return lost
 
@@ -283,11 +287,11 @@ LOST = {
 @pytest.mark.parametrize("name", LOST)
 def test_what_is_not_a_number_stops_the_answer(monkeypatch, name):
     """Also an error that is no number: it is no small error."""
-    owner, method, plant, (scene, asked), words = LOST[name]
-    assert np.isfinite(solve(scene, **asked).contact_half_width).all()
+    owner, method, plant, (scene, options), words = LOST[name]
+    assert np.isfinite(solve(scene, **options).contact_half_width).all()
     monkeypatch.setattr(owner, method, plant(getattr(owner, method)))
     with pytest.raises(ArithmeticError, match=words):
-        solve(scene, **asked)
+        solve(scene, **options)
 
 
 def test_the_error_of_rows_is_a_number_or_said_to_be_none(monkeypatch):
@@ -319,11 +323,11 @@ def test_the_less_slips_the_more_doubt_is_told(share, friction, load):
     answer = solve(scene, x=[0.0], fields=("dissipation",))
     exact = share * friction * load / (mpmath.mpf(friction) * load)
     error = abs(float(answer.dissipation / mindlin(exact, friction, load) - 1))
-    told = answer.record.errors["dissipation"]
-    assert error <= told <= 5e-15 / share
+    stated = answer.record.errors["dissipation"]
+    assert error <= stated <= 5e-15 / share
     if math.isfinite(answer.loop_work):
-        apart = float(abs(answer.loop_work / mindlin(exact, friction, load) - 1))
-        assert 1e-9 < apart <= answer.record.errors["loop_work"] < 2e-2
+        difference = float(abs(answer.loop_work / mindlin(exact, friction, load) - 1))
+        assert 1e-9 < difference <= answer.record.errors["loop_work"] < 2e-2
         assert any(
             note.startswith("loop_work: ") and note.endswith(" of it")
             for note in answer.record.notes
@@ -337,8 +341,8 @@ def test_the_second_route_tells_its_error_along_an_ellipse_too():
     answer = solve(
         make_scene(ellipse(1.0, 1e-3, 0.0, 5e-8), 0.5, flat=0.7), x=[0.0], fields=("dissipation",)
     )
-    apart = abs(answer.loop_work / answer.dissipation - 1)
-    assert 1e-7 < apart <= answer.record.errors["loop_work"] < 1e-5
+    difference = abs(answer.loop_work / answer.dissipation - 1)
+    assert 1e-7 < difference <= answer.record.errors["loop_work"] < 1e-5
     assert (
         "loop_work"
         not in solve(make_scene(ellipse(), 1.0), x=[0.0], fields=("dissipation",)).record.errors

@@ -61,9 +61,9 @@ def theory_values(scene: Scene, x: np.ndarray, steps: int) -> dict[str, float]:
     """Key of a metric of the first table -> theory's value in it beside a result on the points
     x.
     """
-    result = on_points(scene, x, steps)
-    reference = semi_analytic.solve(scene, x=result.x, time=result.time)
-    comparison = compare(reference, result)
+    points_answer = on_points(scene, x, steps)
+    reference = semi_analytic.solve(scene, x=points_answer.x, time=points_answer.time)
+    comparison = compare(reference, points_answer)
     values = {key: comparison.metric(key).amounts[0] for key in FIRST_TABLE}
     values["edge_tension"] = semi_analytic.extremes(reference).edge_tension
     return values
@@ -83,8 +83,10 @@ def test_difference_on_common_points_is_a_metric_of_its_own() -> None:
     largest values.
     """
     scene = load_scene("hertz-paper")
-    result = on_points(scene, np.linspace(-1.31, 1.27, 24), 16)
-    comparison = compare(semi_analytic.solve(scene, x=result.x, time=result.time), result)
+    points_answer = on_points(scene, np.linspace(-1.31, 1.27, 24), 16)
+    comparison = compare(
+        semi_analytic.solve(scene, x=points_answer.x, time=points_answer.time), points_answer
+    )
     assert comparison.metric("largest_slip_common").value == pytest.approx(0.0, abs=1e-12)
     for key in ("largest_pressure", "largest_slip", "dissipation_density_peak"):
         assert comparison.metric(key).value < -1e-4
@@ -95,8 +97,10 @@ def test_largest_slip_is_that_of_theorys_contact_where_every_point_sticks() -> N
     to P.
     """
     scene = Scene.model_validate(THIN_LAYERS)
-    result = on_points(scene, np.linspace(-0.9, 0.9, 31), 0)  # theory sticks within 1.16 mm
-    comparison = compare(semi_analytic.solve(scene, x=result.x, time=result.time), result)
+    points_answer = on_points(scene, np.linspace(-0.9, 0.9, 31), 0)  # theory sticks within 1.16 mm
+    comparison = compare(
+        semi_analytic.solve(scene, x=points_answer.x, time=points_answer.time), points_answer
+    )
     theory, measured = comparison.metric("largest_slip").amounts
     modulus = 1 / ((1 - 0.45**2) / 20e3 + (1 - 0.3**2) / 210e3)
     load = 60.0
@@ -156,14 +160,16 @@ def test_straight_steps_have_largest_values_of_their_own() -> None:
     path = scene.load.path()
     initial = np.linspace(path.start, path.initial_loading[-1].end, 9)
     time = np.concatenate([initial, path.cycle_start + path.period * np.linspace(0.0, 2.0, 49)[1:]])
-    few = semi_analytic.solve(scene, x=np.linspace(-1.3, 1.3, 12), time=time, straight_steps=True)
-    more = semi_analytic.solve(scene, x=np.linspace(-1.2, 1.2, 41), time=time, straight_steps=True)
-    of_steps = dataclasses.astuple(semi_analytic.extremes(few))[:-1]
-    assert dataclasses.astuple(semi_analytic.extremes(more))[:-1] == pytest.approx(
+    coarse = semi_analytic.solve(
+        scene, x=np.linspace(-1.3, 1.3, 12), time=time, straight_steps=True
+    )
+    fine = semi_analytic.solve(scene, x=np.linspace(-1.2, 1.2, 41), time=time, straight_steps=True)
+    of_steps = dataclasses.astuple(semi_analytic.extremes(coarse))[:-1]
+    assert dataclasses.astuple(semi_analytic.extremes(fine))[:-1] == pytest.approx(
         of_steps, rel=1e-9
     )
     of_path = semi_analytic.extremes(semi_analytic.solve(scene))
-    assert 0.9 < semi_analytic.extremes(few).slip / of_path.slip < 1.0
+    assert 0.9 < semi_analytic.extremes(coarse).slip / of_path.slip < 1.0
 
 
 @pytest.mark.parametrize("start", [1.3, 2.0, 2.6])

@@ -83,12 +83,12 @@ def astray(profile, load):
     record says of it.
     """
     scene = extreme(profile, load)
-    whole = solve(scene, x=[0.0], fields=())
-    half = float(np.max(whole.contact_half_width))
-    last = np.flatnonzero(whole.last_cycle)
-    sticks = last[whole.stick_half_width[last] == whole.contact_half_width[last]]
+    covered = solve(scene, x=[0.0], fields=())
+    half = float(np.max(covered.contact_half_width))
+    last = np.flatnonzero(covered.last_cycle)
+    sticks = last[covered.stick_half_width[last] == covered.contact_half_width[last]]
     chosen = [*last[[len(last) // 5, len(last) * 4 // 7]], *sticks[-2 - len(sticks) // 8 :][:1]]
-    times = np.unique(whole.time[chosen])
+    times = np.unique(covered.time[chosen])
     edges = solve(scene, x=[0.0], time=times, fields=())
     near = [
         float(values[0]) * (1 + d)
@@ -99,7 +99,7 @@ def astray(profile, load):
     x = np.unique(
         np.concatenate([half * np.array([1e-8, 0.1, 0.63, 0.93, 1.1, 3.0, 10.0]), near, corners])
     )
-    found = solve(
+    solution = solve(
         scene,
         x=x,
         time=times,
@@ -112,12 +112,12 @@ def astray(profile, load):
     worst = {}
     for name in exact[0]:
         truth = np.array([each[name] for each in exact])
-        off = np.abs(getattr(found, name).astype(LONG) - truth).astype(float)
-        told = max(
-            (error for key, error in found.record.errors.items() if key.startswith(name)),
+        off = np.abs(getattr(solution, name).astype(LONG) - truth).astype(float)
+        stated = max(
+            (error for key, error in solution.record.errors.items() if key.startswith(name)),
             default=0.0,
         )
-        worst[name] = float(np.max(off)) / tops.get(name, float(np.max(np.abs(truth)))), told
+        worst[name] = float(np.max(off)) / tops.get(name, float(np.max(np.abs(truth)))), stated
     return worst
 
 
@@ -128,15 +128,15 @@ def test_fields_by_brute_force(profile, load):
     """Tractions over f p, slips and displacements over their largest; measured 8e-14, or what the
     record says.
     """
-    for name, (off, told) in astray(profile, load).items():
-        assert off <= max(told, 5e-12), name
+    for name, (off, stated) in astray(profile, load).items():
+        assert off <= max(stated, 5e-12), name
 
 
 # ------------------------------------------------------------------------------------- closed forms
 @pytest.mark.parametrize(
     "problem",
-    [one for one in problems("hertz") if "by theory" not in one.tags],
-    ids=lambda one: one.name,
+    [candidate for candidate in problems("hertz") if "by theory" not in candidate.tags],
+    ids=lambda candidate: candidate.name,
 )
 def test_named_problems_have_their_closed_forms(problem):
     """Hertz, Cattaneo-Mindlin forth, half-way back and reversed, full stick: the table that the
@@ -165,12 +165,12 @@ def broken_laws(scene, answer):
     forward = state == SurfaceState.SLIP_FORWARD
     reverse = state == SurfaceState.SLIP_REVERSE
     step = np.diff(answer.slip, axis=0)
-    alike = state[1:] == state[:-1]
+    same_state = state[1:] == state[:-1]
     travel = float(np.max(np.abs(answer.slip))) or 1.0
     stated = answer.record.errors.get("slip", 0.0)
     # on grids: 5 next to an edge, for what is stated is a root mean square
-    still = 5 * stated if stated > 1e-6 else 1e-12
-    stuck = alike & (state[1:] == SurfaceState.STICK)
+    allowed_creep = 5 * stated if stated > 1e-6 else 1e-12
+    stuck = same_state & (state[1:] == SurfaceState.STICK)
     laws = {
         "no tension": (
             np.all(answer.pressure >= 0)
@@ -181,10 +181,10 @@ def broken_laws(scene, answer):
             np.allclose((answer.shear - limit)[forward], 0, atol=1e-12 * size)
             and np.allclose((answer.shear + limit)[reverse], 0, atol=1e-12 * size)
         ),
-        "stick stands still": np.max(np.abs(step[stuck]), initial=0) <= still * travel,
+        "stick stands still": np.max(np.abs(step[stuck]), initial=0) <= allowed_creep * travel,
         "slip against friction": (
-            np.min(step[alike & forward[1:]], initial=0) >= -1e-13 * travel
-            and np.max(step[alike & reverse[1:]], initial=0) <= 1e-13 * travel
+            np.min(step[same_state & forward[1:]], initial=0) >= -1e-13 * travel
+            and np.max(step[same_state & reverse[1:]], initial=0) <= 1e-13 * travel
         ),
         "edges in order": (
             np.nanmax((answer.stick_half_width - answer.contact_half_width)[answer.last_cycle])
@@ -217,7 +217,7 @@ def test_every_scene_keeps_the_laws_and_meets_what_is_expected_of_it(name):
     assert broken_laws(scene, answer) == set()
     findings = list(laws.expected_numbers(scene, [answer]))
     assert findings
-    assert not [one for one in findings if not one.met]
+    assert not [finding for finding in findings if not finding.met]
 
 
 def drop_history(monkeypatch):
@@ -236,10 +236,10 @@ def drop_history(monkeypatch):
     monkeypatch.setattr(semi_analytic.history, "march", forgetful)
     step = semi_analytic.load_series._step
 
-    def forgetful_step(curve, *given):
+    def forgetful_step(curve, *arguments):
         if curve is not None:
             curve = Knot(None, curve.top, curve.force, curve.top, curve.force, depth=1)
-        return step(curve, *given)
+        return step(curve, *arguments)
 
     monkeypatch.setattr(semi_analytic.load_series, "_step", forgetful_step)
 
@@ -252,7 +252,7 @@ def flip_change_of_shear(monkeypatch):
     )
     slip = semi_analytic.load_series._slip
     monkeypatch.setattr(
-        semi_analytic.load_series, "_slip", lambda curve, s, *given: slip(curve, -s, *given)
+        semi_analytic.load_series, "_slip", lambda curve, s, *arguments: slip(curve, -s, *arguments)
     )
 
 
@@ -266,7 +266,7 @@ def forget_friction(monkeypatch):
     )
     slip = semi_analytic.load_series._slip
     monkeypatch.setattr(
-        semi_analytic.load_series, "_slip", lambda *given: slip(*given)._replace(rise=0.0)
+        semi_analytic.load_series, "_slip", lambda *arguments: slip(*arguments)._replace(rise=0.0)
     )
 
 
@@ -419,13 +419,19 @@ WORDS = {
 
 @pytest.mark.parametrize("name", WORDS)
 def test_one_contact_in_other_words(name):
-    one, other, there, factors = WORDS[name]
-    x = 1.2 * np.max(solve(one, x=[0.0], fields=()).contact_half_width) * np.linspace(-1, 1.01, 31)
-    first = solve(one, x=x)
+    scene, scene_in_other_words, factor_of_x, factors = WORDS[name]
+    x = (
+        1.2
+        * np.max(solve(scene, x=[0.0], fields=()).contact_half_width)
+        * np.linspace(-1, 1.01, 31)
+    )
+    first = solve(scene, x=x)
     second = solve(
-        other,
-        x=there(x),
-        time=first.time + other.load.path().cycle_start - one.load.path().cycle_start,
+        scene_in_other_words,
+        x=factor_of_x(x),
+        time=first.time
+        + scene_in_other_words.load.path().cycle_start
+        - scene.load.path().cycle_start,
     )
     for field, factor in factors.items():
         value = getattr(first, field)
@@ -502,23 +508,25 @@ def test_only_what_is_asked_for_is_computed(monkeypatch):
 
 def test_transient_work_is_counted_by_cycle_and_later_cycles_are_copies():
     scene = load_scene("hertz-paper")
-    only = ("dissipation",)
+    fields = ("dissipation",)
     start = scene.load.path().cycle_start
-    own = solve(scene, fields=only)
-    long = solve(scene, x=[0.0], time=start + 2 * np.pi * np.array([0.5, 1.0, 40.25]), fields=only)
-    assert own.record.message == "cycle 2 ends in the state it started from"
-    assert own.cycle_dissipation.shape == (2,)
-    assert own.cycle_dissipation[0] > 2 * own.cycle_dissipation[1]
+    solution = solve(scene, fields=fields)
+    long = solve(
+        scene, x=[0.0], time=start + 2 * np.pi * np.array([0.5, 1.0, 40.25]), fields=fields
+    )
+    assert solution.record.message == "cycle 2 ends in the state it started from"
+    assert solution.cycle_dissipation.shape == (2,)
+    assert solution.cycle_dissipation[0] > 2 * solution.cycle_dissipation[1]
     np.testing.assert_array_equal(
-        long.cycle_dissipation, [own.cycle_dissipation[0], *[own.dissipation] * 39]
+        long.cycle_dissipation, [solution.cycle_dissipation[0], *[solution.dissipation] * 39]
     )
     assert (long.work.counts["cycles_solved"], long.work.skipped["cycles"][0]) == (2, 38)
     assert (
-        solve(scene, x=[0.0], time=[start + 7.0], fields=only).dissipation
-        == own.cycle_dissipation[0]
+        solve(scene, x=[0.0], time=[start + 7.0], fields=fields).dissipation
+        == solution.cycle_dissipation[0]
     )
     for turns in (1.0, 1.5):  # the second knows of the steady cycle, but answers for the first
-        transient = solve(scene, x=[0.0], time=[start + turns * 2 * math.pi], fields=only)
+        transient = solve(scene, x=[0.0], time=[start + turns * 2 * math.pi], fields=fields)
         assert math.isnan(transient.loop_work)
         assert "not steady" in transient.record.notes[0]
 

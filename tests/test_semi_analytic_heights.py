@@ -67,14 +67,14 @@ def test_what_the_digits_of_an_arc_do_not_hold_is_stated(radius):
     fits of many values leave less.
     """
     profile = CallableProfile(height_function=arc(radius)[0], extent=EXTENT)
-    found = slope_function(1.0, profile)
+    slope = slope_function(1.0, profile)
     exact = slope_function(1.0, CallableProfile(slope_function=arc(radius)[1], extent=EXTENT))
-    error = np.max(np.abs(found.load(HALF_WIDTHS) / exact.load(HALF_WIDTHS) - 1))
+    error = np.max(np.abs(slope.load(HALF_WIDTHS) / exact.load(HALF_WIDTHS) - 1))
     of_one_value = np.finfo(float).eps * radius / arc(radius)[0](EXTENT)
     assert error <= profile.rounding_of_height.load < max(of_one_value, 1e-13)
-    assert found.noise >= profile.rounding_of_height.stiffness
+    assert slope.noise >= profile.rounding_of_height.stiffness
 
-    load = float(found.load(np.array(1.0)))
+    load = float(slope.load(np.array(1.0)))
     scene = make_scene(ellipse(load, load / 3, 0.0, load / 3)).vary(profile=profile)
     solution = solve(scene, x=[0.0, 0.5], fields=("pressure", "dissipation"))
     assert min(solution.record.errors.values()) >= profile.rounding_of_height.stiffness
@@ -85,9 +85,9 @@ def test_few_pieces_are_needed(monkeypatch):
     pieces = []
 
     def counted(function, edges, scale=None):
-        found = halved(function, edges, scale)
-        pieces.append(len(found.edges) / len(edges))
-        return found
+        halves = halved(function, edges, scale)
+        pieces.append(len(halves.edges) / len(edges))
+        return halves
 
     monkeypatch.setattr(profiles, "halved", counted)
     slope_function(1.0, CallableProfile(height_function=SHAPES["|x|^1.5"][0], extent=3.0))

@@ -133,8 +133,8 @@ def test_curves_are_told_apart_and_unloading_follows_them():
     assert same(
         final_curve([(1.0, 0.6), (0.0, 0.0), (1.0, 0.1)]), final_curve([(1.0, 0.1)]), FRICTION
     )
-    for other in ([(1.0, 0.3 + 1e-9)], [(0.5, 0.1), (1.0, 0.3)]):
-        assert not same(final_curve([(1.0, 0.3)]), final_curve(other), FRICTION)
+    for points in ([(1.0, 0.3 + 1e-9)], [(0.5, 0.1), (1.0, 0.3)]):
+        assert not same(final_curve([(1.0, 0.3)]), final_curve(points), FRICTION)
     assert not same(final_curve([(1.0, 0.3)]), None, FRICTION)
 
 
@@ -227,15 +227,15 @@ def test_letters_stand_where_the_circle_says(sense):
     """
     scene = PAPER if sense > 0 else make_scene(ellipse(3.0, 1.0, -1.1, 1.0, -90.0))
     for letter, (normal, tangential) in PLACES.items():
-        found = event(scene, letter)
-        assert (found.normal_load, sense * found.tangential_load) == pytest.approx(
+        event_found = event(scene, letter)
+        assert (event_found.normal_load, sense * event_found.tangential_load) == pytest.approx(
             (normal, tangential), abs=1e-12
         ), letter
-        assert scene.load.path().at(found.time) == pytest.approx(
+        assert scene.load.path().at(event_found.time) == pytest.approx(
             (normal, sense * tangential), abs=1e-12
         )
-    times = [one.time for one in events(PAPER)]
-    assert "".join(one.letter for one in events(PAPER)) == "ABCDEFGHIKJLM"
+    times = [event_in_order.time for event_in_order in events(PAPER)]
+    assert "".join(event_in_order.letter for event_in_order in events(PAPER)) == "ABCDEFGHIKJLM"
     assert times == sorted(times)
 
 
@@ -260,13 +260,13 @@ def test_events_have_the_names_and_edge_loads_of_the_paper():
 
 def test_lines_polygons_and_series_have_events_without_letters():
     series = make_scene(TimeSeriesLoad(rows=[[0.0, 0.0, 0.0], [1.0, 1.0, 0.2], [2.0, 0.5, -0.1]]))
-    assert [one.time for one in events(series)] == [0.0, 1.0, 2.0]
+    assert [event_in_order.time for event_in_order in events(series)] == [0.0, 1.0, 2.0]
     for scene in (
         load_scene("full-stick"),
         make_scene(polygon([(1.0, 0.0)], [(1.0, 0.4), (1.0, -0.4)])),
         series,
     ):
-        assert all(one.letter == "" for one in events(scene))
+        assert all(event_in_order.letter == "" for event_in_order in events(scene))
         with pytest.raises(InputError, match="no event 'A'"):
             event(scene, "A")
 
@@ -303,14 +303,14 @@ def test_rows_and_functions_with_corners_are_the_polygon():
         0.5,
     )
     x = np.linspace(0, 1.8, 7)
-    one = solve(plain, x=x, time=np.linspace(1.0, 9.0, 33))
-    two = solve(series, x=x, time=np.linspace(0.0, 8.0, 33))
+    of_polygon = solve(plain, x=x, time=np.linspace(1.0, 9.0, 33))
+    of_rows = solve(series, x=x, time=np.linspace(0.0, 8.0, 33))
     for name in ("shear", "slip"):
-        np.testing.assert_allclose(getattr(two, name), getattr(one, name), atol=1e-14)
-    assert two.dissipation == pytest.approx(one.dissipation, rel=1e-13, abs=0)
-    assert two.steady_from == one.steady_from
+        np.testing.assert_allclose(getattr(of_rows, name), getattr(of_polygon, name), atol=1e-14)
+    assert of_rows.dissipation == pytest.approx(of_polygon.dissipation, rel=1e-13, abs=0)
+    assert of_rows.steady_from == of_polygon.steady_from
     assert solve(function, x=[0.0], fields=("dissipation",)).dissipation == pytest.approx(
-        one.dissipation, rel=1e-11, abs=0
+        of_polygon.dissipation, rel=1e-11, abs=0
     )
 
 
@@ -352,20 +352,20 @@ SHARES = st.lists(
 def test_rows_as_a_series_are_rows_as_a_curved_path(repeats, shares, flat):
     """The lean way and the general one: every field, at rows and between them."""
     loads = [(p, 0.7 * p * use) for p, use in shares]
-    one, other = both_ways(loads + loads[:1] * repeats, repeats, flat)
+    by_rows, by_curve = both_ways(loads + loads[:1] * repeats, repeats, flat)
     top = max(p for p, _ in loads)
     for name in (*FIELDS[:3], "tangential_displacement", "normal_approach", *SIZES):
         close = 1e-11 * (
             (0.7 * top) ** 2 if SIZES.get(name) == 2 else top if name in SIZES else max(top, 1.0)
         )
         np.testing.assert_allclose(
-            getattr(one, name), getattr(other, name), rtol=1e-10, atol=close, err_msg=name
+            getattr(by_rows, name), getattr(by_curve, name), rtol=1e-10, atol=close, err_msg=name
         )
     # c is the root of P_c: a last digit of P counts for 1e-8 there.
     np.testing.assert_allclose(
-        *(np.nan_to_num(each.stick_half_width, nan=flat) for each in (one, other)), atol=1e-7
+        *(np.nan_to_num(each.stick_half_width, nan=flat) for each in (by_rows, by_curve)), atol=1e-7
     )
-    assert np.max(one.record.certificates["tangential_balance"]) < 1e-13
+    assert np.max(by_rows.record.certificates["tangential_balance"]) < 1e-13
 
 
 def both_ways(loads, repeats, flat):
@@ -379,24 +379,26 @@ def both_ways(loads, repeats, flat):
     )
     # not at the middle of a step
     time = 0.37 + np.arange(0.0, len(loads) - 1 + 0.9 * repeats * len(loads) - 0.37, 0.37)
-    one, other = (way(scene, x=X[:7], time=time) for way in (solve, by_spans))
-    assert one.steady_from == other.steady_from
-    return one, other
+    by_rows, by_curve = (way(scene, x=X[:7], time=time) for way in (solve, by_spans))
+    assert by_rows.steady_from == by_curve.steady_from
+    return by_rows, by_curve
 
 
 @pytest.mark.parametrize("flat", [0.0, 0.5])
 @pytest.mark.parametrize("name", ROUNDING)
 def test_rows_at_the_ends_of_friction_are_followed_alike_by_both_ways(name, flat):
     hardly = "hardly" in name
-    one, other = both_ways(ROUNDING[name], hardly, flat)
-    assert one.steady_from == (1 if hardly else None)
+    by_rows, by_curve = both_ways(ROUNDING[name], hardly, flat)
+    assert by_rows.steady_from == (1 if hardly else None)
     if not hardly:  # which of them slips is rounding
-        np.testing.assert_array_equal(one.state, other.state)
+        np.testing.assert_array_equal(by_rows.state, by_curve.state)
     for field in ("slip", "tangential_displacement", *SIZES):
         np.testing.assert_allclose(
-            getattr(one, field), getattr(other, field), rtol=0, atol=1e-13, err_msg=field
+            getattr(by_rows, field), getattr(by_curve, field), rtol=0, atol=1e-13, err_msg=field
         )
-    assert one.dissipation == pytest.approx(other.dissipation, rel=1e-3 if hardly else 1e-11, abs=0)
+    assert by_rows.dissipation == pytest.approx(
+        by_curve.dissipation, rel=1e-3 if hardly else 1e-11, abs=0
+    )
 
 
 @pytest.mark.parametrize(
@@ -428,10 +430,10 @@ def test_what_slips_is_that_of_sixty_digits(share, steady):
                 slipped.append(recorder.numbers[column])
                 first = (number(p), number(q), number(0))
             slipped_by_number.append(np.array(slipped))
-    found, exact = slipped_by_number
+    slipped_double, exact = slipped_by_number
     assert np.max(exact) > 0.3 * share
     np.testing.assert_allclose(
-        found, exact, rtol=0, atol=1e-14 * np.max(exact) if steady else 4 * 2.4 * 2.2e-16
+        slipped_double, exact, rtol=0, atol=1e-14 * np.max(exact) if steady else 4 * 2.4 * 2.2e-16
     )
 
 
@@ -462,9 +464,11 @@ def test_a_long_series_answers_what_is_asked_and_nothing_else():
     np.testing.assert_allclose(
         two.shear, by_spans(scene, x=X, time=[600.5, 3.0], fields=("shear",)).shear, atol=1e-13
     )
-    whole = solve(scene, x=X, time=bare.time, fields=("shear",))
+    at_all_times = solve(scene, x=X, time=bare.time, fields=("shear",))
     for name in ("normal_load", "tangential_load", "stick_half_width"):  # the state needs no curve
-        np.testing.assert_allclose(getattr(bare, name), getattr(whole, name), rtol=1e-12, atol=0)
+        np.testing.assert_allclose(
+            getattr(bare, name), getattr(at_all_times, name), rtol=1e-12, atol=0
+        )
     t = np.arange(2200.0)
     scene = make_scene(
         TimeSeriesLoad(rows=np.stack([t, 2 + np.cos(0.31 * t), 0.5 * np.sin(0.57 * t)], axis=1))

@@ -179,12 +179,12 @@ def test_half_width_inverts_load_over_sixteen_decades(name):
     )
     # On a flat face a itself keeps no more digits of a - b than a double leaves it: the advance of
     # the edge keeps all.
-    found = (
+    load_again = (
         contact.law.load(contact.law.advance(load))
         if contact.least
         else contact.load(contact.half_width(load))
     )
-    np.testing.assert_allclose(found, load, rtol=2e-14)
+    np.testing.assert_allclose(load_again, load, rtol=2e-14)
     assert np.all(np.diff(contact.half_width(load)) >= 0)
 
 
@@ -350,20 +350,27 @@ SAME = {
 
 @pytest.mark.parametrize("name", SAME)
 def test_one_shape_in_two_forms(name):
-    one, other, loads, limit = SAME[name]
-    one = contact_on(one)
-    other = contact_on(other)
+    contact_one_form, contact_other_form, loads, limit = SAME[name]
+    contact_one_form = contact_on(contact_one_form)
+    contact_other_form = contact_on(contact_other_form)
     for load in loads:
-        half = float(other.half_width(load))
-        assert float(one.half_width(load)) == pytest.approx(half, rel=limit)
+        half = float(contact_other_form.half_width(load))
+        assert float(contact_one_form.half_width(load)) == pytest.approx(half, rel=limit)
         x = half * np.array([0.01, 0.49, 0.69, 0.9, 1.2, 1.9])
-        x = x[x < one.extent]
+        x = x[x < contact_one_form.extent]
         for kernel in ("pressure", "slip_integral"):
-            found, wanted = (getattr(each, kernel)(x, load) for each in (one, other))
-            np.testing.assert_allclose(found, wanted, rtol=limit, atol=limit * load, err_msg=kernel)
+            values, expected = (
+                getattr(each, kernel)(x, load) for each in (contact_one_form, contact_other_form)
+            )
+            np.testing.assert_allclose(
+                values, expected, rtol=limit, atol=limit * load, err_msg=kernel
+            )
         for slipped in (0.01 * load, 0.3 * load):
-            found, wanted = (float(each.dissipation_kernel(load, slipped)) for each in (one, other))
-            assert found == pytest.approx(wanted, rel=limit)
+            values, expected = (
+                float(each.dissipation_kernel(load, slipped))
+                for each in (contact_one_form, contact_other_form)
+            )
+            assert values == pytest.approx(expected, rel=limit)
 
 
 # ------------------------------------------------------------------------------ ends of single laws
@@ -390,9 +397,10 @@ def area_in_many_digits(flat, load, front):
         return tau
 
     primitive = lambda tau: ((1 + tau**2) * mp.atan(tau) - tau) / 2 - tau + mp.atan(tau)  # noqa: E731
-    one = tau_of(load)
-    two = tau_of(front)
-    return load * mp.log((1 + one**2) / (1 + two**2)) / 2 - primitive(one) + primitive(two)
+    tau_load = tau_of(load)
+    tau_front = tau_of(front)
+    logarithm = mp.log((1 + tau_load**2) / (1 + tau_front**2))
+    return load * logarithm / 2 - primitive(tau_load) + primitive(tau_front)
 
 
 @pytest.mark.parametrize("load", [1e-9, 1e-3, 0.3, 1.0, 50.0, 1e9])
@@ -418,12 +426,14 @@ def test_pressure_of_power_laws_to_the_very_middle(n):
     """Where its series change: 40 digits."""
     contact = PunchSuperposition(power_law(1.0, n, 1.0, 1.0), 3.0)
     m = mp.mpf(n)
-    one = float(contact.load(1.0))
+    unit_load = float(contact.load(1.0))
     xi = np.array([0.0, 0.99e-11, 1.01e-11, 0.0999, 0.1001])
     with mp.workdps(50):
         hyper = lambda xi: mp.sqrt(1 - xi**2) * mp.hyp2f1(1 - m / 2, 1, mp.mpf("1.5"), 1 - xi**2)  # noqa: E731
         exact = [1 / (n - 1), *(float(hyper(mp.mpf(value))) for value in xi[1:])]
-    np.testing.assert_allclose(contact.pressure(xi, one) * np.pi / (n * one), exact, rtol=1e-11)
+    np.testing.assert_allclose(
+        contact.pressure(xi, unit_load) * np.pi / (n * unit_load), exact, rtol=1e-11
+    )
 
 
 # ------------------------------------------------------------------------------------------- tables
@@ -434,8 +444,8 @@ def test_many_knots_cost_no_digits():
     contact = contact_on(table(cosh_less_one, 1.2, 601), 100.0)
     half = contact.half_width(40.0)
     x = half * (1 + np.geomspace(1e-4, 1e-1, 200))
-    found = contact.arccosh_ratio(x, contact.load(x) - 40.0, contact.advance(40.0))
-    np.testing.assert_allclose(found, np.arccosh(x / half), rtol=1e-11)
+    ratios = contact.arccosh_ratio(x, contact.load(x) - 40.0, contact.advance(40.0))
+    np.testing.assert_allclose(ratios, np.arccosh(x / half), rtol=1e-11)
     half = np.linspace(0.3, 0.75, 40)
 
     def circle(x):
@@ -556,14 +566,14 @@ def test_quantised_rows_are_solved_or_refused_with_their_row(seed, count):
     """
     chance = np.random.default_rng(seed)
     with bounded(300):
-        found = [judged(*rows_of(chance)) for _ in range(count)]
-    assert set(found) <= {"door", "split", "solved"}, found
-    assert min(found.count("solved"), found.count("split")) > count / 5
+        verdicts = [judged(*rows_of(chance)) for _ in range(count)]
+    assert set(verdicts) <= {"door", "split", "solved"}, verdicts
+    assert min(verdicts.count("solved"), verdicts.count("split")) > count / 5
 
 
 # ----------------------------------------------------------------------------------------- refusals
-def function(**given):
-    return lambda: CallableProfile(extent=2.0, **given)
+def function(**keys):
+    return lambda: CallableProfile(extent=2.0, **keys)
 
 
 X = np.linspace(0, 3, 301)
@@ -658,8 +668,8 @@ def test_unlike_bodies_have_a_modulus_and_a_coupling_constant():
         1 / (0.9375 + 0.5)
     )
     pairs = [
-        coupling_constant(Materials(upper=one, lower=two))
-        for one, two in ((soft, stiff), (stiff, soft), (soft, soft))
+        coupling_constant(Materials(upper=upper, lower=lower))
+        for upper, lower in ((soft, stiff), (stiff, soft), (soft, soft))
     ]
     # Dundurs' beta with k = 2 (1 - 2 nu)(1 + nu)/E of either body, over the two 4 (1 - nu^2)/E.
     beta = ((1 - 2 * 0.25) * 1.25 / 1.0 - 0.5) / (2 * (0.9375 + 0.5))

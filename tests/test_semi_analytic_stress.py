@@ -57,9 +57,9 @@ def test_hertz_is_mcewen():
     a = 1.0
     p0 = 2 * 90.62286500739786 / math.pi
     x, y = places(a)
-    found = stress("hertz-normal", x, y, 1.0)[0]
-    assert np.abs(found[:, :3] - mcewen(x, -y, a, p0)).max() < 1e-10 * p0
-    np.testing.assert_allclose(found[:, 3], 0.3 * (found[:, 0] + found[:, 1]))
+    stresses = stress("hertz-normal", x, y, 1.0)[0]
+    assert np.abs(stresses[:, :3] - mcewen(x, -y, a, p0)).max() < 1e-10 * p0
+    np.testing.assert_allclose(stresses[:, 3], 0.3 * (stresses[:, 0] + stresses[:, 1]))
 
 
 @pytest.mark.parametrize("share", [0.1, 0.6, 0.95])
@@ -74,9 +74,9 @@ def test_tension_at_the_trailing_edge_of_cattaneo_and_mindlin(share):
     pressed = semi_analytic.solve(scene, x=0.0, time=2.0)
     a = float(pressed.contact_half_width[0])
     p0 = float(pressed.pressure[0, 0])
-    wanted = 2 * f * p0 * math.sqrt(share)
+    tension = 2 * f * p0 * math.sqrt(share)
     values, uncertain = edge_tension(scene, [2.0, 3.0])
-    turned = wanted * np.array([[1, -1], [-1, 1]])
+    turned = tension * np.array([[1, -1], [-1, 1]])
     # after the reversal slip goes the other way
     np.testing.assert_allclose(values, [turned, -turned], rtol=1e-12)
     assert np.all(uncertain < 2e-11 * p0)
@@ -84,7 +84,7 @@ def test_tension_at_the_trailing_edge_of_cattaneo_and_mindlin(share):
     for body, sign in (("lower", 1), ("upper", -1)):
         edges = stress(scene, [-a, a], 0.0, 2.0, body=body)[0]
         # a itself is rounded
-        np.testing.assert_allclose(edges[:, 0], [sign * wanted, -sign * wanted], rtol=1e-7)
+        np.testing.assert_allclose(edges[:, 0], [sign * tension, -sign * tension], rtol=1e-7)
 
 
 CASES = [
@@ -109,15 +109,17 @@ def test_stress_is_the_integral_of_the_tractions(profile, load):
     quadrature graded to their roots.
     """
     scene = extreme(profile, load)
-    whole = semi_analytic.solve(scene, x=[0.0], fields=())
-    for time in whole.time[[len(whole.time) // 5, len(whole.time) * 4 // 7, len(whole.time) - 9]]:
+    all_times = semi_analytic.solve(scene, x=[0.0], fields=())
+    for time in all_times.time[
+        [len(all_times.time) // 5, len(all_times.time) * 4 // 7, len(all_times.time) - 9]
+    ]:
         contact, snapshot = memory_at(scene, np.array([time]))
         a = float(contact.half_width(snapshot.load[0]))
         knots = [float(contact.half_width(end)) for line in _lines(snapshot, 0) for end in line[:2]]
         knots += [b for b in contact.breaks if b < a]
         x = a * np.array([-1.7, -0.93, -0.4, 0.1, 0.61, 0.87, 1.2])
         y = -a * np.array([0.2, 0.5, 0.11, 2.0, 0.3, 0.08, 0.15])
-        found = stress(scene, x, y, time)[0]
+        stresses = stress(scene, x, y, time)[0]
         face = stress(scene, x, 0.0, time)[0]
         for k, (point, height) in enumerate(zip(x, y, strict=True)):
             marks = np.unique(np.clip([-a, a, point, *knots, *(-knot for knot in knots)], -a, a))
@@ -128,25 +130,27 @@ def test_stress_is_the_integral_of_the_tractions(profile, load):
                 scene, x=np.unique([*t, point]), time=time, fields=("pressure", "shear")
             )
             p, q = (np.interp(t, at.x, values[0]) for values in (at.pressure, at.shear))
-            here = [float(np.interp(point, at.x, values[0])) for values in (at.pressure, at.shear)]
+            traction = [
+                float(np.interp(point, at.x, values[0])) for values in (at.pressure, at.shear)
+            ]
             size = float(at.pressure.max())
             across = point - t
             r2 = across**2 + height**2
             radial = -2 / math.pi * (-p * height + q * across) / r2**2 * weight
-            wanted = [
+            expected = [
                 np.sum(radial * across**2),
                 np.sum(radial * height**2),
                 np.sum(radial * across * height),
             ]
-            assert np.abs(found[k, :3] - wanted).max() < 1e-10 * size
+            assert np.abs(stresses[k, :3] - expected).max() < 1e-10 * size
             inside = abs(point) < a
             tangential = np.sum(
-                weight * (q - here[1] * inside) / np.where(across == 0, np.inf, -across)
+                weight * (q - traction[1] * inside) / np.where(across == 0, np.inf, -across)
             )
-            tangential += here[1] * math.log((a - point) / (a + point)) if inside else 0.0
-            wanted = [-here[0] + 2 / math.pi * tangential, -here[0], here[1]]
+            tangential += traction[1] * math.log((a - point) / (a + point)) if inside else 0.0
+            expected = [-traction[0] + 2 / math.pi * tangential, -traction[0], traction[1]]
             # the quotient of the principal value keeps no more
-            assert np.abs(face[k, :3] - wanted).max() < 2e-9 * size
+            assert np.abs(face[k, :3] - expected).max() < 2e-9 * size
 
 
 def test_the_upper_body_is_the_mirror_image_with_opposite_shear():
@@ -184,8 +188,8 @@ def test_stress_from_tractions_is_that_of_the_memory_curve(name):
     profile = leaning_profile(scene)[1]
     p0 = max(float(answer.pressure.max()) for answer, _ in pairs)
     for k, (answer, row) in enumerate(pairs):
-        found, uncertain = _tensions(answer, row)
-        assert np.abs(found - exact[k, 0]).max() < uncertain < 1e-2 * p0
+        tensions, uncertain = _tensions(answer, row)
+        assert np.abs(tensions - exact[k, 0]).max() < uncertain < 1e-2 * p0
         np.testing.assert_allclose(
             _from_sines(answer, row, profile, x, y, 1.0), inside[k, :, :3], atol=2e-4 * p0
         )
@@ -225,8 +229,8 @@ def test_with_bulk_stress_the_tension_is_that_of_two_pressures():
         values[1], [[left + 2 * eps, -right + 2 * eps], [-left, right]], atol=2e-4
     )
     # too few places to take the answer's own tractions
-    few = semi_analytic.solve(scene, x=0.0, time=[1.0, 2.0])
-    np.testing.assert_allclose(edge_tension(few, [1.0, 2.0])[0], values, rtol=1e-12, atol=1e-12)
+    sparse = semi_analytic.solve(scene, x=0.0, time=[1.0, 2.0])
+    np.testing.assert_allclose(edge_tension(sparse, [1.0, 2.0])[0], values, rtol=1e-12, atol=1e-12)
     deep = [
         stress(scene, [5.0], [depth], 2.0, body=body)[0, 0, 0]
         for body, depth in (("lower", -1e3), ("upper", 1e3))

@@ -104,9 +104,9 @@ def test_error_of_pointwise_work_is_honest(monkeypatch):
     exact = np.array([float(value) for value in case["density"]])
     for halvings, most, least in ((0, 1e-6, 1e-9), (17, 1e-11, 0.0)):
         monkeypatch.setattr(friction_work, "_HALVINGS", halvings)
-        found = pointwise_dissipation(contact, 1.0, spans, np.array(case["x"]))
-        assert np.all(np.abs(found.total - exact) <= found.error + 2e-15 * np.max(exact))
-        assert least < np.max(found.error) / np.max(exact) < most
+        work = pointwise_dissipation(contact, 1.0, spans, np.array(case["x"]))
+        assert np.all(np.abs(work.total - exact) <= work.error + 2e-15 * np.max(exact))
+        assert least < np.max(work.error) / np.max(exact) < most
 
 
 # -------------------------------------------------------------------------------------- brute force
@@ -161,13 +161,16 @@ def test_work_by_brute_force(profile, load):
     history = history_of(scene.load.path(), scene.friction.coefficient, scene.cycles)
     work = Work(scene, history.covered[-1], parts=max(PARTS.get(profile, 1), PARTS.get(load, 1)))
     x = points_of(work)
-    found = solve(scene, x=x, fields=("dissipation_density", "dissipation"))
-    told = found.record.errors
-    whole = np.sum(work.whole())
+    solution = solve(scene, x=x, fields=("dissipation_density", "dissipation"))
+    stated = solution.record.errors
+    work_of_cycle = np.sum(work.whole())
     exact = np.sum(work.density(x), axis=0)
-    assert abs(found.dissipation - whole) <= max(1e-12, told.get("dissipation", 0.0)) * whole
-    off = np.max(np.abs(found.dissipation_density - exact))
-    assert off <= max(2e-12, told.get("dissipation_density", 0.0)) * np.max(exact)
+    assert (
+        abs(solution.dissipation - work_of_cycle)
+        <= max(1e-12, stated.get("dissipation", 0.0)) * work_of_cycle
+    )
+    off = np.max(np.abs(solution.dissipation_density - exact))
+    assert off <= max(2e-12, stated.get("dissipation_density", 0.0)) * np.max(exact)
 
 
 def test_no_point_misses_an_instant_in_which_the_load_hardly_grows():
@@ -183,8 +186,8 @@ def test_no_point_misses_an_instant_in_which_the_load_hardly_grows():
     scene = make_scene(load, friction=2.0)
     x = np.array([0.55, 0.6])
     exact = np.sum(Work(scene, 1).density(x), axis=0).astype(float)
-    found = solve(scene, x=x, fields=("dissipation_density",)).dissipation_density
-    np.testing.assert_allclose(found, exact, rtol=0, atol=1e-13 * np.max(exact))
+    density = solve(scene, x=x, fields=("dissipation_density",)).dissipation_density
+    np.testing.assert_allclose(density, exact, rtol=0, atol=1e-13 * np.max(exact))
 
 
 # ------------------------------------------------------------------------------------- closed forms
@@ -269,7 +272,7 @@ def test_what_sticks_for_ever_on_loads_next_to_a_line(phase, load):
         (0.25, 0.63, 0.3),
     ):
         q1 = use * friction * (1 - ratio)
-        found = solve(
+        solution = solve(
             make_scene(
                 ellipse(load, ratio * load, 0.0, q1 * load, phase), friction, 0.0, 1 / load, 1.0
             ),
@@ -278,7 +281,7 @@ def test_what_sticks_for_ever_on_loads_next_to_a_line(phase, load):
         )
         r = q1 / friction * cmath.exp(-1j * math.radians(phase))
         permanent = 1 - (abs(r - ratio) + abs(r + ratio)) / 2
-        assert found.permanent_stick_half_width == pytest.approx(
+        assert solution.permanent_stick_half_width == pytest.approx(
             math.sqrt(4 * permanent / math.pi), rel=1e-9
         )
 
@@ -323,11 +326,11 @@ def test_integrals_by_halving_and_what_they_say_of_themselves(width, settles):
         )
 
     exact = 2 / width * math.atan(1 / width) if width else -2 / 3
-    found = by_halving(work, [-1.0], [1.0], CONVERGED * abs(exact))
+    integral = by_halving(work, [-1.0], [1.0], CONVERGED * abs(exact))
     # A pole beside an end of a part costs the rule 4e-12 however short the part: that it cannot
     # see.
-    assert abs(found.value[0] - exact) <= found.error[0] + 3e-11 * abs(exact)
-    assert bool(found.error[0] <= 1e-10 * abs(exact)) is settles
+    assert abs(integral.value[0] - exact) <= integral.error[0] + 3e-11 * abs(exact)
+    assert bool(integral.error[0] <= 1e-10 * abs(exact)) is settles
 
 
 def test_a_corner_next_to_an_end_does_not_pass_for_halving():
@@ -339,8 +342,8 @@ def test_a_corner_next_to_an_end_does_not_pass_for_halving():
         nodes, weights = crowded(low, high)
         return np.sum(weights * np.sqrt(np.abs(nodes - 0.3)), axis=-1)
 
-    found = by_halving(rough, [0.0], [1.0], CONVERGED, [1 - 1e-15])
-    assert found.value[0] == pytest.approx((0.3**1.5 + 0.7**1.5) / 1.5, rel=1e-8)
+    integral = by_halving(rough, [0.0], [1.0], CONVERGED, [1 - 1e-15])
+    assert integral.value[0] == pytest.approx((0.3**1.5 + 0.7**1.5) / 1.5, rel=1e-8)
     cut = by_halving(rough, [0.0], [1.0], CONVERGED, [0.3, 1 - 1e-15])
     assert cut.value[0] == pytest.approx((0.3**1.5 + 0.7**1.5) / 1.5, rel=1e-13)
 
@@ -350,16 +353,16 @@ def test_halving_ends(value, end, rounds):
     """A range of 450 last digits was halved for ever: at so many parts at once it ends; and what is
     not finite is not halved.
     """
-    asked = []
+    intervals = []
 
-    def rough(which, low, high):
-        asked.append(len(which))
-        assert len(asked) < 40, "a loop without end"
-        return np.full(len(which), value)
+    def rough(index, low, high):
+        intervals.append(len(index))
+        assert len(intervals) < 40, "a loop without end"
+        return np.full(len(index), value)
 
-    found = by_halving(rough, [1.0], [end], CONVERGED)
-    assert len(asked) == rounds
-    assert found.error[0] > 0 or np.isnan(found.value[0])
+    integral = by_halving(rough, [1.0], [end], CONVERGED)
+    assert len(intervals) == rounds
+    assert integral.error[0] > 0 or np.isnan(integral.value[0])
 
 
 @pytest.mark.parametrize(

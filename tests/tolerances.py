@@ -201,8 +201,8 @@ def check_order(name: str, sizes: Sequence[float], errors: Sequence[float]) -> N
     positive number.
     """
     assert np.all(np.asarray(errors) > 0), f"{name}: not an error sequence: {errors}"
-    found = order_of(sizes, errors)
-    wanted = ORDERS[name]
-    assert wanted.least <= found <= wanted.most, (
-        f"{name}: order {found:.2f} from {errors} is outside {wanted}"
+    order = order_of(sizes, errors)
+    expected = ORDERS[name]
+    assert expected.least <= order <= expected.most, (
+        f"{name}: order {order:.2f} from {errors} is outside {expected}"
     )
