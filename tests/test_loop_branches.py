@@ -223,9 +223,9 @@ def check_exact_rows_of_varying(name, count, start, closed):
     [
         ("line", 240, 0.0, True),
         ("line", 40, 0.0, False),
-        ("60 degrees", 40, 0.0, True),
+        pytest.param("60 degrees", 40, 0.0, True, marks=pytest.mark.slow),
         ("90 degrees", 40, 0.5, False),
-        ("140 degrees", 40, 0.33, True),
+        pytest.param("140 degrees", 40, 0.33, True, marks=pytest.mark.slow),
         ("Q stands", 40, 0.0, False),
     ],
 )
@@ -254,6 +254,7 @@ def test_where_p_varies_noise_is_covered_in_nine_of_ten(name):
     assert covered.sum(axis=0).min() >= 17
 
 
+@pytest.mark.slow
 def test_of_two_minima_the_lower_one_is_taken():
     """With these rows a loop that hardly slips, in a stiffer rig, has the lower sum of squares
     before the turning points of Q are fitted.

@@ -725,7 +725,7 @@ def test_a_profile_has_the_same_keys(tmp_path: Path) -> None:
 SPOILT = st.text("0123456789.,;\t -+eE\n#nan'\"", max_size=80)
 
 
-@settings(max_examples=150)
+@settings(max_examples=80)
 @given(
     text=SPOILT,
     head=st.sampled_from(
@@ -994,7 +994,7 @@ KEYS = st.sampled_from(
 )
 
 
-@settings(max_examples=50)
+@settings(max_examples=25)
 @given(place=st.lists(KEYS, max_size=2), value=TREES)
 def test_whatever_stands_in_a_file_is_a_scene_or_a_sentence(
     place: list[str], value: Any, tmp_path_factory: pytest.TempPathFactory

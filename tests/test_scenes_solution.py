@@ -164,9 +164,9 @@ def test_without_registered_forms_a_notebook_prints_text_and_figures_are_refused
 @pytest.mark.parametrize(
     "imports",
     [
-        "import reports.page.notebook, semi_analytic",
         "import semi_analytic, reports",
-        "import reports, semi_analytic; reports.compare",
+        pytest.param("import reports.page.notebook, semi_analytic", marks=pytest.mark.slow),
+        pytest.param("import reports, semi_analytic; reports.compare", marks=pytest.mark.slow),
     ],
 )
 def test_importing_reports_registers_html_and_figures(imports):
@@ -211,7 +211,14 @@ def test_figures_of_a_solution():
 
 
 @pytest.mark.parametrize(
-    "scene_name", ["hertz-paper", "hertz-normal", "dovetail-out-of-phase", "unload-reload"]
+    "scene_name",
+    [
+        "hertz-paper",
+        "hertz-normal",
+        "nowell-hills",
+        "unload-reload",
+        pytest.param("dovetail-out-of-phase", marks=pytest.mark.slow),
+    ],
 )
 def test_a_printed_solution_has_five_lines(scene_name):
     """With the numbers that a reader asks for first, and none of the arrays."""

@@ -321,7 +321,7 @@ def test_parabolas_without_tilt_are_the_symmetric_contact(profile):
 @pytest.mark.parametrize(
     "name",
     [
-        "unequal sides",
+        pytest.param("unequal sides", marks=pytest.mark.slow),
         pytest.param("a flat face, fixed tilt", marks=pytest.mark.slow),
         "bulk and tilt",
     ],
@@ -365,7 +365,14 @@ def test_tractions_scatter_by_less_than_their_stated_error(name):
     assert np.max(np.ptp(shears, axis=0)) < stated
 
 
-@pytest.mark.parametrize("kind", [kind for kind in PROFILES if kind not in ("|x|^1.01", "|x|^3.5")])
+@pytest.mark.parametrize(
+    "kind",
+    [
+        pytest.param(kind, marks=[pytest.mark.slow] * (kind == "|x|^20"))
+        for kind in PROFILES
+        if kind not in ("|x|^1.01", "|x|^3.5")
+    ],
+)
 def test_arcs_of_an_untilted_contact_leave_the_shear_of_the_symmetric_one(kind):
     """By series of the ends of contact and by P(a), along arcs in full stick: q to 1e-12 of the
     largest f p.
@@ -592,13 +599,13 @@ PAIRS = [
     ("a quadratic polynomial", "line of action"),
     ("the power 2", "moment"),
     ("the function x", "tilt and bulk"),
-    ("the powers 2 and 4", "tilt"),
+    ("a quadratic polynomial", "tilt"),
     ("the powers 2 and 4", "bulk"),
 ]
 MORE = [
     (name, loads)
     for name in ALIKE
-    for loads in ("tilt and bulk", "moment")
+    for loads in ("tilt", "tilt and bulk", "moment")
     if (name, loads) not in PAIRS
 ]
 
@@ -1123,19 +1130,25 @@ BROKEN = {
 
 
 @pytest.mark.parametrize(
-    "row", [pytest.param(row, marks=[pytest.mark.slow] * ("8" in row)) for row in BROKEN]
+    ("row", "cycles"),
+    [
+        ("bulk, row 7", 1),
+        pytest.param("bulk, row 7", 6, marks=pytest.mark.slow),
+        pytest.param("tilt, row 8", 6, marks=pytest.mark.slow),
+    ],
 )
-def test_a_loop_in_which_stick_breaks_has_its_work_within_its_own_error(row):
-    """Through `solve`; the work to 1e-3, the permanent stick to a cell, laws at every point to
-    rounding.
+def test_a_loop_in_which_stick_breaks_keeps_its_laws_and_has_its_work_within_its_error(row, cycles):
+    """Through `solve`; laws at every point to rounding; after six cycles the work to 1e-3 and the
+    permanent stick to a cell. Among the fast tests the steady cycle alone has these two.
     """
     extra, work, known_to, stick = BROKEN[row]
-    scene = make_scene(EllipseLoad(**PAPER, **extra), cycles=6)
+    scene = make_scene(EllipseLoad(**PAPER, **extra), cycles=cycles)
     solution = solve(scene, x=np.linspace(-2.6, 2.6, 521))
-    error = solution.record.errors["dissipation"]
-    assert error < 4e-4
-    assert solution.dissipation == pytest.approx(work, abs=known_to + error * work)
-    assert solution.permanent_stick_edges / HALF == pytest.approx(stick, abs=2 / 160)
+    if cycles == 6:
+        error = solution.record.errors["dissipation"]
+        assert error < 4e-4
+        assert solution.dissipation == pytest.approx(work, abs=known_to + error * work)
+        assert solution.permanent_stick_edges / HALF == pytest.approx(stick, abs=2 / 160)
     assert "on grids of 160 cells and 320 increments a cycle" in solution.record.notes[0]
     assert "up to 2 zones" in solution.record.notes[0]
     assert np.all(np.abs(solution.shear) <= solution.pressure * (1 + 1e-12))

@@ -279,17 +279,6 @@ def test_the_stated_error_of_the_work_covers_and_is_of_its_size(name):
     assert stated <= ABOVE * max(error, ROUNDING)
 
 
-def test_next_to_no_slip_on_a_wedge_states_no_more_than_its_kernel_loses():
-    """Before, 6e3 times W."""
-    profile, friction, *loads = SLOWER["a wedge, next to no slip, nearly unloads"]
-    mean, amplitude, tangential, phase = loads
-    scene = make_scene(ellipse(mean, amplitude, 0.0, tangential, phase), friction).vary(
-        profile=profile
-    )
-    answer = solve(scene, x=[0.0], fields=("dissipation",), cycles="steady")
-    assert 0 < answer.record.errors["dissipation"] <= ABOVE * ROUNDING
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
 def test_so_it_is_of_random_loops(seed):
