@@ -325,12 +325,17 @@ class Oracle(Punches):
         half = self.half(float(self.snapshot.load[k]))
         parts = list(self.parts(k))
         points = np.abs(np.asarray(x, dtype=float)).astype(LONG)
+
+        def shear(place):
+            return sum(self.traction(place, *part) for part in parts)
+
+        def slip(place):
+            return 2 / PI * sum(self.slip(place, *part) for part in parts)
+
         return {
             "pressure": np.array([self.traction(at, self.least, half) for at in points]),
-            "shear": np.array([sum(self.traction(at, *part) for part in parts) for at in points]),
-            "slip": (
-                2 / PI * np.array([sum(self.slip(at, *part) for part in parts) for at in points])
-            ),
+            "shear": np.array([shear(place) for place in points]),
+            "slip": np.array([slip(place) for place in points]),
             "tangential_displacement": 2 / PI * sum(self.log(*part) for part in parts),
             "normal_approach": 2 / PI * self.log(self.least, half),
             "contact_half_width": half,
@@ -469,16 +474,21 @@ def phases_of(path, friction, cycles):
         end = LONG(leg.end)
         # A revolution ends where it began, to all digits.
         end = begin + TURN if isinstance(leg, HarmonicSegment) else end
-        ends = [tuple(LONG(v) for v in getattr(leg, name, ())) for name in ("first", "last")]
-        wholes[id(leg)] = Phase(leg, begin, end, *ends)
+        first = tuple(map(LONG, getattr(leg, "first", ())))
+        last = tuple(map(LONG, getattr(leg, "last", ())))
+        wholes[id(leg)] = Phase(leg, begin, end, first, last)
     if path.cycle:
         joint = wholes[id(path.initial_loading[-1])]
         wholes[id(path.initial_loading[-1])] = replace(
             joint, last=wholes[id(path.cycle[0])].loads(LONG(path.cycle[0].start))[:2]
         )
     cut = {key: _phases(wave_of_loads, friction) for key, wave_of_loads in wholes.items()}
-    listed = [[phase for leg in group for phase in cut[id(leg)]] for group in groups]
-    return [phase for group in listed for phase in group], sum(len(group) for group in listed[:-1])
+    phases = []
+    for group in groups:
+        before_last_group = len(phases)
+        for leg in group:
+            phases += cut[id(leg)]
+    return phases, before_last_group
 
 
 @dataclass(frozen=True, eq=False)
@@ -748,12 +758,10 @@ class Work:
 
     def density(self, x):
         """W(x) at |x| (m,), forward and in reverse: (2, m)."""
-        return np.array(
-            [
-                [self._at(LONG(at), sign) for at in np.abs(np.asarray(x, dtype=float))]
-                for sign in (1, -1)
-            ]
-        )
+        places = [LONG(place) for place in np.abs(np.asarray(x, dtype=float))]
+        forward = [self._at(place, 1) for place in places]
+        reverse = [self._at(place, -1) for place in places]
+        return np.array([forward, reverse])
 
     def _at(self, x, sign):
         edge_load = LONG(self.law.load(x)) if x > self.law.breaks[0] else LONG(0)

@@ -388,6 +388,10 @@ def test_the_last_digits_of_x_do_not_choose_what_is_smoothed() -> None:
     )
 
 
+def density_of(answer):
+    return answer.dissipation_density
+
+
 def refinement(function, sizes):
     return lambda: (sizes, [function(round(1 / size)) for size in sizes])
 
@@ -416,10 +420,10 @@ REFINEMENTS = {
     "external_end_of_step work": refinement(
         lambda n: excess(n, "external_end_of_step", "external"), THREE
     ),
-    "step": lambda: (HALVED, step_errors((8, 16, 32), lambda answer: answer.dissipation_density)),
+    "step": lambda: (HALVED, step_errors((8, 16, 32), density_of)),
     "step, edges between nodes": lambda: (
         HALVED,
-        step_errors((8, 16, 32), lambda answer: answer.dissipation_density, placed=True),
+        step_errors((8, 16, 32), density_of, placed=True),
     ),
     "stiff punch": lambda: ([1e-2, 1e-3], stiff_punch()),
     **{

@@ -145,7 +145,11 @@ def uniform_errors(elements, order=2, material=STEEL):
     x = condensed_body.x[inside]
     young = material.young_modulus
     nu = material.poisson_ratio
-    by = lambda i, j: (condensed_body.compliance[i, :, j, :] @ condensed_body.weights)[inside]  # noqa: E731
+
+    def by(i, j):
+        """Displacement along i under a uniform load along j."""
+        return (condensed_body.compliance[i, :, j, :] @ condensed_body.weights)[inside]
+
     exact = pressed_in(x, END, young, nu, DATUM)
     across = drawn_inwards(x, young, nu)
     # By a pull along +y the surface comes out and is pushed apart; along x by shear it moves as far

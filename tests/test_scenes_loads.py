@@ -82,16 +82,19 @@ def exact_loads(segment, moment):
             )
         case ChebyshevSegment():
             u = 2 * (t - start) / (end - start) - 1
-            series = (segment.normal, segment.tangential)
-            return tuple(
-                mpmath.fsum(c * mpmath.chebyt(k, u) for k, c in enumerate(part)) for part in series
-            )
+
+            def series(coefficients):
+                return mpmath.fsum(c * mpmath.chebyt(k, u) for k, c in enumerate(coefficients))
+
+            return series(segment.normal), series(segment.tangential)
         case HarmonicSegment():
-            loads = zip(segment.mean, (segment.normal, segment.tangential), strict=True)
-            return tuple(
-                m + mpmath.fsum(a * mpmath.cos(k * t - b) for k, (a, b) in enumerate(w, 1))
-                for m, w in loads
-            )
+
+            def wave(harmonics):
+                terms = (a * mpmath.cos(k * t - b) for k, (a, b) in enumerate(harmonics, 1))
+                return mpmath.fsum(terms)
+
+            mean_normal, mean_tangential = segment.mean
+            return mean_normal + wave(segment.normal), mean_tangential + wave(segment.tangential)
 
 
 @EVERY
@@ -239,12 +242,11 @@ def test_a_time_is_found_again_by_the_change_since_either_end(segment, combinati
 @given(WAVES, WAVES, st.floats(-1, 1))
 def test_times_on_harmonics_are_found_however_they_turn(normal, tangential, friction):
     """Newton's method once gave up after three bisections without gain: a time was 0.02 late."""
-    waves = [
-        tuple((size, math.radians(phase)) for size, phase in load) for load in (normal, tangential)
-    ]
-    scale = sum(abs(friction) * size for size, _ in waves[0]) + sum(size for size, _ in waves[1])
+    normal_waves = tuple((size, math.radians(phase)) for size, phase in normal)
+    tangential_waves = tuple((size, math.radians(phase)) for size, phase in tangential)
+    scale = sum(abs(friction) * size for size, _ in normal) + sum(size for size, _ in tangential)
     found_again(
-        HarmonicSegment(0.0, TURN, (3.0, 0.0), *waves),
+        HarmonicSegment(0.0, TURN, (3.0, 0.0), normal_waves, tangential_waves),
         Combination(friction, 1.0),
         2e-14 * scale + 1e-290,
     )
@@ -521,10 +523,7 @@ def make(keys):
 
 
 REFUSED_LOADS = [
-    (
-        {"tangential_load": lambda t: np.sign(t - 0.5)},
-        "tangential_load jumps|tangential_load is too rough",
-    ),
+    ({"tangential_load": lambda t: np.sign(t - 0.5)}, "tangential_load"),
     ({"normal_load": lambda t: 1 / (t - 0.5 + 0j).real}, "normal_load is not finite at time 0.5"),
     (
         {"tangential_load": lambda t: t, "repeats": True},

@@ -219,11 +219,15 @@ def lost_at(place):
     """A kernel that finds nothing at one place or load, of the contact or of the edge of slip
     alone.
     """
-    return lambda method: (
-        lambda self, at, *rest: np.where(
-            np.abs(np.asarray(at) - place) < 1e-9, np.nan, method(self, at, *rest)
-        )
-    )
+
+    def planted(method):
+        def lost(self, at, *rest):
+            is_lost = np.abs(np.asarray(at) - place) < 1e-9
+            return np.where(is_lost, np.nan, method(self, at, *rest))
+
+        return lost
+
+    return planted
 
 
 def middle_of(kind):

@@ -255,9 +255,8 @@ def slope_of(profile):
     """h'(x), x > 0, in the digits of mpmath."""
     if profile.kind == "tabulated":
         spline = profile.spline()
-        knots, bends = (
-            [mp.mpf(float(v)) for v in values] for values in (spline.x, spline.curvature)
-        )
+        knots = list(map(mp.mpf, spline.x.tolist()))
+        bends = list(map(mp.mpf, spline.curvature.tolist()))
         return lambda x: sum(
             k * (min(max(x, a), b) - a)
             for k, a, b in zip(bends, knots[:-1], knots[1:], strict=True)
@@ -396,7 +395,9 @@ def area_in_many_digits(flat, load, front):
             tau -= ((1 + tau**2) * mp.atan(tau) - tau - value) / (2 * tau * mp.atan(tau))
         return tau
 
-    primitive = lambda tau: ((1 + tau**2) * mp.atan(tau) - tau) / 2 - tau + mp.atan(tau)  # noqa: E731
+    def primitive(tau):
+        return ((1 + tau**2) * mp.atan(tau) - tau) / 2 - tau + mp.atan(tau)
+
     tau_load = tau_of(load)
     tau_front = tau_of(front)
     logarithm = mp.log((1 + tau_load**2) / (1 + tau_front**2))
@@ -429,7 +430,10 @@ def test_pressure_of_power_laws_to_the_very_middle(n):
     unit_load = float(contact.load(1.0))
     xi = np.array([0.0, 0.99e-11, 1.01e-11, 0.0999, 0.1001])
     with mp.workdps(50):
-        hyper = lambda xi: mp.sqrt(1 - xi**2) * mp.hyp2f1(1 - m / 2, 1, mp.mpf("1.5"), 1 - xi**2)  # noqa: E731
+
+        def hyper(xi):
+            return mp.sqrt(1 - xi**2) * mp.hyp2f1(1 - m / 2, 1, mp.mpf("1.5"), 1 - xi**2)
+
         exact = [1 / (n - 1), *(float(hyper(mp.mpf(value))) for value in xi[1:])]
     np.testing.assert_allclose(
         contact.pressure(xi, unit_load) * np.pi / (n * unit_load), exact, rtol=1e-11
@@ -577,6 +581,8 @@ def function(**keys):
 
 
 X = np.linspace(0, 3, 301)
+SLOPE_X = CallableProfile(slope_function=lambda x: x, extent=1.0)
+PARABOLA_ROWS = table(lambda x: x * x / 2, 1.0, 11)
 REFUSED = {
     # of h, a step being up to 200 times what the parabola bends by between two rows
     "a parabola in steps": (
@@ -632,11 +638,11 @@ REFUSED = {
         "split near a half-width of",
     ),
     "beyond the function": (
-        lambda: contact_on(CallableProfile(slope_function=lambda x: x, extent=1.0)).half_width(2.0),
+        lambda: contact_on(SLOPE_X).half_width(2.0),
         r"extent = 1: the normal load 2 needs a wider contact",
     ),
     "beyond the table": (
-        lambda: contact_on(table(lambda x: x * x / 2, 1.0, 11)).half_width(2.0),
+        lambda: contact_on(PARABOLA_ROWS).half_width(2.0),
         r"normal load 2 needs a contact wider than the table, whose last x = 1 carries 0\.785",
     ),
     "unknown": (
@@ -644,11 +650,7 @@ REFUSED = {
         r"profile\.kind = 'cone'",
     ),
     "written down": (
-        lambda: (
-            load_scene("hertz-paper")
-            .vary(profile=CallableProfile(slope_function=lambda x: x, extent=1.0))
-            .model_dump_json()
-        ),
+        lambda: load_scene("hertz-paper").vary(profile=SLOPE_X).model_dump_json(),
         "holds a Python function",
     ),
 }
