@@ -379,8 +379,8 @@ def test_rows_that_share_an_x_for_want_of_digits_are_fitted(kind):
 
 
 def test_extreme_numbers_are_fitted_or_one_sentence():
-    x = np.linspace(-1.5, 1.5, 61)
-    h = np.linspace(-1.5, 1.5, 61) ** 2 / 2000
+    x = np.linspace(-1.5, 1.5, 31)
+    h = x**2 / 2000
     for rows in (
         (x, 1e95 * h),
         (x, 1e-95 * h),

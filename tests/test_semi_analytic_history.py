@@ -86,6 +86,7 @@ def test_the_curve_is_what_stepping_leaves_whatever_the_steps(points, where, par
     assert all(piece.top <= low * normal * (1 + 1e-15) for piece in pieces(unloaded))
 
 
+@settings(max_examples=40)
 @given(
     st.floats(1e-3, 0.95),
     st.floats(0.02, 0.98),
