@@ -163,6 +163,16 @@ def notes_of_effects(effects: BodyEffects, half_width: float, scene: Scene) -> I
     )
 
 
+def notes_of_batch(effects: BodyEffects) -> Iterator[str]:
+    """The same of a batch, whose members have different half-widths."""
+    yield "effects: the curvatures N, N_Q, T, T_P of the bodies are in these values"
+    if any(getattr(effects, name).value for name in ODD_NUMBERS):
+        yield (
+            "effects: tilt and bulk strain of the bodies are left out; `solve` states how large"
+            " they are for a scene"
+        )
+
+
 # ---------------------------------------------------------------------------------- rows of a path
 @dataclass(frozen=True, eq=False)
 class _Rows:

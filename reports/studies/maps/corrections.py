@@ -14,7 +14,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -235,7 +235,7 @@ def work_constant(flat: float, ratio: float, nodes: int = _NODES) -> float:
     within, share = _angles((flat / edge, 1.0), nodes)
     punch = share / np.pi @ _kernel(edge * np.sin(within), x, flat) @ force
     change = 4 * (2 / np.pi**2) * (shear * punch - force @ _kernel(x, x, flat) @ force)
-    cycle = {
+    cycle: dict[str, Any] = {
         "mean_normal_load": load,
         "normal_amplitude": 0.0,
         "mean_tangential_load": 0.0,

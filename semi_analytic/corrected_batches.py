@@ -1,0 +1,285 @@
+"""W of steady ellipses with the effects of bodies, arrays of them at once.
+
+Of each punch the frozen force F lies between two sinusoids, the bounds B of `corrected_memory`
+while the punch is in contact. It is carried along by the one that it meets and stands still in
+between: a play operator, of which everything is elementary. With pi = P - eta - kn G, the load
+that is carried beyond a punch,
+
+    W = (A/pi) int w(c) dc/c,    w = closed-int f pi |dF|
+
+Between two instants at which a bound turns round both bounds move one way, F ends at the bound that
+it meets, and w has a primitive: no time steps. A punch that comes into contact starts with F where
+both bounds meet; one that always is in contact starts at the end of its forward slip.
+
+# notation: c half-width of a punch, eta and G its loads, s = +1 forward, -1 reverse slip
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, fields, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from semi_analytic.corrected_memory import Curvatures
+from semi_analytic.profiles import SymmetricContact
+
+Array = NDArray[np.float64]
+
+# Gauss' nodes in each of two ranges of punches. At other punches, where slip changes from one kind
+# to another, w has a kink: these leave 2e-5 of W.
+_NODES = 32
+_SECANTS = 40
+_CLOSE = 1e-13
+# Share of a value at the other end below which one is round-off.
+_ROUNDING = 1e-9
+_TINY = float(np.finfo(float).tiny)
+# Columns of members and punches that are taken at once.
+_AT_ONCE = 2048
+
+
+@dataclass(frozen=True, eq=False)
+class EllipseOfLoads:
+    """P = P0 + P1 cos t and Q = Q0 + Q1 cos(t - phase), columns (m, 1), with their friction."""
+
+    mean_normal: Array
+    normal_amplitude: Array
+    mean_tangential: Array
+    tangential_amplitude: Array
+    phase: Array
+    friction: Array
+
+    def take(self, members: slice) -> EllipseOfLoads:
+        """Some of them."""
+        return EllipseOfLoads(*(getattr(self, item.name)[members] for item in fields(self)))
+
+    def over(self, unit: Array) -> EllipseOfLoads:
+        """The same with loads in units (m, 1)."""
+        return replace(
+            self,
+            mean_normal=self.mean_normal / unit,
+            normal_amplitude=self.normal_amplitude / unit,
+            mean_tangential=self.mean_tangential / unit,
+            tangential_amplitude=self.tangential_amplitude / unit,
+        )
+
+    def wave(self, of_normal: Array, of_tangential: Array, constant: Array) -> _Wave:
+        """`of_normal` P + `of_tangential` Q + `constant`, (m, k)."""
+        amplitude = of_tangential * self.tangential_amplitude
+        cosine = of_normal * self.normal_amplitude + amplitude * np.cos(self.phase)
+        sine = amplitude * np.sin(self.phase)
+        mean = of_normal * self.mean_normal + of_tangential * self.mean_tangential + constant
+        return _Wave(mean, np.hypot(cosine, sine), np.arctan2(sine, cosine))
+
+
+class BendColumns(NamedTuple):
+    """N, N_Q, T, T_P of `Curvatures` for each member, (m, 1)."""
+
+    normal: Array
+    normal_under_shear: Array
+    tangential: Array
+    tangential_under_pressure: Array
+
+    @classmethod
+    def of(cls, bends: Curvatures, unit: Array) -> BendColumns:
+        """The numbers in units of members (m, 1)."""
+        return cls(*(number * unit for number in bends))
+
+    def take(self, members: slice) -> BendColumns:
+        """Those of some members."""
+        return BendColumns(*(column[members] for column in self))
+
+
+class _Wave(NamedTuple):
+    """mean + amplitude cos(t - phase), (m, k) each."""
+
+    mean: Array
+    amplitude: Array
+    phase: Array
+
+    def at(self, time: Array) -> Array:
+        """Its values, (m, k)."""
+        return np.asarray(self.mean + self.amplitude * np.cos(time - self.phase))
+
+
+class Bounds(NamedTuple):
+    """Of punches (m, k): B of forward slip, minus B of reverse slip, load carried beyond."""
+
+    forward: _Wave
+    reverse: _Wave
+    beyond: _Wave
+
+
+def bounds_of(loads: EllipseOfLoads, bends: BendColumns, eta: Array, parabola: Array) -> Bounds:
+    """The bounds of punches whose loads are eta and G, (m, k)."""
+    f = loads.friction
+    gap_by_normal = parabola * bends.normal
+    gap_by_shear = parabola * bends.normal_under_shear
+    faces_by_shear = parabola * bends.tangential
+    faces_by_normal = parabola * bends.tangential_under_pressure
+    # s B_s = s (Q - kt G) - f (P - eta - kn G)
+    forward = loads.wave(
+        -f * (1 - gap_by_normal) - faces_by_normal, 1 - faces_by_shear + f * gap_by_shear, f * eta
+    )
+    reverse = loads.wave(
+        -f * (1 - gap_by_normal) + faces_by_normal, faces_by_shear - 1 + f * gap_by_shear, f * eta
+    )
+    beyond = loads.wave(1 - gap_by_normal, -gap_by_shear, -eta)
+    return Bounds(forward, reverse, beyond)
+
+
+class WorkOfEllipses(NamedTuple):
+    """pi/A W of forward and of reverse slip, half-width of permanent stick, (m,) each."""
+
+    forward: Array
+    reverse: Array
+    stick: Array
+
+
+def works_of_ellipses(
+    loads: EllipseOfLoads, bends: BendColumns, contact: SymmetricContact, modulus: float
+) -> WorkOfEllipses:
+    """W of ellipses (m,) on one profile, NaN where the contact leaves the profile or would split.
+
+    `modulus` is the E* of `contact`, and numbers are in its units.
+
+    >>> from semi_analytic.hertz import HertzContact
+    >>> contact = HertzContact(modulus=1.0, radius=1.0, datum_length=1.0)
+    >>> one, half = np.ones((1, 1)), np.full((1, 1), 0.5)
+    >>> loads = EllipseOfLoads(one, 0 * one, 0 * one, half, 0 * one, one)
+    >>> flat = BendColumns.of(Curvatures(), one)
+    >>> work = works_of_ellipses(loads, flat, contact, 1.0)
+    >>> round(float(work.forward[0] + work.reverse[0]), 5)  # 2 int (2 z - 1/2) ln(1 - z), minus
+    0.03972
+    """
+    count = len(loads.friction)
+    columns = np.empty((3, count))
+    for first in range(0, count, _AT_ONCE):
+        chosen = slice(first, first + _AT_ONCE)
+        columns[:, chosen] = _works_of_some(
+            loads.take(chosen), bends.take(chosen), contact, modulus
+        )
+    return WorkOfEllipses(*columns)
+
+
+def _works_of_some(
+    loads: EllipseOfLoads, bends: BendColumns, contact: SymmetricContact, modulus: float
+) -> Array:
+    def bounds(half_width: Array) -> Bounds:
+        eta = np.where(half_width > contact.least, contact.load(half_width), 0.0)
+        return bounds_of(loads, bends, eta, math.pi * modulus / 4 * half_width**2)
+
+    def largest_beyond(half_width: Array) -> Array:
+        beyond = bounds(half_width).beyond
+        return -(beyond.mean + beyond.amplitude)
+
+    def least_beyond(half_width: Array) -> Array:
+        beyond = bounds(half_width).beyond
+        return beyond.amplitude - beyond.mean
+
+    def overlap(half_width: Array) -> Array:
+        forward, reverse, _ = bounds(half_width)
+        return forward.mean + forward.amplitude + reverse.mean + reverse.amplitude
+
+    largest_load = loads.mean_normal + loads.normal_amplitude
+    end = np.minimum(contact.half_width(largest_load) * 2, contact.extent)
+    edge = _root(largest_beyond, np.zeros_like(end), end)
+    inner_edge = _root(least_beyond, np.zeros_like(end), edge)
+    stick = np.minimum(_root(overlap, np.zeros_like(end), edge), edge)
+    middle = np.clip(inner_edge, stick, edge)
+    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+    share = (1 + nodes) / 2
+    # Nodes crowd at both ends, where slip begins like a root.
+    place = share**2 * (3 - 2 * share)
+    weight = weights / 2 * 6 * share * (1 - share)
+    total = np.zeros((2, len(edge)))
+    for begin, length in ((stick, middle - stick), (middle, edge - middle)):
+        half_width = begin + length * place
+        work = _work_of_punches(bounds(half_width), loads.friction)
+        total += np.sum(work * (weight * length / np.maximum(half_width, _TINY)), axis=2)
+    # dP/da at the edge, with the least curvature that the bodies add.
+    least_normal = loads.mean_normal - loads.normal_amplitude
+    bend = np.minimum(bends.normal * np.where(bends.normal < 0, largest_load, least_normal), 0.0)
+    swing = np.abs(loads.mean_tangential) + loads.tangential_amplitude
+    bend = bend - np.abs(bends.normal_under_shear) * swing
+    stiffness = contact.stiffness(edge) + math.pi * modulus / 2 * bend * edge
+    is_lost = ~(stiffness[:, 0] > 0) | np.isnan(inner_edge[:, 0])
+    total[:, is_lost] = np.nan
+    return np.stack([*total, np.where(is_lost, np.nan, stick[:, 0])])
+
+
+def _root(values: Callable[[Array], Array], low: Array, high: Array) -> Array:
+    """Where rising `values` of (m, 1) are 0, between `low` and `high`; `low` where they are
+    positive there, NaN where they are negative at `high`.
+
+    The Illinois rule: secants that keep the root between them.
+    """
+    at_low = values(low)
+    at_high = values(high)
+    scale = np.maximum(np.abs(at_low), np.abs(at_high))
+    is_beyond = at_high < -_ROUNDING * scale
+    side = np.zeros(low.shape)
+    place = low
+    for _ in range(_SECANTS):
+        width = np.where(at_high > at_low, at_high - at_low, 1.0)
+        place = np.clip(low - at_low * (high - low) / width, low, high)
+        at_place = values(place)
+        if np.all((np.abs(at_place) <= _CLOSE * scale) | is_beyond | (at_low >= 0)):
+            break
+        goes_down = at_place > 0
+        at_low = np.where(goes_down & (side > 0), at_low / 2, at_low)
+        at_high = np.where(~goes_down & (side < 0), at_high / 2, at_high)
+        high = np.where(goes_down, place, high)
+        at_high = np.where(goes_down, at_place, at_high)
+        low = np.where(goes_down, low, place)
+        at_low = np.where(goes_down, at_low, at_place)
+        side = np.where(goes_down, 1.0, -1.0)
+    return np.where(is_beyond, np.nan, place)
+
+
+def _work_of_punches(bounds: Bounds, friction: Array) -> Array:
+    """Closed integral of f pi |dF| in forward and in reverse slip, (2, m, k)."""
+    forward, reverse, beyond = bounds
+    turn = 2 * math.pi
+    # In contact all the time, for a while around the phase of the load, or never.
+    ratio = np.clip(-beyond.mean / np.maximum(beyond.amplitude, _TINY), -1.0, 1.0)
+    is_always = beyond.mean >= beyond.amplitude
+    begin = np.where(is_always, forward.phase, beyond.phase - np.arccos(ratio))
+    length = np.where(is_always, turn, 2 * np.arccos(ratio))
+    marks = np.stack(
+        [forward.phase, forward.phase + math.pi, reverse.phase, reverse.phase + math.pi]
+    )
+    since = np.minimum(np.mod(marks - begin, turn), length)
+    since.sort(axis=0)
+    force = forward.at(begin)
+    work = np.zeros((2, *begin.shape))
+    for time in (*(begin + since), begin + length):
+        for direction, wave in ((0, forward), (1, reverse)):
+            sense = 1.0 if direction == 0 else -1.0
+            at_end = wave.at(time)
+            slips = at_end > sense * force
+            primitive_at_end = _primitive(wave, beyond, at_end)
+            rise = primitive_at_end - _primitive(wave, beyond, sense * force)
+            work[direction] += np.where(slips, rise, 0.0)
+            force = np.where(slips, sense * at_end, force)
+    return np.asarray(friction * np.maximum(work, 0.0))
+
+
+def _primitive(wave: _Wave, beyond: _Wave, level: Array) -> Array:
+    """Int of pi d(wave) up to where the rising wave has a level, (m, k).
+
+    With theta before its maximum, Delta its phase minus that of pi, mean and amplitude p and b of
+    pi: A [p cos + b (cos Delta cos^2/2 - sin Delta (theta - sin cos)/2)] of theta.
+    """
+    amplitude = np.maximum(wave.amplitude, _TINY)
+    cosine = np.clip((level - wave.mean) / amplitude, -1.0, 1.0)
+    sine = np.sqrt(1 - cosine**2)
+    theta = np.arccos(cosine)
+    lag = wave.phase - beyond.phase
+    in_phase = np.cos(lag) * cosine**2
+    out_of_phase = np.sin(lag) * (theta - sine * cosine)
+    swing = beyond.amplitude * (in_phase - out_of_phase) / 2
+    return np.asarray(wave.amplitude * (beyond.mean * cosine + swing))
