@@ -152,8 +152,8 @@ def works_of_ellipses(
     >>> loads = EllipseOfLoads(one, 0 * one, 0 * one, half, 0 * one, one)
     >>> flat = BendColumns.of(Curvatures(), one)
     >>> work = works_of_ellipses(loads, flat, contact, 1.0)
-    >>> round(float(work.forward[0] + work.reverse[0]), 5)  # 2 int (2 z - 1/2) ln(1 - z), minus
-    0.03972
+    >>> round(float(work.forward[0] + work.reverse[0]), 5)  # -2 int (2 z - 1/2) ln(1 - z) dz
+    0.05685
     """
     count = len(loads.friction)
     columns = np.empty((3, count))
