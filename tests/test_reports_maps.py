@@ -52,6 +52,8 @@ from scenes import (
     Pad,
     PolygonLoad,
     Scene,
+    ShoulderedPad,
+    TShape,
     load_scene,
 )
 from semi_analytic.profiles import contact_of
@@ -457,6 +459,22 @@ def test_correction_and_advice_on_held_out_pads() -> None:
                 row[f"{figure}.uncertainty"]
             ), figure
         assert abs(pages.left(error, pad_correction(scene))) <= 0.25 * abs(error) + doubt
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [
+        TShape(width=20.0, flange_height=6.0, stem_width=12.0, height=18.0),
+        ShoulderedPad(width=20.0, shoulder_depth=6.0, shoulder_width=30.0, height=18.0),
+    ],
+    ids=lambda shape: shape.kind,
+)
+def test_bodies_with_a_step_are_said_to_be_in_no_map(shape: TShape | ShoulderedPad) -> None:
+    stepped = load_scene("blocks").vary(bodies={"lower": {"kind": "half_plane"}, "upper": shape})
+    of_size = parts_of(stepped)[1][0]
+    assert of_size.what == f"the upper body, a {shape.kind}"
+    assert of_size.values is None
+    assert "no map" in of_size.how
 
 
 # ------------------------------------------------------------ slow: finite elements beside the maps
