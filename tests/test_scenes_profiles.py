@@ -266,7 +266,15 @@ def test_units_and_a_shift_change_nothing(kind):
     assert scaled.fitted.centre == pytest.approx(25.4 * plain.fitted.centre + 3.0, abs=1e-4)
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(
+    "kind",
+    [
+        "flat_rounded",
+        "smoothing_spline",
+        pytest.param("hertz", marks=pytest.mark.slow),
+        pytest.param("even_polynomial", marks=pytest.mark.slow),
+    ],
+)
 def test_a_saved_scene_gives_the_same_answer_without_the_file(kind, tmp_path):
     np.savetxt(
         tmp_path / "trace.csv",

@@ -238,9 +238,9 @@ def test_work_by_series_and_few_nodes_is_that_of_the_graded_rule(profile):
     """Forward and reverse, down to slips of 1e-7; worst measured 5e-12 of A f^2 P0^2 in 1,500
     loops.
     """
-    loops = random_loops(60, 3)
+    loops = random_loops(30, 3)
     contact = contact_of(profile, MATERIAL)
-    tiny = random_loops(60, 4, 1e-3)
+    tiny = random_loops(30, 4, 1e-3)
     for loops_of_batch in (loops, tiny, tiny.take(slice(0, 3))):
         for by_series, by_rule in zip(
             dissipation_of(loops_of_batch, contact),

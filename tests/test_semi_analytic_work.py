@@ -366,7 +366,11 @@ def test_halving_ends(value, end, rounds):
 
 
 @pytest.mark.parametrize(
-    ("lag", "work", "most"), [(3.1415926535897927, 1e-28, 1000), (1e-9, 1e-20, 20_000)]
+    ("lag", "work", "most"),
+    [
+        (3.1415926535897927, 1e-28, 1000),
+        pytest.param(1e-9, 1e-20, 20_000, marks=pytest.mark.slow),
+    ],
 )
 def test_rounding_ends_the_halving(monkeypatch, lag, work, most):
     """A path that sticks slips by the last digits of its loads: halved to the end, that took
