@@ -39,7 +39,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
-from scipy.fft import dst
+import scipy
 
 from halfplane_fe.arrays import Array, Complex
 
@@ -404,7 +404,7 @@ def tractions_with_uncertainty(nodal: Nodal) -> TractionsAndUncertainty:
 
 def _series(values: Array) -> Array:
     """Sines of values at the middles of equal angles; the highest is counted once, not twice."""
-    sines = np.asarray(dst(values, type=2) / len(values))
+    sines = np.asarray(scipy.fft.dst(values, type=2) / len(values))
     sines[-1] /= 2
     return sines
 

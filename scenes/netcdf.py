@@ -119,10 +119,9 @@ def read_netcdf(path: Path, form: Mapping[str, tuple[str, ...]], newest: str) ->
             attributes = {str(key): _plain(file.attrs[key]) for key in file.attrs}
             _require_format(path, attributes, newest)
             _require_form(path, file, form)
-            return StoredArrays(
-                {str(name): _unpacked(variable) for name, variable in file.variables.items()},
-                attributes,
-            )
+            arrays = {str(name): _unpacked(variable) for name, variable in file.variables.items()}
+            _require_lengths(path, arrays)
+            return StoredArrays(arrays, attributes)
     except InputError:
         raise
     except _FAULTS as reason:
@@ -186,6 +185,22 @@ def _require_form(path: Path, file: Any, form: Mapping[str, tuple[str, ...]]) ->
                 f"{path}: {WHAT} can't be read: {name} holds complex numbers, and should hold real"
                 " ones"
             )
+
+
+def _require_lengths(path: Path, arrays: Mapping[str, StoredArray]) -> None:
+    """InputError where two arrays differ in the length of a dimension.
+
+    Asked of the unpacked values: h5netcdf states the length of the dimension for every array.
+    """
+    lengths: dict[str, int] = {}
+    for name, stored in arrays.items():
+        for dimension, length in zip(stored.dimensions, stored.values.shape, strict=True):
+            expected_length = lengths.setdefault(dimension, length)
+            if length != expected_length:
+                raise InputError(
+                    f"{path}: {WHAT} can't be read: {name} has {length} values over {dimension},"
+                    f" and others have {expected_length}"
+                )
 
 
 def _unpacked(variable: Any) -> StoredArray:

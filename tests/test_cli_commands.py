@@ -260,6 +260,8 @@ def test_help_lists_commands_by_use_with_examples_and_exit_codes(tmp_path: Path)
 # machine.
 HEAVY = {"numpy", "scipy", "pydantic", "xarray", "matplotlib", "skfem", "gmsh", "jinja2", "pyvista"}
 PARTS_OF_SCIPY = {f"scipy.{part}" for part in ("optimize", "interpolate", "special", "linalg")}
+NOT_FOR_BOTH_ENGINES = {f"scipy.{part}" for part in ("optimize", "interpolate", "special", "fft")}
+NOT_FOR_BOTH_ENGINES |= {"xarray", "pandas", "h5py", "meshio", "rich", "matplotlib", "jinja2"}
 HELP_OF_ALL = """
 from reports.cli import main
 from reports.cli.application import app
@@ -274,10 +276,11 @@ assert not any(main([*name.split(), "--help"]) for name in names)
     [
         (HELP_OF_ALL, HEAVY | {"pandas"}),
         ("import semi_analytic\n", PARTS_OF_SCIPY | {"scipy.fft", "xarray", "skfem", "gmsh"}),
+        ("import semi_analytic, halfplane_fe\n", NOT_FOR_BOTH_ENGINES),
     ],
-    ids=["help", "theory"],
+    ids=["help", "theory", "both engines"],
 )
-def test_help_and_theory_load_nothing_that_they_do_not_need(
+def test_help_and_engines_load_nothing_that_they_do_not_need(
     program: str, heavy: set[str], tmp_path: Path
 ) -> None:
     loaded = f"import sys\nprint('loaded:', *sorted({heavy!r} & set(sys.modules)))"

@@ -4,6 +4,7 @@ import subprocess
 import sys
 from dataclasses import fields, is_dataclass, replace
 
+import h5py
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
@@ -99,6 +100,51 @@ def test_a_dataset_and_a_file_hold_all_of_it(scene_name, steady_from, tmp_path):
         == dataset["time"].dims
         == ("time",)
     )
+
+
+def test_a_saved_file_is_what_xarray_writes_of_the_dataset(tmp_path):
+    """Variables, types, attributes, coordinates; the file is written without xarray. Files of
+    earlier versions were written by it, and are read.
+    """
+    solution = small_solution("nowell-hills")
+    solution.save(tmp_path / "saved.nc")
+    solution.to_dataset().to_netcdf(tmp_path / "by_xarray.nc", engine="h5netcdf")
+    with (
+        xr.open_dataset(tmp_path / "saved.nc", engine="h5netcdf") as saved,
+        xr.open_dataset(tmp_path / "by_xarray.nc", engine="h5netcdf") as by_xarray,
+    ):
+        xr.testing.assert_identical(saved, by_xarray)
+        assert set(saved.coords) == {"time", "x", "side"}
+        types = {name: variable.dtype for name, variable in saved.variables.items()}
+        assert types == {name: variable.dtype for name, variable in by_xarray.variables.items()}
+    loaded = ContactSolution.load(tmp_path / "by_xarray.nc")
+    np.testing.assert_equal(parts(loaded), parts(solution))
+
+
+def test_solving_saving_and_loading_import_neither_xarray_nor_pandas(tmp_path):
+    """To import both takes longer than the solve and the file."""
+    program = (
+        "import sys, semi_analytic, scenes\n"
+        "semi_analytic.solve('hertz-paper', x=[0.0], time=[2.0], fields='pressure').save('a.nc')\n"
+        "scenes.ContactSolution.load('a.nc')\n"
+        "print(*({'xarray', 'pandas', 'dask'} & set(sys.modules)))"
+    )
+    printed = subprocess.run(
+        [sys.executable, "-c", program], check=True, capture_output=True, text=True, cwd=tmp_path
+    ).stdout
+    assert printed == "\n"
+
+
+def test_arrays_that_differ_in_the_length_of_an_axis_are_refused(tmp_path):
+    path = tmp_path / "answer.nc"
+    small_solution().save(path)
+    with h5py.File(path, "r+") as file:
+        del file["slip"]
+        slip = file.create_dataset("slip", data=np.zeros((STEPS, POINTS + 1)))
+        slip.dims[0].attach_scale(file["time"])
+        slip.dims[1].attach_scale(file["x"])
+    with pytest.raises(InputError, match="values over x, and others have"):
+        ContactSolution.load(path)
 
 
 def test_a_file_of_another_format_is_refused_before_its_variables_are_looked_for(tmp_path):
