@@ -3,8 +3,8 @@ now.
 
     make bench              (python benchmarks/performance.py [SECTION ...] [--pages], a quarter of
                             an hour)
-    EARLIER=CHECKOUT make bench SECTIONS=earlier        (CPU ratios to that checkout, which has a
-                                                        .venv; left out without it)
+    EARLIER=CHECKOUT make bench SECTIONS="earlier speed"    (CPU ratios to that checkout; left out
+                                                            without it; for "earlier" with a .venv)
 
 Each section measures, writes what it found to docs/performance/SECTION.json with machine and
 versions, draws its figure, and has its part of the page. With names of sections only those are
@@ -35,6 +35,7 @@ import half_plane
 import jobs
 import numpy as np
 import peers
+import speed
 from claims import ROOT, chosen, markdown, memory, seconds, stored, with_children, write_json
 from finite_elements import COARSE, DEFAULT, FINE, FREE, Setting
 from packages import build_wheel
@@ -798,7 +799,9 @@ SECTIONS = {
         ("growth", growth_panels, "CPU time and peak memory over size"),
     ),
     "start": Section("Start-up and size", start, start_page),
+    "speed": Section(speed.TITLE, lambda: speed.measure(Path(EARLIER)), speed.page),
 }
+BESIDE_EARLIER = ("earlier", "speed")
 # Series whose points differ in several ways at once, or whose errors change sign: no line through
 # them.
 POINTS_ONLY = ("named settings", "penalty, a/160", "increments, no tolerance")
@@ -870,11 +873,11 @@ def measured(name: str) -> dict[str, Any]:
 
 
 def _measured_ones() -> dict[str, Section]:
-    """All but the one beside an earlier version where no such checkout was ever named."""
+    """All but those beside an earlier version where no such checkout was ever named."""
     return {
         name: section
         for name, section in SECTIONS.items()
-        if name != "earlier" or (FOLDER / f"{name}.json").exists()
+        if name not in BESIDE_EARLIER or (FOLDER / f"{name}.json").exists()
     }
 
 
@@ -916,8 +919,8 @@ def main(words: list[str]) -> None:
         print(json.dumps(one_cost(words[1], int(words[2]))))
         return
     for name in chosen(words, SECTIONS):
-        if name == "earlier" and not EARLIER:
-            print("==> earlier: left out, EARLIER names no checkout")
+        if name in BESIDE_EARLIER and not EARLIER:
+            print(f"==> {name}: left out, EARLIER names no checkout")
             continue
         print(f"==> {name}", flush=True)
         write_json(FOLDER / f"{name}.json", measured(name))
