@@ -63,9 +63,9 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    found = {item.nodeid.removeprefix("tests/"): item for item in items}
-    for name in COSTLY & found.keys():
-        found[name].add_marker(pytest.mark.slow)
+    by_name = {item.nodeid.removeprefix("tests/"): item for item in items}
+    for name in COSTLY & by_name.keys():
+        by_name[name].add_marker(pytest.mark.slow)
     if _slow_wanted(config):
         return
     for item in items:

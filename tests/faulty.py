@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import random
+import re
 import shutil
 import signal
 import subprocess
@@ -101,11 +102,8 @@ def numbers(folder: Path) -> dict[str, str]:
 
 def _untimed(value: object) -> object:
     if isinstance(value, dict):
-        return {
-            key: _untimed(entry)
-            for key, entry in value.items()
-            if not any(word in key for word in TIMED)
-        }
+        timed = re.compile("|".join(TIMED))
+        return {key: _untimed(entry) for key, entry in value.items() if not timed.search(key)}
     return [_untimed(entry) for entry in value] if isinstance(value, list) else value
 
 

@@ -93,9 +93,11 @@ def test_every_scene_of_the_library_is_in_the_table_and_good(
 def hertz(name: str) -> Callable[[pytest.MonkeyPatch], None]:
     """A closed form of Hertz' contact by a hundredth."""
     right = getattr(HertzContact, name)
-    return lambda patch: patch.setattr(
-        HertzContact, name, lambda *arguments: 1.01 * right(*arguments)
-    )
+
+    def plant(patch: pytest.MonkeyPatch) -> None:
+        patch.setattr(HertzContact, name, lambda *arguments: 1.01 * right(*arguments))
+
+    return plant
 
 
 def a_later_edge(patch: pytest.MonkeyPatch) -> None:
@@ -262,7 +264,7 @@ def test_the_reference_of_a_time_series_sees_the_physics(regress: ModuleType) ->
     "name",
     [
         "cattaneo-mindlin",
-        *(pytest.param(one, marks=pytest.mark.slow) for one in ("harmonics", "near-sliding")),
+        *(pytest.param(scene, marks=pytest.mark.slow) for scene in ("harmonics", "near-sliding")),
     ],
 )
 def test_references_evaluated_again_are_those_that_are_stored(
@@ -303,7 +305,7 @@ def _with_first_entry(value: list[Any], entry: str) -> list[Any]:
 
 
 @pytest.mark.parametrize(
-    "row", [ELLIPSES[0], *(pytest.param(one, marks=pytest.mark.slow) for one in ELLIPSES[20:41:20])]
+    "row", [ELLIPSES[0], *(pytest.param(row, marks=pytest.mark.slow) for row in ELLIPSES[20:41:20])]
 )
 def test_the_table_of_ellipses_has_its_digits_by_two_routes(tool: Tool, row: dict) -> None:
     """W in closed phases of slip, to 28 digits; W(x) by brute force. Of the extremes W takes 90
@@ -434,35 +436,6 @@ def test_the_page_of_numbers_is_what_was_measured_and_a_row_changed_by_hand_or_m
     )
 
 
-def test_words_choose_cases_and_a_word_that_fits_none_is_refused(
-    tool: Tool, tmp_path: Path
-) -> None:
-    """Each case is stored when it is measured; the others stay."""
-    claims = tool("claims")
-    cases = {
-        "Finite": lambda: 1,
-        "Finite, again": lambda: 2,
-        "Theory": lambda: 3,
-    }
-    assert claims.measure(tmp_path / "one.json", cases, ["Finite*", "Theo"]) == {
-        "Finite": 1,
-        "Finite, again": 2,
-        "Theory": 3,
-    }
-    assert (
-        claims.measure(tmp_path / "one.json", cases | {"Theory": lambda: 4}, ["Theory"])["Theory"]
-        == 4
-    )
-    assert claims.measure(tmp_path / "one.json", cases, ["--pages"]) == {
-        "Finite": 1,
-        "Finite, again": 2,
-        "Theory": 4,
-    }
-    with pytest.raises(SystemExit) as refused:
-        claims.chosen(["Sweeps"], cases)
-    assert refused.value.code == 2
-
-
 def test_the_pages_of_stress_and_calculix_have_their_cases(tool: Tool) -> None:
     stress = tool("stress")
     third = tool("third")
@@ -512,29 +485,3 @@ def test_lines_by_hand_are_counted_in_each_code_and_the_page_says_what_its_files
     }
     assert (counts["tamaas"], counts["contactmechanics"]) == (10, 7)
     assert performance.PAGE.read_text(encoding="utf-8") == performance.page_text()
-
-
-def test_a_rival_is_no_worse_in_time_and_error_and_better_in_one(tool: Tool) -> None:
-    performance = tool("performance")
-    default = {"text": "default", "seconds": 1.0, "work": 1.0, "shear": None, "loop": 1.0}
-    for seconds, error, rivals in (
-        (0.5, 0.5, 1),
-        (0.7, 1.0, 1),
-        (1.0, 0.7, 1),
-        (0.9, 0.9, 0),
-        (0.1, 1.1, 0),
-        (2.0, 0.1, 0),
-    ):
-        rival = {"text": "other", "seconds": seconds, "work": error, "shear": None, "loop": 1.2}
-        series = {"series": {"named settings": [default], "else": [rival]}}
-        assert len(performance.better(series, default, ["work", "shear"])) == rivals
-        assert performance.better(series, default, ["work", "shear", "loop"]) == []
-    exact = {"text": "exact", "seconds": 1.0, "work": 2e-5, "shear": None, "loop": 2e-5}
-    series = {
-        "series": {
-            "named settings": [exact],
-            "else": [exact | {"text": "by chance", "work": 1e-6, "loop": 1e-6}],
-        }
-    }
-    # both are within the scatter of W
-    assert performance.better(series, exact, ["work", "loop"]) == []

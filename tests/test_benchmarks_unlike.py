@@ -164,8 +164,8 @@ BONDED = (
     (0.5, 1.2464188563, 0.02),
 )
 CLOSED = [
-    *((0.01, 0.01 / ratio, *one) for ratio, *one in STICK),
-    *((beta, 100.0, *one) for beta, *one in BONDED),
+    *((0.01, 0.01 / ratio, *values) for ratio, *values in STICK),
+    *((beta, 100.0, *values) for beta, *values in BONDED),
 ]
 
 

@@ -574,15 +574,15 @@ def test_advice_is_yes_no_not_sure_or_nothing_known(answer_to: Any, tmp_path: Pa
     # A flat pad of a/R = 0.54: the map ends at 0.4, and beyond it no uncertainty is known.
     text = scene_text("flat-pad-on-block").split("[[expected]]")[0].split("[tolerances]")[0]
     (tmp_path / "pad.toml").write_text(text, encoding="utf-8")
-    code_of_advice = halfplane(tmp_path, "advise", "pad.toml")
-    (arcs,) = (line for line in code_of_advice.stdout.splitlines() if "true arcs" in line)
-    assert (code_of_advice.returncode, "extrapolated" in arcs, "about −" in arcs, "±" in arcs) == (
+    outcome = halfplane(tmp_path, "advise", "pad.toml")
+    (arcs,) = (line for line in outcome.stdout.splitlines() if "true arcs" in line)
+    assert (outcome.returncode, "extrapolated" in arcs, "about −" in arcs, "±" in arcs) == (
         1,
         True,
         True,
         False,
     )
-    assert "map `curvature`, pad" in code_of_advice.stdout  # the name that `halfplane map` takes
+    assert "map `curvature`, pad" in outcome.stdout  # the name that `halfplane map` takes
     # A value within the limit that is extrapolated decides nothing: twenty times the load, a/R =
     # 0.45.
     scene = load_scene("two-cylinders")

@@ -276,8 +276,8 @@ HOSTILE = {
         ["402 digits"],
     ),
 } | {
-    f"{what} as {name}": (name, what, facts)
-    for what, names, facts in (
+    f"{content} as {name}": (name, content, facts)
+    for content, names, facts in (
         (LAUGHS, ("result.vtu", "result.pvd"), ["of another form"]),
         ("/dev/zero", ("scene.toml", "series.csv"), ["no regular file"]),
         ("a pipe", ("scene.toml", "series.csv"), ["no regular file"]),

@@ -178,9 +178,8 @@ def invented(comparison: Comparison, slope: float, limit: float) -> Refinements:
     """Refinements on which every metric is `limit` + `slope` h, and nothing comes of the far
     field.
     """
-    mesh = tuple(
-        Run(f"{h:g}h", h, {m.key: limit + slope * h for m in comparison.metrics}) for h in DOUBLING
-    )
+    keys = [metric.key for metric in comparison.metrics]
+    mesh = tuple(Run(f"{h:g}h", h, dict.fromkeys(keys, limit + slope * h)) for h in DOUBLING)
     return Refinements(
         mesh, tuple(replace(mesh[2], size=s) for s in (0.5, 1.0, 2.0)), (), "4h", {}, 1.0
     )
@@ -406,10 +405,8 @@ def test_meshes_of_real_bodies_that_agree_by_chance_leave_the_peak_as_uncertain_
     comparison = compared("blocks", MeshSettings.coarse(), replace(STEPS, steps_per_cycle=8))
     solution = comparison.result
     values = budgets.without_steps(comparison)
-    runs = tuple(
-        Run(f"{size:g}h", size, {k: v for k, v in values.items() if k == "largest_pressure"})
-        for size in (1.0, 2.0, 4.0)
-    )
+    largest = {"largest_pressure": values["largest_pressure"]}
+    runs = tuple(Run(f"{size:g}h", size, largest) for size in (1.0, 2.0, 4.0))
     line = error_budget(comparison, Refinements(runs, (), (), "4h", {}, 0.0), 1.0).budget(
         "largest_pressure"
     )

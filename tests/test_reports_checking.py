@@ -88,13 +88,18 @@ def fault_of(scene: Scene) -> BaseException | None:
     return None
 
 
-def test_the_library_is_admissible_holds_its_loads_and_is_remarked_on_where_it_is_odd() -> None:
-    """Only a steep face and a rigid body are."""
+def test_the_library_is_admissible_has_room_and_is_remarked_on_where_it_is_odd(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Only a steep face and a rigid body are; the rule for room meshes nothing."""
+    monkeypatch.setattr(halfplane_fe, "require_solvable", lambda _scene: None)
     remarked = []
     for name in scene_names():
-        assert fault_of(load_scene(name)) is None
-        assert nearest_to_sliding(load_scene(name)).ratio < 1
-        if remarks(load_scene(name), largest_contact(load_scene(name), name)):
+        scene = load_scene(name)
+        assert fault_of(scene) is None
+        assert nearest_to_sliding(scene).ratio < 1
+        engines_for(scene, name)
+        if remarks(scene, largest_contact(scene, name)):
             remarked.append(name)
     assert remarked == ["large-pad-steep", "layer"]
 
@@ -237,13 +242,16 @@ def test_a_record_is_judged_as_the_legs_between_its_rows(
         path = record.load.path()
         nearest = nearest_to_sliding(record)
         legs = [*path.initial_loading, *path.cycle]
-        p, q = (np.array([leg.loads([leg.start, leg.end])[k] for leg in legs]) for k in (0, 1))
+        ends = np.array([leg.loads([leg.start, leg.end]) for leg in legs])
+        p = ends[:, 0]
+        q = ends[:, 1]
         with np.errstate(divide="ignore", invalid="ignore"):
             ratio = np.where(p < 0, np.inf, np.where(q == 0, 0.0, np.abs(q) / (0.3 * p)))
         worst = int(np.argmax(ratio.max(axis=1)))
         assert nearest.ratio == ratio.max()
         assert legs[worst].start <= nearest.time <= legs[worst].end
-        assert nearest.part == (("cycle" if worst else "initial loading") if repeats else "path")
+        part = "cycle" if worst else "initial loading"
+        assert nearest.part == (part if repeats else "path")
         outside = np.flatnonzero(ratio.max(axis=1) > 1 + 1e-12)
         fault = fault_of(record)
         assert (fault is None) == (len(outside) == 0)
@@ -270,24 +278,6 @@ def test_a_long_record_is_checked_without_a_leg_for_each_row(
         assert tracemalloc.get_traced_memory()[1] < 150 * count  # bytes; legs alone are 450 a row
     finally:
         tracemalloc.stop()
-
-
-def test_python_and_the_command_line_refuse_sliding_on_the_initial_loading_alike() -> None:
-    """Q/P = 1.9/3 from P = Q = 0 on, f = 0.5: the instant alone, at which both are 0, says
-    nothing.
-    """
-    load = EllipseLoad(
-        mean_normal_load=3, mean_tangential_load=2, normal_amplitude=1, tangential_amplitude=0.1
-    )
-    with pytest.raises(InputError) as theory:
-        semi_analytic.solve(scene(load))
-    assert (
-        "gross sliding from time 1.5708 on, at time 4.71239 with P = 3, Q = 1.9, f = 0.5: |Q|"
-        " exceeds f P" in str(theory.value)
-    )
-    with pytest.raises(InputError) as command:
-        require_admissible(scene(load), "my.toml")
-    assert str(command.value).startswith(f"my.toml: {theory.value}")
 
 
 # ------------------------------------------------------------------------------ the largest contact
@@ -451,14 +441,7 @@ def test_check_says_how_large_the_contact_gets_and_infinity_is_null_for_programs
     assert answer["largest_contact"]["peak_pressure"] is None
 
 
-SPOKEN = (
-    "blocks",
-    "cylinder-roller",
-    "dovetail-out-of-phase",
-    "time-series",
-    "large-pad-steep",
-    "row-of-contacts",
-)
+SPOKEN = ("blocks", "dovetail-out-of-phase", "time-series", "row-of-contacts")
 
 
 @pytest.mark.parametrize("name", SPOKEN)
@@ -1071,15 +1054,6 @@ def test_a_slip_of_units_beside_bodies_is_remarked_first_and_nothing_is_meshed(c
     assert sentence.index("units first") < sentence.index("make the bodies wider")
 
 
-def test_every_scene_of_the_library_has_room_for_its_contact(monkeypatch):
-    """By the rule that meshes nothing; whether finite elements agree is tested with them."""
-    monkeypatch.setattr(halfplane_fe, "require_solvable", lambda _scene: None)
-    names = [name for name in scene_names() if not load_scene(name).bodies.half_planes]
-    for name in names:
-        engines_for(load_scene(name), name)
-    assert len(names) > 5
-
-
 def test_a_friction_coefficient_in_per_cent_is_remarked():
     scene = pressed(80.0).vary(friction=60.0)
     assert "60 % is 0.6" in remarks(scene, largest_contact(scene, ""))[0]
@@ -1090,7 +1064,6 @@ def test_a_friction_coefficient_in_per_cent_is_remarked():
 LAYERS = [
     # upper body, base of the layer, h over a of half-planes, width of the faces, unlike materials
     ("half_plane", "fixed", 0.1, 20.0, False),
-    ("block", "fixed", 2.0, 3.0, False),
     ("pad", "rollers", 1.0, 6.0, True),
 ]
 MORE_LAYERS = [
@@ -1176,10 +1149,3 @@ def test_of_a_long_record_the_rows_of_extreme_loads_count(bulk) -> None:
     if bulk:
         assert load.bulk_stress_lower == tuple(short[:, 0].tolist())
     assert scales._with_extreme_rows(load_scene("pad-on-block")) == load_scene("pad-on-block")
-
-
-def test_check_says_how_it_knows_that_bodies_have_room(tmp_path: Path) -> None:
-    outcome = halfplane(tmp_path, "check", "layer")
-    assert "The bodies have room for the contact: it has the half-width 0.99" in outcome.stdout
-    assert "This is an estimate by finite elements on a coarse mesh" in outcome.stdout
-    assert "estimate" not in halfplane(tmp_path, "check", "hertz-paper").stdout

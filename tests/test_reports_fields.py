@@ -3,7 +3,6 @@ command.
 """
 
 import json
-import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -21,7 +20,6 @@ from halfplane_fe import FiniteElementSolution
 from meshes import MeshSettings
 from problems import COARSE, FEW_STEPS, fe_run
 from reports.charts.plate import Plate
-from reports.charts.templating import style_of
 from reports.cli import main
 from reports.cli.application import Options
 from reports.cli.field_output import _draw
@@ -40,7 +38,7 @@ from reports.field_output.files import (
     tension,
     write_fields,
 )
-from reports.field_output.pictures import BOUNDARIES, Skin, picture, scales_of, stress
+from reports.field_output.pictures import Skin, picture, scales_of, stress
 from scenes import InputError, Scene, load_scene, scene_text
 
 ROUGH = (
@@ -443,24 +441,6 @@ class TestCommand:
         assert record["gap"] == "in the shape of the faces"
         assert "--at 2" in record["command"]
 
-    def test_pictures_show_both_bodies_and_every_boundary(self, folder: Path) -> None:
-        """Colours of the boundaries that the two bodies have, and none of the far field that they
-        have not.
-        """
-        document = ET.parse(folder / "out" / "pictures" / "mesh.svg")
-        drawn = {
-            colour
-            for path in document.iter("{http://www.w3.org/2000/svg}path")
-            for colour in re.findall(r"#\w+", path.get("style", ""))
-        }
-        colours = {name: style_of(f"curve side-{name}")["stroke"] for name in BOUNDARIES}
-        assert {name for name, colour in colours.items() if colour in drawn} == {
-            "contact",
-            "free",
-            "sides",
-            "base",
-        }
-
     def test_a_picture_of_stress_holds_what_pyvista_rendered_and_its_axes(
         self, folder: Path
     ) -> None:
@@ -502,20 +482,6 @@ class TestCommand:
         assert {path.name for path in (out / "fields").iterdir()} == names
         assert (out / "mine.txt").is_file()
         assert not (out / "pictures").exists()
-
-    def test_interrupted_while_pictures_are_drawn_it_leaves_nothing(
-        self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-    ) -> None:
-        """At the first still, with the field files written."""
-
-        def draw(*_: object) -> None:
-            raise KeyboardInterrupt
-
-        monkeypatch.setattr("reports.field_output.pictures.stress", draw)
-        monkeypatch.setattr("reports.cli.machine._SCREEN", "print('drawn')")
-        monkeypatch.chdir(tmp_path)
-        assert main(["fields", "cattaneo-mindlin", "--at", "2", "--quiet", *ROUGH]) == 130
-        assert everything(tmp_path) == set()
 
     def test_without_a_screen_nothing_is_solved(
         self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

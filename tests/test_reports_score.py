@@ -750,8 +750,8 @@ WIDE = CONSTANT.vary(
 )
 
 
-def rows_of(scene, friction, count=4000, cycles=20.0, noise=0.0, rig=0.3, seed=0, start=0.2):
-    """U and Q as a rig with `rig` times the compliance of the contact would write them; noise is a
+def rows_of(scene, friction, count=4000, cycles=20.0, noise=0.0, seed=0):
+    """U and Q as a rig with 0.3 times the compliance of the contact would write them; noise is a
     share of the amplitudes.
     """
     path = scene.load.path()
@@ -762,8 +762,8 @@ def rows_of(scene, friction, count=4000, cycles=20.0, noise=0.0, rig=0.3, seed=0
         scene.vary(friction=friction), x=0.0, time=times, fields="tangential_displacement"
     ).tangential_displacement
     force = path.at(times)[1]
-    rig *= np.ptp(shift) / np.ptp(force)
-    share = np.mod(start + np.linspace(0, cycles, count), 1.0)
+    rig = 0.3 * np.ptp(shift) / np.ptp(force)
+    share = np.mod(0.2 + np.linspace(0, cycles, count), 1.0)
     u, q = (np.interp(share, places, values) for values in (shift + rig * force + 0.01, force))
     u, q = (
         values + noise * np.ptp(values) / 2 * random.standard_normal(count) for values in (u, q)

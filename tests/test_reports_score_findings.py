@@ -53,12 +53,10 @@ def frames(solution: ContactSolution, form: str, *names: str) -> pd.DataFrame:
         "CPRESS": solution.pressure.ravel(),
         "CSHEAR1": solution.shear.ravel(),
     } | {name: known[name] for name in names}
-    printed = {
-        name: [form % value for value in values]
-        for name, values in columns.items()
-        if name != "frame"
-    }
-    return pd.DataFrame({**columns, **printed})
+    table = pd.DataFrame(columns)
+    for name in columns.keys() - {"frame"}:
+        table[name] = [form % value for value in columns[name]]
+    return table
 
 
 def written(table: pd.DataFrame, path: Path) -> Path:

@@ -920,8 +920,8 @@ FAULTS: dict[str, tuple[Any, ...]] = {
         "body0.vtu: CPRESS has another number of components than in body1.vtu",
     ),
     **{
-        said: (partial(spoilt_instant, name, change), said)
-        for name, change, said in (
+        fact: (partial(spoilt_instant, name, change), fact)
+        for name, change, fact in (
             (
                 "body0_1.vtu",
                 lambda m: m.point_data.pop("CSHEAR1"),

@@ -9,14 +9,15 @@ import math
 import shutil
 import signal
 import subprocess
-import sys
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
 
+from refusals import refused_for
 from reports import cli
 from reports.console import Stages
 from reports.studies.third.calculix import (
@@ -29,12 +30,6 @@ from reports.studies.third.calculix import (
 )
 from reports.studies.third.deck import Deck, DeckSettings, build_deck, deck_text
 from scenes import ConvergenceError, InputError, load_scene, scene_names
-
-BENCHMARKS = Path(__file__).parent.parent / "benchmarks"
-sys.path.insert(0, str(BENCHMARKS))
-import third  # noqa: E402
-
-sys.path.remove(str(BENCHMARKS))
 
 COARSE = DeckSettings(
     element_size=1 / 8, edge_element_size=1 / 16, far_radius=20.0, growth=0.6, steps_per_cycle=16
@@ -109,7 +104,8 @@ def parse(text: str) -> list[Card]:
             continue
         if words[0] not in KEYWORDS:
             raise ValueError(f"unknown keyword {words[0]}")
-        parameters = {key: value for key, _, value in (word.partition("=") for word in words[1:])}
+        pairs = [word.partition("=") for word in words[1:]]
+        parameters = {key: value for key, _, value in pairs}
         # Parameters are separated by blanks, but the one that has a blank in it.
         known = KEYWORDS[words[0]][0].split()
         needed = {name.replace("_", " ") for name in known if name[0] != "?"}
@@ -167,13 +163,12 @@ def data_of(cards: list[Card], keyword: str) -> list[list[str]]:
 
 def amplitudes(cards: list[Card]) -> dict[str, np.ndarray]:
     """(n, 2) time and value of each."""
-    return {
-        parameters["NAME"]: np.array(
-            [float(word) for row in lines_of_data for word in row]
-        ).reshape(-1, 2)
-        for keyword, parameters, lines_of_data in cards
-        if keyword == "AMPLITUDE"
-    }
+    tables = {}
+    for keyword, parameters, lines_of_data in cards:
+        if keyword == "AMPLITUDE":
+            words = [word for row in lines_of_data for word in row]
+            tables[parameters["NAME"]] = np.array(words, float).reshape(-1, 2)
+    return tables
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -182,7 +177,7 @@ class TestText:
         cards = cards_of(name)
         reference = deck_of(name).reference
         nodes = {int(row[0]) for row in data_of(cards, "NODE")}
-        elements = [[int(word) for word in row] for row in data_of(cards, "ELEMENT")]
+        elements = [list(map(int, row)) for row in data_of(cards, "ELEMENT")]
         assert [row[0] for row in elements] == list(range(1, len(elements) + 1))
         used = {node for row in elements for node in row[1:]}
         assert used | {reference} == nodes == set(range(1, reference + 1))
@@ -407,7 +402,7 @@ def test_the_ends_of_blocks_are_pulled_and_those_on_rollers_hold_the_tangential_
     deck = imposed(bodies, bulk_stress_lower=WAVE, bulk_stress_upper=5.0)
     cards = parse(deck_text(deck))
     places = np.concatenate([deck.lower.nodes, deck.upper.nodes])
-    corners = {int(row[0]): [int(word) for word in row[1:]] for row in data_of(cards, "ELEMENT")}
+    corners = {int(row[0]): list(map(int, row[1:])) for row in data_of(cards, "ELEMENT")}
     forces = {}
     for keyword, parameters, lines_of_data in cards:
         if keyword == "DLOAD" and parameters["AMPLITUDE"] not in forces:
@@ -464,23 +459,6 @@ def test_what_a_deck_can_not_pull_is_refused(
 ) -> None:
     with pytest.raises(InputError, match=words):
         imposed(bodies, **load)
-
-
-def test_the_roller_benchmark_mirrors_the_half_cylinder_and_loads_its_top() -> None:
-    half = deck_of("cylinder-roller-frictionless")
-    cylinder = third.whole_cylinder(half)
-    assert cylinder.upper.areas().min() > 0
-    assert cylinder.upper.areas().sum() == pytest.approx(2 * half.upper.areas().sum(), rel=1e-12)
-    assert (
-        len(np.unique(cylinder.upper.nodes.round(9), axis=0))
-        == len(cylinder.upper.nodes)
-        == cylinder.reference - cylinder.upper.first_node
-    )
-    loaded = cylinder.upper.nodes[cylinder.upper.held[2] - cylinder.upper.first_node]
-    assert loaded[:, 1].max() == pytest.approx(100.0)
-    assert np.abs(loaded[:, 0]).max() <= half.scales.half_width
-    assert third.two_increments(half).time.tolist() == [0.0, 0.5, 1.0]
-    assert set(third.stored(third.ROLLER)) == set(third.ROLLERS)
 
 
 def test_the_cycle_closes_and_its_turning_points_are_instants() -> None:
@@ -580,58 +558,45 @@ def interrupted(*_: object) -> None:
     raise KeyboardInterrupt
 
 
-@pytest.mark.parametrize(
-    ("body", "end", "limit", "report", "fault", "words"),
-    [
-        (
-            "echo '*ERROR: cutbacks'; exit 201",
-            0.25,
-            300.0,
-            None,
-            ConvergenceError,
-            "exit code 201 .* cutbacks",
-        ),
-        (
-            "echo 'Job finished'; exit 0",
-            1.0,
-            300.0,
-            None,
-            ConvergenceError,
-            "exit code 0 at time 0.25 of 1.*Job finished",
-        ),
-        (
-            "exec sleep 20",
-            1.0,
-            0.5,
-            None,
-            ConvergenceError,
-            "time limit of 0.5 s at time 0.25 of 1",
-        ),
-        ("exec sleep 20", 1.0, 300.0, interrupted, KeyboardInterrupt, "^$"),
-    ],
-    ids=["failed", "short", "late", "interrupted"],
-)
+class Stop(NamedTuple):
+    """A run that stops early: what the program does, and how the run is reported."""
+
+    body: str
+    end: float = 1.0  # of the deck
+    limit: float = 300.0  # seconds
+    report: Any = None
+    fault: type[BaseException] = ConvergenceError
+    facts: Sequence[str] = ()
+
+
+STOPS = {
+    "failed": Stop("echo '*ERROR: cutbacks'; exit 201", 0.25, facts=("exit code 201", "cutbacks")),
+    "short": Stop(
+        "echo 'Job finished'; exit 0", facts=("exit code 0", "time 0.25 of 1", "Job finished")
+    ),
+    "late": Stop("exec sleep 20", limit=0.5, facts=("limit of 0.5 s", "time 0.25 of 1")),
+    "interrupted": Stop("exec sleep 20", report=interrupted, fault=KeyboardInterrupt),
+}
+
+
+@pytest.mark.parametrize("case", STOPS)
 def test_a_run_that_stops_early_is_reported_with_the_end_of_its_log_and_its_process_is_gone(
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    body: str,
-    end: float,
-    limit: float,
-    report: Any,
-    fault: Any,
-    words: str,
+    case: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    stop = STOPS[case]
     started = []
     popen = subprocess.Popen
-    monkeypatch.setattr(
-        subprocess,
-        "Popen",
-        lambda *arguments, **how: started.append(popen(*arguments, **how)) or started[0],
-    )
-    with pytest.raises(fault, match=words):
-        run_calculix(stand_in(tmp_path, body), tmp_path, "deck", end, limit, report)
-    code = {"exec sleep 20": -signal.SIGKILL}.get(body, 201 * ("201" in body))
-    assert started[0].returncode == code
+
+    def start(*arguments: Any, **options: Any) -> Any:
+        started.append(popen(*arguments, **options))
+        return started[0]
+
+    monkeypatch.setattr(subprocess, "Popen", start)
+    program = stand_in(tmp_path, stop.body)
+    with refused_for(*stop.facts, error=stop.fault):
+        run_calculix(program, tmp_path, "deck", stop.end, stop.limit, stop.report)
+    code = 201 if case == "failed" else -signal.SIGKILL
+    assert started[0].returncode == (0 if case == "short" else code)
 
 
 def test_the_program_is_found_with_its_version_or_named_with_make_peers(
