@@ -537,35 +537,25 @@ def test_what_doctor_finds_amiss_is_1(
     assert halfplane(tmp_path, "doctor", "--quiet") == Done(1, "", "")
 
 
-# of the dissipation, as published, ± 0.004: a limit of the error itself is undecided
+# of the dissipation, ± 0.0006: a limit of the error itself is undecided
 ERROR = 0.0274
 ADVICE = {
-    "blocks": (0, True, "within", "Yes: dissipation of the bodies"),
-    "blocks --limit 5%": (0, True, "within", "Yes: "),
-    "blocks --limit 0.02": (1, False, "outside", "No: dissipation of the bodies"),
-    f"blocks --limit {ERROR}": (1, False, "undecided", "Not sure: "),
-    "hertz-paper": (0, True, "within", "both bodies are half-planes of like materials"),
+    "blocks": (0, "within", "theory may be used"),
+    "blocks --limit 5%": (0, "within", "theory may be used"),
+    "blocks --limit 0.02": (1, "outside", "--corrected"),
+    f"blocks --limit {ERROR}": (1, "undecided", "undecided"),
+    "hertz-paper": (0, "within", "both bodies are half-planes of like materials"),
 }
 
 
 def test_advice_is_yes_no_not_sure_or_nothing_known(answer_to: Any, tmp_path: Path) -> None:
-    for words, (code, within, verdict, begin) in ADVICE.items():
+    for words, (code, verdict, fact) in ADVICE.items():
         code_of_advice, answer = answer_to("advise", *words.split())
-        assert (code_of_advice, answer["within_limit"], answer["passed"], answer["verdict"]) == (
-            code,
-            within,
-            code == 0,
-            verdict,
-        ), words
-        assert answer["sentence"].startswith(begin)
-        assert ("the uncertainty reaches across the limit" in answer["sentence"]) is (
-            verdict == "undecided"
-        )
-        departures = [departure["errors"] for departure in answer["departures"]]
-        assert departures == ([answer["sum_of_known"]] if "blocks" in words else [])
-        assert not departures or departures[0]["dissipation"]["error"] == pytest.approx(
-            -ERROR, abs=0.005
-        )
+        assert (code_of_advice, answer["passed"], answer["verdict"]) == (code, code == 0, verdict)
+        assert fact in answer["sentence"], words
+        if "blocks" in words:
+            change = answer["changes"]["dissipation"]["change"]
+            assert change == pytest.approx(-ERROR, abs=0.005)
     code, answer = answer_to("advise", "pad-on-block")
     assert code == 1
     assert (answer["within_limit"] is None) is any(

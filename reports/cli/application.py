@@ -99,6 +99,12 @@ class Options:
     ] = None
     json: Annotated[bool, _flag("As JSON on stdout, and nothing else there.")] = False
     quiet: Annotated[bool, _flag("No progress on stderr.")] = False
+    corrected: Annotated[
+        bool,
+        _flag(
+            "Theory with what the finite bodies add: one linear solve a body, no contact solved."
+        ),
+    ] = False
     # finite elements
     preset: Annotated[
         Literal["default", "coarse", "fine"],
@@ -349,7 +355,7 @@ _COMMANDS = (
         "Half-plane theory alone: summary, NetCDF and CSV, no page.",
         "cli.solving:exact",
         (_SCENE_NAME,),
-        _OUTPUT,
+        (*_OUTPUT, "corrected"),
     ),
     _Command(
         "Solve",
@@ -456,8 +462,8 @@ _COMMANDS = (
     _Command(
         "Judge",
         "advise",
-        "May half-plane theory be used? Read off the published maps, without finite elements; exit"
-        " code 1: better not.",
+        "How wrong is half-plane theory for these bodies, and why? No contact is solved; exit code"
+        " 1: more than the limit, or not known.",
         "studies.maps.commands:advise",
         (_SCENE_NAME,),
         ("limit", "json"),

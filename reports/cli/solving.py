@@ -200,7 +200,9 @@ def solve_finite_elements(job: Job) -> ContactSolution:
 
 
 def _solve_half_plane(job: Job, **where: Any) -> ContactSolution:
-    """The half-plane answer, at the x and time of `where` if it has them."""
+    """The half-plane answer, at the x and time, and with the effects of bodies, of `where` if it
+    has them.
+    """
     import semi_analytic
 
     with job.stages.stage("half-plane theory"):
@@ -534,11 +536,17 @@ def exit_code(comparison: Comparison) -> int:
 # --------------------------------------------------------------------------------- one engine alone
 @at_work
 def exact(job: Job) -> Answer:
-    """Half-plane theory alone: summary and files; outside where a law of contact or an expected
-    number is violated.
+    """Half-plane theory alone, or corrected by what the bodies add: summary and files; outside
+    where a law of contact or an expected number is violated.
     """
     load_engines(job.stages)
-    return _answer_alone(job, _solve_half_plane(job))
+    if not job.options.corrected:
+        return _answer_alone(job, _solve_half_plane(job))
+    import halfplane_fe
+
+    with job.stages.stage("numbers of the bodies"):
+        effects = halfplane_fe.body_effects(job.scene)
+    return _answer_alone(job, _solve_half_plane(job, effects=effects))
 
 
 @at_work

@@ -4,8 +4,10 @@ published.
 
 from __future__ import annotations
 
+import math
 import shutil
 from collections.abc import Iterator
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from reports.cli.application import OUTSIDE, WITHIN, Answer, Options, share_of
@@ -14,7 +16,9 @@ from reports.console import Part, Sheet
 from reports.studies.sweep.commands import swept
 
 if TYPE_CHECKING:
+    from reports.advising import Advice as AdviceByNumbers
     from reports.studies.maps.advice import Advice
+    from scenes import Estimate
 
 
 def make_map(name: str, options: Options) -> Answer:
@@ -63,9 +67,13 @@ def make_map(name: str, options: Options) -> Answer:
 
 
 def advise(scene: str, options: Options) -> Answer:
-    """What the published maps say of a scene; outside where the error of dissipation may exceed the
-    limit, or is not known.
+    """How wrong half-plane theory is for the bodies of a scene, and why: by corrected theory, and
+    where the numbers of the bodies say nothing by the published maps. Outside where the error of
+    the dissipation may exceed the limit, or is not known.
     """
+    from reports.advising import advise as advise_by_numbers
+    from reports.comparison.pairs import are_half_planes
+    from reports.comparison.verdicts import Verdict
     from reports.studies.maps.advice import Advice, parts_of
     from scenes import InputError
 
@@ -76,9 +84,83 @@ def advise(scene: str, options: Options) -> Answer:
             " for 5 %"
         )
     problem = read(scene)
+    reason = ""
+    if not are_half_planes(problem):
+        try:
+            of_bodies = advise_by_numbers(problem, limit)
+        except InputError as declined:
+            reason = str(declined)
+        else:
+            code = WITHIN if of_bodies.verdict is Verdict.WITHIN else OUTSIDE
+            return Answer(
+                code,
+                _parts_by_numbers(of_bodies),
+                lambda: _numbers_content(of_bodies),
+                problem.name,
+            )
     advice = Advice(problem, *parts_of(problem), limit)
     code = WITHIN if advice.may_be_used else OUTSIDE
-    return Answer(code, _advice_parts(advice, scene), lambda: _advice_content(advice), problem.name)
+
+    def parts() -> Iterator[Part]:
+        if reason:
+            yield f"By the published maps, as corrected theory does not take this scene: {reason}"
+        yield from _advice_parts(advice, scene)
+
+    def content() -> dict[str, Any]:
+        return {"by": "maps", "declined": reason or None, **_advice_content(advice)}
+
+    return Answer(code, parts(), content, problem.name)
+
+
+def _parts_by_numbers(advice: AdviceByNumbers) -> Iterator[Part]:
+    """Sentence, changes with theory's values, and what makes that of the dissipation."""
+    from reports.advising import sentence
+    from reports.studies.maps.advice import percent
+    from reports.units import units
+
+    yield sentence(advice)
+    scene = advice.scene
+    force, length, stress = units(scene)
+    unit_of = {"dissipation": f"{force}·{length}/{length}", "peak_pressure": stress}
+    rows = []
+    for name, (words, theory, change) in advice.changes.items():
+        unit = unit_of.get(name, length)
+        changed = "no value" if math.isnan(change.value) else percent(*change)
+        rows.append((words, f"{theory:.6g} {unit}", changed))
+    heads = ("quantity", "half-plane theory", "bodies/theory − 1")
+    yield Sheet(f"{scene.title or scene.name}: by corrected theory, no contact solved", heads, rows)
+    causes = [(words, percent(*part)) for words, part in advice.parts.items()]
+    if advice.left_out:
+        size = percent(0.0, advice.left_out)
+        causes.append(("tilt and bulk strain, not in the sum", size))
+    yield Sheet("What makes the change of the dissipation", ("cause", "share of it"), causes)
+
+
+def _numbers_content(advice: AdviceByNumbers) -> dict[str, Any]:
+    """The numbers of the bodies, the changes that they make, the parts of that of the
+    dissipation, and the answer.
+    """
+    from reports.advising import sentence
+    from reports.comparison.verdicts import Verdict
+
+    def pair(estimate: Estimate) -> dict[str, float]:
+        return {"change": estimate.value, "uncertainty": estimate.uncertainty}
+
+    changes = {
+        name: {"theory": change.theory, **pair(change.change)}
+        for name, change in advice.changes.items()
+    }
+    return {
+        "by": "corrected theory",
+        "passed": advice.verdict is Verdict.WITHIN,
+        "sentence": sentence(advice),
+        "limit": advice.limit,
+        "verdict": advice.verdict,
+        "changes": changes,
+        "parts": {words: pair(part) for words, part in advice.parts.items()},
+        "left_out": advice.left_out,
+        "effects": asdict(advice.effects),
+    }
 
 
 def _advice_content(advice: Advice) -> dict[str, Any]:

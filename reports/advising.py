@@ -1,0 +1,269 @@
+"""How wrong half-plane theory is for the bodies of a scene, and why, with no contact solved:
+corrected theory beside theory.
+
+A linear solve of each body gives what it adds to the compliance of a half-plane
+(`halfplane_fe.body_effects`). Theory with all of these numbers, with the curvature under P alone
+and with that under Q alone gives the change of the dissipation and its parts::
+
+    change = W(corrected) / W(theory) - 1 = part of N + part of T + both together
+
+Each change has an uncertainty: what the numbers themselves are uncertain by, and the next order of
+the bodies, 0.35 |N_4 a^2/N| of the part of N, likewise of T, and 2e-4 of W.
+
+Corrected theory shares mesher and elements with the finite elements: it explains what they give,
+and is no check of them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from reports.comparison.verdicts import Verdict, verdict_on
+from scenes import BodyEffects, ContactSolution, Estimate, InputError, Scene
+
+# Of the next order of a body's numbers, what it makes of their part of a change; and what is left
+# of W in any case. Fitted to 127 runs on fifteen flat bodies (Hertz, six load cycles).
+_NEXT_ORDER = 0.35
+_LEFT_OF_WORK = 2e-4
+# Of the second order of what is not symmetric, by f: bulk strain / f^2, both, tilt x f^2. These are
+# the largest of six load cycles, and give a size alone.
+_STRAIN_SQUARED = 1.4
+_STRAIN_BY_TILT = 4.4
+_TILT_SQUARED = 3.5
+_CURVATURES = {
+    "curvature under P": ("normal_curvature", "tangential_curvature_under_pressure"),
+    "curvature under Q": ("tangential_curvature", "normal_curvature_under_shear"),
+}
+WORK = "dissipation"
+
+
+class Change(NamedTuple):
+    """What the bodies make of a value of half-plane theory.
+
+    Attributes
+    ----------
+    words
+        what the value is
+    theory
+        of half-planes, in the scene's units
+    change
+        finite bodies over half-planes, minus 1
+    """
+
+    words: str
+    theory: float
+    change: Estimate
+
+
+@dataclass(frozen=True)
+class Advice:
+    """What is expected of finite elements of the bodies of a scene, over half-plane theory.
+
+    Attributes
+    ----------
+    effects
+        the numbers of the bodies
+    changes
+        by the name of the quantity; "dissipation" is the first
+    parts
+        of the change of the dissipation, by what makes them: they add up to it
+    left_out
+        size of what tilt and bulk strain make of the dissipation, in the second order; 0 where
+        there are none. It is counted as uncertain.
+    limit
+        of |change of the dissipation| up to which theory may be used
+    """
+
+    scene: Scene
+    effects: BodyEffects
+    changes: dict[str, Change]
+    parts: dict[str, Estimate]
+    left_out: float
+    limit: float
+
+    @property
+    def work(self) -> Estimate:
+        """Change of the dissipation, all that is uncertain counted."""
+        change = self.changes[WORK].change
+        return Estimate(change.value, change.uncertainty + self.left_out)
+
+    @property
+    def verdict(self) -> Verdict:
+        """Of the change of the dissipation on the limit."""
+        return verdict_on(self.work.value, self.limit, self.work.uncertainty)
+
+
+def advise(scene: Scene, limit: float = 0.05) -> Advice:
+    """How far finite bodies are from half-plane theory, by corrected theory.
+
+    Parameters
+    ----------
+    limit
+        share of the dissipation
+
+    Raises
+    ------
+    InputError
+        Where the numbers say nothing: curved faces, unlike materials (Dundurs' beta is not 0), bulk
+        stress, profiles that are not symmetric.
+    """
+    import halfplane_fe
+    import semi_analytic
+
+    effects = halfplane_fe.body_effects(scene)
+    if effects.dundurs_beta:
+        raise InputError(
+            f"{scene.name}: the materials are unlike (Dundurs' beta is"
+            f" {effects.dundurs_beta:.3g}); body effects are then of first order in what is left"
+            " out; solve the scene with finite elements (`halfplane run`)"
+        )
+    theory = semi_analytic.solve(scene, fields=(WORK, "pressure"))
+    corrected = semi_analytic.solve(
+        scene, x=theory.x, time=theory.time, effects=effects, fields=(WORK, "pressure")
+    )
+    parts = dict(_parts(scene, effects, theory, corrected))
+    half_width = float(np.nanmax(theory.contact_half_width))
+    changes = {}
+    for quantity, words in _QUANTITIES.items():
+        before = _value(theory, quantity)
+        change = _ratio(_value(corrected, quantity), before) - 1
+        uncertainty = _uncertainty(quantity, change, parts, effects, half_width)
+        changes[quantity] = Change(words, before, Estimate(change, uncertainty))
+    left_out = _size_of_odd_part(effects, scene, half_width)
+    return Advice(scene, effects, changes, parts, left_out, limit)
+
+
+_QUANTITIES = {
+    WORK: "dissipation",
+    "peak_pressure": "largest pressure",
+    "half_width": "largest contact half-width",
+    "permanent_stick": "half-width that always sticks",
+}
+
+
+def _value(solution: ContactSolution, quantity: str) -> float:
+    if quantity == WORK:
+        return solution.dissipation
+    if quantity == "peak_pressure":
+        return float(solution.pressure.max())
+    if quantity == "half_width":
+        return float(np.nanmax(solution.contact_half_width))
+    return solution.permanent_stick_half_width
+
+
+def _ratio(value: float, reference: float) -> float:
+    return value / reference if reference else math.nan
+
+
+def _parts(
+    scene: Scene, effects: BodyEffects, theory: ContactSolution, corrected: ContactSolution
+) -> Iterator[tuple[str, Estimate]]:
+    """What each curvature alone makes of the dissipation, and what both together make more."""
+    import semi_analytic
+
+    half_width = float(np.nanmax(theory.contact_half_width))
+    rest = _ratio(corrected.dissipation, theory.dissipation) - 1
+    relative_uncertainty = 0.0
+    for words, (leading, crossed) in _CURVATURES.items():
+        alone = _with_these_alone(effects, leading, crossed)
+        solution = semi_analytic.solve(scene, x=0.0, time=theory.time, effects=alone, fields=WORK)
+        change = _ratio(solution.dissipation, theory.dissipation) - 1
+        share = _relative_uncertainty(effects, leading, half_width)
+        yield words, Estimate(change, abs(change) * share)
+        rest -= change
+        relative_uncertainty += share
+    yield "both together", Estimate(rest, abs(rest) * relative_uncertainty)
+
+
+def _with_these_alone(effects: BodyEffects, *names: str) -> BodyEffects:
+    """The effects with all curvatures but these left out."""
+    others: dict[str, Any] = {}
+    for pair in _CURVATURES.values():
+        for name in pair:
+            if name not in names:
+                others[name] = Estimate(0.0)
+    return replace(effects, **others)
+
+
+def _relative_uncertainty(effects: BodyEffects, curvature: str, half_width: float) -> float:
+    """Of a curvature: its own, and what the next order of the body makes of its part."""
+    estimate: Estimate = getattr(effects, curvature)
+    fourth: Estimate = getattr(effects, curvature.replace("curvature", "fourth"))
+    if not estimate.value:
+        return 0.0
+    next_order = _NEXT_ORDER * fourth.value * half_width**2
+    return (estimate.uncertainty + abs(next_order)) / abs(estimate.value)
+
+
+def _uncertainty(
+    quantity: str,
+    change: float,
+    parts: dict[str, Estimate],
+    effects: BodyEffects,
+    half_width: float,
+) -> float:
+    """Of the change of a quantity: pressure and half-widths follow the curvature under P."""
+    if quantity == WORK:
+        return sum(part.uncertainty for part in parts.values()) + _LEFT_OF_WORK
+    shares = [
+        _relative_uncertainty(effects, leading, half_width) for leading, _ in _CURVATURES.values()
+    ]
+    return abs(change) * max(shares) + _LEFT_OF_WORK
+
+
+def _size_of_odd_part(effects: BodyEffects, scene: Scene, half_width: float) -> float:
+    """About what tilt and bulk strain make of the dissipation; they count by their squares."""
+    from semi_analytic.corrected import ODD_NUMBERS, odd_part
+    from semi_analytic.elasticity import composite_modulus
+
+    odd = odd_part(effects, half_width, composite_modulus(scene.material))
+    sizes = {name: abs(size) for name, size in zip(ODD_NUMBERS, odd, strict=True)}
+    tilt = sizes["tilt_under_pressure"] + sizes["tilt_under_shear"]
+    strain = sizes["strain_under_pressure"] + sizes["strain_under_shear"]
+    friction = scene.friction.coefficient
+    if not friction:
+        return 0.0
+    return (
+        _STRAIN_SQUARED * (strain / friction) ** 2
+        + _STRAIN_BY_TILT * strain * tilt
+        + _TILT_SQUARED * (tilt * friction) ** 2
+    )
+
+
+def sentence(advice: Advice) -> str:
+    """By how much theory is expected to err in the dissipation, and what makes the error."""
+    change = advice.work
+    names = [f"{words} {_percent(part.value)}" for words, part in advice.parts.items()]
+    words = (
+        f"Half-plane theory is expected to err by {_percent(change.value)}"
+        f" ± {_percent(change.uncertainty).lstrip('+')} % in the dissipation"
+        f" (finite elements/theory − 1): {', '.join(names)}"
+    )
+    if advice.left_out:
+        size = _percent(advice.left_out).lstrip("+")
+        words += f"; tilt and bulk strain are left out, and counted as ± {size} %"
+    return f"{words}. {_what_to_do(advice)}"
+
+
+def _percent(share: float) -> str:
+    """A share in per cent, two digits behind the point, with its sign."""
+    return f"{100 * share:+.2f}".replace("-", "−")
+
+
+def _what_to_do(advice: Advice) -> str:
+    limit = f"the limit of {100 * advice.limit:g} %"
+    if advice.verdict is Verdict.WITHIN:
+        return f"That is within {limit}: theory may be used."
+    if advice.verdict is Verdict.UNDECIDED:
+        return f"Whether that is within {limit} is undecided: solve the scene (`halfplane run`)."
+    if advice.left_out > advice.limit / 2:
+        return f"That is outside {limit}: solve the scene (`halfplane run`)."
+    return (
+        f"That is outside {limit}: correct theory (`halfplane exact --corrected`), or solve the"
+        " scene (`halfplane run`)."
+    )

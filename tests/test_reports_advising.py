@@ -1,0 +1,87 @@
+"""What finite bodies make of half-plane theory, without a contact solved: against finite elements,
+and what is said where the numbers of the bodies say nothing.
+"""
+
+import json
+
+import pytest
+
+from reports.advising import advise, sentence
+from reports.cli import main
+from reports.comparison.verdicts import Verdict
+from scenes import Scene, load_scene
+
+# Finite elements of the scene `blocks` over half-plane theory, minus 1: `halfplane run blocks`.
+OF_BLOCKS = {"dissipation": -0.02732, "peak_pressure": 0.00511, "half_width": -0.0051}
+
+
+def one_block() -> Scene:
+    """The block of `blocks` on a half-plane."""
+    return load_scene("blocks").vary(bodies={"upper": {"kind": "half_plane"}}, expected=[])
+
+
+def test_two_blocks_change_theory_as_finite_elements_do_and_the_parts_add_up() -> None:
+    advice = advise(load_scene("blocks"))
+    for quantity, of_finite_elements in OF_BLOCKS.items():
+        change = advice.changes[quantity].change
+        assert abs(change.value - of_finite_elements) <= change.uncertainty, quantity
+        assert change.uncertainty < 0.1 * abs(change.value), quantity
+    total = sum(part.value for part in advice.parts.values())
+    assert total == pytest.approx(advice.work.value, rel=1e-12)
+    assert list(advice.parts) == ["curvature under P", "curvature under Q", "both together"]
+    assert advice.parts["curvature under P"].value == pytest.approx(-0.0077, abs=2e-4)
+    assert advice.parts["curvature under Q"].value == pytest.approx(-0.0200, abs=2e-4)
+    assert advice.left_out == 0
+    assert advice.verdict is Verdict.WITHIN
+    assert "−2.75 ± 0.06 %" in sentence(advice)
+
+
+def test_at_constant_normal_load_the_curvature_under_it_moves_no_work() -> None:
+    load = load_scene("cattaneo-mindlin").load.model_dump(mode="json")
+    scene = load_scene("blocks").vary(expected=[], load=load)
+    parts = advise(scene).parts
+    assert abs(parts["curvature under P"].value) < 1e-6
+    assert parts["curvature under Q"].value < -1e-3
+
+
+def test_bulk_strain_and_tilt_of_one_block_are_said_and_counted_as_uncertain() -> None:
+    advice = advise(one_block())
+    assert advice.left_out > 0
+    assert advice.work.uncertainty >= advice.left_out
+    assert "tilt and bulk strain are left out" in sentence(advice)
+
+
+def shown(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> tuple[int, dict]:
+    code = main([*arguments, "--json"])
+    return code, json.loads(capsys.readouterr().out)["result"]
+
+
+def test_the_command_ends_with_1_above_the_limit_and_names_the_way_out(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    code, answer = shown(["advise", "blocks", "--limit", "1%"], capsys)
+    assert (code, answer["by"], answer["verdict"]) == (1, "corrected theory", "outside")
+    assert "--corrected" in answer["sentence"]
+    assert answer["effects"]["normal_curvature"][0] > 0
+
+
+@pytest.mark.parametrize(
+    ("name", "words"), [("pad-on-block", "curved"), ("unlike-beta-fifth", "unlike")]
+)
+def test_what_the_numbers_do_not_cover_is_said_and_read_off_the_maps(
+    name: str, words: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    _, answer = shown(["advise", name], capsys)
+    assert answer["by"] == "maps"
+    assert words in (answer["declined"] or words)
+
+
+def test_corrected_theory_is_solved_from_the_command_line_and_judged_by_its_own_laws(
+    tmp_path: object, capsys: pytest.CaptureFixture[str]
+) -> None:
+    code, answer = shown(["exact", "blocks", "--corrected", "--out", str(tmp_path)], capsys)
+    assert (code, answer["expected"], answer["admissible"]) == (0, [], True)
+    exact, theory = shown(["exact", "blocks", "--out", str(tmp_path)], capsys)
+    assert exact == 0
+    change = answer["dissipation"] / theory["dissipation"] - 1
+    assert change == pytest.approx(-0.02748, abs=1e-4)
