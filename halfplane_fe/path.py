@@ -20,6 +20,7 @@ from scenes import (
     TANGENTIAL_LOAD,
     Combination,
     InadmissibleLoadError,
+    LoadedInstant,
     LoadPath,
     LoadSegment,
     sampled,
@@ -226,12 +227,18 @@ def check_admissible(path: LoadPath, friction: float) -> None:
             if max(abs(p[worst]), abs(q[worst])) <= _ROUNDING_OF_LIMIT * scale:
                 rule = _UNLOADED
             raise InadmissibleLoadError(
-                "separation", times[worst], p[worst], q[worst], friction, rule=rule
+                "separation",
+                LoadedInstant(times[worst], p[worst], q[worst]),
+                friction=friction,
+                rule=rule,
             )
         excess = np.abs(q) - friction * p
         sliding = inside & (excess >= -_ROUNDING_OF_LIMIT * friction * scale) & (q != 0)
         if sliding.any():
             worst = int(np.argmax(np.where(sliding, excess, -np.inf)))
             raise InadmissibleLoadError(
-                "gross sliding", times[worst], p[worst], q[worst], friction, rule=_SLIDING
+                "gross sliding",
+                LoadedInstant(times[worst], p[worst], q[worst]),
+                friction=friction,
+                rule=_SLIDING,
             )

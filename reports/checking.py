@@ -154,7 +154,7 @@ def require_admissible(scene: Scene, source: str) -> None:
                 _check(scene.vary(load={"initial_loading": "straight"}))
                 hint = '; or write load.initial_loading = "straight", which is admissible'
         if isinstance(scene.load, TimeSeriesLoad):
-            hint = _cure_of_record(scene.load, scene.friction.coefficient, fault.seen_time)
+            hint = _cure_of_record(scene.load, scene.friction.coefficient, fault.worst_time)
         raise InputError(f"{source}: {fault}{hint}") from fault
 
 

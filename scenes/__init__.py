@@ -52,6 +52,7 @@ from scenes.errors import (
     InadmissibleLoadError,
     InputError,
     Interrupted,
+    LoadedInstant,
     NotFoundError,
     ProfileDataError,
 )
@@ -150,6 +151,7 @@ __all__ = [
     "InputError",
     "Interrupted",
     "LineOfAction",
+    "LoadedInstant",
     "LoadSegment",
     "LoadPath",
     "Materials",

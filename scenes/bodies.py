@@ -44,12 +44,12 @@ class Materials(Frozen):
 
     @model_validator(mode="before")
     @classmethod
-    def _one_for_both(cls, data: Any) -> Any:
-        if isinstance(data, Elastic) or (
-            isinstance(data, dict) and not {"upper", "lower"} & data.keys()
+    def _one_for_both(cls, keys: Any) -> Any:
+        if isinstance(keys, Elastic) or (
+            isinstance(keys, dict) and not {"upper", "lower"} & keys.keys()
         ):
-            return {"upper": data, "lower": data}
-        return data
+            return {"upper": keys, "lower": keys}
+        return keys
 
     def merged(self, changes: Mapping[str, Any]) -> dict[str, Any]:
         """As for every table; keys of a material without `upper` and `lower` change both bodies."""
@@ -292,15 +292,16 @@ class Bodies(Frozen):
                 f"a {kinds[1]} on a {kinds[0]}: a pad faces a half_plane, a block or a t_shape, for"
                 " the profile is its own alone"
             )
-        for pad, name, other in (
+        for pad, name, facing in (
             (self.upper, "upper", self.lower),
             (self.lower, "lower", self.upper),
         ):
-            if isinstance(pad, Pad | ShoulderedPad) and pad.face_half_width > other.face_half_width:
+            is_pad = isinstance(pad, Pad | ShoulderedPad)
+            if is_pad and pad.face_half_width > facing.face_half_width:
                 raise ValueError(
-                    f"the {name} body, a pad of width {pad.width:g}, is wider than the {other.kind}"
-                    f" that it faces, of width {2 * other.face_half_width:g}: make the pad narrower"
-                    f" or the {other.kind} wider"
+                    f"the {name} body, a pad of width {pad.width:g}, is wider than the"
+                    f" {facing.kind} that it faces, of width {2 * facing.face_half_width:g}: make"
+                    f" the pad narrower or the {facing.kind} wider"
                 )
         return self
 

@@ -134,19 +134,22 @@ class Pieces:
 
 def clenshaw(coefficients: Array, number: NDArray[np.intp], t: Array) -> Array:
     """Sum of coefficients[k, number] T_k(t), shape of t."""
-    where = np.ravel(number)
-    at = np.ravel(t)
+    pieces = np.ravel(number)
+    places = np.ravel(t)
     total = np.empty(np.size(t))
-    for first in range(0, len(at), _AT_ONCE):
-        here = where[first : first + _AT_ONCE]
-        place = at[first : first + _AT_ONCE]
-        double, one, two, new, product = 2 * place, *np.zeros((4, len(place)))
+    for begin in range(0, len(places), _AT_ONCE):
+        block = slice(begin, begin + _AT_ONCE)
+        piece = pieces[block]
+        place = places[block]
+        double_place = 2 * place
+        # notation: b_k = c_k + 2 t b_(k+1) - b_(k+2), Clenshaw's recurrence
+        b, b_1, b_2, product = np.zeros((4, len(place)))
         for row in coefficients[:0:-1]:
-            row.take(here, out=new, mode="clip")
-            new -= two
-            new += np.multiply(double, one, out=product)
-            one, two, new = new, one, two
-        total[first : first + _AT_ONCE] = place * one - two + coefficients[0].take(here)
+            row.take(piece, out=b, mode="clip")
+            b -= b_2
+            b += np.multiply(double_place, b_1, out=product)
+            b_1, b_2, b = b, b_1, b_2
+        total[block] = place * b_1 - b_2 + coefficients[0].take(piece)
     return total.reshape(np.shape(t))
 
 
@@ -157,16 +160,20 @@ def difference(coefficients: Array, t: Array, since: Array) -> Array:
     >>> float(difference(np.array([0.0, 0.0, 1.0]), np.array(0.3), np.array(0.3)))  # T_2' = 4 t
     1.2
     """
-    # Divided differences of T_(k+1) = 2 t T_k - T_(k-1).
-    before = np.zeros_like(t + since)
-    now = np.ones_like(t + since)
-    value_before = np.ones_like(now)
-    value = since * now
-    total = np.zeros_like(now)
+    # Divided differences D_k of T_(k+1) = 2 t T_k - T_(k-1); `value` is T_k(since).
+    difference_before = np.zeros_like(t + since)
+    difference_now = np.ones_like(t + since)
+    value_before = np.ones_like(difference_now)
+    value = since * difference_now
+    total = np.zeros_like(difference_now)
     for coefficient in coefficients[1:]:
-        total = total + coefficient * now
-        before, now = now, 2 * (t * now + value) - before
-        value_before, value = value, 2 * since * value - value_before
+        total = total + coefficient * difference_now
+        next_difference = 2 * (t * difference_now + value) - difference_before
+        next_value = 2 * since * value - value_before
+        difference_before = difference_now
+        difference_now = next_difference
+        value_before = value
+        value = next_value
     return total
 
 
@@ -184,16 +191,16 @@ def fit(function: Function, edges: ArrayLike, scale: float | None = None) -> Pie
         Where halving does not help: noise, a pole, a function that is too rough.
     """
     marks = np.asarray(edges, dtype=float)
-    first = halved(function, marks, scale)
-    runs = _short_runs(first, marks)
+    first_fit = halved(function, marks, scale)
+    runs = _short_runs(first_fit, marks)
     if not runs:
-        return first
-    marks = np.union1d(marks, [_corner(function, first, run) for run in runs])
-    again = halved(function, marks, scale)
-    left = _short_runs(again, marks)
+        return first_fit
+    marks = np.union1d(marks, [_corner(function, first_fit, run) for run in runs])
+    second = halved(function, marks, scale)
+    left = _short_runs(second, marks)
     if left:
-        raise Unresolved(float(again.edges[left[0][0]]), float(again.edges[left[0][1]]))
-    return again
+        raise Unresolved(float(second.edges[left[0][0]]), float(second.edges[left[0][1]]))
+    return second
 
 
 class Unresolved(ValueError):
@@ -223,7 +230,7 @@ def halved(function: Function, edges: Array, scale: ArrayLike | None = None) -> 
     # What is next to a piece counts too: a piece may be flat.
     floor = np.maximum(1e-15 * np.maximum(size, np.append(size[1:], 0.0)), 4e-15 * known)
     starts = [low[:0]]
-    found = [np.empty((0, DEGREE + 1))]
+    series_found = [np.empty((0, DEGREE + 1))]
     count = np.zeros(len(low), dtype=int)
     while len(low):
         coefficients = series(values)
@@ -236,7 +243,7 @@ def halved(function: Function, edges: Array, scale: ArrayLike | None = None) -> 
         if len(bad):
             raise Unresolved(float(low[bad[0]]), float(high[bad[0]]))
         starts.append(low[~rough])
-        found.append(coefficients[~rough])
+        series_found.append(coefficients[~rough])
         low = low[rough]
         high = high[rough]
         owner = np.tile(owner[rough], 2)
@@ -252,7 +259,8 @@ def halved(function: Function, edges: Array, scale: ArrayLike | None = None) -> 
         )
     order = np.argsort(np.concatenate(starts))
     return Pieces(
-        np.append(np.concatenate(starts)[order], edges[-1]), np.concatenate(found)[order].T.copy()
+        np.append(np.concatenate(starts)[order], edges[-1]),
+        np.concatenate(series_found)[order].T.copy(),
     )
 
 
@@ -261,8 +269,8 @@ def _short_runs(pieces: Pieces, edges: Array) -> list[tuple[int, int]]:
     them.
     """
     length = np.diff(pieces.edges)
-    whole = np.diff(edges)[np.searchsorted(edges, pieces.edges[:-1], side="right") - 1]
-    short = np.concatenate([[False], length < _CORNER * whole, [False]]).astype(int)
+    outer_length = np.diff(edges)[np.searchsorted(edges, pieces.edges[:-1], side="right") - 1]
+    short = np.concatenate([[False], length < _CORNER * outer_length, [False]]).astype(int)
     return list(
         zip(
             np.flatnonzero(np.diff(short) == 1).tolist(),

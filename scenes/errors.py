@@ -5,7 +5,7 @@ in sentences.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 # Characters of a sentence, of a value in it.
 _LONGEST = 2000
@@ -66,6 +66,14 @@ _RULES = {
 }
 
 
+class LoadedInstant(NamedTuple):
+    """An instant with its loads [force per thickness]."""
+
+    time: float
+    normal_load: float
+    tangential_load: float
+
+
 class InadmissibleLoadError(InputError):
     """The load path leaves the region where a solution exists: gross sliding or separation under
     load control.
@@ -74,13 +82,13 @@ class InadmissibleLoadError(InputError):
     ----------
     reason
         "gross sliding" or "separation"
-    time, normal_load, tangential_load
-        the instant and the loads at which it happens
+    begin
+        instant and loads from which on it happens
+    worst
+        those where the fault shows, if not there: a path that slides from the unloaded state on
+        does so at P = Q = 0
     friction
         f
-    seen
-        time, P and Q where the fault shows, if not there: a path that slides from the unloaded
-        state on does so at P = Q = 0
     where
         words on that place, such as "worst in the cycle"
     rule
@@ -88,7 +96,9 @@ class InadmissibleLoadError(InputError):
 
     Examples
     --------
-    >>> print(InadmissibleLoadError("separation", 1.5, 0.0, 0.0, 0.5, (2.0, -3.0, 0.0)))
+    >>> print(
+    ...     InadmissibleLoadError("separation", LoadedInstant(1.5, 0, 0), LoadedInstant(2, -3, 0))
+    ... )
     load: separation from time 1.5 on, at time 2 with P = -3, Q = 0: P is not positive there, so the
     bodies part; keep P > 0 after the start
     """
@@ -96,27 +106,27 @@ class InadmissibleLoadError(InputError):
     def __init__(
         self,
         reason: str,
-        time: float,
-        normal_load: float,
-        tangential_load: float,
-        friction: float | None = None,
-        seen: tuple[float, float, float] | None = None,
+        begin: LoadedInstant,
+        worst: LoadedInstant | None = None,
         *,
+        friction: float | None = None,
         where: str = "",
         rule: str = "",
     ) -> None:
-        self.time = time
-        self.normal_load = normal_load
-        self.tangential_load = tangential_load
-        at, normal, tangential = seen or (time, normal_load, tangential_load)
-        self.seen_time = at
-        since = f" from time {time:.6g} on," if at != time else ""
+        if worst is None:
+            worst = begin
+        self.time = begin.time
+        self.normal_load = begin.normal_load
+        self.tangential_load = begin.tangential_load
+        self.worst_time = worst.time
+        since = f" from time {begin.time:.6g} on," if worst.time != begin.time else ""
         place = f" {where}" if where else ""
-        loads = f"P = {normal:.6g}, Q = {tangential:.6g}"
+        loads = f"P = {worst.normal_load:.6g}, Q = {worst.tangential_load:.6g}"
         if reason == "gross sliding" and friction is not None:
             loads += f", f = {friction:g}"
         super().__init__(
-            f"load: {reason}{since}{place} at time {at:.6g} with {loads}: {rule or _RULES[reason]}"
+            f"load: {reason}{since}{place} at time {worst.time:.6g} with {loads}:"
+            f" {rule or _RULES[reason]}"
         )
 
 

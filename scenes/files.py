@@ -51,7 +51,7 @@ _TOML = re.compile(
 )
 
 
-def text_of(path: Path, what: str, most: int = TEXT, advice: str = "") -> str:
+def text_of(path: Path, role: str, most: int = TEXT, advice: str = "") -> str:
     """The text of a regular file of at most `most` bytes, without a byte-order mark.
 
     Parameters
@@ -68,34 +68,34 @@ def text_of(path: Path, what: str, most: int = TEXT, advice: str = "") -> str:
         UTF-8 text.
     """
     try:
-        check_size(path, what, most, advice)
+        check_size(path, role, most, advice)
         return path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as reason:
-        raise InputError(f"{path}: {what} can't be read: it is not UTF-8 text") from reason
+        raise InputError(f"{path}: {role} can't be read: it is not UTF-8 text") from reason
     except (OSError, ValueError) as reason:  # ValueError: a name with a null character in it
         if isinstance(reason, InputError):
             raise
         why = (reason.strerror if isinstance(reason, OSError) else None) or str(reason)
-        raise InputError(f"{path}: {what} can't be read: {why}") from reason
+        raise InputError(f"{path}: {role} can't be read: {why}") from reason
 
 
-def check_size(path: Path, what: str, most: int, advice: str = "") -> None:
+def check_size(path: Path, role: str, most: int, advice: str = "") -> None:
     """InputError where `path` is no regular file, or one of more than `most` bytes; OSError where
     it can't be looked at.
     """
-    found = path.stat()
-    if stat.S_ISDIR(found.st_mode):
-        raise InputError(f"{path}: {what} can't be read: Is a directory")
-    if not stat.S_ISREG(found.st_mode):
+    status = path.stat()
+    if stat.S_ISDIR(status.st_mode):
+        raise InputError(f"{path}: {role} can't be read: Is a directory")
+    if not stat.S_ISREG(status.st_mode):
         raise InputError(
-            f"{path}: {what} can't be read: it is no regular file but a pipe or a device; write it"
+            f"{path}: {role} can't be read: it is no regular file but a pipe or a device; write it"
             " to a file first"
         )
-    if found.st_size > most:
-        more = f"; {advice}" if advice else ""
+    if status.st_size > most:
+        remark = f"; {advice}" if advice else ""
         raise InputError(
-            f"{path}: {what} has {in_words(found.st_size)}, and at most {in_words(most)} are"
-            f" read{more}"
+            f"{path}: {role} has {in_words(status.st_size)}, and at most {in_words(most)} are"
+            f" read{remark}"
         )
 
 
@@ -128,27 +128,27 @@ def parsed_toml(text: str) -> dict[str, Any]:
     depth = 0
     keys = 0
     before = ""
-    for found in _TOML.finditer(text):
-        sign = found["sign"] or ""
+    for token in _TOML.finditer(text):
+        sign = token["sign"] or ""
         # the latter: the head of a table
         keys += sign == "=" or (sign == "[" and depth == 0 and before != "=")
         depth += (sign in "[{") - (sign in "]}") if sign else 0
         before = sign
-        if found["deep"] or found["long"] or depth > _DEEPEST or keys > _MOST_KEYS:
-            what = f"Tables nested deeper than {_DEEPEST}"
-            if not found["deep"] and depth <= _DEEPEST:
-                what = (
+        if token["deep"] or token["long"] or depth > _DEEPEST or keys > _MOST_KEYS:
+            fault = f"Tables nested deeper than {_DEEPEST}"
+            if not token["deep"] and depth <= _DEEPEST:
+                fault = (
                     f"A key or a number of {_LONGEST} characters or more"
-                    if found["long"]
+                    if token["long"]
                     else f"More than {_MOST_KEYS:,} keys"
                 )
-            line = text.count("\n", 0, found.start()) + 1
-            column = found.start() - text.rfind("\n", 0, found.start())
-            raise ValueError(f"{what} (at line {line}, column {column})")
+            line = text.count("\n", 0, token.start()) + 1
+            column = token.start() - text.rfind("\n", 0, token.start())
+            raise ValueError(f"{fault} (at line {line}, column {column})")
     return tomllib.loads(text)
 
 
-def keys_of(path: Path, what: str, advice: str = "") -> dict[str, Any]:
+def keys_of(path: Path, role: str, advice: str = "") -> dict[str, Any]:
     """The table of keys in a file, JSON where its name says so, else TOML: the door of every file
     that a user writes by hand.
 
@@ -159,11 +159,11 @@ def keys_of(path: Path, what: str, advice: str = "") -> dict[str, Any]:
         line, for a list.
     """
     is_json = path.suffix == ".json"
-    text = text_of(path, what, TEXT if is_json else TOML, advice)
+    text = text_of(path, role, TEXT if is_json else TOML, advice)
     if not text.strip():
         return {}
     try:
-        data = parsed_json(text) if is_json else parsed_toml(text)
+        keys = parsed_json(text) if is_json else parsed_toml(text)
     except (
         ValueError,
         RecursionError,
@@ -182,9 +182,9 @@ def keys_of(path: Path, what: str, advice: str = "") -> dict[str, Any]:
             )
             why += f", in {shown(line)}{comma}"
         raise InputError(f"{path}: {why}") from reason
-    if not isinstance(data, dict):
-        raise InputError(f"{path}: {what} is a table of keys, not a {type(data).__name__}")
-    return cast(dict[str, Any], data)
+    if not isinstance(keys, dict):
+        raise InputError(f"{path}: {role} is a table of keys, not a {type(keys).__name__}")
+    return cast(dict[str, Any], keys)
 
 
 def _whole_number(digits: str) -> int:
@@ -212,12 +212,12 @@ def within_memory(path: Path, most: int) -> Generator[None, None, None]:
         return
     soft, hard = resource.getrlimit(resource.RLIMIT_AS)
     try:  # the address space of this process
-        taken = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0]) * int(
+        used_bytes = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0]) * int(
             resource.getpagesize()
         )
     except OSError:
-        taken = int(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss) * 1024
-    room = taken + most
+        used_bytes = int(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss) * 1024
+    room = used_bytes + most
     allowed = [limit for limit in (soft, hard, room) if limit != resource.RLIM_INFINITY]
     resource.setrlimit(resource.RLIMIT_AS, (min(allowed), hard))
     try:
@@ -253,10 +253,10 @@ def write_keys(path: Path, keys: Mapping[str, Any]) -> None:
     ).encode()
     most = TEXT if is_json else TOML
     if len(content) > most:
-        more = "" if is_json else "; save it as .json"
+        remark = "" if is_json else "; save it as .json"
         raise InputError(
             f"{path}: the scene takes {in_words(len(content))}, and at most {in_words(most)} would"
-            f" be read{more}"
+            f" be read{remark}"
         )
     try:
         replace_file(path, content)

@@ -145,9 +145,9 @@ def fitted_keys(x: Array, h: Array, request: FitRequest) -> dict[str, Any]:
         start = float(x[0] + x[-1]) / 2
     reach = request.extent or math.inf
     for _ in range(_PASSES):
-        near = np.abs(every_x - start) <= reach
-        x = every_x[near]
-        h = every_h[near]
+        in_reach = np.abs(every_x - start) <= reach
+        x = every_x[in_reach]
+        h = every_h[in_reach]
         if (count := len(np.unique(x))) < _FEWEST:
             raise RowError(
                 last,
@@ -155,10 +155,10 @@ def fitted_keys(x: Array, h: Array, request: FitRequest) -> dict[str, Any]:
                 " needed",
             )
         # In units of the rows, so that nothing depends on theirs.
-        apart = np.abs(x - start)
+        distances = np.abs(x - start)
         height = float(np.ptp(h))
-        length = float(np.max(apart))
-        if not x[0] <= start < x[-1] and (fixed is None or np.min(apart) > _BESIDE * length):
+        length = float(np.max(distances))
+        if not x[0] <= start < x[-1] and (fixed is None or np.min(distances) > _BESIDE * length):
             where = (
                 f"the middle, x = {start:.6g}, is not among the rows, which go from x = {x[0]:.6g}"
                 f" to {x[-1]:.6g}"
@@ -184,7 +184,7 @@ def fitted_keys(x: Array, h: Array, request: FitRequest) -> dict[str, Any]:
             )
         middle = start + length * best.centre
         # Other rows lie within the extent of another middle.
-        if np.array_equal(np.abs(every_x - middle) <= reach, near):
+        if np.array_equal(np.abs(every_x - middle) <= reach, in_reach):
             break
         start = middle
     residuals = (h - h[0]) - height * best.curve
@@ -291,15 +291,15 @@ def _variance(x: Array, h: Array) -> float:
     """
     places = np.lib.stride_tricks.sliding_window_view(x, 4)
     heights = np.lib.stride_tricks.sliding_window_view(h, 4)
-    apart = np.all(np.diff(places) > 0, axis=1)
-    if not np.any(apart):
+    distinct = np.all(np.diff(places) > 0, axis=1)
+    if not np.any(distinct):
         return 0.0
     # Weights of a divided difference: 1 over the product of the distances to the other places, in
     # units of the widest.
-    places = places[apart] / (places[apart, -1] - places[apart, 0])[:, None]
+    places = places[distinct] / (places[distinct, -1] - places[distinct, 0])[:, None]
     distances = places[:, :, None] - places[:, None, :] + np.eye(4)
     weights = 1 / np.prod(distances, axis=2)
-    differences = np.sum(weights * heights[apart], axis=1) ** 2 / np.sum(weights**2, axis=1)
+    differences = np.sum(weights * heights[distinct], axis=1) ** 2 / np.sum(weights**2, axis=1)
     return float(np.median(differences)) / _MEDIAN
 
 
@@ -359,43 +359,45 @@ class _Rows:
         return np.hstack([first, np.diff(corner, 2, axis=1)])
 
     def at(self, z: Array, weight: float) -> _Fit:
-        """The best w and h0 for z = (x0, b), as many of them as are fitted."""
+        """The fit with the least squares for z = (x0, b), as many of these as are fitted.
+
+        The w >= 0 weigh the columns B_j; h0 is the offset; `weight` is that of the smoothing.
+        """
         from scipy.optimize import nnls
 
         centre = float(z[0]) if self.centred else 0.0
-        half = float(z[-1]) if self.kind == "flat_rounded" else 0.0
-        columns = self.columns(np.abs(self.x - centre), half)
-        mean, (count, size) = columns.mean(axis=0), columns.shape
-        along = self.x - self.x.mean()
+        flat_half_length = float(z[-1]) if self.kind == "flat_rounded" else 0.0
+        columns = self.columns(np.abs(self.x - centre), flat_half_length)
+        mean = columns.mean(axis=0)
+        count, size = columns.shape
+        x_from_mean = self.x - self.x.mean()
         table = np.column_stack([columns - mean, self.h - self.h.mean()])
         # The best tilt for any w is linear in w: put in, it leaves a problem for w alone.
         tilts = np.zeros(size + 1)
         if self.tilted:
-            tilts = along @ table / (along @ along + self.tilt_weight)
-            table = np.vstack([table - np.outer(along, tilts), math.sqrt(self.tilt_weight) * tilts])
+            tilts = x_from_mean @ table / (x_from_mean @ x_from_mean + self.tilt_weight)
+            level_table = table - np.outer(x_from_mean, tilts)
+            table = np.vstack([level_table, math.sqrt(self.tilt_weight) * tilts])
         if count > size + 1:
             table = np.asarray(np.linalg.qr(table, mode="r"))  # as many rows as columns are enough
-        penalty = (
-            math.sqrt(weight) * np.diff(np.eye(size + 1)[:size], axis=0)
-            if weight
-            else np.zeros((0, size + 1))
-        )
-        rows = np.vstack([table, penalty])
+        steps_of_w = np.zeros((0, size + 1))
+        if weight:
+            steps_of_w = math.sqrt(weight) * np.diff(np.eye(size + 1)[:size], axis=0)
+        equations = np.vstack([table, steps_of_w])
         try:
-            w = nnls(rows[:, :-1], rows[:, -1], maxiter=50 * size)[0]
+            w = nnls(equations[:, :-1], equations[:, -1], maxiter=50 * size)[0]
         except RuntimeError as reason:
             raise NotFoundError(f"no curve through the rows was found: {reason}") from reason
         tilt = float(tilts[-1] - tilts[:-1] @ w)
         shape = columns @ w
         offset = float(self.h.mean() - mean @ w + tilt * (centre - self.x.mean()))
         curve = offset + tilt * (self.x - centre) + shape
-        penalties = np.append(
-            penalty[:, :-1] @ w, math.sqrt(self.tilt_weight) * tilt if self.tilted else 0.0
-        )
+        tilt_residual = math.sqrt(self.tilt_weight) * tilt if self.tilted else 0.0
+        penalty_residuals = np.append(steps_of_w[:, :-1] @ w, tilt_residual)
         return _Fit(
             of=self,
             centre=centre,
-            half=half,
+            half=flat_half_length,
             w=w,
             offset=offset,
             tilt=tilt,
@@ -403,7 +405,7 @@ class _Rows:
             curve=curve,
             numbers=1.0 + self.tilted + len(z) + np.count_nonzero(w),
             weight=weight,
-            rest=np.append(curve - self.h, penalties),
+            rest=np.append(curve - self.h, penalty_residuals),
         )
 
     def best(self, start: Array, weight: float) -> _Fit:
@@ -415,7 +417,7 @@ class _Rows:
         low = [-1.0] * self.centred
         high = [1.0] * self.centred
         bounds = ([*low, 1e-9][: len(start)], [*high, _LONGEST][: len(start)])
-        found = least_squares(
+        minimum = least_squares(
             lambda z: self.at(z, weight).rest,
             start,
             bounds=bounds,
@@ -423,7 +425,7 @@ class _Rows:
             ftol=1e-12,
             gtol=1e-12,
         )
-        return self.at(found.x, weight)
+        return self.at(minimum.x, weight)
 
     def fit(self, noise: float | None, weight: float | None, half: float | None) -> _Fit:
         """The best of all, for the spline with the weight of the least expected error; `half` is a
@@ -442,23 +444,23 @@ class _Rows:
             return self.best(z, 0.0)
         fits = []
         errors = []
-        for each in _WEIGHTS.tolist() if weight is None else [weight]:
-            found = self.best(z, each)
-            columns = self.columns(np.abs(self.x - found.centre), 0.0)
+        for smoothing in _WEIGHTS.tolist() if weight is None else [weight]:
+            candidate = self.best(z, smoothing)
+            columns = self.columns(np.abs(self.x - candidate.centre), 0.0)
             square = (columns - columns.mean(axis=0)).T @ columns
             steps = np.diff(np.eye(len(square)), axis=0)
             numbers = (
                 1
                 + self.centred
                 + self.tilted
-                + float(np.trace(np.linalg.solve(square + each * steps.T @ steps, square)))
+                + float(np.trace(np.linalg.solve(square + smoothing * steps.T @ steps, square)))
             )
-            rest = float(np.sum((self.h - found.curve) ** 2))
+            rest = float(np.sum((self.h - candidate.curve) ** 2))
             count = len(self.x)
             errors.append(
                 rest / noise**2 + 2 * numbers if noise else rest / max(count - numbers, 1e-3) ** 2
             )
-            fits.append(replace(found, numbers=min(numbers, count - 1.0)))
+            fits.append(replace(candidate, numbers=min(numbers, count - 1.0)))
         return fits[int(np.argmin(errors))]
 
 

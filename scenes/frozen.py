@@ -74,7 +74,7 @@ _OF_LOADS = (
 )
 
 
-def refusal(faults: ValidationError, data: Any, model: type[Frozen]) -> str:
+def refusal(faults: ValidationError, keys: Any, model: type[Frozen]) -> str:
     """The first fault with key, value, rule and what to do, and which keys more are at fault.
 
     Parameters
@@ -89,10 +89,10 @@ def refusal(faults: ValidationError, data: Any, model: type[Frozen]) -> str:
         faults.errors(), key=lambda fault: (fault["type"] != "extra_forbidden", -len(fault["loc"]))
     )
     fault = errors[0]
-    key = _key(fault, data)
+    key = _key(fault, keys)
     value = fault["input"]
-    faulty_keys = dict.fromkeys(_key(error, data) for error in errors)
-    more = _also([name for name in faulty_keys if name not in (key, "")])
+    faulty_keys = dict.fromkeys(_key(error, keys) for error in errors)
+    other_faults = _also([name for name in faulty_keys if name not in (key, "")])
     rule = fault["msg"].removeprefix("Value error, ").removeprefix("Input ")
     match fault["type"]:
         case "extra_forbidden":
@@ -107,18 +107,18 @@ def refusal(faults: ValidationError, data: Any, model: type[Frozen]) -> str:
             hint = (
                 neglected(word) or f"{did_you_mean(word, known - {word})} {listed} lists the keys"
             )
-            return f"unknown key {key} = {shown(value)};{hint}{more}"
+            return f"unknown key {key} = {shown(value)};{hint}{other_faults}"
         case "missing" if isinstance(value, dict):
-            return f"the key {key} is missing; {listed} lists the keys{more}"
+            return f"the key {key} is missing; {listed} lists the keys{other_faults}"
         case "key_missing":
             return (
                 f"the key {key}{'.' if key else ''}{fault['ctx']['key']} is missing; {listed} lists"
-                f" the keys{more}"
+                f" the keys{other_faults}"
             )
         case "missing":
             rule = "a point is [P, Q]"
         case "union_tag_not_found":
-            return f"the key {key}.kind is missing; {listed} lists the kinds{more}"
+            return f"the key {key}.kind is missing; {listed} lists the kinds{other_faults}"
         case "union_tag_invalid":
             kinds = fault["ctx"]["expected_tags"].replace(", ", " or ")
             key = f"{key}.kind"
@@ -131,8 +131,8 @@ def refusal(faults: ValidationError, data: Any, model: type[Frozen]) -> str:
         case "model_type" | "model_attributes_type":
             rule = "should be a table of keys"
         case "value_error":
-            return f"{key} is refused: {rule}{more}" if key else f"{rule}{more}"
-    return f"{key} = {shown(value)} is refused: {rule}{more}"
+            return f"{key} is refused: {rule}{other_faults}" if key else f"{rule}{other_faults}"
+    return f"{key} = {shown(value)} is refused: {rule}{other_faults}"
 
 
 def _also(keys: Sequence[str]) -> str:
@@ -189,12 +189,12 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
     return f" did you mean {near[0]}?" if near else ""
 
 
-def _key(fault: ErrorDetails, data: Any) -> str:
+def _key(fault: ErrorDetails, keys: Any) -> str:
     """The key as it stands in the file: pydantic's location less the parts that only its unions
     know.
     """
-    found: list[str] = []
-    level: Any = data
+    path: list[str] = []
+    level: Any = keys
     for part in fault["loc"]:
         if isinstance(part, int) and isinstance(level, list) and part < len(level):
             level = level[part]
@@ -204,8 +204,8 @@ def _key(fault: ErrorDetails, data: Any) -> str:
             level = None
         else:
             continue
-        found.append(str(part))
-    return ".".join(found)
+        path.append(str(part))
+    return ".".join(path)
 
 
 def _numbers(value: Any) -> Iterator[float]:
@@ -232,11 +232,11 @@ class _OneDoor(ModelMetaclass):
     With an `__init__` of our own pydantic would forget that it reads JSON.
     """
 
-    def __call__(cls, *_nothing: Any, **data: Any) -> Any:
+    def __call__(cls, *_nothing: Any, **keys: Any) -> Any:
         try:
-            return super().__call__(*_nothing, **data)
+            return super().__call__(*_nothing, **keys)
         except ValidationError as faults:
-            sentence = refusal(faults, _plain(data), cast("type[Frozen]", cls))
+            sentence = refusal(faults, _plain(keys), cast("type[Frozen]", cls))
             raise InputError(f"{cls.__name__}: {sentence}") from faults
 
 
@@ -297,23 +297,25 @@ class Frozen(BaseModel, metaclass=_OneDoor):
         return checked(type(self), self.merged(changes), "vary")
 
     def merged(self, changes: Mapping[str, Any]) -> dict[str, Any]:
-        """The keys that were given, those of `changes` in their place; raw, for the check that
-        follows.
+        """The keys that were given, with those of `changes` put in; not checked.
+
+        `written` keys are not taken over. A change that is a mapping of the same kind is merged
+        into the nested table, any other replaces the value.
         """
-        given = self.model_fields_set - {*self.written}
-        data = {name: value for name, value in self if name == "kind" or name in given}
-        for name, value in changes.items():
-            old = getattr(self, name, None)
-            kind = getattr(old, "kind", None)
+        given_names = self.model_fields_set - {*self.written}
+        keys = {name: changed for name, changed in self if name == "kind" or name in given_names}
+        for name, changed in changes.items():
+            present_value = getattr(self, name, None)
+            kind = getattr(present_value, "kind", None)
             if (
-                isinstance(old, Frozen)
-                and isinstance(value, Mapping)
-                and value.get("kind", kind) == kind
+                isinstance(present_value, Frozen)
+                and isinstance(changed, Mapping)
+                and changed.get("kind", kind) == kind
             ):
-                data[name] = old.merged(value)
+                keys[name] = present_value.merged(changed)
             else:
-                data[name] = value
-        return data
+                keys[name] = changed
+        return keys
 
     def __dir__(self) -> list[str]:
         """Keys and methods of a table, which tab completion shows; not those of pydantic."""
@@ -379,7 +381,7 @@ PythonFunction = Annotated[
 M = TypeVar("M", bound=Frozen)
 
 
-def validated(given: M, wanted: type[Frozen]) -> M:
+def validated(table: M, model: type[Frozen]) -> M:
     """`given` as its own check leaves it: the door of every function that takes a scene or a part
     of one.
 
@@ -396,21 +398,19 @@ def validated(given: M, wanted: type[Frozen]) -> M:
     Traceback (most recent call last):
     scenes.errors.InputError: Elastic: poisson_ratio = 0.7 is refused: should be less than 0.5
     """
-    if not isinstance(given, wanted):
+    if not isinstance(table, model):
         how = (
-            "; load_scene reads one from the library or a file"
-            if wanted.__name__ == "Scene"
-            else ""
+            "; load_scene reads one from the library or a file" if model.__name__ == "Scene" else ""
         )
-        raise InputError(f"a {wanted.__name__} is needed, not {shown(given)}{how}")
-    name = getattr(given, "name", "")
+        raise InputError(f"a {model.__name__} is needed, not {shown(table)}{how}")
+    name = getattr(table, "name", "")
     return checked(
-        type(given), given, f"{wanted.__name__} {shown(name)}" if name else type(given).__name__
+        type(table), table, f"{model.__name__} {shown(name)}" if name else type(table).__name__
     )
 
 
 def checked(
-    model: type[M], data: Any, where: str = "", *, of_file: bool = False, folder: Path = Path()
+    model: type[M], keys: Any, where: str = "", *, of_file: bool = False, folder: Path = Path()
 ) -> M:
     """What the check of `model` makes of `data`: the one way from keys to a table of them.
 
@@ -428,25 +428,25 @@ def checked(
     InputError
         One sentence: key, value, rule and what to do.
     """
-    units = data.get("units") if isinstance(data, Mapping) else getattr(data, "units", None)
+    units = keys.get("units") if isinstance(keys, Mapping) else getattr(keys, "units", None)
     context = {"folder": folder} | ({"units": units} if isinstance(units, str) else {})
     before = f"{where}: " if where else ""
     try:
         if of_file:  # as JSON, where strict still lets 1 be a float and a list a tuple
             return model.model_validate_json(
-                json.dumps(data, default=str), strict=True, context=context
+                json.dumps(keys, default=str), strict=True, context=context
             )
-        return model.model_validate(data, context=context)
+        return model.model_validate(keys, context=context)
     except ValidationError as faults:
-        raise InputError(f"{before}{refusal(faults, _plain(data), model)}") from faults
+        raise InputError(f"{before}{refusal(faults, _plain(keys), model)}") from faults
     except RecursionError as reason:  # JSON with brackets by the hundred
         raise InputError(f"{before}its tables are nested too deeply") from reason
 
 
-def _plain(data: Any) -> Any:
+def _plain(table: Any) -> Any:
     """Models as tables of their keys, at every depth: what a refusal looks its keys up in."""
-    if isinstance(data, BaseModel):
-        data = data.__dict__
-    if isinstance(data, Mapping):
-        return {key: _plain(value) for key, value in data.items()}
-    return [_plain(value) for value in data] if isinstance(data, list | tuple) else data
+    if isinstance(table, BaseModel):
+        table = table.__dict__
+    if isinstance(table, Mapping):
+        return {key: _plain(value) for key, value in table.items()}
+    return [_plain(value) for value in table] if isinstance(table, list | tuple) else table

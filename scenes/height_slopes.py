@@ -73,9 +73,9 @@ class Rounding(NamedTuple):
     load: float
     stiffness: float
 
-    def or_more(self, other: Rounding) -> Rounding:
+    def or_more(self, second: Rounding) -> Rounding:
         """The larger of two of each."""
-        return Rounding(max(self.load, other.load), max(self.stiffness, other.stiffness))
+        return Rounding(max(self.load, second.load), max(self.stiffness, second.stiffness))
 
 
 @dataclass(frozen=True, eq=False)
@@ -206,14 +206,14 @@ def _refined(rise: Function, edges: Array) -> tuple[Pieces, Rounding]:
         rise(low[:, None] + half[:, None] * (1 + samples.places))
     )
     number = np.arange(DEGREE + 1)
-    kept = number <= samples.last_of(coefficients, rounding)[:, None]
-    pieces = Pieces(edges, np.where(kept, coefficients, 0.0).T.copy())
+    significant = number <= samples.last_of(coefficients, rounding)[:, None]
+    pieces = Pieces(edges, np.where(significant, coefficients, 0.0).T.copy())
 
     # P = E* sqrt(a/2) int h'(x)/sqrt(a - x) dx, nearly, and h' = T_k'/half: the piece that a is on
     # counts most.
     deviation = _STATED * samples.of_coefficient * rounding * np.sqrt(edges[1:] / (2 * half))
-    of_load = deviation * _OF_LOAD * np.sqrt(np.sum(kept * number**2.0, axis=1))
-    of_stiffness = deviation * _OF_STIFFNESS * np.sqrt(np.sum(kept * number**6.0, axis=1))
+    of_load = deviation * _OF_LOAD * np.sqrt(np.sum(significant * number**2.0, axis=1))
+    of_stiffness = deviation * _OF_STIFFNESS * np.sqrt(np.sum(significant * number**6.0, axis=1))
     places = low[:, None] + half[:, None] * np.linspace(0, 2, 9)
     steepest = np.maximum.accumulate(np.max(np.abs(pieces.derivative(places)), axis=1))
     rises = steepest > 0

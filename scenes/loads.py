@@ -191,9 +191,11 @@ class BulkAndTilt(Frozen, Generic[V]):
         legs: tuple[LoadSegment, ...] = (*path.initial_loading, *path.cycle)
         further: dict[str, Sequence[LoadSegment]] = {}
         if (line := self.line_of_action) is not None:
-            further["turning"] = [leg.beside(Combination(line.x, line.height)) for leg in legs]
-        for name, (one, other) in _PAIRS.items():
-            pair = getattr(self, one), getattr(self, other)
+            further["turning"] = [
+                leg.companion_of(Combination(line.x, line.height)) for leg in legs
+            ]
+        for name, (first_key, second_key) in _PAIRS.items():
+            pair = getattr(self, first_key), getattr(self, second_key)
             if pair == (None, None):
                 continue
             curved = self.curved(path, pair)
@@ -206,22 +208,30 @@ class BulkAndTilt(Frozen, Generic[V]):
             ]
             corners = pairwise(zip(*columns, strict=True))
             lines = (
-                StraightSegment(leg.start, leg.end, *both)
-                for leg, both in zip(straight, corners, strict=True)
+                StraightSegment(leg.start, leg.end, first, last)
+                for leg, (first, last) in zip(straight, corners, strict=True)
             )
             further[name] = [*lines, *curved]
-        found = [
+        legs_with_companions = [
             replace(leg, **dict(zip(further, parts, strict=True)))
             for leg, *parts in zip(legs, *further.values(), strict=True)
         ]
         count = len(path.initial_loading)
-        return LoadPath(tuple(found[:count]), tuple(found[count:]), self.moment_given)
+        return LoadPath(
+            tuple(legs_with_companions[:count]),
+            tuple(legs_with_companions[count:]),
+            self.moment_given,
+        )
 
     @abc.abstractmethod
     def path_of_loads(self) -> LoadPath:
         """P and Q alone."""
 
-    def curved(self, path: LoadPath, pair: Pair) -> Sequence[LoadSegment]:  # noqa: ARG002 straight loads have none
+    def curved(
+        self,
+        path: LoadPath,  # noqa: ARG002 straight loads follow no formula
+        pair: Pair,  # noqa: ARG002
+    ) -> Sequence[LoadSegment]:
         """Two keys over the time of the last legs of `path`, those on which they follow formulas;
         before, they are straight.
         """
@@ -230,24 +240,24 @@ class BulkAndTilt(Frozen, Generic[V]):
     def at_corners(
         self, value: Any, normal_loads: NDArray[np.float64], last: float
     ) -> NDArray[np.float64]:
-        """A key at the ends of the straight legs, from (0, 0) to `last`, shape of P there: in
-        proportion to it, or by own points.
+        """Values of a key at the ends of the straight legs, from 0 to `last`, shape of
+        `normal_loads`: in proportion to P, or as the key's own `initial_loading` states them.
 
         Raises
         ------
         ValueError
-            For points of its own that are not as many as those of the load.
+            Where the key states another number of values than the load has points.
         """
-        own = getattr(value, "initial_loading", ())
+        stated_values = getattr(value, "initial_loading", ())
         count = len(normal_loads) - 2
-        if own and len(own) != count:
+        if stated_values and len(stated_values) != count:
             raise ValueError(
-                f"initial_loading of a bulk stress or tilt has {len(own)} values for {count} points"
-                " of the load"
+                f"initial_loading of a bulk stress or tilt has {len(stated_values)} values"
+                f" for {count} points of the load"
             )
-        return (
-            np.array([0.0, *own, last]) if own else last * normal_loads / (normal_loads[-1] or 1.0)
-        )
+        if stated_values:
+            return np.array([0.0, *stated_values, last])
+        return np.asarray(last * normal_loads / (normal_loads[-1] or 1.0))
 
 
 W = TypeVar("W", bound=Wave | WaveSum)
@@ -397,9 +407,9 @@ class PolygonLoad(StraightLoad):
             parts = [part for part in (leg, leg.bulk, leg.turning) if part is not None]
             if all(first == last for part in parts for first, last in part.loads(ends)):
                 lists = any(isinstance(getattr(self, key), tuple) for key in KEYS)
-                beside = " with the same bulk stress and tilt" if lists else ""
+                remark = " with the same bulk stress and tilt" if lists else ""
                 point = [float(load) for load in leg.loads(leg.start)]
-                raise ValueError(f"the point {point} stands twice in a row{beside}: leave one out")
+                raise ValueError(f"the point {point} stands twice in a row{remark}: leave one out")
         return self
 
     def path_of_loads(self) -> LoadPath:
@@ -730,23 +740,23 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         used = self.used_rows().values
         low = np.min(used, axis=0)
         high = np.max(used, axis=0)
-        again = ", again and again" if self.repeats else ""
-        which = f"{len(self.rows)} rows of a record"
+        repetition = ", again and again" if self.repeats else ""
+        rows = f"{len(self.rows)} rows of a record"
         if len(used) != len(self.rows):
-            which = f"{len(used)} of the {which}"
+            rows = f"{len(used)} of the {rows}"
         if self.average > 1 or self.reduce is not None:
-            which = f"{len(self.kept_rows())} of the {which}"
-        which += f", means of {self.average} each" if self.average > 1 else ""
+            rows = f"{len(self.kept_rows())} of the {rows}"
+        rows += f", means of {self.average} each" if self.average > 1 else ""
         size = self.threshold or Threshold()
         if self.reduce == "turning_points":
-            which += f", turning points with swings above {size.P:.6g} in P or {size.Q:.6g} in Q"
+            rows += f", turning points with swings above {size.P:.6g} in P or {size.Q:.6g} in Q"
         elif self.reduce == "tolerance":
-            which += f", which pass the others within {size.P:.6g} in P and {size.Q:.6g} in Q"
+            rows += f", which pass the others within {size.P:.6g} in P and {size.Q:.6g} in Q"
         limits = (
             f"P goes from {low[1]:.6g} to {high[1]:.6g} and Q from {low[2]:.6g} to {high[2]:.6g}"
             f" {unit}"
         )
-        return f"the loads follow {which}. {limits}{again}"
+        return f"the loads follow {rows}. {limits}{repetition}"
 
 
 class CallableLoad(BulkAndTilt[PythonFunction]):
@@ -787,15 +797,17 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
         segments = self._segments()
         after = [*segments[1:], *([segments[0].shifted(self.duration)] if self.repeats else [])]
         for before, following in zip(segments, after, strict=False):
-            left = before.loads(before.end)
-            right = following.loads(following.start)
-            for name, one, two in zip(("normal_load", "tangential_load"), left, right, strict=True):
-                if abs(float(one - two)) > 1e3 * _ROUNDING * max(
-                    abs(float(left[0])), abs(float(right[0]))
+            loads_before = before.loads(before.end)
+            loads_after = following.loads(following.start)
+            for name, value_before, value_after in zip(
+                ("normal_load", "tangential_load"), loads_before, loads_after, strict=True
+            ):
+                if abs(float(value_before - value_after)) > 1e3 * _ROUNDING * max(
+                    abs(float(loads_before[0])), abs(float(loads_after[0]))
                 ):
                     raise ValueError(
-                        f"{name} jumps from {float(one):.6g} to {float(two):.6g} at time"
-                        f" {before.end:.6g}"
+                        f"{name} jumps from {float(value_before):.6g} to {float(value_after):.6g}"
+                        f" at time {before.end:.6g}"
                     )
         return self
 
@@ -850,11 +862,11 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
     def curved(self, path: LoadPath, pair: Pair) -> Sequence[LoadSegment]:
         functions = [
             (
-                values_of(one)
-                if callable(one)
-                else lambda time, one=one: np.full(np.shape(time), one or 0.0)
+                values_of(key_value)
+                if callable(key_value)
+                else lambda time, key_value=key_value: np.full(np.shape(time), key_value or 0.0)
             )
-            for one in pair
+            for key_value in pair
         ]
         return [
             _chebyshev_piece(leg.start, leg.end, functions)
@@ -873,8 +885,14 @@ def _chebyshev_piece(
     low: float, high: float, functions: Sequence[Callable[[Any], Any]], scale: float = 0.0
 ) -> ChebyshevSegment:
     """Two functions of time between two edges as series, without what is rounding at their ends."""
-    both = [series(function(low + (high - low) * (1 + NODES) / 2)) for function in functions]
-    degrees = [int(np.max(np.flatnonzero(np.abs(one) > 1e-16 * scale), initial=0)) for one in both]
+    coefficients = [
+        series(function(low + (high - low) * (1 + NODES) / 2)) for function in functions
+    ]
+    degrees = [
+        int(np.max(np.flatnonzero(np.abs(row) > 1e-16 * scale), initial=0)) for row in coefficients
+    ]
     return ChebyshevSegment(
-        low, high, *(tuple(one[: n + 1].tolist()) for one, n in zip(both, degrees, strict=True))
+        low,
+        high,
+        *(tuple(row[: n + 1].tolist()) for row, n in zip(coefficients, degrees, strict=True)),
     )

@@ -64,8 +64,8 @@ class Table:
         values.flags.writeable = False
         return cls(values)
 
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Table) and np.array_equal(self.values, other.values)
+    def __eq__(self, second: object) -> bool:
+        return isinstance(second, Table) and np.array_equal(self.values, second.values)
 
     def __hash__(self) -> int:
         return hash((self.values.shape, self.values.tobytes()))
@@ -221,21 +221,21 @@ class FromFile(Frozen):
     read_as: ReadAs | None
 
     @model_validator(mode="after")
-    def _read(self, info: ValidationInfo) -> Self:
+    def _read(self, validation: ValidationInfo) -> Self:
         if self.table in self.model_fields_set:
             return self
         if self.file is None:
             raise PydanticCustomError(
                 "key_missing", "the key {key} is missing", {"key": self.table}
             )
-        path = _folder(info) / self.file
-        units = (info.context or {}).get("units")
+        path = _folder(validation) / self.file
+        units = (validation.context or {}).get("units")
         if not isinstance(units, str):
             units = _UNITS
         columns = getattr(self, "columns", None)
         named = self._named(columns)
         kinds = self.quantities | {name: self.further[name] for name in named}
-        table = text_table(path, tuple(kinds), stated=_given(columns))
+        table = text_table(path, tuple(kinds), stated=_stated_columns(columns))
         read_as = layout_in_words(path, table)
         converted = False
         for k, (name, kind) in enumerate(kinds.items()):
@@ -278,10 +278,10 @@ class FromFile(Frozen):
             For a unit that is not understood, for forces without a thickness, and for forces per
             length with one.
         """
-        stated_units = _given(getattr(self, "units", None))
-        scales = _given(getattr(self, "scale", None))
-        zeros = _given(getattr(self, "zero", None))
-        signs = _given(getattr(self, "sign", None))
+        stated_units = _stated_columns(getattr(self, "units", None))
+        scales = _stated_columns(getattr(self, "scale", None))
+        zeros = _stated_columns(getattr(self, "zero", None))
+        signs = _stated_columns(getattr(self, "sign", None))
         heading = table.headings[column]
         unit = unit_of_column(table, column, kind, units, stated_units.get(name))
         # The unit of time changes no result, moments are not converted, and a stated scale turns
@@ -321,39 +321,39 @@ class FromFile(Frozen):
     @classmethod
     def _named(cls, columns: Frozen | None) -> list[str]:
         """Which of the further columns a table of `columns` names."""
-        return [name for name in _given(columns) if name in cls.further]
+        return [name for name in _stated_columns(columns) if name in cls.further]
 
     def merged(self, changes: Mapping[str, Any]) -> dict[str, Any]:
         """As for every table; rows of one file are not those of another, nor is a file the source
         of other rows.
         """
-        data = super().merged(changes)
+        keys = super().merged(changes)
         read = self._named(getattr(self, "columns", None))
         if self.table in changes and "file" not in changes:
             for key in ("file", "read_as", *READING, *(set(read) - changes.keys())):
-                data.pop(key, None)
+                keys.pop(key, None)
         elif (
             self.table not in changes
-            and data.get("file") is not None
+            and keys.get("file") is not None
             and not changes.keys().isdisjoint(("file", *READING))
         ):
             for key in (self.table, "read_as", *(set(read) - changes.keys())):
-                data.pop(key, None)
-        return data
+                keys.pop(key, None)
+        return keys
 
     @abc.abstractmethod
     def check_rows(self) -> None:
         """RowError for the first row that is at fault."""
 
     @model_validator(mode="after")
-    def _check(self, info: ValidationInfo) -> Self:
+    def _check(self, validation: ValidationInfo) -> Self:
         try:
             self.check_rows()
         except RowError as fault:
-            path = _folder(info) / (self.file or "")
+            path = _folder(validation) / (self.file or "")
             place = f"{self.table}, row {fault.row + 1}"
             if self.file is not None and path.is_file():  # where the rows came from
-                columns = _given(getattr(self, "columns", None))
+                columns = _stated_columns(getattr(self, "columns", None))
                 place = (
                     f"{path}, line"
                     f" {text_table(path, tuple(self.quantities), stated=columns).lines[fault.row]}"
@@ -368,9 +368,9 @@ class FromFile(Frozen):
         return self
 
 
-def _folder(info: ValidationInfo) -> Path:
+def _folder(validation: ValidationInfo) -> Path:
     """Where the scene file lies."""
-    return Path((info.context or {}).get("folder", "."))
+    return Path((validation.context or {}).get("folder", "."))
 
 
 # Of the library; where nothing else is stated.
@@ -379,7 +379,7 @@ SCENE_UNITS = "units of the scene"
 """Key of `read_as`: into which units the columns of a file were turned; left out where none was."""
 
 
-def _given(table: Frozen | None) -> dict[str, Any]:
+def _stated_columns(table: Frozen | None) -> dict[str, Any]:
     """What a table with a key for each column states of them."""
     return {} if table is None else {name: value for name, value in table if value is not None}
 
@@ -418,17 +418,17 @@ def reduced(
     """
     values = means(rows.values, average)
     if how is None:
-        found = values
+        kept_values = values
     elif how == "turning_points":
         turns = (
             turning_points(values[:, column], size)
             for column, size in ((1, normal), (2, tangential))
         )
-        found = values[np.unique(np.concatenate([[0, len(values) - 1], *turns]))]
+        kept_values = values[np.unique(np.concatenate([[0, len(values) - 1], *turns]))]
     else:
-        found = values[within(values[:, 1:], np.array([normal, tangential]))]
-    found.flags.writeable = False
-    return found
+        kept_values = values[within(values[:, 1:], np.array([normal, tangential]))]
+    kept_values.flags.writeable = False
+    return kept_values
 
 
 def means(values: Array, count: int) -> Array:
@@ -449,8 +449,10 @@ def turning_points(values: Array, threshold: float) -> Rows:
     moved = np.flatnonzero(step)
     # the first row of a plateau that turns
     turned = moved[:-1][step[moved[:-1]] * step[moved[1:]] < 0] + 1
-    found: list[int] = []
-    way, low, high = 0, 0, 0  # way of the swing that is followed, and its extreme rows so far
+    turns: list[int] = []
+    direction = 0  # of the swing that is followed
+    low = 0  # its extreme rows so far
+    high = 0
     for row, value in zip(
         (*turned.tolist(), len(values) - 1),
         (*values[turned].tolist(), float(values[-1])),
@@ -458,15 +460,15 @@ def turning_points(values: Array, threshold: float) -> Rows:
     ):
         high = row if value > values[high] else high
         low = row if value < values[low] else low
-        if way >= 0 and values[high] - value > threshold:
-            found.append(high)
-            way = -1
+        if direction >= 0 and values[high] - value > threshold:
+            turns.append(high)
+            direction = -1
             low = row
-        elif way <= 0 and value - values[low] > threshold:
-            found.append(low)
-            way = 1
+        elif direction <= 0 and value - values[low] > threshold:
+            turns.append(low)
+            direction = 1
             high = row
-    return np.array(found, dtype=np.int64)
+    return np.array(turns, dtype=np.int64)
 
 
 def within(path: Array, tolerance: Array) -> Rows:
@@ -481,22 +483,22 @@ def within(path: Array, tolerance: Array) -> Rows:
 
     def fits(first: int, last: int) -> bool:
         start = path[first]
-        way = path[last] - path[first]
+        change = path[last] - path[first]
         between = path[first + 1 : last] - start
         with np.errstate(divide="ignore", invalid="ignore"):
-            one = (between - slack) / way
-            other = (between + slack) / way
-        still = way == 0
-        if np.any(np.abs(between[:, still]) > slack[still]):
+            at_lower = (between - slack) / change
+            at_upper = (between + slack) / change
+        unmoving = change == 0
+        if np.any(np.abs(between[:, unmoving]) > slack[unmoving]):
             return False
-        low = np.max(np.where(still, 0.0, np.minimum(one, other)), axis=1, initial=0.0)
-        high = np.min(np.where(still, 1.0, np.maximum(one, other)), axis=1, initial=1.0)
+        low = np.max(np.where(unmoving, 0.0, np.minimum(at_lower, at_upper)), axis=1, initial=0.0)
+        high = np.min(np.where(unmoving, 1.0, np.maximum(at_lower, at_upper)), axis=1, initial=1.0)
         return bool(np.all(np.maximum.accumulate(low) <= high))
 
-    kept = [0]
+    row_numbers = [0]
     last = len(path) - 1
-    while kept[-1] < last:
-        first = kept[-1]
+    while row_numbers[-1] < last:
+        first = row_numbers[-1]
         reach = 1
         while first + 2 * reach <= last and fits(first, first + 2 * reach):
             reach *= 2
@@ -504,5 +506,5 @@ def within(path: Array, tolerance: Array) -> Rows:
         while far - reach > 1:  # `reach` fits, `far` does not or was not tried
             middle = (reach + far) // 2
             reach, far = (middle, far) if fits(first, first + middle) else (reach, middle)
-        kept.append(first + reach)
-    return np.array(kept, dtype=np.int64)
+        row_numbers.append(first + reach)
+    return np.array(row_numbers, dtype=np.int64)

@@ -203,8 +203,8 @@ class Fitted(Frozen):
 
     def used_rows(self) -> NDArray[np.int64]:
         """Numbers (n,) of the rows that count, those nearest to the middle, in ascending order."""
-        apart = np.abs(self.rows.values[:, 0] - self.centre)
-        return np.sort(np.argsort(apart, kind="stable")[: len(apart) - self.left_out])
+        distances = np.abs(self.rows.values[:, 0] - self.centre)
+        return np.sort(np.argsort(distances, kind="stable")[: len(distances) - self.left_out])
 
     def residuals(self, height: Callable[[Array], Array]) -> Array:
         """Rows minus offset, tilt and `height` of the profile, (n_rows,) [length]."""
@@ -454,30 +454,30 @@ class CallableProfile(Gap):
     def _resolve(self) -> Self:
         if (self.height_function is None) == (self.slope_function is None):
             raise ValueError("either height_function or slope_function is needed, and not both")
-        over = values_of(self.height_function or self.slope_function)
+        values_at = values_of(self.height_function or self.slope_function)
         sign = -1.0 if self.height_function is None else 1.0
         x = self.extent * np.array([0.07, 0.31, 0.62, 0.97])
         try:
-            right = over(x)
-            left = over(-x)
+            right = values_at(x)
+            left = values_at(-x)
         except (ArithmeticError, TypeError, ValueError) as reason:
             raise ValueError(
                 f"the function can't be evaluated at x = +-{x[0]:.6g}: {reason}"
             ) from reason
-        apart = np.abs(right - sign * left) > 1e-9 * np.abs(right).max()
-        if np.any(apart):
+        differs = np.abs(right - sign * left) > 1e-9 * np.abs(right).max()
+        if np.any(differs):
             raise ValueError(
-                f"the profile is not symmetric: its sides differ at x = {x[apart][0]:.6g}"
+                f"the profile is not symmetric: its sides differ at x = {x[differs][0]:.6g}"
             )
         edges = np.union1d(
             self.extent * 0.5 ** np.arange(_OCTAVES, -1.0, -1.0),
-            [at for at in self.breaks if at < self.extent],
+            [place for place in self.breaks if place < self.extent],
         )
         try:
-            slope_of: Callable[[Array], ArrayLike] = over
+            slope_of: Callable[[Array], ArrayLike] = values_at
             self._rounding = Rounding(0.0, 0.0)
             if self.height_function is not None:
-                of_height = slope_of_height(over, edges)
+                of_height = slope_of_height(values_at, edges)
                 edges = of_height.edges
                 slope_of = of_height.slope
                 self._rounding = of_height.rounding
@@ -518,9 +518,9 @@ class CallableProfile(Gap):
         self._height = Pieces(self._slope.edges, primitive)
         return self
 
-    def __eq__(self, other: object) -> bool:
+    def __eq__(self, second: object) -> bool:
         """Whether the keys are the same: the series follow from them."""
-        return isinstance(other, CallableProfile) and dict(self) == dict(other)
+        return isinstance(second, CallableProfile) and dict(self) == dict(second)
 
     def __hash__(self) -> int:
         return hash(tuple(dict(self).values()))
@@ -567,8 +567,8 @@ class CallableProfile(Gap):
         """Power of x that the slope follows below the least x that is resolved."""
         first = self._slope.edges[0]
         second = self._slope.edges[0] * 2
-        one, two = self._slope(np.array([first, second]))
-        return float(np.log2(two / one)) if one > 0 else 1.0
+        slope_at_first, slope_at_second = self._slope(np.array([first, second]))
+        return float(np.log2(slope_at_second / slope_at_first)) if slope_at_first > 0 else 1.0
 
     def height(self, x: ArrayLike) -> Array:
         distance = np.abs(np.asarray(x, dtype=float))
@@ -677,8 +677,8 @@ class Tabulated(FromFile):
         """The keys of the profile that `fit` makes of the rows: what stands in a scene in place of
         this one.
         """
-        more = {"source": self.file or self.table, "rows": self.points, "read_as": self.read_as}
-        return self._keys | {"fitted": self._keys["fitted"] | more}
+        origin = {"source": self.file or self.table, "rows": self.points, "read_as": self.read_as}
+        return self._keys | {"fitted": self._keys["fitted"] | origin}
 
     def spline(self) -> Spline:
         """The curve for x >= 0; InputError for rows that are to be fitted, which are another
@@ -697,8 +697,8 @@ class Tabulated(FromFile):
                 "profile: rows with the key `fit` are to be part of a scene; without one take"
                 " scenes.fit_profile"
             )
-        found = [rising_spline(*side) for side in self._sides()]
-        return found[0], found[-1]
+        splines = [rising_spline(*side) for side in self._sides()]
+        return splines[0], splines[-1]
 
     def row_before(self, distance: float) -> int:
         """Number, counted from 0, of the last row with x <= `distance` [length]."""
@@ -718,8 +718,8 @@ class Tabulated(FromFile):
         """
         rise = np.abs(np.diff(self._sides()[-1][1]))
         step = float(np.min(rise[rise > 0]))
-        whole = np.max(np.abs(rise / step - np.round(rise / step))) < _WHOLE
-        return step if whole and np.median(rise) < _COARSE * step else None
+        is_whole = np.max(np.abs(rise / step - np.round(rise / step))) < _WHOLE
+        return step if is_whole and np.median(rise) < _COARSE * step else None
 
     def height(self, x: ArrayLike) -> Array:
         """Gap h(x) >= 0 [length] of the untouched faces at x [length]; any shape."""
@@ -772,14 +772,14 @@ def one_sided(points: Array, asymmetry: float) -> tuple[Array, Array]:
                 row,
                 f"x = {x[row]:.6g} has no partner on the other side: both sides, or x >= 0 alone",
             )
-        said = f"the profile is not symmetric: the sides differ by more than {limit:.3g} there"
-        RowError.refuse(np.abs(rise - h[centre::-1]) > limit, lambda _: said, centre)
+        rule = f"the profile is not symmetric: the sides differ by more than {limit:.3g} there"
+        RowError.refuse(np.abs(rise - h[centre::-1]) > limit, lambda _: rule, centre)
         rise = (rise + h[centre::-1]) / 2
-    said = (
+    rule = (
         f"the profile has {len(right):,} rows of x >= 0, and at most {_MOST:,} are taken: leave out"
         " all but every n-th"
     )
-    RowError.refuse(np.arange(len(right)) >= _MOST, lambda _: said, centre)
+    RowError.refuse(np.arange(len(right)) >= _MOST, lambda _: rule, centre)
     RowError.refuse(
         np.diff(rise) < 0,
         lambda row: f"h = {h[row]:.6g} falls: the profile must rise for x > 0",
@@ -802,15 +802,15 @@ def rising_spline(x: Array, h: Array) -> Spline:
     step = np.diff(x)
     secant = np.diff(h) / step
     slope = np.zeros(len(x))
-    alike = np.concatenate(
+    in_line = np.concatenate(
         [
             [False],
             np.abs(np.diff(secant)) <= _IN_LINE * np.maximum(secant[:-1], secant[1:]),
             [False],
         ]
     )
-    along = np.where(alike[:-1] | alike[1:], secant, np.inf)
-    line = np.minimum(along[:-1], along[1:])
+    line_slopes = np.where(in_line[:-1] | in_line[1:], secant, np.inf)
+    line = np.minimum(line_slopes[:-1], line_slopes[1:])
     parabola = (secant[:-1] * step[1:] + secant[1:] * step[:-1]) / (step[:-1] + step[1:])
     slope[1:-1] = np.where(np.isfinite(line), line, parabola)
     slope[-1] = np.clip(2 * secant[-1] - slope[-2], 0.0, 2 * secant[-1])
@@ -894,8 +894,8 @@ def fit_profile(
     (1000.0, 0.1)
     """
     fit = {"kind": kind, "noise": noise, "centre": centre, "extent": extent, "tilt": tilt}
-    data = {"kind": "tabulated", "points": points, "fit": fit}
+    keys = {"kind": "tabulated", "points": points, "fit": fit}
     try:
-        return _curve_of_rows(_ANY.validate_python(data))  # type: ignore[return-value]
+        return _curve_of_rows(_ANY.validate_python(keys))  # type: ignore[return-value]
     except ValidationError as faults:
-        raise InputError(f"fit_profile: {refusal(faults, data, Tabulated)}") from faults
+        raise InputError(f"fit_profile: {refusal(faults, keys, Tabulated)}") from faults

@@ -115,14 +115,14 @@ class Friction(Frozen):
 
     @model_validator(mode="before")
     @classmethod
-    def _number_alone(cls, data: Any) -> Any:
-        if isinstance(data, Mapping | Friction):
-            return data
-        if isinstance(data, bool) or not isinstance(data, Real):
+    def _number_alone(cls, value: Any) -> Any:
+        if isinstance(value, Mapping | Friction):
+            return value
+        if isinstance(value, bool) or not isinstance(value, Real):
             raise ValueError(
-                f"{shown(data)} is neither a number nor a table with the key coefficient"
+                f"{shown(value)} is neither a number nor a table with the key coefficient"
             )
-        return {"coefficient": data}
+        return {"coefficient": value}
 
     @field_validator("coefficient")
     @classmethod
@@ -218,18 +218,17 @@ class Scene(Frozen):
         >>> from scenes import Block, load_scene
         >>> scene = load_scene("hertz-normal")
         >>> block = scene.vary(bodies={"lower": Block(width=20, height=8)})
-        >>> [one.tolerances.dissipation for one in (scene, block, scene.vary(tolerances={}))]
+        >>> scenes = (scene, block, scene.vary(tolerances={}))
+        >>> [scene.tolerances.dissipation for scene in scenes]
         [1e-09, None, None]
         """
         if changes.get("tolerances") == {}:
             changes["tolerances"] = Tolerances()
-        found = super().vary(**changes)
-        real = self.bodies.half_planes and not found.bodies.half_planes
-        return (
-            super(Scene, found).vary(tolerances=Tolerances())
-            if real and "tolerances" not in changes
-            else found
-        )
+        changed = super().vary(**changes)
+        gains_a_body = self.bodies.half_planes and not changed.bodies.half_planes
+        if gains_a_body and "tolerances" not in changes:
+            return super(Scene, changed).vary(tolerances=Tolerances())
+        return changed
 
     @field_validator("units")
     @classmethod
@@ -241,12 +240,13 @@ class Scene(Frozen):
     @model_validator(mode="after")
     def _parts_fit_together(self) -> Self:
         for name, table in (("load", self.load), ("profile", self.profile)):
-            if (
-                own := dict(getattr(table, "read_as", None) or ()).get(SCENE_UNITS, self.units)
-            ) != self.units:
+            reading = dict(getattr(table, "read_as", None) or ())
+            units_of_columns = reading.get(SCENE_UNITS, self.units)
+            if units_of_columns != self.units:
                 raise ValueError(
                     f"units = {self.units!r}, and the columns of {name}.file were turned into"
-                    f" {own!r}: give file and units together in a scene file, or to Scene.vary"
+                    f" {units_of_columns!r}: give file and units together in a scene file, or to"
+                    " Scene.vary"
                 )
         length = self.profile.datum_length
         radius = self.bodies.relative_radius()
@@ -391,7 +391,7 @@ def load_scene(source: str | Path) -> Scene:
     path = Path(source)
     name = str(source)
     if name in scene_names():
-        data = parsed_toml(scene_text(name))
+        keys = parsed_toml(scene_text(name))
         folder = Path(str(_LIBRARY))
     elif not path.suffix and not os.path.exists(
         path
@@ -406,19 +406,19 @@ def load_scene(source: str | Path) -> Scene:
             f"{path}: a scene file ends in .toml or .json, not in {path.suffix or 'nothing'!r}"
         )
     else:
-        data = keys_of(
+        keys = keys_of(
             path,
             "the scene file",
             "put long tables into a CSV file beside it, named by the key `file`",
         )
-        if not data:
+        if not keys:
             raise InputError(
                 f"{path}: the scene file is empty; `halfplane init FILE.toml` writes one to start"
                 " from"
             )
         name = path.stem
         folder = path.parent
-    return checked(Scene, {"name": name} | data, str(path), of_file=True, folder=folder)
+    return checked(Scene, {"name": name} | keys, str(path), of_file=True, folder=folder)
 
 
 def scene_of(scene: Scene | str | Path) -> Scene:

@@ -21,7 +21,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import Annotated, NamedTuple, Self
+from typing import Annotated, Any, NamedTuple, Self
 
 import numpy as np
 from numpy.polynomial import chebyshev, polynomial
@@ -82,7 +82,7 @@ class Ellipse(NamedTuple):
     phase: float
     origin: float
 
-    def largest_at(self, what: Combination) -> float:
+    def largest_at(self, combination: Combination) -> float:
         """A time at which a combination is largest.
 
         >>> Ellipse((3.0, 0.0), (1.0, 1.0), math.pi / 2, 0.0).largest_at(
@@ -90,9 +90,9 @@ class Ellipse(NamedTuple):
         ... ) == math.pi / 2
         True
         """
-        phasor = what.normal * self.amplitude[0] + what.tangential * self.amplitude[1] * cmath.exp(
-            -1j * self.phase
-        )
+        phasor = combination.normal * self.amplitude[0] + combination.tangential * self.amplitude[
+            1
+        ] * cmath.exp(-1j * self.phase)
         return self.origin - cmath.phase(phasor)
 
 
@@ -142,11 +142,11 @@ class LoadSegment(abc.ABC):
         return self.rate_of(NORMAL_LOAD, time), self.rate_of(TANGENTIAL_LOAD, time)
 
     @abc.abstractmethod
-    def rate_of(self, what: Combination, time: ArrayLike) -> Array:
+    def rate_of(self, combination: Combination, time: ArrayLike) -> Array:
         """Time derivative of a combination."""
 
     @abc.abstractmethod
-    def change_of(self, what: Combination, time: ArrayLike, since: ArrayLike) -> Array:
+    def change_of(self, combination: Combination, time: ArrayLike, since: ArrayLike) -> Array:
         """Change of a combination between two times, free of cancellation; that of one wave near
         its extrema too.
 
@@ -159,14 +159,16 @@ class LoadSegment(abc.ABC):
         """
 
     @abc.abstractmethod
-    def beside(self, what: Combination) -> LoadSegment:
+    def companion_of(self, combination: Combination) -> LoadSegment:
         """A segment over the same time with 0 in place of P and a combination in place of Q."""
 
     @abc.abstractmethod
-    def turning_points(self, what: Combination) -> list[float]:
+    def turning_points(self, combination: Combination) -> list[float]:
         """Times inside the segment at which a combination stops growing or falling, ascending."""
 
-    def time_of(self, what: Combination, amount: ArrayLike, begin: float, end: float) -> Array:
+    def time_of(
+        self, combination: Combination, amount: ArrayLike, begin: float, end: float
+    ) -> Array:
         """The time between `begin` and `end` at which a combination that does not turn there has
         changed by `amount` since `begin`.
 
@@ -178,37 +180,39 @@ class LoadSegment(abc.ABC):
         NotFoundError
             Where Newton's method finds none, of loads that are not finite for example.
         """
-        wanted = np.asarray(amount, dtype=float)
-        total = float(self.change_of(what, end, begin))
+        change = np.asarray(amount, dtype=float)
+        total = float(self.change_of(combination, end, begin))
         if abs(total) < LEAST:
-            return np.full(wanted.shape, begin)
+            return np.full(change.shape, begin)
         inside = np.clip(
-            self._time_inside(what, wanted, total, begin, end), min(begin, end), max(begin, end)
+            self._time_inside(combination, change, total, begin, end),
+            min(begin, end),
+            max(begin, end),
         )
         sign = math.copysign(1.0, total)
         return np.where(
-            sign * wanted <= 0, begin, np.where(sign * wanted >= abs(total), end, inside)
+            sign * change <= 0, begin, np.where(sign * change >= abs(total), end, inside)
         )
 
     def _time_inside(
-        self, what: Combination, wanted: Array, total: float, begin: float, end: float
+        self, combination: Combination, change: Array, total: float, begin: float, end: float
     ) -> Array:
         """Newton's steps, or half the bracket where one leaves it or is no shorter; ends where
         rounding stops them from gaining.
         """
-        wanted = np.clip(wanted / total, 0, 1) * total
+        change = np.clip(change / total, 0, 1) * total
         rising = math.copysign(1.0, total) * math.copysign(1.0, end - begin)
-        low = np.full(wanted.shape, min(begin, end))
-        high = np.full(wanted.shape, max(begin, end))
+        low = np.full(change.shape, min(begin, end))
+        high = np.full(change.shape, max(begin, end))
         # exact for a cosine that turns at both ends
-        time = begin + (end - begin) / math.pi * np.arccos(1 - 2 * wanted / total)
+        time = begin + (end - begin) / math.pi * np.arccos(1 - 2 * change / total)
         best = time
-        least = np.full(wanted.shape, math.inf)
-        idle = np.zeros(wanted.shape, int)
+        least = np.full(change.shape, math.inf)
+        idle = np.zeros(change.shape, int)
         last = high - low
         for _ in range(_MOST_STEPS):
-            fault = rising * (self.change_of(what, time, begin) - wanted)
-            slope = rising * self.rate_of(what, time)
+            fault = rising * (self.change_of(combination, time, begin) - change)
+            slope = rising * self.rate_of(combination, time)
             better = np.abs(fault) < least
             best = np.where(better, time, best)
             least = np.where(better, np.abs(fault), least)
@@ -231,13 +235,21 @@ class LoadSegment(abc.ABC):
             f" {end:.17g}"
         )
 
-    def slope_and_bend(self, time: float) -> tuple[float, float] | None:  # noqa: ARG002 most segments have none
+    def slope_and_bend(
+        self,
+        time: float,  # noqa: ARG002 most segments have none
+    ) -> tuple[float, float] | None:
         """Slope dQ/dP and half of d2Q/dP2 at `time` where P is linear in time and Q(P) a line or a
         parabola; None elsewhere.
         """
         return None
 
-    def mirrored(self, what: Combination, time: ArrayLike, near: float) -> Array | None:  # noqa: ARG002 most segments have none
+    def mirrored(
+        self,
+        combination: Combination,  # noqa: ARG002 most segments have no mirrored time
+        time: ArrayLike,  # noqa: ARG002
+        near: float,  # noqa: ARG002
+    ) -> Array | None:
         """The other time, next to `near`, at which a combination of one wave has the value that it
         has at `time`; else None.
         """
@@ -249,6 +261,11 @@ class LoadSegment(abc.ABC):
         return replace(
             self, start=self.start + delay, end=self.end + delay, bulk=bulk, turning=turning
         )
+
+
+def _chosen(condition: Any, first: float, second: float) -> float:
+    """`numpy.where` of one number, five times as fast."""
+    return first if condition else second
 
 
 @dataclass(frozen=True)
@@ -266,44 +283,51 @@ class StraightSegment(LoadSegment):
         # From the nearer end, so that both ends are met to the last digit.
         t = np.asarray(time, dtype=float)[()]
         near_start = t - self.start <= self.end - t
-        # five times as fast for one time
-        one_of = np.where if np.ndim(t) else lambda near, first, last: first if near else last
-        part = (t - one_of(near_start, self.start, self.end)) / (self.end - self.start)
+        nearer = np.where if np.ndim(t) else _chosen
+        part = (t - nearer(near_start, self.start, self.end)) / (self.end - self.start)
         p, q = (
-            one_of(near_start, a, b) + (b - a) * part
-            for a, b in zip(self.first, self.last, strict=True)
+            nearer(near_start, first_load, last_load) + (last_load - first_load) * part
+            for first_load, last_load in zip(self.first, self.last, strict=True)
         )
         return p, q
 
-    def rate_of(self, what: Combination, time: ArrayLike) -> Array:
-        return self.change_of(what, np.ones(np.shape(time)), 0.0)
+    def rate_of(self, combination: Combination, time: ArrayLike) -> Array:
+        return self.change_of(combination, np.ones(np.shape(time)), 0.0)
 
-    def change_of(self, what: Combination, time: ArrayLike, since: ArrayLike) -> Array:
+    def change_of(self, combination: Combination, time: ArrayLike, since: ArrayLike) -> Array:
         part = (np.asarray(time, dtype=float) - np.asarray(since, dtype=float)) / (
             self.end - self.start
         )
-        return what[0] * ((self.last[0] - self.first[0]) * part) + what[1] * (
+        return combination[0] * ((self.last[0] - self.first[0]) * part) + combination[1] * (
             (self.last[1] - self.first[1]) * part
         )
 
-    def beside(self, what: Combination) -> StraightSegment:
-        first, last = ((0.0, what[0] * p + what[1] * q) for p, q in (self.first, self.last))
+    def companion_of(self, combination: Combination) -> StraightSegment:
+        first, last = (
+            (0.0, combination[0] * p + combination[1] * q) for p, q in (self.first, self.last)
+        )
         return StraightSegment(self.start, self.end, first, last)
 
-    def turning_points(self, what: Combination) -> list[float]:  # noqa: ARG002 whatever the combination is
+    def turning_points(
+        self,
+        combination: Combination,  # noqa: ARG002 a straight line does not turn
+    ) -> list[float]:
         return []
 
     def _time_inside(
         self,
-        what: Combination,  # noqa: ARG002 a straight line whatever the combination is
-        wanted: Array,
+        combination: Combination,  # noqa: ARG002 a straight line whatever the combination is
+        change: Array,
         total: float,
         begin: float,
         end: float,
     ) -> Array:
-        return begin + (end - begin) * (wanted / total)
+        return begin + (end - begin) * (change / total)
 
-    def slope_and_bend(self, time: float) -> tuple[float, float] | None:  # noqa: ARG002 the same all along
+    def slope_and_bend(
+        self,
+        time: float,  # noqa: ARG002 the same all along
+    ) -> tuple[float, float] | None:
         rise = self.last[0] - self.first[0]
         return ((self.last[1] - self.first[1]) / rise, 0.0) if rise else None
 
@@ -335,12 +359,12 @@ class HarmonicSegment(LoadSegment):
             ),
             default=1,
         )
-        found = np.zeros((2, order + 1), dtype=complex)
-        for row, waves in zip(found, (self.normal, self.tangential), strict=True):
+        coefficients = np.zeros((2, order + 1), dtype=complex)
+        for row, waves in zip(coefficients, (self.normal, self.tangential), strict=True):
             row[1 : len(waves) + 1] = [
                 size * cmath.exp(-1j * phase) for size, phase in waves[:order]
             ]
-        return found
+        return coefficients
 
     @cached_property
     def ellipse(self) -> Ellipse | None:
@@ -356,14 +380,18 @@ class HarmonicSegment(LoadSegment):
             self.tangential[0] if self.tangential else (0.0, 0.0)
         )
 
-    def wave(self, what: Combination) -> tuple[float, float]:
+    def wave(self, combination: Combination) -> tuple[float, float]:
         """(size, lead) of one wave: the combination is a constant + size cos(t + lead)."""
         # notation: Z = size exp(i lead), the phasor; one load alone keeps the last digit of its own
         # phase
         (p, origin), (q, lag) = self._first
-        if what[0] == 0 or what[1] == 0:
-            return (what[0] * p, -origin) if what[1] == 0 else (what[1] * q, -lag)
-        return cmath.polar(what[0] * cmath.rect(p, -origin) + what[1] * cmath.rect(q, -lag))
+        if combination[0] == 0 or combination[1] == 0:
+            return (
+                (combination[0] * p, -origin) if combination[1] == 0 else (combination[1] * q, -lag)
+            )
+        return cmath.polar(
+            combination[0] * cmath.rect(p, -origin) + combination[1] * cmath.rect(q, -lag)
+        )
 
     @property
     def most_turns(self) -> int:
@@ -384,24 +412,28 @@ class HarmonicSegment(LoadSegment):
             )
         return p, q
 
-    def rate_of(self, what: Combination, time: ArrayLike) -> Array:
+    def rate_of(self, combination: Combination, time: ArrayLike) -> Array:
         t = np.asarray(time, dtype=float)
         if self.ellipse:
-            size, lead = self.wave(what)
+            size, lead = self.wave(combination)
             return -size * np.sin(t + lead)
-        return _wave_sum(self._rate(what), t)
+        return _wave_sum(self._rate(combination), t)
 
-    def _rate(self, what: Combination) -> NDArray[np.complex128]:
+    def _rate(self, combination: Combination) -> NDArray[np.complex128]:
         """(m + 1,) coefficients of the rate."""
-        return 1j * np.arange(self._coefficients.shape[1]) * (np.array(what) @ self._coefficients)
+        return (
+            1j
+            * np.arange(self._coefficients.shape[1])
+            * (np.array(combination) @ self._coefficients)
+        )
 
-    def change_of(self, what: Combination, time: ArrayLike, since: ArrayLike) -> Array:
+    def change_of(self, combination: Combination, time: ArrayLike, since: ArrayLike) -> Array:
         t = np.asarray(time, dtype=float)
         t0 = np.asarray(since, dtype=float)
         middle = (t + t0) / 2
         half = (t - t0) / 2
         if self.ellipse:
-            size, lead = self.wave(what)
+            size, lead = self.wave(combination)
             return -2 * size * np.sin(middle + lead) * np.sin(half)
         # (p(z) - p(z_0))/(z - z_0) by Horner's scheme, and z - z_0 = 2i sin((t - t_0)/2) exp(i (t +
         # t_0)/2).
@@ -409,23 +441,27 @@ class HarmonicSegment(LoadSegment):
         side = np.exp(1j * np.atleast_1d(half))
         z = centre * side
         z_0 = centre * side.conjugate()
-        *others, value = (np.array(what) @ self._coefficients).tolist()
+        *lower_terms, value = (np.array(combination) @ self._coefficients).tolist()
         quotient = 0j
-        for coefficient in reversed(others):
+        for coefficient in reversed(lower_terms):
             quotient = quotient * z + value
             value = value * z_0 + coefficient
         return np.reshape((quotient * centre * (2j * side.imag)).real, middle.shape)
 
-    def beside(self, what: Combination) -> HarmonicSegment:
+    def companion_of(self, combination: Combination) -> HarmonicSegment:
         waves = tuple(
-            (abs(one), -cmath.phase(one))
-            for one in (np.array(what) @ self._coefficients)[1:].tolist()
+            (abs(coefficient), -cmath.phase(coefficient))
+            for coefficient in (np.array(combination) @ self._coefficients)[1:].tolist()
         )
         return HarmonicSegment(
-            self.start, self.end, (0.0, what[0] * self.mean[0] + what[1] * self.mean[1]), (), waves
+            self.start,
+            self.end,
+            (0.0, combination[0] * self.mean[0] + combination[1] * self.mean[1]),
+            (),
+            waves,
         )
 
-    def turning_points(self, what: Combination) -> list[float]:
+    def turning_points(self, combination: Combination) -> list[float]:
         """Times inside the segment at which a combination stops growing or falling, ascending.
 
         One wave: where its argument is a multiple of pi, with none a rounding inside a turn that
@@ -438,9 +474,9 @@ class HarmonicSegment(LoadSegment):
         ... ]  # sin t (1 + 4 cos t) = 0
         [0.5804, 1.0, 1.4196]
         """
-        size = np.abs(what) @ np.abs(self._coefficients)
+        size = np.abs(combination) @ np.abs(self._coefficients)
         if self.ellipse:
-            height, lead = self.wave(what)
+            height, lead = self.wave(combination)
             first, last = ((time + lead) / math.pi for time in (self.start, self.end))
             number = (
                 range(math.ceil(first), math.floor(last) + 1)
@@ -449,10 +485,10 @@ class HarmonicSegment(LoadSegment):
             )
             extremes = [k * math.pi - lead for k in number]
             return [time for time in extremes if self.start < time < self.end]
-        rates = self._rate(what)
-        whole = float(np.arange(len(size)) @ size)
-        rates[np.abs(rates) <= _ROUNDING * whole] = 0
-        if whole < LEAST or not np.any(rates):
+        rates = self._rate(combination)
+        rate_size = float(np.arange(len(size)) @ size)
+        rates[np.abs(rates) <= _ROUNDING * rate_size] = 0
+        if rate_size < LEAST or not np.any(rates):
             return []
         order = int(np.flatnonzero(rates)[-1])
         roots = polynomial.polyroots(
@@ -461,34 +497,38 @@ class HarmonicSegment(LoadSegment):
         angles = np.angle(roots[np.abs(np.abs(roots) - 1) < _DOUBLE])
         first = 2 * math.pi * np.floor((self.start - angles) / (2 * math.pi))
         turns = np.arange(math.ceil((self.end - self.start) / (2 * math.pi)) + 2)
-        return _sharpened(self, what, ((angles + first)[:, None] + 2 * math.pi * turns).ravel())
+        return _sharpened(
+            self, combination, ((angles + first)[:, None] + 2 * math.pi * turns).ravel()
+        )
 
     def _time_inside(
         self,
-        what: Combination,
-        wanted: Array,
+        combination: Combination,
+        change: Array,
         total: float,
         begin: float,
         end: float,
     ) -> Array:
         if not self.ellipse:
-            return super()._time_inside(what, wanted, total, begin, end)
+            return super()._time_inside(combination, change, total, begin, end)
         # The arc cosine, then one Newton step with the change, which does not cancel.
-        size, lead = self.wave(what)
+        size, lead = self.wave(combination)
         half_turn = math.floor(((begin + end) / 2 + lead) / math.pi)
         sign = -1.0 if half_turn % 2 else 1.0
-        cosine = math.cos(begin + lead) + wanted / size
+        cosine = math.cos(begin + lead) + change / size
         time = half_turn * math.pi - lead + np.arccos(np.clip(sign * cosine, -1, 1))
-        slope = self.rate_of(what, time)
+        slope = self.rate_of(combination, time)
         steep = np.abs(slope) > 1e-6 * abs(size)
         return time + np.where(
-            steep, (wanted - self.change_of(what, time, begin)) / np.where(steep, slope, 1.0), 0.0
+            steep,
+            (change - self.change_of(combination, time, begin)) / np.where(steep, slope, 1.0),
+            0.0,
         )
 
-    def mirrored(self, what: Combination, time: ArrayLike, near: float) -> Array | None:
+    def mirrored(self, combination: Combination, time: ArrayLike, near: float) -> Array | None:
         if not self.ellipse:
             return None
-        twin = -2 * self.wave(what)[1] - np.asarray(time, dtype=float)
+        twin = -2 * self.wave(combination)[1] - np.asarray(time, dtype=float)
         return twin + 2 * math.pi * np.round((near - twin) / (2 * math.pi))
 
     def shifted(self, delay: float) -> Self:
@@ -526,12 +566,10 @@ class ChebyshevSegment(LoadSegment):
     @cached_property
     def _series(self) -> Array:
         """(2, m) coefficients of both loads."""
-        found = np.zeros((2, max(len(self.normal), len(self.tangential), 2)))
-        found[0, : len(self.normal)], found[1, : len(self.tangential)] = (
-            self.normal,
-            self.tangential,
-        )
-        return found
+        coefficients = np.zeros((2, max(len(self.normal), len(self.tangential), 2)))
+        coefficients[0, : len(self.normal)] = self.normal
+        coefficients[1, : len(self.tangential)] = self.tangential
+        return coefficients
 
     @cached_property
     def _from_zero(self) -> tuple[bool, bool]:
@@ -545,37 +583,40 @@ class ChebyshevSegment(LoadSegment):
         # A load that starts from 0 is its change since then, which keeps its digits near there.
         p, q = (
             (
-                self.change_of(what, time, self.start)
+                self.change_of(combination, time, self.start)
                 if from_zero
                 else np.asarray(chebyshev.chebval(self._unit(time), series))
             )
-            for what, series, from_zero in zip(
+            for combination, series, from_zero in zip(
                 (NORMAL_LOAD, TANGENTIAL_LOAD), self._series, self._from_zero, strict=True
             )
         )
         return p, q
 
-    def rate_of(self, what: Combination, time: ArrayLike) -> Array:
+    def rate_of(self, combination: Combination, time: ArrayLike) -> Array:
         return np.asarray(
-            chebyshev.chebval(self._unit(time), self._slope(what)) * (2 / (self.end - self.start))
+            chebyshev.chebval(self._unit(time), self._slope(combination))
+            * (2 / (self.end - self.start))
         )
 
-    def _slope(self, what: Combination) -> Array:
+    def _slope(self, combination: Combination) -> Array:
         """Series of the derivative by u."""
-        return np.asarray(chebyshev.chebder(np.array(what) @ self._series))
+        return np.asarray(chebyshev.chebder(np.array(combination) @ self._series))
 
-    def change_of(self, what: Combination, time: ArrayLike, since: ArrayLike) -> Array:
+    def change_of(self, combination: Combination, time: ArrayLike, since: ArrayLike) -> Array:
         t = np.asarray(time, dtype=float)
         t0 = np.asarray(since, dtype=float)
         step = 2 * (t - t0) / (self.end - self.start)
-        return difference(np.array(what) @ self._series, self._unit(t), self._unit(t0)) * step
-
-    def beside(self, what: Combination) -> ChebyshevSegment:
-        return ChebyshevSegment(
-            self.start, self.end, (0.0,), tuple((np.array(what) @ self._series).tolist())
+        return (
+            difference(np.array(combination) @ self._series, self._unit(t), self._unit(t0)) * step
         )
 
-    def turning_points(self, what: Combination) -> list[float]:
+    def companion_of(self, combination: Combination) -> ChebyshevSegment:
+        return ChebyshevSegment(
+            self.start, self.end, (0.0,), tuple((np.array(combination) @ self._series).tolist())
+        )
+
+    def turning_points(self, combination: Combination) -> list[float]:
         """Times inside the segment at which a combination stops growing or falling, ascending:
         roots of the rate.
 
@@ -585,8 +626,8 @@ class ChebyshevSegment(LoadSegment):
         >>> segment.turning_points(NORMAL_LOAD)
         [2.0]
         """
-        slope = self._slope(what)
-        size = float(np.abs(what) @ np.max(np.abs(self._series), axis=1))
+        slope = self._slope(combination)
+        size = float(np.abs(combination) @ np.max(np.abs(self._series), axis=1))
         known = np.flatnonzero(np.abs(slope) > _ROUNDING * size)
         if not len(known) or known[-1] == 0:
             return []
@@ -596,7 +637,7 @@ class ChebyshevSegment(LoadSegment):
             roots.real[(np.abs(roots.imag) < _DOUBLE) & (np.abs(roots.real) < 1 + _DOUBLE)], -1, 1
         )
         return _sharpened(
-            self, what, (self.start + self.end) / 2 + (self.end - self.start) / 2 * unit
+            self, combination, (self.start + self.end) / 2 + (self.end - self.start) / 2 * unit
         )
 
     @property
@@ -680,10 +721,10 @@ class LoadPath:
             )
         ends = np.array([leg.end for leg in legs])
         number = np.minimum(np.searchsorted(ends, inside, side="left"), len(legs) - 1)
-        found = np.empty((2, *inside.shape))
+        loads = np.empty((2, *inside.shape))
         for k in np.unique(number):
-            found[:, number == k] = legs[k].loads(inside[number == k])
-        p, q = found.reshape(2, *np.shape(time))
+            loads[:, number == k] = legs[k].loads(inside[number == k])
+        p, q = loads.reshape(2, *np.shape(time))
         return p, q
 
 
@@ -701,18 +742,18 @@ def _wave_sum(coefficients: NDArray[np.complex128], time: Array) -> Array:
     return np.reshape(value.real, np.shape(time))
 
 
-def _sharpened(segment: LoadSegment, what: Combination, guess: Array) -> list[float]:
+def _sharpened(segment: LoadSegment, combination: Combination, guess: Array) -> list[float]:
     """Turning points of a combination in the segment, ascending, after two of Newton's steps, as
     long as they are small.
     """
-    found = guess
-    apart = 1e-6 * (segment.end - segment.start)
+    times = guess
+    step = 1e-6 * (segment.end - segment.start)
     longest = _DOUBLE * (segment.end - segment.start) / 2
     for _ in range(2):
-        rate, beside = segment.rate_of(what, np.stack([found, found + apart]))
-        step = rate * apart / np.where(beside != rate, beside - rate, np.inf)
-        found = found - np.where(np.abs(step) < longest, step, 0.0)
-    return sorted(time for time in found.tolist() if segment.start < time < segment.end)
+        rate, rate_after = segment.rate_of(combination, np.stack([times, times + step]))
+        newton_step = rate * step / np.where(rate_after != rate, rate_after - rate, np.inf)
+        times = times - np.where(np.abs(newton_step) < longest, newton_step, 0.0)
+    return sorted(time for time in times.tolist() if segment.start < time < segment.end)
 
 
 def straight_segments(rows: Iterable[Sequence[float]]) -> tuple[StraightSegment, ...]:

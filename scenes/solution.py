@@ -249,12 +249,12 @@ class ContactSolution:
         0 where the last cycle ends in the state it started from, NaN where there is no cycle before
         it or no dissipation.
         """
-        found = self.cycle_dissipation[-2:]
+        last_works = self.cycle_dissipation[-2:]
         if self.steady_from is not None:
             return 0.0
         return (
-            float((found[1] - found[0]) / found[1])
-            if len(found) == 2 and found[1] > 0
+            float((last_works[1] - last_works[0]) / last_works[1])
+            if len(last_works) == 2 and last_works[1] > 0
             else float("nan")
         )
 
@@ -510,28 +510,32 @@ def last_whole_cycle(
 _MISSED_SHARE = 0.02
 
 
-def _instant_at(time: Array, wanted: float, rounding: float) -> int | None:
+def _instant_at(time: Array, target: float, rounding: float) -> int | None:
     """Index of the instant at the time wanted, to rounding or to a small share of its distance
     from its neighbours; None where there is none.
     """
-    nearest = int(np.argmin(np.abs(time - wanted)))
+    nearest = int(np.argmin(np.abs(time - target)))
     neighbours = time[max(nearest - 1, 0) : nearest + 2]
     steps = np.diff(neighbours)
     step = float(steps.min()) if len(steps) else 0.0
-    return nearest if abs(time[nearest] - wanted) <= max(rounding, _MISSED_SHARE * step) else None
+    return nearest if abs(time[nearest] - target) <= max(rounding, _MISSED_SHARE * step) else None
 
 
 FORMAT = "halfplane solution 2"
 """Of a stored solution. Files of version 0.1 have no such word, and are refused."""
 _ARRAYS = {
-    one.name: one for one in (*fields(ContactSolution), *fields(Record)) if "words" in one.metadata
+    array.name: array
+    for array in (*fields(ContactSolution), *fields(Record))
+    if "words" in array.metadata
 }
 # Coordinate of the columns of what has two sides; beginnings of names of what the record holds.
 _SIDE = "side"
 _CERTIFICATE = "certificate_"
 _ENERGY = "energy_"
 # All but those of scenes with bulk stress, tilt or an unsymmetric profile.
-_FORM = {name: one.metadata["over"] for name, one in _ARRAYS.items() if one.default is MISSING}
+_FORM = {
+    name: array.metadata["over"] for name, array in _ARRAYS.items() if array.default is MISSING
+}
 _NUMBERS = ("dissipation", "loop_work", "dissipation_uncertainty", "permanent_stick_half_width")
 
 

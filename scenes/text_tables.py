@@ -12,7 +12,7 @@ import contextlib
 import re
 from array import array
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import chain, islice
 from pathlib import Path
@@ -201,16 +201,53 @@ class _Layout:
 Line = tuple[int, str]
 
 
+@dataclass(frozen=True)
+class TableKind:
+    """What a kind of text table is to the user, and which headings it has.
+
+    Attributes
+    ----------
+    role, cure
+        what the file is to the user, and what to do about one that is too large
+    is_known
+        whether a heading is one of those expected, where no columns are asked for
+    example, keys_by_number
+        headings of this kind of table, and the keys that take columns by number instead; both
+        for the sentence of a refusal
+    numbered
+        whether rows without a line of headings are read where no columns are asked for, as
+        "column 1" and so on
+    """
+
+    role: str = "the table"
+    cure: str = "thin it out"
+    is_known: Callable[[str], bool] = lambda _heading: False
+    example: str = "time,x,pressure,shear"
+    keys_by_number: str = ""
+    numbered: bool = False
+
+
+@dataclass(frozen=True)
+class _Request:
+    """Which columns of which file are wanted; the attributes are the parameters of `text_table`."""
+
+    path: Path
+    columns: tuple[str, ...]
+    stated: Mapping[str, str | int]
+    kind: TableKind
+
+    @property
+    def by_number(self) -> bool:
+        """Whether all columns are stated by number."""
+        stated_columns = [self.stated.get(name) for name in self.columns]
+        return bool(self.columns) and all(isinstance(place, int) for place in stated_columns)
+
+
 def text_table(
     path: Path,
     columns: tuple[str, ...] = (),
-    what: str = "the table",
-    cure: str = "thin it out",
     stated: Mapping[str, str | int] | None = None,
-    known: Callable[[str], bool] = lambda _heading: False,
-    example: str = "time,x,pressure,shear",
-    numbered: bool = False,
-    by_number: str = "",
+    kind: TableKind = TableKind(),
 ) -> TextTable:
     """Rows of finite numbers below a line of headings; lines that start with #, **, % or // are
     remarks.
@@ -221,32 +258,25 @@ def text_table(
         names that are asked for, found by their `ALIASES`; the line of headings may be left out
         where the file has these columns alone, in this order, and a # in a row begins a remark.
         Without: every column
-    what, cure
-        what the file is to the user, and what to do about one that is too large
     stated
         heading, or number from 1 on, of columns that the user named
-    known
-        whether a heading is one of those expected, where no columns are asked for
-    example, by_number
-        headings of this kind of table, and the keys that take columns by number instead, for
-        the sentence
-    numbered
-        whether rows without a line of headings are read where no columns are asked for, as
-        "column 1" and so on
+    kind
+        what the table is, for its headings and for the sentences
 
     Raises
     ------
     InputError
         One sentence that names file, line, column, value and rule.
     """
-    for name, own in (stated or {}).items():
-        if isinstance(own, int) and own < 1:
+    request = _Request(path, columns, stated or {}, kind)
+    for name, place in request.stated.items():
+        if isinstance(place, int) and place < 1:
             raise InputError(
-                f"{path}: columns = {{{name} = {own}}} is refused: columns are numbered from 1 on"
+                f"{path}: columns = {{{name} = {place}}} is refused: columns are numbered from 1 on"
             )
     longest = _LONGEST if columns else _LONGEST_OF_ALL
     try:
-        check_size(path, what, TEXT, cure)
+        check_size(path, kind.role, TEXT, kind.cure)
         with path.open("rb") as binary:
             start = binary.read(_START)
         is_utf_16 = start.startswith(_MARKS_OF_16)
@@ -259,33 +289,27 @@ def text_table(
             with contextlib.suppress(UnicodeError), path.open(encoding=encoding) as stream:
                 lines = partial(_lines, path, stream, longest)
                 first_lines = list(islice(lines(), _LOOK))
-                layout = _rows_alone(first_lines) if numbered and not columns else None
+                layout = None
+                if kind.numbered and not columns:
+                    layout = _rows_alone(first_lines)
                 if layout is None:
-                    layout = _layout(
-                        path, first_lines, columns, stated or {}, known, (example, by_number)
-                    )
+                    layout = _layout(request, first_lines)
                 comma = layout.separator != "," and _has_decimal_comma(lines(), layout)
-                values, numbers = _numbers(
-                    path, lines, layout, comma, bool(columns), f"{path}: {what}", cure
-                )
+                values, line_numbers = _numbers(request, lines, layout, comma)
                 headings = tuple(layout.names[k] for k in layout.used)
-                units = tuple(layout.units[k] for k in layout.used)
                 if not layout.head:
                     headings = tuple(f"column {k + 1}" for k in layout.used)
-                words = (
-                    SEPARATORS[layout.separator],
-                    "comma" if comma else "point",
-                    _ENCODINGS[encoding],
-                )
                 return TextTable(
-                    columns or headings,
-                    values,
-                    numbers,
-                    headings,
-                    units,
-                    *words,
-                    layout.head,
-                    layout.skipped,
+                    names=columns or headings,
+                    values=values,
+                    lines=line_numbers,
+                    headings=headings,
+                    units=tuple(layout.units[k] for k in layout.used),
+                    separator=SEPARATORS[layout.separator],
+                    decimal="comma" if comma else "point",
+                    encoding=_ENCODINGS[encoding],
+                    head=layout.head,
+                    skipped=layout.skipped,
                 )
     except OSError as reason:
         raise InputError(f"{path}: the file can't be read: {reason.strerror}") from reason
@@ -356,203 +380,242 @@ def _rows_alone(lines: list[Line]) -> _Layout | None:
     return None
 
 
-def _layout(
-    path: Path,
-    lines: list[Line],
-    columns: tuple[str, ...],
-    stated: Mapping[str, str | int],
-    known: Callable[[str], bool],
-    words: tuple[str, str],
-) -> _Layout:
-    """How the table stands in the file, from its first lines."""
-    bare = [(number, text) for number, text in lines if not text.startswith(_REMARKS)]
-    listed = ", ".join(columns)
-    wanted = (
-        f"{len(columns)} columns {listed}" if columns else "a line of names and rows of numbers"
-    )
-    if not bare:
-        raise InputError(f"{path}: the file is empty; {wanted} are needed")
-    if _MARKUP.match(bare[0][1]):
+def _layout(request: _Request, lines: list[Line]) -> _Layout:
+    """Where headings, units and rows of the table stand in the file, from its first `lines`.
+
+    Without columns asked for, a line with two known headings is looked for first, then the first
+    line of two words or more. Where no line has headings, the rows may stand alone.
+
+    Raises
+    ------
+    InputError
+        For a file that has no such table.
+    """
+    path = request.path
+    columns = request.columns
+    lines_without_remarks = [line for line in lines if not line[1].startswith(_REMARKS)]
+    needed = "a line of names and rows of numbers"
+    if columns:
+        needed = f"{len(columns)} columns {', '.join(columns)}"
+    if not lines_without_remarks:
+        raise InputError(f"{path}: the file is empty; {needed} are needed")
+    if _MARKUP.match(lines_without_remarks[0][1]):
         raise InputError(
-            f"{path}: this is JSON, XML or HTML and no table: write {wanted}, separated by commas"
+            f"{path}: this is JSON, XML or HTML and no table: write {needed}, separated by commas"
         )
-    least = max(len(columns), 1)
-    by_number = bool(columns) and all(isinstance(stated.get(name), int) for name in columns)
-    # Where no columns are asked for: a line with two known headings, else the first line of two
-    # words or more.
-    for least_known in (0,) if columns else (2, 0):
-        for place, (number, text) in enumerate(lines):
-            remark = text.startswith(_REMARKS)
-            if not remark and any(
-                len(_cells(text, mark)) >= least and _numeric(text, mark) for mark in SEPARATORS
-            ):
+    fewest_known_headings = (0,) if columns else (2, 0)
+    for fewest_known in fewest_known_headings:
+        for index in range(len(lines)):
+            if _is_row(lines[index][1], max(len(columns), 1)):
                 break
-            following = [line for line in lines[place + 1 :] if not line[1].startswith(_REMARKS)]
-            # the rows do not have a cell for each heading: a fault of theirs, if nothing else fits
-            uneven: list[_Layout] = []
-            for mark in SEPARATORS:
-                for names in _headings(text.lstrip("#*%/ ") if remark else text, mark):
-                    used = (
-                        _used(path, number, names, columns, stated)
-                        if columns
-                        else tuple(range(len(names)))
-                    )
-                    if used is None or by_number:
-                        continue
-                    if not columns and (
-                        remark or len(names) < 2 or sum(map(known, names)) < least_known
-                    ):
-                        continue
-                    # A line of its own below the headings may hold the units.
-                    units = (
-                        [cell.strip("[]() ") for cell in _cells(following[0][1], mark)]
-                        if following
-                        else []
-                    )
-                    below = len(units) == len(names) and any(map(is_unit, units))
-                    below = below and all(unit in ("", "-") or is_unit(unit) for unit in units)
-                    units = [unit.strip("-") for unit in units] if below else [""] * len(names)
-                    start, row = following[below] if len(following) > below else (number + 1, None)
-                    even = row is None or len(_cells(row, mark)) == len(names)
-                    if remark and (row is None or not even or not _numeric(row, mark)):
-                        continue
-                    own = tuple(
-                        unit or unit_in(name)[1] for unit, name in zip(units, names, strict=True)
-                    )
-                    skipped = sum(before < number for before, _ in bare)
-                    found = _Layout(mark, tuple(names), own, used, number, start, skipped)
-                    if even:
-                        return found
-                    uneven.append(found)
-            if uneven:
-                return uneven[0]
-    return _plain_layout(path, bare, columns, stated, by_number, words)
+            layouts = list(_layouts_below(request, lines, index, fewest_known))
+            for layout, has_even_rows in layouts:
+                if has_even_rows:
+                    return layout
+            # Rows without a cell for each heading: a fault of theirs, if nothing else fits.
+            if layouts:
+                return layouts[0][0]
+    return _plain_layout(request, lines_without_remarks)
 
 
-def _used(
-    path: Path,
-    line: int,
-    names: Sequence[str],
-    columns: tuple[str, ...],
-    stated: Mapping[str, str | int],
-) -> tuple[int, ...] | None:
-    """Which of the headings `names` each wanted column has; None where one is not found."""
-    found: list[int] = []
-    for column in columns:
-        own = stated.get(column)
-        if isinstance(own, int):
-            places = [own - 1] if own <= len(names) else []
-        elif own is not None:
-            places = [k for k, name in enumerate(names) if own.strip() in (name, unit_in(name)[0])]
-        else:
-            aliases = (column, *ALIASES[_OF_SCENES.get(column, column)])
-            ways_to_read = ((name, unit_in(name)[0], name_without_unit(name)) for name in names)
-            heads = [tuple(plain(text).lower() for text in texts) for texts in ways_to_read]
-            ways = (
-                [k for k, head in enumerate(heads) if plain(alias).lower() in head]
-                for alias in aliases
+def _is_row(text: str, fewest_cells: int) -> bool:
+    """Whether a line is a row of numbers by any separator, and no remark."""
+    return not text.startswith(_REMARKS) and any(
+        len(_cells(text, mark)) >= fewest_cells and _numeric(text, mark) for mark in SEPARATORS
+    )
+
+
+def _layouts_below(
+    request: _Request, lines: list[Line], index: int, fewest_known: int
+) -> Iterator[tuple[_Layout, bool]]:
+    """The layouts that a table has if `lines[index]` has its headings, one for each way to cut the
+    line; and whether the first row has a cell for each heading.
+
+    `fewest_known` of the headings must be known where no columns are asked for.
+    """
+    line_number, text = lines[index]
+    is_remark = text.startswith(_REMARKS)
+    heading_text = text.lstrip("#*%/ ") if is_remark else text
+    lines_below = [line for line in lines[index + 1 :] if not line[1].startswith(_REMARKS)]
+    lines_above = [line for line in lines[:index] if not line[1].startswith(_REMARKS)]
+    for mark in SEPARATORS:
+        for names in _headings(heading_text, mark):
+            if request.columns:
+                used = _used(request, line_number, names)
+            else:
+                used = tuple(range(len(names)))
+                known_count = sum(map(request.kind.is_known, names))
+                if is_remark or len(names) < 2 or known_count < fewest_known:
+                    continue
+            if used is None or request.by_number:
+                continue
+            # The line below the headings may hold the units.
+            cells = []
+            if lines_below:
+                cells = [cell.strip("[]() ") for cell in _cells(lines_below[0][1], mark)]
+            has_units = (
+                len(cells) == len(names)
+                and any(map(is_unit, cells))
+                and all(cell in ("", "-") or is_unit(cell) for cell in cells)
             )
-            places = next(filter(None, ways), [])
+            units = [unit_in(name)[1] for name in names]
+            if has_units:
+                stated_units = [cell.strip("-") for cell in cells]
+                units = [
+                    stated_unit or unit
+                    for stated_unit, unit in zip(stated_units, units, strict=True)
+                ]
+            rows = lines_below[1:] if has_units else lines_below
+            first_row = rows[0][1] if rows else None
+            start = rows[0][0] if rows else line_number + 1
+            has_even_rows = first_row is None or len(_cells(first_row, mark)) == len(names)
+            if is_remark and (
+                first_row is None or not has_even_rows or not _numeric(first_row, mark)
+            ):
+                continue
+            layout = _Layout(
+                mark, tuple(names), tuple(units), used, line_number, start, len(lines_above)
+            )
+            yield layout, has_even_rows
+
+
+def _used(request: _Request, line_number: int, headings: Sequence[str]) -> tuple[int, ...] | None:
+    """Which of the headings of a line is that of each wanted column; None where one is not found or
+    one stands for two columns.
+
+    Raises
+    ------
+    InputError
+        Where several headings could be that of one column.
+    """
+    used: list[int] = []
+    for column in request.columns:
+        places = _places_of(column, request.stated.get(column), headings)
         if len(places) > 1:
-            both = ", ".join(repr(names[k]) for k in places)
+            candidates = ", ".join(repr(headings[k]) for k in places)
             raise InputError(
-                f"{path}, line {line}: {both} could each be {column}; say which by columns ="
-                f" {{{column} = ...}}"
+                f"{request.path}, line {line_number}: {candidates} could each be {column}; say"
+                f" which by columns = {{{column} = ...}}"
             )
-        found += places
-    return tuple(found) if len(found) == len(columns) == len(set(found)) else None
+        used += places
+    return tuple(used) if len(used) == len(request.columns) == len(set(used)) else None
 
 
-def _plain_layout(
-    path: Path,
-    bare: list[Line],
-    columns: tuple[str, ...],
-    stated: Mapping[str, str | int],
-    by_number: bool,
-    words: tuple[str, str],
-) -> _Layout:
-    """Where no line of headings was recognised: rows alone; else what is wrong."""
-    number, text = bare[0]
-    rows = [mark for mark in SEPARATORS if len(_cells(text, mark)) > 1 and _numeric(text, mark)]
+def _places_of(column: str, stated: str | int | None, headings: Sequence[str]) -> list[int]:
+    """Indices of the headings that may be that of a column: as stated, else by its aliases."""
+    if isinstance(stated, int):
+        return [stated - 1] if stated <= len(headings) else []
+    if stated is not None:
+        word = stated.strip()
+        return [k for k, name in enumerate(headings) if word in (name, unit_in(name)[0])]
+    readings = []  # of each heading, with and without what may be its unit
+    for name in headings:
+        texts = (name, unit_in(name)[0], name_without_unit(name))
+        readings.append({plain(text).lower() for text in texts})
+    for alias in (column, *ALIASES[_OF_SCENES.get(column, column)]):
+        places = [k for k, reading in enumerate(readings) if plain(alias).lower() in reading]
+        if places:
+            return places
+    return []
+
+
+def _plain_layout(request: _Request, lines: list[Line]) -> _Layout:
+    """The layout of rows without a line of headings that was recognised.
+
+    Raises
+    ------
+    InputError
+        For a file that is no such table: what is wrong with it.
+    """
+    path = request.path
+    columns = request.columns
+    number, text = lines[0]
+    begins_with_rows = any(
+        len(_cells(text, mark)) > 1 and _numeric(text, mark) for mark in SEPARATORS
+    )
     if not columns:
-        what = "it has numbers only" if rows or _numeric(text, None) else f"it is {shown(text)}"
-        example, keys = words
-        cure = f"; or take them by number: {keys}" if keys and rows else ""
+        fault = f"it is {shown(text)}"
+        if begins_with_rows or _numeric(text, None):
+            fault = "it has numbers only"
+        keys = request.kind.keys_by_number
+        cure = f"; or take them by number: {keys}" if keys and begins_with_rows else ""
         raise InputError(
-            f"{path}, line {number}: the first line must name the columns, such as {example};"
-            f" {what}{cure}"
+            f"{path}, line {number}: the first line must name the columns, such as"
+            f" {request.kind.example}; {fault}{cure}"
         )
     listed = ", ".join(columns)
     count = len(columns)
-
-    # The first row of numbers, its separator and cells.
-    ways = (
-        (k, mark, _cells(row, mark))
-        for k, (_, row) in enumerate(bare)
-        for mark in SEPARATORS
-        if _numeric(row, mark)
-    )
-    start, mark, cells = next((way for way in ways if len(way[2]) >= count), (0, None, []))
+    start, mark, cells = _first_row(lines, count)
     exact = (
         start == 0
         and len(cells) == count
-        and not any(isinstance(own, str) for own in stated.values())
+        and not any(isinstance(heading, str) for heading in request.stated.values())
     )
-    if cells and (by_number or exact):
-        used = (
-            tuple(int(stated[name]) - 1 for name in columns) if by_number else tuple(range(count))
-        )
+    if cells and (request.by_number or exact):
+        used = tuple(range(count))
+        if request.by_number:
+            used = tuple(int(request.stated[name]) - 1 for name in columns)
         if max(used) >= len(cells):
             raise InputError(
-                f"{path}, line {bare[start][0]}: there is no column {max(used) + 1}: the line has"
+                f"{path}, line {lines[start][0]}: there is no column {max(used) + 1}: the line has"
                 f" {len(cells)}"
             )
-        own = dict(zip(used, columns, strict=True))
-        names = [own.get(k, f"column {k + 1}") for k in range(len(cells))]
-        head, above, units = _above(bare[:start], mark, len(cells))
-        skipped = sum(before < head for before, _ in bare) if head else start
+        column_names = dict(zip(used, columns, strict=True))
+        names = [column_names.get(k, f"column {k + 1}") for k in range(len(cells))]
+        head, headings, units = _above(lines[:start], mark, len(cells))
+        skipped = start
+        if head:
+            skipped = sum(line[0] < head for line in lines)
         return _Layout(
             mark,
-            above or tuple(names),
+            headings or tuple(names),
             units or ("",) * len(cells),
             used,
             head,
-            bare[start][0],
+            lines[start][0],
             skipped,
         )
-    if rows:
-        cure = (
-            "; semicolons between the columns where commas stand in the numbers"
-            if len(cells) == 2 * count
-            else ""
-        )
+    if begins_with_rows:
+        cure = ""
+        if len(cells) == 2 * count:
+            cure = "; semicolons between the columns where commas stand in the numbers"
         raise InputError(
             f"{path}, line {number}: {count} numbers ({listed}) are needed, not"
             f" {shown(text)}{cure}; or say which by columns ="
             f" {{{', '.join(f'{name} = {k}' for k, name in enumerate(columns, 1))}}}"
         )
     # the line above the first row of numbers, else the first
-    number, text = bare[max(start - 1, 0)]
-    names = max(
-        (way for one in ((mark,) if cells else SEPARATORS) for way in _headings(text, one)), key=len
-    )
-    lacking = [name for name in columns if _used(path, number, names, (name,), stated) is None]
-    own_words = [shown(stated[name]) for name in lacking if name in stated]
+    number, text = lines[max(start - 1, 0)]
+    separators = (mark,) if cells else tuple(SEPARATORS)
+    names = max((way for separator in separators for way in _headings(text, separator)), key=len)
+    lacking = [
+        name for name in columns if _used(replace(request, columns=(name,)), number, names) is None
+    ]
     if not lacking and len(names) >= count:
         raise InputError(
             f"{path}, line {number}: columns: {listed} must be of different columns of"
             f" {shown(text)}"
         )
-    which = (
-        f"no heading is {' or '.join(own_words)}"
-        if own_words
-        else f"none is known as {' or '.join(lacking or columns)}"
+    stated_headings = [shown(request.stated[name]) for name in lacking if name in request.stated]
+    reason = f"none is known as {' or '.join(lacking or columns)}"
+    if stated_headings:
+        reason = f"no heading is {' or '.join(stated_headings)}"
+    raise InputError(
+        f"{path}, line {number}: the columns are {listed}, not {shown(text)}: {reason}; say which"
+        f" by columns = {{{(lacking or columns)[0]} = ...}}, by its heading or its number from 1 on"
     )
-    cure = (
-        f"{which}; say which by columns = {{{(lacking or columns)[0]} = ...}}, by its heading or"
-        " its number from 1 on"
-    )
-    raise InputError(f"{path}, line {number}: the columns are {listed}, not {shown(text)}: {cure}")
+
+
+def _first_row(lines: list[Line], count: int) -> tuple[int, str | None, list[str]]:
+    """Index, separator and cells of the first row of `count` numbers or more; 0, None and no cells
+    where there is none.
+    """
+    for k, (_, text) in enumerate(lines):
+        for mark in SEPARATORS:
+            cells = _cells(text, mark)
+            if _numeric(text, mark) and len(cells) >= count:
+                return k, mark, cells
+    return 0, None, []
 
 
 def _above(
@@ -599,43 +662,41 @@ def _has_decimal_comma(lines: Iterator[Line], layout: _Layout) -> bool:
 
 
 def _numbers(
-    path: Path,
-    lines: Callable[[], Iterator[Line]],
-    layout: _Layout,
-    comma: bool,
-    remarks_in_rows: bool,
-    what: str,
-    cure: str,
+    request: _Request, lines: Callable[[], Iterator[Line]], layout: _Layout, comma: bool
 ) -> tuple[Array, NDArray[np.int64]]:
-    """The numbers of the columns that are read and the line of each row: at once where all is well,
-    else one by one to a fault.
+    """The numbers (n, m) of the columns that are read and the line (n,) of each row; `comma` is
+    whether that is the decimal sign.
+
+    All rows are read at once; where that fails, cell by cell up to the fault.
     """
+    path = request.path
     mark = layout.separator
-    more = len(layout.names) - 1
-    places = array("q")
+    separators_in_row = len(layout.names) - 1
+    remarks_in_rows = bool(request.columns)
+    line_numbers = array("q")
 
     def rows() -> Iterator[Line]:
-        del places[:]
+        del line_numbers[:]
         for number, text in lines():
             if number < layout.first or text.startswith(_REMARKS):
                 continue
-            if len(places) == MOST_ROWS:
+            if len(line_numbers) == MOST_ROWS:
                 raise InputError(
-                    f"{what} has more than {MOST_ROWS:,} rows, the most that are read; {cure}"
+                    f"{path}: {request.kind.role} has more than {MOST_ROWS:,} rows, the most that"
+                    f" are read; {request.kind.cure}"
                 )
-            places.append(number)
-            yield (
-                number,
-                (text.split("#", 1)[0].rstrip() if remarks_in_rows and "#" in text else text),
-            )
+            line_numbers.append(number)
+            if remarks_in_rows and "#" in text:
+                yield number, text.split("#", 1)[0].rstrip()
+            else:
+                yield number, text
 
     def even_rows() -> Iterator[str]:
         for _, text in rows():
             # empty cells at the end are none
             row = text if mark is None else text.rstrip(f"{mark} ")
-            if (len(row.split()) - 1 if mark is None else row.count(mark)) != more or (
-                comma and "." in row
-            ):
+            separator_count = len(row.split()) - 1 if mark is None else row.count(mark)
+            if separator_count != separators_in_row or (comma and "." in row):
                 raise ValueError
             yield row.replace(",", ".") if comma else row
 
@@ -652,11 +713,11 @@ def _numbers(
     except ValueError:
         values = np.array([[np.nan]])
     if not (np.abs(values) <= LARGEST).all():
-        each = chain.from_iterable(
+        cells = chain.from_iterable(
             _row(path, number, text, layout, comma) for number, text in rows()
         )
-        values = np.fromiter(each, dtype=float).reshape(-1, len(layout.used))
-    return values, np.array(places, dtype=np.int64)
+        values = np.fromiter(cells, dtype=float).reshape(-1, len(layout.used))
+    return values, np.array(line_numbers, dtype=np.int64)
 
 
 def _row(path: Path, line: int, text: str, layout: _Layout, comma: bool) -> list[float]:
@@ -674,7 +735,7 @@ def _row(path: Path, line: int, text: str, layout: _Layout, comma: bool) -> list
             f"{path}, line {line}: {len(layout.names)} numbers ({listed}) are needed, not"
             f" {shown(text)}{cure}"
         )
-    found: list[float] = []
+    numbers: list[float] = []
     for k in layout.used:
         number = _number(cells[k], comma)
         if number is None or not abs(number) <= LARGEST:
@@ -688,5 +749,5 @@ def _row(path: Path, line: int, text: str, layout: _Layout, comma: bool) -> list
                 f"{path}, line {line}: {layout.names[k]} = {shown(cells[k])} is not a finite number"
                 f" of at most {LARGEST:g}{cure}"
             )
-        found.append(number)
-    return found
+        numbers.append(number)
+    return numbers

@@ -100,8 +100,10 @@ def inconsistent(units: str) -> str:
             "write force, length and stress in this order with commas between, such as 'N, mm, MPa'"
         )
     force, length, stress = words
-    wanted = UNITS["force"][force] / UNITS["length"][length] ** 2
-    right = [word for word, size in UNITS["stress"].items() if abs(size / wanted - 1) < _ROUNDING]
+    stress_size = UNITS["force"][force] / UNITS["length"][length] ** 2
+    right = [
+        word for word, size in UNITS["stress"].items() if abs(size / stress_size - 1) < _ROUNDING
+    ]
     if stress in right:
         return ""
     fault = f"{force}/{length}^2 is {f'{right[0]}, ' if right else ''}not {stress}"
@@ -140,17 +142,17 @@ def unit_in(heading: str) -> tuple[str, str]:
         last = bracket.end() == len(text)
         if is_unit(inside) or last:
             return text[: bracket.start()].rstrip(" _,;:-"), "" if inside in ("-", "1") else inside
-    found = re.match(r"(.*?\S)(?:\s*/\s*|\s+in\s+)(\S+)$", text)
-    if found and is_unit(found[2]):
-        return found[1], found[2]
+    quotient = re.match(r"(.*?\S)(?:\s*/\s*|\s+in\s+)(\S+)$", text)
+    if quotient and is_unit(quotient[2]):
+        return quotient[1], quotient[2]
     name, word = _last_word(text)
     return (name, word) if is_unit(word) and word not in _SHORT else (text, "")
 
 
 def _last_word(text: str) -> tuple[str, str]:
     """What stands before the last word, and that word; it is empty where there is one word only."""
-    found = re.match(r"(.*[^\s_,;])[\s_,;]+([^\s_,;]+)$", text)
-    return (found[1], found[2]) if found else (text, "")
+    words = re.match(r"(.*[^\s_,;])[\s_,;]+([^\s_,;]+)$", text)
+    return (words[1], words[2]) if words else (text, "")
 
 
 def short_unit_in(heading: str, kind: Kind) -> str:
@@ -236,9 +238,9 @@ def unit_factor(unit: str, kind: Kind, units: str) -> tuple[float, bool]:
     """
     size = _size(unit, kind)
     if size is None:
-        what = "force, or of force per length," if kind == "load" else kind
+        quantity = "force, or of force per length," if kind == "load" else kind
         raise ValueError(
-            f"{unit!r} is no unit of {what} that is known; known are"
+            f"{unit!r} is no unit of {quantity} that is known; known are"
             f" {', '.join(_OF_FILES[kind]) or 'none'}"
         )
     value, per_length = size
@@ -248,15 +250,15 @@ def unit_factor(unit: str, kind: Kind, units: str) -> tuple[float, bool]:
     )
     if kind in ("time", "angle"):
         return value, False
-    own = {
+    scene_size = {
         "length": length,
         "load": force / ((length or math.inf) if per_length else 1.0),
         "stress": stress,
     }[kind]
-    if not own:
+    if not scene_size:
         raise ValueError(
             f"{unit!r} can't be turned into the units of the scene, {units!r}, which are no known"
             " words; use scale"
         )
     # 1e3/1e3 is 1, whatever the quotients' rounding
-    return float(f"{value / own:.12g}"), per_length
+    return float(f"{value / scene_size:.12g}"), per_length

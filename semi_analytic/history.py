@@ -26,6 +26,7 @@ from scenes import (
     Combination,
     InadmissibleLoadError,
     InputError,
+    LoadedInstant,
     LoadPath,
     LoadSegment,
 )
@@ -176,8 +177,13 @@ def _check_part(leg: LoadSegment, begin: float, end: float, friction: float, sla
         earliest = min(time for time, _ in broken) + _NEAR * (end - begin)
         time, reason = next(entry for entry in broken if entry[0] <= earliest)
         where = instant(leg, time)
-        seen = (last.time, last.normal, last.tangential)  # P, u and v are monotonic up to there
-        raise InadmissibleLoadError(reason, time, where.normal, where.tangential, friction, seen)
+        raise InadmissibleLoadError(
+            reason,
+            LoadedInstant(time, where.normal, where.tangential),
+            # P, u and v are monotonic up to there
+            LoadedInstant(last.time, last.normal, last.tangential),
+            friction=friction,
+        )
 
 
 def monotonic_parts(leg: LoadSegment, friction: float) -> list[tuple[float, float]]:

@@ -30,6 +30,7 @@ from numpy.typing import NDArray
 from scenes import (
     InadmissibleLoadError,
     InputError,
+    LoadedInstant,
     LoadPath,
     LoadSegment,
     Scene,
@@ -765,8 +766,7 @@ def check_rows(rows: Array, friction: float) -> None:
     step = StraightSegment(time_before, time_after, tuple(loads_before), tuple(loads_after))
     check([step], friction)
     reason = "separation" if separates[bad[0]] else "gross sliding"
-    normal_after, tangential_after = loads_after
-    raise InadmissibleLoadError(reason, time_after, normal_after, tangential_after, friction)
+    raise InadmissibleLoadError(reason, LoadedInstant(time_after, *loads_after), friction=friction)
 
 
 def _single(friction: float, rows: Array) -> LoadSeries:

@@ -174,7 +174,7 @@ def test_changes_and_rates_are_those_of_the_loads_in_any_shape_and_later_too(seg
             segment.shifted(delay).loads(t + delay), segment.loads(t), atol=2e-12
         )
     for combination in COMBINATIONS:  # such as the moment of a line of action
-        moment = segment.beside(combination)
+        moment = segment.companion_of(combination)
         np.testing.assert_allclose(
             moment.loads(t),
             (0 * p, combination.normal * p + combination.tangential * q),

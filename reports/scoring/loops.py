@@ -54,7 +54,7 @@ from reports.scoring.mapping import Mapping, converted, find_column, listed
 from reports.units import energy_unit, load_unit, minus, units
 from scenes import InputError, Scene
 from scenes.measured import ReadAs, layout_in_words, unit_of_column
-from scenes.text_tables import ALIASES, TextTable, plain, text_table
+from scenes.text_tables import ALIASES, TableKind, TextTable, plain, text_table
 
 Array = NDArray[np.float64]
 Against = Literal["exact", "fe"]
@@ -217,10 +217,12 @@ def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
     """
     table = text_table(
         path,
-        known=_is_of_loops,
-        example="U,Q",
-        numbered=_is_numbered(mapping),
-        by_number=_BY_NUMBER,
+        kind=TableKind(
+            is_known=_is_of_loops,
+            example="U,Q",
+            keys_by_number=_BY_NUMBER,
+            numbered=_is_numbered(mapping),
+        ),
     )
     names, where = table.names, str(path)
     alone = not table.head and len(names) == 2  # the other of two columns without names

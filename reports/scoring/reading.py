@@ -17,7 +17,7 @@ from reports.scoring.abaqus import is_field_report, read_field_report
 from reports.scoring.mapping import Mapping, Quantity, converted, find_column, stated_times
 from reports.scoring.surface import SurfaceResult, surface_result
 from scenes import InputError
-from scenes.text_tables import ALIASES, TextTable, plain, text_table
+from scenes.text_tables import ALIASES, TableKind, TextTable, plain, text_table
 
 Array = NDArray[np.float64]
 
@@ -92,9 +92,11 @@ def read_table(path: Path, mapping: Mapping) -> SurfaceResult:
         return _rows(source, mapping, *read_field_report(path, mapping))
     table = text_table(
         path,
-        what="the result",
-        cure="write the contact surface alone, and fewer instants",
-        known=lambda name: _head(name, mapping)[0] is not None or plain(name) in _OTHERS,
+        kind=TableKind(
+            role="the result",
+            cure="write the contact surface alone, and fewer instants",
+            is_known=lambda name: _head(name, mapping)[0] is not None or plain(name) in _OTHERS,
+        ),
     )
     if wide := _frames(source, table, mapping):
         return _placed(_rows(source, mapping, *wide), table, mapping)
