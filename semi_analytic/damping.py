@@ -113,13 +113,9 @@ def compliance(solution: ContactSolution) -> tuple[Array, Array]:
     """
     if solution.tilt is not None:
         raise InputError("compliance: it is for symmetric profiles without bulk stress and tilt")
-    factor, datum = (
-        2 / (math.pi * composite_modulus(solution.scene.material)),
-        2 * solution.scene.profile.datum_length,
-    )
+    factor = 2 / (math.pi * composite_modulus(solution.scene.material))
+    datum_width = 2 * solution.scene.profile.datum_length
     with np.errstate(divide="ignore"):
-        tangent, stick = (
-            factor * np.log(datum / np.nan_to_num(width))
-            for width in (solution.stick_half_width, solution.contact_half_width)
-        )
-    return freeze(tangent), freeze(stick)
+        in_slip = factor * np.log(datum_width / np.nan_to_num(solution.stick_half_width))
+        after_reversal = factor * np.log(datum_width / np.nan_to_num(solution.contact_half_width))
+    return freeze(in_slip), freeze(after_reversal)

@@ -10,8 +10,8 @@ from scenes import Elastic, Materials
 def composite_modulus(materials: Materials) -> float:
     """E* of 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2 [stress] (theory of Hertz, plane strain).
 
-    >>> alike = Elastic(young_modulus=182.0, poisson_ratio=0.3)
-    >>> round(composite_modulus(Materials(upper=alike, lower=alike)), 12)
+    >>> material = Elastic(young_modulus=182.0, poisson_ratio=0.3)
+    >>> round(composite_modulus(Materials(upper=material, lower=material)), 12)
     100.0
     """
     bodies = (materials.upper, materials.lower)
@@ -34,18 +34,16 @@ def coupling_constant(materials: Materials) -> float:
     beta = [(1 - 2 nu1)/G1 - (1 - 2 nu2)/G2] / [2 (1 - nu1)/G1 + 2 (1 - nu2)/G2], body 1 being the
     upper one.
 
-    >>> soft, stiff = (
-    ...     Elastic(young_modulus=2.0, poisson_ratio=0.0),
-    ...     Elastic(young_modulus=2e9, poisson_ratio=0.0),
-    ... )
+    >>> soft = Elastic(young_modulus=2.0, poisson_ratio=0.0)
+    >>> stiff = Elastic(young_modulus=2e9, poisson_ratio=0.0)
     >>> round(coupling_constant(Materials(upper=soft, lower=stiff)), 6)
     0.5
     """
-    upper, lower = materials.upper, materials.lower
-    difference = (1 - 2 * upper.poisson_ratio) / shear_modulus(upper) - (
-        1 - 2 * lower.poisson_ratio
-    ) / shear_modulus(lower)
-    total = (1 - upper.poisson_ratio) / shear_modulus(upper) + (
-        1 - lower.poisson_ratio
-    ) / shear_modulus(lower)
+    # notation: G shear modulus, nu Poisson's ratio; 1 the upper body, 2 the lower one
+    nu_1 = materials.upper.poisson_ratio
+    nu_2 = materials.lower.poisson_ratio
+    g_1 = shear_modulus(materials.upper)
+    g_2 = shear_modulus(materials.lower)
+    difference = (1 - 2 * nu_1) / g_1 - (1 - 2 * nu_2) / g_2
+    total = (1 - nu_1) / g_1 + (1 - nu_2) / g_2
     return difference / (2 * total)

@@ -30,7 +30,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from scenes import NORMAL_LOAD, Combination, InputError, Scene
+from scenes import NORMAL_LOAD, TANGENTIAL_LOAD, Combination, InputError, Scene
 from scenes.frozen import validated
 from semi_analytic.bulk_and_tilt import followed_path
 from semi_analytic.history import History, Span, history_of, is_plain_ellipse
@@ -94,25 +94,30 @@ def events(scene: Scene) -> tuple[Event, ...]:
     history = history_of(followed_path(scene), scene.friction.coefficient, scene.cycles)
     times = _letter_times(history)
     merged: list[Event] = []
-    for one in sorted(_named(history), key=lambda event: event.time):
-        known = merged[-1] if merged else None
-        if known is not None and abs(known.time - one.time) <= _SAME * max(abs(one.time), 1.0):
-            names = [name for name in (known.name, one.name) if not name.endswith(_ON)] or [
-                known.name
-            ]
-            front = min(known.front_load, one.front_load)
-            merged[-1] = replace(known, name="; ".join(dict.fromkeys(names)), front_load=front)
+    for event in sorted(_named(history), key=lambda event: event.time):
+        before = merged[-1] if merged else None
+        tolerance = _SAME * max(abs(event.time), 1.0)
+        if before is not None and abs(before.time - event.time) <= tolerance:
+            merged[-1] = _as_one(before, event)
         else:
-            merged.append(one)
-    return tuple(
-        replace(
-            one,
-            letter="".join(
-                letter for letter, time in times.items() if abs(time - one.time) <= 1e-7
-            ),
-        )
-        for one in merged
-        if not one.name.endswith(_ON)
+            merged.append(event)
+    lettered = []
+    for event in merged:
+        if not event.name.endswith(_ON):
+            letters = [letter for letter, time in times.items() if abs(time - event.time) <= 1e-7]
+            lettered.append(replace(event, letter="".join(letters)))
+    return tuple(lettered)
+
+
+def _as_one(first: Event, second: Event) -> Event:
+    """Two events of one instant, with both names and the lower load at the edge of slip."""
+    names = [name for name in (first.name, second.name) if not name.endswith(_ON)]
+    if not names:
+        names = [first.name]
+    return replace(
+        first,
+        name="; ".join(dict.fromkeys(names)),
+        front_load=min(first.front_load, second.front_load),
     )
 
 
@@ -127,13 +132,15 @@ def event(scene: Scene, letter: str) -> Event:
     Examples
     --------
     >>> from scenes import load_scene
-    >>> found = event(load_scene("hertz-paper"), "G")
-    >>> round(found.time / math.pi, 12), round(found.front_load / found.normal_load, 6)
-    (3.25, 0.691609)
+    >>> end_of_slip = event(load_scene("hertz-paper"), "G")
+    >>> round(end_of_slip.time / math.pi, 12)
+    3.25
+    >>> round(end_of_slip.front_load / end_of_slip.normal_load, 6)
+    0.691609
     """
-    for found in events(scene):
-        if letter and found.letter == letter:
-            return found
+    for candidate in events(scene):
+        if letter and candidate.letter == letter:
+            return candidate
     raise InputError(f"events: the scene {scene.name!r} has no event {letter!r} among {LETTERS}")
 
 
@@ -163,35 +170,44 @@ def _named(history: History) -> Iterator[Event]:
     )
 
 
-def _same_piece(one: Curve, other: Curve) -> bool:
-    """Whether two pieces are parts of one."""
-    if one is None or other is None:
-        return one is other
-    if one.arc is not None and other.arc is not None and one.anchor.leg is other.anchor.leg:
+def _same_piece(first: Curve, second: Curve) -> bool:
+    """Whether two pieces of memory curves are parts of one piece."""
+    if first is None or second is None:
+        return first is second
+    if first.arc is not None and second.arc is not None and first.anchor.leg is second.anchor.leg:
         return True  # an arc that a cycle starts in comes in two pieces
-    return one.anchor[1:] == other.anchor[1:] and one.slope == other.slope
+    return first.anchor[1:] == second.anchor[1:] and first.slope == second.slope
 
 
 def _extremes(span: Span) -> Iterator[Event]:
     """Extreme loads at the beginning of a span or inside it, also at the ends of an ellipse, which
     is smooth beyond.
     """
-    leg, width = span.leg, 1e-3 * (span.leg.end - span.leg.start)
-    wider = replace(leg, start=leg.start - 0.1, end=leg.end + 0.1) if is_plain_ellipse(leg) else leg
-    for what, word in ((NORMAL_LOAD, "P"), (Combination(0.0, 1.0), "Q")):
-        for time in wider.turning_points(what):
+    leg = span.leg
+    step = 1e-3 * (leg.end - leg.start)
+    wider_leg = leg
+    if is_plain_ellipse(leg):
+        wider_leg = replace(leg, start=leg.start - 0.1, end=leg.end + 0.1)
+    for load, word in ((NORMAL_LOAD, "P"), (TANGENTIAL_LOAD, "Q")):
+        for time in wider_leg.turning_points(load):
             if span.begin.time - _SAME <= time < span.end.time - _SAME:
-                bend = float(leg.change_of(what, time + width, time)) + float(
-                    leg.change_of(what, time - width, time)
-                )
+                change_after = float(leg.change_of(load, time + step, time))
+                change_before = float(leg.change_of(load, time - step, time))
+                bend = change_after + change_before
                 yield _at(span, time, f"{word} {'largest' if bend < 0 else 'least'}")
 
 
 def _at(span: Span, time: float, name: str) -> Event:
-    inside = min(max(time, span.begin.time), span.end.time)
-    normal, tangential = (float(load) for load in span.leg.loads(inside))
+    """The event `name` at the instant of a span that is nearest to a time of its leg."""
+    leg_time = min(max(time, span.begin.time), span.end.time)
+    normal, tangential = (float(load) for load in span.leg.loads(leg_time))
     return Event(
-        "", name, inside + span.delay, normal, tangential, normal - float(span.slipped(inside))
+        letter="",
+        name=name,
+        time=leg_time + span.delay,
+        normal_load=normal,
+        tangential_load=tangential,
+        front_load=normal - float(span.slipped(leg_time)),
     )
 
 
@@ -201,26 +217,39 @@ def _letter_times(history: History) -> dict[str, float]:
     """
     if history.loop is None or history.steady_from is None:
         return {}
-    leg, friction, ellipse = history.loop, history.spans[0].friction, history.loop.ellipse
+    friction = history.spans[0].friction
+    ellipse = history.loop.ellipse
     assert ellipse is not None  # for the type checker: `loop` is one
     area = ellipse.amplitude[0] * ellipse.amplitude[1] * math.sin(ellipse.phase)
     if abs(area) <= 1e-12 * ellipse.amplitude[0] * ellipse.amplitude[1]:
         return {}
-    sense, turn = (1 if area > 0 else -1), 2 * math.pi
-    what = {
+    sense = 1 if area > 0 else -1
+    revolution = 2 * math.pi
+    combinations = {
         "u": level(sense, friction),
         "-v": level(-sense, friction),
         "P": NORMAL_LOAD,
         "Q": Combination(0.0, float(sense)),
     }
-    times = {"A": leg.start}
     # What is largest (+) or least (-) at each letter; v is least where -v is largest.
-    order = zip(
-        "BCDEFGHIKLM",
-        ("u-", "P+", "Q+", "u+", "P-", "-v+", "Q-", "u-", "P+", "Q+", "u+"),
-        strict=True,
-    )
-    for letter, key in order:
-        first = ellipse.largest_at(what[key[:-1]]) + (math.pi if key[-1] == "-" else 0.0)
-        times[letter] = first + turn * math.ceil((max(times.values()) - first) / turn - 1e-12)
+    extremes = {
+        "B": "u-",
+        "C": "P+",
+        "D": "Q+",
+        "E": "u+",
+        "F": "P-",
+        "G": "-v+",
+        "H": "Q-",
+        "I": "u-",
+        "K": "P+",
+        "L": "Q+",
+        "M": "u+",
+    }
+    times = {"A": history.loop.start}
+    for letter, extreme in extremes.items():
+        time = ellipse.largest_at(combinations[extreme[:-1]])
+        if extreme.endswith("-"):
+            time += math.pi
+        turns = math.ceil((max(times.values()) - time) / revolution - 1e-12)
+        times[letter] = time + revolution * turns
     return times | {"J": 2 * times["I"] - times["G"]}

@@ -358,7 +358,7 @@ def _means(contact: Contact, records: Records, values: Values) -> tuple[Array, i
     means = np.zeros(len(records.row))
     nodes = 0
     rules = [gauss(count) for count in _COUNTS]
-    rules += [(ROOTS.up, ROOTS.share), crowded(0.0, 1.0)]
+    rules += [(ROOTS.up, ROOTS.weight), crowded(0.0, 1.0)]
     for number, (node, weight) in enumerate(rules):
         chosen = parts.take(np.flatnonzero(kind == number))
         growth = chosen.load_after - chosen.load

@@ -89,9 +89,9 @@ class Way:
     def stuck(self, u: Array) -> tuple[Array, Array]:
         """Load and tilt of the contact that the stick zone is, arrays like u."""
         normal, turning = self.rates
-        return self.begin[0] + u * normal / (2 * self.friction), self.begin[3] + u * turning / (
-            2 * self.friction
-        )
+        load = self.begin[0] + u * normal / (2 * self.friction)
+        tilt = self.begin[3] + u * turning / (2 * self.friction)
+        return load, tilt
 
     def interval(self, load: Array, tilt: Array) -> tuple[Array, Array]:
         """Middle and half-width of a contact."""
@@ -115,8 +115,8 @@ class Way:
         """d ds/du >= 0 at points outside the stick zone, arrays that broadcast."""
         m, c = self.stick(u)
         normal, turning = self.rates
-        away = np.maximum(np.abs(x - m), c)
-        root = np.sqrt((away - c) * (away + c))
+        distance = np.maximum(np.abs(x - m), c)
+        root = np.sqrt((distance - c) * (distance + c))
         return (
             -normal * self.compliance / math.pi * np.arcsinh(root / c)
             + turning * np.sign(x - m) * root
@@ -126,22 +126,22 @@ class Way:
         """Whether the stick zone does at both ends, inside the contact, with slip of one direction
         outside it.
         """
-        normal, turning = self.rates
+        load_rate, tilt_rate = self.rates
         u = _SHARES
         m, c = self.stick(u)
-        middle, half = self.contact(u)
-        if (
-            normal >= 0
-            or np.min(c) <= 0
-            or np.pi * np.max(c) * abs(turning) > -normal * self.compliance
-        ):
+        middle, half_width = self.contact(u)
+        if load_rate >= 0 or np.min(c) <= 0:
             return False
-        slack = _ROUNDING * np.max(half)
-        inside = np.all(middle - half <= m - c + slack) and np.all(m + c <= middle + half + slack)
-        ends = (self.slip_rate(middle + side * half, u) for side in (-1, 1))
-        return bool(
-            inside and all(np.min(rate) >= normal * self.compliance * _ROUNDING for rate in ends)
-        )
+        if np.pi * np.max(c) * abs(tilt_rate) > -load_rate * self.compliance:
+            return False
+        slack = _ROUNDING * np.max(half_width)
+        left_inside = np.all(middle - half_width <= m - c + slack)
+        right_inside = np.all(m + c <= middle + half_width + slack)
+        if not (left_inside and right_inside):
+            return False
+        most_negative = load_rate * self.compliance * _ROUNDING
+        rates_at_edges = [self.slip_rate(middle + side * half_width, u) for side in (-1, 1)]
+        return all(bool(np.min(rate) >= most_negative) for rate in rates_at_edges)
 
     def work(self, count: int = WAY_NODES) -> float:
         """Integral of f p |ds| over the slip zones and the way."""
@@ -183,26 +183,30 @@ class Way:
             return np.minimum(np.abs(x - m) - c, half - np.abs(x - middle))
 
         inside = depth(x, _SHARES[:, None]) > 0
-        before, point = np.nonzero(inside[1:] != inside[:-1])
-        low, high = _SHARES[before], _SHARES[before + 1]
+        # Instants u at which an edge of the slip zone passes a point, by halving.
+        interval, point = np.nonzero(inside[1:] != inside[:-1])
+        low = _SHARES[interval]
+        high = _SHARES[interval + 1]
         for _ in range(_HALVINGS):
-            u = (low + high) / 2
-            beyond = (depth(x[point], u) > 0) != inside[before, point]
-            low, high = np.where(beyond, low, u), np.where(beyond, u, high)
+            middle = (low + high) / 2
+            has_passed = (depth(x[point], middle) > 0) != inside[interval, point]
+            low = np.where(has_passed, low, middle)
+            high = np.where(has_passed, middle, high)
         # Parts of the way that begin and end at its ends or where an edge passes, point by point.
-        every = np.arange(len(x))
-        number = np.concatenate([every, point, every])
-        place = np.concatenate([0 * x, low, 0 * x + 1])
-        order = np.lexsort((place, number))
-        number, place = number[order], place[order]
-        parts = np.flatnonzero(number[1:] == number[:-1])
-        parts = parts[depth(x[number[parts]], (place[parts] + place[parts + 1]) / 2) > 0]
+        every_point = np.arange(len(x))
+        points = np.concatenate([every_point, point, every_point])
+        marks = np.concatenate([0 * x, low, 0 * x + 1])
+        order = np.lexsort((marks, points))
+        points = points[order]
+        marks = marks[order]
+        parts = np.flatnonzero(points[1:] == points[:-1])
+        in_slip = depth(x[points[parts]], (marks[parts] + marks[parts + 1]) / 2) > 0
+        parts = parts[in_slip]
         share, weight = _angles(count)
-        length = (place[parts + 1] - place[parts])[:, None]
-        power = self.friction_power(x[number[parts], None], place[parts, None] + length * share)
-        return np.asarray(
-            np.bincount(number[parts], (length * power) @ weight, len(x)), dtype=float
-        )
+        length = (marks[parts + 1] - marks[parts])[:, None]
+        power = self.friction_power(x[points[parts], None], marks[parts, None] + length * share)
+        works = np.bincount(points[parts], (length * power) @ weight, len(x))
+        return np.asarray(works, dtype=float)
 
 
 def ways_in_phase(scene: Scene) -> tuple[Way, Way] | None:
@@ -216,16 +220,20 @@ def ways_in_phase(scene: Scene) -> tuple[Way, Way] | None:
     compliance = 2 / composite_modulus(scene.material)
     samples = cycle_samples(scene)
     load, force = samples[:2]
-    begin, end = samples[:, np.argmin(force)], samples[:, np.argmax(force)]
+    begin = samples[:, np.argmin(force)]
+    end = samples[:, np.argmax(force)]
     change = end - begin
     rounding = LoadSizes.of(samples, profile, compliance, friction).rounding
     if change[1] <= rounding[1] or not np.min(load) > 0:
         return None
     share = (force - begin[1]) / change[1]
-    apart = np.max(np.abs(samples - begin[:, None] - np.outer(change, share)), axis=1)
+    deviations = np.abs(samples - begin[:, None] - np.outer(change, share))
+    distances = np.max(deviations, axis=1)
     steps = np.diff(share, append=share[0])
     signs = np.sign(steps[np.abs(steps) > _ROUNDING])
-    if np.any(apart > rounding) or np.count_nonzero(signs != np.roll(signs, 1)) != 2:
+    if np.any(distances > rounding):
+        return None
+    if np.count_nonzero(signs != np.roll(signs, 1)) != 2:
         return None
     ways = (
         Way(profile, compliance, friction, begin, change, 1),

@@ -48,7 +48,7 @@ from scenes.profiles import first_fall
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.hertz import HertzContact
 from semi_analytic.punch_superposition import ContactLaw, Function, PunchSuperposition
-from semi_analytic.quadrature import ROOTS, Rule, logistic, panels
+from semi_analytic.quadrature import ROOTS, LogisticRule, logistic, panels
 from semi_analytic.tilted_profile import (
     ConvexProfile,
     CurvedProfile,
@@ -209,7 +209,7 @@ def _convex_polynomial(profile: EvenPolynomial) -> ConvexProfile:
     # Equal steps of theta are exact for polynomials of twice as many degrees.
     count = len(rises) + 2
     up = (np.arange(count) + 0.5) / count
-    rule = Rule(up, up[::-1], np.full(count, 1 / count))
+    rule = LogisticRule(up, up[::-1], np.full(count, 1 / count))
     return CurvedProfile(np.zeros(0), length, terms, terms.deriv(), terms.deriv(2), rule)
 
 

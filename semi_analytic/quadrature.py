@@ -16,22 +16,23 @@ Array = NDArray[np.float64]
 _STEP = 0.375
 
 
-class Rule(NamedTuple):
-    """Trapezoidal rule in s of 1/(1 + exp(-s)) on [0, 1]: distances of the nodes from both ends,
-    weights, (n,) each.
+class LogisticRule(NamedTuple):
+    """Trapezoidal rule in s of 1/(1 + exp(-s)) on [0, 1]: distances `up` and `down` of the nodes
+    from 0 and from 1, and weights, (n,) each.
     """
 
     up: Array
     down: Array
-    share: Array
+    weight: Array
 
 
-def logistic(low: float, high: float, step: float = _STEP) -> Rule:
+def logistic(low: float, high: float, step: float = _STEP) -> LogisticRule:
     """The rule between s = `low` and s = `high`."""
     s = np.arange(low, high + step / 2, step)
-    up, down = 1 / (1 + np.exp(-s)), 1 / (1 + np.exp(s))
-    near = np.minimum(up, down)
-    return Rule(up, down, step * near * (1 - near))
+    up = 1 / (1 + np.exp(-s))
+    down = 1 / (1 + np.exp(s))
+    nearer = np.minimum(up, down)
+    return LogisticRule(up, down, step * nearer * (1 - nearer))
 
 
 ROOTS = logistic(-36.0, 36.0)
@@ -47,8 +48,8 @@ range, is 1e-16.
 NODES = len(ROOTS.up)
 """Nodes of `graded`."""
 
-_LOWER = ROOTS.up < 0.5
-_NEAR = np.minimum(ROOTS.up, ROOTS.down)
+_IN_LOWER_HALF = ROOTS.up < 0.5
+_FROM_NEARER_END = np.minimum(ROOTS.up, ROOTS.down)
 
 
 def graded(begin: ArrayLike, end: ArrayLike, every: int = 1) -> tuple[Array, Array]:
@@ -63,11 +64,12 @@ def graded(begin: ArrayLike, end: ArrayLike, every: int = 1) -> tuple[Array, Arr
     >>> round(float(np.sum(weights * np.sqrt(nodes))), 12)  # 2/3 4^(3/2)
     5.333333333333
     """
-    first, last = np.asarray(begin, dtype=float)[..., None], np.asarray(end, dtype=float)[..., None]
-    length, near = last - first, _NEAR[::every]
-    return np.where(_LOWER[::every], first + length * near, last - length * near), length * (
-        every * ROOTS.share[::every]
-    )
+    first = np.asarray(begin, dtype=float)[..., None]
+    last = np.asarray(end, dtype=float)[..., None]
+    length = last - first
+    distance = length * _FROM_NEARER_END[::every]
+    nodes = np.where(_IN_LOWER_HALF[::every], first + distance, last - distance)
+    return nodes, length * (every * ROOTS.weight[::every])
 
 
 @cache
@@ -97,7 +99,8 @@ def crowded(begin: ArrayLike, end: ArrayLike) -> tuple[Array, Array]:
     >>> round(float(np.sum(weights * np.sqrt(nodes))), 12)  # 2/3 4^(3/2)
     5.333333333333
     """
-    first, (t, weight) = np.asarray(begin, dtype=float)[..., None], gauss(24)
+    t, weight = gauss(24)
+    first = np.asarray(begin, dtype=float)[..., None]
     length = np.asarray(end, dtype=float)[..., None] - first
     return first + length * (t * t * (3 - 2 * t)), length * (weight * 6 * t * (1 - t))
 
@@ -118,13 +121,14 @@ def panels(begin: ArrayLike, end: ArrayLike, breaks: Iterable[ArrayLike] = ()) -
     `end`) that lie inside.
     """
     first, last = np.broadcast_arrays(np.asarray(begin, dtype=float), np.asarray(end, dtype=float))
-    inside = [b for b in breaks if np.any((first < b) & (b < last))]
-    marks = [first, *(np.clip(b, first, last) for b in inside), last]
-    low, high = np.stack(marks[:-1], axis=-1)[..., None], np.stack(marks[1:], axis=-1)[..., None]
+    breaks_inside = [b for b in breaks if np.any((first < b) & (b < last))]
+    marks = [first, *(np.clip(b, first, last) for b in breaks_inside), last]
+    low = np.stack(marks[:-1], axis=-1)[..., None]
+    high = np.stack(marks[1:], axis=-1)[..., None]
     length = high - low
-    up, down = length * ROOTS.up, length * ROOTS.down
+    up = length * ROOTS.up
+    down = length * ROOTS.down
     above = (low - first[..., None, None]) + up
     below = (last[..., None, None] - high) + down
-    return Nodes(
-        np.where(ROOTS.up < 0.5, low + up, high - down), above, below, length * ROOTS.share
-    )
+    nodes = np.where(_IN_LOWER_HALF, low + up, high - down)
+    return Nodes(nodes, above, below, length * ROOTS.weight)

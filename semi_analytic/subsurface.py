@@ -54,7 +54,9 @@ Body = Literal["lower", "upper"]
 _AT_ONCE = 1_000_000
 # Where there is no one memory curve: places across a contact at which q is asked for, and contacts
 # of which; terms of the series.
-_PLACES, _CONTACTS, _TERMS = 601, 4, 2048
+_PLACES = 601
+_CONTACTS = 4
+_TERMS = 2048
 # Instants that are solved together; places within a contact that are enough to take p and q from an
 # answer that is there.
 _TOGETHER = 20
@@ -371,13 +373,15 @@ def _lines(snapshot: Snapshot, k: int) -> Iterator[tuple[float, float, Slope]]:
     """(lower load, upper load, M' of loads between) of the memory curve of instant k, from the top
     to 0.
     """
-    load, front = float(snapshot.load[k]), float(snapshot.load[k] - snapshot.slipped[k])
-    if front < load:
+    load = float(snapshot.load[k])
+    stick_edge_load = float(snapshot.load[k] - snapshot.slipped[k])
+    if stick_edge_load < load:
         slope = float(snapshot.direction[k] * snapshot.friction)
-        yield max(front, 0.0), load, lambda eta: np.full(eta.shape, slope)
+        yield max(stick_edge_load, 0.0), load, lambda eta: np.full(eta.shape, slope)
     for piece in pieces(snapshot.actives[snapshot.which[k]]):
-        if piece.bottom < front:
-            yield piece.bottom, min(piece.top, front), _slope_of(piece, snapshot.friction)
+        if piece.bottom < stick_edge_load:
+            top = min(piece.top, stick_edge_load)
+            yield piece.bottom, top, _slope_of(piece, snapshot.friction)
 
 
 def _slope_of(piece: CurvePart, friction: float) -> Slope:
@@ -393,21 +397,21 @@ def _potentials(
     """N, T, N' and T' at x + i y, y <= 0: (4, n). N' and T' are left 0 on the face, where they go
     with y.
     """
-    found = np.zeros((4, len(x)), dtype=complex)
+    potentials = np.zeros((4, len(x)), dtype=complex)
     distance = np.abs(x)
     for bottom, top, slope in lines:
         low, high = (float(contact.half_width(load)) for load in (bottom, top))
         marks = [low, *(b for b in contact.breaks if low < b < high), high]
         for first, last in pairwise(marks):
             if last > first:
-                _add_panel(found, contact, slope, (first, last), distance, y)
-    found[:2, x < 0] = -found[:2, x < 0].conj()
-    found[2:, x < 0] = found[2:, x < 0].conj()
-    return found
+                _add_panel(potentials, contact, slope, (first, last), distance, y)
+    potentials[:2, x < 0] = -potentials[:2, x < 0].conj()
+    potentials[2:, x < 0] = potentials[2:, x < 0].conj()
+    return potentials
 
 
 def _add_panel(
-    found: Complex,
+    potentials: Complex,
     contact: SymmetricContact,
     slope: Slope,
     ends: tuple[float, float],
@@ -418,52 +422,53 @@ def _add_panel(
     there.
     """
     low, high = ends
-    inside, rule = (x > low) & (x < high), INVERSE_ROOTS
-    length, lower, at_once = high - low, rule.up < 0.5, _AT_ONCE // len(rule.up)
-    half = np.where(lower, low + length * rule.up, high - length * rule.down)
-    weights, outside, within = (
-        _weights(contact, slope, half, length * rule.share),
-        np.flatnonzero(~inside),
-        np.flatnonzero(inside),
-    )
-    for here in np.array_split(outside, 1 + len(outside) // at_once):
-        point = x[here, None]
-        _add(
-            found,
-            here,
-            weights,
-            np.where(lower, (low - point) + length * rule.up, (high - point) - length * rule.down),
-            x,
-            y,
-        )
-    for here in np.array_split(within, 1 + len(within) // at_once):
-        point = x[here, None]
-        for sign, far in ((-1.0, low), (1.0, high)):
-            reach = sign * (far - point)
+    length = high - low
+    rule = INVERSE_ROOTS
+    in_lower_half = rule.up < 0.5
+    half_widths = np.where(in_lower_half, low + length * rule.up, high - length * rule.down)
+    weights = _weights(contact, slope, half_widths, length * rule.weight)
+    is_cut = (x > low) & (x < high)
+    points_at_once = _AT_ONCE // len(rule.up)
+    beside_panel = np.flatnonzero(~is_cut)
+    for rows in np.array_split(beside_panel, 1 + len(beside_panel) // points_at_once):
+        point = x[rows, None]
+        delta_from_low = (low - point) + length * rule.up
+        delta_from_high = (high - point) - length * rule.down
+        delta = np.where(in_lower_half, delta_from_low, delta_from_high)
+        _add(potentials, rows, weights, delta, x, y)
+    in_panel = np.flatnonzero(is_cut)
+    for rows in np.array_split(in_panel, 1 + len(in_panel) // points_at_once):
+        point = x[rows, None]
+        for sign, end in ((-1.0, low), (1.0, high)):
+            reach = sign * (end - point)
             delta = sign * reach * rule.up
-            half = np.where(lower, point + delta, far - sign * reach * rule.down)
-            _add(found, here, _weights(contact, slope, half, reach * rule.share), delta, x, y)
+            half_widths = np.where(in_lower_half, point + delta, end - sign * reach * rule.down)
+            weights_of_part = _weights(contact, slope, half_widths, reach * rule.weight)
+            _add(potentials, rows, weights_of_part, delta, x, y)
 
 
-def _weights(contact: SymmetricContact, slope: Slope, half: Array, share: Array) -> Array:
-    """d eta and M' d eta of the nodes `half`, (2, ...)."""
-    rise = contact.stiffness(half) * share
-    return np.stack([rise, rise * slope(contact.load(half))])
+def _weights(
+    contact: SymmetricContact, slope: Slope, half_widths: Array, node_weights: Array
+) -> Array:
+    """d eta and M' d eta of the nodes, (2, ...)."""
+    rise = contact.stiffness(half_widths) * node_weights
+    return np.stack([rise, rise * slope(contact.load(half_widths))])
 
 
 def _add(
-    found: Complex, here: NDArray[np.intp], weights: Array, delta: Array, x: Array, y: Array
+    potentials: Complex, rows: NDArray[np.intp], weights: Array, delta: Array, x: Array, y: Array
 ) -> None:
-    """Adds the sums over the nodes (the last axis) at the points `here`; z^2 - a^2 from delta = a -
+    """Adds the sums over the nodes (the last axis) at the points `rows`; z^2 - a^2 from delta = a -
     x, which does not cancel.
     """
-    point, height = x[here, None], y[here, None]
+    point = x[rows, None]
+    height = y[rows, None]
     # The root is that of -0 i on the face: from inside the lower body.
     square = np.empty(delta.shape, dtype=complex)
     square.real = -delta * (2 * point + delta) - height * height
     square.imag = 2 * point * -np.abs(height)
     kernel = 1 / np.sqrt(square)
-    found[:2, here] += np.einsum(
+    potentials[:2, rows] += np.einsum(
         "...mn,mn->...m" if weights.ndim == 3 else "kn,mn->km", weights, kernel
     )
     deep = np.flatnonzero(height[:, 0] != 0)
@@ -471,6 +476,6 @@ def _add(
         kernel = kernel[deep] / square[deep]
         part = weights[:, deep] if weights.ndim == 3 else weights
         z = (point + 1j * height)[deep, 0]
-        found[2:, here[deep]] -= z * np.einsum(
+        potentials[2:, rows[deep]] -= z * np.einsum(
             "...mn,mn->...m" if weights.ndim == 3 else "kn,mn->km", part, kernel
         )

@@ -53,7 +53,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from scenes import InputError, NotFoundError, ProfileDataError
 from scenes.chebyshev import Pieces, Unresolved, halved
-from semi_analytic.quadrature import ROOTS, Rule, crowded, gauss, graded, panels
+from semi_analytic.quadrature import ROOTS, LogisticRule, crowded, gauss, graded, panels
 
 Array = NDArray[np.float64]
 
@@ -504,7 +504,7 @@ class CurvedProfile(ConvexProfile):
     height: Callable[[Array], Array]
     gradient: Callable[[Array], Array]
     bend: Callable[[Array], Array]
-    rule: Rule = ROOTS
+    rule: LogisticRule = ROOTS
     exponent: float = 2.0
     extent: tuple[float, float] = (-np.inf, np.inf)
     noise: float = _NOISE
@@ -562,10 +562,10 @@ class CurvedProfile(ConvexProfile):
         cosine = nearer_end(np.cos(ends))
         way = 2 * c[..., None] * half_sine * (sine * half_cosine + cosine * half_sine)
         xi = nearer_end(places) - way
-        weight = length * self.rule.share / np.pi
+        weight = length * self.rule.weight / np.pi
         if len(self.knots):
             # What the rule leaves out of |x|^(n - 2) is a geometric series.
-            ratio = (self.exponent - 1) * self.rule.share[0] / self.rule.up[0]
+            ratio = (self.exponent - 1) * self.rule.weight[0] / self.rule.up[0]
             factor = 1 + 1 / math.expm1(ratio)
             weight[..., 0] *= np.where(places[..., :-1] == 0, factor, 1.0)
             weight[..., -1] *= np.where(places[..., 1:] == 0, factor, 1.0)
