@@ -63,7 +63,8 @@ _LAST_DIGITS = 2e-15
 # Instants at which a piece without a formula for its crossings is looked at.
 _SAMPLES = 33
 # Instants of a cycle and of the initial loading where none are asked for.
-_INSTANTS, _INSTANTS_OF_LOADING = 400, 100
+_INSTANTS = 400
+_INSTANTS_OF_LOADING = 100
 # Share of a cycle, or of the whole path, within which somebody else's instant is one of the path's
 # own.
 SLACK = 1e-9
@@ -122,10 +123,10 @@ class Span:
 
     def curve(self, time: float) -> Curve:
         """The memory curve at a time of the leg."""
-        now = instant(self.leg, time)
+        point = instant(self.leg, time)
         if self.direction == 0:
-            return unload_to(self.active, now.normal)
-        return slip_to(self.active, self.direction, self.friction, now, float(self.slipped(time)))
+            return unload_to(self.active, point.normal)
+        return slip_to(self.active, self.direction, self.friction, point, float(self.slipped(time)))
 
 
 def check(legs: Sequence[LoadSegment], friction: float) -> None:
@@ -154,28 +155,23 @@ def check(legs: Sequence[LoadSegment], friction: float) -> None:
 
 
 def _check_part(leg: LoadSegment, begin: float, end: float, friction: float, slack: float) -> None:
+    """`check` of a part of a leg on which neither P, u nor v turns round; `slack` is that of P."""
     last = instant(leg, end)
     limits = [(NORMAL_LOAD, -last.normal, "separation", slack)]
-    limits += [
-        (
-            level(s, friction),
-            s * last.tangential - friction * last.normal,
-            "gross sliding",
-            slack * friction,
-        )
-        for s in (1, -1)
-    ]
-    broken = []
-    for what, excess, reason, tolerance in limits:
+    for sense in (1, -1):
+        excess = sense * last.tangential - friction * last.normal
+        limits.append((level(sense, friction), excess, "gross sliding", slack * friction))
+    faults = []
+    for combination, excess, reason, tolerance in limits:
         if excess > tolerance:
-            growth = -1.0 if what is NORMAL_LOAD else 1.0
-            total = growth * float(leg.change_of(what, end, begin))
-            time = float(leg.time_of(what, growth * (total - excess), begin, end))
-            broken.append((time, reason))
-    if broken:
+            growth = -1.0 if combination is NORMAL_LOAD else 1.0
+            total = growth * float(leg.change_of(combination, end, begin))
+            time = float(leg.time_of(combination, growth * (total - excess), begin, end))
+            faults.append((time, reason))
+    if faults:
         # Where P runs out both limits of friction are met at the same instant: that is separation.
-        earliest = min(time for time, _ in broken) + _NEAR * (end - begin)
-        time, reason = next(entry for entry in broken if entry[0] <= earliest)
+        earliest = min(time for time, _ in faults) + _NEAR * (end - begin)
+        time, reason = next(fault for fault in faults if fault[0] <= earliest)
         where = instant(leg, time)
         raise InadmissibleLoadError(
             reason,
@@ -196,10 +192,10 @@ def monotonic_parts(leg: LoadSegment, friction: float) -> list[tuple[float, floa
     [0.0, 0.25, 0.75, 1.0, 1.25, 1.75]
     """
     combinations = (NORMAL_LOAD, level(1, friction), level(-1, friction))
-    inside = sorted(time for what in combinations for time in leg.turning_points(what))
+    turns = sorted(time for combination in combinations for time in leg.turning_points(combination))
     shortest = _ROUNDING * max(abs(leg.start), abs(leg.end), leg.end - leg.start)
     marks = [leg.start]
-    for time in inside:
+    for time in turns:
         if time - marks[-1] > shortest and leg.end - time > shortest:
             marks.append(time)
     return list(zip(marks, [*marks[1:], leg.end], strict=True))
@@ -232,18 +228,23 @@ def march(
 def _spans_of_part(
     curve: Curve, leg: LoadSegment, begin: float, end: float, friction: float, delay: float
 ) -> Iterator[Span]:
-    """Spans of a stretch on which neither P, u nor v turns round."""
+    """Spans of a part of a leg on which neither P, u = Q - f P nor v = Q + f P turns round.
+
+    Rising u is forward slip, falling v reverse slip; neither, with rising P, is loading in stick.
+    """
     middle = (begin + end) / 2
-    normal, tangential = (float(part) for part in leg.rates(middle))
-    noise = _ROUNDING * (abs(tangential) + friction * abs(normal))
-    forward, reverse = (float(leg.rate_of(level(s, friction), middle)) > noise for s in (1, -1))
-    first, last = instant(leg, begin), instant(leg, end)
-    if normal > 0 and not (forward or reverse):
+    normal_rate, tangential_rate = (float(rate) for rate in leg.rates(middle))
+    noise = _ROUNDING * (abs(tangential_rate) + friction * abs(normal_rate))
+    slips_forward = float(leg.rate_of(level(1, friction), middle)) > noise
+    slips_back = float(leg.rate_of(level(-1, friction), middle)) > noise
+    first = instant(leg, begin)
+    last = instant(leg, end)
+    if normal_rate > 0 and not (slips_forward or slips_back):
         yield Span(first, last, delay, 0, load_in_stick(curve, leg, begin, last), friction)
-    elif normal < 0 and forward == reverse:
+    elif normal_rate < 0 and slips_forward == slips_back:
         yield from _unload(curve, first, last, friction, delay)
-    elif forward or reverse:
-        yield from _slip(curve, 1 if forward else -1, first, last, friction, delay)
+    elif slips_forward or slips_back:
+        yield from _slip(curve, 1 if slips_forward else -1, first, last, friction, delay)
     else:
         yield Span(first, last, delay, 0, curve, friction)
 
@@ -251,35 +252,39 @@ def _spans_of_part(
 def _slip(
     curve: Curve, direction: int, first: Instant, last: Instant, friction: float, delay: float
 ) -> Iterator[Span]:
-    """Spans of slip in one direction: the front passes down through the pieces of the curve."""
-    leg, what, begin = first.leg, level(direction, friction), first
-    total, last_digits = (
-        float(leg.change_of(what, last.time, first.time)),
-        _LAST_DIGITS * friction * last.normal,
-    )
+    """Spans of slip in one direction: the edge load of the stick zone, P_c, goes down through the
+    pieces of the curve, a span for each.
+    """
+    leg = first.leg
+    slip_level = level(direction, friction)
+    total_change = float(leg.change_of(slip_level, last.time, first.time))
+    last_digits = _LAST_DIGITS * friction * last.normal
+    begin = first
     # What slips already is at the limit, and the front is below it.
     if curve is not None and flat(curve, direction, friction):
         curve = curve.below
     while curve is not None:
         if flat(curve, direction, friction):
             # nothing but rounding would take the front through it: it stays at its upper end
-            if total <= last_digits:
+            if total_change <= last_digits:
                 curve = Piece(curve, curve.top, first, -direction * friction)
                 break
             curve = curve.below
             continue
-        start = float(change_from(curve.anchor, leg, what, first.time))
-        bottom = float(level_on(curve, direction, friction, curve.bottom))
-        remaining = bottom - start
+        level_at_start = float(change_from(curve.anchor, leg, slip_level, first.time))
+        level_at_bottom = float(level_on(curve, direction, friction, curve.bottom))
+        change_to_bottom = level_at_bottom - level_at_start
         # A front that meets the lower end of the piece at the very end of the stretch, to rounding,
         # has not passed it: what lies below may be at the limit already, and the front would jump
         # through it.
-        if total <= remaining + _NEAR * (abs(bottom) + abs(start)) + last_digits:
+        rounding = _NEAR * (abs(level_at_bottom) + abs(level_at_start)) + last_digits
+        if total_change <= change_to_bottom + rounding:
             break
-        passed = instant(leg, float(leg.time_of(what, remaining, first.time, last.time)))
-        if passed.time > begin.time:
-            yield Span(begin, passed, delay, direction, curve, friction)
-            begin = passed
+        passing_time = leg.time_of(slip_level, change_to_bottom, first.time, last.time)
+        passing = instant(leg, float(passing_time))
+        if passing.time > begin.time:
+            yield Span(begin, passing, delay, direction, curve, friction)
+            begin = passing
         curve = curve.below
     if last.time > begin.time:
         yield Span(begin, last, delay, direction, curve, friction)
@@ -294,30 +299,33 @@ def _unload(
     The admissible cones of later points lie inside those of earlier ones, so the state is that of
     one step; only the direction may change, where the path crosses the curve.
     """
-    for begin, end, direction in slip_directions(curve, first, last, friction):
-        a, b = instant(first.leg, begin), instant(first.leg, end)
+    for begin_time, end_time, direction in slip_directions(curve, first, last, friction):
+        begin = instant(first.leg, begin_time)
+        end = instant(first.leg, end_time)
         if direction:
-            for span in _slip(curve, direction, a, b, friction, delay):
+            for span in _slip(curve, direction, begin, end, friction, delay):
                 yield span
                 curve = span.curve(span.end.time)
         else:
-            yield from _retrace(curve, a, b, friction, delay)
-            curve = unload_to(curve, b.normal)
+            yield from _retrace(curve, begin, end, friction, delay)
+            curve = unload_to(curve, end.normal)
 
 
 def _retrace(
     curve: Curve, first: Instant, last: Instant, friction: float, delay: float
 ) -> Iterator[Span]:
-    """Spans of unloading along the curve itself: no slip."""
+    """Spans of unloading back down the memory curve, without slip: a span for each of its pieces.
+
+    `delay` is what makes the leg's time the history's time.
+    """
     begin = first
     while curve is not None and curve.bottom > last.normal:
-        drop = curve.bottom - first.normal
-        passed = instant(
-            first.leg, float(first.leg.time_of(NORMAL_LOAD, drop, first.time, last.time))
-        )
-        if passed.time > begin.time:
-            yield Span(begin, passed, delay, 0, curve, friction)
-            begin = passed
+        load_change = curve.bottom - first.normal
+        time_at_bottom = first.leg.time_of(NORMAL_LOAD, load_change, first.time, last.time)
+        end = instant(first.leg, float(time_at_bottom))
+        if end.time > begin.time:
+            yield Span(begin, end, delay, 0, curve, friction)
+            begin = end
         curve = curve.below
     if last.time > begin.time:
         yield Span(begin, last, delay, 0, curve, friction)
@@ -332,17 +340,16 @@ def slip_directions(
     runs: list[tuple[float, float, int]] = []
     begin = first.time
     for piece in pieces(curve):
-        drop = piece.bottom - first.normal
-        reached = float(first.leg.change_of(NORMAL_LOAD, last.time, first.time)) < drop
-        end = (
-            float(first.leg.time_of(NORMAL_LOAD, drop, first.time, last.time))
-            if reached
-            else last.time
-        )
+        change_to_bottom = piece.bottom - first.normal
+        total_change = float(first.leg.change_of(NORMAL_LOAD, last.time, first.time))
+        leaves_piece = total_change < change_to_bottom
+        end = last.time
+        if leaves_piece:
+            end = float(first.leg.time_of(NORMAL_LOAD, change_to_bottom, first.time, last.time))
         if end > begin:
             runs += _directions_on(piece, first.leg, begin, end, friction)
         begin = max(begin, end)
-        if not reached:
+        if not leaves_piece:
             break
     merged: list[tuple[float, float, int]] = []
     for run in runs:
@@ -356,7 +363,9 @@ def slip_directions(
 def _directions_on(
     piece: Piece, leg: LoadSegment, begin: float, end: float, friction: float
 ) -> list[tuple[float, float, int]]:
-    """The same while the load is within one piece: signs of Q - M(P) between its roots."""
+    """(begin, end, direction) while the load is within one piece: signs of Q - M(P) between its
+    roots.
+    """
 
     def excess(time: ArrayLike) -> Array:
         if piece.arc is None and piece.bend == 0:
@@ -364,31 +373,25 @@ def _directions_on(
         normal, tangential = leg.loads(time)
         return tangential - value_on(piece, np.clip(normal, piece.bottom, piece.anchor.normal))
 
-    turning = leg.turning_points(Combination(-piece.slope, 1.0)) if piece.arc is None else []
+    turns = leg.turning_points(Combination(-piece.slope, 1.0)) if piece.arc is None else []
+    turns_inside = [time for time in turns if begin < time < end]
     count = 3 if piece.arc is None and piece.bend == 0 else _SAMPLES
-    times = np.unique(
-        [*np.linspace(begin, end, count), *(time for time in turning if begin < time < end)]
-    )
+    times = np.unique([*np.linspace(begin, end, count), *turns_inside])
     noise = _ROUNDING * (friction * piece.anchor.normal + abs(piece.anchor.tangential))
-    above = excess(times)
-    signs = np.where(np.abs(above) <= noise, 0, np.sign(above)).astype(int)
+    excesses = excess(times)
+    signs = np.where(np.abs(excesses) <= noise, 0, np.sign(excesses)).astype(int)
     if not np.any(signs):
         return [(begin, end, 0)]
-    known = np.flatnonzero(signs)
-    marks, directions = [begin], [int(signs[known[0]])]
-    for left, right in pairwise(known):
+    signed = np.flatnonzero(signs)
+    marks = [begin]
+    directions = [int(signs[signed[0]])]
+    xtol = _LAST_DIGITS * (end - begin)
+    for left, right in pairwise(signed):
         if signs[left] != signs[right]:
-            marks.append(
-                float(
-                    scipy.optimize.brentq(
-                        excess,
-                        times[left],
-                        times[right],
-                        xtol=_LAST_DIGITS * (end - begin),
-                        rtol=_LAST_DIGITS,
-                    )
-                )
+            crossing = scipy.optimize.brentq(
+                excess, times[left], times[right], xtol=xtol, rtol=_LAST_DIGITS
             )
+            marks.append(float(crossing))
             directions.append(int(signs[right]))
     return list(zip(marks, [*marks[1:], end], directions, strict=True))
 
@@ -456,11 +459,11 @@ class History:
         """Instants evenly spread over each span, both its ends among them, about 400 a cycle; and
         how many are left out: none.
         """
-        groups = (
-            self.cycles[-1:]
-            if steady
-            else [*self.cycles, *([self.loading] if self.loading else [])]
-        )
+        groups = list(self.cycles[-1:])
+        if not steady:
+            groups = list(self.cycles)
+            if self.loading:
+                groups.append(self.loading)
         times = []
         for spans in groups:
             marks = np.array([spans[0].begin.time, *(span.end.time for span in spans)])
@@ -476,26 +479,23 @@ class History:
         InputError
             For a time outside the path.
         """
-        spans, start = self.spans, self.spans[0].begin.time + self.spans[0].delay
-        begin, end, delay = (
-            np.array(values)
-            for values in zip(*((s.begin.time, s.end.time, s.delay) for s in spans), strict=True)
-        )
+        spans = self.spans
+        begin = np.array([span.begin.time for span in spans])
+        end = np.array([span.end.time for span in spans])
+        delay = np.array([span.delay for span in spans])
         ends = end + delay
-        inside, slack = within(time, start, float(ends[-1]), self.period)
+        inside, slack = within(time, float(begin[0] + delay[0]), float(ends[-1]), self.period)
         # Less the slack: a turning point that somebody else found to rounding still belongs to the
         # span that it ends.
         number = np.minimum(np.searchsorted(ends, inside - slack, side="left"), len(spans) - 1)
-        local = np.clip(inside - delay[number], begin[number], end[number])
-        order = np.argsort(number, kind="stable")
-        numbers, starts = np.unique(number[order], return_index=True)
-        taken = take(
-            (spans[k], times)
-            for k, times in zip(numbers, np.split(local[order], starts[1:]), strict=True)
-        )
-        back = np.argsort(order)
+        leg_times = np.clip(inside - delay[number], begin[number], end[number])
+        by_span = np.argsort(number, kind="stable")
+        numbers, starts = np.unique(number[by_span], return_index=True)
+        times_of_spans = np.split(leg_times[by_span], starts[1:])
+        snapshot = take((spans[k], times) for k, times in zip(numbers, times_of_spans, strict=True))
+        order = np.argsort(by_span)
         columns = ("time", "load", "force", "slipped", "direction", "which")
-        return replace(taken, **{name: getattr(taken, name)[back] for name in columns})
+        return replace(snapshot, **{name: getattr(snapshot, name)[order] for name in columns})
 
 
 def follow(loading: Sequence[LoadSegment], turns: Iterable[Turn], friction: float) -> History:
@@ -507,15 +507,17 @@ def follow(loading: Sequence[LoadSegment], turns: Iterable[Turn], friction: floa
         Gross sliding or separation, with the instant and the loads.
     """
     spans, curve = march(None, loading, friction, 0.0)
-    states, cycles, steady = [curve], [], None
+    states = [curve]
+    cycles = []
+    steady_from = None
     for number, turn in enumerate(turns):
         cycle, curve = march(curve, turn.legs, friction, turn.delay)
         cycles.append(cycle)
         states.append(curve)
         if same(states[-2], curve, friction, repeats_within(slipped_share(cycle))):
-            steady = number
+            steady_from = number
             break
-    return History(spans, tuple(cycles), tuple(states), steady)
+    return History(spans, tuple(cycles), tuple(states), steady_from)
 
 
 def is_plain_ellipse(segment: LoadSegment) -> bool:
@@ -536,12 +538,11 @@ def history_of(path: LoadPath, friction: float, cycles: int, time: Array | None 
     check([*path.initial_loading, *path.cycle], friction)
     if path.period is None:
         return follow((), [Turn(path.initial_loading)], friction)
-    turns, whole = turns_of(path.cycle_start, path.period, cycles, time)
-    history = follow(
-        path.initial_loading, (Turn(path.cycle, k * path.period) for k in range(turns)), friction
-    )
+    turn_count, covered_count = turns_of(path.cycle_start, path.period, cycles, time)
+    turns = (Turn(path.cycle, k * path.period) for k in range(turn_count))
+    history = follow(path.initial_loading, turns, friction)
     solved = len(history.cycles)
-    covered = tuple(min(number, solved - 1) for number in range(whole or solved))
+    covered = tuple(min(number, solved - 1) for number in range(covered_count or solved))
     loop = path.cycle[0] if len(path.cycle) == 1 and is_plain_ellipse(path.cycle[0]) else None
     return replace(history, period=path.period, covered=covered, loop=loop)
 
@@ -553,9 +554,11 @@ def turns_of(start: float, period: float, cycles: int, time: Array | None) -> tu
     if time is None:
         return cycles, 0
     revolutions = (float(np.max(time)) - start) / period
-    whole = max(math.floor(revolutions + SLACK), 0)
-    reached = math.ceil(revolutions - SLACK)
-    return (max(reached, 0) if whole else max(cycles, reached)), whole
+    covered_count = max(math.floor(revolutions + SLACK), 0)
+    begun_count = math.ceil(revolutions - SLACK)
+    if covered_count:
+        return max(begun_count, 0), covered_count
+    return max(cycles, begun_count), 0
 
 
 def within(time: Array, start: float, end: float, period: float | None) -> tuple[Array, float]:
@@ -567,7 +570,8 @@ def within(time: Array, start: float, end: float, period: float | None) -> tuple
     InputError
         For a time outside the path.
     """
-    slack, inside = SLACK * (end - start), time
+    slack = SLACK * (end - start)
+    inside = time
     if period is not None:
         inside = time - period * np.maximum(np.ceil((time - end - slack) / period), 0.0)
     if np.any(inside < start - slack) or np.any(inside > end + slack):
@@ -579,20 +583,13 @@ def evenly(marks: Array, *, initial: bool) -> Array:
     """Instants between marks of time, ascending, and at them: about 400 of a cycle, 100 of an
     `initial` loading.
     """
-    count = np.maximum(
-        np.ceil(
-            (_INSTANTS_OF_LOADING if initial else _INSTANTS)
-            * np.diff(marks)
-            / (marks[-1] - marks[0])
-        ),
-        2,
-    )
-    return np.concatenate(
-        [
-            np.linspace(a, b, int(n) + 1)
-            for a, b, n in zip(marks[:-1], marks[1:], count, strict=True)
-        ]
-    )
+    instants = _INSTANTS_OF_LOADING if initial else _INSTANTS
+    steps = np.maximum(np.ceil(instants * np.diff(marks) / (marks[-1] - marks[0])), 2)
+    times = [
+        np.linspace(begin, end, int(count) + 1)
+        for begin, end, count in zip(marks[:-1], marks[1:], steps, strict=True)
+    ]
+    return np.concatenate(times)
 
 
 def slipped_share(spans: Sequence[Span]) -> float:
@@ -604,7 +601,12 @@ def slipped_share(spans: Sequence[Span]) -> float:
 
 def take(parts: Iterable[tuple[Span, Array]]) -> Snapshot:
     """The memory curves of spans at times (k,) of their legs, one after the other."""
-    times, loads, forces, slips, directions, counts = [], [], [], [], [], []
+    times = []
+    loads = []
+    forces = []
+    slips = []
+    directions = []
+    counts = []
     actives: list[Curve] = []
     friction = 0.0
     for span, time in parts:
@@ -631,22 +633,25 @@ def take(parts: Iterable[tuple[Span, Array]]) -> Snapshot:
 
 
 def corner_times(contact: Contact, span: Span) -> Array:
-    """Times of the leg within a span at which P or P_c is the load of a corner, (n,) ascending,
-    none alike.
+    """Times of the leg within a span at which P or P_c is the load of a corner of the profile, (n,)
+    ascending, none alike.
     """
-    loads, leg, first, last = contact.break_loads, span.leg, span.begin, span.end
+    loads = contact.break_loads
+    leg = span.leg
+    first = span.begin
+    last = span.end
     if not len(loads):
         return loads
-    inside = loads[
-        (loads > min(first.normal, last.normal)) & (loads < max(first.normal, last.normal))
-    ]
-    times = [leg.time_of(NORMAL_LOAD, inside - first.normal, first.time, last.time)]
+    low = min(first.normal, last.normal)
+    high = max(first.normal, last.normal)
+    passed_loads = loads[(loads > low) & (loads < high)]
+    times = [leg.time_of(NORMAL_LOAD, passed_loads - first.normal, first.time, last.time)]
     if span.direction and span.active is not None:
-        here = loads[(loads > span.active.bottom) & (loads < span.active.top)]
-        what = level(span.direction, span.friction)
-        amount = level_on(span.active, span.direction, span.friction, here)
-        amount = amount - float(change_from(span.active.anchor, leg, what, first.time))
-        times.append(leg.time_of(what, amount, first.time, last.time))
+        active_loads = loads[(loads > span.active.bottom) & (loads < span.active.top)]
+        slip_level = level(span.direction, span.friction)
+        level_at_start = float(change_from(span.active.anchor, leg, slip_level, first.time))
+        levels = level_on(span.active, span.direction, span.friction, active_loads)
+        times.append(leg.time_of(slip_level, levels - level_at_start, first.time, last.time))
     shortest = 1e-12 * max(abs(first.time), abs(last.time), last.time - first.time)
     marks = np.sort(np.concatenate(times))
     marks = marks[(marks - first.time > shortest) & (last.time - marks > shortest)]

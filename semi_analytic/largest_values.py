@@ -37,16 +37,20 @@ Array = NDArray[np.float64]
 
 # Places at first between two kinks, of the whole contact together; places in a round around each
 # candidate.
-_FIRST, _AROUND = 96, 11
+_FIRST = 96
+_AROUND = 11
 # Candidates: local maxima of at least this share of the largest.
-_MOST_CANDIDATES, _NEARLY = 3, 0.97
+_MOST_CANDIDATES = 3
+_NEARLY = 0.97
 # Rounds at most, each six times closer, and the change of the largest value at which two rounds in
 # a row end the search. A smooth maximum has an error of the square of the spacing: two rounds that
 # change it by less than 1e-12 leave less than 1e-10.
-_ROUNDS, _SETTLED = 16, 1e-12
+_ROUNDS = 16
+_SETTLED = 1e-12
 # Instants that are looked at for the tension at first, and places for which the passing of the edge
 # adds instants of a long record.
-_INSTANTS, _LONG = 120, 400
+_INSTANTS = 120
+_LONG = 400
 # A place at the edge of contact is in it, but for the last digits of its instant.
 _AT_EDGE = 1e-10
 
@@ -208,8 +212,8 @@ class _Search:
         friction = self.scene.friction.coefficient
         for leg, first, last in self.monotonic:
             times += [first, last]
-            for what in (level(1, friction), level(-1, friction)):
-                times += [time for time in leg.turning_points(what) if first < time < last]
+            for slip_level in (level(1, friction), level(-1, friction)):
+                times += [time for time in leg.turning_points(slip_level) if first < time < last]
         return np.unique(times)
 
     def _solved(self, x: Array, time: Array, fields: tuple[str, ...]) -> ContactSolution:
@@ -234,13 +238,13 @@ class _Search:
 
         def values(x: Array) -> Array:
             time = np.unique(np.concatenate([self.turns, self._passings(x)]))
-            found = self._solved(x, time, ("slip",))
-            rows = found.last_cycle if self.on_straight_steps else np.arange(len(found.time))
-            edges = found.contact_edges[rows]
+            answer = self._solved(x, time, ("slip",))
+            rows = answer.last_cycle if self.on_straight_steps else np.arange(len(answer.time))
+            edges = answer.contact_edges[rows]
             room = _AT_EDGE * float(np.diff(self.edges)[0])
-            left, right = edges[:, :1] - room, edges[:, 1:] + room
-            touching = (x >= left) & (x <= right) & (found.normal_load[rows] > 0)[:, None]
-            return range_of_slip(found.slip[rows], touching)
+            within_edges = (x >= edges[:, :1] - room) & (x <= edges[:, 1:] + room)
+            touching = within_edges & (answer.normal_load[rows] > 0)[:, None]
+            return range_of_slip(answer.slip[rows], touching)
 
         return _largest(values, self.marks)
 
@@ -322,25 +326,27 @@ def _largest(
     if len(marks) == 1:
         return float(values(marks)[0]), float(marks[0])
     places = _between(marks, first)
-    found = values(places)
-    best = int(np.argmax(found))
-    largest, place = float(found[best]), float(places[best])
-    brackets = _brackets(places, found)
+    first_values = values(places)
+    best = int(np.argmax(first_values))
+    largest = float(first_values[best])
+    place = float(places[best])
+    brackets = _brackets(places, first_values)
     settled_rounds = 0
     for _ in range(_ROUNDS):
         if not np.isfinite(largest) or settled_rounds == 2:
             break
-        inner = [np.linspace(low, high, _AROUND + 2)[1:-1] for low, high in brackets]
-        around = np.unique(np.concatenate(inner))
-        found = values(around)
-        best = int(np.argmax(found))
-        change = float(found[best]) - largest
+        places_by_bracket = [np.linspace(low, high, _AROUND + 2)[1:-1] for low, high in brackets]
+        all_places = np.unique(np.concatenate(places_by_bracket))
+        new_values = values(all_places)
+        best = int(np.argmax(new_values))
+        change = float(new_values[best]) - largest
         if change > 0:
-            largest, place = float(found[best]), float(around[best])
+            largest = float(new_values[best])
+            place = float(all_places[best])
         settled_rounds = settled_rounds + 1 if change <= _SETTLED * abs(largest) else 0
         brackets = [
-            _closer(bracket, places, around, found)
-            for bracket, places in zip(brackets, inner, strict=True)
+            _closer(bracket, places, new_values[np.searchsorted(all_places, places)])
+            for bracket, places in zip(brackets, places_by_bracket, strict=True)
         ]
     return largest, place
 
@@ -354,29 +360,26 @@ def _between(marks: Array, count: int) -> Array:
     """
     if len(marks) == 1:
         return marks
-    each = max(count // (len(marks) - 1), 2)
-    return np.unique([np.linspace(low, high, each + 1) for low, high in pairwise(marks)])
+    steps = max(count // (len(marks) - 1), 2)
+    return np.unique([np.linspace(low, high, steps + 1) for low, high in pairwise(marks)])
 
 
-def _brackets(places: Array, found: Array) -> list[tuple[float, float]]:
+def _brackets(places: Array, values: Array) -> list[tuple[float, float]]:
     """The neighbours of each local maximum that is nearly the largest."""
     rim = np.array([-np.inf])
-    rises = found >= np.concatenate([rim, found[:-1]])
-    falls = found >= np.concatenate([found[1:], rim])
-    peaks = np.flatnonzero(rises & falls & (found >= _NEARLY * np.max(found)))
-    highest = peaks[np.argsort(-found[peaks], kind="stable")][:_MOST_CANDIDATES]
+    rises = values >= np.concatenate([rim, values[:-1]])
+    falls = values >= np.concatenate([values[1:], rim])
+    peaks = np.flatnonzero(rises & falls & (values >= _NEARLY * np.max(values)))
+    highest = peaks[np.argsort(-values[peaks], kind="stable")][:_MOST_CANDIDATES]
     last = len(places) - 1
     return [(float(places[max(k - 1, 0)]), float(places[min(k + 1, last)])) for k in highest]
 
 
-def _closer(
-    bracket: tuple[float, float], inner: Array, around: Array, found: Array
-) -> tuple[float, float]:
-    """The neighbours of the largest of the places within a bracket."""
-    values = found[np.searchsorted(around, inner)]
-    ends = np.concatenate([bracket[:1], inner, bracket[1:]])
+def _closer(bracket: tuple[float, float], places: Array, values: Array) -> tuple[float, float]:
+    """The neighbours of that place within a bracket at which the value is largest."""
+    marks = np.concatenate([bracket[:1], places, bracket[1:]])
     best = int(np.argmax(values)) + 1
-    return float(ends[best - 1]), float(ends[best + 1])
+    return float(marks[best - 1]), float(marks[best + 1])
 
 
 # ------------------------------------------------------------------------------ no one memory curve
