@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from scenes import (
     NORMAL_LOAD,
+    TANGENTIAL_LOAD,
     Combination,
     HarmonicSegment,
     Hertz,
@@ -82,11 +83,14 @@ class OneCurve:
         normal loads (n,).
         """
         # Somebody else's instant may be before the start by rounding.
-        inside, contact = np.maximum(time, self.path.start), self.contact
-        lower, upper = self.bulk.at(inside) if self.bulk is not None else np.zeros((2, len(time)))
-        tilt, moment = (
-            self.turning.at(inside) if self.turning is not None else np.zeros((2, len(time)))
-        )
+        path_time = np.maximum(time, self.path.start)
+        contact = self.contact
+        lower, upper = np.zeros((2, len(time)))
+        if self.bulk is not None:
+            lower, upper = self.bulk.at(path_time)
+        tilt, moment = np.zeros((2, len(time)))
+        if self.turning is not None:
+            tilt, moment = self.turning.at(path_time)
         if self.moment_given:
             tilt = contact.tilt_under(load, moment)
         m, c = contact.under(load, tilt)
@@ -113,10 +117,8 @@ def strain_of(materials: Materials) -> tuple[float, float]:
     ... )
     (1.0, -0.5)
     """
-    lower, upper = (
-        (1 - body.poisson_ratio**2) / body.young_modulus
-        for body in (materials.lower, materials.upper)
-    )
+    lower = (1 - materials.lower.poisson_ratio**2) / materials.lower.young_modulus
+    upper = (1 - materials.upper.poisson_ratio**2) / materials.upper.young_modulus
     return lower, -upper
 
 
@@ -147,63 +149,77 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
     upright = TiltedProfile(NestedIntervals(shape, compliance, 0.0, 0.0, math.inf), datum)
     samples = [_sampled(leg, upright if path.moment_given else None, strain) for leg in legs]
     sizes = LoadSizes.of(np.concatenate(samples, axis=1), shape, compliance, friction)
-    first = 0
-    while first < len(path.initial_loading) and _presses_only(samples[first], sizes):
+    loading_count = len(path.initial_loading)
+    first = 0  # leg of the first shear
+    while first < loading_count and _presses_only(samples[first], sizes):
         first += 1
     p, q, eps, alpha = np.concatenate(samples[first:] or [samples[-1][:, -1:]], axis=1)
-    turned = np.isfinite(alpha)
-    most = float(np.max(p))
+    has_tilt = np.isfinite(alpha)
+    largest_load = float(np.max(p))
     neglected: dict[str, float] = {}
     # At constant P the stick zones of a parabola are nested where contacts are not.
-    still = shape.radius is not None and friction > 0 and np.ptp(p) <= _ROUNDING * most
-    begin = float(eps[0])
-    pulled = np.ptp(eps) > sizes.strain_rounding
-    alone = still and pulled and not np.max(np.abs(q)) > sizes.shear_rounding
-    if alone:  # a load in proportion to the bulk strain, of half f P at most, takes the place of Q
+    is_parabola = shape.radius is not None
+    may_slip_apart = is_parabola and friction > 0 and np.ptp(p) <= _ROUNDING * largest_load
+    first_strain = float(eps[0])
+    strain_changes = np.ptp(eps) > sizes.strain_rounding
+    has_shear_force = np.max(np.abs(q)) > sizes.shear_rounding
+    strain_alone = may_slip_apart and strain_changes and not has_shear_force
+    if strain_alone:
+        # A load in proportion to the bulk strain, of half f P at most, takes the place of Q.
         if np.any(q):
-            neglected["tangential load"] = float(np.max(np.abs(q))) / (friction * most)
-        q = (eps - begin) * (friction * most / 2 / float(np.max(np.abs(eps - begin))))
+            neglected["tangential load"] = float(np.max(np.abs(q))) / (friction * largest_load)
+        largest_change = float(np.max(np.abs(eps - first_strain)))
+        q = (eps - first_strain) * (friction * largest_load / 2 / largest_change)
     if np.ptp(q) > sizes.shear_rounding:
         slope = _slope_of(q, eps, sizes.strain_rounding)
     else:
-        slope = _slope_of(p[turned], alpha[turned], sizes.tilt_rounding)
-    tilt = float(np.mean(alpha[turned] - slope * p[turned])) if np.any(turned) else 0.0
-    strain_apart = float(np.ptp(eps - slope * q))
-    tilt_apart = float(np.max(np.abs(alpha[turned] - tilt - slope * p[turned]), initial=0.0))
-    if strain_apart > sizes.strain_rounding + _ROUNDING * abs(slope) * np.max(np.abs(q)):
+        slope = _slope_of(p[has_tilt], alpha[has_tilt], sizes.tilt_rounding)
+    tilt = float(np.mean(alpha[has_tilt] - slope * p[has_tilt])) if np.any(has_tilt) else 0.0
+    strain_deviation = float(np.ptp(eps - slope * q))
+    tilt_deviations = np.abs(alpha[has_tilt] - tilt - slope * p[has_tilt])
+    tilt_deviation = float(np.max(tilt_deviations, initial=0.0))
+    if strain_deviation > sizes.strain_rounding + _ROUNDING * abs(slope) * np.max(np.abs(q)):
         return None
-    if tilt_apart > sizes.tilt_rounding + _ROUNDING * abs(slope) * np.max(p):
+    if tilt_deviation > sizes.tilt_rounding + _ROUNDING * abs(slope) * np.max(p):
         return None
     # What is the last digits of a load itself is no load that was left out.
-    if strain_apart > _ROUNDING * np.max(np.abs(eps)):
-        neglected["bulk stress"] = strain_apart / sizes.strain
-    if tilt_apart > _ROUNDING * np.max(np.abs(alpha[turned])):
-        neglected["tilt"] = tilt_apart / sizes.tilt
-    contact = TiltedProfile(NestedIntervals(shape, compliance, tilt, slope, most), datum)
-    if alone or not contact.is_nested(most):
-        if not still:
+    if strain_deviation > _ROUNDING * np.max(np.abs(eps)):
+        neglected["bulk stress"] = strain_deviation / sizes.strain
+    if tilt_deviation > _ROUNDING * np.max(np.abs(alpha[has_tilt])):
+        neglected["tilt"] = tilt_deviation / sizes.tilt
+    contact = TiltedProfile(NestedIntervals(shape, compliance, tilt, slope, largest_load), datum)
+    if strain_alone or not contact.is_nested(largest_load):
+        if not may_slip_apart:
             return None
-        reach = float(np.max(np.abs(q)))
-        share = 0.0 if alone else 1.0
         contact = OppositeSlip(
-            contact.intervals, datum, friction=friction, reach=reach, share=share
+            contact.intervals,
+            datum,
+            friction=friction,
+            reach=float(np.max(np.abs(q))),
+            share=0.0 if strain_alone else 1.0,
         )
         try:
-            if not contact.is_nested(most):
+            if not contact.is_nested(largest_load):
                 return None
         except (ArithmeticError, Unresolved):
             return None
-    bare = [replace(leg, bulk=None, turning=None) for leg in legs]
-    if alone:
-        driven = [_driven(leg, strain, begin, slope) for leg in legs]
-        if None in driven[first:]:
-            return None
-        bare[first:] = driven[first:]  # type: ignore[assignment]
-    loading = len(path.initial_loading)
-    only = LoadPath(tuple(bare[:loading]), tuple(bare[loading:]))
-    bulk = path.companion("bulk")
-    turning = path.companion("turning")
-    return OneCurve(contact, only, bulk, turning, path.moment_given, neglected)
+    legs_of_p_and_q = [replace(leg, bulk=None, turning=None) for leg in legs]
+    if strain_alone:
+        for number in range(first, len(legs)):
+            leg = _driven(legs[number], strain, first_strain, slope)
+            if leg is None:
+                return None
+            legs_of_p_and_q[number] = leg
+    return OneCurve(
+        contact=contact,
+        path=LoadPath(
+            tuple(legs_of_p_and_q[:loading_count]), tuple(legs_of_p_and_q[loading_count:])
+        ),
+        bulk=path.companion("bulk"),
+        turning=path.companion("turning"),
+        moment_given=path.moment_given,
+        neglected=neglected,
+    )
 
 
 @dataclass(frozen=True)
@@ -239,19 +255,22 @@ class LoadSizes:
     ) -> LoadSizes:
         """Of P, Q, eps and alpha (4, n)."""
         p, q, eps, alpha = samples
-        turned = np.isfinite(alpha)
-        last = int(np.argmax(p))
-        most = float(p[last])
-        half = float(shape.contact(compliance * most, alpha[last] if turned[last] else 0.0)[1])
-        tilt = compliance * most / (math.pi * half) if half > 0 else 0.0
+        has_tilt = np.isfinite(alpha)
+        at_largest_load = int(np.argmax(p))
+        largest_load = float(p[at_largest_load])
+        tilt_there = alpha[at_largest_load] if has_tilt[at_largest_load] else 0.0
+        half_width = float(shape.contact(compliance * largest_load, tilt_there)[1])
+        tilt = 0.0
+        if half_width > 0:
+            tilt = compliance * largest_load / (math.pi * half_width)
         strain = friction * tilt
+        largest_tilt = float(np.max(np.abs(alpha), where=has_tilt, initial=0.0))
         return cls(
             strain=strain,
             tilt=tilt,
             strain_rounding=_ROUNDING * max(float(np.max(np.abs(eps))), strain),
-            tilt_rounding=_ROUNDING
-            * max(float(np.max(np.abs(alpha), where=turned, initial=0.0)), tilt),
-            shear_rounding=_ROUNDING * max(float(np.max(np.abs(q))), friction * most),
+            tilt_rounding=_ROUNDING * max(largest_tilt, tilt),
+            shear_rounding=_ROUNDING * max(float(np.max(np.abs(q))), friction * largest_load),
         )
 
 
@@ -280,63 +299,74 @@ def steady_curve(scene: Scene) -> OneCurve | None:
     neither W nor W(x) does (Andersson, Barber and Ponter, 2014); the traction that stays locked in
     the permanent stick zone does.
     """
-    path, strain = scene.load.path(), strain_of(scene.material)
+    path = scene.load.path()
+    strain = strain_of(scene.material)
     if not path.cycle:
         return None
-    _, shears, strains, _ = np.concatenate(
+    _, forces, strains, _ = np.concatenate(
         [_sampled(replace(leg, turning=None), None, strain) for leg in path.cycle], axis=1
     )
-    begin, end = path.start, path.cycle_start
-    middle, rest = (begin + end) / 2, path.cycle[0]
-    p, q = map(float, rest.loads(end))
-    pressed, sheared = (
-        StraightSegment(begin, middle, (0.0, 0.0), (p, 0.0)),
-        StraightSegment(middle, end, (p, 0.0), (p, q)),
-    )
-    if rest.bulk is not None:
-        lower, upper = map(float, rest.bulk.loads(end))
-        before = lower - _slope_of(shears, strains) * q / strain[0], upper
-        pressed = replace(pressed, bulk=StraightSegment(begin, middle, before, before))
-        sheared = replace(sheared, bulk=StraightSegment(middle, end, before, (lower, upper)))
-    if rest.turning is not None:
-        tilt, moment = map(float, rest.turning.loads(end))
-        pressed = replace(
-            pressed, turning=StraightSegment(begin, middle, (0.0, 0.0), (tilt, moment))
+    begin = path.start
+    end = path.cycle_start
+    middle = (begin + end) / 2
+    first_leg = path.cycle[0]
+    p, q = map(float, first_leg.loads(end))
+    pressing = StraightSegment(begin, middle, (0.0, 0.0), (p, 0.0))
+    shearing = StraightSegment(middle, end, (p, 0.0), (p, q))
+    if first_leg.bulk is not None:
+        lower, upper = map(float, first_leg.bulk.loads(end))
+        lower_before = lower - _slope_of(forces, strains) * q / strain[0]
+        stresses_before = (lower_before, upper)
+        pressing = replace(
+            pressing, bulk=StraightSegment(begin, middle, stresses_before, stresses_before)
         )
-        sheared = replace(
-            sheared, turning=StraightSegment(middle, end, (tilt, moment), (tilt, moment))
+        shearing = replace(
+            shearing, bulk=StraightSegment(middle, end, stresses_before, (lower, upper))
         )
-    return one_curve(scene, LoadPath((pressed, sheared), path.cycle, path.moment_given))
+    if first_leg.turning is not None:
+        tilt, moment = map(float, first_leg.turning.loads(end))
+        pressing = replace(
+            pressing, turning=StraightSegment(begin, middle, (0.0, 0.0), (tilt, moment))
+        )
+        shearing = replace(
+            shearing, turning=StraightSegment(middle, end, (tilt, moment), (tilt, moment))
+        )
+    return one_curve(scene, LoadPath((pressing, shearing), path.cycle, path.moment_given))
 
 
 def _driven(
-    leg: LoadSegment, strain: tuple[float, float], begin: float, slope: float
+    leg: LoadSegment, strain: tuple[float, float], first_strain: float, slope: float
 ) -> LoadSegment | None:
-    """A leg of P and (eps - begin)/slope in place of Q; None where bulk stress is neither a line
-    nor a sum of waves.
+    """A leg of constant P with (eps - first_strain)/slope in place of Q; None where bulk stress is
+    neither a line nor a sum of waves.
     """
 
-    def load(stresses: Sequence[float]) -> float:
-        return (float(np.dot(strain, stresses)) - begin) / slope
+    def load_of(stresses: Sequence[float]) -> float:
+        return (float(np.dot(strain, stresses)) - first_strain) / slope
 
-    first, bulk = float(leg.loads(leg.start)[0]), leg.bulk
-    if bulk is None or bulk.is_straight:
-        ends = [(0.0, 0.0) if bulk is None else bulk.loads(time) for time in (leg.start, leg.end)]
+    normal_load = float(leg.loads(leg.start)[0])
+    bulk = leg.bulk
+    if bulk is None:
+        load = load_of((0.0, 0.0))
+        return StraightSegment(leg.start, leg.end, (normal_load, load), (normal_load, load))
+    if bulk.is_straight:
+        first_load = load_of([float(stress) for stress in bulk.loads(leg.start)])
+        last_load = load_of([float(stress) for stress in bulk.loads(leg.end)])
         return StraightSegment(
-            leg.start, leg.end, *((first, load([float(one) for one in end])) for end in ends)
+            leg.start, leg.end, (normal_load, first_load), (normal_load, last_load)
         )
     if not isinstance(bulk, HarmonicSegment):
         return None
-    waves = np.zeros((2, max(len(bulk.normal), len(bulk.tangential))), dtype=complex)
-    for row, own in zip(waves, (bulk.normal, bulk.tangential), strict=True):
-        row[: len(own)] = [size * cmath.exp(-1j * phase) for size, phase in own]
-    sums = (np.array(strain) @ waves / slope).tolist()
+    phasors = np.zeros((2, max(len(bulk.normal), len(bulk.tangential))), dtype=complex)
+    for row, waves in zip(phasors, (bulk.normal, bulk.tangential), strict=True):
+        row[: len(waves)] = [size * cmath.exp(-1j * phase) for size, phase in waves]
+    load_phasors = (np.array(strain) @ phasors / slope).tolist()
     return HarmonicSegment(
         leg.start,
         leg.end,
-        (first, load(bulk.mean)),
+        (normal_load, load_of(bulk.mean)),
         (),
-        tuple((abs(one), -cmath.phase(one)) for one in sums),
+        tuple((abs(phasor), -cmath.phase(phasor)) for phasor in load_phasors),
     )
 
 
@@ -373,7 +403,9 @@ def eccentricity(scene: Scene) -> Eccentricity | None:
     >>> eccentricity(scene) is None
     True
     """
-    path, profile, friction = scene.load.path(), scene.profile, scene.friction.coefficient
+    path = scene.load.path()
+    profile = scene.profile
+    friction = scene.friction.coefficient
     legs = path.cycle or path.initial_loading
     if not path.has_bulk_or_tilt or all(leg.bulk is None for leg in legs):
         return None
@@ -381,18 +413,18 @@ def eccentricity(scene: Scene) -> Eccentricity | None:
     p, q, eps, _ = np.concatenate(
         [_sampled(replace(leg, turning=None), None, strains) for leg in legs], axis=1
     )
-    modulus, most = composite_modulus(scene.material), float(np.max(p))
+    modulus = composite_modulus(scene.material)
+    largest_load = float(np.max(p))
     if profile.symmetric:
-        half = float(contact_of(profile, scene.material).half_width(most))
+        half_width = float(contact_of(profile, scene.material).half_width(largest_load))
     else:
-        half = float(convex_profile(profile).contact(2 / modulus * most, 0.0)[1])
-    strain, force = float(np.ptp(eps)) / 2, float(np.ptp(q)) / 2
-    value = (
-        strain * profile.radius / (friction * half)
-        if isinstance(profile, Hertz) and friction > 0
-        else math.nan
-    )
-    return Eccentricity(value, strain, 2 * force / (math.pi * modulus * half))
+        half_width = float(convex_profile(profile).contact(2 / modulus * largest_load, 0.0)[1])
+    strain = float(np.ptp(eps)) / 2
+    force = float(np.ptp(q)) / 2
+    value = math.nan
+    if isinstance(profile, Hertz) and friction > 0:
+        value = strain * profile.radius / (friction * half_width)
+    return Eccentricity(value, strain, 2 * force / (math.pi * modulus * half_width))
 
 
 def followed_path(scene: Scene) -> LoadPath:
@@ -433,18 +465,20 @@ class PathLoads:
 
     def _place(self, time: float) -> tuple[LoadSegment, float]:
         """The leg at a time, and by how much it is late."""
-        late = 0.0
-        if self.path.period is not None and time > self.path.cycle_start:
-            late = math.floor((time - self.path.cycle_start) / self.path.period) * self.path.period
-        legs = (*self.path.initial_loading, *self.path.cycle)
-        return next((leg for leg in legs if time - late <= leg.end), legs[-1]), late
+        path = self.path
+        delay = 0.0
+        if path.period is not None and time > path.cycle_start:
+            delay = math.floor((time - path.cycle_start) / path.period) * path.period
+        legs = (*path.initial_loading, *path.cycle)
+        return next((leg for leg in legs if time - delay <= leg.end), legs[-1]), delay
 
     def values(self, time: Array) -> Array:
         """P, Q, eps and alpha at times within one leg, (4, n)."""
-        leg, late = self._place(float(np.mean(time)))
-        p, q = leg.loads(time - late)
-        lower, upper = leg.bulk.loads(time - late) if leg.bulk is not None else (0.0, 0.0)
-        tilt, moment = leg.turning.loads(time - late) if leg.turning is not None else (0.0, 0.0)
+        leg, delay = self._place(float(np.mean(time)))
+        leg_time = time - delay
+        p, q = leg.loads(leg_time)
+        lower, upper = _companion_loads(leg.bulk, leg_time)
+        tilt, moment = _companion_loads(leg.turning, leg_time)
         eps = self.strain[0] * lower + self.strain[1] * upper
         p, q, eps, tilt, moment, _ = np.broadcast_arrays(p, q, eps, tilt, moment, time)
         if self.path.moment_given:
@@ -455,26 +489,26 @@ class PathLoads:
         """Bulk stress of the lower and of the upper body, (2, n), for any times."""
         stresses = np.zeros((2, len(time)))
         for k, instant in enumerate(time.tolist()):
-            leg, late = self._place(instant)
+            leg, delay = self._place(instant)
             if leg.bulk is not None:
-                stresses[:, k] = leg.bulk.loads(instant - late)
+                stresses[:, k] = leg.bulk.loads(instant - delay)
         return stresses
 
     def turns(self, leg: LoadSegment) -> list[float]:
         """The end of a leg and the turning points of P, Q, eps, tilt and moment in it; one time for
         all that turn together.
         """
-        force = Combination(0.0, 1.0)
-        turning_points = leg.turning_points(NORMAL_LOAD) + leg.turning_points(force)
+        turning_points = leg.turning_points(NORMAL_LOAD)
+        turning_points += leg.turning_points(TANGENTIAL_LOAD)
         if leg.bulk is not None:
             turning_points += leg.bulk.turning_points(Combination(*self.strain))
         if leg.turning is not None:
-            turning_points += leg.turning.turning_points(NORMAL_LOAD) + leg.turning.turning_points(
-                force
-            )
+            turning_points += leg.turning.turning_points(NORMAL_LOAD)
+            turning_points += leg.turning.turning_points(TANGENTIAL_LOAD)
         turns = [leg.end]
         for time in turning_points:
-            if min(abs(time - known) for known in turns) > 1e-6 * (leg.end - leg.start):
+            distance = min(abs(time - turn) for turn in turns)
+            if distance > 1e-6 * (leg.end - leg.start):
                 turns.append(time)
         return turns
 
@@ -493,36 +527,41 @@ def _sampled(leg: LoadSegment, upright: TiltedProfile | None, strain: tuple[floa
     """
     parts = [part for part in (leg, leg.bulk, leg.turning) if part is not None]
     turns = max(part.most_turns for part in parts)
-    share = (
-        np.linspace(0, 1, 3)
-        if all(part.is_straight for part in parts)
-        else np.linspace(0, 1, _SAMPLES + 2 * turns)
-    )
+    count = 3 if all(part.is_straight for part in parts) else _SAMPLES + 2 * turns
+    spread_times = leg.start + (leg.end - leg.start) * np.linspace(0, 1, count)
     # The turning points too: the extreme loads and strains are among them.
-    turning = leg.turning_points(NORMAL_LOAD) + leg.turning_points(Combination(0.0, 1.0))
-    turning += leg.bulk.turning_points(Combination(*strain)) if leg.bulk is not None else []
-    time = np.unique(np.append(leg.start + (leg.end - leg.start) * share, turning))
+    turning_times = leg.turning_points(NORMAL_LOAD) + leg.turning_points(TANGENTIAL_LOAD)
+    if leg.bulk is not None:
+        turning_times += leg.bulk.turning_points(Combination(*strain))
+    time = np.unique(np.append(spread_times, turning_times))
     p, q = leg.loads(time)
-    lower, upper = leg.bulk.loads(time) if leg.bulk is not None else (0.0, 0.0)
-    tilt, moment = leg.turning.loads(time) if leg.turning is not None else (0.0 * p, 0.0 * p)
+    lower, upper = _companion_loads(leg.bulk, time)
+    tilt, moment = _companion_loads(leg.turning, time)
     if upright is not None and np.any(moment):
         tilt = np.where(p > 0, upright.tilt_under(*np.broadcast_arrays(p, moment)), np.nan)
-    return np.stack([p, q, strain[0] * lower + strain[1] * upper + 0 * p, tilt])
+    return np.stack([p, q, strain[0] * lower + strain[1] * upper, tilt])
 
 
-def _slope_of(load: Array, what: Array, rounding: float = 0.0) -> float:
-    """Least-squares slope; 0 where the load is constant, or what depends on it is, to its
-    `rounding`.
+def _companion_loads(companion: LoadSegment | None, time: Array) -> tuple[Array, Array]:
+    """Both values of a leg's `bulk` or `turning` at times, shape of `time`; 0 where it has none."""
+    if companion is None:
+        return np.zeros(np.shape(time)), np.zeros(np.shape(time))
+    first, second = companion.loads(time)
+    zeros = np.zeros(np.shape(time))
+    return first + zeros, second + zeros
+
+
+def _slope_of(load: Array, values: Array, rounding: float = 0.0) -> float:
+    """Least-squares slope of values over a load, (n,) each; 0 where the load is constant to
+    rounding, or the values are to their `rounding`.
     """
-    if (
-        not len(load)
-        or np.ptp(what) <= rounding
-        or np.ptp(load) <= _ROUNDING * np.max(np.abs(load))
-    ):
+    if not len(load) or np.ptp(values) <= rounding:
         return 0.0
-    away = load - np.mean(load)
-    square = float(away @ away)
-    return float(away @ what) / square if square > 0 else 0.0
+    if np.ptp(load) <= _ROUNDING * np.max(np.abs(load)):
+        return 0.0
+    deviations = load - np.mean(load)
+    square = float(deviations @ deviations)
+    return float(deviations @ values) / square if square > 0 else 0.0
 
 
 def leaning_profile(scene: Scene) -> tuple[PathLoads, TiltedProfile]:
