@@ -47,13 +47,17 @@ Array = NDArray[np.float64]
 # Samples of W in f over f_min: 1 + 10^k close to sliding, where W has all its changes in P_T; by
 # the logarithm up to _MIDDLE of f_min or Q1/P1, whichever is more, by which W has all its turning
 # points; few beyond, where it only nears W_inf.
-_CLOSE, _EVEN, _FAR = 17, 72, 9
-_MIDDLE, _MOST = 1e2, 1e6
+_CLOSE = 17
+_EVEN = 72
+_FAR = 9
+_MIDDLE = 1e2
+_MOST = 1e6
 # f_min itself is admitted, but for its own rounding.
 _BESIDE = 1e-12
 # Of W: a turning point that stands out by less is round-off, and a root that misses by more was not
 # found.
-_STANDS_OUT, _FOUND = 1e-10, 1e-8
+_STANDS_OUT = 1e-10
+_FOUND = 1e-8
 _LOADS = (
     "mean_normal_load",
     "normal_amplitude",
@@ -174,31 +178,26 @@ def friction_from(
     --------
     >>> from scenes import load_scene
     >>> scene = load_scene("hertz-paper")  # f = 1, near the least value of W(f)
-    >>> found = friction_from(solve(scene, x=0.0, fields="dissipation").dissipation, scene=scene)
-    >>> [round(root, 4) for root in found.roots.tolist()]
+    >>> work = solve(scene, x=0.0, fields="dissipation").dissipation
+    >>> [round(root, 4) for root in friction_from(work, scene=scene).roots.tolist()]
     [1.0, 1.0411]
     """
     if scene is None:
-        given = {"profile": profile, "material": material}
-        loads = dict(
-            zip(
-                _LOADS,
-                (
-                    mean_normal_load,
-                    normal_amplitude,
-                    mean_tangential_load,
-                    tangential_amplitude,
-                    phase,
-                ),
-                strict=True,
-            )
+        pair = {"profile": profile, "material": material}
+        load_values = (
+            mean_normal_load,
+            normal_amplitude,
+            mean_tangential_load,
+            tangential_amplitude,
+            phase,
         )
-        missing = [name for name, value in (given | loads).items() if value is None]
+        loads = dict(zip(_LOADS, load_values, strict=True))
+        missing = [name for name, value in (pair | loads).items() if value is None]
         if missing:
             raise InputError(f"friction_from: {', '.join(missing)} is missing; or give a scene")
-        return _of_ellipses(dissipation, given, loads)
-    others = (profile, material, mean_normal_load, normal_amplitude, tangential_amplitude)
-    if any(value is not None for value in others):
+        return _of_ellipses(dissipation, pair, loads)
+    parts_of_scene = (profile, material, mean_normal_load, normal_amplitude, tangential_amplitude)
+    if any(value is not None for value in parts_of_scene):
         raise InputError("friction_from: a scene comes without profile, material and loads")
     scene = validated(scene, Scene)
     if scene.unsymmetric:
@@ -208,9 +207,8 @@ def friction_from(
         )
     if isinstance(scene.load, EllipseLoad):
         loads = {name: getattr(scene.load, name) for name in _LOADS}
-        return _of_ellipses(
-            dissipation, {"profile": scene.profile, "material": scene.material}, loads
-        )
+        pair = {"profile": scene.profile, "material": scene.material}
+        return _of_ellipses(dissipation, pair, loads)
     return _of_path(dissipation, scene)
 
 
@@ -228,56 +226,60 @@ def sliding_limit(
     ... )  # (Q0 + Q1)/P0
     0.5
     """
-    square = (mean - amplitude) * (mean + amplitude)
-    middle = np.abs(mean * force - amplitude * tangential * np.cos(phase))
-    root = np.sqrt(
-        np.maximum(middle**2 + square * (tangential - force) * (tangential + force), 0.0)
-    )
+    # notation: a f^2 - 2 b f = Q1^2 - Q0^2, whose larger root is the limit
+    a = (mean - amplitude) * (mean + amplitude)
+    b = np.abs(mean * force - amplitude * tangential * np.cos(phase))
+    root = np.sqrt(np.maximum(b**2 + a * (tangential - force) * (tangential + force), 0.0))
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.asarray(np.where(square > 0, (middle + root) / square, np.inf))
+        return np.asarray(np.where(a > 0, (b + root) / a, np.inf))
 
 
-def _of_ellipses(target: ArrayLike, given: dict[str, Any], loads: dict[str, Any]) -> FrictionBatch:
-    # One call without friction checks every argument and knows the shape of the loads and of the
+def _of_ellipses(target: ArrayLike, pair: dict[str, Any], loads: dict[str, Any]) -> FrictionBatch:
+    """The coefficients of elliptic loads; `pair` is profile and material, `loads` the numbers of
+    the ellipses, as `dissipation` takes them.
+    """
+    # One call without friction checks every argument and gives the shape of the loads and of the
     # profile's numbers.
-    first: DissipationBatch = dissipation(**given, **loads, friction_coefficient=0.0)
-    shape, profile = first.value.shape, given["profile"]
+    frictionless: DissipationBatch = dissipation(**pair, **loads, friction_coefficient=0.0)
+    shape = frictionless.value.shape
+    profile = pair["profile"]
 
-    def of_members(name: str, value: Any, which: NDArray[np.intp] | slice) -> Any:
-        """What an argument is for some members, (k,)."""
+    def of_members(name: str, value: Any, members: NDArray[np.intp] | slice) -> Any:
+        """The values (k,) of an argument for some members."""
         if name == "rises":
-            return [of_members("", rise, which) for rise in value]
-        return (
-            value
-            if name in ("kind", "fitted")
-            else np.broadcast_to(real_numbers(value, name), shape).flat[which]
-        )
+            return [of_members("", rise, members) for rise in value]
+        if name in ("kind", "fitted"):
+            return value
+        return np.broadcast_to(real_numbers(value, name), shape).flat[members]
 
-    def work(friction: Array, member: NDArray[np.intp]) -> Array:
-        part = {name: of_members(name, value, member) for name, value in loads.items()}
-        own = profile
+    def work(friction: Array, members: NDArray[np.intp]) -> Array:
+        loads_of_members = {name: of_members(name, value, members) for name, value in loads.items()}
+        profile_of_members = profile
         if isinstance(profile, Mapping):
-            own = {name: of_members(name, value, member) for name, value in profile.items()}
-        return dissipation(**given | {"profile": own}, **part, friction_coefficient=friction).value
-
-    flat = {name: of_members(name, value, slice(None)) for name, value in loads.items()}
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        least = sliding_limit(*flat.values())
-        no_slip = np.where(
-            flat["normal_amplitude"] > 0,
-            flat["tangential_amplitude"] / flat["normal_amplitude"],
-            0.0,
+            profile_of_members = {
+                name: of_members(name, value, members) for name, value in profile.items()
+            }
+        batch = dissipation(
+            **pair | {"profile": profile_of_members},
+            **loads_of_members,
+            friction_coefficient=friction,
         )
-    return _inverse(target, work, least, no_slip, shape, first.notes)
+        return batch.value
+
+    flat_loads = {name: of_members(name, value, slice(None)) for name, value in loads.items()}
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        least_friction = sliding_limit(*flat_loads.values())
+        ratio = flat_loads["tangential_amplitude"] / flat_loads["normal_amplitude"]
+        no_slip = np.where(flat_loads["normal_amplitude"] > 0, ratio, 0.0)
+    return _inverse(target, work, least_friction, no_slip, shape, frictionless.notes)
 
 
 def _of_path(target: ArrayLike, scene: Scene) -> FrictionBatch:
-    """The same of one scene with another load: W by the engine that marches."""
+    """The coefficients of a scene whose load is no ellipse: W by `solve` for each coefficient."""
 
-    def once(friction: float) -> float:
-        return solve(
-            scene.vary(friction=friction), x=0.0, fields="dissipation", cycles="steady"
-        ).dissipation
+    def work_at(friction: float) -> float:
+        scene_at = scene.vary(friction=friction)
+        return solve(scene_at, x=0.0, fields="dissipation", cycles="steady").dissipation
 
     path = scene.load.path()
     loads = [leg.loads(sampled(leg, 513)) for leg in (*path.initial_loading, *path.cycle)]
@@ -286,7 +288,7 @@ def _of_path(target: ArrayLike, scene: Scene) -> FrictionBatch:
     # Between the samples of a curved path |Q|/P may be a little larger.
     for excess in (0.0, *10.0 ** np.arange(-12, -3)):
         try:
-            once(least * (1 + excess))
+            work_at(least * (1 + excess))
         except InadmissibleLoadError:
             continue
         least *= 1 + float(excess)
@@ -299,7 +301,7 @@ def _of_path(target: ArrayLike, scene: Scene) -> FrictionBatch:
     no_slip = float(np.ptp(tangential) / np.ptp(normal)) if varies else 0.0
 
     def work(friction: Array, _member: NDArray[np.intp]) -> Array:
-        return np.array([once(value) for value in friction.tolist()])
+        return np.array([work_at(coefficient) for coefficient in friction.tolist()])
 
     return _inverse(target, work, np.array([least]), np.array([no_slip]), (), ())
 
@@ -324,9 +326,9 @@ def _inverse(
     # `scipy.optimize` alone does not load it
     from scipy.optimize import elementwise  # noqa: PLC0415
 
-    wanted = real_numbers(target, "dissipation")
+    target_works = real_numbers(target, "dissipation")
     try:
-        full_shape = np.broadcast_shapes(wanted.shape, shape)
+        full_shape = np.broadcast_shapes(target_works.shape, shape)
     except ValueError as fault:
         raise InputError(
             f"friction_from: the dissipation must be numbers that broadcast with the loads: {fault}"
@@ -377,7 +379,7 @@ def _inverse(
         works = np.take_along_axis(works, ascending, 0)
 
     member = np.broadcast_to(np.arange(n_members).reshape(shape), full_shape).ravel()
-    aim = np.broadcast_to(wanted, full_shape).ravel()
+    aim = np.broadcast_to(target_works, full_shape).ravel()
     valid = np.isfinite(aim) & (aim > 0) & is_solvable[member]
     above = works[:, member] > np.where(valid, aim, np.inf)
     known = np.isfinite(works[:, member])

@@ -820,30 +820,31 @@ class LogHalfWidth:
         2^first.
         """
         corners = contact.break_loads
-        most = (
-            2.0**last
-            if contact.extent == math.inf
-            else min(2.0**last, float(contact.load(contact.extent)))
-        )
-        begins = np.array([0.0, *corners[(corners > 2.0**first) & (corners < most)], most])
-        places, log = (
-            np.append(0.0, np.cumsum(np.sqrt(np.diff(begins)))),
-            _log_of(contact),
-        )  # of the corners, one v behind the other
-        octaves = max(math.ceil(math.log2(places[1]) - first / 2), 1)
+        largest_load = 2.0**last
+        if contact.extent != math.inf:
+            largest_load = min(largest_load, float(contact.load(contact.extent)))
+        corners_inside = corners[(corners > 2.0**first) & (corners < largest_load)]
+        corner_loads = np.array([0.0, *corners_inside, largest_load])
+        # places on one axis on which the v of each corner begins where that of the one before ends
+        corner_places = np.append(0.0, np.cumsum(np.sqrt(np.diff(corner_loads))))
+        log = _log_of(contact)
+        octaves = max(math.ceil(math.log2(corner_places[1]) - first / 2), 1)
 
-        def at(place: Array) -> Array:
-            behind = np.searchsorted(places[1:-1], place, side="right")
-            return log(begins[behind] + np.square(place - places[behind]))
+        def log_at(place: Array) -> Array:
+            corner = np.searchsorted(corner_places[1:-1], place, side="right")
+            return log(corner_loads[corner] + np.square(place - corner_places[corner]))
 
-        found = halved(
-            at,
-            np.append(places[1] * 2.0 ** np.arange(-octaves, 0), places[1:]),
+        first_places = corner_places[1] * 2.0 ** np.arange(-octaves, 0)
+        series = halved(
+            log_at,
+            np.append(first_places, corner_places[1:]),
             max(contact.noise / 4e-14, 1.0),
         )
-        behind = np.searchsorted(places[1:-1], found.edges[:-1], side="right")
-        self._begin, self._log = begins[behind], Powers(found.coefficients)
-        self._low, self._high = found.edges[:-1] - places[behind], found.edges[1:] - places[behind]
+        corner = np.searchsorted(corner_places[1:-1], series.edges[:-1], side="right")
+        self._begin = corner_loads[corner]
+        self._log = Powers(series.coefficients)
+        self._low = series.edges[:-1] - corner_places[corner]
+        self._high = series.edges[1:] - corner_places[corner]
         self.edges = (self._begin + np.square(self._low))[1:]
 
     def _at(self, piece: Indices, v: Array) -> Array:
@@ -861,21 +862,24 @@ class LogHalfWidth:
         """Lam from P and P - P_c to 1e-16 of P - P_c: int [L - L(P_c)] d eta from edge to edge by
         Gauss' rule in v.
         """
-        front, (node, weight) = load - slipped, gauss(4)
-        piece, last = (np.searchsorted(self.edges, values) for values in (front, load))
-        v = np.sqrt(np.maximum(front - self._begin[piece], 0.0))
-        base, total, left = self._at(piece, v), np.zeros(load.shape), slipped
-        for _ in range(int(np.max(last - piece, initial=0)) + 1):
-            rise = np.clip(
-                np.where(piece < last, np.square(self._high[piece]) - v * v, np.inf), 0.0, left
-            )
+        stick_edge_load = load - slipped
+        nodes, weights = gauss(4)
+        piece = np.searchsorted(self.edges, stick_edge_load)
+        last_piece = np.searchsorted(self.edges, load)
+        v = np.sqrt(np.maximum(stick_edge_load - self._begin[piece], 0.0))
+        log_at_stick_edge = self._at(piece, v)
+        total = np.zeros(load.shape)
+        load_left = slipped
+        for _ in range(int(np.max(last_piece - piece, initial=0)) + 1):
+            to_end_of_piece = np.square(self._high[piece]) - v * v
+            rise = np.clip(np.where(piece < last_piece, to_end_of_piece, np.inf), 0.0, load_left)
             step = rise / np.maximum(v + np.sqrt(v * v + rise), 1e-300)
-            at = v[..., None] + step[..., None] * node
-            total += step * np.sum(
-                weight * 2 * at * (self._at(piece[..., None], at) - base[..., None]), axis=-1
-            )
-            left, piece = left - rise, np.minimum(piece + 1, last)
-            v = np.where(left > 0, self._low[piece], v)
+            at = v[..., None] + step[..., None] * nodes
+            excess = self._at(piece[..., None], at) - log_at_stick_edge[..., None]
+            total += step * np.sum(weights * 2 * at * excess, axis=-1)
+            load_left = load_left - rise
+            piece = np.minimum(piece + 1, last_piece)
+            v = np.where(load_left > 0, self._low[piece], v)
         return total
 
 
@@ -909,18 +913,20 @@ def works_by_lam(
     # Members alike together: the same rule, and the same way to Lam.
     kind = 2 * _rule_of(e) + ((e.deepest <= deep * e.mean) | unlike)
     order = np.argsort(kind, kind="stable")
-    loops, found = _rows(e, least).take(order, axis=1), np.empty((3, len(order)))
+    loops = _rows(e, least).take(order, axis=1)
+    sums = np.empty((3, len(order)))
     bounds = np.cumsum(np.bincount(kind, minlength=2 * len(_RULES)))
     # Used again and again: what is allocated once stays in the cache.
     memory = np.empty(12 * max(_NODES, 64 * len(_RULES[-1][0])))
     for number in np.flatnonzero(np.diff(bounds, prepend=0)).tolist():
         step = max(_NODES // len(_RULES[number // 2][0]), 64)
         for begin in range(bounds[number - 1] if number else 0, bounds[number], step):
-            here = slice(begin, min(begin + step, bounds[number]))
-            found[:, order[here]] = phase_integrals(
-                loops[:, here], _RULES[number // 2], (quick, careful)[number % 2], memory
+            block = slice(begin, min(begin + step, bounds[number]))
+            area = careful if number % 2 else quick
+            sums[:, order[block]] = phase_integrals(
+                loops[:, block], _RULES[number // 2], area, memory
             )
-    reverse, later, early = 2 * found
+    reverse, later, early = 2 * sums
     k = 4 * e.amplitude * e.sine
     early *= (math.pi - e.turn) * e.u / np.where(k > _FLOOR * e.mean, k, np.inf)
     return later * e.turn * e.u + early, reverse * e.turn * e.v
@@ -956,23 +962,28 @@ def _rule_of(e: Ellipses) -> NDArray[np.uint8]:
     nearest singularity from the ends of the interval [-1, 1]. Twelve at least, since nearly without
     slip the integrand is a cube of sines.
     """
-    start, wide, rest = e.start, np.maximum(e.turn, _TINY), np.maximum(math.pi - e.turn, _TINY)
-    front, load = (
-        np.square(4 * np.arcsinh(np.sqrt(level / np.maximum(size, _TINY))))
-        for level, size in (
-            (e.permanent, np.maximum(e.u, e.v)),
-            (e.mean - e.amplitude, 2 * e.amplitude),
-        )
+    # Angles of the intervals E-G and J-M, and of I-J.
+    long_angle = np.maximum(e.turn, _TINY)
+    short_angle = np.maximum(math.pi - e.turn, _TINY)
+    # Squares of the imaginary parts of the singularities where P_c = 0, and where P = 0.
+    at_no_front = _square_of_imaginary(e.permanent, np.maximum(e.u, e.v))
+    at_no_load = _square_of_imaginary(e.mean - e.amplitude, 2 * e.amplitude)
+    singularities = (
+        (-1.0, at_no_front / (long_angle * long_angle)),
+        (2 * (math.pi - e.start) / long_angle - 1, at_no_load / (long_angle * long_angle)),
+        (2 * e.start / short_angle - 1, at_no_load / (short_angle * short_angle)),
     )
-    half_sum = np.full(len(wide), np.inf)
-    for centre, square in (
-        (-1.0, front / (wide * wide)),
-        (2 * (math.pi - start) / wide - 1, load / (wide * wide)),
-        (2 * start / rest - 1, load / (rest * rest)),
-    ):
-        near, far = (np.sqrt(np.square(centre + side) + square) for side in (-1, 1))
-        np.minimum(half_sum, (near + far) / 2, out=half_sum)
+    half_sum = np.full(len(long_angle), np.inf)
+    for real_part, square in singularities:
+        from_one_end = np.sqrt(np.square(real_part - 1) + square)
+        from_other_end = np.sqrt(np.square(real_part + 1) + square)
+        np.minimum(half_sum, (from_one_end + from_other_end) / 2, out=half_sum)
     return np.sum(half_sum < _LEAST_SUMS, axis=0, dtype=np.uint8)
+
+
+def _square_of_imaginary(least_load: Array, load_size: Array) -> Array:
+    """(4 arsinh sqrt(least_load/load_size))^2: twice the imaginary part, for [-1, 1], squared."""
+    return np.square(4 * np.arcsinh(np.sqrt(least_load / np.maximum(load_size, _TINY))))
 
 
 def _rows(e: Ellipses, least: float) -> Array:
@@ -980,16 +991,19 @@ def _rows(e: Ellipses, least: float) -> Array:
     share `least` of P0.
     """
     rows = np.empty((9, len(e.mean)))
-    rows[0], rows[1] = e.turn / 2, (math.pi - e.turn) / 2
+    rows[0] = e.turn / 2
+    rows[1] = (math.pi - e.turn) / 2
     # A permanent or least load of 0 as the smallest load there is: the logarithm of 0 is never
     # asked for.
     np.maximum(e.permanent, least * e.mean, out=rows[2])
     np.maximum(e.mean - e.amplitude, least * e.mean, out=rows[3])
-    rows[4], rows[5] = e.u, e.v
+    rows[4] = e.u
+    rows[5] = e.v
     larger = np.sqrt(e.amplitude * (1 + np.abs(e.cosine)))
     smaller = e.amplitude * e.sine / np.where(larger > 0, larger, 1.0)
-    before = e.cosine < 0
-    rows[6], rows[7] = np.where(before, larger, smaller), np.where(before, smaller, larger)
+    cosine_is_negative = e.cosine < 0
+    rows[6] = np.where(cosine_is_negative, larger, smaller)
+    rows[7] = np.where(cosine_is_negative, smaller, larger)
     rows[8] = 4 * e.amplitude * e.sine
     return rows
 
@@ -1017,22 +1031,24 @@ def phase_integrals(
     No difference is taken but one that is squared. One tangent a node stands for sine and cosine:
     numpy has it in vector code.
     """
-    (nodes, weights), (half, rest, permanent, least, u, v, alpha, beta, k) = rule, loops
-    shape = (4, 3, len(nodes), len(half))
-    front, slipped, (tangent, both, spare), free = memory[: math.prod(shape)].reshape(shape)
-    np.multiply(nodes[:, None], half, out=tangent)
+    nodes, weights = rule
+    h, g, permanent, least, u, v, alpha, beta, k = loops
+    shape = (4, 3, len(nodes), len(h))
+    front, slipped, work_arrays, free = memory[: math.prod(shape)].reshape(shape)
+    tangent, sine_cosine, spare = work_arrays
+    np.multiply(nodes[:, None], h, out=tangent)
     np.tan(tangent, out=tangent)
     np.multiply(tangent, tangent, out=spare)
     spare += 1
-    np.divide(tangent, spare, out=both)
-    tangent *= both  # S^2
+    np.divide(tangent, spare, out=sine_cosine)  # S C
+    tangent *= sine_cosine  # S^2
     np.multiply(tangent, v, out=front[0])
     np.multiply(tangent, u, out=front[1])
     slipped[0] = front[1][::-1]
-    np.multiply(both, k, out=slipped[1])
+    np.multiply(sine_cosine, k, out=slipped[1])
     slipped[1] += front[0][::-1]
     front[:2] += permanent
-    np.multiply(nodes[:, None], rest, out=tangent)
+    np.multiply(nodes[:, None], g, out=tangent)
     np.tan(tangent, out=tangent)
     np.multiply(tangent, tangent, out=spare)
     spare += 1
@@ -1044,7 +1060,7 @@ def phase_integrals(
     np.divide(tangent, spare, out=front[2])
     front[2] += least
     areas = area(front, slipped, free)
-    areas[:2] *= both
+    areas[:2] *= sine_cosine
     areas[2] *= slipped[2]
     return weights @ areas[0], weights @ areas[1], weights @ areas[2]
 
@@ -1108,14 +1124,17 @@ class LamTable:
         load = np.ldexp(1 + (cell[:, None] + (1 + _PLACES) / 2) / _CELLS, octave[:, None])
         # L = ln(a/b) keeps its digits beside the flat
         contact = replace(contact, datum_length=contact.least / 2)
-        area, log = -contact.log_distance(load), -contact.log_ratio(load)
+        area = -contact.log_distance(load)
+        log = -contact.log_ratio(load)
         # Of a short way about the load Lam is half of its square times L', but for a share of
         # 3e-14.
         way = 1e-6 * load
         with np.errstate(all="ignore"):
             rate = 2 * contact.dissipation_kernel(load + way * (2 / 3), way) / (way * way)
         self.largest = float(np.max(log))
-        self._area, self._log, self._rate = (_TO_POWERS @ values.T for values in (area, log, rate))
+        self._area = _TO_POWERS @ area.T
+        self._log = _TO_POWERS @ log.T
+        self._rate = _TO_POWERS @ rate.T
 
     def _place(self, load: Array) -> tuple[NDArray[np.int64], Array]:
         """Cells of loads, and places in them from -1/2 to 1/2."""
@@ -1154,7 +1173,8 @@ def _series(rows: Array, cell: NDArray[np.int64], inside: Array) -> Array:
     """Polynomials, rows from the lowest power on, columns for the cells, all of which are columns
     of the table.
     """
-    total, row = rows[-1].take(cell, mode="clip"), np.empty(cell.shape)
+    total = rows[-1].take(cell, mode="clip")
+    row = np.empty(cell.shape)
     for coefficients in rows[-2::-1]:
         total *= inside
         total += coefficients.take(cell, mode="clip", out=row)
