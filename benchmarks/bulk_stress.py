@@ -245,7 +245,7 @@ def on_grid(scene: Scene) -> Values:
             count if path.cycle_start <= leg.start < path.cycle_start + (path.period or 0) else 0
         )
     loads = np.concatenate(columns, axis=1)
-    answer = dense_grid.solve(
+    answer = dense_grid.follow_instants(
         scene.profile.height, (-2.8, 2.8), CELLS, scene.friction.coefficient, *loads
     )
     always = (
@@ -312,8 +312,10 @@ def loops() -> int:
         seconds = []
         for n in (1, 2):
             begin = time.process_time()
-            orders = {"cells": n * dense_grid.CELLS, "increments": n * dense_grid.INCREMENTS}
-            answers.append(dense_grid.follow_on_grid(*arguments, most=2, **orders))
+            request = dense_grid.GridRequest(
+                most_cycles=2, cells=n * dense_grid.CELLS, increments=n * dense_grid.INCREMENTS
+            )
+            answers.append(dense_grid.follow_on_grid(*arguments, request))
             seconds.append(time.process_time() - begin)
         coarse, fine = answers
         work = coarse.works[-1]

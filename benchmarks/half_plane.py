@@ -161,7 +161,7 @@ def discretised(case: Case, elements: int) -> float:
     half = 1.15 * float(case.contact().half_width(mp.mpf(case.mean + case.amplitude)))
     cycle = cycle_of(case, 5 * elements // 2)
     path = np.concatenate([np.linspace(0, 1, 11)[1:, None] * cycle[-1], cycle, cycle]).T
-    answer = dense_grid.solve(
+    answer = dense_grid.follow_instants(
         scene_of(case._asdict()).profile.height, (-half, half), elements, case.friction, *path
     )
     return float(answer.cycle_work(len(cycle))[-1])

@@ -107,11 +107,11 @@ def checked_fields(fields: str | Iterable[str], cycles: Cycles) -> frozenset[str
     """
     if cycles not in ("all", "steady"):
         raise InputError(f"cycles: {cycles!r} is neither 'all' nor 'steady'")
-    wanted = frozenset([fields] if isinstance(fields, str) else fields)
-    unknown = sorted(wanted - set(FIELDS))
+    names = frozenset([fields] if isinstance(fields, str) else fields)
+    unknown = sorted(names - set(FIELDS))
     if unknown:
         raise InputError(f"fields: {unknown[0]!r} is not among {', '.join(FIELDS)}")
-    return wanted
+    return names
 
 
 def vector(values: ArrayLike | None, name: str) -> Array | None:

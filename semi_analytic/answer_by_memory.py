@@ -175,14 +175,14 @@ def by_memory(question: Question, family: OneCurve | None) -> Findings:
             path = replace(path, covered=path.covered[-1:])
     request = _request_of(question, family, path, time)
     history_done = clock.perf_counter()
-    result = path_result(path, request)
+    answer = path_result(path, request)
     work_done = clock.perf_counter()
-    series = _series_of(request, result.snapshot)
-    grids, arc_errors = _grids_of(request, result.snapshot, series)
+    series = _series_of(request, answer.snapshot)
+    grids, arc_errors = _grids_of(request, answer.snapshot, series)
     fields_done = clock.perf_counter()
-    work = float(result.works[-1])
-    loop_work = _loop_work_of(result)
-    errors = _errors(request, result, series, grids, arc_errors, loop_work)
+    work = float(answer.works[-1])
+    loop_work = _loop_work_of(answer)
+    errors = _errors(request, answer, series, grids, arc_errors, loop_work)
     errors_of_neglect = _errors_of_neglect(question, family)
     for name, error in errors_of_neglect.items():
         errors[name] = errors.get(name, 0.0) + error
@@ -196,30 +196,30 @@ def by_memory(question: Question, family: OneCurve | None) -> Findings:
     seconds = {"history": history_done - started, "fields": fields_done - work_done}
     seconds["dissipation"] = work_done - history_done + clock.perf_counter() - fields_done
     energy = {}
-    if len(result.increments):
-        energy["dissipation"] = freeze(result.increments)
+    if len(answer.increments):
+        energy["dissipation"] = freeze(answer.increments)
     return Findings(
         time=time,
         x=request.x,
         values=series
         | grids
-        | _permanent_stick(request.contact, result, path.largest)
+        | _permanent_stick(request.contact, answer, path.largest)
         | {
             "dissipation": work,
             "loop_work": loop_work,
-            "cycle_dissipation": result.works,
-            "dissipation_density": result.density[request.fold],
+            "cycle_dissipation": answer.works,
+            "dissipation_density": answer.density[request.fold],
             "steady_from": path.steady_from,
         },
         termination=termination,
         message=message,
         notes=tuple(notes),
         errors=errors,
-        certificates=_admissibility(request, result, grids),
+        certificates=_admissibility(request, answer, grids),
         energy=energy,
         counts={"points_evaluated": len(request.distance), "cycles_solved": len(path.cycles)}
-        | result.counts,
-        skipped=_skipped_of(scene, path, result),
+        | answer.counts,
+        skipped=_skipped_of(scene, path, answer),
         seconds=seconds,
     )
 
@@ -487,9 +487,12 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
             steps = len(block.rows) - 1
             first_step = series.starts[k] + begin
             bounds = np.searchsorted(located.step, [first_step, first_step + steps])
-            here = slice(*bounds.tolist())
+            block_rows = slice(*bounds.tolist())
             states.add(
-                block, located.step[here] - first_step, located.share[here], located.slack[here]
+                block,
+                located.step[block_rows] - first_step,
+                located.share[block_rows],
+                located.slack[block_rows],
             )
             sums.shares[k] = max(sums.shares[k], block.deepest / part.largest)
             sums.count(block, takes_work + takes_density, alive)
@@ -656,16 +659,16 @@ def _ellipses_of_leg(leg: LoadSegment, friction: float) -> Ellipses | None:
     )
 
 
-def _loop_work_of(result: PathResult) -> float:
+def _loop_work_of(answer: PathResult) -> float:
     """Closed integral of Q dU; NaN where there is none, or rounding leaves less than two digits of
     it: it is no second route any more.
     """
-    if result.loop is None:
+    if answer.loop is None:
         return math.nan
-    work = float(result.works[-1])
+    work = float(answer.works[-1])
     if not work:
         return 0.0
-    return result.loop.value if result.loop.rounding < _TOO_ROUGH * work else math.nan
+    return answer.loop.value if answer.loop.rounding < _TOO_ROUGH * work else math.nan
 
 
 # ------------------------------------------------------------------------------- fields at instants
@@ -805,7 +808,7 @@ def _require_finite(name: str, values: NDArray[Any], request: Request) -> None:
 # ---------------------------------------------------------------- what a solution says of itself
 def _errors(
     request: Request,
-    result: PathResult,
+    answer: PathResult,
     series: dict[str, Array],
     grids: dict[str, NDArray[Any]],
     arc_errors: Mapping[str, float],
@@ -819,19 +822,19 @@ def _errors(
     NotFoundError
         For an error that is not a number.
     """
-    errors = {"dissipation_density": result.density_error}
+    errors = {"dissipation_density": answer.density_error}
     if request.wants("pressure", *arc_errors):
-        errors |= _errors_of_tractions(request, result.snapshot, series, grids, arc_errors)
-    rounding = 8 * rounding_of_slip(result.slipped_share)
+        errors |= _errors_of_tractions(request, answer.snapshot, series, grids, arc_errors)
+    rounding = 8 * rounding_of_slip(answer.slipped_share)
     errors["slip"] = errors.get("slip", 0.0) + rounding
     if request.wants("tangential_displacement"):
         errors["tangential_displacement"] = rounding_of_shift(
-            result.snapshot.friction,
+            answer.snapshot.friction,
             request.contact.log_distance(series["normal_load"]),
             series["tangential_displacement"] / request.unit,
         )
     if request.wants("dissipation"):
-        errors["loop_work"], errors["dissipation"] = _errors_of_work(request, result, loop_work)
+        errors["loop_work"], errors["dissipation"] = _errors_of_work(request, answer, loop_work)
         errors["dissipation_density"] += errors["dissipation"]
     names = (*request.fields, "loop_work", *(f"{name} at the edge" for name in request.fields))
     return {name: error for name, error in errors.items() if error and name in names}
@@ -895,7 +898,7 @@ def _largest_finite(values: Array) -> float:
 
 def _most_pieces(snapshot: Snapshot, instants: Indices) -> int:
     """Of how many pieces a memory curve of some instants is at most."""
-    curves = [snapshot.actives[k] for k in snapshot.which[instants]]
+    curves = [snapshot.actives[k] for k in snapshot.active_number[instants]]
     return max((len(list(pieces(curve))) for curve in curves), default=0)
 
 
@@ -916,26 +919,26 @@ def _error_at_edges(contact: SymmetricContact, x: Array, half: Array, least: flo
     return largest_error(stiffness / np.pi * np.sqrt(2 / edges) * root_change)
 
 
-def _errors_of_work(request: Request, result: PathResult, loop_work: float) -> tuple[float, float]:
+def _errors_of_work(request: Request, answer: PathResult, loop_work: float) -> tuple[float, float]:
     """Relative errors of the closed integral of Q dU and of W.
 
     Of the two routes W keeps more digits where slip is tiny: what they differ by is the error of
     the other one.
     """
-    work = float(result.works[-1])
+    work = float(answer.works[-1])
     difference = 0.0
     if math.isfinite(loop_work) and work > 0:
         difference = abs(loop_work / work - 1)
-    of_loop = result.work_error + difference
+    of_loop = answer.work_error + difference
     if of_loop <= PROMISED:
         of_loop = 0.0
-    of_work = result.work_error
+    of_work = answer.work_error
     if work > 0 and not request.contact.closed_form:
         # What the last digits of U leave in the loop says nothing of W.
-        rounding = _OF_LOOP * result.loop.rounding / work if result.loop is not None else 0.0
-        if difference > rounding and slipped_share(result.spans) > _SLIPS_ENOUGH:
+        rounding = _OF_LOOP * answer.loop.rounding / work if answer.loop is not None else 0.0
+        if difference > rounding and slipped_share(answer.spans) > _SLIPS_ENOUGH:
             of_work += difference
-        left_out = math.fsum(_left_out_of_work(request.contact, span) for span in result.spans)
+        left_out = math.fsum(_left_out_of_work(request.contact, span) for span in answer.spans)
         of_work += request.unit * left_out / work
     return of_loop, of_work
 
@@ -1006,22 +1009,22 @@ def _ending_of(path: LoadSeries | History) -> tuple[str, str]:
 
 
 def _skipped_of(
-    scene: Scene, path: LoadSeries | History, result: PathResult
+    scene: Scene, path: LoadSeries | History, answer: PathResult
 ) -> dict[str, tuple[int, str]]:
     """What was not done, how often, and why."""
     skipped = {}
     copies = max(scene.cycles, len(path.covered)) - len(path.cycles)
     if path.repeats and path.steady_from is not None and copies > 0:
         skipped["cycles"] = (copies, f"copies of cycle {path.steady_from + 1}, which is steady")
-    if result.full_stick:
-        skipped["quadratures"] = (result.full_stick, "full stick: nothing slips")
+    if answer.full_stick:
+        skipped["quadratures"] = (answer.full_stick, "full stick: nothing slips")
     return skipped
 
 
-def _permanent_stick(contact: Contact, result: PathResult, largest: float) -> dict[str, Any]:
+def _permanent_stick(contact: Contact, answer: PathResult, largest: float) -> dict[str, Any]:
     """What sticks through the whole last cycle: half-width, and edges of an unsymmetric contact."""
     # A front that is nothing but the last digits of P is none.
-    least = result.least_front if result.least_front > LAST_DIGITS * largest else 0.0
+    least = answer.least_front if answer.least_front > LAST_DIGITS * largest else 0.0
     half = float(contact.half_width(least))
     values: dict[str, Any] = {"permanent_stick_half_width": half if half > 0 else math.nan}
     if isinstance(contact, TiltedProfile):
@@ -1031,14 +1034,14 @@ def _permanent_stick(contact: Contact, result: PathResult, largest: float) -> di
 
 
 def _admissibility(
-    request: Request, result: PathResult, grids: Mapping[str, NDArray[Any]]
+    request: Request, answer: PathResult, grids: Mapping[str, NDArray[Any]]
 ) -> dict[str, Array]:
     """|M(P) - Q| over f max P, and the largest |q| - f p over f max p where both were asked for;
     both (n,) and 0 at best.
     """
-    friction = result.snapshot.friction
-    largest_limit = friction * float(np.max(result.snapshot.load))
-    checks = {"tangential_balance": freeze(np.abs(result.balance) / max(largest_limit, _TINY))}
+    friction = answer.snapshot.friction
+    largest_limit = friction * float(np.max(answer.snapshot.load))
+    checks = {"tangential_balance": freeze(np.abs(answer.balance) / max(largest_limit, _TINY))}
     if request.wants("pressure") and request.wants("shear"):
         pressure = grids["pressure"]
         # At the tip of a wedge p is infinite: no q is outside the cone there, and none is a measure

@@ -115,8 +115,8 @@ def _instants_of_cycle(loads: PathLoads) -> tuple[Array, Array]:
     legs = loads.path.cycle
     times = []
     for leg in legs:
-        even = np.linspace(leg.start, leg.end, _INSTANTS // len(legs) + 2)[1:]
-        times.append(np.unique(np.append(even, loads.turns(leg))))
+        spread_times = np.linspace(leg.start, leg.end, _INSTANTS // len(legs) + 2)[1:]
+        times.append(np.unique(np.append(spread_times, loads.turns(leg))))
     return np.concatenate(times), np.concatenate([loads.values(time) for time in times], axis=1)
 
 

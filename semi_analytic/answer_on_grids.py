@@ -21,7 +21,7 @@ from semi_analytic.answer import (
 )
 from semi_analytic.bulk_and_tilt import leaning_profile
 from semi_analytic.elasticity import composite_modulus
-from semi_analytic.grid import INCREMENTS, Followed, edges_along, follow_on_grid
+from semi_analytic.grid import INCREMENTS, Followed, GridRequest, edges_along, follow_on_grid
 
 Array = NDArray[np.float64]
 
@@ -66,9 +66,11 @@ class GridAnswer:
             scene.friction.coefficient,
             x,
             question.time,
-            most=max(scene.cycles, 2),
-            steady=self._steady_only,
-            pointwise=question.wants("shear", "slip", "state"),
+            GridRequest(
+                most_cycles=max(scene.cycles, 2),
+                steady=self._steady_only,
+                pointwise=question.wants("shear", "slip", "state"),
+            ),
         )
 
     def findings(self, steady_cycle: Findings | None) -> Findings:

@@ -228,8 +228,11 @@ def _points_of_search(e: Ellipses, contact: SymmetricContact) -> Array:
     if few_corners:
         kink_loads = np.concatenate([least_in_slip_zone, corners])
     kinks = contact.half_width(kink_loads)
-    beside = np.minimum(kinks - ends[0], ends[-1] - kinks) * _BESIDE_KINK[:, None, None]
-    inside = [part.reshape(-1, len(least)) for part in (between, kinks - beside, kinks + beside)]
+    distance_to_kink = np.minimum(kinks - ends[0], ends[-1] - kinks) * _BESIDE_KINK[:, None, None]
+    inside = [
+        part.reshape(-1, len(least))
+        for part in (between, kinks - distance_to_kink, kinks + distance_to_kink)
+    ]
     return np.sort(np.concatenate([ends, *inside]), axis=0).T
 
 
@@ -716,7 +719,7 @@ class Members:
             everybody = np.arange(len(self.mirrored))
             yield Group(everybody, self.contact, self.ellipses, 1.0, 1.0)
             return
-        for members, shape, length, height in _alike(self.kind, self.parameters):
+        for members, shape, length, height in _by_shape(self.kind, self.parameters):
             load_unit = self.modulus * height
             loops = self.ellipses.take(members).over(load_unit)
             yield Group(members, _contact(self.kind, shape), loops, load_unit, length)
@@ -761,7 +764,7 @@ def _columns(
         raise InputError(f"the arrays of a batch must broadcast: {reason}") from reason
     batch = _Batch(kind, material, profile)
     total = math.prod(shape)
-    results = np.full((count, total), np.nan)
+    columns = np.full((count, total), np.nan)
     reasons = np.zeros(total, dtype=np.int8)
     for first in range(0, total, _BLOCK):
         last = min(first + _BLOCK, total)
@@ -772,12 +775,12 @@ def _columns(
         if len(good):
             of_members = results_of(members)
             of_members[:scaled] *= 2 / (math.pi * batch.modulus) * friction**2
-            results[:, first + good] = of_members
+            columns[:, first + good] = of_members
             code[good[~np.isfinite(of_members[0])]] = Reason.UNSETTLED
         reasons[first:last] = code
-    results.flags.writeable = False
+    columns.flags.writeable = False
     reasons.flags.writeable = False
-    return [column.reshape(shape) for column in results], reasons.reshape(shape)
+    return [column.reshape(shape) for column in columns], reasons.reshape(shape)
 
 
 class _Batch:
@@ -975,7 +978,7 @@ def _numbered(rises: Sequence[ArrayLike]) -> dict[str, ArrayLike]:
     return {f"rise {number}": rise for number, rise in enumerate(rises, 1)}
 
 
-def _alike(
+def _by_shape(
     kind: str, parameters: list[Array]
 ) -> Iterator[tuple[Indices, tuple[float, ...], Array, Array]]:
     """Members (k,) whose profiles are the same in units of their own: that shape, and units of
@@ -1016,7 +1019,7 @@ def _invalid_shapes(kind: str, parameters: list[Array]) -> NDArray[np.bool_]:
     valid = np.flatnonzero(~invalid)
     if kind in ("polynomial", "compound") and len(valid):
         # By the rules of the profile, and by those of one contact.
-        for members, shape, _, _ in _alike(kind, [values[valid] for values in parameters]):
+        for members, shape, _, _ in _by_shape(kind, [values[valid] for values in parameters]):
             try:
                 _contact(kind, shape)
             except InputError:

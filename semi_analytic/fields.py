@@ -109,9 +109,9 @@ class _Panels(NamedTuple):
     series: Array
     error: Array
 
-    def take(self, which: Indices | NDArray[np.bool_]) -> _Panels:
+    def take(self, numbers: Indices | NDArray[np.bool_]) -> _Panels:
         """The chosen ones."""
-        return _Panels._make(column[which] for column in self)
+        return _Panels._make(column[numbers] for column in self)
 
 
 class Arc:
@@ -187,8 +187,8 @@ class Arc:
         share = np.clip((stops - marks[panel]) / (marks[panel + 1] - marks[panel]), 0.0, 1.0)
         terms = chebyshev.chebvander(2 * share - 1, DEGREE + 1)
         begins = np.flatnonzero(np.diff(panel, prepend=-1))
-        for here in np.split(np.arange(len(stops)), begins[1:]):
-            value[here] += terms[here] @ self._primitive[panel[here[0]]].T
+        for rows in np.split(np.arange(len(stops)), begins[1:]):
+            value[rows] += terms[rows] @ self._primitive[panel[rows[0]]].T
         # Near P_x from stop to stop, in each panel from its begin.
         low = np.append(marks[0], stops[:-1])
         low[begins] = marks[panel[begins]]
@@ -234,7 +234,7 @@ class Arc:
 
     def _resolved(self, low: Array, high: Array) -> _Panels:
         """Panels with their series, ascending; those that are not resolved are halved."""
-        done: list[_Panels] = []
+        resolved_panels: list[_Panels] = []
         size = 0.0
         points = len(self._x)
         for halvings in range(_HALVINGS + 1):
@@ -246,16 +246,18 @@ class Arc:
             table = np.zeros((len(low), points, DEGREE + 1))
             table[far.panel, far.point] = far.coefficients
             middle = (low + high) / 2
-            is_done = np.max(error, axis=1, initial=0.0) <= _RESOLVED * size
-            is_done |= halvings == _HALVINGS
-            is_done |= (middle == low) | (middle == high)  # no number lies between
-            done.append(_Panels(low, high, far.near, table, error).take(is_done))
-            if np.all(is_done):
+            is_resolved = np.max(error, axis=1, initial=0.0) <= _RESOLVED * size
+            is_resolved |= halvings == _HALVINGS
+            is_resolved |= (middle == low) | (middle == high)  # no number lies between
+            resolved_panels.append(_Panels(low, high, far.near, table, error).take(is_resolved))
+            if np.all(is_resolved):
                 break
-            middle = middle[~is_done]
-            low = np.concatenate([low[~is_done], middle])
-            high = np.concatenate([middle, high[~is_done]])
-        panels = _Panels._make(np.concatenate(column) for column in zip(*done, strict=True))
+            middle = middle[~is_resolved]
+            low = np.concatenate([low[~is_resolved], middle])
+            high = np.concatenate([middle, high[~is_resolved]])
+        panels = _Panels._make(
+            np.concatenate(column) for column in zip(*resolved_panels, strict=True)
+        )
         return panels.take(np.argsort(panels.low))
 
     def _steps(self, low: Array, high: Array, point: Indices) -> Array:
@@ -492,7 +494,7 @@ class Integrals:
     _known: dict[int, tuple[CurvePart, Array]] = field(default_factory=dict)
     _arcs: dict[tuple[int, float, float], tuple[Piece, Arc]] = field(default_factory=dict)
 
-    def whole(self, curve: CurvePart | None) -> Array:
+    def over_curve(self, curve: CurvePart | None) -> Array:
         """Over a whole curve: shape (k,).
 
         >>> from scenes.segments import straight_segments
@@ -500,11 +502,11 @@ class Integrals:
         >>> from semi_analytic.history import march
         >>> contact = HertzContact(modulus=np.pi, radius=1.0, datum_length=1.0)  # p(0, P) = sqrt(P)
         >>> stuck = march(None, straight_segments([(0.0, 0.0, 0.0), (1.0, 4.0, 1.0)]), 0.5, 0.0)[1]
-        >>> Integrals(contact, np.zeros(1), "shear").whole(stuck).round(
+        >>> Integrals(contact, np.zeros(1), "shear").over_curve(stuck).round(
         ...     12
         ... ).tolist()  # M' = 1/4: q = p/4
         [0.5]
-        >>> Integrals(contact, np.zeros(1), "shift").whole(stuck).round(
+        >>> Integrals(contact, np.zeros(1), "shift").over_curve(stuck).round(
         ...     12
         ... ).tolist()  # U pi/A = (P/4) [ln(2 L/a) + 1/2], a = 4/pi
         [0.951582705289]
@@ -544,7 +546,7 @@ class Integrals:
         self._remember([piece.below for piece, _ in groups])
         curved = self._curved([(piece, front[instants]) for piece, instants in groups])
         for (piece, instants), of_arc in zip(groups, curved, strict=True):
-            total[instants] += self.whole(piece.below) + of_arc
+            total[instants] += self.over_curve(piece.below) + of_arc
         return total
 
     def _remember(self, curves: Sequence[CurvePart | None]) -> None:

@@ -148,29 +148,29 @@ def _over_spans(
     values = np.zeros((len(ranges), count))
     errors = np.zeros((len(ranges), count))
     for number, (span, begin, end) in enumerate(ranges):
-        which = np.flatnonzero(end > begin)
-        if len(which):
+        members = np.flatnonzero(end > begin)
+        if len(members):
             rule = crowded if rough[number] else graded
-            values[number, which] = integral(span, which, begin[which], end[which], rule)
+            values[number, members] = integral(span, members, begin[members], end[members], rule)
     # One size for all: a short span by itself may be all rounding, and would never converge to its
     # own.
     size = float(np.max(np.abs(np.sum(values, axis=0))))
     for number in np.flatnonzero(rough).tolist():
         span, begin, end = ranges[number]
-        which = np.flatnonzero(end > begin)
-        if not len(which):
+        members = np.flatnonzero(end > begin)
+        if not len(members):
             continue
 
         def part(
-            number: Indices, low: Array, high: Array, span: Span = span, which: Indices = which
+            number: Indices, low: Array, high: Array, span: Span = span, members: Indices = members
         ) -> Array:
-            return integral(span, which[number], low, high, crowded)
+            return integral(span, members[number], low, high, crowded)
 
         # 1e-14 across corners, for many small kinks may hide from one halving.
         share = min(CONVERGED, 25 * contact.noise) if len(marks[number]) else CONVERGED
         allowed = share * max(size, float(np.max(np.abs(values[number]))))
-        values[number, which], errors[number, which] = by_halving(
-            part, begin[which], end[which], allowed, marks[number]
+        values[number, members], errors[number, members] = by_halving(
+            part, begin[members], end[members], allowed, marks[number]
         )
     is_forward = np.array([span.direction > 0 for span, _, _ in ranges], dtype=bool)
     factor = 2 / (math.pi * modulus)
@@ -231,12 +231,12 @@ def pointwise_dissipation(
     slipping = [span for span in spans if span.direction and span.active is not None]
     ranges = [SpanRanges(span, *slip_times(span, edge)) for span in slipping]
 
-    def work(span: Span, which: Indices, low: Array, high: Array, rule: QuadratureRule) -> Array:
+    def work(span: Span, members: Indices, low: Array, high: Array, rule: QuadratureRule) -> Array:
         times, weights = rule(low, high)
-        at = x[which, None]
+        at = x[members, None]
         load, _tangential = span.leg.loads(times)
         front = load - span.slipped(times)
-        excess = np.maximum(edge[which, None] - front, 0.0)
+        excess = np.maximum(edge[members, None] - front, 0.0)
         ratio = contact.arccosh_ratio(at, excess, contact.advance(front))
         work = weights * _growth(span, times) * contact.pressure(at, load) * ratio
         return np.asarray(np.sum(work, axis=-1))
@@ -527,12 +527,12 @@ class Loop:
         slope_of_slip = records.direction * self._friction
         growth = records.load_after - records.load
 
-        def shift(which: Indices, load: Array, slipped: Array) -> Array:
+        def shift(members: Indices, load: Array, slipped: Array) -> Array:
             of_load = contact.log_distance(load)
             of_front = contact.log_distance(np.maximum(load - slipped, 0.0))
             of_front = np.where(slipped > 0, of_front, of_load)
-            of_slip = slope_of_slip[which, None] * (of_load - of_front)
-            return slope[which, None] * of_front + of_slip
+            of_slip = slope_of_slip[members, None] * (of_load - of_front)
+            return slope[members, None] * of_front + of_slip
 
         loads = np.stack([records.load, records.load_after], axis=1)
         slipped = np.stack([records.slipped, records.slipped_after], axis=1)
@@ -606,12 +606,12 @@ def by_halving(
     low = np.array(begin, dtype=float)
     high = np.array(end, dtype=float)
     cuts = np.append(marks, np.inf)
-    which = np.arange(len(low))
+    members = np.arange(len(low))
     depth = np.zeros(len(low), dtype=int)
     value = np.zeros(len(low))
     error = np.zeros(len(low))
-    estimate = work(which, low, high)
-    while len(which):
+    estimate = work(members, low, high)
+    while len(members):
         middle = (low + high) / 2
         # The mark next above the middle, else the one below it, else the middle itself: parts next
         # to nothing would change nothing.
@@ -621,18 +621,18 @@ def by_halving(
             is_inside = (nearest > low + margin) & (nearest < high - margin)
             middle = np.where(is_inside, nearest, middle)
             depth = np.where(is_inside, -1, depth)
-        halves = work(np.tile(which, 2), np.r_[low, middle], np.r_[middle, high])
+        halves = work(np.tile(members, 2), np.r_[low, middle], np.r_[middle, high])
         left, right = np.split(halves, 2)
         change = np.abs(left + right - estimate)
-        is_last = (depth == _HALVINGS) | (len(which) > _MOST * len(value) + _FEW)
+        is_last = (depth == _HALVINGS) | (len(members) > _MOST * len(value) + _FEW)
         is_done = (change <= allowed) | ~np.isfinite(change) | is_last
-        np.add.at(value, which[is_done], (left + right)[is_done])
-        np.add.at(error, which[is_done], change[is_done])
+        np.add.at(value, members[is_done], (left + right)[is_done])
+        np.add.at(error, members[is_done], change[is_done])
         goes_on = ~is_done
         begins = np.r_[low[goes_on], middle[goes_on]]
         high = np.r_[middle[goes_on], high[goes_on]]
         low = begins
-        which = np.tile(which[goes_on], 2)
+        members = np.tile(members[goes_on], 2)
         estimate = np.r_[left[goes_on], right[goes_on]]
         depth = np.tile(depth[goes_on] + 1, 2)
     return Converged(value, error)

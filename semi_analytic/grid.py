@@ -188,10 +188,10 @@ class ContactCells(NamedTuple):
         """Number behind the last cell."""
         return self.begin + self.number
 
-    def common_with(self, others: ContactCells) -> ContactCells:
+    def common_with(self, second: ContactCells) -> ContactCells:
         """Cells that are in both; a number <= 0 where there are none."""
-        begin = np.maximum(self.begin, others.begin)
-        return ContactCells(begin, np.minimum(self.end, others.end) - begin)
+        begin = np.maximum(self.begin, second.begin)
+        return ContactCells(begin, np.minimum(self.end, second.end) - begin)
 
 
 class Pressed(NamedTuple):
@@ -334,15 +334,15 @@ class Grid:
         in the mean over all t.
         """
         contact = self._contact
-        both = contact.common_with(earlier)
-        has_grown = (both.begin > contact.begin) | (both.end < contact.end)
-        grown = np.flatnonzero((both.number > 0) & has_grown)
+        common = contact.common_with(earlier)
+        has_grown = (common.begin > contact.begin) | (common.end < contact.end)
+        grown = np.flatnonzero((common.number > 0) & has_grown)
         start = self.slip.copy()
         waiting = [grown] if len(grown) else []
         while waiting:
             grids = waiting.pop()
             try:
-                early_slip = self._dragged(force, moved, limit, both, start, grids).slip
+                early_slip = self._dragged(force, moved, limit, common, start, grids).slip
             except ArithmeticError:
                 # more than the earlier ones can carry: the new ones start from where they were
                 if len(grids) > 1:
@@ -350,7 +350,7 @@ class Grid:
                 else:
                     self.without_early_slip += 1
                 continue
-            is_new = self._inside(contact)[grids] & ~self._inside(both)[grids]
+            is_new = self._inside(contact)[grids] & ~self._inside(common)[grids]
             start[grids] += np.where(is_new, _TOUCHED * (early_slip - start[grids]), 0.0)
         return self._dragged(force, moved, limit, contact, start, np.arange(len(self.x)))
 
@@ -375,15 +375,15 @@ class Grid:
         first_column = np.minimum(contact.begin[grids], self.cells - cells)
         columns = first_column[:, None] + np.arange(cells)
         rows = np.arange(len(grids))[:, None]
-        here = (grids[:, None], columns)
-        free_slip = (moved - start)[here]
+        cells_at = (grids[:, None], columns)
+        free_slip = (moved - start)[cells_at]
         touching = inside[rows, columns]
-        limit_here = np.where(touching, limit[here], 0.0)
+        limit_here = np.where(touching, limit[cells_at], 0.0)
         allowed = _ROUNDING * limit.max()
         stuck_shear = force / self.step / zone.row_sum * zone.rows + free_slip @ zone.stiffness
         # Most cells go on as in the increment before: the first guess, unless it leaves none that
         # stick.
-        direction = np.where(touching, self._directions[here], 0)
+        direction = np.where(touching, self._directions[cells_at], 0)
         direction[np.all((direction != 0) | ~touching, axis=1)] = 0
         for _ in range(_TURNS):
             slides = (direction != 0) | ~touching
@@ -511,7 +511,9 @@ class Grid:
                 rows.append(self._increment(load, force, strain, tilt))
             except ArithmeticError as fault:
                 raise ArithmeticError(f"{fault} at P = {load:.6g}, Q = {force:.6g}") from fault
-        fields = {name: np.array([row[name] for row in rows]) for name in rows[0]}
+        fields = {}
+        for name in rows[0]:
+            fields[name] = np.array([row[name] for row in rows])
         if not self.alone:
             return Fields(self.x, self.step, **fields)
         for name in fields.keys() - {"loads"}:
@@ -552,7 +554,7 @@ def _loop_between(before: dict[str, Any], row: dict[str, Any]) -> Array:
     )
 
 
-def solve(
+def follow_instants(
     height: Callable[[Array], Array],
     extent: tuple[float, float],
     cells: int,
@@ -570,7 +572,7 @@ def solve(
     The first instant is one increment from nothing; where P = 0 there, its eps is in place at first
     touch. `extent` is the grid. Raises ArithmeticError as `Grid.follow`.
 
-    >>> fields = solve(
+    >>> fields = follow_instants(
     ...     lambda x: x**2 / 2, (-1.0, 1.0), 200, 1.0, [0.4], [0.0]
     ... )  # Hertz: a = sqrt(4 P/pi), R = 1
     >>> abs(fields.edges(0)[1] - (1.6 / math.pi) ** 0.5) < fields.step
@@ -583,12 +585,12 @@ def solve(
 # ------------------------------------------------------------------------------ a scene's load path
 class _Rows(NamedTuple):
     """Increments of a cycle: P, Q, eps, alpha at its instants (n, 4); rows `at` which instants that
-    are asked for lie, and their numbers `which` among these, (k,) each.
+    are asked for lie, and their numbers `instants` among these, (k,) each.
     """
 
     loads: Array
     at: NDArray[np.intp]
-    which: NDArray[np.intp]
+    instants: NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False)
@@ -615,9 +617,9 @@ class _Path:
             loads.append(self._known[key])
         all_times = np.concatenate(times)
         is_behind_start = (time_in_cycle > legs[0].start) | (number < 0)
-        which = np.flatnonzero((time_in_cycle <= legs[-1].end) & is_behind_start)
-        at = [np.argmin(np.abs(all_times - max(t, path.start))) for t in time_in_cycle[which]]
-        return _Rows(np.concatenate(loads), np.array(at, dtype=int), which)
+        instants = np.flatnonzero((time_in_cycle <= legs[-1].end) & is_behind_start)
+        at = [np.argmin(np.abs(all_times - max(t, path.start))) for t in time_in_cycle[instants]]
+        return _Rows(np.concatenate(loads), np.array(at, dtype=int), instants)
 
     def _times_of_leg(
         self, leg: LoadSegment, place: int, initial: bool, time_in_cycle: Array
@@ -640,16 +642,16 @@ class _Path:
         count = max(least, math.ceil(self.increments * share))
         # From first touch in equal steps of the contact's size.
         places = np.linspace(0, 1, count + 1)[1:] ** (2 if first_touch else 1)
-        even = leg.start + duration * places
+        spread_times = leg.start + duration * places
         turns = self.loads.turns(leg)
-        new = time_in_cycle[(time_in_cycle > leg.start) & (time_in_cycle <= leg.end)]
+        asked_times = time_in_cycle[(time_in_cycle > leg.start) & (time_in_cycle <= leg.end)]
         if first_touch and np.any(time_in_cycle <= path.start):
-            new = np.append(new, path.start)
-        to_new = np.min(np.abs(even[:, None] - new), axis=1, initial=math.inf)
-        even = even[to_new >= 0.5 * duration / count]
-        to_turn = np.min(np.abs(new[:, None] - turns), axis=1, initial=math.inf)
-        new = new[to_turn > 2e-9 * duration]
-        return np.unique(np.concatenate([even, turns, new]))
+            asked_times = np.append(asked_times, path.start)
+        to_asked = np.min(np.abs(spread_times[:, None] - asked_times), axis=1, initial=math.inf)
+        spread_times = spread_times[to_asked >= 0.5 * duration / count]
+        to_turn = np.min(np.abs(asked_times[:, None] - turns), axis=1, initial=math.inf)
+        asked_times = asked_times[to_turn > 2e-9 * duration]
+        return np.unique(np.concatenate([spread_times, turns, asked_times]))
 
 
 @dataclass(eq=False)
@@ -784,10 +786,10 @@ def _run(
                 f" cycle {number + 1}; finite elements may take the scene"
             ) from fault
         answers.increments += len(rows.loads)
-        answers.loads[:, rows.which] = fields.loads[rows.at].T
-        answers.displacement[rows.which] = np.mean(fields.displacement[rows.at], axis=1)
-        answers.shear_moment[rows.which] = np.mean(fields.shear_moment[rows.at], axis=1)
-        for i, instant in zip(rows.which.tolist(), rows.at.tolist(), strict=True):
+        answers.loads[:, rows.instants] = fields.loads[rows.at].T
+        answers.displacement[rows.instants] = np.mean(fields.displacement[rows.at], axis=1)
+        answers.shear_moment[rows.instants] = np.mean(fields.shear_moment[rows.at], axis=1)
+        for i, instant in zip(rows.instants.tolist(), rows.at.tolist(), strict=True):
             state = _state_at(grid, fields, instant, x, kernels)
             answers.share[i] = np.mean(state.share, axis=0)
             answers.slip[i] = np.mean(state.slip, axis=0)
@@ -939,6 +941,30 @@ def remainder_of(works: Sequence[float]) -> float:
     return last_change * max(len(works) / 3, bounded / (1 - bounded))
 
 
+@dataclass(frozen=True)
+class GridRequest:
+    """What is wanted of grids, and how fine they are.
+
+    Attributes
+    ----------
+    most_cycles
+        largest number of cycles
+    steady
+        whether the last cycle alone is wanted, without q and s; of `works` all but the last are
+        then of coarse grids
+    pointwise
+        whether q, s and the state are wanted at points; NaN and open otherwise
+    cells, increments
+        across the largest contact, a cycle
+    """
+
+    most_cycles: int = 12
+    steady: bool = False
+    pointwise: bool = True
+    cells: int = CELLS
+    increments: int = INCREMENTS
+
+
 def follow_on_grid(
     loads: PathLoads,
     contact: TiltedProfile,
@@ -946,12 +972,7 @@ def follow_on_grid(
     friction: float,
     x: Array,
     time: Array | None = None,
-    *,
-    most: int = 12,
-    steady: bool = False,
-    pointwise: bool = True,
-    cells: int = CELLS,
-    increments: int = INCREMENTS,
+    request: GridRequest = GridRequest(),
 ) -> Followed:
     """Follow a load path with bulk stress and tilt from first touch, cycle by cycle until it is
     steady to 1e-6 of its work.
@@ -981,15 +1002,8 @@ def follow_on_grid(
         (k,) points
     time
         (n,) instants in any order; every second increment if None
-    most
-        largest number of cycles
-    steady
-        whether the last cycle alone is wanted, without q and s; of `works` all but the last are
-        then of coarse grids
-    pointwise
-        whether q, s and the state are wanted at points; NaN and open otherwise
-    cells, increments
-        across the largest contact, a cycle
+    request
+        what is wanted, and how fine the grids are
 
     Raises
     ------
@@ -1002,13 +1016,15 @@ def follow_on_grid(
     check([*path.initial_loading, *path.cycle], friction)
     period = path.period
     needed = cycles_needed(path, time)
+    cells = request.cells
+    increments = request.increments
     coarse_path = _Path(loads, increments // 2)
     fine_path = _Path(loads, increments)
     edges = edges_along(loads, contact)
     left = float(np.min(edges))
     right = float(np.max(edges))
     modulus = 2 / contact.intervals.product
-    points = x if pointwise else np.zeros(0)
+    points = x if request.pointwise else np.zeros(0)
 
     def grids(cells: int, shifts: Array) -> Grid:
         cell = (right - left) / cells
@@ -1016,8 +1032,8 @@ def follow_on_grid(
         return Grid(height, extents, cells + 5, friction, modulus)
 
     # The coarse grid goes first: how many cycles are there?
-    all_numbers = range(-1, max(most, needed)) if path.cycle else range(-1, 0)
-    last_alone = steady and time is None and period is not None
+    all_numbers = range(-1, max(request.most_cycles, needed)) if path.cycle else range(-1, 0)
+    last_alone = request.steady and time is None and period is not None
     first_shifts = _SHIFTS if last_alone else _SHIFTS[:1]
     no_instants = np.zeros(0)
     first_grids = grids(cells // 2, first_shifts)
@@ -1052,7 +1068,7 @@ def follow_on_grid(
     shear = np.full(touching.shape, np.nan)
     slip = shear
     state = np.full(touching.shape, OPEN)
-    if pointwise:
+    if request.pointwise:
         share = np.where(touching, fine.share, 0.0)
         shear = friction * pressure * share
         slip = fine.slip
@@ -1072,7 +1088,7 @@ def follow_on_grid(
         "dissipation": _error(fine.work, coarse.work, order=1.5),
         "dissipation_density": _error(density, coarse_density, order=1),
     }
-    if pointwise and not last_alone:
+    if request.pointwise and not last_alone:
         limit = friction * pressure[::every]
         errors["shear"] = _error(limit * fine.share_of_each, limit * coarse.share_of_each, order=1)
         errors["slip"] = _error(fine.slip_of_each, coarse.slip_of_each, order=0.9)

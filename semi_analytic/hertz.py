@@ -30,10 +30,10 @@ def log_excess(ratio: ArrayLike) -> Array:
     r = np.asarray(ratio, dtype=float)
     if not np.any(r > _SERIES_UP_TO):
         return _log_series(r)
-    result = np.asarray(-np.log1p(-np.minimum(r, _BELOW_ONE)) - r)
+    excess = np.asarray(-np.log1p(-np.minimum(r, _BELOW_ONE)) - r)
     small = r <= _SERIES_UP_TO
-    result[small] = _log_series(r[small])
-    return result
+    excess[small] = _log_series(r[small])
+    return excess
 
 
 def _log_series(ratio: Array) -> Array:
@@ -149,8 +149,10 @@ class HertzContact:
         edge = self.load(x)
         inner = np.minimum(np.asarray(load, dtype=float), edge)
         gap = edge - inner
-        root, first = np.sqrt(gap), np.sqrt(edge)
-        rest = first * (2 * edge * (first - root) - 2 / 3 * (first**3 - root**3))
+        # notation: r = sqrt(P_x), s = sqrt(P_x - eta)
+        r = np.sqrt(edge)
+        s = np.sqrt(gap)
+        rest = r * (2 * edge * (r - s) - 2 / 3 * (r**3 - s**3))
         return inner**2 / 2 * _arc(gap, inner) + rest / 4
 
     def advance(self, load: ArrayLike) -> Array:

@@ -494,7 +494,7 @@ class History:
         times_of_spans = np.split(leg_times[by_span], starts[1:])
         snapshot = take((spans[k], times) for k, times in zip(numbers, times_of_spans, strict=True))
         order = np.argsort(by_span)
-        columns = ("time", "load", "force", "slipped", "direction", "which")
+        columns = ("time", "load", "force", "slipped", "direction", "active_number")
         return replace(snapshot, **{name: getattr(snapshot, name)[order] for name in columns})
 
 
@@ -626,7 +626,7 @@ def take(parts: Iterable[tuple[Span, Array]]) -> Snapshot:
         force=np.concatenate(forces),
         slipped=np.concatenate(slips),
         direction=np.repeat(np.array(directions), counts),
-        which=np.repeat(np.arange(len(actives)), counts),
+        active_number=np.repeat(np.arange(len(actives)), counts),
         actives=tuple(actives),
         friction=friction,
     )

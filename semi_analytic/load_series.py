@@ -177,11 +177,12 @@ class Recorder:
         direction: int,
         first: Station,
         last: Station,
-        slipped: float = 0.0,
-        slipped_after: float = 0.0,
+        slipped: tuple[float, float] = (0.0, 0.0),
         rise: float = 0.0,
     ) -> None:
-        """One record: slip in `direction` from one station to the next, through `line`."""
+        """One record: slip in `direction` from one station to the next, through `line`; `slipped`
+        is P - P_c at both.
+        """
         if self._add_line is not None:
             self._add_line(line)
         _, top, force, length, line_rise, _ = line or _OPEN
@@ -192,8 +193,7 @@ class Recorder:
                 direction,
                 load,
                 load_after,
-                slipped,
-                slipped_after,
+                *slipped,
                 rise,
                 until,
                 top,
@@ -321,7 +321,7 @@ def _slip(
             slipped_after = length_passed + share * growth
             # Q of a station inside a step plays no part in its record.
             passed = (load + share * growth, force, begin + share * (end - begin))
-            recorder.add(curve, s, station, passed, slipped, slipped_after, needed)
+            recorder.add(curve, s, station, passed, (slipped, slipped_after), needed)
             station = passed
             slipped = slipped_after
         else:
@@ -334,8 +334,7 @@ def _slip(
         s,
         station,
         last,
-        slipped,
-        slipped_at_end if slipped_at_end > 0 else 0.0,
+        (slipped, slipped_at_end if slipped_at_end > 0 else 0.0),
         level_left if level_left > 0 else 0.0,
     )
     if not slipped_at_end > 0:
@@ -523,16 +522,19 @@ def knots_of(curve: Knot | None) -> Array:
     return np.array(points[::-1]).T
 
 
-def _alike(curve: Knot | None, other_curve: Knot | None, friction: float, tolerance: float) -> bool:
+def _agree(
+    first_curve: Knot | None, second_curve: Knot | None, friction: float, tolerance: float
+) -> bool:
     """Whether two curves agree within `tolerance` f P at the knots of both."""
-    loads, forces = knots_of(curve)
-    other_loads, other_forces = knots_of(other_curve)
-    all_loads = np.union1d(loads, other_loads)
+    first_loads, first_forces = knots_of(first_curve)
+    second_loads, second_forces = knots_of(second_curve)
+    all_loads = np.union1d(first_loads, second_loads)
     largest = all_loads[-1]
     force_differences = np.abs(
-        np.interp(all_loads, loads, forces) - np.interp(all_loads, other_loads, other_forces)
+        np.interp(all_loads, first_loads, first_forces)
+        - np.interp(all_loads, second_loads, second_forces)
     )
-    if abs(loads[-1] - other_loads[-1]) > tolerance * largest:
+    if abs(first_loads[-1] - second_loads[-1]) > tolerance * largest:
         return False
     return bool(np.all(force_differences <= tolerance * friction * largest))
 
@@ -614,9 +616,9 @@ class LoadSeries:
         """Number of the first step of each part, and of steps in all."""
         return np.cumsum([0, *(len(part.rows) - 1 for part in self.parts)])
 
-    def default_times(self, steady: bool, few: bool) -> tuple[Array, int]:
-        """Instants where none are asked for, and how many rows of a long path are left out where a
-        `few` will do.
+    def default_times(self, steady: bool, thinned: bool) -> tuple[Array, int]:
+        """Instants where none are asked for, and how many rows of a long path are left out where
+        they may be `thinned`.
 
         About 400 a cycle, evenly spread over each record, both its ends among them; of a long path
         the rows.
@@ -624,7 +626,7 @@ class LoadSeries:
         begin = len(self.parts) - 1 if steady else 0
         if self.long:
             rows = self.times[self.starts[begin] :]
-            stride = max(len(rows) // _FEW, 1) if few else 1
+            stride = max(len(rows) // _FEW, 1) if thinned else 1
             chosen = np.unique(np.append(rows[::stride], rows[-1]))
             return chosen, len(rows) - len(chosen)
         times = []
@@ -802,7 +804,7 @@ def _followed(
             curve = block.curve
             deepest = max(deepest, block.deepest)
         tolerance = repeats_within(deepest / turn.largest)
-        if steady_from is None and _alike(curve_at_start, curve, friction, tolerance):
+        if steady_from is None and _agree(curve_at_start, curve, friction, tolerance):
             steady_from = len(cycles) - 1
             if repeats:
                 break
@@ -825,13 +827,13 @@ def blocks(
 
 
 class _StateColumns(NamedTuple):
-    """States at some instants, (n,) each; `which` is the number of the uppermost line."""
+    """States at some instants, (n,) each; `active_number` is that of the uppermost line."""
 
     load: Array
     force: Array
     slipped: Array
     direction: Array
-    which: Indices
+    active_number: Indices
     balance: Array
 
 
@@ -866,13 +868,13 @@ class States:
         slipped = np.where(direction != 0, np.clip(slipped, least, most), 0.0)
         force_at_front = line.force - line.slope * (line.top - (load - slipped))
         balance = force_at_front + direction * self.friction * slipped - force
-        which = np.zeros(len(step), dtype=np.intp)
+        line_number = np.zeros(len(step), dtype=np.intp)
         first_line = len(self._lines)
         if self.curves:
-            used, which = np.unique(number, return_inverse=True)
+            used, line_number = np.unique(number, return_inverse=True)
             self._lines += [block.lines[k] for k in used.tolist()]
         self._columns.append(
-            _StateColumns(load, force, slipped, direction, which + first_line, balance)
+            _StateColumns(load, force, slipped, direction, line_number + first_line, balance)
         )
 
     def snapshot(self, time: Array, back: Indices) -> tuple[Snapshot, Array]:
@@ -885,7 +887,7 @@ class States:
             force=states.force,
             slipped=states.slipped,
             direction=states.direction.astype(np.int64),
-            which=states.which,
+            active_number=states.active_number,
             actives=tuple(self._lines) or (None,),
             friction=self.friction,
         )

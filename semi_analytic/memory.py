@@ -97,15 +97,17 @@ def instant(leg: LoadSegment, time: float) -> Instant:
     return Instant(leg, float(time), float(normal), float(tangential))
 
 
-def change_from(where: Instant, leg: LoadSegment, what: Combination, time: ArrayLike) -> Array:
+def change_from(
+    where: Instant, leg: LoadSegment, combination: Combination, time: ArrayLike
+) -> Array:
     """Change of the combination from any earlier instant of the path to `time` on `leg`."""
     if where.leg is leg:
-        return leg.change_of(what, time, where.time)
+        return leg.change_of(combination, time, where.time)
     begin = instant(leg, leg.start)
-    jump = what.normal * (begin.normal - where.normal) + what.tangential * (
+    jump = combination.normal * (begin.normal - where.normal) + combination.tangential * (
         begin.tangential - where.tangential
     )
-    return leg.change_of(what, time, leg.start) + jump
+    return leg.change_of(combination, time, leg.start) + jump
 
 
 class CurvePart(Protocol):
@@ -418,7 +420,7 @@ class Snapshot:
         (n,) P - P_c
     direction
         (n,) +1, -1 or 0
-    which
+    active_number
         (n,) number of the uppermost piece among `actives`
     actives
         the different pieces (None: the front is at P_c = 0)
@@ -431,14 +433,14 @@ class Snapshot:
     force: Array
     slipped: Array
     direction: NDArray[np.int64]
-    which: NDArray[np.intp]
+    active_number: NDArray[np.intp]
     actives: tuple[CurvePart | None, ...]
     friction: float
 
     def groups(self) -> Iterator[tuple[CurvePart, NDArray[np.intp]]]:
         """(piece, its instants) for every piece that is there."""
-        order = np.argsort(self.which, kind="stable")
-        numbers, starts = np.unique(self.which[order], return_index=True)
+        order = np.argsort(self.active_number, kind="stable")
+        numbers, starts = np.unique(self.active_number[order], return_index=True)
         for number, instants in zip(numbers, np.split(order, starts[1:]), strict=True):
             piece = self.actives[number]
             if piece is not None:

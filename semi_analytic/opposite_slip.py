@@ -34,7 +34,8 @@ Array = NDArray[np.float64]
 
 # Parts in which loads grow from nothing to those asked for, and steps of Newton's method in each at
 # most.
-_PARTS, _STEPS = 12, 30
+_PARTS = 12
+_STEPS = 30
 # Step by which derivatives are taken: they need few digits.
 _WIDTH = 1e-6
 # Integrals that are taken at a time.
@@ -263,10 +264,10 @@ class OppositeSlip(TiltedProfile):
         for chosen, rule in ((is_inside & is_near, graded), (is_inside & ~is_near, _by_gauss)):
             cell, point = np.nonzero(chosen)
             for k in range(0, len(cell), _MEMBERS):
-                here = (cell[k : k + _MEMBERS], point[k : k + _MEMBERS])
-                eta, weight = rule(begin[here], end[here])
-                at_nodes = getattr(self, kernel)(points[here[1], None], 0.0, eta)
-                cells[here] = np.sum(weight * at_nodes, axis=-1)
+                block = (cell[k : k + _MEMBERS], point[k : k + _MEMBERS])
+                eta, weight = rule(begin[block], end[block])
+                at_nodes = getattr(self, kernel)(points[block[1], None], 0.0, eta)
+                cells[block] = np.sum(weight * at_nodes, axis=-1)
         total = np.cumsum(cells[::-1], axis=0)[::-1]
         return np.asarray(total[row.ravel(), column.ravel()].reshape(places.shape))
 

@@ -364,11 +364,11 @@ def power_law(modulus: float, exponent: float, length: float, rise: float) -> Co
     >>> round(float(law.advance(np.array(25 * np.pi))), 12)
     1.0
     """
-    whole = modulus * exponent * rise * load_factor(exponent)
+    load_at_length = modulus * exponent * rise * load_factor(exponent)
     return ContactLaw(
-        load=lambda a: whole * np.power(a / length, exponent),
-        advance=lambda load: length * np.power(load / whole, 1 / exponent),
-        stiffness=lambda a: exponent * whole / length * np.power(a / length, exponent - 1),
+        load=lambda a: load_at_length * np.power(a / length, exponent),
+        advance=lambda load: length * np.power(load / load_at_length, 1 / exponent),
+        stiffness=lambda a: exponent * load_at_length / length * np.power(a / length, exponent - 1),
         power=exponent,
     )
 
@@ -849,9 +849,9 @@ class _Stretch:
 
     def at(self, u: Array, order: int) -> Array:
         """P (order 0) or dP/da (1); below the least octave as a power."""
-        values = (self.loads, self.rates)[order]
-        first = float(values.edges[0])
-        inside = values(np.maximum(u, first))
+        pieces = (self.loads, self.rates)[order]
+        first = float(pieces.edges[0])
+        inside = pieces(np.maximum(u, first))
         if first == 0:
             return inside
         # of dP/da of a sharp wedge 0, to round-off
@@ -886,16 +886,18 @@ def slope_function(modulus: float, profile: CallableProfile) -> ContactLaw:
     carried = float(stretches[-1].loads(stretches[-1].loads.edges[-1]))
 
     def at(d: Array, order: int) -> Array:
-        half, result = least + d, np.zeros(d.shape)
-        number = np.maximum(
-            np.searchsorted([stretch.begin for stretch in stretches], half, side="right") - 1, 0
-        )
+        """P (order 0) or dP/da (1) where the half-width is d above the least one."""
+        half_width = least + d
+        values = np.zeros(d.shape)
+        begins = [stretch.begin for stretch in stretches]
+        number = np.maximum(np.searchsorted(begins, half_width, side="right") - 1, 0)
         for k, stretch in enumerate(stretches):
-            here = number == k
-            if np.any(here):
-                above = (d if k == 0 else half - stretch.begin)[here]
-                result[here] = stretch.at(np.sqrt(above) if stretch.rooted else above, order)
-        return result
+            in_stretch = number == k
+            if np.any(in_stretch):
+                above = (d if k == 0 else half_width - stretch.begin)[in_stretch]
+                u = np.sqrt(above) if stretch.rooted else above
+                values[in_stretch] = stretch.at(u, order)
+        return values
 
     inverse = inverse_of(
         partial(at, order=0), partial(at, order=1), profile.extent, extent=profile.extent - least
@@ -936,8 +938,8 @@ def _stretch(
 ) -> _Stretch:
     """P and dP/da for begin < a < end; `cuts`, descending, is where the slope has corners."""
     rooted = begin > 0
-    whole = np.sqrt(end - begin) if rooted else end - begin
-    edges = whole * 0.5 ** np.arange(_OCTAVES - 1, -1.0, -1.0)
+    length = np.sqrt(end - begin) if rooted else end - begin
+    edges = length * 0.5 ** np.arange(_OCTAVES - 1, -1.0, -1.0)
     if rooted and profile.slope(np.array(begin)) > 0:
         edges = np.concatenate([[0.0], edges[-4:]])
     elif rooted:
@@ -990,25 +992,25 @@ def _flat_half_length(profile: CallableProfile, corners: tuple[float, ...]) -> f
     flat = profile.slope(marks * 0.999) <= 1e-15 * float(np.max(profile.slope(marks)))
     inner = marks[flat]
     # Slopes fall towards 0 without being flat: a flat is one whose edge is a corner of the profile.
-    sharp = [b for b in corners if len(inner) and b <= inner[-1] * (1 + 1e-9)]
-    return (
-        float(sharp[-1])
-        if sharp and profile.slope(sharp[-1] * 0.9) <= 1e-13 * np.max(profile.slope(marks))
-        else 0.0
-    )
+    inner_corners = [b for b in corners if len(inner) and b <= inner[-1] * (1 + 1e-9)]
+    if not inner_corners:
+        return 0.0
+    edge = inner_corners[-1]
+    is_flat = profile.slope(edge * 0.9) <= 1e-13 * np.max(profile.slope(marks))
+    return float(edge) if is_flat else 0.0
 
 
 def _corners(profile: CallableProfile) -> tuple[float, ...]:
-    """Where the curvature jumps."""
-    found = []
+    """Distances b at which the curvature jumps: h'' a little on either side differs by more than a
+    millionth.
+    """
+    corners = []
     for b in profile.corners:
         left, right = profile.bend(np.array([b * (1 - 1e-9), b * (1 + 1e-9)]))
-        if (
-            abs(left - right)
-            > 1e-6 * (abs(left) + abs(right) + float(profile.slope(np.array(b)))) + 1e-300
-        ):
-            found.append(b)
-    return tuple(found)
+        size = abs(left) + abs(right) + float(profile.slope(np.array(b)))
+        if abs(left - right) > 1e-6 * size + 1e-300:
+            corners.append(b)
+    return tuple(corners)
 
 
 _KINDS: dict[type, _Kind] = {

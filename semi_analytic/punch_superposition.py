@@ -436,12 +436,12 @@ class PunchSuperposition:
         bounds = np.arange(_MEMBERS, len(load), _MEMBERS)
         for members in np.split(np.arange(len(load)), bounds):
             # a part is of the member `which`, behind the corner number `behind`
-            which = np.repeat(members, parts[members])
+            member = np.repeat(members, parts[members])
             parts_before = np.cumsum(parts[members]) - parts[members]
-            number_of_part = np.arange(len(which)) - np.repeat(parts_before, parts[members])
-            behind = number_of_part + first[which] - 1
-            integral = self._integrals_of_parts(load[which], slipped[which], behind)
-            kernel += np.bincount(which, integral, len(kernel))
+            number_of_part = np.arange(len(member)) - np.repeat(parts_before, parts[members])
+            behind = number_of_part + first[member] - 1
+            integral = self._integrals_of_parts(load[member], slipped[member], behind)
+            kernel += np.bincount(member, integral, len(kernel))
         return kernel
 
     def _integrals_of_parts(self, load: Array, slipped: Array, behind: Indices) -> Array:
@@ -675,9 +675,9 @@ class Panels:
         columns = zip(*(vars(part).values() for part in parts), strict=True)
         return cls(*(np.concatenate(column) for column in columns))
 
-    def take(self, which: Indices) -> Panels:
+    def take(self, numbers: Indices) -> Panels:
         """The chosen ones."""
-        return Panels(*(values[which] for values in vars(self).values()))
+        return Panels(*(values[numbers] for values in vars(self).values()))
 
     def halved(self) -> Panels:
         """The lower halves of all, then the upper ones."""
@@ -788,9 +788,9 @@ class _Resolved(NamedTuple):
     coefficients: Array
     tails: Array
 
-    def take(self, which: Indices) -> _Resolved:
+    def take(self, numbers: Indices) -> _Resolved:
         """The chosen ones."""
-        return _Resolved(self.panels.take(which), self.coefficients[which], self.tails[which])
+        return _Resolved(self.panels.take(numbers), self.coefficients[numbers], self.tails[numbers])
 
 
 def primitive_of(kind: Kind, order: int, x: Array, top: float, law: ContactLaw) -> Primitive:
@@ -828,7 +828,7 @@ def _resolved(kind: Kind, order: int, ranges: Panels, law: ContactLaw) -> _Resol
     What halving does not make smaller is noise of the laws themselves: it stays, and counts as
     error.
     """
-    done: list[_Resolved] = []
+    finished_ranges: list[_Resolved] = []
     tail_before = np.full(len(ranges.point), np.inf)
     for turn in range(_HALVINGS + 1):
         parts = [np.empty((0, len(NODES)))]
@@ -848,15 +848,15 @@ def _resolved(kind: Kind, order: int, ranges: Panels, law: ContactLaw) -> _Resol
         is_noise = last_terms > _NOISE * tail_before
         is_done = is_small | is_noise | (turn == _HALVINGS)
         resolved = _Resolved(ranges, coefficients, last_terms * length)
-        done.append(resolved.take(np.flatnonzero(is_done)))
+        finished_ranges.append(resolved.take(np.flatnonzero(is_done)))
         if np.all(is_done):
             break
         ranges = ranges.take(np.flatnonzero(~is_done)).halved()
         tail_before = np.tile(last_terms[~is_done], 2)
     return _Resolved(
-        Panels.together([resolved.panels for resolved in done]),
-        np.concatenate([resolved.coefficients for resolved in done]),
-        np.concatenate([resolved.tails for resolved in done]),
+        Panels.together([resolved.panels for resolved in finished_ranges]),
+        np.concatenate([resolved.coefficients for resolved in finished_ranges]),
+        np.concatenate([resolved.tails for resolved in finished_ranges]),
     )
 
 
@@ -909,12 +909,14 @@ def _ranges(kind: Kind, x: Array, least: float, marks: Array, begins: Array) -> 
     inner = _variable(kind, low[chosen], beyond[point], origins, scales)
     outer = _variable(kind, high[chosen], beyond[point], origins, scales)
     count = np.maximum(np.ceil((outer - inner) / _LONGEST[kind]), 1).astype(int)
-    which = np.repeat(np.arange(len(count)), count)
-    number = np.arange(len(which)) - np.repeat(np.cumsum(count) - count, count)
-    step = ((outer - inner) / count)[which]
-    begin = inner[which] + number * step
-    end = np.where(number == count[which] - 1, outer[which], begin + step)
-    return Panels(point[which], x[point[which]], origins[which], scales[which], begin, end)
+    interval = np.repeat(np.arange(len(count)), count)
+    number = np.arange(len(interval)) - np.repeat(np.cumsum(count) - count, count)
+    step = ((outer - inner) / count)[interval]
+    begin = inner[interval] + number * step
+    end = np.where(number == count[interval] - 1, outer[interval], begin + step)
+    return Panels(
+        point[interval], x[point[interval]], origins[interval], scales[interval], begin, end
+    )
 
 
 def _integrand(kind: Kind, order: int, panels: Panels, v: Array, law: ContactLaw) -> Array:

@@ -263,8 +263,8 @@ def density_of(e: Ellipses, contact: Contact, x: Array, every: int = 1) -> tuple
     """
     works = np.zeros((len(PHASES), len(x)))
     for first in range(0, len(x), _POINTS):
-        here = np.arange(first, min(first + _POINTS, len(x)))
-        works[:, here] = _densities(e.take(here[:, None]), contact, x[here, None], every)
+        block = np.arange(first, min(first + _POINTS, len(x)))
+        works[:, block] = _densities(e.take(block[:, None]), contact, x[block, None], every)
     return works[1] + works[2], works[0]
 
 

@@ -83,8 +83,8 @@ class Balance(NamedTuple):
 
     mean_slope: Array
     load: Array
-    whole: Array
-    odd: Array
+    bend_sum: Array
+    bend_cosine_sum: Array
 
 
 class Angles(NamedTuple):
@@ -260,14 +260,17 @@ def _newton_step(
     """Steps of m and c (n,) of Newton's method; no shift, and wider by `fallback`, where the sum is
     not convex.
     """
-    whole = balance.whole
-    odd = balance.odd + lean / half
-    odd = np.where(whole * whole > 1.1 * odd * balance.odd, odd, balance.odd)
-    determinant = whole * whole - odd * balance.odd
+    bend = balance.bend_sum
+    moment = balance.bend_cosine_sum
+    moment_with_lean = moment + lean / half
+    # The full matrix only where its determinant is positive, with a margin.
+    has_margin = bend * bend > 1.1 * moment_with_lean * moment
+    off_diagonal = np.where(has_margin, moment_with_lean, moment)
+    determinant = bend * bend - off_diagonal * moment
     is_convex = determinant > 0
     determinant = np.where(is_convex, determinant, 1.0)
-    shift = -(lean * whole + odd * missing) / determinant
-    widening = (whole * missing + lean * balance.odd) / determinant
+    shift = -(lean * bend + off_diagonal * missing) / determinant
+    widening = (bend * missing + lean * moment) / determinant
     return np.where(is_convex, shift, 0.0), np.where(is_convex, widening, fallback)
 
 
@@ -365,8 +368,8 @@ class PiecewiseParabola(ConvexProfile):
         return Balance(
             mean_slope=c * (of_mean @ self.jumps) / np.pi + slope_at_middle,
             load=c * c / 2 * (np.pi * curvature + (side * of_load) @ self.jumps),
-            whole=np.pi * curvature + (side * theta) @ self.jumps,
-            odd=sine @ self.jumps,
+            bend_sum=np.pi * curvature + (side * theta) @ self.jumps,
+            bend_cosine_sum=sine @ self.jumps,
         )
 
     def contact(self, product: ArrayLike, tilt: ArrayLike) -> tuple[Array, Array]:
@@ -580,8 +583,8 @@ class CurvedProfile(ConvexProfile):
         return Balance(
             mean_slope=np.sum(slope, axis=-1),
             load=np.sum(np.pi * slope * t, axis=-1),
-            whole=np.sum(bend, axis=-1),
-            odd=np.sum(bend * cosine, axis=-1),
+            bend_sum=np.sum(bend, axis=-1),
+            bend_cosine_sum=np.sum(bend * cosine, axis=-1),
         )
 
     @property
@@ -775,7 +778,9 @@ class NestedIntervals:
             balance = self.shape.balance(place - side * c, c)
             excess = side * (balance.mean_slope + self.tilt)
             excess = excess + side * tilt_per_product * balance.load
-            rate = (balance.whole - side * balance.odd) * (1 / np.pi - side * tilt_per_product * c)
+            rate = (balance.bend_sum - side * balance.bend_cosine_sum) * (
+                1 / np.pi - side * tilt_per_product * c
+            )
             low = np.where(excess > 0, c, low)
             high = np.where(excess > 0, high, c)
             newton = c + excess / np.where(rate > 0, rate, np.inf)
@@ -939,7 +944,7 @@ class TiltedProfile:
         if self.shape.radius is not None:
             return -moment / (self.shape.radius * np.where(load > 0, load, np.inf))
 
-        pairs, which = np.unique(np.stack([load, moment]), axis=1, return_inverse=True)
+        pairs, pair_number = np.unique(np.stack([load, moment]), axis=1, return_inverse=True)
         load, moment = pairs
         low = np.full(load.shape, -np.inf)
         high = np.full(load.shape, np.inf)
@@ -960,7 +965,7 @@ class TiltedProfile:
             change = np.abs(new_tilt - tilt)
             tilt = new_tilt
             if np.all(change <= 1e-9 * longest_step):
-                return np.where(load > 0, tilt, 0.0)[which.ravel()]
+                return np.where(load > 0, tilt, 0.0)[pair_number.ravel()]
         raise NotFoundError(
             "load: no tilt was found at which the contact carries the moment that is stated"
         )

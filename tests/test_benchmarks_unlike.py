@@ -30,7 +30,7 @@ def peak(count: int) -> float:
     """Largest pressure of Hertz' contact, relative error; elements that end where the contact does,
     which carry all of P.
     """
-    solution = dense_grid.solve(parabola, (-1.25, 1.25), count, F, [P], [0.0])
+    solution = dense_grid.follow_instants(parabola, (-1.25, 1.25), count, F, [P], [0.0])
     assert solution.step * np.sum(solution.pressure) == pytest.approx(P, rel=1e-12)
     return abs(solution.pressure.max() / 0.5 - 1)
 
@@ -42,7 +42,7 @@ def mindlin(count: int, steps: int | None = None, friction: float = F) -> float:
     up = np.linspace(0, 1, (steps or count // 5) + 1)[1:]
     cycle = np.concatenate([1 - 2 * up, 2 * up - 1])
     shear = K * F * P * np.concatenate([[0.0], up, cycle, cycle])
-    solution = dense_grid.solve(
+    solution = dense_grid.follow_instants(
         parabola, (-1.25, 1.25), count, friction, np.full(len(shear), P), shear
     )
     exact = 4 * F**2 * P**2 / math.pi * ((1 - K) * math.log(1 - K) + K - K**2 / 2)
@@ -94,7 +94,7 @@ def on_grid(name: str, beta: float, cells: int = 100, increments: int = 20) -> t
     extent = (-half, half)
     friction = scene.friction.coefficient
     reference_keys = {"modulus": modulus, "dundurs": beta}
-    solution = dense_grid.solve(
+    solution = dense_grid.follow_instants(
         lambda x: parabola(x) / scene.profile.radius,
         extent,
         cells,

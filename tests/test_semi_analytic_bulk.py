@@ -35,7 +35,7 @@ from semi_analytic import grid as dense_grid
 from semi_analytic.bulk_and_tilt import PathLoads, leaning_profile, one_curve, strain_of
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.fields import Integrals
-from semi_analytic.grid import follow_on_grid, remainder_of
+from semi_analytic.grid import GridRequest, follow_on_grid, remainder_of
 from semi_analytic.history import history_of
 from semi_analytic.loops_in_phase import ways_in_phase
 from semi_analytic.profiles import contact_of, convex_profile
@@ -69,7 +69,7 @@ STICK = {
 @pytest.mark.parametrize(("force", "strain", "edges", "senses"), STICK.values(), ids=STICK)
 def test_stick_zones_at_constant_load_by_grid_and_by_solve(force, strain, edges, senses):
     """To a cell and to 1e-10; and slip on either side in its own sense."""
-    grid = dense_grid.solve(
+    grid = dense_grid.follow_instants(
         parabola,
         (-2.3, 2.3),
         230,
@@ -147,7 +147,7 @@ def on_grid(scene, legs, per_leg, cells, extent=(-2.8, 2.8)):
         )
         columns.append([*leg.loads(time), (np.asarray(stresses[0]) - stresses[1]) / 2, turns[0]])
     p, q, eps, tilt = (np.concatenate(column) for column in zip(*columns, strict=True))
-    grid = dense_grid.solve(
+    grid = dense_grid.follow_instants(
         scene.profile.height, extent, cells, scene.friction.coefficient, p, q, eps, tilt
     )
     return grid, solve(scene, x=grid.x, time=np.concatenate(times))
@@ -534,7 +534,7 @@ def test_contacts_of_any_load_and_tilt_are_in_balance(name):
     m, c = shape.contact(product, tilt)
     balance = shape.balance(m, c)
     np.testing.assert_allclose(balance.load, product, rtol=3e-10)
-    assert np.max(np.abs(balance.mean_slope + tilt) / (balance.whole * c)) < 1e-10
+    assert np.max(np.abs(balance.mean_slope + tilt) / (balance.bend_sum * c)) < 1e-10
 
 
 def test_the_pressure_at_a_tip():
@@ -906,7 +906,7 @@ def test_shear_of_a_contact_that_grows_in_stick_is_the_sum_of_its_increments(beg
     untouched = [0.0, 0.0, *begin[2:]]
     increments = np.linspace(0, 1, 201)[:, None] ** 2
     rows = np.vstack([untouched, first + rate * increments])
-    grid = dense_grid.solve(parabola, (-2.7, 2.7), 270, 1.0, *rows.T)
+    grid = dense_grid.follow_instants(parabola, (-2.7, 2.7), 270, 1.0, *rows.T)
     nodes, weights = np.polynomial.legendre.leggauss(40)
 
     def inside(time, x):
@@ -1198,7 +1198,7 @@ def test_the_steady_cycle_alone_is_the_last_of_all_cycles(row):
     assert np.mean(differences > 2 * HALF / 160) < 0.02
 
 
-def on_grids(scene, x, **options):
+def on_grids(scene, x, time=None, **options):
     """A scene's load path on grids, whatever else takes it."""
     path = scene.load.path()
     most = 1.2 * (scene.load.mean_normal_load + scene.load.normal_amplitude)
@@ -1208,7 +1208,13 @@ def on_grids(scene, x, **options):
     contact = TiltedProfile(intervals, scene.profile.datum_length)
     loads = PathLoads(path, strain_of(scene.material), contact)
     return follow_on_grid(
-        loads, contact, scene.profile.height, scene.friction.coefficient, x, **options
+        loads,
+        contact,
+        scene.profile.height,
+        scene.friction.coefficient,
+        x,
+        time,
+        GridRequest(**options),
     )
 
 
@@ -1222,7 +1228,7 @@ def test_the_stated_error_of_grids_covers_what_twice_the_order_changes(row):
     path = scene.load.path()
     time = path.cycle_start + path.period * np.linspace(1, 2, 21)
     half, full_order = (
-        on_grids(scene, x, time=time, most=2, cells=n, increments=2 * n) for n in (80, 160)
+        on_grids(scene, x, time=time, most_cycles=2, cells=n, increments=2 * n) for n in (80, 160)
     )
     assert abs(half.works[-1] / full_order.works[-1] - 1) < half.errors["dissipation"] < 1e-3
     assert full_order.errors["dissipation"] < 0.6 * half.errors["dissipation"]
@@ -1326,7 +1332,7 @@ def test_the_edges_of_full_stick_on_a_grid_are_those_of_contact(tilt, force, sti
     }
     scene = make_scene(EllipseLoad(**load, phase_degrees=0, tilt=tilt, initial_loading=[(3, 0)]))
     time = scene.load.path().cycle_start + np.array([0.8, 0.95]) * math.pi
-    answer = on_grids(scene, np.zeros(1), time=time, cells=40, increments=40, most=2)
+    answer = on_grids(scene, np.zeros(1), time=time, cells=40, increments=40, most_cycles=2)
     distances = np.abs(answer.stick_edges - answer.contact_edges)
     assert np.array_equal(distances == 0, np.full((2, 2), sticks)), distances
     assert sticks or np.min(distances) > 2 * HALF / 40
