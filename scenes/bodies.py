@@ -296,8 +296,9 @@ class Bodies(Frozen):
             (self.upper, "upper", self.lower),
             (self.lower, "lower", self.upper),
         ):
-            is_pad = isinstance(pad, Pad | ShoulderedPad)
-            if is_pad and pad.face_half_width > facing.face_half_width:
+            if not isinstance(pad, Pad | ShoulderedPad):
+                continue
+            if pad.face_half_width > facing.face_half_width:
                 raise ValueError(
                     f"the {name} body, a pad of width {pad.width:g}, is wider than the"
                     f" {facing.kind} that it faces, of width {2 * facing.face_half_width:g}: make"
