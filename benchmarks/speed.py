@@ -181,7 +181,9 @@ def measure(earlier: Path, beginnings: tuple[str, ...] = (), times: int = TIMES)
 
 
 def _medians(runs: list[dict[str, float]], repeats: int) -> dict[str, float]:
-    medians = {name: statistics.median(each[name] for each in runs) for name in runs[0]}
+    medians = {}
+    for name in runs[0]:
+        medians[name] = statistics.median(each[name] for each in runs)
     return medians | {"seconds": medians["seconds"] / repeats}
 
 
