@@ -127,7 +127,7 @@ TOLERANCES = {
 
 ORDERS = {
     "body numbers": Order(
-        4.2, 3.0, 5.5, "displacement of quadratic elements between their nodes' places: 4"
+        4.2, 3.5, 5.0, "displacement of quadratic elements between their nodes' places: 4"
     ),
     "hertz middle, quadratic": Order(
         1.87, 1.5, 2.3, "nodal pressure of quadratic elements away from the edges: 2"
