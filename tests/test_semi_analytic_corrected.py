@@ -155,13 +155,13 @@ def test_work_changes_as_brute_force_finds(history: str, bend: str, size: float)
 @pytest.mark.slow
 @pytest.mark.parametrize("bend", [*BENDS, "all"])
 @pytest.mark.parametrize("history", ["paper", "ellipse .3", "cycle .6 .8"])
-def test_the_rest_of_brute_force_falls_with_its_cells(history: str, bend: str) -> None:
+def test_brute_force_with_small_cells_finds_every_change(history: str, bend: str) -> None:
+    """Cells of a/150 miss 2 % of W of half-planes; edges that move by whole cells leave up to
+    0.35 % in a change, of either sign.
+    """
     effects = BENDS.get(bend, ALL_BENDS)
     change = change_of_work(history, effects)
-    rest = abs(change - brute_change(history, effects))
-    fine_rest = abs(change - brute_change(history, effects, 160, 200))
-    assert fine_rest < max(0.7 * rest, 1e-3)
-    assert fine_rest < 3.5e-3
+    assert change == pytest.approx(brute_change(history, effects, 160, 200), abs=3.5e-3)
 
 
 def test_tractions_and_slip_are_those_of_brute_force() -> None:
