@@ -146,22 +146,22 @@ def compare(
             raise InputError(
                 f"tolerances: {key!r} is no metric; the metrics are {', '.join(METRICS)}"
             )
-    for other in (reference, *([polygon_reference] if polygon_reference else [])):
-        _refuse_other_question(other, result)
-    found = last_cycle(result)
-    expected = (
-        sample(last_cycle(reference), found, reference.engine)
-        if found.whole
-        else sample_instants(reference, found)
-    )
+    _refuse_other_question(reference, result)
+    if polygon_reference is not None:
+        _refuse_other_question(polygon_reference, result)
+    result_cycle = last_cycle(result)
+    if result_cycle.whole:
+        reference_cycle = sample(last_cycle(reference), result_cycle, reference.engine)
+    else:
+        reference_cycle = sample_instants(reference, result_cycle)
     pair = Pair(
         reference,
         result,
         polygon_reference,
         plain_reference or reference,
         scales(scales_from or reference),
-        expected,
-        found,
+        expected=reference_cycle,
+        found=result_cycle,
     )
     return Comparison(
         **{name: getattr(pair, name) for name in Pair.__dataclass_fields__},
@@ -173,12 +173,15 @@ def compare(
 
 
 def _refuse_other_question(reference: ContactSolution, result: ContactSolution) -> None:
+    """InputError where the scenes differ in what theory depends on."""
     for part in ("material", "profile", "friction", "load"):
-        theirs, ours = getattr(reference.scene, part), getattr(result.scene, part)
-        if theirs != ours:
+        of_reference = getattr(reference.scene, part)
+        of_result = getattr(result.scene, part)
+        if of_reference != of_result:
             raise InputError(
                 f"{reference.engine} and {result.engine} answer different questions: {part} is"
-                f" {theirs!r} in the one and {ours!r} in the other; solve both from one scene"
+                f" {of_reference!r} in the one and {of_result!r} in the other; solve both from one"
+                " scene"
             )
 
 
@@ -186,12 +189,15 @@ def _notes(pair: Pair) -> Iterator[str]:
     """What a reader must not miss, as sentences."""
     from reports.charts.templating import in_template
 
-    scene, solutions = pair.result.scene, (pair.reference, pair.result)
-    if errors := pair.expected.interpolation:
-        yield in_template("interpolated", errors)
-    if light := int((pair.touching & ~pair.judged).sum()):
-        yield in_template("light", light, int(pair.touching.sum()), LIGHT)
-    for solution in solutions:
+    scene = pair.result.scene
+    interpolation_errors = pair.expected.interpolation  # field -> estimated largest error
+    if interpolation_errors:
+        yield in_template("interpolated", interpolation_errors)
+    # instants in contact whose load is too light to be judged
+    light_count = int((pair.touching & ~pair.judged).sum())
+    if light_count:
+        yield in_template("light", light_count, int(pair.touching.sum()), LIGHT)
+    for solution in (pair.reference, pair.result):
         name = name_of(solution.engine)
         if not solution.record.converged:
             yield f"{name}: not converged: {solution.record.message}"

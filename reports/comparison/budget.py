@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from halfplane_fe import SolverSettings
     from meshes import MeshSettings
 
-ROUNDING = 1e-12
+ROUNDING = 1e-12  # relative: two values that differ by less are the same
 # They are the step's part and the rest of another metric: a budget of them would count it twice.
 _PARTS = ("dissipation_polygon", "dissipation_step")
 # What `record.errors` of the reference says of a metric.
@@ -54,7 +54,6 @@ _FIELDS = {
     "hysteresis": "dissipation",
     "dissipation_density": "dissipation_density",
 }
-
 
 # Metrics of the largest pressure, of a revolution and of an instant.
 _PEAKS = ("largest_pressure", "peak_pressure")
@@ -126,9 +125,10 @@ def without_steps(comparison: Comparison) -> dict[str, float | None]:
             "a budget needs the reference on the polygon of the result's steps: give compare"
             " polygon_reference"
         )
-    if (polygon := comparison.polygon_reference) is None:
+    if comparison.polygon_reference is None:
         return _values(compare(comparison.reference, comparison.result))
-    return _values(compare(polygon, on_straight_steps(comparison.result)))
+    result_on_polygon = on_straight_steps(comparison.result)
+    return _values(compare(comparison.polygon_reference, result_on_polygon))
 
 
 def finer_steps(settings: SolverSettings) -> SolverSettings:
@@ -141,6 +141,7 @@ def finer_steps(settings: SolverSettings) -> SolverSettings:
 
 
 def _values(comparison: Comparison) -> dict[str, float | None]:
+    """Metric -> value."""
     return {metric.key: metric.value for metric in comparison.metrics}
 
 
@@ -155,8 +156,10 @@ def mesh_ratio(mesh: MeshSettings) -> float | None:
     ... )
     (2.0, None)
     """
-    room = (_LARGEST / mesh.edge_element_size) ** (1 / 3)
-    return None if room < _LEAST_RATIO else min(2.0, room)
+    largest_ratio = (_LARGEST / mesh.edge_element_size) ** (1 / 3)
+    if largest_ratio < _LEAST_RATIO:
+        return None
+    return min(2.0, largest_ratio)
 
 
 def coarser(
@@ -165,15 +168,15 @@ def coarser(
     """All surface elements `factor` times larger (in the middle to 0.25 a at most); a penalty layer
     stays the same layer.
     """
-    middle, edges = (
-        min(_LARGEST, factor * size) for size in (mesh.element_size, mesh.edge_element_size)
-    )
+    middle_size = min(_LARGEST, factor * mesh.element_size)
+    edge_size = min(_LARGEST, factor * mesh.edge_element_size)
     if settings.method == "penalty":
-        stiffness = (settings.normal_stiffness * factor, settings.tangential_stiffness * factor)
         settings = replace(
-            settings, normal_stiffness=stiffness[0], tangential_stiffness=stiffness[1]
+            settings,
+            normal_stiffness=factor * settings.normal_stiffness,
+            tangential_stiffness=factor * settings.tangential_stiffness,
         )
-    return replace(mesh, element_size=middle, edge_element_size=edges), settings
+    return replace(mesh, element_size=middle_size, edge_element_size=edge_size), settings
 
 
 def climb(
@@ -190,11 +193,9 @@ def climb(
     least that shows an order, they cost a third of that. The far field is measured at r^2 h, a
     penalty layer at h and r h.
     """
-    begun = time.process_time()
-    missing: dict[str, str] = {}
+    start_seconds = time.process_time()
     ratio = mesh_ratio(mesh)
-    on_polygon = comparison.polygon_reference is not None
-    own = Run(
+    base_run = Run(
         "h",
         1.0,
         without_steps(comparison),
@@ -203,80 +204,133 @@ def climb(
         len(comparison.result.x),
     )
     if ratio is None:
-        why = "the run's own elements leave no room for three coarser meshes"
-        return Refinements(
-            (own,),
-            (),
-            (),
-            "none",
-            dict.fromkeys(("mesh", "far field", "penalty"), why),
-            0.0,
-            None if on_polygon else (),
-        )
-    scene, scales = comparison.scene, getattr(comparison.result, "scales", None)
+        return _no_refinements(base_run, comparison)
+    solver = _RunSolver(comparison, stage)
+    mesh_runs = [base_run]
+    for power in range(1, coarsenings + 1):
+        size = ratio**power
+        coarser_mesh, coarser_settings = coarser(mesh, settings, size)
+        mesh_runs.append(solver.run(f"{size:.3g}h", size, coarser_mesh, coarser_settings))
 
-    def solved(label: str, size: float, mesh: MeshSettings, settings: SolverSettings) -> Run:
-        import halfplane_fe
-        import semi_analytic
-
-        with stage(f"budget, {label}") as report:
-            try:
-                result = halfplane_fe.solve(scene, mesh, settings, report, scales=scales)
-            except ConvergenceError as failure:
-                return Run(label, size, {}, f"{label} did not converge: {failure}")
-            reference = (
-                theory_on_steps(result)
-                if on_polygon
-                else semi_analytic.solve(scene, x=result.x, time=result.time)
-            )
-        if reference is None:
-            return Run(label, size, {}, f"{label}: half-plane theory has no answer on its steps")
-        values = _values(compare(reference, on_straight_steps(result) if on_polygon else result))
-        return Run(label, size, values, "", len(result.time), len(result.x))
-
-    sizes = [ratio**power for power in range(1, coarsenings + 1)]
-    meshes = (
-        own,
-        *(solved(f"{size:.3g}h", size, *coarser(mesh, settings, size)) for size in sizes),
-    )
-    middle = meshes[2]
+    coarse_run = mesh_runs[2]
+    coarse_mesh, coarse_settings = coarser(mesh, settings, ratio**2)
     far_field: tuple[Run, ...] = ()
-    if "half_plane" in (scene.bodies.lower.kind, scene.bodies.upper.kind):
-        radius, (cut, law) = mesh.far_radius, coarser(mesh, settings, ratio**2)
+    not_measured: dict[str, str] = {}
+    if "half_plane" in (comparison.scene.bodies.lower.kind, comparison.scene.bodies.upper.kind):
+        radius = mesh.far_radius
         if 4 <= radius <= 500:
-            large, small = (
-                solved(
-                    f"{middle.label}, {words}", size, replace(cut, far_radius=radius / size), law
-                )
-                for words, size in (("2 L", 0.5), ("L/2", 2.0))
-            )
-            far_field = (large, replace(middle, size=1.0), small)
+            far_field = _far_field_runs(solver, coarse_run, coarse_mesh, coarse_settings)
         else:
-            missing["far field"] = (
+            not_measured["far field"] = (
                 f"a half-disc of radius {radius:g} a leaves no room for one of half and one of"
                 " twice"
             )
     step: tuple[Run, ...] | None = None
-    if not on_polygon:
-        cut, law = coarser(mesh, settings, ratio**2)
-        step = (
-            middle,
-            solved(f"{middle.label}, halved increments", middle.size, cut, finer_steps(law)),
-        )
-    pairs = []
+    if not solver.on_polygon:
+        label = f"{coarse_run.label}, halved increments"
+        finer_settings = finer_steps(coarse_settings)
+        halved_run = solver.run(label, coarse_run.size, coarse_mesh, finer_settings)
+        step = (coarse_run, halved_run)
+    penalty: tuple[tuple[Run, Run], ...] = ()
     if settings.method == "penalty":
-        # With the layer and without it, on the run's own mesh and the next: the second shows what
-        # the mesh does to the difference. On coarser ones that says nothing: where edges stand in
-        # their elements moves W by more than the layer does.
-        exact = replace(
-            settings, method="augmented_lagrangian", normal_stiffness=1e3, tangential_stiffness=1e3
-        )
-        for run in meshes[:2]:
-            cut, _ = coarser(mesh, settings, run.size)
-            pairs.append((run, solved(f"{run.label}, law met exactly", run.size, cut, exact)))
+        penalty = _penalty_runs(solver, mesh_runs[:2], mesh, settings)
     return Refinements(
-        meshes, far_field, tuple(pairs), middle.label, missing, time.process_time() - begun, step
+        mesh=tuple(mesh_runs),
+        far_field=far_field,
+        penalty=penalty,
+        coarse=coarse_run.label,
+        not_measured=not_measured,
+        seconds=time.process_time() - start_seconds,
+        step=step,
     )
+
+
+def _no_refinements(base_run: Run, comparison: Comparison) -> Refinements:
+    """The run alone, where its elements are too large for three coarser meshes."""
+    reason = "the run's own elements leave no room for three coarser meshes"
+    return Refinements(
+        mesh=(base_run,),
+        far_field=(),
+        penalty=(),
+        coarse="none",
+        not_measured=dict.fromkeys(("mesh", "far field", "penalty"), reason),
+        seconds=0.0,
+        step=() if comparison.polygon_reference is None else None,
+    )
+
+
+class _RunSolver:
+    """Solves the runs of a refinement study, each compared with half-plane theory.
+
+    Attributes
+    ----------
+    on_polygon
+        whether theory follows the polygon of each run's own increments; else the smooth path
+    """
+
+    def __init__(self, comparison: Comparison, stage: _Stage) -> None:
+        self.scene = comparison.scene
+        self.scales = getattr(comparison.result, "scales", None)
+        self.on_polygon = comparison.polygon_reference is not None
+        self.stage = stage
+
+    def run(self, label: str, size: float, mesh: MeshSettings, settings: SolverSettings) -> Run:
+        """The run of that label and size; without values where it or theory has no answer."""
+        import halfplane_fe
+
+        with self.stage(f"budget, {label}") as report:
+            try:
+                solution = halfplane_fe.solve(
+                    self.scene, mesh, settings, report, scales=self.scales
+                )
+            except ConvergenceError as failure:
+                return Run(label, size, {}, f"{label} did not converge: {failure}")
+            reference = self._theory(solution)
+        if reference is None:
+            return Run(label, size, {}, f"{label}: half-plane theory has no answer on its steps")
+        compared_solution = on_straight_steps(solution) if self.on_polygon else solution
+        values = _values(compare(reference, compared_solution))
+        return Run(label, size, values, "", len(solution.time), len(solution.x))
+
+    def _theory(self, solution: ContactSolution) -> ContactSolution | None:
+        """Half-plane theory at the points and instants of a run; None where it has no answer."""
+        import semi_analytic
+
+        if self.on_polygon:
+            return theory_on_steps(solution)
+        return semi_analytic.solve(self.scene, x=solution.x, time=solution.time)
+
+
+def _far_field_runs(
+    solver: _RunSolver, coarse_run: Run, mesh: MeshSettings, settings: SolverSettings
+) -> tuple[Run, ...]:
+    """The run on `mesh` between those with half-discs of twice and of half its radius."""
+    runs = []
+    for words, size in (("2 L", 0.5), ("L/2", 2.0)):
+        scaled_mesh = replace(mesh, far_radius=mesh.far_radius / size)
+        runs.append(solver.run(f"{coarse_run.label}, {words}", size, scaled_mesh, settings))
+    large, small = runs
+    return (large, replace(coarse_run, size=1.0), small)
+
+
+def _penalty_runs(
+    solver: _RunSolver, runs: Iterable[Run], mesh: MeshSettings, settings: SolverSettings
+) -> tuple[tuple[Run, Run], ...]:
+    """(With the layer, without it) on the meshes of `runs`.
+
+    These are the run's own mesh and the next: the second shows what the mesh does to the
+    difference. On coarser ones that says nothing: where edges stand in their elements moves W by
+    more than the layer does.
+    """
+    exact_settings = replace(
+        settings, method="augmented_lagrangian", normal_stiffness=1e3, tangential_stiffness=1e3
+    )
+    pairs = []
+    for run in runs:
+        coarser_mesh, _ = coarser(mesh, settings, run.size)
+        label = f"{run.label}, law met exactly"
+        pairs.append((run, solver.run(label, run.size, coarser_mesh, exact_settings)))
+    return tuple(pairs)
 
 
 @dataclass(frozen=True)
@@ -329,35 +383,32 @@ class Budget:
         """u of the rest; None where a term was not measured."""
         if not all(term.measured for term in self.terms):
             return None
-        doubts = [(term.uncertainty or 0.0, term.bound) for term in self.terms]
-        return math.hypot(*(u for u, bound in doubts if not bound)) + sum(
-            u for u, bound in doubts if bound
-        )
+        bounds = [term.uncertainty or 0.0 for term in self.terms if term.bound]
+        estimates = [term.uncertainty or 0.0 for term in self.terms if not term.bound]
+        return math.hypot(*estimates) + sum(bounds)
 
     @property
     def judged(self) -> Metric:
         """The metric with u for its uncertainty; as it is where u is not known."""
-        return (
-            self.metric
-            if self.uncertainty is None
-            else replace(self.metric, uncertainty=self.uncertainty)
-        )
+        if self.uncertainty is None:
+            return self.metric
+        return replace(self.metric, uncertainty=self.uncertainty)
 
     @property
     def resolved(self) -> bool | None:
         """Whether an idealisation error stands out, |rest| > u; None where that is not known."""
-        return (
-            None
-            if self.uncertainty is None or not math.isfinite(self.rest)
-            else abs(self.rest) > self.uncertainty
-        )
+        if self.uncertainty is None or not math.isfinite(self.rest):
+            return None
+        return abs(self.rest) > self.uncertainty
 
     @property
     def honest(self) -> bool | None:
         """Whether the stated uncertainty covers the error: known for half-planes only, where the
         rest must be nothing.
         """
-        return None if not self.half_planes or self.resolved is None else not self.resolved
+        if not self.half_planes or self.resolved is None:
+            return None
+        return not self.resolved
 
 
 @dataclass(frozen=True, eq=False)
@@ -382,15 +433,15 @@ class ErrorBudget:
     @property
     def honest(self) -> str:
         """What can be said of the stated uncertainties."""
-        known = [budget.honest for budget in self.budgets if budget.honest is not None]
-        if not known:
+        coverings = [budget.honest for budget in self.budgets if budget.honest is not None]
+        if not coverings:
             return (
                 "not assessed: the true error of real bodies is not known; half-planes show it,"
                 " where every term was measured"
             )
         return (
-            f"{sum(known)} of {len(known)} metrics: the stated uncertainty covers what the measured"
-            " terms leave unexplained"
+            f"{sum(coverings)} of {len(coverings)} metrics: the stated uncertainty covers what the"
+            " measured terms leave unexplained"
         )
 
 
@@ -398,47 +449,39 @@ def error_budget(
     comparison: Comparison, refinements: Refinements, plain_seconds: float
 ) -> ErrorBudget:
     """The budgets of every metric of `comparison` that has a finite value."""
-    half_planes, solver = are_half_planes(comparison.scene), _solver(comparison)
-
-    def terms(metric: Metric) -> tuple[Term, ...]:
-        mesh, penalty, step = (
+    half_planes = are_half_planes(comparison.scene)
+    solver = _solver(comparison)
+    budgets = []
+    for metric in comparison.metrics:
+        if metric.key in _PARTS or metric.value is None or not math.isfinite(metric.value):
+            continue
+        terms = (
             _mesh(metric, comparison, refinements),
             _penalty(metric, comparison, refinements),
             _step(metric, refinements),
-        )
-        return (
-            mesh,
-            penalty,
-            step,
             _far_field(metric, comparison, refinements),
             solver,
             _theory(metric, comparison),
         )
-
-    known = (
-        one
-        for one in comparison.metrics
-        if one.key not in _PARTS and one.value is not None and math.isfinite(one.value)
-    )
-    return ErrorBudget(
-        tuple(Budget(metric, terms(metric), half_planes) for metric in known),
-        refinements,
-        plain_seconds,
-    )
+        budgets.append(Budget(metric, terms, half_planes))
+    return ErrorBudget(tuple(budgets), refinements, plain_seconds)
 
 
-def _known(metric: Metric, runs: Iterable[Run]) -> list[tuple[float, float]]:
+def _sizes_and_values(metric: Metric, runs: Iterable[Run]) -> list[tuple[float, float]]:
     """Size and value of the runs that have a finite one."""
-    found = ((run.size, run.values.get(metric.key)) for run in runs)
-    return [(size, value) for size, value in found if value is not None and math.isfinite(value)]
+    pairs = []
+    for run in runs:
+        value = run.values.get(metric.key)
+        if value is not None and math.isfinite(value):
+            pairs.append((run.size, value))
+    return pairs
 
 
 def _not_measured(name: str, runs: Iterable[Run] = (), why: str = "", before: str = "") -> Term:
     """A term that nothing is known of: why, or what the runs failed by."""
-    why = (
-        why or "; ".join(run.failure for run in runs if run.failure) or "a run has no finite value"
-    )
-    return Term(name, None, None, f"not measured: {before}{why}")
+    failures = "; ".join(run.failure for run in runs if run.failure)
+    reason = why or failures or "a run has no finite value"
+    return Term(name, None, None, f"not measured: {before}{reason}")
 
 
 def _extrapolated(
@@ -447,50 +490,63 @@ def _extrapolated(
     """phi - phi_0 of the run itself, which is that of size 1; no value where the values only
     scatter.
     """
-    known = dict(_known(metric, runs))
-    if name in refinements.not_measured or len(known) < 3 or 1.0 not in known:
+    value_at = dict(_sizes_and_values(metric, runs))
+    if name in refinements.not_measured or len(value_at) < 3 or 1.0 not in value_at:
         return _not_measured(name, runs, refinements.not_measured.get(name, ""))
-    found = extrapolate(Refinement(tuple(known), tuple(known.values()), order, ROUNDING))
-    value = (
-        None if found.kind in ("oscillating", "diverging") else known[1.0] - (found.value or 0.0)
-    )
-    return Term(name, value, found.uncertainty, found.rule, order=found.order, kind=found.kind)
+    limit = extrapolate(Refinement(tuple(value_at), tuple(value_at.values()), order, ROUNDING))
+    share = None
+    if limit.kind not in ("oscillating", "diverging"):
+        share = value_at[1.0] - (limit.value or 0.0)
+    return Term(name, share, limit.uncertainty, limit.rule, order=limit.order, kind=limit.kind)
 
 
 def _mesh(metric: Metric, comparison: Comparison, refinements: Refinements) -> Term:
     """phi(h) - phi(0); no less doubtful than the run itself says."""
-    found = _extrapolated("mesh", metric, refinements, refinements.mesh, 2.0)
-    if found.uncertainty is None:
-        return found
-    how = (
-        f"{', '.join(run.label for run in refinements.mesh if not run.failure)}: {found.kind};"
-        f" {found.how}"
+    term = _extrapolated("mesh", metric, refinements, refinements.mesh, 2.0)
+    if term.uncertainty is None:
+        return term
+    labels = ", ".join(run.label for run in refinements.mesh if not run.failure)
+    how = f"{labels}: {term.kind}; {term.how}"
+    if metric.key == "dissipation":
+        uncertainty_of_work = _stated_of_work(metric, comparison)
+        if uncertainty_of_work < term.uncertainty:
+            # Where edges stand in their elements moves W from mesh to mesh: a few meshes show that
+            # scatter, and no order.
+            how = (
+                f"{how}, {term.uncertainty:.1e}; instead the smaller uncertainty that the run"
+                " itself states"
+            )
+            return Term("mesh", None, uncertainty_of_work, how)
+    stated_uncertainty = max(
+        metric.uncertainty or 0.0,
+        _stated_of_edges(metric, comparison),
+        _stated_of_peak(metric, comparison),
     )
-    least, result, scales = metric.uncertainty or 0.0, comparison.result, comparison.scales
-    # of the edges, at the instant of the metric
-    stated = getattr(result, f"{metric.key}_uncertainty", None)
-    if metric.key not in _PEAKS and stated is not None and metric.time is not None:
-        least = max(
-            least,
-            float(max(stated[int(abs(result.time - metric.time).argmin())])) / scales.half_width,
-        )
-    least = max(least, _stated_of_peak(metric, comparison))
-    work = result.dissipation_uncertainty / (
-        scales.dissipation if metric.absolute else abs(comparison.reference.dissipation) or 1.0
-    )
-    if metric.key == "dissipation" and work < found.uncertainty:
-        # Where edges stand in their elements moves W from mesh to mesh: a few meshes show that
-        # scatter, and no order.
-        how = (
-            f"{how}, {found.uncertainty:.1e}; instead the smaller uncertainty that the run itself"
-            " states"
-        )
-        return Term("mesh", None, work, how)
-    if found.uncertainty < least < math.inf:
-        return replace(
-            found, uncertainty=least, how=f"{how}; uncertainty that the run itself states"
-        )
-    return replace(found, how=how)
+    if term.uncertainty < stated_uncertainty < math.inf:
+        how = f"{how}; uncertainty that the run itself states"
+        return replace(term, uncertainty=stated_uncertainty, how=how)
+    return replace(term, how=how)
+
+
+def _stated_of_work(metric: Metric, comparison: Comparison) -> float:
+    """Uncertainty of W that the result itself states, in the unit of the metric."""
+    if metric.absolute:
+        unit = comparison.scales.dissipation
+    else:
+        unit = abs(comparison.reference.dissipation) or 1.0
+    return float(comparison.result.dissipation_uncertainty / unit)
+
+
+def _stated_of_edges(metric: Metric, comparison: Comparison) -> float:
+    """Uncertainty over a_ref that the result itself states of the edges at the metric's instant; 0
+    of other metrics, and without one.
+    """
+    result = comparison.result
+    edge_uncertainty = getattr(result, f"{metric.key}_uncertainty", None)
+    if metric.key in _PEAKS or edge_uncertainty is None or metric.time is None:
+        return 0.0
+    instant = int(abs(result.time - metric.time).argmin())
+    return float(max(edge_uncertainty[instant])) / comparison.scales.half_width
 
 
 def _stated_of_peak(metric: Metric, comparison: Comparison) -> float:
@@ -502,9 +558,11 @@ def _stated_of_peak(metric: Metric, comparison: Comparison) -> float:
     """
     if metric.key not in _PEAKS or are_half_planes(comparison.scene):
         return 0.0
-    stated = getattr(comparison.result, "largest_pressure_uncertainty", math.nan)
-    share = float(stated / comparison.result.pressure.max()) if math.isfinite(stated) else 0.0
-    return share * abs(1 + (metric.value or 0.0))
+    uncertainty = getattr(comparison.result, "largest_pressure_uncertainty", math.nan)
+    if not math.isfinite(uncertainty):
+        return 0.0
+    over_result = float(uncertainty / comparison.result.pressure.max())
+    return over_result * abs(1 + (metric.value or 0.0))
 
 
 def _step(metric: Metric, refinements: Refinements) -> Term:
@@ -515,35 +573,37 @@ def _step(metric: Metric, refinements: Refinements) -> Term:
     of increments, as uncertain as all of it.
     """
     if refinements.step is not None:
-        known = [value for _, value in _known(metric, refinements.step)]
-        if len(known) < 2:
+        values = [value for _, value in _sizes_and_values(metric, refinements.step)]
+        if len(values) < 2:
             before = "half-plane theory has no answer on the polygon of the steps, and "
             return _not_measured("step", refinements.step, before=before)
-        change = known[0] - known[1]
+        change = values[0] - values[1]
         how = (
             f"halved increments at {refinements.coarse}, second order; half-plane theory has no"
             " answer on the polygon of the steps"
         )
         return Term("step", 4 / 3 * change, abs(change) + ROUNDING, how)
-    polygon = _known(metric, refinements.mesh[:1])
-    if not polygon or metric.value is None:
+    value_on_polygon = refinements.mesh[0].values.get(metric.key)
+    if value_on_polygon is None or not math.isfinite(value_on_polygon) or metric.value is None:
         return _not_measured("step", why="theory on the polygon of the steps has no such value")
     how = "exact: half-plane theory on the smooth path against itself on the polygon of the steps"
-    return Term("step", metric.value - polygon[0][1], ROUNDING, how, bound=True)
+    return Term("step", metric.value - value_on_polygon, ROUNDING, how, bound=True)
 
 
 def _penalty(metric: Metric, comparison: Comparison, refinements: Refinements) -> Term:
     """With the layer less without; uncertain by what one coarser mesh makes of that, twice."""
     if comparison.result.settings.get("solver", {}).get("method") != "penalty":
-        return Term(
-            "penalty", None, 0.0, "none by construction: the law is met exactly", bound=True
-        )
-    pairs = [[value for _, value in _known(metric, pair)] for pair in refinements.penalty]
-    shares = [pair[0] - pair[1] for pair in pairs if len(pair) == 2]
+        how = "none by construction: the law is met exactly"
+        return Term("penalty", None, 0.0, how, bound=True)
+    shares = []
+    for pair in refinements.penalty:
+        values = [value for _, value in _sizes_and_values(metric, pair)]
+        if len(values) == 2:
+            with_layer, without_layer = values
+            shares.append(with_layer - without_layer)
     if "penalty" in refinements.not_measured or len(shares) < 2:
-        return _not_measured(
-            "penalty", chain(*refinements.penalty), refinements.not_measured.get("penalty", "")
-        )
+        reason = refinements.not_measured.get("penalty", "")
+        return _not_measured("penalty", chain(*refinements.penalty), reason)
     how = (
         "with the layer less without it, at h; twice what that changes by at the next coarser mesh"
     )
@@ -554,15 +614,15 @@ def _far_field(metric: Metric, comparison: Comparison, refinements: Refinements)
     """phi(L) - phi(infinity) on the coarse mesh."""
     if "half_plane" not in (comparison.scene.bodies.lower.kind, comparison.scene.bodies.upper.kind):
         return Term("far field", None, 0.0, "none: the bodies have a size of their own", bound=True)
-    found = _extrapolated("far field", metric, refinements, refinements.far_field, 4.0)
-    if found.uncertainty is None:
-        return found
-    how = f"radius 2 L, L, L/2 on the mesh of {refinements.coarse}: {found.kind}"
-    if found.kind == "exact" or _plausible(found.order, 4.0):
-        return replace(found, how=how)
-    heights = [value for _, value in _known(metric, refinements.far_field)]
+    term = _extrapolated("far field", metric, refinements, refinements.far_field, 4.0)
+    if term.uncertainty is None:
+        return term
+    how = f"radius 2 L, L, L/2 on the mesh of {refinements.coarse}: {term.kind}"
+    if term.kind == "exact" or _plausible(term.order, 4.0):
+        return replace(term, how=how)
+    values = [value for _, value in _sizes_and_values(metric, refinements.far_field)]
     how += "; not resolved: the scatter between meshes is as large"
-    return replace(found, value=None, uncertainty=max(heights) - min(heights), how=how)
+    return replace(term, value=None, uncertainty=max(values) - min(values), how=how)
 
 
 def _solver(comparison: Comparison) -> Term:
@@ -573,41 +633,38 @@ def _solver(comparison: Comparison) -> Term:
     if not checks:
         return _not_measured("solver", why="the result states no residuals")
     worst = max(checks, key=lambda check: check.value)
-    return Term(
-        "solver", None, worst.value, f"worst residual of any step: {worst.name}", bound=True
-    )
+    how = f"worst residual of any step: {worst.name}"
+    return Term("solver", None, worst.value, how, bound=True)
 
 
 def _theory(metric: Metric, comparison: Comparison) -> Term:
     """What the reference states of its own quadratures and series."""
     field = _FIELDS.get(metric.key, metric.key)
     polygon = comparison.polygon_reference
-    records = [comparison.reference.record, *([polygon.record] if polygon else [])]
-    stated = max(
-        (
-            value
-            for record in records
-            for name, value in record.errors.items()
-            if name.startswith(field)
-        ),
-        default=None,
-    )
-    if stated is None:
-        return Term("half-plane theory", None, ROUNDING, "closed forms: rounding", bound=True)
-    return Term(
-        "half-plane theory",
-        None,
-        stated + ROUNDING,
-        "its own estimate of quadratures and series",
-        bound=True,
-    )
+    records = [comparison.reference.record]
+    if polygon is not None:
+        records.append(polygon.record)
+    error_estimates = [
+        error
+        for record in records
+        for name, error in record.errors.items()
+        if name.startswith(field)
+    ]
+    uncertainty = ROUNDING
+    how = "closed forms: rounding"
+    if error_estimates:
+        uncertainty = max(error_estimates) + ROUNDING
+        how = "its own estimate of quadratures and series"
+    return Term("half-plane theory", None, uncertainty, how, bound=True)
 
 
 # --------------------------------------------------------------- mesh-refinement study of one value
 Array = NDArray[np.float64]
 _Kind = Literal["monotone", "oscillating", "diverging", "exact", "too few"]
 
-_SAFE, _DOUBTFUL = 1.25, 3.0
+# Safety factors on an uncertainty: of a plausible order, and of any other (Eca and Hoekstra 2014).
+_SAFE = 1.25
+_DOUBTFUL = 3.0
 # Orders outside are looked for only to be told apart: beyond 16 a ratio of 2 leaves no digits
 # between the two finest solutions.
 _ORDERS = (0.01, 16.0)
@@ -674,17 +731,17 @@ def observed_order(sizes: tuple[float, ...], values: tuple[float, ...]) -> float
     """
     # notation: phi_3 - phi_2 over phi_2 - phi_1 is (h_3^p - h_2^p)/(h_2^p - h_1^p), which grows
     # with p
-    fine, coarse = values[1] - values[0], values[2] - values[1]
-    if fine == 0 or coarse / fine <= 0:
+    fine_change = values[1] - values[0]
+    coarse_change = values[2] - values[1]
+    if fine_change == 0 or coarse_change / fine_change <= 0:
         return None
-    middle, large = math.log(sizes[1] / sizes[0]), math.log(sizes[2] / sizes[1])
+    log_of_changes = math.log(coarse_change / fine_change)
+    fine_log_ratio = math.log(sizes[1] / sizes[0])
+    coarse_log_ratio = math.log(sizes[2] / sizes[1])
 
     def excess(p: float) -> float:
-        return (
-            p * middle
-            + math.log(math.expm1(p * large) / math.expm1(p * middle))
-            - math.log(coarse / fine)
-        )
+        growth = math.expm1(p * coarse_log_ratio) / math.expm1(p * fine_log_ratio)
+        return p * fine_log_ratio + math.log(growth) - log_of_changes
 
     low, high = _ORDERS
     if excess(low) >= 0 or excess(high) <= 0:
@@ -724,51 +781,44 @@ def extrapolate(refinement: Refinement) -> Extrapolation:
     >>> found.kind, round(found.value, 6), round(found.uncertainty / 0.97050, 6)
     ('monotone', 0.9713, 0.001031)
     """
-    kind, count, finest = kind_of(refinement), len(refinement.values), refinement.values[0]
+    kind = kind_of(refinement)
+    count = len(refinement.values)
+    finest = refinement.values[0]
     if count == 1:
         return Extrapolation(None, kind, None, None, "a single solution says nothing")
     if refinement.spread <= refinement.rounding:
-        return Extrapolation(
-            None, kind, finest, refinement.rounding, "all solutions agree to rounding"
-        )
+        rule = "all solutions agree to rounding"
+        return Extrapolation(None, kind, finest, refinement.rounding, rule)
     if count == 2:
-        step = _richardson(refinement, refinement.formal_order)
-        return Extrapolation(
-            None,
-            kind,
-            finest + step,
-            _DOUBTFUL * abs(step),
-            "formal order taken for granted, safety factor 3",
-        )
+        correction = _richardson(refinement, refinement.formal_order)
+        rule = "formal order taken for granted, safety factor 3"
+        return Extrapolation(None, kind, finest + correction, _DOUBTFUL * abs(correction), rule)
     orders = [
         observed_order(refinement.sizes[i : i + 3], refinement.values[i : i + 3])
         for i in range(count - 2)
     ]
-    found = [order for order in orders if order is not None and refinement.plausible(order)]
-    if len(found) == len(orders) and max(found) - min(found) <= refinement.formal_order / 4:
-        least = _SAFE * abs(_richardson(refinement, min(found)))
-        return Extrapolation(
-            found[0],
-            kind,
-            finest + _richardson(refinement, found[0]),
-            least,
-            "Roache, safety factor 1.25",
-        )
+    plausible_orders = [
+        order for order in orders if order is not None and refinement.plausible(order)
+    ]
+    if len(plausible_orders) == len(orders):
+        lowest = min(plausible_orders)
+        if max(plausible_orders) - lowest <= refinement.formal_order / 4:
+            finest_order = plausible_orders[0]
+            limit = finest + _richardson(refinement, finest_order)
+            uncertainty = _SAFE * abs(_richardson(refinement, lowest))
+            rule = "Roache, safety factor 1.25"
+            return Extrapolation(finest_order, kind, limit, uncertainty, rule)
     if count == 3:
-        return Extrapolation(
-            orders[0],
-            kind,
-            finest,
-            _DOUBTFUL * refinement.spread,
-            "the finest, three times the spread",
-        )
+        rule = "the finest, three times the spread"
+        return Extrapolation(orders[0], kind, finest, _DOUBTFUL * refinement.spread, rule)
     return _least_squares(refinement, kind)
 
 
 def _richardson(refinement: Refinement, order: float) -> float:
     """phi_0 - phi_1 by Richardson's extrapolation from the two finest solutions."""
-    one, two = refinement.values[:2]
-    return (one - two) / math.expm1(order * math.log(refinement.sizes[1] / refinement.sizes[0]))
+    finest, second = refinement.values[:2]
+    log_ratio = math.log(refinement.sizes[1] / refinement.sizes[0])
+    return (finest - second) / math.expm1(order * log_ratio)
 
 
 @dataclass(frozen=True)
@@ -785,42 +835,48 @@ class _Fit:
 
 def _least_squares(refinement: Refinement, kind: _Kind) -> Extrapolation:
     """Eca and Hoekstra (2014), section 3, with the floors of `extrapolate`."""
-    fit, words, order = _chosen(refinement)
-    typical = refinement.spread / (len(refinement.values) - 1)
-    away, step = abs(refinement.values[0] - fit.finest), abs(fit.limit - fit.finest)
+    fit, words, order = _trusted_curve(refinement)
+    finest = refinement.values[0]
+    mean_change = refinement.spread / (len(refinement.values) - 1)
+    residual = abs(finest - fit.finest)
+    distance = abs(fit.limit - fit.finest)
     safety = _SAFE if refinement.plausible(order) else _DOUBTFUL
-    uncertainty = safety * step + fit.deviation + away
-    if fit.deviation >= typical:
-        uncertainty = _DOUBTFUL * fit.deviation / typical * (step + fit.deviation + away)
+    uncertainty = safety * distance + fit.deviation + residual
+    if fit.deviation >= mean_change:
+        penalty = _DOUBTFUL * fit.deviation / mean_change
+        uncertainty = penalty * (distance + fit.deviation + residual)
     if kind == "monotone":
-        near = max(refinement.values[:3]) - min(refinement.values[:3])
-        return Extrapolation(
-            order, kind, fit.limit, max(uncertainty, near), f"least squares, {words}"
-        )
-    widest = max(uncertainty, refinement.spread)
-    return Extrapolation(
-        None, kind, refinement.values[0], widest, f"the finest; scatter about {words}"
-    )
+        spread_of_finest = max(refinement.values[:3]) - min(refinement.values[:3])
+        uncertainty = max(uncertainty, spread_of_finest)
+        return Extrapolation(order, kind, fit.limit, uncertainty, f"least squares, {words}")
+    uncertainty = max(uncertainty, refinement.spread)
+    return Extrapolation(None, kind, finest, uncertainty, f"the finest; scatter about {words}")
 
 
-def _chosen(refinement: Refinement) -> tuple[_Fit, str, float | None]:
+def _trusted_curve(refinement: Refinement) -> tuple[_Fit, str, float | None]:
     """The curve that is trusted, in words, and the order observed."""
-    half, formal = refinement.formal_order / 2, refinement.formal_order
-    free = min(
-        (_free(refinement, weights) for weights in _weights(refinement)),
-        key=lambda fit: fit.deviation,
-    )
-    if (
-        free.order is not None
-        and refinement.formal_order / 4 <= free.order <= refinement.formal_order
-    ):
-        return free, f"order {free.order:.2f}", free.order
-    powers: tuple[tuple[float, ...], ...] = ((half,), (formal,))
-    if free.order is None or free.order < formal / 4:
-        powers += ((half, formal),)
-    fits = [(_fit(refinement, p, weights), p) for p in powers for weights in _weights(refinement)]
-    best, chosen = min(fits, key=lambda pair: pair[0].deviation)
-    return best, f"order {' and '.join(f'{p:g}' for p in chosen)} taken for granted", free.order
+    formal = refinement.formal_order
+    free_fit = _best_free_fit(refinement)
+    order = free_fit.order
+    if order is not None and formal / 4 <= order <= formal:
+        return free_fit, f"order {order:.2f}", order
+    powers_of_curves: list[tuple[float, ...]] = [(formal / 2,), (formal,)]
+    if order is None or order < formal / 4:
+        powers_of_curves.append((formal / 2, formal))
+    fits = [
+        (_fit(refinement, powers, weights), powers)
+        for powers in powers_of_curves
+        for weights in _weights(refinement)
+    ]
+    best_fit, best_powers = min(fits, key=lambda pair: pair[0].deviation)
+    powers_in_words = " and ".join(f"{power:g}" for power in best_powers)
+    return best_fit, f"order {powers_in_words} taken for granted", order
+
+
+def _best_free_fit(refinement: Refinement) -> _Fit:
+    """The curve of any order with the smaller deviation of the two weightings."""
+    fits = [_fit_of_free_order(refinement, weights) for weights in _weights(refinement)]
+    return min(fits, key=lambda fit: fit.deviation)
 
 
 def _weights(refinement: Refinement) -> Iterator[Array]:
@@ -834,37 +890,36 @@ def _order(refinement: Refinement) -> float | None:
     """Order of the best curve; None where it has p <= 0."""
     if len(refinement.values) == 3:
         return observed_order(refinement.sizes, refinement.values)
-    return min(
-        (_free(refinement, weights) for weights in _weights(refinement)),
-        key=lambda fit: fit.deviation,
-    ).order
+    return _best_free_fit(refinement).order
 
 
-def _free(refinement: Refinement, weights: Array) -> _Fit:
-    """The best curve of any order; its order is None at the ends of the range, where there is
-    none.
+def _fit_of_free_order(refinement: Refinement, weights: Array) -> _Fit:
+    """The curve phi_0 + alpha h^p that fits best, p free within `_ORDERS`; its order is None at the
+    ends of that range, where there is none.
     """
-    h, values = np.array(refinement.sizes) / refinement.sizes[-1], np.array(refinement.values)
-    away = values - np.average(values, weights=weights)
+    h = np.array(refinement.sizes) / refinement.sizes[-1]
+    values = np.array(refinement.values)
+    deviations = values - np.average(values, weights=weights)
 
     def residual(orders: Array) -> Array:
-        columns = h ** np.atleast_1d(orders)[:, None]
-        columns = columns - np.average(columns, axis=1, weights=weights)[:, None]
-        # Size of what a column can't explain: weighted sum of squares less that along the column.
-        along = (weights * columns) @ away / np.sum(weights * columns**2, axis=1)
-        return np.asarray(np.sum(weights * (away - along[:, None] * columns) ** 2, axis=1))
+        """Weighted sum of squares that the best alpha leaves, of each order (k,)."""
+        powers = h ** np.atleast_1d(orders)[:, None]
+        powers = powers - np.average(powers, axis=1, weights=weights)[:, None]
+        alpha = (weights * powers) @ deviations / np.sum(weights * powers**2, axis=1)
+        return np.asarray(np.sum(weights * (deviations - alpha[:, None] * powers) ** 2, axis=1))
 
     grid = np.geomspace(*_ORDERS, 97)
-    best = int(np.argmin(residual(grid)))
+    best_index = int(np.argmin(residual(grid)))
     order = None
-    if 0 < best < len(grid) - 1:
-        inside = (float(grid[best - 1]), float(grid[best + 1]))
-        order = float(
-            minimize_scalar(
-                lambda p: residual(p)[0], bounds=inside, method="bounded", options={"xatol": 1e-9}
-            ).x
+    if 0 < best_index < len(grid) - 1:
+        minimum = minimize_scalar(
+            lambda p: residual(p)[0],
+            bounds=(float(grid[best_index - 1]), float(grid[best_index + 1])),
+            method="bounded",
+            options={"xatol": 1e-9},
         )
-    return _fit(refinement, (order or float(grid[best]),), weights, order)
+        order = float(minimum.x)
+    return _fit(refinement, (order or float(grid[best_index]),), weights, order)
 
 
 def _fit(
@@ -873,7 +928,8 @@ def _fit(
     """Weighted least squares of phi_0 + sum alpha_k h^p_k; an `order` that was found counts as a
     parameter of the fit.
     """
-    h, values = np.array(refinement.sizes) / refinement.sizes[-1], np.array(refinement.values)
+    h = np.array(refinement.sizes) / refinement.sizes[-1]
+    values = np.array(refinement.values)
     columns = np.column_stack([np.ones_like(h), *(h**p for p in powers)])
     root = np.sqrt(weights)
     coefficients = np.linalg.lstsq(columns * root[:, None], values * root, rcond=None)[0]

@@ -23,11 +23,11 @@ def budget_table(
     rest = "unexplained" if are_half_planes else "idealisation"
     heads = ("metric", "E", *terms, rest, "± u", "verdict")
     rows = [_budget_row(entry) for entry in budget.budgets]
-    columns = [
-        column
-        for column, head in enumerate(heads)
-        if head not in without and any(row[column] != "none" for row in rows)
-    ]
+    columns = []
+    for column, head in enumerate(heads):
+        is_none_everywhere = all(row[column] == "none" for row in rows)
+        if head not in without and not is_none_everywhere:
+            columns.append(column)
     first_rows = []
     other_rows = []
     for entry, row in zip(budget.budgets, rows, strict=True):
@@ -40,6 +40,7 @@ def budget_table(
 
 
 def _budget_row(budget: Budget) -> tuple[str, ...]:
+    """Cells of a metric: error, terms, what they leave, its uncertainty, verdict."""
     metric = budget.metric
     uncertainty = "not measured"
     if budget.uncertainty is not None:

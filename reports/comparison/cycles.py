@@ -183,9 +183,9 @@ def sample(cycle: Cycle, like: Cycle, engine: str) -> Cycle:
         return _sample_from_elsewhere(cycle, like, engine)
 
     error: dict[str, float] = {}
-    if not _alike(cycle.fraction, like.fraction, _SAME_FRACTION):
+    if not _are_same_places(cycle.fraction, like.fraction, _SAME_FRACTION):
         cycle, error = _at_instants(cycle, like)
-    if not _alike(cycle.x, like.x, _SAME_POINT * float(np.ptp(like.x))):
+    if not _are_same_places(cycle.x, like.x, _SAME_POINT * float(np.ptp(like.x))):
         _refuse_points_beyond(cycle, like.x, engine)
         cycle, error_in_x = _at_points(cycle, like.x)
         for name, value in error_in_x.items():
@@ -193,9 +193,11 @@ def sample(cycle: Cycle, like: Cycle, engine: str) -> Cycle:
     return replace(cycle, interpolation=error)
 
 
-def _alike(places: Array, others: Array, tolerance: float) -> bool:
+def _are_same_places(places: Array, other_places: Array, tolerance: float) -> bool:
     """Whether two sets of places are the same to `tolerance`."""
-    return len(places) == len(others) and np.allclose(places, others, rtol=0, atol=tolerance)
+    return len(places) == len(other_places) and np.allclose(
+        places, other_places, rtol=0, atol=tolerance
+    )
 
 
 def _sample_from_elsewhere(cycle: Cycle, like: Cycle, engine: str) -> Cycle:

@@ -27,21 +27,21 @@ from scenes.files import parsed_json, text_of
 from scenes.scene import WORDS
 
 # What this version writes. The numbers 1 and 2 of each are read.
-_BASELINE, SOLUTION = "halfplane baseline 2", "halfplane solution 2"
+_BASELINE = "halfplane baseline 2"
+SOLUTION = "halfplane solution 2"
 _FORMAT = re.compile(r"halfplane (baseline|comparison|solution) ([1-9]\d*)")
 _NEWEST = 2
 # The work that a change of the code moves; what the cache of condensed bodies spares would differ
 # from one run to the next.
 COUNTS = (
-    *(
-        "degrees of freedom",
-        "contact nodes",
-        "steps solved",
-        "contact iterations",
-        "linear solves",
-        "factorisations",
-    ),
-    *("slip quadratures", "quadrature nodes"),
+    "degrees of freedom",
+    "contact nodes",
+    "steps solved",
+    "contact iterations",
+    "linear solves",
+    "factorisations",
+    "slip quadratures",
+    "quadrature nodes",
 )
 _OF_AN_ENGINE = (
     "dissipation",
@@ -60,7 +60,11 @@ _DEFAULTS: tuple[tuple[str, float], ...] = (
 )
 # Below this share of A f^2 P^2 a dissipation is the rounding of a sum whose truth is 0.
 _NOTHING = 1e-6
-SAME, DIFFERS, ONLY_A, ONLY_B = "same", "differs", "only in A", "only in B"
+# Verdicts on a figure of two runs.
+SAME = "same"
+DIFFERS = "differs"
+ONLY_A = "only in A"
+ONLY_B = "only in B"
 
 
 @dataclass(frozen=True)
@@ -100,10 +104,15 @@ def read_findings(source: str | Path) -> Findings:
             raise InputError(
                 f"{source}: this can't be read as a solution of halfplane: {first_line(reason)}"
             ) from reason
-    whole = path / "comparison.json" if path.is_dir() else path
-    if whole.exists():
-        return of_content(_json(whole, source), str(source))
-    contents = [_json(file, file) for file in sorted(path.glob("*.json"))]
+    file = path / "comparison.json" if path.is_dir() else path
+    if file.exists():
+        return of_content(_json(file, source), str(source))
+    return _of_answers(path, source)
+
+
+def _of_answers(folder: Path, source: str | Path) -> Findings:
+    """The findings of every engine's own answer in a folder without a comparison."""
+    contents = [_json(file, file) for file in sorted(folder.glob("*.json"))]
     answers = [
         content
         for content in contents
@@ -125,46 +134,55 @@ def read_findings(source: str | Path) -> Findings:
             f"{source}: the engines in this folder answer different scenes; name the file of one of"
             " them"
         )
-    figures, engines = (
-        {k: v for part in parts for k, v in getattr(part, name).items()}
-        for name in ("figures", "engines")
-    )
+    figures: dict[str, float | None] = {}
+    engines: dict[str, Mapping[str, Any]] = {}
+    for part in parts:
+        figures |= part.figures
+        engines |= part.engines
     return Findings(str(source), parts[0].scene, figures, engines)
 
 
 def of_content(content: Mapping[str, Any], source: str) -> Findings:
     """The findings in what comparison.json, <engine>.json or a baseline hold."""
-    stated = content.get("format")
-    found = _FORMAT.fullmatch(stated) if isinstance(stated, str) else None
-    if found is None:
+    format_name = content.get("format")
+    match = _FORMAT.fullmatch(format_name) if isinstance(format_name, str) else None
+    if match is None:
         kinds = "baseline, comparison, solution"
         raise InputError(
-            f"{source}: format is {stated!r}; it is 'halfplane KIND {_NEWEST}', KIND one of {kinds}"
+            f"{source}: format is {format_name!r}; it is 'halfplane KIND {_NEWEST}', KIND one of"
+            f" {kinds}"
         )
-    if int(found[2]) > _NEWEST:
+    kind = match[1]
+    version = int(match[2])
+    if version > _NEWEST:
         raise InputError(
-            f"{source}: format is {stated!r}, of a later version; update halfplane, or run the"
+            f"{source}: format is {format_name!r}, of a later version; update halfplane, or run the"
             " scene again"
         )
-    if int(found[2]) < _NEWEST:
+    if version < _NEWEST:
         raise InputError(
-            f"{source}: format is {stated!r}, of version 0.1; convert it with halfplane 0.3, or run"
-            " the scene again"
+            f"{source}: format is {format_name!r}, of version 0.1; convert it with halfplane 0.3,"
+            " or run the scene again"
         )
     try:
-        return _read(found[1], content, source)
+        return _read(kind, content, source)
     except (KeyError, TypeError, ValueError, AttributeError) as reason:
         if isinstance(reason, InputError):
             raise
         raise InputError(
-            f"{source}: this says it is a {stated}, but can't be read as one: {first_line(reason)}"
+            f"{source}: this says it is a {format_name}, but can't be read as one:"
+            f" {first_line(reason)}"
         ) from reason
 
 
 def _read(kind: str, content: Mapping[str, Any], source: str) -> Findings:
     """Of content of that kind; whatever is missing or no number raises."""
-    scene, figures = Scene.model_validate(content["scene"]), dict[str, float | None]()
-    answers, tolerances, engines, unfinished = dict[str, Mapping[str, Any]](), {}, {}, []
+    scene = Scene.model_validate(content["scene"])
+    figures: dict[str, float | None] = {}
+    tolerances: dict[str, float] = {}
+    engines: dict[str, Mapping[str, Any]] = {}
+    answers: dict[str, Mapping[str, Any]] = {}  # name of an engine, or its role -> its answer
+    unfinished: list[str] = []
     if kind == "baseline":
         figures = {str(key): _number(value) for key, value in content["figures"].items()}
         tolerances = {str(key): float(value) for key, value in content["tolerances"].items()}
@@ -174,12 +192,12 @@ def _read(kind: str, content: Mapping[str, Any], source: str) -> Findings:
             figures[f"metric.{key}"] = _number(metric["value"])
             # JSON has no NaN: without this a value that is none and one that is no number would
             # look alike.
-            figures |= {} if metric["finite"] else {f"metric.{key}.finite": 0.0}
-        same = content["reference"]["engine"] == content["result"]["engine"]
-        answers = {
-            role if same else _slug(content[role]["engine"]): content[role]
-            for role in ("reference", "result")
-        }
+            if not metric["finite"]:
+                figures[f"metric.{key}.finite"] = 0.0
+        has_one_engine = content["reference"]["engine"] == content["result"]["engine"]
+        for role in ("reference", "result"):
+            name = role if has_one_engine else _slug(content[role]["engine"])
+            answers[name] = content[role]
     else:
         answers = {_slug(content["engine"]): content}
     for name, answer in answers.items():
@@ -191,7 +209,8 @@ def _read(kind: str, content: Mapping[str, Any], source: str) -> Findings:
             if key in answer["counts"]
         }
         engines[name] = _made_by(answer)
-        unfinished += [] if answer["converged"] else [f"{name}: {answer['message']}"]
+        if not answer["converged"]:
+            unfinished.append(f"{name}: {answer['message']}")
     return Findings(source, scene, figures, engines, tuple(unfinished), tolerances)
 
 
@@ -199,11 +218,9 @@ def of_solution(solution: ContactSolution, source: str) -> Findings:
     """The findings of one answer."""
     from reports.comparison.json_values import solution_content, strict
 
-    return _read(
-        "solution",
-        {**strict(solution_content(solution, ())), "scene": solution.scene.model_dump(mode="json")},
-        source,
-    )
+    content = strict(solution_content(solution, ()))
+    content["scene"] = solution.scene.model_dump(mode="json")
+    return _read("solution", content, source)
 
 
 def write_baseline(findings: Findings, path: Path, tolerances: Mapping[str, float]) -> None:
@@ -236,6 +253,7 @@ def is_baseline(path: Path) -> bool:
 
 
 def _json(path: Path, source: str | Path) -> dict[str, Any]:
+    """The JSON object in a file; InputError for anything else."""
     try:
         content = parsed_json(text_of(path, "the file"))
     except InputError:
@@ -248,10 +266,12 @@ def _json(path: Path, source: str | Path) -> dict[str, Any]:
 
 
 def _made_by(content: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    """Settings and versions that an answer was made with."""
     return {name: dict(content[name]) for name in ("settings", "versions")}
 
 
 def _number(value: Any) -> float | None:
+    """A number of JSON, or None; ValueError for anything else."""
     if value is None or (isinstance(value, (int, float)) and not isinstance(value, bool)):
         return value
     raise ValueError(f"{value!r} is not a number")
@@ -264,9 +284,8 @@ def _slug(text: str) -> str:
 
 def _physics(scene: Scene) -> dict[str, Any]:
     """Every number and word of a scene that moves its answer."""
-    return _flat(
-        {key: value for key, value in scene.model_dump(mode="json").items() if key not in WORDS}
-    )
+    content = scene.model_dump(mode="json")
+    return _flat({key: value for key, value in content.items() if key not in WORDS})
 
 
 def _flat(value: Any, name: str = "") -> dict[str, Any]:
@@ -344,19 +363,16 @@ def difference(
     InputError
         For different scenes, no common engine, or a pattern that fits no key.
     """
-    if apart := _apart(_physics(a.scene), _physics(b.scene)):
-        named = "; ".join(f"{key} is {ours} and {theirs}" for key, ours, theirs in apart[:6])
-        more = f"; and {len(apart) - 6} more" if len(apart) > 6 else ""
-        raise InputError(f"{a.source} and {b.source} answer different scenes: {named}{more}")
-    # What a figure belongs to, the comparison or an engine, is the first word of its key.
-    groups = [{key.partition(".")[0] for key in one.figures} for one in (a, b)]
-    keys = [
-        key for key in {**a.figures, **b.figures} if key.partition(".")[0] in groups[0] & groups[1]
-    ]
+    _refuse_different_scenes(a, b)
+    groups_of_a = set(map(_group, a.figures))
+    groups_of_b = set(map(_group, b.figures))
+    common_groups = groups_of_a & groups_of_b
+    keys = [key for key in {**a.figures, **b.figures} if _group(key) in common_groups]
     if not keys:
-        engines = (" and ".join(one.engines) or "no engine" for one in (a, b))
+        engines_of_a = " and ".join(a.engines) or "no engine"
+        engines_of_b = " and ".join(b.engines) or "no engine"
         raise InputError(
-            f"{a.source} and {b.source} have no figure in common: {' and '.join(engines)}"
+            f"{a.source} and {b.source} have no figure in common: {engines_of_a} and {engines_of_b}"
         )
     for pattern in tolerances or {}:
         if not any(fnmatchcase(key, pattern) for key in keys):
@@ -369,27 +385,40 @@ def difference(
         *a.tolerances.items(),
         *_DEFAULTS,
     ]
-    rows = tuple(
-        _row(key, a, b, next(value for pattern, value in patterns if fnmatchcase(key, pattern)))
-        for key in keys
-    )
-    notes = [
-        f"not compared, for it is only in A: {group}.*" for group in sorted(groups[0] - groups[1])
-    ]
-    notes += [
-        f"not compared, for it is only in B: {group}.*" for group in sorted(groups[1] - groups[0])
-    ]
-    return Difference(
-        a.source, b.source, a.scene.name or b.scene.name, rows, (*notes, *_notes(a, b))
-    )
+    rows = []
+    for key in keys:
+        fitting = (value for pattern, value in patterns if fnmatchcase(key, pattern))
+        rows.append(_row(key, a, b, tolerance=next(fitting)))
+    notes = []
+    for letter, groups in (("A", groups_of_a), ("B", groups_of_b)):
+        unmatched_groups = sorted(groups - common_groups)
+        notes += [
+            f"not compared, for it is only in {letter}: {group}.*" for group in unmatched_groups
+        ]
+    name = a.scene.name or b.scene.name
+    return Difference(a.source, b.source, name, tuple(rows), (*notes, *_notes(a, b)))
 
 
-def _apart(ours: Mapping[str, Any], theirs: Mapping[str, Any]) -> list[tuple[str, Any, Any]]:
+def _group(key: str) -> str:
+    """What a figure belongs to, the comparison or an engine: the first word of its key."""
+    return key.partition(".")[0]
+
+
+def _refuse_different_scenes(a: Findings, b: Findings) -> None:
+    """InputError where the scenes differ, with the first six keys that do."""
+    differences = _differing_keys(_physics(a.scene), _physics(b.scene))
+    if not differences:
+        return
+    sentences = [f"{key} is {of_a} and {of_b}" for key, of_a, of_b in differences[:6]]
+    if len(differences) > 6:
+        sentences.append(f"and {len(differences) - 6} more")
+    raise InputError(f"{a.source} and {b.source} answer different scenes: {'; '.join(sentences)}")
+
+
+def _differing_keys(of_a: Mapping[str, Any], of_b: Mapping[str, Any]) -> list[tuple[str, Any, Any]]:
     """Keys whose values are not the same, with both."""
-    pairs = (
-        (key, ours.get(key, "absent"), theirs.get(key, "absent")) for key in {**ours, **theirs}
-    )
-    return [pair for pair in pairs if pair[1] != pair[2]]
+    pairs = [(key, of_a.get(key, "absent"), of_b.get(key, "absent")) for key in {**of_a, **of_b}]
+    return [(key, value_a, value_b) for key, value_a, value_b in pairs if value_a != value_b]
 
 
 def _notes(a: Findings, b: Findings) -> Iterator[str]:
@@ -397,8 +426,10 @@ def _notes(a: Findings, b: Findings) -> Iterator[str]:
     converge.
     """
     for engine in sorted(a.engines.keys() & b.engines.keys()):
-        for key, ours, theirs in _apart(_flat(a.engines[engine]), _flat(b.engines[engine])):
-            yield f"{engine}: {key} is {ours} in A and {theirs} in B"
+        settings_of_a = _flat(a.engines[engine])
+        settings_of_b = _flat(b.engines[engine])
+        for key, of_a, of_b in _differing_keys(settings_of_a, settings_of_b):
+            yield f"{engine}: {key} is {of_a} in A and {of_b} in B"
     for letter, findings in (("A", a), ("B", b)):
         yield from (f"{letter} did not converge: {sentence}" for sentence in findings.unfinished)
 
@@ -409,7 +440,7 @@ def patterned_tolerances(words: Sequence[str]) -> dict[str, float]:
     >>> patterned_tolerances(["metric.*=1e-4"])
     {'metric.*': 0.0001}
     """
-    found = {}
+    tolerances = {}
     for word in words:
         key, _, text = word.rpartition("=")
         try:
@@ -420,34 +451,37 @@ def patterned_tolerances(words: Sequence[str]) -> dict[str, float]:
             raise InputError(
                 f"--tolerance {word}: write KEY=VALUE, VALUE a number not below 0 (inf: not judged)"
             )
-        found[key] = value
-    return found
+        tolerances[key] = value
+    return tolerances
 
 
 def _row(key: str, a: Findings, b: Findings, tolerance: float) -> Row:
-    first, second = a.figures.get(key), b.figures.get(key)
+    """One figure of two findings; a difference is over the figure, of a metric as it is."""
+    of_a = a.figures.get(key)
+    of_b = b.figures.get(key)
     kind = "absolute" if key.startswith("metric.") else "relative"
     if key not in a.figures or key not in b.figures:
-        return Row(
-            key, first, second, None, kind, tolerance, ONLY_A if key in a.figures else ONLY_B
-        )
-    if first is None or second is None:
-        return Row(key, first, second, None, kind, tolerance, SAME if first is second else DIFFERS)
+        verdict = ONLY_A if key in a.figures else ONLY_B
+        return Row(key, of_a, of_b, None, kind, tolerance, verdict)
+    if of_a is None or of_b is None:
+        verdict = SAME if of_a is of_b else DIFFERS
+        return Row(key, of_a, of_b, None, kind, tolerance, verdict)
+    size = 1.0
+    if kind == "relative":
+        size = max(abs(of_a), abs(of_b), _least_size(key, a))
+    change = of_b - of_a
+    difference = change / size if change else 0.0
+    verdict = SAME if verdict_on(difference, tolerance) is Verdict.WITHIN else DIFFERS
+    return Row(key, of_a, of_b, difference, kind, tolerance, verdict)
+
+
+def _least_size(key: str, findings: Findings) -> float:
+    """What a difference is over at least: for energies a share of A f^2 P^2, P by the largest
+    pressure and half-width.
+    """
     engine, _, quantity = key.partition(".")
-    size = 1.0 if kind == "absolute" else max(abs(first), abs(second))
-    if kind == "relative" and quantity in ("dissipation", "loop_work", "bulk_work"):
-        load = (a.figures[f"{engine}.largest_pressure"] or 0.0) * (
-            a.figures[f"{engine}.largest_half_width"] or 0.0
-        )
-        size = max(size, _NOTHING * energy_scale(a.scene, load))
-    change = second - first
-    apart = change / size if change else 0.0
-    return Row(
-        key,
-        first,
-        second,
-        apart,
-        kind,
-        tolerance,
-        SAME if verdict_on(apart, tolerance) is Verdict.WITHIN else DIFFERS,
-    )
+    if quantity not in ("dissipation", "loop_work", "bulk_work"):
+        return 0.0
+    pressure = findings.figures[f"{engine}.largest_pressure"] or 0.0
+    half_width = findings.figures[f"{engine}.largest_half_width"] or 0.0
+    return _NOTHING * energy_scale(findings.scene, pressure * half_width)

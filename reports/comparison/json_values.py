@@ -69,48 +69,42 @@ def metric_content(metric: Metric, scene: Scene, honest: bool | None) -> dict[st
 
 def solution_content(solution: ContactSolution, checks: tuple[Certificate, ...]) -> dict[str, Any]:
     """What is worth keeping of one solution beside its fields."""
-    record, work = solution.record, solution.work
-    names = (
+    names_of_values = (
         "engine",
         "dissipation",
         "dissipation_uncertainty",
         "dissipation_drift",
         "loop_work",
         "cycle_dissipation",
+        "permanent_stick_half_width",
+        "steady_from",
+        "settings",
+        "versions",
     )
+    names_in_record = ("converged", "termination", "message", "notes")
     bodies = zip(("lower", "upper"), getattr(solution, "bodies", ()), strict=False)
+    cycles = load_cycles(solution)
     return {
-        **{
-            name: getattr(solution, name)
-            for name in (
-                *names,
-                "permanent_stick_half_width",
-                "steady_from",
-                "settings",
-                "versions",
-            )
-        },
+        **{name: getattr(solution, name) for name in names_of_values},
         **of_unsymmetric(solution),
-        "load_cycles": cycles.content() if (cycles := load_cycles(solution)) else None,
+        "load_cycles": cycles.content() if cycles else None,
         "largest_half_width": np.nanmax(solution.contact_half_width),
         "largest_pressure": np.max(solution.pressure),
-        **{
-            name: getattr(record, name) for name in ("converged", "termination", "message", "notes")
-        },
+        **{name: getattr(solution.record, name) for name in names_in_record},
         "certificates": {
-            one.label: {
-                "value": one.value,
-                "limit": one.limit,
-                "holds": one.holds,
-                "worst_at": one.time,
+            check.label: {
+                "value": check.value,
+                "limit": check.limit,
+                "holds": check.holds,
+                "worst_at": check.time,
             }
-            for one in checks
+            for check in checks
         },
-        "counts": work.counts,
+        "counts": solution.work.counts,
         "skipped": {
             name: {"count": count, "reason": reason}
-            for name, (count, reason) in work.skipped.items()
+            for name, (count, reason) in solution.work.skipped.items()
         },
-        "seconds": work.seconds,
+        "seconds": solution.work.seconds,
         "mesh_quality": {name: dict(body.quality) for name, body in bodies},
     }

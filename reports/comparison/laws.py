@@ -103,14 +103,16 @@ def certificates(solution: ContactSolution) -> tuple[Certificate, ...]:
         limit = _PRINTED
     elif is_corrected(solution):
         limit = _BY_STEPS
+    sources = (("fields", from_fields), ("record", solution.record.certificates))
     return tuple(
         _certificate(name, source, np.abs(np.asarray(series, dtype=float)), solution.time, limit)
-        for source, found in (("fields", from_fields), ("record", solution.record.certificates))
-        for name, series in found.items()
+        for source, residuals in sources
+        for name, series in residuals.items()
     )
 
 
 def _certificate(name: str, source: str, series: Array, time: Array, limit: float) -> Certificate:
+    """The check of a law, judged at the instant of its largest residual."""
     worst = int(np.argmax(np.where(np.isnan(series), np.inf, series)))
     return Certificate(
         name.replace("_", " "), source, series, float(series[worst]), float(time[worst]), limit
@@ -195,10 +197,12 @@ def _when_largest(solution: ContactSolution) -> int:
 
 
 def _largest_half_width(solution: ContactSolution) -> float:
+    """Of the contact in the last cycle [length]."""
     return float(np.nanmax(solution.contact_half_width[solution.last_cycle]))
 
 
 def _stick_edges(solution: ContactSolution) -> list[float]:
+    """Ends of what sticks through the whole last cycle [length]; NaN if nothing does."""
     edges = solution.permanent_stick_edges
     return [math.nan, math.nan] if edges is None else [float(edge) for edge in edges]
 
@@ -212,8 +216,9 @@ def _bulk_work(solution: ContactSolution) -> float:
     """-closed integral of m_q d(eps) by the trapezoidal rule over the instants, the part of
     `loop_work` that is the bulk term.
     """
-    whole = "whole_cycle" not in solution.work.skipped and len(solution.last_cycle) > 1
-    return bulk_work(last_cycle(solution), solution.scene.material) if whole else math.nan
+    if "whole_cycle" in solution.work.skipped or len(solution.last_cycle) < 2:
+        return math.nan
+    return bulk_work(last_cycle(solution), solution.scene.material)
 
 
 @dataclass(frozen=True)
@@ -317,23 +322,23 @@ def expected_numbers(scene: Scene, solutions: Iterable[ContactSolution]) -> Iter
     for expected in scene.expected:
         if expected.engine in answers:
             solution = answers[expected.engine]
-            found = QUANTITIES[expected.quantity].of(solution)
-            yield Finding(expected, found, (found - expected.value) / _scale(expected, solution))
+            value = QUANTITIES[expected.quantity].of(solution)
+            yield Finding(expected, value, (value - expected.value) / _scale(expected, solution))
 
 
 def expected_rows(findings: Iterable[Finding]) -> list[tuple[str, ...]]:
     """Cells of the table that the terminal shows, under `EXPECTED_HEADS`."""
     return [
         (
-            one.expected.quantity.replace("_", " "),
-            one.expected.engine,
-            f"{one.expected.value:.5g}",
-            "none" if math.isnan(one.found) else f"{one.found:.5g}",
-            "–" if math.isnan(one.difference) else minus(f"{one.difference:+.1e}"),
-            f"{one.expected.tolerance:.3g}",
-            "yes" if one.met else "no",
+            finding.expected.quantity.replace("_", " "),
+            finding.expected.engine,
+            f"{finding.expected.value:.5g}",
+            "none" if math.isnan(finding.found) else f"{finding.found:.5g}",
+            "–" if math.isnan(finding.difference) else minus(f"{finding.difference:+.1e}"),
+            f"{finding.expected.tolerance:.3g}",
+            "yes" if finding.met else "no",
         )
-        for one in findings
+        for finding in findings
     ]
 
 
@@ -344,10 +349,10 @@ def expected_content(findings: Iterable[Finding]) -> list[dict[str, Any]]:
     """The same for JSON."""
     return [
         {
-            **one.expected.model_dump(mode="json"),
-            "found": one.found,
-            "difference": one.difference,
-            "met": one.met,
+            **finding.expected.model_dump(mode="json"),
+            "found": finding.found,
+            "difference": finding.difference,
+            "met": finding.met,
         }
-        for one in findings
+        for finding in findings
     ]

@@ -135,10 +135,12 @@ def _worst(series: Array, applies: Mask, places: Array) -> tuple[float | None, f
     return float(series[worst]), float(places[worst])
 
 
-def _at_worst(pair: Pair, series: Array, applies: Mask | None = None, **more: Any) -> Measured:
+def _at_worst(
+    pair: Pair, series: Array, applies: Mask | None = None, **of_measured: Any
+) -> Measured:
     """`series` (k,) at the worst of the instants that are judged, or of those that apply."""
     value, time = _worst(series, pair.judged if applies is None else applies, pair.found.time)
-    return Measured(value=value, time=time, series=series, **more)
+    return Measured(value=value, time=time, series=series, **of_measured)
 
 
 def _nothing_to_compare(why: str) -> Measured:
@@ -149,11 +151,17 @@ def _nothing_to_compare(why: str) -> Measured:
 # -------------------------------------------------------------------------------- absolute values
 
 
-def _of_amounts(expected: float, found: float, scale: float, **more: Any) -> Measured:
-    """Found less expected over expected; over `scale` where that is nothing beside it (1e-12)."""
-    absolute = abs(expected) <= _NOTHING * scale
-    value = (found - expected) / (scale if absolute else expected)
-    return Measured(value=value, absolute=absolute, amounts=(expected, found), **more)
+def _of_amounts(
+    of_reference: float, of_result: float, scale: float, **of_measured: Any
+) -> Measured:
+    """Relative difference of the result from the reference; over `scale` where the reference is
+    nothing beside that (1e-12).
+    """
+    absolute = abs(of_reference) <= _NOTHING * scale
+    value = (of_result - of_reference) / (scale if absolute else of_reference)
+    return Measured(
+        value=value, absolute=absolute, amounts=(of_reference, of_result), **of_measured
+    )
 
 
 def _beside_extremum(
@@ -254,17 +262,17 @@ def _length_of_stick_zone(pair: Pair, length_of: Callable[[ContactSolution], flo
     """A length of the permanent stick zone, result − reference over a_ref; NaN is that there is
     none.
     """
-    expected = float(length_of(pair.reference))
-    found = float(length_of(pair.result))
-    amounts = (float(length_of(pair.plain_reference)), found)
-    if math.isnan(expected) and math.isnan(found):
-        both = f"{name_of(pair.reference.engine)} and {name_of(pair.result.engine)}"
-        return _nothing_to_compare(f"none in {both}")
-    if math.isnan(expected):
+    of_reference = float(length_of(pair.reference))
+    of_result = float(length_of(pair.result))
+    amounts = (float(length_of(pair.plain_reference)), of_result)
+    if math.isnan(of_reference) and math.isnan(of_result):
+        engines = f"{name_of(pair.reference.engine)} and {name_of(pair.result.engine)}"
+        return _nothing_to_compare(f"none in {engines}")
+    if math.isnan(of_reference):
         return Measured(note=f"none in {name_of(pair.reference.engine)}", amounts=amounts)
-    if math.isnan(found):
+    if math.isnan(of_result):
         return Measured(note=f"none in {name_of(pair.result.engine)}", amounts=amounts)
-    return Measured(value=(found - expected) / pair.scales.half_width, amounts=amounts)
+    return Measured(value=(of_result - of_reference) / pair.scales.half_width, amounts=amounts)
 
 
 def largest_slip(pair: Pair) -> Measured:
@@ -287,9 +295,9 @@ def largest_slip_common(pair: Pair) -> Measured:
     if not touching.any():
         return _nothing_to_compare(_NOT_IN_CONTACT)
     range_in_result = range_of_slip(pair.found.slip, touching)
-    expected = float(range_of_slip(pair.expected.slip, touching).max())
+    of_reference = float(range_of_slip(pair.expected.slip, touching).max())
     return _of_amounts(
-        expected,
+        of_reference,
         float(range_in_result.max()),
         pair.scales.slip,
         place=_place_of_largest(pair, range_in_result),
@@ -338,11 +346,11 @@ def edge_tension(pair: Pair) -> Measured:
     if tension_of_reference is None or tension_of_result is None:
         return _nothing_to_compare(f"not known of {' and '.join(engines)}")
 
-    expected, expected_uncertainty = tension_of_reference
-    found, found_uncertainty = tension_of_result
-    measured = _of_amounts(expected, found, pair.scales.shear)
-    scale = pair.scales.shear if measured.absolute else abs(expected)
-    return replace(measured, uncertainty=(expected_uncertainty + found_uncertainty) / scale)
+    of_reference, reference_uncertainty = tension_of_reference
+    of_result, result_uncertainty = tension_of_result
+    measured = _of_amounts(of_reference, of_result, pair.scales.shear)
+    scale = pair.scales.shear if measured.absolute else abs(of_reference)
+    return replace(measured, uncertainty=(reference_uncertainty + result_uncertainty) / scale)
 
 
 def _largest_tension(solution: ContactSolution, pair: Pair) -> tuple[float, float] | None:
@@ -366,9 +374,9 @@ def peak_pressure(pair: Pair) -> Measured:
     Both maxima over the same points: where these lie beside the true peak cancels. A reference at
     its own peak would make every result look too low by up to (h/a)^2/8.
     """
-    expected = pair.expected.pressure.max(axis=1)
-    found = pair.found.pressure.max(axis=1)
-    return _at_worst(pair, over(found - expected, expected))
+    of_reference = pair.expected.pressure.max(axis=1)
+    of_result = pair.found.pressure.max(axis=1)
+    return _at_worst(pair, over(of_result - of_reference, of_reference))
 
 
 def pressure(pair: Pair) -> Measured:
@@ -479,13 +487,13 @@ def stick_edge(pair: Pair) -> Measured:
     return replace(measured, note=note, elements=_in_elements(pair, measured.value))
 
 
-def _shift_of_worse_edge(expected: Array, found: Array) -> Array:
+def _shift_of_worse_edge(of_reference: Array, of_result: Array) -> Array:
     """Outward shift of the worse of two edges, (k,) from (k, 2); NaN where either lacks the edge.
 
     >>> _shift_of_worse_edge(np.array([[-1.0, 1.0]]), np.array([[-1.02, 1.01]])).round(12).tolist()
     [0.02]
     """
-    outward = (found - expected) * np.array([-1.0, 1.0])
+    outward = (of_result - of_reference) * np.array([-1.0, 1.0])
     worse = np.argmax(np.abs(outward), axis=1)
     return np.asarray(outward[np.arange(len(outward)), worse])
 
@@ -519,7 +527,7 @@ def _stick_status(cycle: Cycle, length: float) -> NDArray[np.int8]:
     return np.where(carries, status, _OUT_OF_CONTACT).astype(np.int8)
 
 
-def _with_stick_edges(reference: NDArray[np.int8], result: NDArray[np.int8]) -> Mask:
+def _with_stick_edges(of_reference: NDArray[np.int8], of_result: NDArray[np.int8]) -> Mask:
     """Instants of a cycle at which edges of stick are compared, from the `_stick_status` of both,
     (k,).
 
@@ -531,18 +539,18 @@ def _with_stick_edges(reference: NDArray[np.int8], result: NDArray[np.int8]) -> 
     ... ).tolist()
     [True, True, False, True, True, True]
     """
-    both_have_edges = (reference != _FULL_SLIP) & (result != _FULL_SLIP)
+    both_have_edges = (of_reference != _FULL_SLIP) & (of_result != _FULL_SLIP)
     is_one_step_late = (
-        (reference != result)
-        & _is_that_of_a_neighbour(reference, result)
-        & _is_that_of_a_neighbour(result, reference)
+        (of_reference != of_result)
+        & _is_that_of_a_neighbour(of_reference, of_result)
+        & _is_that_of_a_neighbour(of_result, of_reference)
     )
     return np.asarray(both_have_edges & ~is_one_step_late)
 
 
-def _is_that_of_a_neighbour(status: NDArray[np.int8], other: NDArray[np.int8]) -> Mask:
-    """(k,) whether `status` is that of `other` one instant before or after."""
-    return np.asarray((status == np.roll(other, 1)) | (status == np.roll(other, -1)))
+def _is_that_of_a_neighbour(status: NDArray[np.int8], neighbours: NDArray[np.int8]) -> Mask:
+    """(k,) whether `status` is that of `neighbours` one instant before or after."""
+    return np.asarray((status == np.roll(neighbours, 1)) | (status == np.roll(neighbours, -1)))
 
 
 def state(pair: Pair) -> Measured:
@@ -589,11 +597,11 @@ def tilt(pair: Pair) -> Measured:
 
 def _series_of_tilted(pair: Pair, name: str, scale: float) -> Measured:
     """A series over time that not every solution states, result − reference."""
-    expected = getattr(pair.expected, name)
-    found = getattr(pair.found, name)
-    if expected is None or found is None:
+    of_reference = getattr(pair.expected, name)
+    of_result = getattr(pair.found, name)
+    if of_reference is None or of_result is None:
         return _nothing_to_compare("a solution states none")
-    return _at_worst(pair, (found - expected) / scale)
+    return _at_worst(pair, (of_result - of_reference) / scale)
 
 
 # ---------------------------------------------------------------------------------- work and energy
@@ -601,18 +609,18 @@ def _series_of_tilted(pair: Pair, name: str, scale: float) -> Measured:
 
 def tangential_displacement(pair: Pair) -> Measured:
     """U of each instant, over the range of U_ref."""
-    expected = pair.expected.tangential_displacement
-    found = pair.found.tangential_displacement
-    stroke = float(np.ptp(expected))
+    of_reference = pair.expected.tangential_displacement
+    of_result = pair.found.tangential_displacement
+    stroke = float(np.ptp(of_reference))
     least_stroke = _NOTHING * pair.scales.shift
     if stroke <= least_stroke:
-        nothing = np.full_like(expected, np.nan)
+        nothing = np.full_like(of_reference, np.nan)
         note = "the reference does not move sideways"
         return Measured(value=None, series=nothing, note=note)
     # A stroke that is NaN moves: it must not count as standing still and hide.
-    series = (
-        (found - expected) / stroke if stroke > least_stroke else np.full_like(expected, np.nan)
-    )
+    series = np.full_like(of_reference, np.nan)
+    if stroke > least_stroke:
+        series = (of_result - of_reference) / stroke
     note = "" if pair.judged.any() else "the reference does not move sideways"
     return _at_worst(pair, series, note=note)
 
@@ -662,19 +670,19 @@ def bulk_term(pair: Pair) -> Measured:
 
 def drift(pair: Pair) -> Measured:
     """Change of W in the last cycle over W."""
-    expected = pair.reference.dissipation_drift
-    found = pair.result.dissipation_drift
+    of_reference = pair.reference.dissipation_drift
+    of_result = pair.result.dissipation_drift
     parts = []
-    for solution, change in ((pair.reference, expected), (pair.result, found)):
+    for solution, change in ((pair.reference, of_reference), (pair.result, of_result)):
         if math.isnan(change):
             parts.append(f"{name_of(solution.engine)}: not known")
         elif change:
             size = minus(f"{change:+.1e}")
             parts.append(f"{name_of(solution.engine)}: {size} in its last cycle")
     note = "; ".join(parts)
-    if math.isnan(expected) or math.isnan(found):
+    if math.isnan(of_reference) or math.isnan(of_result):
         return _nothing_to_compare(note)
-    return Measured(value=found - expected, note=note)
+    return Measured(value=of_result - of_reference, note=note)
 
 
 def dissipation_density(pair: Pair) -> Measured:
@@ -683,11 +691,11 @@ def dissipation_density(pair: Pair) -> Measured:
     Absolute, over A f^2 P_ref^2/a_ref, where the reference does no friction work anywhere (a NaN
     counts as work).
     """
-    expected = pair.expected.dissipation_density
-    largest = np.max(np.abs(expected))
+    of_reference = pair.expected.dissipation_density
+    largest = np.max(np.abs(of_reference))
     absolute = bool(largest <= _NO_DISSIPATION * pair.scales.density)
     scale = pair.scales.density if absolute else largest
-    difference = (pair.found.dissipation_density - expected) / scale
+    difference = (pair.found.dissipation_density - of_reference) / scale
     value, x = _worst(difference, np.ones(len(difference), bool), pair.found.x)
     place = None if x is None else x / pair.scales.half_width
     return Measured(value=value, absolute=absolute, place=place)

@@ -21,7 +21,8 @@ from scenes import ContactSolution, Scene
 from scenes.scene import OWN_TOLERANCES
 
 # What a metric needs beside fields of a solution: a whole cycle, friction.
-WHOLE_CYCLE, FRICTION = "whole_cycle", "friction"
+WHOLE_CYCLE = "whole_cycle"
+FRICTION = "friction"
 # What a contact that carries no shear has no part of.
 OF_FRICTION = ("shear", "slip", "state", "stick_edges", "dissipation", "dissipation_density")
 # Below this, in f p_ref, the shear of the reference is rounding.
@@ -189,17 +190,18 @@ def _first_lacking(metric: Metric, reasons: Mapping[str, Mapping[str, str]]) -> 
 
 
 def tolerances_of(
-    scene: Scene, exact: bool, given: Mapping[str, float] | None = None
+    scene: Scene, exact: bool, tolerances: Mapping[str, float] | None = None
 ) -> dict[str, float]:
-    """Key -> largest |E| admitted: `given`, else the scene's, else the engines' own where theory is
-    `exact` for the bodies.
+    """Key -> largest |E| admitted: that of `tolerances`, else the scene's, else the engines' own
+    where theory is `exact` for the bodies.
 
-    A given one that is infinite leaves the metric unjudged.
+    An infinite one leaves the metric unjudged.
     """
-    stated = {
+    of_engines = OWN_TOLERANCES if exact else {}
+    of_scene = {
         key: value for key, value in scene.tolerances.model_dump().items() if value is not None
     }
-    admitted = {**(OWN_TOLERANCES if exact else {}), **stated, **(given or {})}
+    admitted = {**of_engines, **of_scene, **(tolerances or {})}
     return {key: value for key, value in admitted.items() if value < math.inf}
 
 

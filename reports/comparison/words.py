@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Iterator
 from functools import partial
 from typing import Any
 
@@ -62,13 +63,13 @@ def of_stretch(text: str, scene: Scene) -> str:
     ... )
     ('one value; whole record', 'over the path')
     """
-    found = stretch(scene)
-    if found == "last cycle":
+    stretch_name = stretch(scene)
+    if stretch_name == "last cycle":
         return text
-    noun = found.split()[-1]
+    noun = stretch_name.split()[-1]
     return (
-        text.replace("whole last cycle", found)
-        .replace("last cycle", found)
+        text.replace("whole last cycle", stretch_name)
+        .replace("last cycle", stretch_name)
         .replace("the cycle", f"the {noun}")
     )
 
@@ -94,9 +95,12 @@ def bulk_and_tilt(scene: Scene) -> str:
     return in_template("bulk_and_tilt", scene.load, partial(_over_time, scene), *units(scene))
 
 
-def _over_time(scene: Scene, pair: str, which: int, value: Any, of: str = "of") -> str:
+def _over_time(scene: Scene, pair: str, place: int, value: Any, of: str = "of") -> str:
     """A number, the formula of a wave, or the range of anything else through the path, with a
     preposition.
+
+    The range is that of the load at `place` of the pair of loads which a leg of the path has under
+    the name `pair`.
     """
     if isinstance(value, Wave):
         return (
@@ -106,11 +110,13 @@ def _over_time(scene: Scene, pair: str, which: int, value: Any, of: str = "of") 
     if isinstance(value, int | float):
         return f"{of} {number(value)}"
     path = scene.load.path()
-    legs = [
-        leg for one in path.cycle or path.initial_loading if (leg := getattr(one, pair)) is not None
-    ]
-    values = np.concatenate([np.ravel(leg.loads(sampled(leg, 65))[which]) for leg in legs])
-    return f"from {number(float(f'{values.min():.4g}'))} to {number(float(f'{values.max():.4g}'))}"
+    legs = [getattr(leg, pair) for leg in path.cycle or path.initial_loading]
+    values = np.concatenate(
+        [np.ravel(leg.loads(sampled(leg, 65))[place]) for leg in legs if leg is not None]
+    )
+    least = number(float(f"{values.min():.4g}"))
+    largest = number(float(f"{values.max():.4g}"))
+    return f"from {least} to {largest}"
 
 
 def bodies_in_words(scene: Scene) -> str:
@@ -160,33 +166,39 @@ def _both_ours(comparison: JudgedPair) -> bool:
 _ROUNDING = 1e-13
 
 
-def _shown(value: float, *, share: bool = True, plus: bool = True, digits: int = 3) -> str:
+def _in_digits(value: float, *, share: bool = True, plus: bool = True, digits: int = 3) -> str:
     """A value to so many significant digits, in per cent if it is a share of something; rounding,
     below 1e-13, is 0.
 
     >>> (
-    ...     _shown(-0.00123456),
-    ...     _shown(0.5, plus=False),
-    ...     _shown(-1.87e-16),
-    ...     _shown(float("nan")),
-    ...     _shown(0.25, share=False),
+    ...     _in_digits(-0.00123456),
+    ...     _in_digits(0.5, plus=False),
+    ...     _in_digits(-1.87e-16),
+    ...     _in_digits(float("nan")),
+    ...     _in_digits(0.25, share=False),
     ... )
     ('−0.123 %', '50 %', '0 %', 'not a number', '+0.25')
     """
     if not math.isfinite(value):
         return "not a number" if math.isnan(value) else "infinite"
-    size = 0.0 if abs(value) < _ROUNDING else abs(value) * (100 if share else 1)
+    size = abs(value)
+    if size < _ROUNDING:
+        size = 0.0
+    if share:
+        size *= 100
     text = minus(f"{size:.{digits}g}" if digits > 2 or size < 99.5 else f"{size:.0f}")
-    return (
-        ("" if not size else "−" if value < 0 else "+" if plus else "")
-        + text
-        + (" %" if share else "")
-    )
+    sign = ""
+    if size and value < 0:
+        sign = "−"
+    elif size and plus:
+        sign = "+"
+    unit = " %" if share else ""
+    return f"{sign}{text}{unit}"
 
 
 def amount(value: float, metric: Metric, *, plus: bool = False, digits: int = 2) -> str:
     """A part of a metric in a cell, in its unit; what is below 1e-11 of it is rounding."""
-    return _shown(
+    return _in_digits(
         0.0 if abs(value) < 1e-11 else value, share=not metric.absolute, plus=plus, digits=digits
     )
 
@@ -196,7 +208,7 @@ def value_of(metric: Metric) -> str:
     return (
         "–"
         if metric.value is None
-        else _shown(metric.value, share=not metric.absolute, plus=metric.signed)
+        else _in_digits(metric.value, share=not metric.absolute, plus=metric.signed)
     )
 
 
@@ -204,7 +216,7 @@ def unit_of(metric: Metric) -> str:
     """What the value is a share of; an edge's shift in elements beside it."""
     if metric.elements is None:
         return metric.unit
-    return f"{metric.unit} ({_shown(metric.elements, share=False)} elements)"
+    return f"{metric.unit} ({_in_digits(metric.elements, share=False)} elements)"
 
 
 def uncertainty_of(metric: Metric) -> str:
@@ -213,7 +225,7 @@ def uncertainty_of(metric: Metric) -> str:
     """
     if metric.uncertainty is None:
         return ""
-    return f"± {_shown(metric.uncertainty, share=not metric.absolute, plus=False, digits=2)}"
+    return f"± {_in_digits(metric.uncertainty, share=not metric.absolute, plus=False, digits=2)}"
 
 
 def tolerance_of(metric: Metric) -> str:
@@ -221,7 +233,7 @@ def tolerance_of(metric: Metric) -> str:
     return (
         "–"
         if metric.tolerance is None
-        else _shown(metric.tolerance, share=not metric.absolute, plus=False)
+        else _in_digits(metric.tolerance, share=not metric.absolute, plus=False)
     )
 
 
@@ -258,72 +270,78 @@ def headline(comparison: JudgedPair) -> str:
     Of real bodies theory is judged, so the figures are theory/finite elements - 1; the metrics are
     finite elements/theory - 1.
     """
-    work, ours, exact = (
-        comparison.metric("dissipation"),
-        _both_ours(comparison),
-        are_half_planes(comparison.scene),
-    )
-    relative = work.value is not None and not work.absolute
-    keys = (
-        ("dissipation", "largest_pressure")
-        if relative
-        else ("largest_pressure", "largest_half_width")
-    )
+    work = comparison.metric("dissipation")
+    keys = ("largest_pressure", "largest_half_width")
+    if work.value is not None and not work.absolute:
+        keys = ("dissipation", "largest_pressure")
     metrics = [
         metric
         for metric in map(comparison.metric, keys)
         if metric.value is not None and math.isfinite(metric.value)
     ]
-    theory = ours and not exact and comparison.result.engine == "halfplane_fe"
-    unknown = all(metric.uncertainty is None for metric in metrics)
-    # The metric that is most times its tolerance, where it is not within it and not one of the two
-    # already.
-    missed = [
-        one
-        for one in comparison.metrics
-        if one.verdict in (Verdict.OUTSIDE, Verdict.UNDECIDED) and one.tolerance
-    ]
-    worst = max(
-        missed, key=lambda one: abs(one.value or 0.0) / (one.tolerance or 1.0), default=None
-    )
+    kind = "external"
+    if _both_ours(comparison) and are_half_planes(comparison.scene):
+        kind = "agree"
+    elif _both_ours(comparison) and comparison.result.engine == "halfplane_fe":
+        kind = "theory"
+    if kind == "agree":
+        claims = [_agreement(metric) for metric in metrics]
+    else:
+        claims = [_claim(metric, kind == "theory") for metric in metrics]
+    stated_errors = None
+    if all(metric.uncertainty is None for metric in metrics):
+        stated_errors = _stated_errors(comparison)
+    worst = _furthest_outside(comparison)
     if worst is not None and {worst.key, worst.judged_by} & set(keys):
-        worst = None
-    claims = [_agreement(one) if ours and exact else _claim(one, theory) for one in metrics]
-    stated = _stated(comparison) if unknown else None
-    kind = "theory" if theory else "agree" if ours and exact else "external"
+        worst = None  # it is one of the two already
     return in_template(
         "headline",
         comparison,
         _names(comparison),
         kind,
         claims,
-        stated,
+        stated_errors,
         _in_sentence(worst) if worst else None,
     )
 
 
+def _furthest_outside(comparison: JudgedPair) -> Metric | None:
+    """Of the metrics that are not within their tolerance the one that is most times it."""
+    metrics = [
+        metric
+        for metric in comparison.metrics
+        if metric.verdict in (Verdict.OUTSIDE, Verdict.UNDECIDED) and metric.tolerance
+    ]
+
+    def over_tolerance(metric: Metric) -> float:
+        return abs(metric.value or 0.0) / (metric.tolerance or 1.0)
+
+    return max(metrics, key=over_tolerance, default=None)
+
+
 def _names(comparison: JudgedPair) -> tuple[str, str]:
+    """Of the engines: of the reference, of the result."""
     return name_of(comparison.reference.engine), name_of(comparison.result.engine)
 
 
-def _stated(comparison: JudgedPair) -> list[tuple[str, str]]:
-    """What each side says itself of the error of its dissipation, where that is no rounding."""
-    found = []
+def _stated_errors(comparison: JudgedPair) -> list[tuple[str, str]]:
+    """Name of each engine and what it states of the error of its dissipation in per cent, where
+    that is no rounding.
+    """
+    errors = []
     for solution in (comparison.result, comparison.reference):
         share = solution.record.errors.get("dissipation", 0.0)
         if solution.dissipation > 0 and math.isfinite(solution.dissipation_uncertainty):
             share = solution.dissipation_uncertainty / solution.dissipation
         if share > 1e-6:
-            found.append((name_of(solution.engine), f"{100 * share:.2g}"))
-    return found
+            errors.append((name_of(solution.engine), f"{100 * share:.2g}"))
+    return errors
 
 
 def _agreement(metric: Metric) -> tuple[str, str, str]:
-    return (
-        "agreement",
-        _name(metric),
-        _shown(abs(metric.value or 0.0) + (metric.uncertainty or 0.0), plus=False, digits=2),
-    )
+    """How far two solutions agree that should be the same: the difference with its uncertainty."""
+    difference = abs(metric.value or 0.0) + (metric.uncertainty or 0.0)
+    return "agreement", _name(metric), _in_digits(difference, plus=False, digits=2)
 
 
 def _claim(metric: Metric, theory: bool) -> tuple[str, str, str]:
@@ -359,11 +377,11 @@ def _name(metric: Metric) -> str:
 def _in_sentence(metric: Metric) -> dict[str, str]:
     """What a sentence states of a metric."""
     value = value_of(metric)
-    whole = f"{value} {uncertainty_of(metric)}".strip()
+    value_and_uncertainty = f"{value} {uncertainty_of(metric)}".strip()
     return {
         "name": _name(metric),
         "value": value,
-        "open": whole,
+        "open": value_and_uncertainty,
         "unit": unit_of(metric),
         "tolerance": tolerance_of(metric),
     }
@@ -375,31 +393,31 @@ def verdict(comparison: JudgedPair) -> str:
     """
     pairs = (
         (comparison.reference, comparison.reference_certificates),
-        (
-            comparison.result,
-            comparison.result_certificates,
-        ),
+        (comparison.result, comparison.result_certificates),
     )
-    broken = [
-        f"{check.label} in {name_of(one.engine)}"
-        for one, checks in pairs
+    violated_laws = [
+        f"{check.label} in {name_of(solution.engine)}"
+        for solution, checks in pairs
         for check in checks
         if not check.holds
     ]
-    listed = {
-        state: [_in_sentence(one) for one in comparison.metrics if one.verdict is state]
-        for state in Verdict
-    }
-    judged = sum(
-        metric.tolerance is not None and metric.value is not None for metric in comparison.metrics
-    )
+    metrics_by_verdict: dict[Verdict, list[dict[str, str]]] = {state: [] for state in Verdict}
+    judged_count = 0
+    for metric in comparison.metrics:
+        if metric.verdict is not None:
+            metrics_by_verdict[metric.verdict].append(_in_sentence(metric))
+        judged_count += metric.tolerance is not None and metric.value is not None
     work = comparison.metric("dissipation")
-    differs, shearless = (
-        None if work.value is None else value_of(work),
-        np.isnan(comparison.result.shear).all(),
-    )
+    work_in_words = None if work.value is None else value_of(work)
+    has_no_shear = np.isnan(comparison.result.shear).all()
     verdicts = in_template(
-        "verdict", _names(comparison), listed, judged, differs, broken, shearless
+        "verdict",
+        _names(comparison),
+        metrics_by_verdict,
+        judged_count,
+        work_in_words,
+        violated_laws,
+        has_no_shear,
     )
     return f"{verdicts} {not_scored(comparison)}".strip()
 
@@ -442,17 +460,20 @@ def lead(comparison: JudgedPair) -> str:
 
 def uncertain_work(comparison: JudgedPair) -> str:
     """The result's dissipation with its uncertainty, in a sentence; empty where that is unknown."""
-    found = comparison.result
-    if math.isnan(found.dissipation_uncertainty):
+    solution = comparison.result
+    if math.isnan(solution.dissipation_uncertainty):
         return ""
-    share = (
-        _shown(found.dissipation_uncertainty / found.dissipation, plus=False)
-        if found.dissipation
-        else ""
-    )
-    of = stretch(comparison.scene)
+    share_in_words = ""
+    if solution.dissipation:
+        share = solution.dissipation_uncertainty / solution.dissipation
+        share_in_words = _in_digits(share, plus=False)
     return in_template(
-        "uncertain_work", name_of(found.engine), found, share, energy_unit(comparison.scene), of
+        "uncertain_work",
+        name_of(solution.engine),
+        solution,
+        share_in_words,
+        energy_unit(comparison.scene),
+        stretch(comparison.scene),
     )
 
 
@@ -475,7 +496,8 @@ def sentence(text: str) -> str:
     >>> sentence("to compare"), sentence("Why?"), sentence("")
     ('To compare.', 'Why?', '')
     """
-    return text[:1].upper() + text[1:] + ("" if not text or text.endswith((".", "!", "?")) else ".")
+    full_stop = "." if text and not text.endswith((".", "!", "?")) else ""
+    return text[:1].upper() + text[1:] + full_stop
 
 
 def read_in_words(name: str, read_as: ReadAs) -> str:
@@ -514,8 +536,13 @@ def shown_unit(scene: Scene, quantity: str) -> tuple[float, str]:
     force, length, stress = units(scene)
     if quantity == "slip" and length == "mm":
         return 1e3, "µm"
-    energy = {"energy": energy_unit(scene), "energy density": f"{force}·{length}/{length}²"}
-    return 1.0, ({"stress": stress, "moment": force} | energy).get(quantity, length)
+    unit_of_quantity = {
+        "stress": stress,
+        "moment": force,
+        "energy": energy_unit(scene),
+        "energy density": f"{force}·{length}/{length}²",
+    }
+    return 1.0, unit_of_quantity.get(quantity, length)
 
 
 def first_table(comparison: JudgedPair) -> tuple[tuple[str, ...], list[dict[str, str]]]:
@@ -526,59 +553,58 @@ def first_table(comparison: JudgedPair) -> tuple[tuple[str, ...], list[dict[str,
     tolerance, note.
     """
     names = [
-        {"semi_analytic": "theory"}.get(one.engine, name_of(one.engine))
-        for one in (comparison.reference, comparison.result)
+        {"semi_analytic": "theory"}.get(solution.engine, name_of(solution.engine))
+        for solution in (comparison.reference, comparison.result)
     ]
-    found = []
+    rows = []
     for metric in comparison.headlines:
         factor, unit = shown_unit(comparison.scene, metric.quantity)
-        amounts = [
-            "–" if math.isnan(one) else minus(f"{factor * one:.5g}")
-            for one in metric.amounts or (math.nan, math.nan)
-        ]
-        found.append(
+        of_reference, of_result = metric.amounts or (math.nan, math.nan)
+        place = ""
+        if metric.place is not None and metric.value is not None:
+            place = f"x = {signed(float(f'{metric.place:.2g}'))} a"
+        rows.append(
             {
                 "key": metric.key,
                 "label": f"{metric.label} [{unit}]",
-                "reference": amounts[0],
-                "result": amounts[1],
-                "place": (
-                    ""
-                    if metric.place is None or metric.value is None
-                    else f"x = {signed(float(f'{metric.place:.2g}'))} a"
-                ),
+                "reference": _number_or_dash(factor * of_reference),
+                "result": _number_or_dash(factor * of_result),
+                "place": place,
                 "difference": _difference_of(metric),
                 "verdict": metric.verdict or "–",
                 "tolerance": tolerance_of(metric),
                 "note": metric.note,
             }
         )
-    return ("", *names, "difference", "verdict"), found
+    return ("", *names, "difference", "verdict"), rows
+
+
+def _number_or_dash(value: float) -> str:
+    """Five digits; a dash for what a solution does not hold."""
+    return "–" if math.isnan(value) else minus(f"{value:.5g}")
 
 
 def first_cells(comparison: JudgedPair) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """The table of absolute values as heads and cells, for the terminal and a notebook."""
     heads, rows = first_table(comparison)
-    return heads, [
-        tuple(row[key] for key in ("label", "reference", "result", "difference", "verdict"))
-        for row in rows
-    ]
+    cells = []
+    for row in rows:
+        shown_keys = ("label", "reference", "result", "difference", "verdict")
+        cells.append(tuple(row[key] for key in shown_keys))
+    return heads, cells
 
 
 def _difference_of(metric: Metric) -> str:
     """A difference with its uncertainty, in per cent unless the metric is absolute; a length of
     stick in per cent of a.
     """
-    if metric.value is None or not math.isfinite(metric.value) or metric.absolute:
-        return (
-            f"{value_of(metric)} {uncertainty_of(metric)}".strip()
-            if metric.value is not None
-            else "–"
-        )
+    if metric.value is None:
+        return "–"
+    if not math.isfinite(metric.value) or metric.absolute:
+        return f"{value_of(metric)} {uncertainty_of(metric)}".strip()
     value = 0.0 if abs(metric.value) < _ROUNDING else 100 * metric.value
-    words = with_uncertainty(
-        value, None if metric.uncertainty is None else 100 * metric.uncertainty
-    )
+    uncertainty = None if metric.uncertainty is None else 100 * metric.uncertainty
+    words = with_uncertainty(value, uncertainty)
     if not re.search("[1-9]", words.partition("±")[0]):
         words = words.removeprefix("−")  # of a zero no sign is known
     elif value > 0:
@@ -588,23 +614,16 @@ def _difference_of(metric: Metric) -> str:
 
 def summary(comparison: JudgedPair) -> str:
     """The first table as plain text, with the headline above it and the verdict below."""
-    heads, found = first_cells(comparison)
-    widths = [max(map(len, column)) for column in zip(heads, *found, strict=True)]
-    lines = [
-        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
-        for row in (heads, *found)
-    ]
-    return "\n".join(
-        [
-            headline(comparison),
-            "",
-            lines[0],
-            "-" * len(lines[0]),
-            *lines[1:],
-            "",
-            verdict(comparison),
-        ]
-    )
+    heads, rows = first_cells(comparison)
+    widths = [max(map(len, column)) for column in zip(heads, *rows, strict=True)]
+    lines = []
+    for row in (heads, *rows):
+        cells = [cell.ljust(width) for cell, width in zip(row, widths, strict=True)]
+        lines.append("  ".join(cells).rstrip())
+    head_line, *row_lines = lines
+    rule = "-" * len(head_line)
+    table = [head_line, rule, *row_lines]
+    return "\n".join([headline(comparison), "", *table, "", verdict(comparison)])
 
 
 # ---------------------------------------------------------------------------------- of one solution
@@ -612,67 +631,55 @@ def first_rows(solution: ContactSolution) -> list[tuple[str, str]]:
     """What a person wants to know first, as (quantity, value): how the solution ended, its size,
     its largest values.
     """
-    scene, apart = solution.scene, solution.dissipation_uncertainty
+    scene = solution.scene
     _, length, stress = units(scene)
     dissipation = _or_none(solution.dissipation)
-    if not np.isnan(apart):
-        share = f" ({apart / solution.dissipation:.2%})" if solution.dissipation else ""
-        dissipation += f" ± {apart:.2g}{share}, by mesh and steps"
-    last = (
+    uncertainty = solution.dissipation_uncertainty
+    if not np.isnan(uncertainty):
+        share = f" ({uncertainty / solution.dissipation:.2%})" if solution.dissipation else ""
+        dissipation += f" ± {uncertainty:.2g}{share}, by mesh and steps"
+    last_loads = (
         f"P {solution.normal_load[-1]:.6g}, Q {solution.tangential_load[-1]:.6g} {load_unit(scene)}"
     )
     rows = [
         ("engine", name_of(solution.engine)),
         ("how it ended", solution.record.message),
         ("instants, surface points", f"{len(solution.time)}, {len(solution.x)}"),
-        ("last instant", f"time {solution.time[-1]:.6g}, {last}"),
+        ("last instant", f"time {solution.time[-1]:.6g}, {last_loads}"),
         (f"largest pressure at the points [{stress}]", f"{np.max(solution.pressure):.8g}"),
         (f"largest contact half-width [{length}]", f"{np.nanmax(solution.contact_half_width):.8g}"),
         (f"permanent stick half-width [{length}]", _or_none(solution.permanent_stick_half_width)),
     ]
-    if beside := of_unsymmetric(solution):
-        ends = [beside[f"permanent_stick_{side}"] for side in ("left", "right")]
+    of_ends = of_unsymmetric(solution)
+    if of_ends:
+        ends = [of_ends[f"permanent_stick_{side}"] for side in ("left", "right")]
         rows.append((f"ends of permanent stick [{length}]", ", ".join(map(_or_none, ends))))
     return [*rows, (f"dissipation of the {stretch(scene)} [{energy_unit(scene)}]", dissipation)]
 
 
 def summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
     """The same with drift, loops, load cycles, the laws of contact, notes and what was skipped."""
-    rows, beside, checks, work = (
-        first_rows(solution),
-        of_unsymmetric(solution),
-        certificates(solution),
-        energy_unit(solution.scene),
-    )
-    broken = [
+    rows = first_rows(solution)
+    checks = certificates(solution)
+    unit = energy_unit(solution.scene)
+    violated_laws = [
         f"{check.label} ({check.value:.1e} at time {check.time:.4g})"
         for check in checks
         if not check.holds
     ]
     if solution.dissipation_drift and np.isfinite(solution.dissipation_drift):
-        rows.append(
-            (
-                "dissipation, change from the cycle before",
-                f"{solution.dissipation_drift:+.2e} of it",
-            )
-        )
+        drift = f"{solution.dissipation_drift:+.2e} of it"
+        rows.append(("dissipation, change from the cycle before", drift))
     if np.isfinite(solution.loop_work):
-        loop = "(Q dU - m_q d(eps)), eps the bulk strain" if beside.get("bulk_work") else "Q dU"
-        rows.append((f"closed integral of {loop} [{work}]", f"{solution.loop_work:.10g}"))
-        if beside.get("bulk_work"):
-            rows.append((f"of it by bulk stress [{work}]", f"{beside['bulk_work']:.10g}"))
-        if (normal := normal_work(solution)) is not None:
-            turned = "P dV" if solution.tilt is None else "P dV - M d(tilt)"
-            rows.append((f"closed integral of {turned}, V the approach [{work}]", f"{normal:.10g}"))
-    if cycles := load_cycles(solution):
+        rows += _loop_rows(solution)
+    cycles = load_cycles(solution)
+    if cycles:
         rows.append(("load cycles, by rainflow of Q", f"{cycles.counted:g}"))
-        rows.append((f"dissipation per load cycle [{work}]", f"{cycles.per_cycle:.8g}"))
-    rows.append(
-        (
-            "laws of contact",
-            f"violated: {', '.join(broken)}" if broken else f"all {len(checks)} hold",
-        )
-    )
+        rows.append((f"dissipation per load cycle [{unit}]", f"{cycles.per_cycle:.8g}"))
+    laws = f"all {len(checks)} hold"
+    if violated_laws:
+        laws = f"violated: {', '.join(violated_laws)}"
+    rows.append(("laws of contact", laws))
     rows += [("note", note) for note in solution.record.notes]
     # What the engine counted of its own work is in the file beside it, and on the page.
     return rows + [
@@ -681,5 +688,21 @@ def summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
     ]
 
 
+def _loop_rows(solution: ContactSolution) -> Iterator[tuple[str, str]]:
+    """Work of the loads round the cycle: of Q, of the bulk stress, of P."""
+    unit = energy_unit(solution.scene)
+    bulk_work = of_unsymmetric(solution).get("bulk_work")
+    integrand = "(Q dU - m_q d(eps)), eps the bulk strain" if bulk_work else "Q dU"
+    yield f"closed integral of {integrand} [{unit}]", f"{solution.loop_work:.10g}"
+    if bulk_work:
+        yield f"of it by bulk stress [{unit}]", f"{bulk_work:.10g}"
+    work_of_p = normal_work(solution)
+    if work_of_p is not None:
+        integrand_of_p = "P dV" if solution.tilt is None else "P dV - M d(tilt)"
+        label = f"closed integral of {integrand_of_p}, V the approach [{unit}]"
+        yield label, f"{work_of_p:.10g}"
+
+
 def _or_none(value: float) -> str:
+    """Ten digits; "none" of what is no number."""
     return "none" if np.isnan(value) else f"{value:.10g}"
