@@ -41,12 +41,13 @@ class TimeLeft:
 
     def __init__(self, clock: Callable[[], float] = time.perf_counter) -> None:
         self._clock = clock
-        self._begun = clock()
-        self._done = 0
+        self._start = clock()
+        self._count = 0
         self._total = 0
 
-    def words(self, done: int, total: int | None) -> str:
-        """Of the part that `done` of `total` belong to; empty before anything can be said of it.
+    def words(self, count: int, total: int | None) -> str:
+        """For a part of the job of which `count` of `total` steps are done; empty before anything
+        can be said of it.
 
         >>> clock = iter([0.0, 0.0, 3.0]).__next__
         >>> left = TimeLeft(clock)
@@ -54,18 +55,21 @@ class TimeLeft:
         ('', '9 s left')
         """
         now = self._clock()
-        if total is None or done < self._done or total != self._total or not done:
-            self._begun = now
-        self._done = done
+        if total is None or count < self._count or total != self._total or not count:
+            self._start = now
+        self._count = count
         self._total = total or 0
-        if not done or not total or now <= self._begun:
+        elapsed = now - self._start
+        if not count or not total or elapsed <= 0:
             return ""
         # The first steps of a part are no measure of the rest: for a work of one minute they
         # foretold 23.
-        if 20 * done < total and now - self._begun < _FORETOLD:
+        if 20 * count < total and elapsed < _FORETOLD:
             return ""
-        left = (now - self._begun) / done * (total - done)
-        return f"{left:.0f} s left" if left < 100 else f"{left / 60:.0f} min left"
+        seconds_left = elapsed / count * (total - count)
+        if seconds_left < 100:
+            return f"{seconds_left:.0f} s left"
+        return f"{seconds_left / 60:.0f} min left"
 
 
 class Stages:
@@ -79,23 +83,33 @@ class Stages:
         self.log: list[str] = []
 
     @contextmanager
-    def stage(self, name: str, things: str = "stretches") -> Generator[_Report, None, None]:
-        """Times a stage; yields report(done, total or None, text), which counts `things`."""
+    def stage(self, name: str, steps_noun: str = "stretches") -> Generator[_Report, None, None]:
+        """Times a stage; yields report(count, total or None, text), which counts the steps that are
+        done.
+
+        Parameters
+        ----------
+        steps_noun
+            what the steps are, for the terminal
+        """
         start = time.perf_counter()
         self.note(f"{name} ...")
-        shown = self._bar(name) if self.console.is_terminal else self._lines(name, things)
-        last = ""
+        display = (
+            self._progress_bar(name) if self.console.is_terminal else self._lines(name, steps_noun)
+        )
+        last_text = ""
 
-        with shown as report:
+        with display as show:
 
-            def kept(done: int, total: int | None, text: str) -> None:
-                nonlocal last
-                if total and done == total and text != last:
-                    last = text
+            def report(count: int, total: int | None, text: str) -> None:
+                """Shows every step; the last one of a total goes into the log too."""
+                nonlocal last_text
+                if total and count == total and text != last_text:
+                    last_text = text
                     self.note(f"  {text}")
-                report(done, total, text)
+                show(count, total, text)
 
-            yield kept
+            yield report
         self.seconds[name] = time.perf_counter() - start
         self.note(f"{name}: {self.seconds[name]:.2f} s")
         self.console.print(Text(f"{name}: {self.seconds[name]:.2f} s"))
@@ -110,7 +124,8 @@ class Stages:
         self.log.append(f"{time.strftime('%H:%M:%S')}  {text}")
 
     @contextmanager
-    def _bar(self, name: str) -> Generator[_Report, None, None]:
+    def _progress_bar(self, name: str) -> Generator[_Report, None, None]:
+        """A bar that vanishes at the end, for a terminal."""
         from rich.progress import (
             BarColumn,
             MofNCompleteColumn,
@@ -125,33 +140,34 @@ class Stages:
             MofNCompleteColumn(),
             TimeElapsedColumn(),
         )
-        left = TimeLeft()
+        time_left = TimeLeft()
         with Progress(*columns, console=self.console, transient=True) as progress:
             task = progress.add_task(name, total=None)
 
-            def report(done: int, total: int | None, text: str) -> None:
+            def report(count: int, total: int | None, text: str) -> None:
                 from rich.markup import escape
 
-                words = ", ".join(filter(None, (text, left.words(done, total))))
+                words = ", ".join(filter(None, (text, time_left.words(count, total))))
                 progress.update(
-                    task, completed=done, total=total, description=escape(f"{name}: {words}")
+                    task, completed=count, total=total, description=escape(f"{name}: {words}")
                 )
 
             yield report
 
     @contextmanager
-    def _lines(self, name: str, things: str) -> Generator[_Report, None, None]:
-        shown = time.perf_counter()
-        left = TimeLeft()
+    def _lines(self, name: str, steps_noun: str) -> Generator[_Report, None, None]:
+        """A line now and then, for a file or a pipe."""
+        last_line = time.perf_counter()
+        time_left = TimeLeft()
         self.console.print(Text(f"{name} ..."))
 
-        def report(done: int, total: int | None, text: str) -> None:
-            nonlocal shown
-            words = left.words(done, total)
-            if time.perf_counter() - shown >= _LINE_EVERY:
-                shown = time.perf_counter()
-                count = f"{done} of {total} {things}" if total else ""
-                parts = ", ".join(filter(None, (text, count, words)))
+        def report(count: int, total: int | None, text: str) -> None:
+            nonlocal last_line
+            words = time_left.words(count, total)
+            if time.perf_counter() - last_line >= _LINE_EVERY:
+                last_line = time.perf_counter()
+                steps = f"{count} of {total} {steps_noun}" if total else ""
+                parts = ", ".join(filter(None, (text, steps, words)))
                 self.console.print(Text(f"  {name}: {parts}"))
 
         yield report
@@ -220,17 +236,22 @@ def _widths(lines: Sequence[Sequence[str]], room: int) -> list[int]:
     ([11, 1], [6, 6], [])
     """
     columns = list(zip(*lines, strict=True))
-    needed = [max(cell_len(_printable(cell)) for cell in column) for column in columns]
-    if sum(needed) <= room:
-        return needed
+    full_widths = [max(map(_width_of, column)) for column in columns]
+    if sum(full_widths) <= room:
+        return full_widths
     widths = [_longest_word(column) for column in columns]
     if sum(widths) > room:
         return []
     while spare := room - sum(widths):
-        narrow = [k for k, cells in enumerate(widths) if cells < needed[k]]
-        for k in narrow[:spare]:
+        narrow_columns = [k for k, width in enumerate(widths) if width < full_widths[k]]
+        for k in narrow_columns[:spare]:
             widths[k] += 1
     return widths
+
+
+def _width_of(cell: str) -> int:
+    """Places of the terminal that the text of a cell takes."""
+    return cell_len(_printable(cell))
 
 
 def _longest_word(column: Iterable[str]) -> int:

@@ -368,8 +368,10 @@ class Panel:
     def frame(self) -> Frame:
         """The area that the marks lie in."""
         left, top, right, bottom = self.room or self._automatic_room()
-        low_x, high_x = self.x.low, self.x.high
-        low_y, high_y = self.y.low, self.y.high
+        low_x = self.x.low
+        high_x = self.x.high
+        low_y = self.y.low
+        high_y = self.y.high
         if self.equal:
             across = self.width - left - right
             up = self.height - top - bottom
@@ -537,20 +539,22 @@ def stacks(plate: Plate) -> list[tuple[Panel, ...]]:
 
 def colour_scale(
     name: str,
-    low: float,
-    high: float,
+    ends: tuple[float, float],
     words: str,
     colours: str = "viridis",
     *,
     log: bool = False,
-    own: Sequence[float] = (),
+    tick_values: Sequence[float] = (),
     width: float = 480.0,
 ) -> Panel:
-    """What the colours of a map stand for; `own` ticks where round numbers are not wanted."""
+    """What the colours of a map stand for, from the lower to the upper of `ends`; ticks at these
+    values, or at round numbers.
+    """
+    low, high = ends
     if high <= low:
         high = low + (abs(low) or 1.0)
-    numbers = [value for value in own if low <= value <= high]
-    if not own:
+    numbers = [value for value in tick_values if low <= value <= high]
+    if not tick_values:
         numbers = _ticks(low, high, 4, log=log)
     middles = (np.arange(64) + 0.5) / 64
     row = Bitmap(np.arange(64, dtype=np.uint8)[None, :], shades(middles, colours))
@@ -567,14 +571,14 @@ def colour_scale(
     )
 
 
-def _attributes(given: Mapping[str, object]) -> str:
+def _attributes(attributes: Mapping[str, object]) -> str:
     """Attributes as text, "_" in a name read as "-", empty ones left out.
 
     >>> _attributes({"data_label": 'a "b"', "x": 1.5, "class_": ""})
     ' data-label="a &quot;b&quot;" x="1.5"'
     """
     text = ""
-    for name, value in given.items():
+    for name, value in attributes.items():
         if value is not None and value != "":
             written = str(value)
             if isinstance(value, float):
@@ -583,20 +587,22 @@ def _attributes(given: Mapping[str, object]) -> str:
     return text
 
 
-def _element(name: str, content: str = "", /, **given: object) -> str:
+def _element(name: str, content: str = "", /, **attributes: object) -> str:
     """An element; `content` is SVG already. A place that is no number draws nothing."""
-    if any(isinstance(value, float) and not math.isfinite(value) for value in given.values()):
+    if any(isinstance(value, float) and not math.isfinite(value) for value in attributes.values()):
         return ""
-    attributes = _attributes(given)
-    return f"<{name}{attributes}>{content}</{name}>" if content else f"<{name}{attributes}/>"
+    start = f"{name}{_attributes(attributes)}"
+    return f"<{start}>{content}</{name}>" if content else f"<{start}/>"
 
 
-def _path_of(horizontal: ArrayLike, vertical: ArrayLike, off: float = 0.0, passes: int = 0) -> str:
+def _path_of(
+    horizontal: ArrayLike, vertical: ArrayLike, tolerance: float = 0.0, passes: int = 0
+) -> str:
     """A line through places; a NaN breaks it. Places that repeat the last one to a hundredth are
     left out, and see `_LONG_LINE`.
 
-    In each of `passes` every other place goes that lies within `off` of the straight line between
-    its neighbours.
+    In each of `passes` every other place goes that lies within `tolerance` of the straight line
+    between its neighbours.
 
     >>> (
     ...     _path_of([0, 1, np.nan, 2, 3], [0, 1, 1, 1, 1]),
@@ -613,10 +619,10 @@ def _path_of(horizontal: ArrayLike, vertical: ArrayLike, off: float = 0.0, passe
     down = np.round(np.asarray(vertical, dtype=float), 2)
     known = np.isfinite(across) & np.isfinite(down)
     if len(across) > _LONG_LINE:
-        shown = _places_that_show(across, down, known)
-        across = across[shown]
-        down = down[shown]
-        known = known[shown]
+        rows = _places_that_show(across, down, known)
+        across = across[rows]
+        down = down[rows]
+        known = known[rows]
     moved = np.ones(len(across), dtype=bool)
     moved[1:] = (across[1:] != across[:-1]) | (down[1:] != down[:-1]) | ~known[:-1]
     starts = known & ~np.concatenate([[False], known[:-1]])
@@ -632,7 +638,7 @@ def _path_of(horizontal: ArrayLike, vertical: ArrayLike, off: float = 0.0, passe
         to_middle_y = down[middle] - down[before]
         # twice the area of the triangle is its height times its base, the chord
         area = np.abs(chord_x * to_middle_y - chord_y * to_middle_x)
-        on_chord = area <= off * np.hypot(chord_x, chord_y)
+        on_chord = area <= tolerance * np.hypot(chord_x, chord_y)
         spared = middle[on_chord & ~starts[middle] & ~starts[after]]
         rows = rows[~np.isin(rows, spared)]
     path = ""
@@ -658,9 +664,11 @@ def _places_that_show(across: Array, down: Array, known: NDArray[np.bool_]) -> N
     return np.unique(np.concatenate([first, last, by_height[first], by_height[last]]))
 
 
-def _png(pixels: NDArray[np.uint8], colours: Sequence[str] = (), *, whole: bool = False) -> bytes:
+def _png(
+    pixels: NDArray[np.uint8], colours: Sequence[str] = (), *, all_colours: bool = False
+) -> bytes:
     """A picture as a PNG file: (n, m) numbers of `colours`, or (n, m, 3) colours, of which 255 are
-    kept unless `whole`.
+    kept unless `all_colours`.
 
     >>> _png(np.zeros((1, 1), np.uint8), ["#ffffff"])[:8]
     b'\\x89PNG\\r\\n\\x1a\\n'
@@ -671,9 +679,9 @@ def _png(pixels: NDArray[np.uint8], colours: Sequence[str] = (), *, whole: bool 
     stream = io.BytesIO()
     if colours:
         picture.putpalette(b"".join(bytes.fromhex(colour.removeprefix("#")) for colour in colours))
-    elif not whole:
+    elif not all_colours:
         picture = picture.quantize(255)
-    picture.save(stream, "PNG", optimize=not whole)
+    picture.save(stream, "PNG", optimize=not all_colours)
     return stream.getvalue()
 
 
@@ -695,7 +703,7 @@ class _Pen:
         ]
         return {"style": ";".join(declared)}
 
-    def words(self, x: float, y: float, text: str, css: str, /, **given: object) -> str:
+    def words(self, x: float, y: float, text: str, css: str, /, **attributes: object) -> str:
         """A text at a place of the drawing, with its subscripts."""
         parts = pieces(text)
         content = ""
@@ -709,10 +717,13 @@ class _Pen:
             content += _element("tspan", written, **shift, **size) if shift or size else written
             was_low = low
         look = self.look(css, text=True)
-        return _element("text", content or escape(text), x=float(x), y=float(y), **look, **given)
+        return _element(
+            "text", content or escape(text), x=float(x), y=float(y), **look, **attributes
+        )
 
-    def data(self, given: Mapping[str, object]) -> dict[str, object]:
-        return {} if self.alone else {f"data_{name}": value for name, value in given.items()}
+    def data_attributes(self, attributes: Mapping[str, object]) -> dict[str, object]:
+        """Attributes for the page's script; none in a document of its own."""
+        return {} if self.alone else {f"data_{name}": value for name, value in attributes.items()}
 
     def draw(self, mark: Mark) -> str:
         """A mark as SVG."""
@@ -728,9 +739,11 @@ class _Pen:
             case Dot():
                 x = float(frame.x.place(mark.x))
                 y = float(frame.y.place(mark.y))
-                data = self.data({"label": mark.label} | dict(mark.data))
-                given = {"fill": mark.fill or None} | data
-                return _element("circle", cx=x, cy=y, r=mark.radius, **self.look(mark.css), **given)
+                attributes: dict[str, object] = {"fill": mark.fill or None}
+                attributes |= self.data_attributes({"label": mark.label} | dict(mark.data))
+                return _element(
+                    "circle", cx=x, cy=y, r=mark.radius, **self.look(mark.css), **attributes
+                )
             case Rule():
                 if mark.upright:
                     place = float(frame.x.place(mark.at))
@@ -742,7 +755,7 @@ class _Pen:
             case Block():
                 return self.block(mark)
             case Bitmap():
-                picture = base64.b64encode(_png(mark.pixels, mark.colours, whole=self.alone))
+                picture = base64.b64encode(_png(mark.pixels, mark.colours, all_colours=self.alone))
                 address = "data:image/png;base64," + picture.decode()
                 box = {"x": left, "y": top, "width": right - left, "height": bottom - top}
                 return _element(
@@ -754,20 +767,22 @@ class _Pen:
                 return self.arrow(mark)
             case Group():
                 content = "".join(map(self.draw, mark.marks)) or " "
-                return _element("g", content, **self.look(mark.css), **self.data(mark.data))
+                return _element(
+                    "g", content, **self.look(mark.css), **self.data_attributes(mark.data)
+                )
 
     def curve(self, mark: Curve) -> str:
         """A line; in a document of its own with fewer places, for a pointer on a page needs points
         everywhere.
         """
-        off, passes = (0.1, 8) if self.alone else (0.02, 1)
+        tolerance, passes = (0.1, 8) if self.alone else (0.02, 1)
         x = self.frame.x.place(mark.x)
         y = self.frame.y.place(mark.y)
-        path = _path_of(x, y, off, passes) or "M0 0"
+        path = _path_of(x, y, tolerance, passes) or "M0 0"
         if mark.closed:
             path += "Z"
-        data = self.data({"label": mark.label} | dict(mark.data))
-        return _element("path", d=path, **self.look(f"curve {mark.css}"), **data)
+        attributes = self.data_attributes({"label": mark.label} | dict(mark.data))
+        return _element("path", d=path, **self.look(f"curve {mark.css}"), **attributes)
 
     def band(self, mark: Band) -> str:
         """An area: a gap ends one outline, and the next begins behind it."""
@@ -788,10 +803,10 @@ class _Pen:
         x = float(self.frame.x.place(mark.x))
         y = float(self.frame.y.place(mark.y))
         right, down = mark.shift
-        given = {"dx": right or None, "dy": down or None} | self.data(mark.data)
+        attributes = {"dx": right or None, "dy": down or None} | self.data_attributes(mark.data)
         anchor = None if mark.anchor == "start" else mark.anchor
         texts = [
-            self.words(x, y + _LINE * k, line, mark.css, text_anchor=anchor, **given)
+            self.words(x, y + _LINE * k, line, mark.css, text_anchor=anchor, **attributes)
             for k, line in enumerate(mark.text.split("\n"))
         ]
         return "".join(texts)
@@ -821,10 +836,10 @@ class _Pen:
         """The path of those segments that reach into the area."""
         x = self.frame.x.place(mark.ends[..., 0])
         y = self.frame.y.place(mark.ends[..., 1])
-        shown = (x.max(axis=1) >= self.frame.x.start) & (x.min(axis=1) <= self.frame.x.end)
-        shown &= (y.max(axis=1) >= self.frame.y.end) & (y.min(axis=1) <= self.frame.y.start)
-        pairs_x = np.round(x[shown], 2).tolist()
-        pairs_y = np.round(y[shown], 2).tolist()
+        is_visible = (x.max(axis=1) >= self.frame.x.start) & (x.min(axis=1) <= self.frame.x.end)
+        is_visible &= (y.max(axis=1) >= self.frame.y.end) & (y.min(axis=1) <= self.frame.y.start)
+        pairs_x = np.round(x[is_visible], 2).tolist()
+        pairs_y = np.round(y[is_visible], 2).tolist()
         lines = [
             f"M{x1:g} {y1:g}L{x2:g} {y2:g}"
             for (x1, x2), (y1, y2) in zip(pairs_x, pairs_y, strict=True)
@@ -841,8 +856,8 @@ class _Pen:
             "width": float(right - left),
             "height": float(high - low),
         }
-        given = {"fill": mark.fill or None} | self.data({"label": mark.label})
-        rectangle = _element("rect", **place, **self.look(mark.css), **given)
+        attributes = {"fill": mark.fill or None} | self.data_attributes({"label": mark.label})
+        rectangle = _element("rect", **place, **self.look(mark.css), **attributes)
         if not mark.hatched:
             return rectangle
         # x + y is constant along each line
@@ -970,15 +985,15 @@ def _kind_of(panel: Panel) -> str:
 
 def _for_the_script(panel: Panel, frame: Frame) -> dict[str, object]:
     """What the page's script asks of a panel: scales, words and ticks of its axes."""
-    given: dict[str, object] = {}
+    attributes: dict[str, object] = {}
     if not _is_sketch(panel):
-        given |= {"data_x": frame.x.words, "data_y": frame.y.words}
-    given |= {
+        attributes |= {"data_x": frame.x.words, "data_y": frame.y.words}
+    attributes |= {
         "data_x_words": panel.x.words,
         "data_y_words": panel.y.words,
         "data_time": panel.time,
         "data_x_ticks": " ".join(f"{number:g}={text}" for number, text in panel.x.ticks),
     }
     if (panel.x.count, panel.y.count) != (5, 5):
-        given["data_counts"] = f"{panel.x.count} {panel.y.count}"
-    return given
+        attributes["data_counts"] = f"{panel.x.count} {panel.y.count}"
+    return attributes

@@ -45,12 +45,11 @@ def shades(values: ArrayLike, name: str = "viridis") -> list[str]:
     >>> shades([0.0, 0.05, 2.0])
     ['#440154', '#461264', '#fde725']
     """
-    ends = np.array([[int(code[k : k + 2], 16) for k in (0, 2, 4)] for code in _MAPS[name].split()])
-    at = np.clip(np.asarray(values, dtype=float), 0.0, 1.0) * (len(ends) - 1)
-    channels = np.stack(
-        [np.interp(at, np.arange(len(ends)), ends[:, k]) for k in range(3)], axis=-1
-    )
-    return ["#" + "".join(f"{int(c):02x}" for c in colour) for colour in channels.reshape(-1, 3)]
+    knots = np.array([list(bytes.fromhex(code)) for code in _MAPS[name].split()])
+    places = np.clip(np.asarray(values, dtype=float), 0.0, 1.0) * (len(knots) - 1)
+    channels = [np.interp(places, np.arange(len(knots)), knots[:, k]) for k in range(3)]
+    colours = np.stack(channels, axis=-1).reshape(-1, 3).astype(np.uint8)
+    return ["#" + bytes(colour.tolist()).hex() for colour in colours]
 
 
 def pieces(text: str) -> list[tuple[str, bool]]:
@@ -60,10 +59,13 @@ def pieces(text: str) -> list[tuple[str, bool]]:
     [('p/p', False), ('ref', True), (', q/(f p', False), ('ref', True), (')', False)]
     """
     parts = re.split(r"(?<![^\W_])([^\W\d_])_([A-Za-z0-9]+)", text)
-    found: list[tuple[str, bool]] = []
+    text_parts: list[tuple[str, bool]] = []
     for k in range(0, len(parts) - 2, 3):
-        found += [(parts[k] + parts[k + 1], False), (parts[k + 2], True)]
-    return [*found, (parts[-1], False)] if parts[-1] else found
+        before, symbol, subscript = parts[k : k + 3]
+        text_parts += [(before + symbol, False), (subscript, True)]
+    if parts[-1]:
+        text_parts.append((parts[-1], False))
+    return text_parts
 
 
 def marked(text: object) -> Markup:
@@ -72,14 +74,14 @@ def marked(text: object) -> Markup:
     >>> print(marked("p_max; `--budget` gives it"))
     p<sub>max</sub>; <code>--budget</code> gives it
     """
-    found = Markup("")
+    markup = Markup("")
     for k, words in enumerate(re.split("`([^`]+)`", str(text))):
         if k % 2:
-            found += Markup("<code>{}</code>").format(words)
+            markup += Markup("<code>{}</code>").format(words)
             continue
-        for part, low in pieces(words):
-            found += Markup("<sub>{}</sub>").format(part) if low else part
-    return found
+        for part, is_subscript in pieces(words):
+            markup += Markup("<sub>{}</sub>").format(part) if is_subscript else part
+    return markup
 
 
 @cache
@@ -91,23 +93,19 @@ def _rules() -> list[tuple[frozenset[str], bool, Mapping[str, str]]]:
     sheet = re.sub(r"/\*.*?\*/", "", sheet, flags=re.DOTALL)
     sheet = re.sub(r"@media[^{]*\{(?:[^{}]*\{[^{}]*\})*[^{}]*\}", "", sheet)
     colours = dict(re.findall(r"--([\w-]+): (#\w+)", sheet))
-    found = []
+    rules = []
     for selectors, body in re.findall(r"([^{}]+)\{([^{}]*)\}", sheet):
-        resolved = re.sub(r"var\(--([\w-]+)\)", lambda use: colours[use[1]], body)
-        declared = {
+        body_in_colours = re.sub(r"var\(--([\w-]+)\)", lambda use: colours[use[1]], body)
+        declarations = {
             name: value.removesuffix("px")
-            for name, value in re.findall(r"([\w-]+): ([^;]+);", resolved)
+            for name, value in re.findall(r"([\w-]+): ([^;]+);", body_in_colours)
         }
-        asked = (
-            re.fullmatch(r"(?:svg )?(text)?((?:\.[\w-]+)*)", selector.strip())
-            for selector in selectors.split(",")
-        )
-        found += [
-            (frozenset(plain[2].split(".")[1:]), bool(plain[1]), declared)
-            for plain in asked
-            if plain
-        ]
-    return sorted(found, key=lambda rule: len(rule[0]))
+        for selector in selectors.split(","):
+            match = re.fullmatch(r"(?:svg )?(text)?((?:\.[\w-]+)*)", selector.strip())
+            if match:
+                classes = frozenset(match[2].split(".")[1:])
+                rules.append((classes, bool(match[1]), declarations))
+    return sorted(rules, key=lambda rule: len(rule[0]))
 
 
 @cache
@@ -117,11 +115,13 @@ def style_of(css: str, *, text: bool = False) -> Mapping[str, str]:
     >>> style_of("curve f q")["stroke-dasharray"]
     '6 2.5'
     """
-    classes, found = frozenset(css.split()), dict[str, str]()
-    for asked, for_texts, declared in _rules():
-        if asked <= classes and (asked or for_texts) and (text or not for_texts):
-            found |= declared
-    return found
+    classes = frozenset(css.split())
+    style: dict[str, str] = {}
+    for rule_classes, for_texts, declarations in _rules():
+        fits_classes = rule_classes <= classes and (rule_classes or for_texts)
+        if fits_classes and (text or not for_texts):
+            style |= declarations
+    return style
 
 
 @cache
@@ -159,12 +159,9 @@ def _contents(page: str) -> Markup:
     >>> _contents('<section id="mesh"><h2>The mesh</h2>')
     Markup('<ul><li><a href="#mesh">The mesh</a></li></ul>')
     """
-    found = re.findall(r'<section id="([\w-]+)"[^>]*>\s*<h2>(.*?)</h2>', page, re.DOTALL)
-    return Markup(
-        "<ul>"
-        + "".join(f'<li><a href="#{place}">{words}</a></li>' for place, words in found)
-        + "</ul>"
-    )
+    sections = re.findall(r'<section id="([\w-]+)"[^>]*>\s*<h2>(.*?)</h2>', page, re.DOTALL)
+    links = [f'<li><a href="#{place}">{words}</a></li>' for place, words in sections]
+    return Markup(f"<ul>{''.join(links)}</ul>")
 
 
 def script() -> tuple[Markup, str]:
@@ -220,16 +217,21 @@ def _cells(column: Sequence[Any] | NDArray[Any]) -> list[Any]:
     """A column as text; a number that stands in it often is written once and used again."""
     if isinstance(column, np.ndarray) and column.dtype.kind in "fiu":
         values, places = np.unique(column, return_inverse=True, equal_nan=True)
-        texts = ["" if value != value else repr(value) for value in values.tolist()]  # noqa: PLR0124 -- NaN alone differs from itself
+        texts = [_number_cell(value) for value in values.tolist()]
         return [texts[place] for place in places.ravel().tolist()]
     return [_cell(value) for value in column]
 
 
 def _cell(value: Any) -> Any:
+    """A value as text that no spreadsheet runs."""
     if isinstance(value, str):
         return harmless(value)
-    number = value.item() if hasattr(value, "item") else value
-    return "" if number != number else repr(number)  # noqa: PLR0124
+    return _number_cell(value.item() if hasattr(value, "item") else value)
+
+
+def _number_cell(value: Any) -> str:
+    """All digits of a number; nothing of a NaN, which alone differs from itself."""
+    return "" if value != value else repr(value)  # noqa: PLR0124
 
 
 def markdown_table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
@@ -241,6 +243,8 @@ def markdown_table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     | 0 | 1 |
     """
     lines = [heads, ["---"] * len(heads), *rows]
-    return "\n".join(
-        f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in line)} |" for line in lines
-    )
+    rows_of_text = []
+    for line in lines:
+        cells = [cell.replace("|", "\\|") for cell in line]
+        rows_of_text.append(f"| {' | '.join(cells)} |")
+    return "\n".join(rows_of_text)

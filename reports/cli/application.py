@@ -256,7 +256,7 @@ class Options:
         _option("Only scenes that have this tag; again for scenes that have all of them."),
     ] = ()
 
-    def given(self, names: Iterable[str]) -> dict[str, Any]:
+    def stated(self, names: Iterable[str]) -> dict[str, Any]:
         """Name -> value, of those that are not None."""
         values = {name: getattr(self, name) for name in names}
         return {name: value for name, value in values.items() if value is not None}
@@ -292,7 +292,7 @@ class Options:
         from meshes import MeshSettings
 
         mesh, solver = (
-            self.given(_FINITE_ELEMENTS & kind.__dataclass_fields__.keys())
+            self.stated(_FINITE_ELEMENTS & kind.__dataclass_fields__.keys())
             for kind in (MeshSettings, SolverSettings)
         )
         return replace(MeshSettings.preset(self.preset), **mesh), SolverSettings(**solver)

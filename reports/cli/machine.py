@@ -50,19 +50,19 @@ print("a sphere rendered, pyvista", pyvista.__version__)
 
 @dataclass(frozen=True)
 class Finding:
-    """One check: what was looked at, whether it will do, and what was found."""
+    """One check: what was looked at, whether it will do, and the words that say why."""
 
     name: str
     good: bool
-    found: str
+    words: str
 
 
 def doctor(options: Options) -> Answer:
     """Every check of this machine: 0 where all are good, else 1."""
     findings = examine(options.out or "out")
     code = WITHIN if all(finding.good for finding in findings) else OUTSIDE
-    checks = {one.name: {"good": one.good, "found": one.found} for one in findings}
-    rows = [(one.name, "yes" if one.good else "no", one.found) for one in findings]
+    checks = {finding.name: {"good": finding.good, "found": finding.words} for finding in findings}
+    rows = [(finding.name, "yes" if finding.good else "no", finding.words) for finding in findings]
     return Answer(
         code,
         [Sheet("Doctor", ("check", "good", "found"), rows)],
@@ -89,14 +89,16 @@ def drawing() -> tuple[bool, str]:
 
 
 def _packages() -> tuple[bool, str]:
-    found = {}
+    """Whether all packages are installed, and their versions."""
+    version_of = {}
     for name in _PACKAGES:
         with suppress(PackageNotFoundError):
-            found[name] = version(name)
-    missing = [name for name in _PACKAGES if name not in found]
-    return not missing, ", ".join(map(" ".join, found.items())) + (
-        f"; missing: {', '.join(missing)}" if missing else ""
-    )
+            version_of[name] = version(name)
+    words = ", ".join(f"{name} {number}" for name, number in version_of.items())
+    missing = [name for name in _PACKAGES if name not in version_of]
+    if missing:
+        words += f"; missing: {', '.join(missing)}"
+    return not missing, words
 
 
 def _alone(program: str, hint: str) -> tuple[bool, str]:
@@ -106,18 +108,19 @@ def _alone(program: str, hint: str) -> tuple[bool, str]:
     with tempfile.TemporaryDirectory() as folder:
         words = [sys.executable, "-c", program]
         try:
-            done = subprocess.run(
+            process = subprocess.run(
                 words, capture_output=True, text=True, timeout=120, check=False, cwd=folder
             )
         except subprocess.TimeoutExpired:
             return False, f"no answer in 120 s; {hint}"
-    if done.returncode == 0:
-        return True, done.stdout.strip().splitlines()[-1]
-    last = (done.stderr.strip().splitlines() or [f"ended with code {done.returncode}"])[-1]
-    return False, f"{last}; {hint}"
+    if process.returncode == 0:
+        return True, process.stdout.strip().splitlines()[-1]
+    lines = process.stderr.strip().splitlines() or [f"ended with code {process.returncode}"]
+    return False, f"{lines[-1]}; {hint}"
 
 
 def _folder(out: str | Path) -> tuple[bool, str]:
+    """Whether the output folder can be written to."""
     from reports.folder import claim
     from scenes import InputError
 

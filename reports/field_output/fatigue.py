@@ -28,7 +28,8 @@ Array = NDArray[np.float64]
 
 # Angles of planes, half a turn in all, and steps towards the least sphere around a path, whose
 # radius they leave 1e-3 too large.
-_PLANES, _STEPS = 180, 1000
+_PLANES = 180
+_STEPS = 1000
 # Instants of the cycle, at most, beside those of the largest and least loads; places across the
 # contact, over its half-width, and depths below the face; Gauss' points of an average over depth.
 _INSTANTS = 40
@@ -59,9 +60,9 @@ class Criteria:
 
     def require_valid(self) -> None:
         """InputError for numbers that make no sense."""
-        given = [("--findley", self.findley), ("--critical-distance", self.critical_distance)]
-        given += [("--fatemi-socie", value) for value in self.fatemi_socie or ()]
-        for option, value in given:
+        options = [("--findley", self.findley), ("--critical-distance", self.critical_distance)]
+        options += [("--fatemi-socie", value) for value in self.fatemi_socie or ()]
+        for option, value in options:
             if value is not None and not (np.isfinite(value) and value > 0):
                 raise InputError(f"{option} {value:g}: a number above 0 is needed")
 
@@ -87,55 +88,69 @@ def survey(solution: FiniteElementSolution, criteria: Criteria) -> pd.DataFrame:
     import semi_analytic
 
     cycle = np.asarray(solution.last_cycle)
-    loads = solution.normal_load[cycle], solution.tangential_load[cycle]
-    turns = [index for load in loads for index in (int(load.argmax()), int(load.argmin()))]
-    evenly = np.linspace(0, len(cycle) - 1, min(_INSTANTS, len(cycle))).round().astype(int)
-    times = solution.time[cycle[np.unique([*evenly, *turns])]]
-    largest = halfplane_fe.largest_edge_tension(solution)
-    if largest is None:
+    steps = np.linspace(0, len(cycle) - 1, min(_INSTANTS, len(cycle))).round().astype(int)
+    turning_steps = []
+    for load in (solution.normal_load[cycle], solution.tangential_load[cycle]):
+        turning_steps += [int(load.argmax()), int(load.argmin())]
+    times = solution.time[cycle[np.unique([*steps, *turning_steps])]]
+    edge_tension = halfplane_fe.largest_edge_tension(solution)
+    if edge_tension is None:
         raise InputError(
             "--fatigue: no stress is known beside the contact: a body is too thin, or nothing"
             " touches in the last cycle"
         )
-    times = np.unique([*times, largest.time])
+    times = np.unique([*times, edge_tension.time])
     reference = semi_analytic.solve(
         solution.scene, x=solution.x, time=times, fields=("pressure", "shear")
     )
-    edges = np.array([reference.contact_edges[np.searchsorted(times, largest.time)], largest.edges])
-    middle, half = edges.mean(axis=1), (edges[:, 1] - edges[:, 0]) / 2
-    averaged, shares = criteria.critical_distance is not None, np.ones((1, 1))
-    depths = half[0] * _DEPTHS
-    if criteria.critical_distance is not None:
-        node, weight = np.polynomial.legendre.leggauss(_OVER_DEPTH)
-        depths, shares = criteria.critical_distance * (1 + node) / 2, weight[:, None] / 2
-    depth, across = (part.ravel() for part in np.meshgrid(depths, _ACROSS, indexing="ij"))
-    found = []
+    theory_edges = reference.contact_edges[np.searchsorted(times, edge_tension.time)]
+    edges = np.array([theory_edges, edge_tension.edges])  # a row for each engine
+    middles = edges.mean(axis=1)
+    half_widths = (edges[:, 1] - edges[:, 0]) / 2
+    depths, weights = _depths_and_weights(criteria, half_widths[0])
+    depth, across = (axis.ravel() for axis in np.meshgrid(depths, _ACROSS, indexing="ij"))
+    x_theory, x_elements = middles[:, None] + half_widths[:, None] * across
+    tables = []
     bodies: tuple[Literal["lower", "upper"], ...] = ("lower", "upper")
     for body in bodies:
-        y, material = -depth if body == "lower" else depth, getattr(solution.scene.material, body)
-        theory = semi_analytic.stress(reference, middle[0] + half[0] * across, y, times, body=body)
-        elements = halfplane_fe.stress(solution, middle[1] + half[1] * across, y, times, body=body)
-        if averaged:
-            theory, elements = (
-                np.einsum("tdxc,da->txc", side.reshape(len(times), len(depths), -1, 4), shares)
-                for side in (theory, elements)
-            )
-        sides = [
-            measures(side, criteria, material.young_modulus, material.poisson_ratio)
-            for side in (theory, elements)
+        y = -depth if body == "lower" else depth
+        material = getattr(solution.scene.material, body)
+        stresses = [
+            semi_analytic.stress(reference, x_theory, y, times, body=body),
+            halfplane_fe.stress(solution, x_elements, y, times, body=body),
         ]
-        places, heights = (_ACROSS, np.zeros(len(_ACROSS))) if averaged else (across, y)
-        at = {
-            f"x, {name}": m + h * places for name, m, h in zip(ENGINES, middle, half, strict=True)
-        }
-        columns = {"body": body, **at, "y": heights}
-        pairs = {
-            f"{words}, {name}": side[words]
-            for words in sides[0]
-            for name, side in zip(ENGINES, sides, strict=True)
-        }
-        found.append(pd.DataFrame(columns | pairs))
-    return pd.concat(found, ignore_index=True)
+        places = across
+        if weights is not None:
+            stresses = [_averaged_over_depth(stress, weights) for stress in stresses]
+            places = _ACROSS
+            y = np.zeros(len(_ACROSS))
+        measures_by_engine = [
+            measures(stress, criteria, material.young_modulus, material.poisson_ratio)
+            for stress in stresses
+        ]
+        columns: dict[str, Any] = {"body": body}
+        for name, middle, half_width in zip(ENGINES, middles, half_widths, strict=True):
+            columns[f"x, {name}"] = middle + half_width * places
+        columns["y"] = y
+        for words in measures_by_engine[0]:
+            for name, values in zip(ENGINES, measures_by_engine, strict=True):
+                columns[f"{words}, {name}"] = values[words]
+        tables.append(pd.DataFrame(columns))
+    return pd.concat(tables, ignore_index=True)
+
+
+def _depths_and_weights(criteria: Criteria, half_width: float) -> tuple[Array, Array | None]:
+    """Depths below the face [length], and the weights of an average over them; None for points."""
+    if criteria.critical_distance is None:
+        return half_width * _DEPTHS, None
+    node, weight = np.polynomial.legendre.leggauss(_OVER_DEPTH)
+    return criteria.critical_distance * (1 + node) / 2, weight / 2
+
+
+def _averaged_over_depth(stress: Array, weights: Array) -> Array:
+    """Average (times, across, 4) of stress (times, depths * across, 4) over the depths."""
+    by_depth = stress.reshape(len(stress), len(weights), -1, 4)
+    return np.asarray(np.einsum("tdxc,d->txc", by_depth, weights))
 
 
 def largest(table: pd.DataFrame) -> list[dict[str, Any]]:
@@ -144,14 +159,18 @@ def largest(table: pd.DataFrame) -> list[dict[str, Any]]:
     """
     rows = []
     for body, part in table.groupby("body", sort=False):
-        for words in (name.removesuffix(f", {ENGINES[0]}") for name in table.columns[4::2]):
+        first_columns = (name for name in table.columns if name.endswith(f", {ENGINES[0]}"))
+        for words in (name.removesuffix(f", {ENGINES[0]}") for name in first_columns):
+            if words == "x":
+                continue
             row: dict[str, Any] = {"body": body, "measure": words}
             for name in ENGINES:
-                at = part[f"{words}, {name}"].idxmax()
-                value, x, y = (
-                    float(part[column][at]) for column in (f"{words}, {name}", f"x, {name}", "y")
-                )
-                row[name.replace(" ", "_")] = {"value": value, "x": x, "y": y + 0.0}
+                largest_row = part.loc[part[f"{words}, {name}"].idxmax()]
+                row[name.replace(" ", "_")] = {
+                    "value": float(largest_row[f"{words}, {name}"]),
+                    "x": float(largest_row[f"x, {name}"]),
+                    "y": float(largest_row["y"]) + 0.0,
+                }
             rows.append(row)
     return rows
 
@@ -176,51 +195,52 @@ def measures(
     stress.
     """
     xx, yy, xy, zz = np.moveaxis(stress, -1, 0)
-    main, mises, shear_modulus = (
-        principal(stress),
-        np.zeros(stress.shape[1]),
-        young_modulus / (2 * (1 + poisson_ratio)),
-    )
-    for instant in stress:
-        a, b, c, d = np.moveaxis(stress - instant, -1, 0)
-        mises = np.maximum(
-            mises,
-            np.sqrt((((a - b) ** 2 + (b - d) ** 2 + (d - a) ** 2) / 2 + 3 * c**2).max(axis=0)),
-        )
-    found = {
-        "largest principal stress": main[..., 0].max(axis=0),
-        "largest shear stress": ((main[..., 0] - main[..., 2]) / 2).max(axis=0),
-        "range of von Mises stress": mises,
+    principal_stress = principal(stress)
+    shear_modulus = young_modulus / (2 * (1 + poisson_ratio))
+    shear_stress = (principal_stress[..., 0] - principal_stress[..., 2]) / 2
+    largest_values = {
+        "largest principal stress": principal_stress[..., 0].max(axis=0),
+        "largest shear stress": shear_stress.max(axis=0),
+        "range of von Mises stress": _von_mises_range(stress),
         "Smith-Watson-Topper": np.zeros(stress.shape[1]),
     }
     for angle in np.pi * np.arange(_PLANES) / _PLANES:
-        cosine, sine = np.cos(2 * angle), np.sin(2 * angle)
+        cosine = np.cos(2 * angle)
+        sine = np.sin(2 * angle)
         normal = (xx + yy) / 2 + (xx - yy) / 2 * cosine + xy * sine
         strain = (normal - poisson_ratio * (xx + yy - normal + zz)) / young_modulus
         tau = np.ptp(-(xx - yy) / 2 * sine + xy * cosine, axis=0) / 2
         largest_normal = normal.max(axis=0)
-        here = {"Smith-Watson-Topper": largest_normal * np.ptp(strain, axis=0) / 2}
+        of_plane = {"Smith-Watson-Topper": largest_normal * np.ptp(strain, axis=0) / 2}
         if criteria.fatemi_socie is not None:
             k, yield_stress = criteria.fatemi_socie
-            here["Fatemi-Socie"] = np.maximum(
-                tau / shear_modulus * (1 + k * largest_normal / yield_stress), 0.0
-            )
+            fatemi_socie = tau / shear_modulus * (1 + k * largest_normal / yield_stress)
+            of_plane["Fatemi-Socie"] = np.maximum(fatemi_socie, 0.0)
         if criteria.findley is not None:
-            here["Findley"] = tau + criteria.findley * largest_normal
-        found |= {
-            words: np.maximum(value, found.get(words, value)) for words, value in here.items()
-        }
+            of_plane["Findley"] = tau + criteria.findley * largest_normal
+        for words, value in of_plane.items():
+            largest_values[words] = np.maximum(value, largest_values.get(words, value))
     mean = (xx + yy + zz) / 3
     # Coordinates in which distances are sqrt(J2): half the double product of the deviator.
     path = np.stack([(xx - yy) / 2, xy, (zz - mean) * np.sqrt(0.75)], axis=-1)
     centre = path.mean(axis=0)
     for step in range(_STEPS):
-        away = np.argmax(np.sum((path - centre) ** 2, axis=-1), axis=0)
-        centre = centre + (path[away, np.arange(path.shape[1])] - centre) / (step + 2)
-    found["Crossland, amplitude of sqrt(J2)"] = np.sqrt(
-        np.sum((path - centre) ** 2, axis=-1).max(axis=0)
-    )
-    return found | {"Crossland, largest hydrostatic stress": mean.max(axis=0)}
+        furthest = np.argmax(np.sum((path - centre) ** 2, axis=-1), axis=0)
+        centre = centre + (path[furthest, np.arange(path.shape[1])] - centre) / (step + 2)
+    radius = np.sqrt(np.sum((path - centre) ** 2, axis=-1).max(axis=0))
+    largest_values["Crossland, amplitude of sqrt(J2)"] = radius
+    largest_values["Crossland, largest hydrostatic stress"] = mean.max(axis=0)
+    return largest_values
+
+
+def _von_mises_range(stress: Array) -> Array:
+    """Largest von Mises stress of the difference of two instants, at each point."""
+    largest = np.zeros(stress.shape[1])
+    for stress_at_instant in stress:
+        xx, yy, xy, zz = np.moveaxis(stress - stress_at_instant, -1, 0)
+        squares = ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2 + 3 * xy**2
+        largest = np.maximum(largest, np.sqrt(squares.max(axis=0)))
+    return largest
 
 
 def principal(stress: Array) -> Array:
@@ -230,5 +250,6 @@ def principal(stress: Array) -> Array:
     [3.0, 2.0, 1.0]
     """
     xx, yy, xy, zz = np.moveaxis(stress, -1, 0)
-    mean, radius = (xx + yy) / 2, np.hypot((xx - yy) / 2, xy)
+    mean = (xx + yy) / 2
+    radius = np.hypot((xx - yy) / 2, xy)
     return -np.sort(-np.stack([mean + radius, mean - radius, zz], axis=-1), axis=-1)

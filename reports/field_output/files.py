@@ -70,20 +70,17 @@ def instants_of(
         For a word that is neither, and a time outside what was solved (no more revolutions than the
         answer needs to repeat).
     """
-    found: dict[float, str] = {}
+    label_at: dict[float, str] = {}
     for word in words:
         if word == "events":
             cycle = last_cycle(solution)
-            chosen = [
-                e
-                for e in events(cycle, solution.scene.friction.coefficient)
-                if cycle.normal_load[e.index] > 0
-            ]
-            found |= {float(cycle.time[event.index]): event.label for event in chosen}
+            for event in events(cycle, solution.scene.friction.coefficient):
+                if cycle.normal_load[event.index] > 0:
+                    label_at[float(cycle.time[event.index])] = event.label
         else:
             time = instant_of(word, option, float(solution.time[0]), float(solution.time[-1]))
-            found.setdefault(time, f"asked for {word}")
-    return tuple(Instant(time, found[time]) for time in sorted(found))
+            label_at.setdefault(time, f"asked for {word}")
+    return tuple(Instant(time, label_at[time]) for time in sorted(label_at))
 
 
 def require_series(every: int | None, frames: int | None) -> None:
@@ -119,11 +116,16 @@ def series_of(
     """
     require_series(every, frames)
     repeats = solution.scene.load.path().period is not None
-    steps, notes = solution.last_cycle[: -1 if repeats else None], []
+    steps = solution.last_cycle
+    start = solution.time[steps[0]]
+    end = solution.time[steps[-1]]
+    if repeats:
+        steps = steps[:-1]
+    notes = []
     if frames is not None:
-        first, last = solution.time[steps[0]], solution.time[solution.last_cycle[-1]]
-        wanted = np.linspace(first, last, frames, endpoint=not repeats)
-        steps = np.unique(steps[np.abs(solution.time[steps] - wanted[:, None]).argmin(axis=1)])
+        frame_times = np.linspace(start, end, frames, endpoint=not repeats)
+        distances = np.abs(solution.time[steps] - frame_times[:, None])
+        steps = np.unique(steps[distances.argmin(axis=1)])
         if len(steps) < frames:
             notes.append(
                 f"{len(steps)} instants instead of {frames}: the cycle has no more stored steps"
@@ -189,12 +191,12 @@ def write_fields(
         for body in snapshot.bodies:
             xx, yy, xy, zz = body.stress.T
             tensor = np.column_stack([xx, yy, zz, xy, np.zeros_like(xx), np.zeros_like(xx)])
-            data = {
+            nodal_values = {
                 "displacement": body.displacement,
                 "stress": tensor,
                 "von_mises": body.von_mises,
             }
-            parts.append((body.name, body.points, body.cells, data))
+            parts.append((body.name, body.points, body.cells, nodal_values))
         lower = snapshot.bodies[0]
         tractions = {name: getattr(solution, name)[step] for name in ("pressure", "shear", "slip")}
         states = {
@@ -202,9 +204,9 @@ def write_fields(
             "displacement": lower.displacement[line],
         }
         parts.append(("contact", lower.points[line], chain, tractions | states))
-        for part, (name, points, cells, data) in enumerate(parts):
+        for part, (name, points, cells, nodal_values) in enumerate(parts):
             file = f"{name}_{number:03d}.vtu"
-            meshes.write_vtu(folder / file, points, cells, data)
+            meshes.write_vtu(folder / file, points, cells, nodal_values)
             entries.append(meshes.PvdEntry(snapshot.time, part, name, file))
     meshes.write_pvd(folder / _COLLECTION, entries)
     return [_COLLECTION, *(entry.file for entry in entries)]
@@ -220,11 +222,10 @@ def contact_line(mesh: BodyMesh, boundaries: Sequence[str] = ("contact",)) -> In
     )
     n_corners = int(skfem_mesh.facets.max()) + 1
     has_middles = skfem_mesh.p.shape[1] > n_corners
-    nodes = np.unique(
-        np.concatenate(
-            [skfem_mesh.facets[:, facets].ravel(), *([n_corners + facets] if has_middles else [])]
-        )
-    )
+    nodes = skfem_mesh.facets[:, facets].ravel()
+    if has_middles:
+        nodes = np.concatenate([nodes, n_corners + facets])
+    nodes = np.unique(nodes)
     return np.asarray(nodes[np.argsort(skfem_mesh.p[0, nodes])], dtype=np.int64)
 
 
@@ -236,10 +237,11 @@ def peak(
 
     `of` a body gives a value at each of its nodes: von Mises' stress, or `tension`.
     """
-    body = max(snapshot.bodies, key=lambda one: float(of(one).max()))
+    body = max(snapshot.bodies, key=lambda body: float(of(body).max()))
     values = of(body)
     node = int(np.argmax(values))
-    x, y = float(body.points[node, 0]), float(body.points[node, 1]) + 0.0
+    x = float(body.points[node, 0])
+    y = float(body.points[node, 1]) + 0.0
     return {"value": float(values[node]), "body": body.name, "x": x, "y": y, "place": [x, y]}
 
 
@@ -256,16 +258,17 @@ def edge_tension(snapshot: Snapshot) -> dict[str, Any] | None:
 
     None out of contact, and where it is not known of a body.
     """
-    known = all(np.isfinite(body.edge_tension).all() for body in snapshot.bodies)
-    found: list[dict[str, Any]] = [
-        {"value": float(value), "uncertainty": float(doubt), "body": body.name, "x": float(x)}
-        for body in snapshot.bodies
-        for value, doubt, x in zip(
-            body.edge_tension, body.edge_tension_uncertainty, body.edges, strict=True
-        )
-        if known and np.isfinite(x)
-    ]
-    return max(found, key=lambda one: one["value"], default=None)
+    if not all(np.isfinite(body.edge_tension).all() for body in snapshot.bodies):
+        return None
+    tensions: list[dict[str, Any]] = []
+    for body in snapshot.bodies:
+        edges = zip(body.edge_tension, body.edge_tension_uncertainty, body.edges, strict=True)
+        tensions += [
+            {"value": float(value), "uncertainty": float(error), "body": body.name, "x": float(x)}
+            for value, error, x in edges
+            if np.isfinite(x)
+        ]
+    return max(tensions, key=lambda tension: tension["value"], default=None)
 
 
 def stated(instant: Instant, snapshot: Snapshot) -> dict[str, Any]:
@@ -284,8 +287,8 @@ def stated(instant: Instant, snapshot: Snapshot) -> dict[str, Any]:
     }
 
 
-def record(solution: FiniteElementSolution, **found: Any) -> dict[str, Any]:
-    """What was written and from what, for fields.json: `found` by the command, and what is known of
+def record(solution: FiniteElementSolution, **of_command: Any) -> dict[str, Any]:
+    """What was written and from what, for fields.json: what the command adds, and what is known of
     the solution.
     """
     scene = solution.scene
@@ -293,7 +296,7 @@ def record(solution: FiniteElementSolution, **found: Any) -> dict[str, Any]:
         "format": "halfplane fields 1",
         "units": scene.units,
         "largest nodal stresses": NO_PEAK,
-        **found,
+        **of_command,
         "point data": {
             "displacement": (
                 "of each body; the upper one's with its movement as a whole; on the contact line"

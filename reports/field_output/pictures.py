@@ -12,7 +12,7 @@ import os
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,7 +49,7 @@ BOUNDARIES = ("contact", "free", "sides", "base", "far_field")
 # from the contact.
 _DECADES = 2.5
 # Largest displacement of the whole picture over the size of the bodies.
-_SHOWN = 0.06
+_LARGEST_DISPLACEMENT = 0.06
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,12 +78,20 @@ class Skin:
             4: CellType.QUAD,
             9: CellType.BIQUADRATIC_QUAD,
         }
-        found = pyvista.UnstructuredGrid(
-            {kinds[self.cells.shape[1]]: self.cells},
-            np.column_stack([self.points, np.zeros(len(self.points))]),
-        )
-        found["value"] = self.values
-        return found
+        nodes_per_cell = self.cells.shape[1]
+        points = np.column_stack([self.points, np.zeros(len(self.points))])
+        grid = pyvista.UnstructuredGrid({kinds[nodes_per_cell]: self.cells}, points)
+        grid["value"] = self.values
+        return grid
+
+
+class PanelWords(NamedTuple):
+    """What is written in and about a rendered panel."""
+
+    length_unit: str = ""
+    title: str = ""
+    note: str = ""
+    alt: str = "Von Mises stress"
 
 
 def round_down(value: float) -> float:
@@ -112,8 +120,10 @@ def picture(skins: Sequence[Skin], window: Window, width: int) -> NDArray[np.uin
 
     left, right, bottom, top = window
     height = top - bottom
-    pixels = [width, max(round(width * height / (right - left)), 2)]
-    plotter: Any = pyvista.Plotter(off_screen=True, window_size=pixels, lighting="none")
+    pixel_height = max(round(width * height / (right - left)), 2)
+    plotter: Any = pyvista.Plotter(
+        off_screen=True, window_size=[width, pixel_height], lighting="none"
+    )
     try:
         plotter.set_background("white")
         for k, skin in enumerate(skins):
@@ -134,14 +144,13 @@ def picture(skins: Sequence[Skin], window: Window, width: int) -> NDArray[np.uin
                 plotter.add_mesh(
                     lines, color="black", line_width=1, opacity=skin.edges, lighting=False
                 )
-        x, y = (left + right) / 2, (bottom + top) / 2
+        x = (left + right) / 2
+        y = (bottom + top) / 2
         camera = plotter.camera
         camera.parallel_projection = True
-        camera.focal_point, camera.position, camera.up = (
-            (x, y, 0.0),
-            (x, y, 10 * height),
-            (0.0, 1.0, 0.0),
-        )
+        camera.focal_point = (x, y, 0.0)
+        camera.position = (x, y, 10 * height)
+        camera.up = (0.0, 1.0, 0.0)
         camera.parallel_scale = height / 2
         plotter.reset_camera_clipping_range()
         return np.asarray(plotter.screenshot(None, return_img=True), dtype=np.uint8)
@@ -154,27 +163,37 @@ def rendered(
     window: Window,
     skins: Sequence[Skin],
     pixels: int,
-    over: Sequence[Mark] = (),
-    length: str = "",
-    title: str = "",
-    note: str = "",
-    alt: str = "Von Mises stress",
+    words: PanelWords,
+    marks_over: Sequence[Mark] = (),
     size: tuple[float, float] = (440.0, 460.0),
 ) -> Panel:
-    """What pyvista draws of the window, widened to a panel of that size, between axes in `length`;
-    marks `over` it.
+    """A panel of that size with what pyvista draws of the meshes in the window, `pixels` wide, and
+    marks over it.
+
+    The window is widened where the panel is wider; one unit has one length along both axes.
     """
-    marks: list[Mark] = []
-    axes = Axis(*window[:2], f"x  [{length}]"), Axis(*window[2:], f"y  [{length}]")
-    notes = [note] if note else []
+    left, right, bottom, top = window
+    x_axis = Axis(left, right, f"x  [{words.length_unit}]")
+    y_axis = Axis(bottom, top, f"y  [{words.length_unit}]")
+    marks: list[Mark] = []  # of the panel, which keeps this list
+    width, height = size
     panel = Panel(
-        name, *axes, marks, f"{alt}, {title}", *size, title=title, notes=notes, equal=True
+        name,
+        x_axis,
+        y_axis,
+        marks,
+        f"{words.alt}, {words.title}",
+        width,
+        height,
+        title=words.title,
+        notes=[words.note] if words.note else [],
+        equal=True,
     )
-    shown = panel.frame
-    marks += [
-        Bitmap(picture(skins, (shown.x.low, shown.x.high, shown.y.low, shown.y.high), pixels)),
-        *over,
-    ]
+    x_scale = panel.frame.x
+    y_scale = panel.frame.y
+    drawn_window = (x_scale.low, x_scale.high, y_scale.low, y_scale.high)
+    marks.append(Bitmap(picture(skins, drawn_window, pixels)))
+    marks += marks_over
     return panel
 
 
@@ -192,49 +211,56 @@ def mesh(
     named
         whether boundaries have colours and stand in the legend
     """
-    pairs = list(zip(("lower", "upper"), (1.0, -1.0), bodies, strict=True))
-    sides = {
-        name: np.asarray(body.mesh.p.T[body.mesh.facets.T]) * (1.0, flip) / half_width
-        for name, flip, body in pairs
-    }
-    everything = np.concatenate([lines.reshape(-1, 2) for lines in sides.values()])
-    low, high = everything.min(axis=0), everything.max(axis=0)
-    edge = edge / half_width if np.isfinite(edge) else 1.0
+    placed_bodies = list(zip(("lower", "upper"), (1.0, -1.0), bodies, strict=True))
+    sides: dict[str, Array] = {}  # (n, 2, 2) ends of the elements' sides over a_ref
+    quality: dict[str, float] = {}
+    for body_name, flip, body in placed_bodies:
+        ends = np.asarray(body.mesh.p.T[body.mesh.facets.T])
+        sides[body_name] = ends * (1.0, flip) / half_width
+        quality |= {f"{body_name} {key}": value for key, value in body.quality.items()}
+    points = np.concatenate([lines.reshape(-1, 2) for lines in sides.values()])
+    low = points.min(axis=0)
+    high = points.max(axis=0)
+    edge_over_a = edge / half_width if np.isfinite(edge) else 1.0
     views = (
         ("whole", (low + high) / 2, 0.54 * float(max(high - low))),
-        ("at the contact", np.zeros(2), 1.35 * max(edge, 1.0)),
-        ("at the contact's edge", np.array([edge, 0.0]), 0.06),
+        ("at the contact", np.zeros(2), 1.35 * max(edge_over_a, 1.0)),
+        ("at the contact's edge", np.array([edge_over_a, 0.0]), 0.06),
     )
     keys = [Key("mesh-lower", "lower body"), Key("mesh-upper", "upper body")]
     boundaries: list[Mark] = []
     for name in BOUNDARIES if named else ():
-        having = [(flip, body) for _, flip, body in pairs if name in body.mesh.boundaries]
-        boundaries += [
-            Segments(_boundary(body, name, flip) / half_width, f"curve side-{name}")
-            for flip, body in having
-        ]
-        if having:
-            keys.append(
-                Key(
-                    f"side-{name}",
-                    f"{name.replace('_', ' ')}{_held([body for _, body in having], name)}",
-                )
-            )
+        bounded = [(flip, body) for _, flip, body in placed_bodies if name in body.mesh.boundaries]
+        for flip, body in bounded:
+            lines = _boundary(body, name, flip) / half_width
+            boundaries.append(Segments(lines, f"curve side-{name}"))
+        if bounded:
+            support = _support_in_words([body for _, body in bounded], name)
+            keys.append(Key(f"side-{name}", f"{name.replace('_', ' ')}{support}"))
     panels = []
-    for k, (words, centre, half) in enumerate(views):
-        (left, bottom), (right, top) = (centre - half).tolist(), (centre + half).tolist()
+    for k, (words, centre, half_size) in enumerate(views):
+        left, bottom = (centre - half_size).tolist()
+        right, top = (centre + half_size).tolist()
+        link_end = " again" if k else ""  # an SVG holds the lines of a mesh once
         marks: list[Mark] = [
-            Segments(sides[name], f"mesh-{name}", f"mesh-{name}{' again' if k else ''}")
-            for name in sides
+            Segments(lines, f"mesh-{name}", f"mesh-{name}{link_end}")
+            for name, lines in sides.items()
         ]
-        axes = Axis(left, right, "x / a_ref"), Axis(bottom, top, "y / a_ref")
-        marks += [] if k else boundaries
+        if k == 0:
+            marks += boundaries
         panels.append(
-            Panel(f"mesh-{k}", *axes, marks, f"Mesh, {words}", 340.0, 340.0, words, equal=True)
+            Panel(
+                f"mesh-{k}",
+                Axis(left, right, "x / a_ref"),
+                Axis(bottom, top, "y / a_ref"),
+                marks,
+                f"Mesh, {words}",
+                340.0,
+                340.0,
+                words,
+                equal=True,
+            )
         )
-    quality = {
-        f"{name} {key}": value for name, _, body in pairs for key, value in body.quality.items()
-    }
     return Plate(
         "mesh",
         "Mesh",
@@ -254,14 +280,16 @@ def _boundary(body: BodyMesh, name: str, flip: float) -> Array:
     return np.asarray(body.mesh.p.T[facets.T]) * (1.0, flip)
 
 
-def _held(bodies: Sequence[BodyMesh], boundary: str) -> str:
-    """How the boundary of these bodies is held, in words."""
-    if boundary in ("contact", "free"):
-        return " (may touch)" if boundary == "contact" else ""
-    words = list(
-        dict.fromkeys(SUPPORT_WORDS.get(body.supports.get(boundary, ""), "free") for body in bodies)
-    )
-    return f" ({words[0]})" if len(words) == 1 else f" (lower {words[0]}, upper {words[1]})"
+def _support_in_words(bodies: Sequence[BodyMesh], boundary: str) -> str:
+    """How the boundary of these bodies is held."""
+    if boundary == "contact":
+        return " (may touch)"
+    if boundary == "free":
+        return ""
+    supports = [SUPPORT_WORDS.get(body.supports.get(boundary, ""), "free") for body in bodies]
+    if len(set(supports)) == 1:
+        return f" ({supports[0]})"
+    return f" (lower {supports[0]}, upper {supports[1]})"
 
 
 def scales_of(snapshots: Sequence[Snapshot]) -> tuple[float, float]:
@@ -270,9 +298,12 @@ def scales_of(snapshots: Sequence[Snapshot]) -> tuple[float, float]:
     """
     bodies = [body for snapshot in snapshots for body in snapshot.bodies]
     size = max(float(np.ptp(body.points, axis=0).max()) for body in bodies)
-    moved = max(float(np.linalg.norm(body.displacement, axis=1).max()) for body in bodies)
-    largest = max(float(body.von_mises.max()) for body in bodies)
-    return largest or 1.0, round_down(_SHOWN * size / moved) if moved else 1.0
+    displacement = max(float(np.linalg.norm(body.displacement, axis=1).max()) for body in bodies)
+    largest_stress = max(float(body.von_mises.max()) for body in bodies)
+    factor = 1.0
+    if displacement:
+        factor = round_down(_LARGEST_DISPLACEMENT * size / displacement)
+    return largest_stress or 1.0, factor
 
 
 def stress(
@@ -293,12 +324,14 @@ def stress(
     pixels
         width of each picture
     """
-    _, length, unit = units(solution.scene)
+    _, length_unit, stress_unit = units(solution.scene)
     peaks = [peak(snapshot) for snapshot in snapshots]
+    largest_stress, _ = scales
     cells: list[Cell] = []
     for k, (instant, snapshot) in enumerate(zip(instants, snapshots, strict=True)):
-        cells.append(_whole(solution, snapshot, instant.label, scales, f"{name}-{k}-whole", pixels))
-        cells.append(_at_the_contact(solution, snapshot, scales[0], f"{name}-{k}", pixels))
+        whole_name = f"{name}-{k}-whole"
+        cells.append(_whole_bodies(solution, snapshot, instant.label, scales, whole_name, pixels))
+        cells.append(_at_the_contact(solution, snapshot, largest_stress, f"{name}-{k}", pixels))
     return Plate(
         name,
         "Von Mises stress",
@@ -309,16 +342,16 @@ def stress(
         {
             "instant": [instant.label for instant in instants],
             "time": [snapshot.time for snapshot in snapshots],
-            f"largest nodal value [{unit}]": [one["value"] for one in peaks],
-            "body": [one["body"] for one in peaks],
-            f"x [{length}]": [one["x"] for one in peaks],
-            f"y [{length}]": [one["y"] for one in peaks],
+            f"largest nodal value [{stress_unit}]": [place["value"] for place in peaks],
+            "body": [place["body"] for place in peaks],
+            f"x [{length_unit}]": [place["x"] for place in peaks],
+            f"y [{length_unit}]": [place["y"] for place in peaks],
         },
         STATE_KEYS,
     )
 
 
-def _whole(
+def _whole_bodies(
     solution: FiniteElementSolution,
     snapshot: Snapshot,
     label: str,
@@ -327,89 +360,100 @@ def _whole(
     pixels: int,
 ) -> Cell:
     """Both bodies, with the outlines of the undeformed ones; the colours beneath."""
-    (largest, factor), (_, length, unit) = scales, units(solution.scene)
-    floor = largest * 10**-_DECADES
-    limits = float(np.log10(floor)), float(np.log10(largest))
+    largest_stress, factor = scales
+    _, length_unit, stress_unit = units(solution.scene)
+    least_stress = largest_stress * 10**-_DECADES
+    limits = (float(np.log10(least_stress)), float(np.log10(largest_stress)))
     size = max(float(np.ptp(body.points, axis=0).max()) for body in snapshot.bodies)
-    skins, ends = [], []
+    skins = []
+    outlines = []  # (n, 2, 2) ends of the sides of each boundary
     for body_mesh, body in zip(solution.bodies, snapshot.bodies, strict=True):
         # Magnified displacements let the bodies overlap where the gap is not magnified with them;
-        # hence apart.
+        # hence they are drawn apart.
         side = 1.0 if body.name == "lower" else -1.0
-        apart = np.array([0.0, -side * (0.03 + _SHOWN) * size / 2])
-        values = np.log10(np.maximum(body.von_mises, floor))
-        skins.append(
-            Skin(body.points + factor * body.displacement + apart, body.cells, values, limits)
-        )
-        ends += [
-            _boundary(body_mesh, boundary, side) + apart for boundary in body_mesh.mesh.boundaries
+        offset = np.array([0.0, -side * (0.03 + _LARGEST_DISPLACEMENT) * size / 2])
+        values = np.log10(np.maximum(body.von_mises, least_stress))
+        deformed_points = body.points + factor * body.displacement + offset
+        skins.append(Skin(deformed_points, body.cells, values, limits))
+        outlines += [
+            _boundary(body_mesh, boundary, side) + offset for boundary in body_mesh.mesh.boundaries
         ]
     points = np.concatenate(
-        [*(skin.points for skin in skins), *(lines.reshape(-1, 2) for lines in ends)]
+        [*(skin.points for skin in skins), *(lines.reshape(-1, 2) for lines in outlines)]
     )
-    low, high = points.min(axis=0), points.max(axis=0)
-    (left, bottom), (right, top) = (
-        (low - 0.04 * (high - low)).tolist(),
-        (high + 0.04 * (high - low)).tolist(),
-    )
+    low = points.min(axis=0)
+    high = points.max(axis=0)
+    margin = 0.04 * (high - low)
+    left, bottom = (low - margin).tolist()
+    right, top = (high + margin).tolist()
     loads = (
         f"P = {number(snapshot.normal_load)}, Q = {number(snapshot.tangential_load)}"
         f" {load_unit(solution.scene)}"
     )
     note = f"{loads}; displacements × {number(factor)}, drawn apart"
-    over, title = (
-        [Segments(np.concatenate(ends), "curve undeformed")],
-        f"t = {number(snapshot.time)}, {label}",
+    words = PanelWords(length_unit, f"t = {number(snapshot.time)}, {label}", note)
+    undeformed = Segments(np.concatenate(outlines), "curve undeformed")
+    panel = rendered(name, (left, right, bottom, top), skins, pixels, words, [undeformed])
+    colours = colour_scale(
+        f"{name}-colours",
+        (least_stress, largest_stress),
+        f"von Mises stress  [{stress_unit}], logarithmic",
+        log=True,
+        width=440.0,
     )
-    panel = rendered(name, (left, right, bottom, top), skins, pixels, over, length, title, note)
-    words = f"von Mises stress  [{unit}], logarithmic"
-    return Cell(
-        (panel, colour_scale(f"{name}-colours", floor, largest, words, log=True, width=440.0)), None
-    )
+    return Cell((panel, colours), None)
 
 
 def outermost(solution: FiniteElementSolution) -> float:
     """Half-width of the largest contact; of one that tilt moves, the largest |x| of its edges
     [length].
     """
-    return float(
-        np.nanmax(
-            solution.contact_half_width if solution.tilt is None else np.abs(solution.contact_edges)
-        )
-    )
+    if solution.tilt is None:
+        return float(np.nanmax(solution.contact_half_width))
+    return float(np.nanmax(np.abs(solution.contact_edges)))
 
 
 def _at_the_contact(
-    solution: FiniteElementSolution, snapshot: Snapshot, largest: float, name: str, pixels: int
+    solution: FiniteElementSolution,
+    snapshot: Snapshot,
+    largest_stress: float,
+    name: str,
+    pixels: int,
 ) -> Cell:
     """The contact to true scale with the mesh, the state of its points and the colours beneath."""
-    _, length, unit = units(solution.scene)
-    half, found = 1.75 * outermost(solution), peak(snapshot)
+    _, length_unit, stress_unit = units(solution.scene)
+    half_size = 1.75 * outermost(solution)
     skins = []
     for body in snapshot.bodies:
-        places = body.points + body.displacement + np.outer(gap_share(solution, body), (0.0, 1.0))
-        skins.append(Skin(places, body.cells, body.von_mises, (0.0, largest), edges=0.22))
-    note = minus(f"largest nodal value {found['value']:.4g} {unit}, {found['body']} body")
-    window, title = (-half, half, -half, half), "at the contact, to true scale"
-    panel = rendered(f"{name}-contact", window, skins, pixels, (), length, title, note)
+        rise = np.outer(gap_share(solution, body), (0.0, 1.0))
+        points = body.points + body.displacement + rise
+        skins.append(Skin(points, body.cells, body.von_mises, (0.0, largest_stress), edges=0.22))
+    largest = peak(snapshot)
+    note = minus(
+        f"largest nodal value {largest['value']:.4g} {stress_unit}, {largest['body']} body"
+    )
+    words = PanelWords(length_unit, "at the contact, to true scale", note)
+    window = (-half_size, half_size, -half_size, half_size)
+    panel = rendered(f"{name}-contact", window, skins, pixels, words)
     step = int(np.argmin(np.abs(solution.time - snapshot.time)))
     marks = [
-        *state_blocks(solution, step, half, 0.0, 1.0),
-        Block((-half, half), (0.0, 1.0), "outline"),
+        *state_blocks(solution, step, half_size, 0.0, 1.0),
+        Block((-half_size, half_size), (0.0, 1.0), "outline"),
     ]
-    axes, room = (Axis(-half, half, ""), Axis(0.0, 1.0, "")), (72.0, 2.0, 20.0, 2.0)
     strip = Panel(
         f"{name}-states",
-        *axes,
+        Axis(-half_size, half_size, ""),
+        Axis(0.0, 1.0, ""),
         marks,
         "Open, stick and slip along the contact",
         440.0,
         20.0,
         bare=True,
-        room=room,
+        room=(72.0, 2.0, 20.0, 2.0),
     )
+    colour_words = f"von Mises stress  [{stress_unit}]"
     colours = colour_scale(
-        f"{name}-contact-colours", 0.0, largest, f"von Mises stress  [{unit}]", width=440.0
+        f"{name}-contact-colours", (0.0, largest_stress), colour_words, width=440.0
     )
     return Cell((panel, strip, colours), None)
 
@@ -429,11 +473,12 @@ def state_blocks(
     """A strip from `low` to `high` with the states of the points |x| <= half at a step; neighbours
     of one state are one block.
     """
-    inside = np.abs(solution.x) <= half
-    x, states = solution.x[inside], solution.state[step][inside]
+    is_drawn = np.abs(solution.x) <= half
+    x = solution.x[is_drawn]
+    states = solution.state[step][is_drawn]
     middles = np.concatenate([x[:1], (x[1:] + x[:-1]) / 2, x[-1:]])
-    turns = [0, *(np.flatnonzero(np.diff(states)) + 1).tolist(), len(states)]
+    first_points = [0, *(np.flatnonzero(np.diff(states)) + 1).tolist(), len(states)]
     return [
-        Block((float(middles[a]), float(middles[b])), (low, high), f"state-{states[a]}")
-        for a, b in itertools.pairwise(turns)
+        Block((float(middles[first]), float(middles[end])), (low, high), f"state-{states[first]}")
+        for first, end in itertools.pairwise(first_points)
     ]
