@@ -146,7 +146,7 @@ def swept(
     starting included.
     """
     from reports.studies.sweep.running import prepare, work
-    from reports.studies.sweep.store import done
+    from reports.studies.sweep.store import rows_with_figures
     from reports.studies.sweep.study import study_of
 
     with tempfile.TemporaryDirectory() as folder:
@@ -155,7 +155,7 @@ def swept(
             study_of(study | {"axes": list(axes)}, "benchmark"), Path(folder) / "out"
         )
         checked = time.perf_counter()
-        rows = done(work(prepared, workers=workers))
+        rows = rows_with_figures(work(prepared, workers=workers))
         return rows, checked - begun, time.perf_counter() - checked
 
 

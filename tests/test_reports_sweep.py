@@ -42,7 +42,7 @@ from reports.studies.sweep import running, solving
 from reports.studies.sweep.page import draw, state_of, write_page
 from reports.studies.sweep.running import Processes, prepare, run, workers_of
 from reports.studies.sweep.solving import code_versions, solve_task
-from reports.studies.sweep.store import STATUS, Planned, Store, StoreError, done, read_index
+from reports.studies.sweep.store import STATUS, Planned, Store, StoreError, read_index, rows_with_figures
 from reports.studies.sweep.study import Axis, Study, evaluate, expand, grid, load_study, study_of
 from scenes import ConvergenceError, InputError, load_scene
 from scenes.files import source_digest
@@ -509,7 +509,7 @@ def sweep(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Sweep:
 
 def values(folder: Path) -> dict[float, float]:
     """Friction -> dissipation of every row; a point that is there twice fails."""
-    table = done(read_index(folder))
+    table = rows_with_figures(read_index(folder))
     assert table["address"].is_unique
     return dict(zip(table["f"].tolist(), table["exact.dissipation"].tolist(), strict=True))
 
@@ -629,7 +629,7 @@ def test_a_failed_point_is_a_row_with_its_reason(
     monkeypatch.setattr(solving, "evaluate", evaluate)
     table = sweep()
     assert table["reason"][table["status"] == "failed"].tolist() == ["ArithmeticError: no root"]
-    assert len(done(table)) == 6
+    assert len(rows_with_figures(table)) == 6
 
 
 def test_tasks_hold_each_point_once_and_leave_every_worker_some_until_the_end(
@@ -953,7 +953,7 @@ def same(home: Path, name: str, study: str = "study") -> None:
     """
     columns = [name for name in read_index(home / name).columns if name not in STATUS]
     rows, true_rows = (
-        done(read_index(home / folder))[columns].values.tolist()
+        rows_with_figures(read_index(home / folder))[columns].values.tolist()
         for folder in (name, f"true-{study}")
     )
     assert len(columns) == 4

@@ -433,11 +433,10 @@ def _heat(chart: Chart, table: pd.DataFrame, shown: Sequence[str]) -> Plate:
     low, high = max(_LEAST, float(np.nanmin(every))), min(_MOST, float(np.nanmax(every)))
     bar = colour_scale(
         "heat-colours",
-        low,
-        high,
+        (low, high),
         "|error of half-plane theory|, %",
         log=True,
-        own=_BAR,
+        tick_values=_BAR,
         width=340.0,
     )
     panels = []

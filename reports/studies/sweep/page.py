@@ -35,16 +35,16 @@ from reports.charts.plate import (
 )
 from reports.charts.templating import script, shades, template
 from reports.studies.sweep.solving import is_error, label_of
-from reports.studies.sweep.store import STATUS, Store, done
+from reports.studies.sweep.store import STATUS, Store, rows_with_figures
 from reports.studies.sweep.study import Axis, study_of
 from reports.units import number
 from scenes import Scene
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
-# Panels of one figure; points of a line that are marked one by one; looks of lines in the style
-# sheet.
-_PANELS, _MARKED, _LOOKS = 6, 120, 6
+_PANELS = 6  # of one figure
+_MARKED = 120  # points of a line that are marked one by one
+_LOOKS = 6  # of lines in the style sheet
 _ROWS = 250  # more rows than that are in index.csv alone
 _LATEST = 40  # results that the rate is taken from
 _ENGINES = {"fe": "finite elements", "exact": "half-plane theory"}
@@ -77,12 +77,7 @@ def state_of(store: Store) -> Mapping[str, Any]:
     for address in set(table["address"]):
         with suppress(FileNotFoundError):  # set aside meanwhile
             times.append(store.path(address).stat().st_mtime)
-    times = sorted(times)[-_LATEST:]
-    rate = (
-        (len(times) - 1) / (times[-1] - times[0])
-        if len(times) > 1 and times[-1] > times[0]
-        else None
-    )
+    rate = _rate(sorted(times)[-_LATEST:])
     counts = {"done": len(table) - len(failures), "failed": len(failures)}
     return {
         "title": study.get("title", ""),
@@ -98,6 +93,13 @@ def state_of(store: Store) -> Mapping[str, Any]:
     }
 
 
+def _rate(times: Sequence[float]) -> float | None:
+    """Results in a second, of times in their order; None where they give none."""
+    if len(times) < 2 or times[-1] <= times[0]:
+        return None
+    return (len(times) - 1) / (times[-1] - times[0])
+
+
 def write_page(store: Store) -> Path:
     """Write DIR/sweep.html, and DIR/index.csv that it leads to; returns the path of the page."""
     state = state_of(store)
@@ -105,14 +107,18 @@ def write_page(store: Store) -> Path:
     study = study_of(store.read_plan()[0], str(store.folder / "sweep.json"))
     columns = [name for name in table.columns if name not in ("address", "reason", "notes")]
     name = study.scene.title or study.scene.name
-    exact = "Theory is exact to rounding at the points and instants at which it is evaluated."
+    uncertainty = "Theory is exact to rounding at the points and instants at which it is evaluated."
+    if "fe" in study.engines:
+        uncertainty = _UNCERTAINTY[study.uncertainty]
+    first_rows = table[columns][:_ROWS].itertuples(index=False)
+    rows = [list(map(_cell, row)) for row in first_rows]
     program, digest = script()
     page = template("sweep.html").render(
         title=study.title or f"Sweep of {name}",
         purpose=study.purpose,
         scene=name,
         engines=" and ".join(_ENGINES[engine] for engine in study.engines),
-        uncertainty=_UNCERTAINTY[study.uncertainty] if "fe" in study.engines else exact,
+        uncertainty=uncertainty,
         state=state,
         words=[
             (_plain(figure), "{} [{}]".format(*label_of(figure, study.scene)))
@@ -122,10 +128,7 @@ def write_page(store: Store) -> Path:
         script=program,
         script_hash=digest,
         columns=columns,
-        rows=[
-            [_cell(value) for value in row]
-            for row in table[columns][:_ROWS].itertuples(index=False)
-        ],
+        rows=rows,
         more=max(0, len(table) - _ROWS),
     )
     store.write_table(table)
@@ -134,6 +137,7 @@ def write_page(store: Store) -> Path:
 
 
 def _cell(value: Any) -> str:
+    """A value of the table as text."""
     if not isinstance(value, float):
         return str(value)
     return "none" if math.isnan(value) else number(value)
@@ -147,11 +151,12 @@ def _plain(name: str) -> str:
 
 def plain_figures(table: pd.DataFrame, axes: Sequence[Axis]) -> list[str]:
     """The figures without what is stated about them."""
-    others = {"number", *STATUS, *(column for axis in axes for column in axis.columns)}
+    of_axes = {column for axis in axes for column in axis.columns}
+    no_figures = {"number", *STATUS, *of_axes}
     return [
         name
         for name in table.columns
-        if name not in others and not name.endswith((".uncertainty", ".idealisation"))
+        if name not in no_figures and not name.endswith((".uncertainty", ".idealisation"))
     ]
 
 
@@ -159,8 +164,8 @@ def draw(table: pd.DataFrame, axes: Sequence[Axis], scene: Scene) -> list[Plate]
     """A figure of each quantity that has values, in the units of the `scene` that the sweep
     varies.
     """
-    found = done(table)
-    sheets = [_Sheet(name, found, axes, scene) for name in plain_figures(found, axes)]
+    results = rows_with_figures(table)
+    sheets = [_Sheet(name, results, axes, scene) for name in plain_figures(results, axes)]
     return [sheet.plate() for sheet in sheets if np.isfinite(sheet.value).any()]
 
 
@@ -170,78 +175,69 @@ class _Sheet:
     """
 
     def __init__(self, name: str, table: pd.DataFrame, axes: Sequence[Axis], scene: Scene) -> None:
-        self.name, self.table = name, table
+        self.name = name
+        self.table = table
         self.axes = {column: axis for axis in axes for column in axis.columns}
-        self.shown = f"{name}.idealisation" if f"{name}.idealisation" in table else name
-        blank = table[name] * np.nan
-        self.value, self.uncertainty = (
-            table.get(key, blank).to_numpy(float) for key in (self.shown, f"{name}.uncertainty")
-        )
+        self.drawn_column = name
+        if f"{name}.idealisation" in table:
+            self.drawn_column = f"{name}.idealisation"
+        self.value = table[self.drawn_column].to_numpy(float)
+        self.uncertainty = np.full(len(table), np.nan)
+        if f"{name}.uncertainty" in table:
+            self.uncertainty = table[f"{name}.uncertainty"].to_numpy(float)
         margin = np.nan_to_num(self.uncertainty)
-        self.low, self.high = self.value - margin, self.value + margin
+        self.low = self.value - margin
+        self.high = self.value + margin
         # An error that is not larger than its uncertainty.
         self.unresolved = (np.abs(self.value) <= self.uncertainty) & is_error(name)
         self.words = f"{_plain(name)}  [{label_of(name, scene)[1]}]"
 
     def plate(self) -> Plate:
         """The figure with its caption and its numbers."""
-        moves = [name for name in self.axes if self.table[name].nunique() > 1]
-        sorts = [
-            name
-            for name in moves
-            if any(isinstance(value, str | bool) for value in self.table[name].tolist())
-        ]
-        moving = [name for name in moves if name not in sorts]
-        stem, title = self.shown.replace(".", "-"), _plain(self.shown)
+        varied_axes = [name for name in self.axes if self.table[name].nunique() > 1]
+        word_axes = [name for name in varied_axes if self._has_words(name)]
+        number_axes = [name for name in varied_axes if name not in word_axes]
+        stem = self.drawn_column.replace(".", "-")
+        title = _plain(self.drawn_column)
         csv = {
-            **{column: self.numbers(column) for column in moving},
-            self.shown: self.value,
+            **{column: self.numbers(column) for column in number_axes},
+            self.drawn_column: self.value,
             "uncertainty": self.uncertainty,
         }
-        if not moving:
+        if not number_axes:
             text = (
                 f"{number(float(self.value[0]))}: the sweep has one point on every axis of numbers"
             )
             return Plate(stem, title, text, text, (), csv)
-        keys = np.array(
-            [
-                ", ".join(f"{name} = {row[name]}" for name in sorts)
-                for row in self.table[sorts].to_dict("records")
-            ]
-        )
+        keys = self._values_in_words(word_axes)
         parts = np.unique(keys).tolist()
         masks = [(part, keys == part) for part in parts[:_PANELS]]
         legend: tuple[Key, ...] = ()
         panels: list[Panel | Cell]
-        places = len(self.table[moving].drop_duplicates()) / np.prod(
-            [self.table[name].nunique() for name in moving]
-        )
-        if len(moving) == 1:
-            panels, how = (
-                [self.line(stem, masks, moving[0])],
-                "bars are its uncertainty; hollow: not resolved",
-            )
+        if len(number_axes) == 1:
+            signs = "bars are its uncertainty; hollow: not resolved"
+            panels = [self.line(stem, masks, number_axes[0])]
             legend = tuple(
                 Key(f"line-{k}", _plain(part)) for k, (part, _) in enumerate(masks) if part
             )
-        elif len(moving) == 2 and places > 0.3:
-            how = "hatched: unresolved, the error is less than its uncertainty; grey: no result"
+        elif len(number_axes) == 2 and self._filled_share(number_axes) > 0.3:
+            signs = "hatched: unresolved, the error is less than its uncertainty; grey: no result"
             panels = [
-                self.map(f"{stem}-{k}", here, moving, part) for k, (part, here) in enumerate(masks)
+                self.map(f"{stem}-{k}", mask, number_axes, part)
+                for k, (part, mask) in enumerate(masks)
             ]
         else:
-            how = "hollow: unresolved; colour: the second axis"
+            signs = "hollow: unresolved; colour: the second axis"
             panels = [
-                self.cloud(f"{stem}-{k}", here, moving, part)
-                for k, (part, here) in enumerate(masks)
+                self.cloud(f"{stem}-{k}", mask, number_axes, part)
+                for k, (part, mask) in enumerate(masks)
             ]
-        left = (
-            f" {len(parts) - _PANELS} more sets of the other axes are in index.csv."
-            if len(parts) > _PANELS
-            else ""
-        )
-        bars = how if np.isfinite(self.uncertainty).any() else "without uncertainty"
-        caption = f"Over {' and '.join(self.label(name) for name in moving[:2])}; {bars}.{left}"
+        if not np.isfinite(self.uncertainty).any():
+            signs = "without uncertainty"
+        axes_in_words = " and ".join(self.label(name) for name in number_axes[:2])
+        caption = f"Over {axes_in_words}; {signs}."
+        if len(parts) > _PANELS:
+            caption += f" {len(parts) - _PANELS} more sets of the other axes are in index.csv."
         return Plate(
             stem,
             title,
@@ -253,21 +249,42 @@ class _Sheet:
             min(2, len(panels)),
         )
 
+    def _has_words(self, column: str) -> bool:
+        """Whether a coordinate has values that are no numbers."""
+        return any(isinstance(value, str | bool) for value in self.table[column].tolist())
+
+    def _values_in_words(self, columns: Sequence[str]) -> NDArray[np.str_]:
+        """(n,) the values that a point has on these axes, as text."""
+        texts = []
+        for row in self.table[list(columns)].to_dict("records"):
+            values = [f"{name} = {row[name]}" for name in columns]
+            texts.append(", ".join(values))
+        return np.array(texts)
+
+    def _filled_share(self, columns: list[str]) -> float:
+        """How much of the grid of all values on these axes has a point."""
+        cells = np.prod([self.table[name].nunique() for name in columns])
+        return float(len(self.table[columns].drop_duplicates()) / cells)
+
     def numbers(self, column: str) -> Array:
         """A coordinate (n,)."""
         return self.table[column].to_numpy(float)
 
     def title(self, row: int) -> str:
         """What a reader sees of a value."""
-        return f"{_plain(self.name)} = {number(float(self.value[row]))}" + (
-            ", not resolved" if self.unresolved[row] else ""
-        )
+        remark = ", not resolved" if self.unresolved[row] else ""
+        return f"{_plain(self.name)} = {number(float(self.value[row]))}{remark}"
 
     def label(self, column: str) -> str:
         """Words of an axis."""
         axis = self.axes[column]
-        own = axis.label or axis.name if column == axis.name else ""
-        return _plain(own or column) + (f" [{axis.unit}]" if own and axis.unit else "")
+        if column != axis.name:
+            return _plain(column)
+        name = axis.label or axis.name
+        if not name:
+            return _plain(column)
+        unit = f" [{axis.unit}]" if axis.unit else ""
+        return f"{_plain(name)}{unit}"
 
     def axis(self, column: str, *, cells: bool = False) -> ChartAxis:
         """An axis of numbers; its ticks stand at the values themselves where these are few and
@@ -277,93 +294,91 @@ class _Sheet:
         """
         log = self.axes[column].by_factors
         values = np.unique(self.numbers(column))
-        at = np.log(values) if log else values
-        apart = (log or cells) and len(values) <= 8 and np.all(np.diff(at) > 0.04 * np.ptp(at))
-        ends = np.array(limits(at, margin=0.05))
-        low, high = (
-            cell_borders(values, log=log)[[0, -1]] if cells else np.exp(ends) if log else ends
-        ).tolist()
-        own = (
-            tuple(
-                zip(
-                    values.tolist(),
-                    labels([float(f"{value:.3g}") for value in values]),
-                    strict=True,
-                )
-            )
-            if apart
-            else ()
-        )
-        return ChartAxis(low, high, self.label(column), log, ticks=own)
+        places = np.log(values) if log else values
+        if cells:
+            ends = cell_borders(values, log=log)[[0, -1]]
+        else:
+            ends = np.array(limits(places, margin=0.05))
+            if log:
+                ends = np.exp(ends)
+        low, high = ends.tolist()
+        ticks: tuple[tuple[float, str], ...] = ()
+        are_few = len(values) <= 8 and np.all(np.diff(places) > 0.04 * np.ptp(places))
+        if (log or cells) and are_few:
+            texts = labels([float(f"{value:.3g}") for value in values])
+            ticks = tuple(zip(values.tolist(), texts, strict=True))
+        return ChartAxis(low, high, self.label(column), log, ticks=ticks)
 
-    def line(self, name: str, masks: Sequence[tuple[str, Mask]], moving: str) -> Panel:
+    def line(self, name: str, masks: Sequence[tuple[str, Mask]], column: str) -> Panel:
         """Curves over one axis: dots with bars; of many points a band, and dots where unresolved,
         so that the page stays small.
         """
-        drawn: list[Mark] = [Rule(0.0, "zero")] if is_error(self.name) else []
-        places = self.numbers(moving)
-        for k, (part, here) in enumerate(masks):
-            rows, look = np.flatnonzero(here)[np.argsort(places[here])], f"line-{k % _LOOKS}"
-            x, y, low, high = (column[rows] for column in (places, self.value, self.low, self.high))
-            drawn.append(Curve(x, y, look, _plain(part) or _plain(self.name)))
-            if many := len(rows) > _MARKED:
-                drawn.insert(0, Band(x, low, high, f"p{k % _LOOKS} pale"))
+        marks: list[Mark] = [Rule(0.0, "zero")] if is_error(self.name) else []
+        places = self.numbers(column)
+        for k, (part, mask) in enumerate(masks):
+            rows = np.flatnonzero(mask)[np.argsort(places[mask])]
+            look = f"line-{k % _LOOKS}"
+            fill = f"p{k % _LOOKS}"
+            x = places[rows]
+            y = self.value[rows]
+            marks.append(Curve(x, y, look, _plain(part) or _plain(self.name)))
+            is_long = len(rows) > _MARKED
+            if is_long:
+                marks.insert(0, Band(x, self.low[rows], self.high[rows], f"{fill} pale"))
             else:
-                drawn.append(bars(x, low, high, look))
-            for a, b, hollow in zip(x.tolist(), y.tolist(), self.unresolved[rows], strict=True):
-                if hollow or not many:
-                    drawn.append(
-                        Dot(a, b, f"{look} hollow" if hollow else f"{look} p{k % _LOOKS}", 3.0)
-                    )
+                marks.append(bars(x, self.low[rows], self.high[rows], look))
+            for dot_x, dot_y, is_unresolved in zip(
+                x.tolist(), y.tolist(), self.unresolved[rows], strict=True
+            ):
+                if is_unresolved:
+                    marks.append(Dot(dot_x, dot_y, f"{look} hollow", 3.0))
+                elif not is_long:
+                    marks.append(Dot(dot_x, dot_y, f"{look} {fill}", 3.0))
         up = ChartAxis(*limits(self.low, self.high, zero=is_error(self.name)), self.words)
         return Panel(
             name,
-            self.axis(moving),
+            self.axis(column),
             up,
-            drawn,
-            f"{_plain(self.name)} over {self.label(moving)}",
+            marks,
+            f"{_plain(self.name)} over {self.label(column)}",
             560.0,
             340.0,
         )
 
-    def map(self, name: str, here: Mask, moving: list[str], part: str) -> Cell:
+    def map(self, name: str, mask: Mask, columns: list[str], part: str) -> Cell:
         """Coloured cells over two axes."""
-        axes = self.axis(moving[0], cells=True), self.axis(moving[1], cells=True)
-        least, most = float(np.nanmin(self.value)), float(np.nanmax(np.abs(self.value)))
-        low, high, colours = (
-            (-most, most, "RdBu_r")
-            if least < 0
-            else (least, float(np.nanmax(self.value)), "viridis")
-        )
-        share = np.where(here, (self.value - low) / ((high - low) or 1.0), np.nan)
+        across, up = (self.axis(column, cells=True) for column in columns)
+        low = float(np.nanmin(self.value))
+        high = float(np.nanmax(self.value))
+        colours = "viridis"
+        if low < 0:  # zero in the middle of the colours
+            high = float(np.nanmax(np.abs(self.value)))
+            low = -high
+            colours = "RdBu_r"
+        share = np.where(mask, (self.value - low) / ((high - low) or 1.0), np.nan)
         names = [self.title(row) for row in range(len(share))]
-        drawn = heat_map(
-            axes,
-            (self.numbers(moving[0]), self.numbers(moving[1])),
-            share,
-            names,
-            self.unresolved,
-            colours,
+        x, y = map(self.numbers, columns)
+        marks = heat_map((across, up), (x, y), share, names, self.unresolved, colours)
+        alt = f"Map of {_plain(self.name)}, {part}"
+        panel = Panel(name, across, up, marks, alt, 480.0, 360.0, _plain(part))
+        return Cell(
+            (panel, colour_scale(f"{name}-colours", (low, high), self.words, colours)), None
         )
-        panel = Panel(
-            name, *axes, drawn, f"Map of {_plain(self.name)}, {part}", 480.0, 360.0, _plain(part)
-        )
-        return Cell((panel, colour_scale(f"{name}-colours", low, high, self.words, colours)), None)
 
-    def cloud(self, name: str, here: Mask, moving: list[str], part: str) -> Cell:
+    def cloud(self, name: str, mask: Mask, columns: list[str], part: str) -> Cell:
         """Dots over the first axis, coloured by the second."""
-        (x, second), (across, other) = map(self.numbers, moving[:2]), map(self.axis, moving[:2])
-        ends = np.array([other.low, other.high])
-        share = (
-            np.interp(np.log(second), np.log(ends), [0.0, 1.0])
-            if other.log
-            else np.interp(second, ends, [0.0, 1.0])
-        )
-        drawn: list[Mark] = [bars(x[here], self.low[here], self.high[here], "faint")]
-        for row in np.flatnonzero(here & np.isfinite(self.value)).tolist():
+        x, coloured_values = map(self.numbers, columns[:2])
+        across, colour_axis = map(self.axis, columns[:2])
+        ends = np.array([colour_axis.low, colour_axis.high])
+        if colour_axis.log:
+            share = np.interp(np.log(coloured_values), np.log(ends), [0.0, 1.0])
+        else:
+            share = np.interp(coloured_values, ends, [0.0, 1.0])
+        marks: list[Mark] = [bars(x[mask], self.low[mask], self.high[mask], "faint")]
+        for row in np.flatnonzero(mask & np.isfinite(self.value)).tolist():
             look = "faint hollow" if self.unresolved[row] else ""
             fill = "" if look else shades([share[row]])[0]
-            drawn.append(
+            marks.append(
                 Dot(float(x[row]), float(self.value[row]), look, 3.6, self.title(row), fill=fill)
             )
         up = ChartAxis(*limits(self.low, self.high), self.words)
@@ -371,19 +386,19 @@ class _Sheet:
             name,
             across,
             up,
-            drawn,
+            marks,
             f"{_plain(self.name)} over {across.words}, {part}",
             480.0,
             340.0,
             _plain(part),
         )
-        return Cell(
-            (
-                panel,
-                colour_scale(f"{name}-colours", other.low, other.high, other.words, log=other.log),
-            ),
-            None,
+        scale = colour_scale(
+            f"{name}-colours",
+            (colour_axis.low, colour_axis.high),
+            colour_axis.words,
+            log=colour_axis.log,
         )
+        return Cell((panel, scale), None)
 
 
 def bars(x: Array, low: Array, high: Array, look: str) -> Curve:
@@ -407,18 +422,22 @@ def heat_map(
     """Cells around places (n,) on both axes, coloured by `share` (n,) of the scale; hatched where
     unresolved, grey where NaN.
     """
-    drawn: list[Mark] = [
-        Block((axes[0].low, axes[0].high), (axes[1].low, axes[1].high), "no-value")
-    ]
-    ends = []
-    for axis, place in zip(axes, places, strict=True):
-        steps, at = np.unique(place, return_inverse=True)
-        borders = cell_borders(steps, log=axis.log)
-        ends.append(list(zip(borders[at].tolist(), borders[at + 1].tolist(), strict=True)))
+    across, up = axes
+    marks: list[Mark] = [Block((across.low, across.high), (up.low, up.high), "no-value")]
+    cells_across = _cells_of(across, places[0])
+    cells_up = _cells_of(up, places[1])
     for row in np.flatnonzero(np.isfinite(share)).tolist():
         fill = shades([share[row]], colours)[0]
-        drawn.append(Block(ends[0][row], ends[1][row], "", names[row], fill, bool(unresolved[row])))
-    return drawn
+        is_hatched = bool(unresolved[row])
+        marks.append(Block(cells_across[row], cells_up[row], "", names[row], fill, is_hatched))
+    return marks
+
+
+def _cells_of(axis: ChartAxis, places: Array) -> list[tuple[float, float]]:
+    """Both borders of the cell that each place (n,) stands in."""
+    middles, cells = np.unique(places, return_inverse=True)
+    borders = cell_borders(middles, log=axis.log)
+    return list(zip(borders[cells].tolist(), borders[cells + 1].tolist(), strict=True))
 
 
 def cell_borders(middles: Array, *, log: bool = False) -> Array:
@@ -428,9 +447,11 @@ def cell_borders(middles: Array, *, log: bool = False) -> Array:
     >>> cell_borders(np.array([1.0, 2.0, 4.0])).tolist()
     [0.5, 1.5, 3.0, 5.0]
     """
-    at = np.log(middles) if log else middles
-    inner = (at[1:] + at[:-1]) / 2
-    # of one cell: a width of 1
-    first, last = (inner[0], inner[-1]) if len(inner) else (at[0] + 0.5, at[0] - 0.5)
-    borders = np.concatenate([[2 * at[0] - first], inner, [2 * at[-1] - last]])
+    places = np.log(middles) if log else middles
+    inner = (places[1:] + places[:-1]) / 2
+    if len(inner):
+        outer = [2 * places[0] - inner[0], 2 * places[-1] - inner[-1]]
+    else:  # of one cell: a width of 1
+        outer = [places[0] - 0.5, places[0] + 0.5]
+    borders = np.concatenate([outer[:1], inner, outer[1:]])
     return np.exp(borders) if log else borders

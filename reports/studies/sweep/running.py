@@ -45,9 +45,10 @@ Report = Callable[[int, int, str], None]
 Task = list[Point]
 # Half-plane theory alone takes some milliseconds a point: that many at once make the cost of
 # handing them out small.
-_EXACT_AT_ONCE, _FE_AT_ONCE = 50, 4
-# Seconds: a round of the loop; a first answer of a scheduler takes.
-_ROUND, _PATIENCE = 0.5, 10.0
+_EXACT_AT_ONCE = 50
+_FE_AT_ONCE = 4
+_ROUND = 0.5  # of the loop [s]
+_PATIENCE = 10.0  # largest wait for a scheduler's first answer [s]
 # Pools that may break one after the other without a result: the next one would too.
 _MOST_BROKEN = 3
 # Lost points that a sentence names.
@@ -108,7 +109,8 @@ class Dask:
     width: int
 
     def __init__(self, address: str, width: int | None) -> None:
-        self._address, self._asked = address, width
+        self._address = address
+        self._requested_width = width
         self._where = f"--scheduler {address}" if address else "--executor dask"
         self._open: list[Any] = []  # the client, then the cluster if it is ours
 
@@ -146,7 +148,7 @@ class Dask:
                 security = _temporary_security()
                 with _born_without_ctrl_c(), set_dask(_NO_ROUTES):
                     place = LocalCluster(
-                        n_workers=self._asked or _available_cores(),
+                        n_workers=self._requested_width or _available_cores(),
                         threads_per_worker=1,
                         host="127.0.0.1",
                         security=security,
@@ -174,7 +176,7 @@ class Dask:
             int(worker["nthreads"])
             for worker in client.scheduler_info(n_workers=-1)["workers"].values()
         ]
-        self.width = self._asked or max(1, sum(threads))
+        self.width = self._requested_width or max(1, sum(threads))
         self.executor = client.get_executor(pure=False)
 
     def stop(self, *, at_once: bool) -> None:
@@ -291,21 +293,20 @@ def prepare(
     """Check the whole study and look at what is stored already; nothing is written. InputError for
     what is refused.
     """
-    asked = validated(study, Study) if isinstance(study, Study) else load_study(study)
+    checked_study = validated(study, Study) if isinstance(study, Study) else load_study(study)
     store = Store(Path(folder))
     if store.folder.exists() and not store.folder.is_dir():
         raise InputError(f"--out {folder}: this is a file; results go to a folder, so name another")
     try:
-        points = expand(asked, report)
+        points = expand(checked_study, report)
     except InputError as fault:
         raise InputError(f"{'study' if isinstance(study, Study) else study}: {fault}") from fault
-    return Prepared(
-        asked, points, store, tuple(point for point in points if store.read(point.address) is None)
-    )
+    waiting_points = tuple(point for point in points if store.read(point.address) is None)
+    return Prepared(checked_study, points, store, waiting_points)
 
 
 def work(
-    prepared: Prepared, *, report: Report = lambda _done, _total, _words: None, **workers: Any
+    prepared: Prepared, *, report: Report = lambda _count, _total, _words: None, **workers: Any
 ) -> pd.DataFrame:
     """Solve every point that has no result; returns the table of all. `report` gets (done, total,
     words) of those.
@@ -313,7 +314,8 @@ def work(
     InputError where no workers can be had, their code differs from ours, results can't be stored,
     or a process died with points.
     """
-    store, points = prepared.store, prepared.points
+    store = prepared.store
+    points = prepared.points
     pool = workers_of(**workers)
     store.prepare()
     store.write_plan(json.loads(prepared.study.model_dump_json()), points)
@@ -338,7 +340,7 @@ def run(
     study: Study | str | Path,
     folder: str | Path,
     *,
-    report: Report = lambda _done, _total, _words: None,
+    report: Report = lambda _count, _total, _words: None,
     **workers: Any,
 ) -> pd.DataFrame:
     """Run a study into a folder, or resume an earlier run of it; returns the table.
@@ -395,29 +397,31 @@ class _Sweep:
 
     def losses(self) -> str:
         """The sentence about the points that were lost."""
-        named = "; ".join(described(point.coordinates) for point in self.lost[:_NAMED])
-        more = f" and {len(self.lost) - _NAMED} more" if len(self.lost) > _NAMED else ""
+        names = "; ".join(described(point.coordinates) for point in self.lost[:_NAMED])
+        if len(self.lost) > _NAMED:
+            names += f" and {len(self.lost) - _NAMED} more"
         return (
             f"{self.prepared.store.folder}: a worker died (killed, or out of memory); points"
-            f" without a result: {named}{more}; all others are stored. Start the sweep again, with"
+            f" without a result: {names}; all others are stored. Start the sweep again, with"
             " fewer --workers where memory was short"
         )
 
     def _hand_out(self, tasks: deque[Task], signals: Sequence[int]) -> None:
         """Keep every worker busy, and one task ready, until no task is left."""
-        flying: dict[Future[str], Task] = {}
-        while (tasks or flying) and not signals:
-            while tasks and len(flying) <= self.pool.width:
-                asked = [point.question.as_json() for point in tasks[0]]
-                future = self._submitted(json.dumps({"versions": code_versions(), "points": asked}))
-                flying[future] = tasks.popleft()
-            for future in wait(flying, timeout=_ROUND, return_when=FIRST_COMPLETED).done:
-                self._take(future, flying.pop(future))
-            if flying:
+        task_of: dict[Future[str], Task] = {}  # those with the workers
+        while (tasks or task_of) and not signals:
+            while tasks and len(task_of) <= self.pool.width:
+                questions = [point.question.as_json() for point in tasks[0]]
+                text = json.dumps({"versions": code_versions(), "points": questions})
+                task_of[self._submitted(text)] = tasks.popleft()
+            for future in wait(task_of, timeout=_ROUND, return_when=FIRST_COMPLETED).done:
+                self._take(future, task_of.pop(future))
+            if task_of:
                 self.pool.require_alive()
-            out = sum(map(len, flying.values()))
-            lost = f", {len(self.lost)} lost with a worker" if self.lost else ""
-            words = f"{self.failed} failed, {out} handed out{lost}"
+            handed_out = sum(map(len, task_of.values()))
+            words = f"{self.failed} failed, {handed_out} handed out"
+            if self.lost:
+                words += f", {len(self.lost)} lost with a worker"
             self.report(self.solved + self.failed, len(self.prepared.waiting), words)
 
     def _submitted(self, task: str) -> Future[str]:
@@ -452,19 +456,19 @@ class _Sweep:
             mixed = "results of different code are not to be mixed; install the same on all workers"
             raise InputError(f"{answer['mismatch']}: {mixed}")
         self.broken = 0
-        for point, result in zip(points, answer["answers"], strict=True):
-            self._store(point, result)
+        for point, content in zip(points, answer["answers"], strict=True):
+            self._store(point, content)
 
-    def _store(self, point: Point, result: dict[str, Any]) -> None:
-        """Store a result with its question."""
-        asked = point.question.as_json()
-        settings = {"mesh": asked["mesh"], "solver": asked["solver"]}
+    def _store(self, point: Point, answer: dict[str, Any]) -> None:
+        """Store the answer of a point with its question."""
+        question = point.question.as_json()
+        settings = {"mesh": question["mesh"], "solver": question["solver"]}
         about = {
             "address": point.address,
-            "scene": asked["scene"],
+            "scene": question["scene"],
             "settings": settings,
             "versions": code_versions(),
         }
-        self.prepared.store.write(result | about)
-        self.solved += result["status"] == "done"
-        self.failed += result["status"] != "done"
+        self.prepared.store.write(answer | about)
+        self.solved += answer["status"] == "done"
+        self.failed += answer["status"] != "done"

@@ -86,14 +86,17 @@ def _at_mean_load(solution: ContactSolution, series: np.ndarray) -> float:
     """A figure of the instants, at P0 of an ellipse, else at the largest load: linear between the
     loads of the last cycle.
     """
-    steps, load = solution.last_cycle, solution.scene.load
+    steps = solution.last_cycle
     loads = solution.normal_load[steps]
+    load_of_figure = float(np.max(loads))
+    if isinstance(solution.scene.load, EllipseLoad):
+        load_of_figure = solution.scene.load.mean_normal_load
     order = np.argsort(loads, kind="stable")
-    wanted = load.mean_normal_load if isinstance(load, EllipseLoad) else float(np.max(loads))
-    return float(np.interp(wanted, loads[order], series[steps][order]))
+    return float(np.interp(load_of_figure, loads[order], series[steps][order]))
 
 
-_CONTACT, _STICK = "contact_edge_uncertainty", "stick_edge_uncertainty"
+_CONTACT = "contact_edge_uncertainty"
+_STICK = "stick_edge_uncertainty"
 QUANTITIES: dict[str, Quantity] = {
     "dissipation": Quantity(
         lambda s: s.dissipation,
@@ -183,27 +186,28 @@ def label_of(name: str, scene: Scene) -> tuple[str, str]:
         return f"{words}: finite elements over half-plane theory, minus 1", "share of theory's"
     _, length, stress = units(scene)
     energy = energy_unit(scene)
-    own = {
+    unit_of = {
         "stress": stress,
         "length": length,
         "energy / thickness": energy,
         "energy / area": f"{energy}²",
     }
-    return f"{words}, {_ENGINES[prefix]}", own[unit]
+    return f"{words}, {_ENGINES[prefix]}", unit_of[unit]
 
 
 def check_figures(figures: Sequence[str], engines: Sequence[str], uncertainty: str) -> None:
     """ValueError for a name that is none, is there twice, or needs what isn't run."""
     for name in figures:
         prefix, _, quantity = name.partition(".")
-        if name not in METRICS and (
-            prefix not in (*_ENGINES, "error") or quantity not in QUANTITIES
-        ):
+        is_quantity = prefix in (*_ENGINES, "error") and quantity in QUANTITIES
+        if name not in METRICS and not is_quantity:
             raise ValueError(
                 f"figures: {name!r} is none: it is the key of a metric (docs/metrics.md), or fe.,"
                 f" exact. or error. before one of {', '.join(QUANTITIES)}"
             )
-        if missing := ({*_ENGINES} if is_error(name) else {prefix}) - set(engines):
+        needed_engines = set(_ENGINES) if is_error(name) else {prefix}
+        missing = needed_engines - set(engines)
+        if missing:
             raise ValueError(f"figures: {name!r} needs engines = [..., {min(missing)!r}]")
         if uncertainty == "budget" and name not in METRICS:
             raise ValueError(
@@ -226,17 +230,17 @@ def _take(
 ) -> tuple[float | None, str]:
     """A quantity of either engine or its error: the value, or None and why there is none."""
     prefix, _, quantity = name.partition(".")
-    found = {}
+    value_by = {}
     for engine, solution in (("fe", fe), ("exact", exact)):
         if solution is not None and prefix in (engine, "error"):
-            found[engine] = float(QUANTITIES[quantity].value(solution))
-            if not math.isfinite(found[engine]):
+            value_by[engine] = float(QUANTITIES[quantity].value(solution))
+            if not math.isfinite(value_by[engine]):
                 return None, f"there is none in {_ENGINES[engine]}"
     if prefix != "error":
-        return found[prefix], ""
-    if not found["exact"]:
+        return value_by[prefix], ""
+    if not value_by["exact"]:
         return None, "it is 0 in half-plane theory, so nothing is relative to it"
-    return found["fe"] / found["exact"] - 1, ""
+    return value_by["fe"] / value_by["exact"] - 1, ""
 
 
 def _stated_by_edges(name: str, fe: ContactSolution, exact: ContactSolution | None) -> float:
@@ -248,11 +252,15 @@ def _stated_by_edges(name: str, fe: ContactSolution, exact: ContactSolution | No
     prefix, _, quantity = name.partition(".")
     if prefix == "exact" or not QUANTITIES[quantity].edges:
         return 0.0
-    stated = np.asarray(getattr(fe, QUANTITIES[quantity].edges))[fe.last_cycle]
-    known = stated.max(axis=1)[np.isfinite(stated).all(axis=1)]
-    scale = QUANTITIES[quantity].value(exact) if prefix == "error" and exact is not None else 1.0
-    found = float(np.median(known)) / scale if len(known) and scale else math.nan
-    return found if math.isfinite(found) else 0.0
+    of_edges = np.asarray(getattr(fe, QUANTITIES[quantity].edges))[fe.last_cycle]
+    of_worse_edge = of_edges.max(axis=1)[np.isfinite(of_edges).all(axis=1)]
+    scale = 1.0
+    if prefix == "error" and exact is not None:
+        scale = QUANTITIES[quantity].value(exact)
+    if not len(of_worse_edge) or not scale:
+        return 0.0
+    uncertainty = float(np.median(of_worse_edge)) / scale
+    return uncertainty if math.isfinite(uncertainty) else 0.0
 
 
 # ----------------------------------------------------------------------------------------- a worker
@@ -330,10 +338,10 @@ def solve_task(text: str) -> str:
     of_worker = code_versions()
     differences = []
     for name in sorted(of_sender.keys() | of_worker.keys()):
-        here = of_sender.get(name, "missing")
-        there = of_worker.get(name, "missing")
-        if here != there:
-            differences.append(f"{name} is {here} here and {there} there")
+        sender_version = of_sender.get(name, "missing")
+        worker_version = of_worker.get(name, "missing")
+        if sender_version != worker_version:
+            differences.append(f"{name} is {sender_version} here and {worker_version} there")
     if differences:
         worker = f"worker {platform.node()} (process {os.getpid()})"
         return json.dumps({"mismatch": f"{worker}: {', '.join(differences)}", "answers": []})

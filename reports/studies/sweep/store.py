@@ -55,47 +55,43 @@ class Store:
     folder: Path
 
     @property
-    def results(self) -> Path:
+    def result_folder(self) -> Path:
         """Folder of the results."""
         return self.folder / "results"
 
     def path(self, address: str) -> Path:
         """Where the result of an address is."""
-        return self.results / f"{address}.json"
+        return self.result_folder / f"{address}.json"
 
-    def _named(self, pattern: str) -> list[str]:
-        return sorted(
-            path.name for path in self.results.glob(pattern) if _ADDRESS.fullmatch(path.stem)
-        )
+    def _result_names(self, pattern: str) -> list[str]:
+        """Names of the files whose stem is an address."""
+        paths = self.result_folder.glob(pattern)
+        return sorted(path.name for path in paths if _ADDRESS.fullmatch(path.stem))
 
     def addresses(self) -> set[str]:
         """Of all results, whole or not."""
-        return {name[:64] for name in self._named("*.json")}
+        return {name[:64] for name in self._result_names("*.json")}
 
     def damaged(self) -> list[str]:
         """Names of the results that were set aside."""
-        return self._named("*.bad")
+        return self._result_names("*.bad")
 
     def prepare(self) -> None:
         """Make the folders, and remove what killed sweeps left in them; StoreError where that can't
         be.
         """
         with self._writing():
-            self.results.mkdir(parents=True, exist_ok=True)
-            remove_left_behind(self.results)
+            self.result_folder.mkdir(parents=True, exist_ok=True)
+            remove_left_behind(self.result_folder)
 
-    def write(self, result: Mapping[str, Any]) -> None:
-        """Store a result under its address; the last of two writers wins, and both wrote the
-        same.
+    def write(self, answer: Mapping[str, Any]) -> None:
+        """Store the result of a point under its address; the last of two writers wins, and both
+        wrote the same.
         """
-        body = canonical(result)
-        text = (
-            json.dumps(
-                {"format": _FORMAT, "sha256": checksum(body), "result": json.loads(body)}, indent=1
-            )
-            + "\n"
-        )
-        self.write_text(self.path(str(result["address"])), text)
+        body = canonical(answer)
+        content = {"format": _FORMAT, "sha256": checksum(body), "result": json.loads(body)}
+        text = json.dumps(content, indent=1) + "\n"
+        self.write_text(self.path(str(answer["address"])), text)
 
     def write_text(self, path: Path, text: str) -> None:
         """Write a file of text in one go; StoreError where that can't be."""
@@ -104,11 +100,13 @@ class Store:
 
     @contextmanager
     def _writing(self) -> Generator[None, None, None]:
+        """StoreError, with the reason, where what is done inside can't be written."""
         try:
             yield
         except OSError as reason:
-            full = reason.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
-            why = "there is no room left on the disk" if full else reason.strerror or str(reason)
+            why = reason.strerror or str(reason)
+            if reason.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
+                why = "there is no room left on the disk"
             raise StoreError(
                 f"{self.folder}: results can't be stored: {why}; what was stored before stays"
             ) from reason
@@ -121,14 +119,11 @@ class Store:
         """
         path = self.path(address)
         try:
-            stored = parsed_json(path.read_text(encoding="utf-8"))
-            result = stored["result"]
-            if (stored["format"], stored["sha256"], result["address"]) == (
-                _FORMAT,
-                checksum(canonical(result)),
-                address,
-            ):
-                return dict(result)
+            content = parsed_json(path.read_text(encoding="utf-8"))
+            answer = content["result"]
+            is_whole = content["sha256"] == checksum(canonical(answer))
+            if content["format"] == _FORMAT and is_whole and answer["address"] == address:
+                return dict(answer)
         except FileNotFoundError:
             return None
         except OSError as reason:
@@ -182,27 +177,29 @@ class Store:
 
         Columns: number, the axes, the figures and their uncertainties, then those of `STATUS`.
         """
-        rows, figures = [], dict[str, type]()
+        rows = []
+        figures: dict[str, type] = {}
         for point in points:
-            if (result := self.read(point.address)) is None:
+            answer = self.read(point.address)
+            if answer is None:
                 continue
-            # the first stores have neither
-            record, notes = result.get("record", {}), result.get("notes", {})
-            # without a name on all of them
-            on_figures = [f"{name}: {note}" if name else note for name, note in notes.items()]
-            status = {name: result[name] for name in STATUS[:3]} | {
-                "notes": "; ".join([*record.get("notes", ()), *on_figures])
-            }
+            # the first stores have neither notes of the record nor notes on figures
+            notes = [*answer.get("record", {}).get("notes", ())]
+            for name, note in answer.get("notes", {}).items():
+                # a note without a name is on all figures
+                notes.append(f"{name}: {note}" if name else note)
+            status = {name: answer[name] for name in STATUS[:3]}
             rows.append(
                 {
                     "number": point.number,
                     **point.coordinates,
-                    **result["figures"],
+                    **answer["figures"],
                     **status,
+                    "notes": "; ".join(notes),
                     "address": point.address,
                 }
             )
-            figures |= dict.fromkeys(result["figures"], float)
+            figures |= dict.fromkeys(answer["figures"], float)
         axes = points[0].coordinates if points else ()
         columns = list(dict.fromkeys(("number", *axes, *figures, *STATUS)))
         return pd.DataFrame(rows, columns=columns).astype(figures)
@@ -218,7 +215,7 @@ class Store:
                 replace_file(self.folder / "index.parquet", table.to_parquet(index=False))
 
 
-def done(table: pd.DataFrame) -> pd.DataFrame:
+def rows_with_figures(table: pd.DataFrame) -> pd.DataFrame:
     """The rows with figures alone."""
     return table[table["status"] == "done"]
 

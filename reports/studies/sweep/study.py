@@ -30,7 +30,8 @@ if TYPE_CHECKING:
 
 Value = bool | int | float | str
 Coordinates = dict[str, Value]
-_MOST_POINTS, _LONGEST_EXPRESSION = 1_000_000, 500
+_MOST_POINTS = 1_000_000
+_LONGEST_EXPRESSION = 500  # letters
 _WAYS = ("values", "linear", "logarithmic", "pairs")
 
 
@@ -71,9 +72,10 @@ class Axis(Frozen):
     def _one_way(self) -> Self:
         ways = [name for name in _WAYS if getattr(self, name)]
         if len(ways) != 1:
-            found = " and ".join(ways) or "none"
+            ways_in_words = " and ".join(ways) or "none"
             raise ValueError(
-                f"an axis has its values in exactly one of {', '.join(_WAYS)}; this one has {found}"
+                f"an axis has its values in exactly one of {', '.join(_WAYS)}; this one has"
+                f" {ways_in_words}"
             )
         if self.key and self.keys:
             raise ValueError("key and keys: give one of the two")
@@ -111,14 +113,13 @@ class Axis(Frozen):
         """What it sets its columns to, value by value."""
         if self.pairs:
             return [dict(zip(self.names, row, strict=True)) for row in self.pairs]
-        found: Sequence[Value] = self.values
+        values: Sequence[Value] = self.values
         if self.linear:
-            found = np.linspace(self.linear.start, self.linear.stop, self.linear.count).tolist()
+            values = np.linspace(self.linear.start, self.linear.stop, self.linear.count).tolist()
         if self.logarithmic:
-            found = np.geomspace(
-                self.logarithmic.start, self.logarithmic.stop, self.logarithmic.count
-            ).tolist()
-        return [{self.name: value} for value in found]
+            steps = self.logarithmic
+            values = np.geomspace(steps.start, steps.stop, steps.count).tolist()
+        return [{self.name: value} for value in values]
 
 
 def grid(axes: Sequence[Axis]) -> Iterator[Coordinates]:
@@ -242,13 +243,12 @@ class Study(Frozen):
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
         columns = [column for axis in self.axes for column in axis.columns]
-        targets = [key for axis in self.axes for key, _ in axis.targets] + [
-            *self.derived,
-            *self.set,
-        ]
-        for what, names in (("the column", columns), ("the key", targets)):
-            if twice := next((name for name in names if names.count(name) > 1), None):
-                raise ValueError(f"{what} {twice!r} is given twice")
+        targets = [key for axis in self.axes for key, _ in axis.targets]
+        targets += [*self.derived, *self.set]
+        for noun, names in (("the column", columns), ("the key", targets)):
+            for name in names:
+                if names.count(name) > 1:
+                    raise ValueError(f"{noun} {name!r} is given twice")
         arithmetic = " ".join(map(str, self.derived.values()))
         for axis in self.axes:
             if not axis.targets and not any(column in arithmetic for column in axis.columns):
@@ -273,18 +273,18 @@ def load_study(source: str | Path) -> Study:
     return study_of(keys_of(path, "the study"), str(source), path.parent)
 
 
-def study_of(data: dict[str, Any], where: str, folder: Path = Path()) -> Study:
+def study_of(content: dict[str, Any], where: str, folder: Path = Path()) -> Study:
     """A checked study from raw keys; a scene named as a file lies in `folder`."""
-    named = data.get("scene")
-    if named is None and {"material", "profile", "load"} <= data.keys():
+    scene_name = content.get("scene")
+    if scene_name is None and {"material", "profile", "load"} <= content.keys():
         raise InputError(
             f"{where}: this is a scene; a study is a file beside it with `scene` and `axes`:"
             " docs/sweeps.md"
         )
-    if isinstance(named, str):
-        scene = load_scene(folder / named if Path(named).suffix else named)
-        data = data | {"scene": json.loads(scene.model_dump_json())}
-    return checked(Study, data, where, of_file=True)
+    if isinstance(scene_name, str):
+        scene = load_scene(folder / scene_name if Path(scene_name).suffix else scene_name)
+        content = content | {"scene": json.loads(scene.model_dump_json())}
+    return checked(Study, content, where, of_file=True)
 
 
 @dataclass(frozen=True, eq=False)
@@ -309,8 +309,8 @@ def expand(study: Study, report: Callable[[int], None] = lambda _count: None) ->
     from halfplane_fe.scales import sheared
 
     points: list[Point] = []
-    seen: dict[str, int] = {}
-    raw = study.scene.model_dump_json()
+    number_of: dict[str, int] = {}  # address -> number of its point
+    scene_text = study.scene.model_dump_json()
     for number, coordinates in enumerate(grid(study.axes)):
         if number == _MOST_POINTS:
             raise InputError(
@@ -318,21 +318,22 @@ def expand(study: Study, report: Callable[[int], None] = lambda _count: None) ->
             )
         where = f"point {number} ({described(coordinates)})"
         try:
-            point = _point(study, json.loads(raw), number, coordinates)
+            point = _point(study, json.loads(scene_text), number, coordinates)
             scene = point.question.scene
             require_admissible(scene, where)
             if "fe" in study.engines:
                 check_supports(scene, sheared(scene))
         except InputError as fault:
+            sentence = str(fault)
+            if not sentence.startswith(where):
+                sentence = f"{where}: {sentence}"
+            raise InputError(sentence) from fault
+        if point.address in number_of:
             raise InputError(
-                str(fault) if str(fault).startswith(where) else f"{where}: {fault}"
-            ) from fault
-        if point.address in seen:
-            raise InputError(
-                f"{where} asks the same as point {seen[point.address]}: an axis has a value twice,"
-                " or moves nothing"
+                f"{where} asks the same as point {number_of[point.address]}: an axis has a value"
+                " twice, or moves nothing"
             )
-        seen[point.address] = number
+        number_of[point.address] = number
         points.append(point)
         report(number + 1)
     return tuple(points)
@@ -351,46 +352,59 @@ def described(coordinates: Mapping[str, Any]) -> str:
     return ", ".join(f"{name} = {value}" for name, value in numbers.items())
 
 
-def _point(study: Study, data: dict[str, Any], number: int, coordinates: Coordinates) -> Point:
-    """A point of `study`, whose scene `data` holds as JSON."""
+def _point(
+    study: Study, scene_content: dict[str, Any], number: int, coordinates: Coordinates
+) -> Point:
+    """A point of `study`, whose scene is given by its keys."""
     values: dict[str, Value] = dict(study.set)
     names: dict[str, Value] = dict(coordinates)
     for axis in study.axes:
         values |= {key: coordinates[column] for key, column in axis.targets}
     for name, text in study.derived.items():
-        (values if "." in name else names)[name] = (
-            evaluate(text, names) if isinstance(text, str) else float(text)
-        )
+        derived_value = evaluate(text, names) if isinstance(text, str) else float(text)
+        if "." in name:  # a key of the scene
+            values[name] = derived_value
+        else:
+            names[name] = derived_value
     settings: dict[str, dict[str, Any]] = {"mesh": {}, "solver": {}}
     for key, value in values.items():
         head, _, rest = key.partition(".")
         if head in settings:
             settings[head][rest] = value
         else:
-            _place(data, key, value)
-    scene = checked(Scene, data, of_file=True)
-    cut = _settings(study.preset, settings)
+            _place(scene_content, key, value)
+    scene = checked(Scene, scene_content, of_file=True)
+    mesh, solver = _settings(study.preset, settings)
     question = Question(
-        scene, *cut, study.engines, study.figures, study.uncertainty, study.share_condensations
+        scene,
+        mesh,
+        solver,
+        study.engines,
+        study.figures,
+        study.uncertainty,
+        study.share_condensations,
     )
     return Point(number, question.address, coordinates, question)
 
 
-def _place(data: dict[str, Any], key: str, value: Value) -> None:
+def _place(content: dict[str, Any], key: str, value: Value) -> None:
     """Set a dotted key; the parts before the last must be there, the last is judged by the
     scene.
     """
     *path, last = key.split(".")
-    level: Any = data
+    level: Any = content
     for depth, part in enumerate(path):
         if isinstance(level, list) and part.isdigit() and int(part) < len(level):
             level = level[int(part)]
         elif isinstance(level, dict) and part in level:
             level = level[part]
         else:
-            numbers = f"numbers up to {len(level) - 1}" if isinstance(level, list) else "none"
-            known = ", ".join(level) if isinstance(level, dict) else numbers
-            why = neglected(part) or f" known there: {known}"
+            known_parts = "none"
+            if isinstance(level, dict):
+                known_parts = ", ".join(level)
+            elif isinstance(level, list):
+                known_parts = f"numbers up to {len(level) - 1}"
+            why = neglected(part) or f" known there: {known_parts}"
             raise InputError(f"{key}: the scene has no {'.'.join(path[: depth + 1])};{why}")
     if isinstance(level, list) and last.isdigit() and int(last) < len(level):
         level[int(last)] = value
@@ -404,22 +418,23 @@ def _place(data: dict[str, Any], key: str, value: Value) -> None:
 
 
 def _settings(
-    preset: str, given: Mapping[str, Mapping[str, Any]]
+    preset: str, changes: Mapping[str, Mapping[str, Any]]
 ) -> tuple[MeshSettings, SolverSettings]:
-    """Settings of mesh and solver: the preset, with what is given under "mesh" and "solver"."""
+    """Settings of mesh and solver: the preset, with the changes under "mesh" and "solver"."""
     from halfplane_fe import SolverSettings
     from meshes import MeshSettings
 
     kinds = {int: "a whole number", float: "a number", str: "a word", bool: "true or false"}
-    made: list[Any] = []
+    settings: list[Any] = []
     for name, base in (("mesh", MeshSettings.preset(preset)), ("solver", SolverSettings())):
-        for key, value in given[name].items():
+        for key, value in changes[name].items():
             if key not in asdict(base):
                 raise InputError(
                     f"{name}.{key}: there is no such setting; known: {', '.join(asdict(base))}"
                 )
-            wanted = type(getattr(base, key))
-            if not (type(value) is wanted or (wanted is float and type(value) is int)):
-                raise InputError(f"{name}.{key} = {value!r} is refused: it is {kinds[wanted]}")
-        made.append(replace(base, **given[name]))
-    return made[0], made[1]
+            kind = type(getattr(base, key))
+            if not (type(value) is kind or (kind is float and type(value) is int)):
+                raise InputError(f"{name}.{key} = {value!r} is refused: it is {kinds[kind]}")
+        settings.append(replace(base, **changes[name]))
+    mesh, solver = settings
+    return mesh, solver
