@@ -29,7 +29,9 @@ from semi_analytic.quadrature import graded
 
 Array = NDArray[np.float64]
 
-_HERTZ, _ROUNDED = "hertz-paper", "flat-rounded-paper"
+# Names of both examples in the library.
+_HERTZ = "hertz-paper"
+_ROUNDED = "flat-rounded-paper"
 FRICTIONS = (1.0, 0.8, 0.6, 0.4)
 """Coefficients of friction of figure 4b, used in the grids of figures 7 and 10 as well."""
 POINTS = (0.77, 0.82, 1.0, 1.13)
@@ -142,21 +144,23 @@ class Case:
     def slipping(self) -> Mapping[str, tuple[Span, ...]]:
         """The steady cycle's spans of slip by the paper's phases EG, IJ and JM."""
         spans = history_of(self.scene.load.path(), self.friction, self.scene.cycles).cycles[-1]
-        first = min(span.begin.time for span in spans if span.direction > 0)
-        change = first + self.time("J") - self.time("I")
-        middle = {span: (span.begin.time + span.end.time) / 2 for span in spans}
-        return {
-            "EG": tuple(span for span in spans if span.direction < 0),
-            "IJ": tuple(span for span in spans if span.direction > 0 and middle[span] < change),
-            "JM": tuple(span for span in spans if span.direction > 0 and middle[span] > change),
-        }
+        start_of_forward = min(span.begin.time for span in spans if span.direction > 0)
+        time_of_j = start_of_forward + self.time("J") - self.time("I")
+        spans_of: dict[str, list[Span]] = {"EG": [], "IJ": [], "JM": []}
+        for span in spans:
+            middle = (span.begin.time + span.end.time) / 2
+            if span.direction < 0:
+                spans_of["EG"].append(span)
+            elif span.direction > 0 and middle < time_of_j:
+                spans_of["IJ"].append(span)
+            elif span.direction > 0:
+                spans_of["JM"].append(span)
+        return {phase: tuple(of_phase) for phase, of_phase in spans_of.items()}
 
     def density(self, x: ArrayLike) -> dict[str, Array]:
         """Pointwise work of each phase of slip at scaled `x`, over A f^2 P0^2/a0."""
-        points, modulus = (
-            np.asarray(x, dtype=float) * self.length,
-            composite_modulus(self.scene.material),
-        )
+        points = np.asarray(x, dtype=float) * self.length
+        modulus = composite_modulus(self.scene.material)
         parts = {
             phase: pointwise_dissipation(self.contact, modulus, spans, points)
             for phase, spans in self.slipping.items()
@@ -233,18 +237,19 @@ class Formulas:
 
     def loads(self, t: ArrayLike) -> tuple[Array, Array]:
         """P and Q, equations (3) and (4)."""
-        load, time = self.case.load, np.asarray(t, dtype=float)
-        return (
-            load.mean_normal_load + load.normal_amplitude * np.cos(time),
-            load.mean_tangential_load + load.tangential_amplitude * np.cos(time - load.phase),
-        )
+        load = self.case.load
+        time = np.asarray(t, dtype=float)
+        normal = load.mean_normal_load + load.normal_amplitude * np.cos(time)
+        shear = load.mean_tangential_load + load.tangential_amplitude * np.cos(time - load.phase)
+        return normal, shear
 
     def rates(self, t: ArrayLike) -> tuple[Array, Array]:
         """dP/dt and dQ/dt."""
-        load, time = self.case.load, np.asarray(t, dtype=float)
-        return -load.normal_amplitude * np.sin(time), -load.tangential_amplitude * np.sin(
-            time - load.phase
-        )
+        load = self.case.load
+        time = np.asarray(t, dtype=float)
+        normal_rate = -load.normal_amplitude * np.sin(time)
+        tangential_rate = -load.tangential_amplitude * np.sin(time - load.phase)
+        return normal_rate, tangential_rate
 
     def level(self, letter: str, sign: int) -> float:
         """Q + sign f P at a letter."""
@@ -255,20 +260,24 @@ class Formulas:
         """alpha and beta of the initial loading Q = alpha P + beta P^2, a parabola from (0, 0)
         tangent to the ellipse at A.
         """
-        a, (dp, dq) = self.case.events["A"], self.rates(self.case.time("A"))
-        beta = (float(dq / dp) * a.normal_load - a.tangential_load) / a.normal_load**2
-        return float(dq / dp) - 2 * beta * a.normal_load, beta
+        a = self.case.events["A"]
+        dp, dq = self.rates(self.case.time("A"))
+        slope = float(dq / dp)
+        beta = (slope * a.normal_load - a.tangential_load) / a.normal_load**2
+        return slope - 2 * beta * a.normal_load, beta
 
     def initial_meeting(self, t: float) -> float:
         """P_Y of equation (6), at E P_Z of (7): where the line of gradient f through the point at t
         meets the path O-A-B.
         """
-        case, (alpha, beta) = self.case, self.initial()
-        mirrored = 2 * case.time("B") - t
-        if mirrored >= case.time("A"):
-            return float(self.loads(mirrored)[0])
+        case = self.case
+        alpha, beta = self.initial()
+        mirrored_time = 2 * case.time("B") - t
+        if mirrored_time >= case.time("A"):
+            return float(self.loads(mirrored_time)[0])
         p, q = self.loads(t)
-        level, slope = float(q - case.friction * p), alpha - case.friction
+        level = float(q - case.friction * p)
+        slope = alpha - case.friction
         # The root of beta P^2 + slope P = level that stays finite for beta = 0; slope < 0.
         return 2 * level / (slope - math.sqrt(slope * slope + 4 * beta * level))
 
@@ -279,28 +288,33 @@ class Formulas:
         By parts, for p' has an inverse root where the contact reaches x: dQ/dP p(x, P) - int p(x,
         eta) d2Q/d eta2 d eta.
         """
-        case, (alpha, beta) = self.case, self.initial()
-        first, edge = case.events["A"].normal_load, np.asarray(case.contact.load(x))
+        case = self.case
+        alpha, beta = self.initial()
+        load_at_a = case.events["A"].normal_load
+        edge_load = np.asarray(case.contact.load(x))
 
         def ellipse(p: Array) -> tuple[Array, Array]:
             """dQ/dP and its derivative on the rising half of the ellipse."""
             turn = 2 * math.pi - np.arccos(
                 (p - case.load.mean_normal_load) / case.load.normal_amplitude
             )
-            (dp, dq), (ddp, ddq) = self.rates(turn), self.rates(turn + math.pi / 2)
+            dp, dq = self.rates(turn)
+            ddp, ddq = self.rates(turn + math.pi / 2)
             return dq / dp, (ddq * dp - dq * ddp) / dp**3
 
-        total = (
-            alpha + 2 * beta * load if load <= first else ellipse(np.asarray(load))[0]
-        ) * case.contact.pressure(x, load)
-        for begin, end, onwards in (
-            (0.0, min(load, first), False),
-            (first, max(load, first), True),
-        ):
-            p, weights = graded(np.clip(edge, begin, end), np.full(len(x), end))
-            bend = ellipse(p)[1] if onwards else np.full_like(p, 2 * beta)
-            total = total - np.sum(weights * bend * case.contact.pressure(x[:, None], p), axis=-1)
-        return np.asarray(total)
+        slope = np.asarray(alpha + 2 * beta * load)
+        if load > load_at_a:
+            slope, _ = ellipse(np.asarray(load))
+        shear = slope * case.contact.pressure(x, load)
+        parts = ((0.0, min(load, load_at_a), False), (load_at_a, max(load, load_at_a), True))
+        for begin, end, is_on_ellipse in parts:
+            p, weights = graded(np.clip(edge_load, begin, end), np.full(len(x), end))
+            curvature = np.full_like(p, 2 * beta)
+            if is_on_ellipse:
+                _, curvature = ellipse(p)
+            pressure = case.contact.pressure(x[:, None], p)
+            shear = shear - np.sum(weights * curvature * pressure, axis=-1)
+        return np.asarray(shear)
 
     def twin(self, t: ArrayLike) -> Array:
         """Time of Y of the paper: where the line of gradient f through t meets the stretch G-I of
@@ -310,21 +324,23 @@ class Formulas:
 
     def front(self, phase: str, t: ArrayLike) -> Array:
         """P_c: P_S of equation (8) in EG, P_Y in IJ, what the paper calls P_K in JM."""
-        f, (p, q) = self.case.friction, self.loads(t)
         if phase == "IJ":
             return self.loads(self.twin(t))[0]
-        return (
-            (q + f * p - self.level("E", -1)) / (2 * f)
-            if phase == "EG"
-            else (self.level("G", 1) - q + f * p) / (2 * f)
-        )
+        f = self.case.friction
+        p, q = self.loads(t)
+        if phase == "EG":
+            return (q + f * p - self.level("E", -1)) / (2 * f)
+        return (self.level("G", 1) - q + f * p) / (2 * f)
 
     def front_rate(self, phase: str, t: ArrayLike) -> Array:
         """dP_c/dt."""
-        f, (dp, dq) = self.case.friction, self.rates(t)
         if phase == "IJ":
             return -self.rates(self.twin(t))[0]
-        return (f * dp + dq) / (2 * f) if phase == "EG" else (f * dp - dq) / (2 * f)
+        f = self.case.friction
+        dp, dq = self.rates(t)
+        if phase == "EG":
+            return (f * dp + dq) / (2 * f)
+        return (f * dp - dq) / (2 * f)
 
     def multiplier(self, phase: str, t: ArrayLike) -> Array:
         """C of equation (14), as printed."""
@@ -333,8 +349,9 @@ class Formulas:
 
     def driving(self, phase: str, t: ArrayLike) -> Array:
         """C dP/dt with the sign of slip: dv/f in EG, du/f in IJ and JM (where C dP is C dP_Y)."""
-        f, (dp, dq) = self.case.friction, self.rates(t)
-        return dq / f + (dp if phase == "EG" else -dp)
+        dp, dq = self.rates(t)
+        sign = 1 if phase == "EG" else -1
+        return dq / self.case.friction + sign * dp
 
     def reach(self, x: float | Array, load: ArrayLike) -> Array:
         """arccosh(x/a(P)), 0 inside: int_a^x dx / sqrt(x^2 - a^2)."""
@@ -346,30 +363,30 @@ class Formulas:
         ds = (A/pi) f [C dP arccosh(x/c) - sign dP arccosh(x/a)], the sign being + in EG and - in IJ
         and JM.
         """
-        own = self.driving(phase, t) * self.reach(x, self.front(phase, t))
-        outside = (1 if phase == "EG" else -1) * self.rates(t)[0] * self.reach(x, self.loads(t)[0])
-        return self.case.compliance * self.case.friction / math.pi * (own - outside)
+        sign = 1 if phase == "EG" else -1
+        load, _ = self.loads(t)
+        load_rate, _ = self.rates(t)
+        by_slip = self.driving(phase, t) * self.reach(x, self.front(phase, t))
+        by_load = sign * load_rate * self.reach(x, load)
+        return self.case.compliance * self.case.friction / math.pi * (by_slip - by_load)
 
     def moved(self, x: float, begin: float, end: float) -> float:
         """The engine's change of s at x between two times in which the steady cycle is marched
         along.
         """
-        return float(
-            np.diff(
-                self.case.solve(time=[begin, end], x=[x / self.case.length], fields=("slip",)).slip[
-                    :, 0
-                ]
-            )[0]
-        )
+        solution = self.case.solve(time=[begin, end], x=[x / self.case.length], fields=("slip",))
+        slip_at_begin, slip_at_end = solution.slip[:, 0]
+        return float(slip_at_end - slip_at_begin)
 
     def rubbing(self, phase: str, x: float, rate: Callable[[Array], ArrayLike]) -> float:
         """Integral of a rate over the times at which x rubs in a phase."""
-        edge_load, whole = np.asarray(self.case.contact.load(np.array([x]))), 0.0
+        edge_load = np.asarray(self.case.contact.load(np.array([x])))
+        sum_over_spans = 0.0
         for span in self.case.slipping[phase]:
             begin, end = (float(time[0]) for time in slip_times(span, edge_load))
             if end > begin:
-                whole += integral(rate, begin + span.delay, end + span.delay)
-        return whole
+                sum_over_spans += integral(rate, begin + span.delay, end + span.delay)
+        return sum_over_spans
 
 
 def integral(rate: Callable[[Array], ArrayLike], begin: float, end: float) -> float:
@@ -442,9 +459,9 @@ class Paper:
     @cached_property
     def peaks(self) -> tuple[semi_analytic.PeakBatch, semi_analytic.PeakBatch]:
         """Place and size of the peak of W(x) in the two examples."""
-        return semi_analytic.peak_dissipation(**self.hertz.batch()), semi_analytic.peak_dissipation(
-            **self.rounded.batch()
-        )
+        peak_of_hertz = semi_analytic.peak_dissipation(**self.hertz.batch())
+        peak_of_rounded = semi_analytic.peak_dissipation(**self.rounded.batch())
+        return peak_of_hertz, peak_of_rounded
 
 
 @lru_cache(maxsize=1)

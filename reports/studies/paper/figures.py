@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, fields
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,32 +23,30 @@ Array = NDArray[np.float64]
 _FAMILY = ("c0 solid", "c1 dash", "c2 dashdot", "c3 dot")
 _DIRECTIONS = {1: ("pale-forward", "forward slip"), -1: ("pale-reverse", "reverse slip")}
 _ANGLE = "angle θ of the cycle after M  [degrees]"
-_HALF_WIDTH = (0.0, 1.3, "half-width / a(P₀)")
 _DEGREES = tuple((float(angle), f"{angle}") for angle in range(0, 361, 45))
+_HALF_WIDTH = Axis(0.0, 1.3, "half-width / a(P₀)")
+_REVOLUTION = Axis(0.0, 360.0, _ANGLE, ticks=_DEGREES)
 
 
 def sheets(paper: Paper) -> tuple[Plate, ...]:
     """Every figure of the paper, in its order."""
-    hertz, rounded, (sweep, other) = paper.hertz, paper.rounded, paper.sweeps
-    first = (
+    hertz = paper.hertz
+    rounded = paper.rounded
+    sweep_of_hertz, sweep_of_rounded = paper.sweeps
+    return (
         _figure_1(rounded),
         _figure_2(hertz),
         _figure_3(hertz),
         _figure_4a(hertz),
         _figure_4b(hertz),
         _figure_5(hertz),
-    )
-    work = [
         _pointwise("figure_06", paper, 0),
-        _swept("figure_07a", "work", sweep),
-        _swept("figure_07b", "peak", sweep),
-    ]
-    work += [_figure_8(rounded), _pointwise("figure_09", paper, 1)]
-    return (
-        *first,
-        *work,
-        _swept("figure_10a", "work", other, sweep),
-        _swept("figure_10b", "peak", other, sweep),
+        _swept("figure_07a", "work", sweep_of_hertz),
+        _swept("figure_07b", "peak", sweep_of_hertz),
+        _figure_8(rounded),
+        _pointwise("figure_09", paper, 1),
+        _swept("figure_10a", "work", sweep_of_rounded, sweep_of_hertz),
+        _swept("figure_10b", "peak", sweep_of_rounded, sweep_of_hertz),
     )
 
 
@@ -94,15 +93,13 @@ def _plate(
 ) -> Plate:
     """A figure with its words, and the legend of its labelled curves and bands, each once."""
     words = next(row for row in WORDS["figure"] if row["key"] == name)
-    shown = [
-        mark
-        for panel in panels
-        for mark in panel.marks
-        if isinstance(mark, Curve | Band) and mark.label
-    ]
-    legend = {mark.label: Key(mark.css, mark.label, isinstance(mark, Band)) for mark in shown} | {
-        key.text: key for key in keys
-    }
+    legend: dict[str, Key] = {}
+    for panel in panels:
+        for mark in panel.marks:
+            if isinstance(mark, Curve | Band) and mark.label:
+                legend[mark.label] = Key(mark.css, mark.label, isinstance(mark, Band))
+    for key in keys:
+        legend[key.text] = key
     caption = filled_in(words["text"], values)
     return Plate(
         name,
@@ -118,18 +115,16 @@ def _plate(
 
 def _panel(
     name: str,
-    x: tuple[float, float, str],
-    y: tuple[float, float, str],
+    x: Axis,
+    y: Axis,
     marks: Sequence[Mark],
     alt: str,
     size: tuple[float, float],
-    ticks: tuple[tuple[float, str], ...] = (),
     title: str = "",
 ) -> Panel:
-    """A panel between axes as (low, high, words), with ticks of one's own along x."""
-    return Panel(
-        name, Axis(*x, ticks=ticks), Axis(*y), marks, alt, *size, title, equal=name == "figure_02"
-    )
+    """A panel of that size; the one of figure 2 has one scale on both axes."""
+    width, height = size
+    return Panel(name, x, y, marks, alt, width, height, title, equal=name == "figure_02")
 
 
 # ------------------------------------------------------------------------------ loads and tractions
@@ -140,16 +135,18 @@ def _figure_1(case: Case) -> Plate:
     x = np.linspace(-1.9, 1.9, 191)
     height = np.asarray(case.scene.profile.height(x * case.length))
     foot = height * 0.45 / height[0]
-    circle, turn = (
-        np.linspace(0.0, 2 * math.pi, 121),
-        np.linspace(math.radians(70), math.radians(160), 31),
-    )
-    axle, radius, mass = (0.0, 2.35), 0.85, math.radians(35.0)
-    weight, tip = (
-        (axle[0] + r * math.cos(mass), axle[1] + r * math.sin(mass)) for r in (0.55, 1.6)
-    )
+    circle = np.linspace(0.0, 2 * math.pi, 121)
+    turn = np.linspace(math.radians(70), math.radians(160), 31)
+    axle = (0.0, 2.35)
+    radius = 0.85
+    angle_of_mass = math.radians(35.0)
+    along_x = math.cos(angle_of_mass)
+    along_y = math.sin(angle_of_mass)
+    weight = (axle[0] + 0.55 * along_x, axle[1] + 0.55 * along_y)
+    tip = (axle[0] + 1.6 * along_x, axle[1] + 1.6 * along_y)
     strut = [1.1, axle[1] - radius * math.sin(math.acos(0.4 / radius))]
-    ring, end = axle[0] + 0.6 * np.cos(turn), axle[1] + 0.6 * np.sin(turn)
+    turn_x = axle[0] + 0.6 * np.cos(turn)
+    turn_y = axle[1] + 0.6 * np.sin(turn)
     marks: list[Mark] = [
         Band(np.array([-2.6, 2.6]), np.full(2, -0.9), np.zeros(2), "body lower"),
         _line([-2.6, 2.6], [0.0, 0.0]),
@@ -175,17 +172,16 @@ def _figure_1(case: Case) -> Plate:
         ),
         Arrow(weight, tip, "c1"),
         *_named(*tip, "turning force: P₁ cos ωt down,\nQ₁ cos(ωt − φ) along x", (72.0, 14.0), "1"),
-        _line(ring, end, look="faint"),
-        Arrow((-0.5, 2.68), (float(ring[-1]), float(end[-1]) - 0.06), "faint"),
+        _line(turn_x, turn_y, look="faint"),
+        Arrow((-0.5, 2.68), (float(turn_x[-1]), float(turn_y[-1]) - 0.06), "faint"),
         *_named(-0.42, 2.95, "ω", (0.0, 4.0), css="tick"),
         Arrow(axle, (0.0, 1.2), "c0"),
         *_named(0.0, 1.3, "self-weight P₀", (-82.0, 1.0), "0"),
     ]
-    across, up = Axis(-2.8, 3.6, ""), Axis(-0.95, 3.6, "")
     panel = Panel(
         "figure_01",
-        across,
-        up,
+        Axis(-2.8, 3.6, ""),
+        Axis(-0.95, 3.6, ""),
         marks,
         "A motor on its foot",
         620.0,
@@ -202,13 +198,17 @@ def _figure_2(case: Case) -> Plate:
     """The initial loading and the ellipse in the plane of the loads, with the letters and the lines
     that define them.
     """
-    f, cone = case.friction, np.array([0.0, 4.6])
+    f = case.friction
+    cone = np.array([0.0, 4.6])
     points = {
         letter: np.array([event.normal_load, event.tangential_load, event.front_load]) / case.unit
         for letter, event in case.events.items()
     }
-    (p_e, q_e, p_z), (p_g, q_g, p_t), (p_j, q_j, _) = (points[letter].tolist() for letter in "EGJ")
-    q_z, q_t = q_e - f * (p_e - p_z), q_g + f * (p_g - p_t)
+    p_e, q_e, p_z = points["E"].tolist()
+    p_g, q_g, p_t = points["G"].tolist()
+    p_j, q_j, _ = points["J"].tolist()
+    q_z = q_e - f * (p_e - p_z)
+    q_t = q_g + f * (p_g - p_t)
     marks: list[Mark] = [
         _line(cone, f * cone, "sliding, |Q| = f P", "faint dash fine"),
         _line(cone, -f * cone, "", "faint dash fine"),
@@ -230,65 +230,55 @@ def _figure_2(case: Case) -> Plate:
         p, q = points[letter][:2].round(6).tolist()
         groups.setdefault((p, q), []).append(letter)
     for (p, q), letters in groups.items():
-        away = np.array([p - 3.0, q - case.load.mean_tangential_load / case.unit])
-        away = away / np.hypot(*away)
-        marks += _named(
-            p, q, ", ".join(letters), (14.0 * float(away[0]), 12.0 * float(away[1])), dot=True
-        )
+        from_centre = np.array([p - 3.0, q - case.load.mean_tangential_load / case.unit])
+        outward = from_centre / np.hypot(*from_centre)
+        shift = (14.0 * float(outward[0]), 12.0 * float(outward[1]))
+        marks += _named(p, q, ", ".join(letters), shift, dot=True)
     marks += _named(0.0, 0.0, "O", (18.0, -9.0), dot=True)
-    across, up = (0.0, 4.6, "normal load P / (P₀/3)"), (-0.7, 2.8, "tangential load Q / (P₀/3)")
+    across = Axis(0.0, 4.6, "normal load P / (P₀/3)")
+    up = Axis(-0.7, 2.8, "tangential load Q / (P₀/3)")
     panel = _panel("figure_02", across, up, marks, "Load path with its letters", (640.0, 480.0))
     order = sorted(case.events, key=case.time)
-    columns = {
-        name: [float(points[letter][k]) for letter in order]
-        for k, name in enumerate(("P", "Q", "front load"))
-    }
+    points_in_order = np.array([points[letter] for letter in order])
     table: Table = {"letter": order, "t": [case.time(letter) for letter in order]}
-    return _plate(
-        "figure_02",
-        [panel],
-        {**table, **{f"{name} / (P0/3)": column for name, column in columns.items()}},
-    )
+    for name, column in zip(("P", "Q", "front load"), points_in_order.T, strict=True):
+        table = {**table, f"{name} / (P0/3)": column.tolist()}
+    return _plate("figure_02", [panel], table)
 
 
 def _figure_3(case: Case) -> Plate:
     """Pressure and shear traction at A to M; what slips is filled between zero and the limit of
     friction.
     """
-    x, scale = np.linspace(-1.25, 1.25, 251), case.length / case.unit
+    x = np.linspace(-1.25, 1.25, 251)
+    scale = case.length / case.unit
     times = [case.time(letter) for letter in LETTERS]
     solution = case.solve(time=times, x=x, fields=("pressure", "shear", "state"))
-    limits, shears = case.friction * solution.pressure * scale, solution.shear * scale
+    limits = case.friction * solution.pressure * scale
+    shears = solution.shear * scale
     loads = np.column_stack([solution.normal_load, solution.tangential_load]) / case.unit
-    axes, panels = ((-1.25, 1.25, "x / a(P₀)"), (-2.4, 2.4, "traction · a(P₀) / (P₀/3)")), []
+    across = Axis(-1.25, 1.25, "x / a(P₀)")
+    up = Axis(-2.4, 2.4, "traction · a(P₀) / (P₀/3)")
+    panels = []
+    table = {"x / a(P0)": x}
     for letter, limit, shear, state, (p, q) in zip(
         LETTERS, limits, shears, solution.state, loads, strict=True
     ):
         marks: list[Mark] = []
-        for which, sign in ((SurfaceState.SLIP_FORWARD, 1), (SurfaceState.SLIP_REVERSE, -1)):
-            if (here := state == which).any():
-                bottom, top = np.where(here, 0.0, np.nan), np.where(here, sign * limit, np.nan)
-                marks.append(Band(x, bottom, top, *_DIRECTIONS[sign]))
+        for slip_state, sign in ((SurfaceState.SLIP_FORWARD, 1), (SurfaceState.SLIP_REVERSE, -1)):
+            slips = state == slip_state
+            if slips.any():
+                css, label = _DIRECTIONS[sign]
+                bottom = np.where(slips, 0.0, np.nan)
+                top = np.where(slips, sign * limit, np.nan)
+                marks.append(Band(x, bottom, top, css, label))
         marks += [_line(x, limit, "f p", "faint solid"), _line(x, -limit, "−f p", "faint dash")]
         marks.append(_line(x, shear, "shear traction q", "shear-q"))
         title = f"{letter}   P = {p:.2f}, Q = {q:.2f}"
-        panels.append(
-            _panel(
-                f"figure_03-{letter}",
-                *axes,
-                marks,
-                f"Tractions at {letter}",
-                (270.0, 240.0),
-                (),
-                title,
-            )
-        )
-    pressures = {f"f p at {letter}": limit for letter, limit in zip(LETTERS, limits, strict=True)}
-    table = (
-        {"x / a(P0)": x}
-        | pressures
-        | {f"q at {letter}": shear for letter, shear in zip(LETTERS, shears, strict=True)}
-    )
+        alt = f"Tractions at {letter}"
+        panels.append(_panel(f"figure_03-{letter}", across, up, marks, alt, (270.0, 240.0), title))
+        table[f"f p at {letter}"] = limit
+    table |= {f"q at {letter}": shear for letter, shear in zip(LETTERS, shears, strict=True)}
     return _plate("figure_03", panels, table, columns=4)
 
 
@@ -311,17 +301,13 @@ class Zones:
         yield _line(x, self.contact, "contact, a / a(P₀)", "bold")
         yield _line(x, self.stick, "stick, c / a(P₀)", "c2 dash")
 
-    def slipping(self, x: Array, more: str = "") -> Iterator[Band]:
+    def slipping(self, x: Array, label_end: str = "") -> Iterator[Band]:
         """What slips, a band for each direction."""
         for sign, (css, label) in _DIRECTIONS.items():
-            here = self.direction == sign
-            yield Band(
-                x,
-                np.where(here, self.stick, np.nan),
-                np.where(here, self.contact, np.nan),
-                css,
-                label + more,
-            )
+            slips = self.direction == sign
+            inner = np.where(slips, self.stick, np.nan)
+            outer = np.where(slips, self.contact, np.nan)
+            yield Band(x, inner, outer, css, label + label_end)
 
     def table(self, case: Case, first: str, x: Array) -> Table:
         """The numbers of the figure."""
@@ -338,15 +324,14 @@ def _zones(case: Case, marks: Sequence[tuple[float, int]], count: int = 91) -> Z
     time = np.concatenate(
         [np.linspace(begin, end, count) for (begin, _), (end, _) in pairwise(marks)]
     )
-    once, places = np.unique(time, return_inverse=True)
-    solution = case.solve(time=once)
-    contact, stick = (
-        width[places] / case.length
-        for width in (solution.contact_half_width, solution.stick_half_width)
-    )
+    unique_times, places = np.unique(time, return_inverse=True)
+    solution = case.solve(time=unique_times)
+    contact = solution.contact_half_width[places] / case.length
+    stick = solution.stick_half_width[places] / case.length
     # A turning point belongs to what ends there; the second time to what starts, where all sticks.
     stick[::count] = contact[::count]
-    return Zones(time, contact, stick, np.repeat([way for _, way in marks[:-1]], count))
+    directions = [direction for _, direction in marks[:-1]]
+    return Zones(time, contact, stick, np.repeat(directions, count))
 
 
 def _steady_marks(case: Case) -> list[tuple[float, int]]:
@@ -383,61 +368,49 @@ def _figure_4a(case: Case) -> Plate:
         (places[letter], f"{case.events[letter].normal_load / case.unit:.3g}")
         for letter in "ACDFHKLM"
     ]
-    across, alt = (
-        (
-            0.0,
-            float(way[-1]) + 0.05,
-            "normal load P / (P₀/3), along its path",
-        ),
-        "Half-widths over the path of P",
-    )
-    panel = _panel("figure_04a", across, _HALF_WIDTH, marks, alt, (820.0, 420.0), tuple(ticks))
+    end = float(way[-1]) + 0.05
+    across = Axis(0.0, end, "normal load P / (P₀/3), along its path", ticks=tuple(ticks))
+    alt = "Half-widths over the path of P"
+    panel = _panel("figure_04a", across, _HALF_WIDTH, marks, alt, (820.0, 420.0))
     return _plate("figure_04a", [panel], zones.table(case, "way of P / (P0/3)", way))
 
 
 def _figure_4b(case: Case) -> Plate:
     """Half-widths through the steady cycle for four coefficients of friction, about Q0 = 0."""
-    others = {f: case.about_no_shear(f) for f in FRICTIONS}
-    first, last, start = others[FRICTIONS[0]], others[FRICTIONS[-1]], others[FRICTIONS[0]].time("M")
+    case_of = {f: case.about_no_shear(f) for f in FRICTIONS}
+    case_of_largest = case_of[FRICTIONS[0]]
+    case_of_least = case_of[FRICTIONS[-1]]
+    start = case_of_largest.time("M")
     # Stick and slip of the least coefficient, filled; two revolutions, for its letters are
     # elsewhere.
-    marks = _steady_marks(last)
-    zones = _zones(last, [*marks[:-1], *((time + 2 * math.pi, way) for time, way in marks)])
+    marks = _steady_marks(case_of_least)
+    second_revolution = [(time + 2 * math.pi, direction) for time, direction in marks]
+    zones = _zones(case_of_least, [*marks[:-1], *second_revolution])
     angle = np.degrees(zones.time - start)
-    inside = (angle >= 0) & (angle <= 360)
-    angle, zones = (
-        angle[inside],
-        Zones(*(getattr(zones, one.name)[inside] for one in fields(zones))),
-    )
+    is_drawn = (angle >= 0) & (angle <= 360)
+    angle = angle[is_drawn]
+    zones = Zones(*(getattr(zones, field.name)[is_drawn] for field in fields(zones)))
+    remark = f", f = {case_of_least.friction:g}"
     bands = [
-        Band(
-            angle, np.zeros(len(angle)), zones.stick, "pale-stick", f"stick, f = {last.friction:g}"
-        ),
-        *zones.slipping(angle, f", f = {last.friction:g}"),
+        Band(angle, np.zeros(len(angle)), zones.stick, "pale-stick", f"stick{remark}"),
+        *zones.slipping(angle, remark),
     ]
     # Just after M, for f = 1 the instant of M itself still belongs to forward slip.
     grid = np.linspace(1e-6, 360.0, 721)
     columns = {
-        f: other.solve(time=start + np.radians(grid)).stick_half_width / other.length
-        for f, other in others.items()
+        f: case_of_f.solve(time=start + np.radians(grid)).stick_half_width / case_of_f.length
+        for f, case_of_f in case_of.items()
     }
     curves = [
         _line(grid, c, f"c / a(P₀), f = {f}", look)
         for (f, c), look in zip(columns.items(), _FAMILY, strict=True)
     ]
-    contact = case.width(first.solve(time=start + np.radians(grid)).normal_load)
+    contact = case.width(case_of_largest.solve(time=start + np.radians(grid)).normal_load)
     curves.append(_line(grid, contact, "contact, a / a(P₀)", "bold"))
-    across, alt = (
-        (
-            0.0,
-            360.0,
-            "angle θ of the cycle after M for f = 1  [degrees]",
-        ),
-        "Half-widths over the angle",
-    )
-    panel = _panel(
-        "figure_04b", across, _HALF_WIDTH, [*bands, *curves], alt, (700.0, 430.0), _DEGREES
-    )
+    words = "angle θ of the cycle after M for f = 1  [degrees]"
+    across = Axis(0.0, 360.0, words, ticks=_DEGREES)
+    alt = "Half-widths over the angle"
+    panel = _panel("figure_04b", across, _HALF_WIDTH, [*bands, *curves], alt, (700.0, 430.0))
     table = {"theta [degrees]": grid, "a / a(P0)": contact} | {
         f"c / a(P0), f = {f}": c for f, c in columns.items()
     }
@@ -448,7 +421,7 @@ def _figure_5(case: Case) -> Plate:
     """Extent of contact and slip above, displacement of four points beneath: slip broad, separation
     dotted.
     """
-    start, angles = case.time("M"), (0.0, 360.0, _ANGLE)
+    start = case.time("M")
     zones = _zones(case, _steady_marks(case))
     above = list(zones.drawn(np.degrees(zones.time - start)))
     for letter in "MFGHIKJL":
@@ -456,43 +429,37 @@ def _figure_5(case: Case) -> Plate:
         shift = {"M": (8.0, 9.0), "I": (0.0, -12.0), "J": (-6.0, -12.0)}.get(letter, (0.0, 9.0))
         height = float(case.width(case.events[letter].normal_load))
         above += _named(math.degrees(time - start), height, letter, shift, dot=True)
-    turn, below = np.linspace(0.0, 360.0, 721), list[Mark]()
+    turn = np.linspace(0.0, 360.0, 721)
+    below: list[Mark] = []
     solution = case.solve(time=start + np.radians(turn), x=POINTS, fields=("slip", "state"))
     moved = (solution.slip - solution.slip[0]) / (case.compliance * case.unit)
     for x, look, y, state in zip(POINTS, "d435", moved.T, solution.state.T, strict=True):
         css = look if look == "d" else f"c{look}"
         above.append(_line([0.0, 360.0], [x, x], "", f"{css} dot"))
         above += _named(360.0, x, f"{x:.2f}", (-14.0, 5.0), look)
-        for which, broad in (
+        for slip_state, direction in (
             (SurfaceState.SLIP_FORWARD, "forward"),
             (SurfaceState.SLIP_REVERSE, "reverse"),
         ):
-            if (state == which).any():
-                below.append(
-                    _line(
-                        turn, np.where(_grown(state == which), y, np.nan), "", f"{broad} broad-line"
-                    )
-                )
-        below.append(_line(turn, np.where(state == SurfaceState.OPEN, np.nan, y), "", css))
-        below.append(
-            _line(turn, np.where(_grown(state == SurfaceState.OPEN), y, np.nan), "", f"{css} dot")
-        )
+            slips = state == slip_state
+            if slips.any():
+                slipping = np.where(_grown(slips), y, np.nan)
+                below.append(_line(turn, slipping, "", f"{direction} broad-line"))
+        is_open = state == SurfaceState.OPEN
+        below.append(_line(turn, np.where(is_open, np.nan, y), "", css))
+        below.append(_line(turn, np.where(_grown(is_open), y, np.nan), "", f"{css} dot"))
         peak = int(np.argmin(y))
         below += _named(float(turn[peak]), float(y[peak]), f"{x:.2f}", (0.0, -10.0), look)
-    low, high = float(moved.min()), float(moved.max())
-    up = (low - 0.12 * (high - low), high + 0.08 * (high - low), "displacement / (A P₀/3)")
-    extent, alt = (0.5, 1.28, "x / a(P₀)"), "Displacement of four points over the angle"
+    low = float(moved.min())
+    high = float(moved.max())
+    room = high - low
+    up = Axis(low - 0.12 * room, high + 0.08 * room, "displacement / (A P₀/3)")
+    extent = Axis(0.5, 1.28, "x / a(P₀)")
+    alt_of_zones = "Zones over the angle"
+    alt_of_slip = "Displacement of four points over the angle"
     panels = [
-        _panel(
-            "figure_05-zones",
-            angles,
-            extent,
-            above,
-            "Zones over the angle",
-            (760.0, 330.0),
-            _DEGREES,
-        ),
-        _panel("figure_05-slip", angles, up, below, alt, (760.0, 360.0), _DEGREES),
+        _panel("figure_05-zones", _REVOLUTION, extent, above, alt_of_zones, (760.0, 330.0)),
+        _panel("figure_05-slip", _REVOLUTION, up, below, alt_of_slip, (760.0, 360.0)),
     ]
     looks = {
         "faint solid": "sticking",
@@ -500,31 +467,30 @@ def _figure_5(case: Case) -> Plate:
         "reverse broad-line": "slipping in reverse",
     }
     keys = [Key(css, text) for css, text in (looks | {"faint dot": "separated"}).items()]
-    table: Table = {"theta [degrees]": turn} | {
-        f"s/(A P0/3) at x = {x}": y for x, y in zip(POINTS, moved.T, strict=True)
-    }
-    states = {
-        f"state at x = {x}": [int(s) for s in state]
-        for x, state in zip(POINTS, solution.state.T, strict=True)
-    }
-    return _plate("figure_05", panels, {**table, **states}, keys=keys)
+    table: dict[str, Any] = {"theta [degrees]": turn}
+    for x, y in zip(POINTS, moved.T, strict=True):
+        table[f"s/(A P0/3) at x = {x}"] = y
+    for x, state in zip(POINTS, solution.state.T, strict=True):
+        table[f"state at x = {x}"] = list(map(int, state))
+    return _plate("figure_05", panels, table, keys=keys)
 
 
-def _grown(here: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _grown(mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """With one instant more at either end, so that pieces of a curve meet."""
-    return np.asarray(here | np.roll(here, 1) | np.roll(here, -1))
+    return np.asarray(mask | np.roll(mask, 1) | np.roll(mask, -1))
 
 
 def _figure_8(case: Case) -> Plate:
     """Contact and stick of the flat and rounded contact."""
-    zones, flat = _zones(case, _steady_marks(case)), float(case.width(0.0))
+    zones = _zones(case, _steady_marks(case))
+    flat = float(case.width(0.0))
     angle = np.degrees(zones.time - case.time("M"))
     marks = [
         *zones.drawn(angle),
         _line([0.0, 360.0], [flat, flat], "edge of flat, b / a(P₀)", "c1 dot"),
     ]
-    across, alt = (0.0, 360.0, _ANGLE), "Half-widths over the angle"
-    panel = _panel("figure_08", across, _HALF_WIDTH, marks, alt, (700.0, 420.0), _DEGREES)
+    alt = "Half-widths over the angle"
+    panel = _panel("figure_08", _REVOLUTION, _HALF_WIDTH, marks, alt, (700.0, 420.0))
     return _plate(
         "figure_08",
         [panel],
@@ -537,15 +503,19 @@ def _figure_8(case: Case) -> Plate:
 # --------------------------------------------------------------------------------------------- work
 def _pointwise(name: str, paper: Paper, number: int) -> Plate:
     """Figures 6 and 9: W(x) with its parts."""
-    case, peak = (paper.hertz, paper.rounded)[number], paper.peaks[number]
-    inner, outer, share = case.stick_edge, case.outer_edge, float(peak.fraction)
+    case = (paper.hertz, paper.rounded)[number]
+    peak = paper.peaks[number]
+    inner = case.stick_edge
+    outer = case.outer_edge
+    share = float(peak.fraction)
     zone = inner + (outer - inner) * (1 - np.cos(np.linspace(0, np.pi, 241))) / 2
     x = np.concatenate([[0.95 * inner], zone, [outer + 0.05 * inner]])
     phases = case.density(x)
-    whole = total(phases)
-    place, top = float(peak.place) / case.length, float(peak.value) * case.length / case.work_unit
+    density = total(phases)
+    place = float(peak.place) / case.length
+    top = float(peak.value) * case.length / case.work_unit
     marks: list[Mark] = [
-        _line(x, whole, "whole cycle", "bold"),
+        _line(x, density, "whole cycle", "bold"),
         _line(x, phases["IJ"], "forward, I–J", "c1 dash"),
         _line(x, phases["JM"], "forward, J–M", "c4 dashdot"),
         _line(x, phases["EG"], "reverse, E–G", "c0 dot"),
@@ -554,46 +524,38 @@ def _pointwise(name: str, paper: Paper, number: int) -> Plate:
         *_named(outer, 1.12 * top, f"edge of contact {outer:.3f}", (-50.0, 6.0), css="tick"),
         *_named(place, top, f"{share:.1%} of the way", (0.0, 10.0), dot=True),
     ]
-    across, up = (
-        (0.95 * inner, outer + 0.05 * inner, "x / a(P₀)"),
-        (
-            0.0,
-            1.22 * top,
-            "W(x) · a(P₀) / (A f² P₀²)",
-        ),
-    )
+    across = Axis(0.95 * inner, outer + 0.05 * inner, "x / a(P₀)")
+    up = Axis(0.0, 1.22 * top, "W(x) · a(P₀) / (A f² P₀²)")
     panel = _panel(name, across, up, marks, "Pointwise dissipation over x", (640.0, 400.0))
-    table = {"x / a(P0)": x, "W a(P0)/(A f^2 P0^2)": whole} | {
-        f"in {phase}": phases[phase] for phase in ("IJ", "JM", "EG")
-    }
+    table = {"x / a(P0)": x, "W a(P0)/(A f^2 P0^2)": density}
+    table |= {f"in {phase}": phases[phase] for phase in ("IJ", "JM", "EG")}
     return _plate(name, [panel], table, fraction=share, place=place)
 
 
-def _swept(name: str, what: str, sweep: Sweep, other: Sweep | None = None) -> Plate:
+def _swept(name: str, quantity: str, sweep: Sweep, pale_sweep: Sweep | None = None) -> Plate:
     """Figures 7 and 10: curves of one quantity over P0/P1, one for each f; another sweep in pale
     lines beneath.
     """
-    label = {"work": "W / (A P₁²)", "peak": "max W(x) · a(P₀) / (A P₁²)"}[what]
-    values, largest, marks = getattr(sweep, what), float(getattr(sweep, what).max()), list[Mark]()
-    if other is not None:
-        largest = max(largest, float(getattr(other, what).max()))
-        for number, (ratio, value) in enumerate(
-            zip(other.ratio, getattr(other, what), strict=True)
-        ):
+    label = {"work": "W / (A P₁²)", "peak": "max W(x) · a(P₀) / (A P₁²)"}[quantity]
+    values = getattr(sweep, quantity)
+    largest = float(values.max())
+    marks: list[Mark] = []
+    if pale_sweep is not None:
+        pale_values = getattr(pale_sweep, quantity)
+        largest = max(largest, float(pale_values.max()))
+        for number, (ratio, value) in enumerate(zip(pale_sweep.ratio, pale_values, strict=True)):
             marks.append(_line(ratio, value, "" if number else "Hertz, same f", "faint solid fine"))
     for number, (f, ratio, value) in enumerate(
         zip(sweep.frictions, sweep.ratio, values, strict=True)
     ):
         marks.append(_line(ratio, value, f"f = {f:g}", _FAMILY[number]))
         marks += _named(float(ratio[0]), float(value[0]), "", look=f"{number}", dot=True)
-    across, up = (1.0, float(sweep.ratio.max()), "P₀ / P₁"), (0.0, 1.08 * largest, label)
+    across = Axis(1.0, float(sweep.ratio.max()), "P₀ / P₁")
+    up = Axis(0.0, 1.08 * largest, label)
     panel = _panel(name, across, up, marks, f"{label} over P₀/P₁", (620.0, 400.0))
     table = {
         f"P0/P1, f = {f:g}": ratio for f, ratio in zip(sweep.frictions, sweep.ratio, strict=True)
     }
-    return _plate(
-        name,
-        [panel],
-        table
-        | {f"{what}, f = {f:g}": value for f, value in zip(sweep.frictions, values, strict=True)},
-    )
+    for f, value in zip(sweep.frictions, values, strict=True):
+        table[f"{quantity}, f = {f:g}"] = value
+    return _plate(name, [panel], table)

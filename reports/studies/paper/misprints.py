@@ -26,35 +26,34 @@ _PHASES = ("EG", "IJ", "JM")
 
 def proofs(paper: Paper) -> dict[str, Found]:
     """Key of a misprint -> whether it is proven (None: by reading) and its numbers."""
-    found = (
-        _cycle(paper.hertz) | _slip(paper.hertz) | work(paper.hertz, float(paper.peaks[0].place))
-    )
-    return found | {
-        "(25)": _sliding_condition(paper.hertz),
-        "flat-and-rounded law": _rounded_law(paper.rounded),
-        "reference [7]": (None, {}),
-    }
+    proof_of = _cycle(paper.hertz) | _slip(paper.hertz)
+    proof_of |= work(paper.hertz, float(paper.peaks[0].place))
+    proof_of["(25)"] = _sliding_condition(paper.hertz)
+    proof_of["flat-and-rounded law"] = _rounded_law(paper.rounded)
+    proof_of["reference [7]"] = (None, {})
+    return proof_of
 
 
-def _share(found: float, right: float) -> float:
-    """Relative error."""
-    return abs(found / right - 1)
+def _relative_error(value: float, truth: float) -> float:
+    """|value/truth - 1|."""
+    return abs(value / truth - 1)
 
 
 def _proof(
-    right: float, printed: float, moved: float, more: Mapping[str, float], holds: bool = True
+    right: float, printed: float, truth: float, numbers: Mapping[str, float], holds: bool = True
 ) -> Found:
-    """Whether the mended and the printed reading of what the engine says is `moved` prove a
-    misprint, with their errors.
+    """Whether the mended and the printed reading of a value that the engine gives as `truth` prove
+    a misprint; their errors, and other numbers that the words name.
     """
-    errors = {"right": _share(right, moved), "printed": _share(printed, moved)}
-    return proves(errors["right"], errors["printed"]) and holds, {**errors, **more}
+    errors = {"right": _relative_error(right, truth), "printed": _relative_error(printed, truth)}
+    return proves(errors["right"], errors["printed"]) and holds, {**errors, **numbers}
 
 
 # -------------------------------------------------------------------- loads, friction and tractions
 def _cycle(case: Case) -> dict[str, Found]:
     """Sections 2 and 3: which loads, letters and conditions are meant."""
-    formulas, events = Formulas(case), case.events
+    formulas = Formulas(case)
+    events = case.events
     # Stick, at instants of the steady cycle: the share at which each reading is wrong.
     times = case.round_times(721)
     times = (times[1:] + times[:-1]) / 2
@@ -64,8 +63,9 @@ def _cycle(case: Case) -> dict[str, Found]:
     printed = float(np.mean((dq / dp < case.friction) != sticks))
     right = float(np.mean(((np.abs(dq / dp) < case.friction) & (dp > 0)) != sticks))
 
+    level_of_e = formulas.level("E", -1)
     b, g = (
-        float(case.width((formulas.level(name, 1) - formulas.level("E", -1)) / (2 * case.friction)))
+        float(case.width((formulas.level(name, 1) - level_of_e) / (2 * case.friction)))
         for name in "BG"
     )
     p, q = (float(loads.min()) for loads in case.loads(case.round_times(3601)))
@@ -73,7 +73,7 @@ def _cycle(case: Case) -> dict[str, Found]:
     at |= {f"Q at {letter}": events[letter].tangential_load / case.unit for letter in "HF"}
     least = abs(at["P at F"] - p) < EXACT < at["P at H"] - p and abs(at["Q at H"] - q) < EXACT
     j, i = (math.degrees(case.time(letter) - case.time("K")) for letter in "JI")
-    front = _share(events["J"].front_load, events["G"].normal_load)
+    front = _relative_error(events["J"].front_load, events["G"].normal_load)
     degrees = {"J after K in degrees": j, "I after K in degrees": i, "I before K in degrees": -i}
 
     def halved(name: str) -> float:
@@ -81,15 +81,14 @@ def _cycle(case: Case) -> dict[str, Found]:
         changes = {name: getattr(case.load, name) / 2}
         return case.with_load(initial_loading="straight", **changes).steady.loop_work
 
-    mean, amplitude = halved("mean_tangential_load"), halved("tangential_amplitude")
+    work_at_half_mean = halved("mean_tangential_load")
+    work_at_half_amplitude = halved("tangential_amplitude")
     start = case.time("G")
-    movement = case.solve(
-        time=start + np.linspace(0, 2 * math.pi, 101), x=[0.8], fields=("slip",)
-    ).slip[:, 0]
-    net = abs(formulas.moved(0.8 * case.length, start, start + 2 * math.pi)) / float(
-        np.ptp(movement)
-    )
-    whole = case.steady.dissipation / case.work_unit
+    revolution = start + np.linspace(0, 2 * math.pi, 101)
+    slip = case.solve(time=revolution, x=[0.8], fields=("slip",)).slip[:, 0]
+    net_slip = abs(formulas.moved(0.8 * case.length, start, start + 2 * math.pi))
+    net = net_slip / float(np.ptp(slip))
+    dissipation = case.steady.dissipation / case.work_unit
     named = {"with B": b, "with G": g, "permanent stick": case.stick_edge}
     return {
         "(2)": _corrective_load(case),
@@ -97,8 +96,13 @@ def _cycle(case: Case) -> dict[str, Found]:
         "(9), (10)": _proof(g, b, case.stick_edge, named),
         "3H": (least, at | {"least P": p, "least Q": q}),
         "J and K": (front <= EXACT and i < 0 < j, degrees | {"front at J against P_G": front}),
-        "mean shear force": _proof(mean, amplitude, case.steady.loop_work, {}),
-        "net displacement": (net <= EXACT and whole > 1e-3, {"right": net, "printed": whole}),
+        "mean shear force": _proof(
+            work_at_half_mean, work_at_half_amplitude, case.steady.loop_work, {}
+        ),
+        "net displacement": (
+            net <= EXACT and dissipation > 1e-3,
+            {"right": net, "printed": dissipation},
+        ),
     }
 
 
@@ -110,11 +114,12 @@ def _corrective_load(case: Case, friction: float = 0.5, part: float = 0.6) -> Fo
     x = np.linspace(0.0, 0.999, 200) * case.length
     shear = semi_analytic.solve(scene, x=x, time=[2.0], fields=("shear",)).shear[0]
 
-    def error(second: float) -> float:
-        found = friction * (
-            case.contact.pressure(x, p) - (case.contact.pressure(x, second) if second > 0 else 0.0)
-        )
-        return float(np.max(np.abs(found - shear)) / np.max(np.abs(shear)))
+    def error(corrective_load: float) -> float:
+        """Of f (p at P - p at that load), over the largest shear of the engine."""
+        pressure = case.contact.pressure(x, p)
+        if corrective_load > 0:
+            pressure = pressure - case.contact.pressure(x, corrective_load)
+        return float(np.max(np.abs(friction * pressure - shear)) / np.max(np.abs(shear)))
 
     errors = {
         "right": error(p - q / friction),
@@ -129,28 +134,28 @@ def _sliding_condition(case: Case) -> Found:
     mended one.
     """
     friction = np.array([0.1, 0.4, 0.6, 0.8, 1.0, 1.25, 1.5, 2.0])
-    right, printed, bracket = (
-        sliding_limit(friction),
-        math.sqrt(2) * (1 + friction) / (2 * friction),
-        1e-10,
-    )
+    right = sliding_limit(friction)
+    printed = math.sqrt(2) * (1 + friction) / (2 * friction)
+    bracket = 1e-10
 
     def slides(f: Array, ratio: Array) -> NDArray[np.bool_]:
-        return np.asarray(
-            semi_analytic.dissipation(**case.circles(f, ratio)).reason
-            == semi_analytic.Reason.SLIDING
-        )
+        """Whether the engine says that circles of P0/P1 = `ratio` slide."""
+        batch = semi_analytic.dissipation(**case.circles(f, ratio))
+        return np.asarray(batch.reason == semi_analytic.Reason.SLIDING)
 
-    apart = np.abs(friction - 1) > EXACT
-    between = printed[apart] + (right - printed)[apart] * np.linspace(0.01, 0.99, 99)[:, None]
-    sliding = float(np.mean(slides(friction[apart], between)))
-    met = slides(friction, right * (1 - bracket)) & ~slides(friction, right * (1 + bracket))
+    is_not_one = np.abs(friction - 1) > EXACT  # at f = 1 both formulas agree
+    distance = (right - printed)[is_not_one]
+    between = printed[is_not_one] + distance * np.linspace(0.01, 0.99, 99)[:, None]
+    sliding = float(np.mean(slides(friction[is_not_one], between)))
+    slides_below = slides(friction, right * (1 - bracket))
+    slides_above = slides(friction, right * (1 + bracket))
+    error_of_right = bracket if (slides_below & ~slides_above).all() else math.nan
     errors = {
-        "right": bracket if met.all() else math.nan,
-        "printed": float(np.min(np.abs(printed / right - 1)[apart])),
+        "right": error_of_right,
+        "printed": float(np.min(np.abs(printed / right - 1)[is_not_one])),
     }
     return sliding == 1 and proves(errors["right"], errors["printed"]), errors | {
-        "apart at f = 1": _share(float(printed[4]), float(right[4])),
+        "apart at f = 1": _relative_error(float(printed[4]), float(right[4])),
         "sliding share between": sliding,
         "circles between": between.size,
         "mended limit at f = 0.4": float(right[1]),
@@ -162,8 +167,10 @@ def _rounded_law(case: Case) -> Found:
     """The contact law of section 4.2, from the pressure that the engine computes; (1 + kappa)/mu =
     2 A.
     """
-    load, profile = case.load.mean_normal_load, case.scene.profile.model_dump()
-    flat, radius = profile["flat_half_length"], profile["radius"]
+    load = case.load.mean_normal_load
+    profile = case.scene.profile.model_dump()
+    flat = profile["flat_half_length"]
+    radius = profile["radius"]
     # x = a sin(angle), in two parts: the pressure's root at the edge becomes smooth, its singular
     # slope at x = b lies at an end.
     corner = math.asin(flat / case.length)
@@ -192,8 +199,12 @@ def _slip(case: Case) -> dict[str, Found]:
     """Equations (14) to (19): slip and movement between two letters, at points in and out of
     contact.
     """
-    formulas, factor = Formulas(case), case.compliance * case.friction / math.pi
-    loads, rates, reach, front = formulas.loads, formulas.rates, formulas.reach, formulas.front
+    formulas = Formulas(case)
+    factor = case.compliance * case.friction / math.pi
+    loads = formulas.loads
+    rates = formulas.rates
+    reach = formulas.reach
+    front = formulas.front
     t = {letter: case.time(letter) for letter in "EFGIJKM"}
 
     # In contact from I to J: C dP or C dP_Y, and dQ/dP times or at P_Y.
@@ -201,38 +212,36 @@ def _slip(case: Case) -> dict[str, Found]:
     moved = formulas.moved(x, t["I"], t["J"])
 
     def by_14(time: Array) -> Array:
-        return (
-            factor * formulas.multiplier("IJ", time) * reach(x, front("IJ", time)) * rates(time)[0]
-        )
+        """Rate of slip by equation (14) as printed, C dP."""
+        load_rate, _ = rates(time)
+        return factor * formulas.multiplier("IJ", time) * reach(x, front("IJ", time)) * load_rate
 
     def by_18(unit: float | None) -> float:
         """Slip with dQ/dP multiplied by the load P_Y in some unit; None: not multiplied."""
 
         def rate(time: Array) -> Array:
-            load, slope = front("IJ", time), case.friction * (formulas.multiplier("IJ", time) + 1)
-            product = slope * load / unit if unit else slope
-            return (
-                (product / case.friction - 1)
-                * factor
-                * formulas.front_rate("IJ", time)
-                * reach(x, load)
-            )
+            load = front("IJ", time)
+            slope = case.friction * (formulas.multiplier("IJ", time) + 1)
+            if unit:
+                slope = slope * load / unit
+            multiplier = slope / case.friction - 1
+            return multiplier * factor * formulas.front_rate("IJ", time) * reach(x, load)
 
         return formulas.rubbing("IJ", x, rate)
 
-    right, printed, after = (
-        by_18(None),
-        formulas.rubbing("IJ", x, by_14),
-        integral(by_14, t["K"], t["J"]) / moved,
-    )
+    right = by_18(None)
+    printed = formulas.rubbing("IJ", x, by_14)
+    after = integral(by_14, t["K"], t["J"]) / moved
     halves = {"printed I-K": printed / moved - after, "printed K-J": after}
     products = {"printed in N/mm": by_18(1.0) / moved, "printed in P0/3": by_18(case.unit) / moved}
     nearest = min(products.values(), key=lambda ratio: abs(ratio - 1)) * moved
 
     # Out of contact from E to F; as printed: int_a^x dx / sqrt(x^2 - c^2).
-    x1, phase = case.length, (t["E"], t["F"])
+    x1 = case.length
+    phase = (t["E"], t["F"])
 
     def by_16(time: Array) -> Array:
+        """Rate of slip by equation (16) as printed."""
         inside = reach(x1, front("EG", time))
         root = inside - reach(case.contact.half_width(loads(time)[0]), front("EG", time))
         return factor * (2 * formulas.front_rate("EG", time) * inside - rates(time)[0] * root)
@@ -251,10 +260,8 @@ def _slip(case: Case) -> dict[str, Found]:
 
     # (12) is a closed integral; (15) is what becomes (23).
     x2 = 0.8 * case.length
-    slipped, forward = (
-        formulas.rubbing("JM", x2, lambda time: formulas.slip_rate("JM", x2, time)),
-        formulas.moved(x2, t["I"], t["M"]),
-    )
+    slip_by_15 = formulas.rubbing("JM", x2, lambda time: formulas.slip_rate("JM", x2, time))
+    forward_slip = formulas.moved(x2, t["I"], t["M"])
     net = formulas.moved(x2, t["G"], t["G"] + 2 * math.pi)
     return {
         "(14), I–J": _proof(right, printed, moved, halves, halves["printed I-K"] * after < 0),
@@ -264,7 +271,7 @@ def _slip(case: Case) -> dict[str, Found]:
         "(18)": _proof(right, nearest, moved, products),
         "P_K in (19)": _proof(mended, outside, formulas.moved(x1, *phase), named),
         "reference before (23)": _proof(
-            slipped, net, forward, {"net over the slip": abs(net / forward)}
+            slip_by_15, net, forward_slip, {"net over the slip": abs(net / forward_slip)}
         ),
     }
 
@@ -273,33 +280,42 @@ def _gap_for_slope(case: Case) -> Found:
     """What h_o is: slip from J to M at 0.8 a0, and how it grows with all lengths and loads at the
     same stresses.
     """
-    names, sizes = ("slope", "gap of the increment", "gap of the punch"), (case, case.ten_times())
-    moved, grown = (
-        Formulas(each).moved(0.8 * each.length, each.time("J"), each.time("M")) for each in sizes
-    )
-    slips = {name: [_by_15(each, 0.8 * each.length, name) for each in sizes] for name in names}
-    errors = {name: _share(pair[0], moved) for name, pair in slips.items()}
-    powers = {
-        f"power with the {name}": math.log10(pair[1] / pair[0]) for name, pair in slips.items()
-    }
-    power, printed = math.log10(grown / moved), min(errors[name] for name in names[1:])
-    numbers = {"right": errors["slope"], "printed": printed, "power of the slip": power}
-    numbers |= powers | {f"error with the {name}": errors[name] for name in names[1:]}
-    return (
-        proves(errors["slope"], printed) and abs(powers["power with the slope"] - power) <= EXACT,
-        numbers,
-    )
+    small = case
+    large = case.ten_times()
+    slip_of_small = _slip_after_j(small)
+    power = math.log10(_slip_after_j(large) / slip_of_small)
+    errors = {}
+    powers = {}
+    for name in ("slope", "gap of the increment", "gap of the punch"):
+        by_15_of_small = _by_15(small, 0.8 * small.length, name)
+        by_15_of_large = _by_15(large, 0.8 * large.length, name)
+        errors[name] = _relative_error(by_15_of_small, slip_of_small)
+        powers[name] = math.log10(by_15_of_large / by_15_of_small)
+    error_of_slope = errors.pop("slope")
+    printed = min(errors.values())
+    numbers = {"right": error_of_slope, "printed": printed, "power of the slip": power}
+    numbers |= {f"power with the {name}": value for name, value in powers.items()}
+    numbers |= {f"error with the {name}": error for name, error in errors.items()}
+    grows_alike = abs(powers["slope"] - power) <= EXACT
+    return proves(error_of_slope, printed) and grows_alike, numbers
+
+
+def _slip_after_j(case: Case) -> float:
+    """The engine's slip from J to M at 0.8 a0."""
+    return Formulas(case).moved(0.8 * case.length, case.time("J"), case.time("M"))
 
 
 def _by_15(case: Case, x: float, reading: str) -> float:
     """Slip of x from J to M by equation (15) with a reading of h_o, integrated over x from the
     stick edge c; Hertz.
     """
-    formulas, radius = Formulas(case), case.scene.profile.model_dump()["radius"]
+    formulas = Formulas(case)
+    radius = case.scene.profile.model_dump()["radius"]
 
     def rate(t: Array) -> Array:
         front = formulas.front("JM", t)
-        c, slope = np.asarray(case.contact.half_width(front)), formulas.reach(x, front)
+        c = np.asarray(case.contact.half_width(front))
+        slope = formulas.reach(x, front)
         integrals = {
             "slope": slope,
             "gap of the increment": x * slope - np.sqrt(np.maximum(x**2 - c**2, 0.0)),
@@ -316,11 +332,19 @@ def _stick_displacement(hertz: Case) -> Found:
     def ratio(f: float) -> float:
         """A/pi int dQ arccosh(x/a) over the engine's movement."""
         case = hertz.about_no_shear(f)
-        formulas, x, g, h = Formulas(case), 1.1 * case.length, case.time("G"), case.time("H")
-        sheared = integral(
-            lambda t: formulas.rates(t)[1] * formulas.reach(x, formulas.loads(t)[0]), g, h
-        )
-        return case.compliance / math.pi * sheared / formulas.moved(x, g, h)
+        formulas = Formulas(case)
+        x = 1.1 * case.length
+        time_of_g = case.time("G")
+        time_of_h = case.time("H")
+
+        def rate(t: Array) -> Array:
+            """dQ/dt arccosh(x/a)."""
+            load, _ = formulas.loads(t)
+            _, tangential_rate = formulas.rates(t)
+            return tangential_rate * formulas.reach(x, load)
+
+        sheared = integral(rate, time_of_g, time_of_h)
+        return case.compliance / math.pi * sheared / formulas.moved(x, time_of_g, time_of_h)
 
     ratios = {f: ratio(f) for f in (1.0, 0.6)}
     errors = {
@@ -335,16 +359,16 @@ def _stick_displacement(hertz: Case) -> Found:
 # --------------------------------------------------------------------------------------------- work
 def work(case: Case, x: float) -> dict[str, Found]:
     """Equations (11), (23) and (24), at the place x of the peak of W(x); Hertz."""
-    formulas, density = (
-        Formulas(case),
-        case.solve(x=[x / case.length], fields=("dissipation_density",)).dissipation_density[0],
-    )
+    formulas = Formulas(case)
+    solution = case.solve(x=[x / case.length], fields=("dissipation_density",))
+    density = solution.dissipation_density[0]
     radius = case.scene.profile.model_dump()["radius"]
 
     def root(t: Array) -> Array:
         """f^2/(pi R) sqrt(a^2 - x^2) over W."""
-        under = np.maximum(np.square(case.contact.half_width(formulas.loads(t)[0])) - x * x, 0.0)
-        return case.friction**2 / (math.pi * radius) * np.sqrt(under) / density
+        half_width = case.contact.half_width(formulas.loads(t)[0])
+        square = np.maximum(np.square(half_width) - x * x, 0.0)
+        return case.friction**2 / (math.pi * radius) * np.sqrt(square) / density
 
     def argument(phase: str, unit: float) -> float:
         """Part of W with the multiplier C of (14) for c in the arccosh, lengths in a unit."""
@@ -356,42 +380,35 @@ def work(case: Case, x: float) -> dict[str, Found]:
         return formulas.rubbing(phase, x, rate)
 
     def real_time(phase: str) -> float:
+        """How long x/C is at least 1, so that its arccosh is real."""
         return formulas.rubbing(phase, x, lambda t: x >= np.abs(formulas.multiplier(phase, t)))
 
     def mended(phase: str) -> float:
-        return formulas.rubbing(
-            phase,
-            x,
-            lambda t: (
-                root(t)
-                * np.abs(formulas.driving(phase, t))
-                * formulas.reach(x, formulas.front(phase, t))
-            ),
-        )
+        """Part of W with arccosh(x/c) and the size of C dP."""
+
+        def rate(t: Array) -> Array:
+            reached = formulas.reach(x, formulas.front(phase, t))
+            return root(t) * np.abs(formulas.driving(phase, t)) * reached
+
+        return formulas.rubbing(phase, x, rate)
 
     def with_minus(phase: str) -> float:
         """Part of W with the leading minus and C dP throughout."""
 
         def rate(t: Array) -> Array:
-            return (
-                -root(t)
-                * formulas.reach(x, formulas.front(phase, t))
-                * formulas.multiplier(phase, t)
-                * formulas.rates(t)[0]
-            )
+            load_rate, _ = formulas.rates(t)
+            reached = formulas.reach(x, formulas.front(phase, t))
+            return -root(t) * reached * formulas.multiplier(phase, t) * load_rate
 
         return formulas.rubbing(phase, x, rate)
 
-    right, signed = (
-        {f"{name} {phase}": of(phase) for phase in _PHASES}
-        for name, of in (("mended", mended), ("printed", with_minus))
-    )
-    millimetres, metres = (sum(argument(phase, unit) for phase in _PHASES) for unit in (1.0, 1e-3))
-    real = sum(map(real_time, _PHASES)) / sum(
-        formulas.rubbing(phase, x, np.ones_like) for phase in _PHASES
-    )
+    mended_parts = {f"mended {phase}": mended(phase) for phase in _PHASES}
+    printed_parts = {f"printed {phase}": with_minus(phase) for phase in _PHASES}
+    millimetres = sum(argument(phase, 1.0) for phase in _PHASES)
+    metres = sum(argument(phase, 1e-3) for phase in _PHASES)
+    rubbing_time = sum(formulas.rubbing(phase, x, np.ones_like) for phase in _PHASES)
     parts = {
-        "share of time with a real arccosh": real,
+        "share of time with a real arccosh": sum(map(real_time, _PHASES)) / rubbing_time,
         "in millimetres": millimetres,
         "in metres": metres,
     }
@@ -399,25 +416,27 @@ def work(case: Case, x: float) -> dict[str, Found]:
     # Ten times all lengths and loads, the same stresses; the integral of W(x) in parts between the
     # edges at events.
     fields = ("dissipation_density", "dissipation")
-    small, large = (
-        each.solve(x=[1.0], fields=fields, steady=True) for each in (case, case.ten_times())
-    )
-    powers = [
-        math.log10(large.dissipation_density[0] / small.dissipation_density[0]),
-        math.log10(large.dissipation / small.dissipation),
-    ]
+    small = case.solve(x=[1.0], fields=fields, steady=True)
+    large = case.ten_times().solve(x=[1.0], fields=fields, steady=True)
+    power_of_density = math.log10(large.dissipation_density[0] / small.dissipation_density[0])
+    power_of_work = math.log10(large.dissipation / small.dissipation)
     edges = (float(case.width(case.events[letter].normal_load)) for letter in "FGHIJ")
     marks = sorted({case.stick_edge, case.outer_edge, *edges})
     halves = (
         integral(lambda x: total(case.density(x)), begin, end) for begin, end in pairwise(marks)
     )
-    whole = _share(2 * sum(halves) * case.work_unit, case.steady.dissipation)
-    holds = whole <= EXACT and abs(powers[0] - 1) <= EXACT and abs(powers[1] - 2) <= EXACT
-    negative = signed["printed JM"] < 0 < right["mended JM"]
+    error = _relative_error(2 * sum(halves) * case.work_unit, case.steady.dissipation)
+    powers_hold = abs(power_of_density - 1) <= EXACT and abs(power_of_work - 2) <= EXACT
+    sign_differs = printed_parts["printed JM"] < 0 < mended_parts["mended JM"]
+    mended_sum = sum(mended_parts.values())
+    printed_sum = sum(printed_parts.values())
     return {
-        "(23), (24), arccosh": _proof(sum(right.values()), millimetres, 1.0, parts),
+        "(23), (24), arccosh": _proof(mended_sum, millimetres, 1.0, parts),
         "(23), (24), sign": _proof(
-            sum(right.values()), sum(signed.values()), 1.0, signed | right, negative
+            mended_sum, printed_sum, 1.0, printed_parts | mended_parts, sign_differs
         ),
-        "(11)": (holds, {"power of W(x)": powers[0], "power of (11)": powers[1], "right": whole}),
+        "(11)": (
+            error <= EXACT and powers_hold,
+            {"power of W(x)": power_of_density, "power of (11)": power_of_work, "right": error},
+        ),
     }

@@ -48,20 +48,20 @@ class PaperReport:
 
 def statements(examples: Paper) -> tuple[Statement, ...]:
     """Every statement of the paper, with verdicts."""
-    found = judged(examples)
-    return tuple(row(Statement, words, found[words["key"]]) for words in WORDS["statement"])
+    verdicts = judged(examples)
+    return tuple(row(Statement, words, verdicts[words["key"]]) for words in WORDS["statement"])
 
 
 def misprints(examples: Paper) -> tuple[Misprint, ...]:
     """Every misprint of the paper, with proofs."""
-    found = proofs(examples)
-    return tuple(row(Misprint, words, found[words["key"]]) for words in WORDS["misprint"])
+    proof_of = proofs(examples)
+    return tuple(row(Misprint, words, proof_of[words["key"]]) for words in WORDS["misprint"])
 
 
 def tally(rows: Sequence[Statement]) -> dict[str, int]:
     """How many statements got each verdict."""
-    found = Counter(row.verdict.value for row in rows)
-    return {verdict.value: found[verdict.value] for verdict in Verdict}
+    counts = Counter(row.verdict.value for row in rows)
+    return {verdict.value: counts[verdict.value] for verdict in Verdict}
 
 
 def write(out: str | Path, stages: Stages, command: str = "halfplane paper") -> PaperReport:
@@ -74,16 +74,15 @@ def write(out: str | Path, stages: Stages, command: str = "halfplane paper") -> 
     """
     examples = paper()
     with stages.stage("statements and misprints"):
-        said, wrong = statements(examples), misprints(examples)
+        statement_rows = statements(examples)
+        misprint_rows = misprints(examples)
     with stages.stage("figures"):
         figures = sheets(examples)
     with filled(out) as folder:
-        (folder / "statements.csv").write_text(
-            table_text(as_columns(said, "statement")), encoding="utf-8"
-        )
-        (folder / "misprints.csv").write_text(
-            table_text(as_columns(wrong, "misprint")), encoding="utf-8"
-        )
+        statement_table = table_text(as_columns(statement_rows, "statement"))
+        (folder / "statements.csv").write_text(statement_table, encoding="utf-8")
+        misprint_table = table_text(as_columns(misprint_rows, "misprint"))
+        (folder / "misprints.csv").write_text(misprint_table, encoding="utf-8")
         (folder / "figures").mkdir()
         with stages.stage("SVG and CSV"):
             for figure in figures:
@@ -98,15 +97,15 @@ def write(out: str | Path, stages: Stages, command: str = "halfplane paper") -> 
             page = template("paper.html").render(
                 source=SOURCE,
                 figures=figures,
-                statements=said,
-                misprints=wrong,
-                tally=tally(said),
-                proven=sum(row.proven is True for row in wrong),
-                by_reading=sum(row.proven is None for row in wrong),
+                statements=statement_rows,
+                misprints=misprint_rows,
+                tally=tally(statement_rows),
+                proven=sum(row.proven is True for row in misprint_rows),
+                by_reading=sum(row.proven is None for row in misprint_rows),
                 proven_in_words=proven_in_words,
                 script=program,
                 script_hash=digest,
                 command=command,
             )
             (folder / "report.html").write_text(page, encoding="utf-8")
-    return PaperReport(said, wrong, Path(out) / "report.html")
+    return PaperReport(statement_rows, misprint_rows, Path(out) / "report.html")

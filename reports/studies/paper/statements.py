@@ -342,7 +342,7 @@ def loads(paper: Paper) -> dict[str, Found]:
     }
 
 
-def _changes(case: Case, others: Sequence[Case]) -> dict[str, float]:
+def _changes(case: Case, changed_cases: Sequence[Case]) -> dict[str, float]:
     """Largest change of the stick half-width through the cycle, and of W as closed integral of Q
     dU: that way to it knows Q0.
     """
@@ -350,9 +350,14 @@ def _changes(case: Case, others: Sequence[Case]) -> dict[str, float]:
     def zones(of: Case) -> Array:
         return of.solve(time=of.round_times(73)).stick_half_width / of.length
 
-    zone = max(float(np.max(np.abs(zones(other) - zones(case)))) for other in others)
-    work = max(abs(other.steady.loop_work / case.steady.loop_work - 1) for other in others)
-    return {"change of c": zone, "change of W": work}
+    zones_of_case = zones(case)
+    work_of_case = case.steady.loop_work
+    zone_changes = []
+    work_changes = []
+    for changed_case in changed_cases:
+        zone_changes.append(float(np.max(np.abs(zones(changed_case) - zones_of_case))))
+        work_changes.append(abs(changed_case.steady.loop_work / work_of_case - 1))
+    return {"change of c": max(zone_changes), "change of W": max(work_changes)}
 
 
 # --------------------------------------------------------------------------------- work of friction

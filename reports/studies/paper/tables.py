@@ -12,7 +12,8 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Any, TypeVar
 
-EXACT, APART = 1e-9, 1e-3
+EXACT = 1e-9
+APART = 1e-3
 """A mended formula agrees with the engine to EXACT; a misprint errs by more than APART: both shares
 of the right value.
 """
@@ -68,25 +69,22 @@ def filled_in(text: str, values: Mapping[str, Any]) -> str:
     'error 3e-15'
     """
 
-    def number(found: re.Match[str]) -> str:
-        return (
-            _small(values[found[1]])
-            if found[2] == "small"
-            else format(values[found[1]], found[2] or "")
-        )
+    def number(match: re.Match[str]) -> str:
+        """The number that stands for a name and a format in braces."""
+        value = values[match[1]]
+        if match[2] == "small":
+            return _small(value)
+        return format(value, match[2] or "")
 
     return re.sub(r"\{([^{}:]+)(?::([^{}]*))?\}", number, text)
 
 
 def row(kind: type[Row], words: Mapping[str, str], found: Found) -> Row:
-    """A row of either table."""
-    numbers = {name: value for name, value in found[1].items() if not isinstance(value, str)}
-    cells: list[Any] = [
-        *(words[one.name] for one in fields(kind)[:-3]),
-        filled_in(words["text"], found[1]),
-        found[0],
-        numbers,
-    ]
+    """A row of either table: its words, then text, verdict and numbers."""
+    verdict, values = found
+    numbers = {name: value for name, value in values.items() if not isinstance(value, str)}
+    cells: list[Any] = [words[field.name] for field in fields(kind)[:-3]]
+    cells += [filled_in(words["text"], values), verdict, numbers]
     return kind(*cells)
 
 
@@ -143,13 +141,15 @@ def proven_in_words(row: Misprint) -> str:
 def as_columns(rows: Sequence[Statement] | Sequence[Misprint], key: str) -> dict[str, list[str]]:
     """Columns of one of the tables for CSV; `key` heads the first."""
     heads = {"key": key, "words": "the paper", "values": "numbers"}
-    return {
-        heads.get(one.name, one.name): [_cell(getattr(row, one.name)) for row in rows]
-        for one in fields(rows[0])
-    }
+    columns = {}
+    for field in fields(rows[0]):
+        cells = [_cell(getattr(row, field.name)) for row in rows]
+        columns[heads.get(field.name, field.name)] = cells
+    return columns
 
 
 def _cell(value: Any) -> str:
+    """Numbers, words or a proof as text."""
     if isinstance(value, Mapping):
         return "; ".join(f"{name} = {number!r}" for name, number in value.items())
     return value if isinstance(value, str) else _PROVEN[value]
