@@ -1176,7 +1176,7 @@ PRINTOUT = """
 
 def test_tables_of_a_printed_file(tmp_path: Path) -> None:
     dat_file = read_dat(DATA / "surface-to-surface.dat")
-    whats = [(table.what, table.scope, table.time) for table in dat_file.tables]
+    whats = [(table.kind, table.scope, table.time) for table in dat_file.tables]
     assert whats[0] == ("total force", "set BOTTOM", 1.0)
     assert ("contact stress", "all contact elements", 2.0) in whats
     # The support carries what the pad brings.

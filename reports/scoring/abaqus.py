@@ -25,16 +25,17 @@ from scenes.text_tables import plain
 Array = NDArray[np.float64]
 
 _TITLE = "Field Output Report"
-_SAID = re.compile(
+_HEADER = re.compile(
     r"\s*(?:Step:\s*(?P<step>.+?)|Frame:\s*(?P<frame>.+?)|Field Output reported at (?P<where>.+?)"
     r" for "
     r"(?:part|region|element set|node set|set|surface):\s*(?P<region>.+?))\s*$"
 )
 _TIME = re.compile(r"(?:Step )?Time\s*=\s*(?P<time>[-+]?\d+\.?\d*(?:[eE][-+]?\d{1,2})?)(?!\S)")
-_LONGEST, _MOST_ROWS = 100_000, 2_000_000
-# Of the extent in x: what the height of a flat face may be written with, and the least that this
-# is.
-_FLAT, _ZERO = 1e-6, 1e-9
+_LONGEST = 100_000  # characters of a line
+_MOST_ROWS = 2_000_000
+# Rounding of the height of a flat face: a share of the extent in x, and at least this [length].
+_FLAT = 1e-6
+_ZERO = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +51,7 @@ class _Block:
     line: int
 
     def column(self, name: str) -> Array:
+        """(n_rows,) of one quantity."""
         return self.values[:, self.names.index(name)]
 
 
@@ -79,41 +81,45 @@ def read_field_report(path: Path, mapping: Mapping) -> tuple[dict[Quantity, Arra
             f"{path}: the report holds no table of values below a line of dashes; report CPRESS,"
             " CSHEAR and COORD"
         )
-    if wrong := next((block for block in blocks if "node" not in block.where), None):
+    for block in blocks:
+        if "node" not in block.where:
+            raise InputError(
+                f"{path}, line {block.line}: its values are reported at {block.where}; report them"
+                " at unique nodal positions"
+            )
+    region = _region_with_pressure(path, blocks, mapping)
+    blocks_of_region = [block for block in blocks if block.region == region]
+    frames = {(block.step, block.frame) for block in blocks_of_region}
+    notes = [f"the nodal values of {region} were taken, at {len(frames)} frames"]
+    return _columns(path, blocks_of_region, mapping, notes), notes
+
+
+def _region_with_pressure(path: Path, blocks: Sequence[_Block], mapping: Mapping) -> str:
+    """The one region that carries pressure, of several the one that the mapping names."""
+    regions = {block.region for block in blocks}
+    if mapping.surface is not None and mapping.surface not in regions:
         raise InputError(
-            f"{path}, line {wrong.line}: its values are reported at {wrong.where}; report them at"
-            " unique nodal positions"
+            f"{path}: the mapping says surface = {mapping.surface!r}, and it reports"
+            f" {listed(sorted(regions))}"
         )
-    stated = mapping.surface
-    if stated is not None and not any(stated == block.region for block in blocks):
+    loaded_regions = set()
+    for block in blocks:
+        name = find_column(mapping, "pressure", block.names, str(path))
+        is_chosen = mapping.surface in (None, block.region)
+        if is_chosen and name is not None and np.any(block.column(name)):
+            loaded_regions.add(block.region)
+    if not loaded_regions:
+        names = listed(list(dict.fromkeys(name for block in blocks for name in block.names)))
         raise InputError(
-            f"{path}: the mapping says surface = {stated!r}, and it reports"
-            f" {listed(sorted({b.region for b in blocks}))}"
+            f"{path}: no pressure that is not zero everywhere (looked for CPRESS) among {names}"
         )
-    source = str(path)
-    pressures = [(block, find_column(mapping, "pressure", block.names, source)) for block in blocks]
-    known = {
-        b.region
-        for b, name in pressures
-        if stated in (None, b.region) and name is not None and np.any(b.column(name))
-    }
-    if not known:
-        have = listed(list(dict.fromkeys(name for block in blocks for name in block.names)))
+    if len(loaded_regions) > 1:
         raise InputError(
-            f"{path}: no pressure that is not zero everywhere (looked for CPRESS) among {have}"
+            f"{path}: {listed(sorted(loaded_regions))} carry pressure, master and slave perhaps:"
+            " say which by surface of a mapping"
         )
-    if len(known) > 1:
-        raise InputError(
-            f"{path}: {listed(sorted(known))} carry pressure, master and slave perhaps: say which"
-            " by surface of a mapping"
-        )
-    (region,) = known
-    chosen = [block for block in blocks if block.region == region]
-    notes = [
-        f"the nodal values of {region} were taken, at {len({(b.step, b.frame) for b in chosen})}"
-        " frames"
-    ]
-    return _columns(path, chosen, mapping, notes), notes
+    (region,) = loaded_regions
+    return region
 
 
 def _columns(
@@ -126,63 +132,70 @@ def _columns(
     tables = []
     for block in blocks:
         quantities: tuple[Quantity, ...] = ("x", "y", "pressure", "shear", "slip")
-        found = {
-            quantity: find_column(mapping, quantity, block.names, str(path))
-            for quantity in quantities
-        }
-        label = next((name for name in block.names if plain(name) == "nodelabel"), None)
-        table = pd.DataFrame(
-            {quantity: block.column(name) for quantity, name in found.items() if name is not None}
-        )
-        table.index = pd.Index(
-            np.arange(float(len(block.values))) if label is None else block.column(label)
-        )
+        columns = {}
+        for quantity in quantities:
+            name = find_column(mapping, quantity, block.names, str(path))
+            if name is not None:
+                columns[quantity] = block.column(name)
+        labels = np.arange(float(len(block.values)))
+        for name in block.names:
+            if plain(name) == "nodelabel":
+                labels = block.column(name)
+                break
+        table = pd.DataFrame(columns)
+        table.index = pd.Index(labels)
         tables.append(table.assign(frame=float(frames.index((block.step, block.frame)))))
-    whole = pd.concat(tables)  # every value is finite: NaN is what a table lacks
-    if "x" not in whole:
+    values = pd.concat(tables)  # every value is finite: NaN is what a table lacks
+    if "x" not in values:
         raise InputError(
             f"{path}: the nodes of {blocks[0].region} have no places: report COORD with COORD1"
             " beside CPRESS"
         )
     # Places may stand in tables of their own, and once for all frames.
-    places = whole[whole.columns.intersection(["x", "y"])].groupby(level=0).last()
-    rows = whole.drop(columns=places.columns).dropna(subset="pressure").dropna(axis=1).join(places)
-    if len(lacking := rows.index[rows["x"].isna()]):
+    places = values[values.columns.intersection(["x", "y"])].groupby(level=0).last()
+    tractions = values.drop(columns=places.columns).dropna(subset="pressure").dropna(axis=1)
+    rows = tractions.join(places)
+    nodes_without_place = rows.index[rows["x"].isna()]
+    if len(nodes_without_place):
         raise InputError(
-            f"{path}: node {lacking[0]:.0f} has a pressure and no place; report COORD for the same"
-            " nodes"
+            f"{path}: node {nodes_without_place[0]:.0f} has a pressure and no place; report COORD"
+            " for the same nodes"
         )
-    on, first = (
-        (rows["pressure"] != 0).groupby(level=0).transform("any"),
-        rows["frame"] == rows["frame"].iloc[0],
-    )
+    is_on_surface = (rows["pressure"] != 0).groupby(level=0).transform("any")
+    is_in_first_frame = rows["frame"] == rows["frame"].iloc[0]
     if "y" in rows:
-        span = _ZERO + _FLAT * np.ptp(rows["x"])
-        if np.ptp(rows["y"][on]) <= span:  # a flat face: its nodes outside the contact too
-            on = np.abs(rows["y"] - rows["y"][on].median()) <= span
-    elif rows["x"][first].is_unique:  # no two nodes at one x: the surface alone was reported
-        on = on | True
-    if left := int(np.sum(~on & first)):
-        notes.append(f"{left} nodes that do not lie on the contact surface were left out")
-    kept: tuple[Quantity, ...] = ("x", "pressure", "shear", "slip", "frame")
-    every = {
-        name: converted(mapping, name, rows[name][on].to_numpy()) for name in kept if name in rows
+        tolerance = _ZERO + _FLAT * np.ptp(rows["x"])
+        heights = rows["y"][is_on_surface]
+        if np.ptp(heights) <= tolerance:  # a flat face: its nodes outside the contact too
+            is_on_surface = np.abs(rows["y"] - heights.median()) <= tolerance
+    elif rows["x"][is_in_first_frame].is_unique:
+        # no two nodes at one x: the surface alone was reported
+        is_on_surface = is_on_surface | True
+    left_out = int(np.sum(~is_on_surface & is_in_first_frame))
+    if left_out:
+        notes.append(f"{left_out} nodes that do not lie on the contact surface were left out")
+    surface_quantities: tuple[Quantity, ...] = ("x", "pressure", "shear", "slip", "frame")
+    surface = {
+        name: converted(mapping, name, rows[name][is_on_surface].to_numpy())
+        for name in surface_quantities
+        if name in rows
     }
-    steps, times = {step for step, _ in frames}, [_TIME.search(frame) for _, frame in frames]
-    if len(steps) == 1 and all(times):
-        stated = np.array([float(found["time"]) for found in times if found])
-        every["time"] = converted(mapping, "time", stated)[every["frame"].astype(int)]
+    steps = {step for step, _ in frames}
+    matches = [_TIME.search(frame) for _, frame in frames]
+    if len(steps) == 1 and all(matches):
+        times = np.array([float(match["time"]) for match in matches if match])
+        surface["time"] = converted(mapping, "time", times)[surface["frame"].astype(int)]
     elif len(frames) > 1:
         notes.append(
             f"its frames are of {len(steps)} steps, whose times start again: they were numbered in"
             " the order of the report"
         )
-    return every
+    return surface
 
 
 def _blocks(path: Path) -> Iterator[_Block]:
     """The tables of a report that have rows, in its order."""
-    said = dict.fromkeys(("step", "frame", "where", "region"), "")
+    about = dict.fromkeys(("step", "frame", "where", "region"), "")
     above: list[str] = []  # lines since the last empty one: headings, if dashes come
     names: list[str] = []
     rows: list[list[float]] = []
@@ -206,18 +219,21 @@ def _blocks(path: Path) -> Iterator[_Block]:
                 names = names or _names(text, above)
                 rows.append(_numbers(f"{path}, line {number}", text, names))
             elif rows:
-                yield _Block(**said, names=names, values=np.array(rows), line=dashes)
-                above, names, rows, dashes = [], [], [], 0
+                yield _Block(**about, names=names, values=np.array(rows), line=dashes)
+                above = []
+                names = []
+                rows = []
+                dashes = 0
             elif not text:
                 above = above if dashes else []
             elif re.fullmatch(r"\s*-{12,}", text) and above:
                 dashes = number
             else:
                 above.append(text)
-                if found := _SAID.match(text):
-                    said |= {
-                        key: value for key, value in found.groupdict().items() if value is not None
-                    }
+                match = _HEADER.match(text)
+                if match:
+                    words = match.groupdict()
+                    about |= {key: value for key, value in words.items() if value is not None}
 
 
 def _names(row: str, above: list[str]) -> list[str]:
@@ -225,11 +241,12 @@ def _names(row: str, above: list[str]) -> list[str]:
     it.
     """
     ends = [0, *(cell.end() for cell in re.finditer(r"\S+", row))]
-    parts = ([heading[first:last].strip() for heading in above] for first, last in pairwise(ends))
-    return [
-        _name(" ".join(part for part in own if part and not part.startswith("@Loc")))
-        for own in parts
-    ]
+    names = []
+    for first, last in pairwise(ends):
+        parts = [heading[first:last].strip() for heading in above]
+        words = [part for part in parts if part and not part.startswith("@Loc")]
+        names.append(_name(" ".join(words)))
+    return names
 
 
 def _numbers(where: str, row: str, names: list[str]) -> list[float]:
@@ -239,15 +256,16 @@ def _numbers(where: str, row: str, names: list[str]) -> list[float]:
         raise InputError(
             f"{where}: {len(names)} values ({', '.join(names[:6])}) are needed, not {shown(row)}"
         )
-    found = []
+    numbers = []
     for name, cell in zip(names, cells, strict=True):
         try:
-            found.append(float(cell))
+            number = float(cell)
         except ValueError:
-            found.append(np.nan)
-        if not np.isfinite(found[-1]):
+            number = np.nan
+        if not np.isfinite(number):
             raise InputError(f"{where}: {name} = {shown(cell)} is not a finite number")
-    return found
+        numbers.append(number)
+    return numbers
 
 
 def _name(heading: str) -> str:
@@ -261,8 +279,7 @@ def _name(heading: str) -> str:
     ... )
     ('COORD1', 'CPRESS', 'Node Label', 'S22')
     """
-    return (
-        heading
-        if heading.lower().startswith("node")
-        else (heading.split() or [""])[0].rpartition(".")[2]
-    )
+    if heading.lower().startswith("node"):
+        return heading
+    first_word = (heading.split() or [""])[0]
+    return first_word.rpartition(".")[2]

@@ -17,10 +17,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from reports.scoring.calculix_files import DatFile, DatTable, FrdBlock, FrdFile, read_dat, read_frd
 from reports.scoring.mapping import Mapping, converted, stated_times
@@ -83,43 +83,48 @@ class CalculixMesh:
     """
 
     def __init__(self, file: FrdFile) -> None:
-        self.path, order = file.path, np.argsort(file.nodes)
-        self.numbers, self.points = file.nodes[order], file.points[order]
+        order = np.argsort(file.nodes)
+        self.path = file.path
+        self.numbers = file.nodes[order]
+        self.points = file.points[order]
         self._elements = {element.number: element for element in file.elements}
-        alike: dict[int, list[tuple[int, ...]]] = {}  # by the count of their nodes
+        nodes_by_count: dict[int, list[tuple[int, ...]]] = {}  # those of elements of one size
         for element in file.elements:
-            alike.setdefault(len(element.nodes), []).append(element.nodes)
-        self.above = material_above(
-            self.points, [self.rows(np.array(nodes, np.int64)) for nodes in alike.values()]
-        )
+            nodes_by_count.setdefault(len(element.nodes), []).append(element.nodes)
+        rows = [self.rows(np.array(nodes, np.int64)) for nodes in nodes_by_count.values()]
+        self.above = material_above(self.points, rows)
 
     def rows(self, nodes: Integers) -> Integers:
         """Rows of node numbers of any shape; InputError for a node without coordinates."""
-        at = np.minimum(np.searchsorted(self.numbers, nodes), len(self.numbers) - 1)
-        strange = np.asarray(nodes)[self.numbers[at] != nodes]
-        if len(strange):
+        rows = np.minimum(np.searchsorted(self.numbers, nodes), len(self.numbers) - 1)
+        unknown_nodes = np.asarray(nodes)[self.numbers[rows] != nodes]
+        if len(unknown_nodes):
             raise InputError(
-                f"{self.path}: node {strange[0]} has a result or an element and no coordinates"
-                " (CalculiX numbers the nodes of plane elements again); write *NODE FILE,"
-                " OUTPUT=3D in the deck and run it again"
+                f"{self.path}: node {unknown_nodes[0]} has a result or an element and no"
+                " coordinates (CalculiX numbers the nodes of plane elements again); write *NODE"
+                " FILE, OUTPUT=3D in the deck and run it again"
             )
-        return np.asarray(at, np.int64)
+        return np.asarray(rows, np.int64)
 
-    def face(self, element: int, face: int) -> tuple[Array, float]:
+    def face(self, number: int, face: int) -> tuple[Array, float]:
         """Middle of an element's face (3,), and how far the element's middle lies above it
         [length].
         """
-        found = self._elements.get(element)
-        corners = _FACES.get(found.kind, {}).get(face) if found else None
-        if found is None or corners is None:
-            what = f"element {element} " + (
-                f"of kind {found.kind} has no face {face}" if found else "is not in it"
-            )
+        element = self._elements.get(number)
+        fault = ""
+        corners: tuple[int, ...] = ()
+        if element is None:
+            fault = "is not in it"
+        else:
+            corners = _FACES.get(element.kind, {}).get(face, ())
+            if not corners:
+                fault = f"of kind {element.kind} has no face {face}"
+        if element is None or fault:
             raise InputError(
-                f"{self.path}: {what}; it must be of the same run as the .dat file, with *NODE FILE"
-                " and *EL FILE"
+                f"{self.path}: element {number} {fault}; it must be of the same run as the .dat"
+                " file, with *NODE FILE and *EL FILE"
             )
-        rows = self.rows(np.array(found.nodes))
+        rows = self.rows(np.array(element.nodes))
         middle = self.points[rows[list(corners)]].mean(axis=0)
         return middle, float(self.points[rows, 1].mean() - middle[1])
 
@@ -150,77 +155,81 @@ def read_results(path: Path, mapping: Mapping) -> SurfaceResult:
             " add *CONTACT FILE (DISP and FORC alone are what CalculiX leaves of a run whose first"
             " increment did not converge)"
         )
-    mesh, kind = CalculixMesh(file), file.blocks[0].name
+    mesh = CalculixMesh(file)
+    kind = file.blocks[0].name
     names = _COMPONENTS[kind]
-    blocks, notes = _one_block_a_time(
-        file, list(names.values()), "stress" if kind == "STRESS" else "contact values"
-    )
-    if kind == "STRESS":  # p = -SYY and q = SXY: the traction on the lower body's outward normal +y
-        height, factor = (
-            mesh.points[:, 1] - mapping.y_offset / (mapping.factors.length or 1.0),
-            mapping.factors.stress or 1.0,
-        )
-        face = np.flatnonzero((np.abs(height) <= SAME * extent(mesh.points)) & (mesh.above < 0))
-        if not len(face):
-            raise InputError(
-                f"{path}: no node of a lower body's face at y = {mapping.y_offset:g}; say where it"
-                " lies by y_offset of a mapping"
-            )
-        factors: dict[_Quantity, float] = {"pressure": -factor, "shear": factor}
-        notes = [
-            (
-                "no contact values in the file (*CONTACT FILE): p = -SYY and q = SXY of the lower"
-                " body at its face, outward normal +y; stress extrapolated to the nodes is coarser"
-                " than the contact values"
-            ),
-            *notes,
-        ]
+    noun = "stress" if kind == "STRESS" else "contact values"
+    blocks, notes = _one_block_a_time(file, list(names.values()), noun)
+    if kind == "STRESS":
+        face, factors, face_notes = _face_by_stress(mesh, mapping)
+        notes = [*face_notes, *notes]
     else:
-        for block in file.blocks:  # whatever is not 0 counts as touched: a NaN would
+        for block in file.blocks:  # what is not 0 counts as touched: a NaN would
             if not np.isfinite(block.values).all():
                 raise InputError(
                     f"{path}: line {block.line}: block CONTACT holds numbers that are not finite"
                 )
-        touched = np.unique(
-            np.concatenate(
-                [mesh.rows(block.nodes[np.any(block.values != 0, axis=1)]) for block in blocks]
-            )
-        )
-        if not len(touched):
-            raise InputError(
-                f"{path}: every contact value is 0 at every instant: the bodies do not touch in"
-                " this result"
-            )
-        body = _body_of_face(path, mesh.above[touched])
-        face, curved = _whole_face(mesh, touched)
-        factors = {quantity: _factor(mapping, quantity, body) for quantity in names}
-        notes += [
-            f"contact values stand at the slave face, that of the {body} body",
-            _SLIP_NOTE,
-            *curved,
-        ]
+        face, factors, face_notes = _face_by_contact(mesh, blocks, mapping)
+        notes += face_notes
     if not file.ended:
         notes.append(
             "the file has no end (9999): the run goes on or was stopped, and later instants are"
             " missing"
         )
     rows, depth, planes = one_plane(mesh.points, face)
-    fields: dict[str, Array] = {
-        q: factors[q] * np.array([mesh.scattered(block, name)[rows] for block in blocks])
-        for q, name in names.items()
-    }
-    beside, times = path.with_suffix(".dat"), np.array([block.time for block in blocks])
-    printed = read_dat(beside) if beside.exists() and beside.stat().st_size else None
-    return _result(
-        path,
-        mapping,
-        file.version,
-        (mesh.points[rows, 0], depth),
-        fields,
-        times,
-        printed,
-        [*notes, *planes],
+    fields: dict[str, Array] = {}
+    for quantity, name in names.items():
+        values = np.array([mesh.scattered(block, name)[rows] for block in blocks])
+        fields[quantity] = factors[quantity] * values
+    printed_path = path.with_suffix(".dat")
+    printed = None
+    if printed_path.exists() and printed_path.stat().st_size:
+        printed = read_dat(printed_path)
+    face_values = _FaceValues(
+        mesh.points[rows, 0], depth, fields, np.array([block.time for block in blocks])
     )
+    return _result(path, mapping, file.version, face_values, printed, [*notes, *planes])
+
+
+def _face_by_stress(
+    mesh: CalculixMesh, mapping: Mapping
+) -> tuple[Integers, dict[_Quantity, float], list[str]]:
+    """Rows of the lower body's face, factors of p = -SYY and q = SXY there, and a note: the
+    traction on its outward normal +y.
+    """
+    height = mesh.points[:, 1] - mapping.y_offset / (mapping.factors.length or 1.0)
+    is_on_face = (np.abs(height) <= SAME * extent(mesh.points)) & (mesh.above < 0)
+    if not is_on_face.any():
+        raise InputError(
+            f"{mesh.path}: no node of a lower body's face at y = {mapping.y_offset:g}; say where it"
+            " lies by y_offset of a mapping"
+        )
+    factor = mapping.factors.stress or 1.0
+    factors: dict[_Quantity, float] = {"pressure": -factor, "shear": factor}
+    note = (
+        "no contact values in the file (*CONTACT FILE): p = -SYY and q = SXY of the lower body at"
+        " its face, outward normal +y; stress extrapolated to the nodes is coarser than the contact"
+        " values"
+    )
+    return np.flatnonzero(is_on_face), factors, [note]
+
+
+def _face_by_contact(
+    mesh: CalculixMesh, blocks: Sequence[FrdBlock], mapping: Mapping
+) -> tuple[Integers, dict[_Quantity, float], list[str]]:
+    """Rows of the slave face, factors of the contact values there, and notes."""
+    touched_rows = [mesh.rows(block.nodes[np.any(block.values != 0, axis=1)]) for block in blocks]
+    touched = np.unique(np.concatenate(touched_rows))
+    if not len(touched):
+        raise InputError(
+            f"{mesh.path}: every contact value is 0 at every instant: the bodies do not touch in"
+            " this result"
+        )
+    body = _body_of_face(mesh.path, mesh.above[touched])
+    face, face_notes = _whole_face(mesh, touched)
+    factors = {quantity: _factor(mapping, quantity, body) for quantity in _COMPONENTS["CONTACT"]}
+    note = f"contact values stand at the slave face, that of the {body} body"
+    return face, factors, [note, _SLIP_NOTE, *face_notes]
 
 
 def read_printed(path: Path, mapping: Mapping) -> SurfaceResult:
@@ -234,47 +243,47 @@ def read_printed(path: Path, mapping: Mapping) -> SurfaceResult:
         or element that is not there.
     """
     printed = read_dat(path)
-    stress = {table.time: table for table in printed.tables if table.what == "contact stress"}
-    slip = {
+    stress_at = {table.time: table for table in printed.tables if table.kind == "contact stress"}
+    slip_at = {
         table.time: table
         for table in printed.tables
-        if table.what == "relative contact displacement"
+        if table.kind == "relative contact displacement"
     }
-    filled = [table for table in stress.values() if len(table.ids)]
-    if not filled:
+    filled_tables = [table for table in stress_at.values() if len(table.ids)]
+    if not filled_tables:
         raise InputError(
             f"{path}: no contact stress is printed in it (*CONTACT PRINT with CSTR in the deck)"
         )
-    beside = path.with_suffix(".frd")
-    if not beside.exists():
+    mesh_path = path.with_suffix(".frd")
+    if not mesh_path.exists():
         raise InputError(
-            f"{path}: a .dat file states no places, and there is no {beside.name} beside it to take"
-            " them from; copy it there"
+            f"{path}: a .dat file states no places, and there is no {mesh_path.name} beside it to"
+            " take them from; copy it there"
         )
-    mesh = CalculixMesh(read_frd(beside, ()))
-    if len({table.ids.shape[1] for table in filled}) > 1:
+    mesh = CalculixMesh(read_frd(mesh_path, ()))
+    if len({table.ids.shape[1] for table in filled_tables}) > 1:
         raise InputError(
             f"{path}: contact stress of nodes and of element faces in one file; print one contact"
             " pair (mapping's surface)"
         )
-    keys = np.unique(np.concatenate([table.ids for table in filled]), axis=0)
+    keys = np.unique(np.concatenate([table.ids for table in filled_tables]), axis=0)
     notes = []
     if keys.shape[1] == 1:
-        at = mesh.rows(keys[:, 0])
-        places, above = mesh.points[at], mesh.above[at]
+        node_rows = mesh.rows(keys[:, 0])
+        places = mesh.points[node_rows]
+        above = mesh.above[node_rows]
     else:
         faces = [mesh.face(int(element), int(face)) for element, face in keys]
-        places, above = (
-            np.array([middle for middle, _ in faces]),
-            np.array([height for _, height in faces]),
-        )
+        places = np.array([middle for middle, _ in faces])
+        above = np.array([height for _, height in faces])
         notes = [
             "CalculiX prints integration points of faces without place or weight: the plain mean of"
             " each face stands at its middle"
         ]
     body = _body_of_face(path, above)
-    rows, _, more = one_plane(places, np.arange(len(keys)))
-    notes = [f"contact values stand at the slave face, that of the {body} body", *notes, *more]
+    rows, _, plane_notes = one_plane(places, np.arange(len(keys)))
+    face_note = f"contact values stand at the slave face, that of the {body} body"
+    notes = [face_note, *notes, *plane_notes]
 
     def column(tables: Sequence[DatTable], k: int, quantity: _Quantity) -> Array:
         """(n_times, n_points): the mean of the rows of each node or face; 0 where a table has
@@ -282,66 +291,62 @@ def read_printed(path: Path, mapping: Mapping) -> SurfaceResult:
         """
         means = np.zeros((len(tables), len(rows)))
         for mean, table in zip(means, tables, strict=True):
-            values = dict[tuple[int, ...], list[float]]()
-            for ids, value in zip(
-                map(tuple, table.ids.tolist()), table.values[:, k].tolist(), strict=True
-            ):
-                values.setdefault(ids, []).append(value)
-            mean[:] = [np.mean(values.get(tuple(key), 0.0)) for key in keys[rows].tolist()]
+            values_of: dict[tuple[int, ...], list[float]] = {}  # key of a node or face -> its rows
+            all_ids = map(tuple, table.ids.tolist())
+            for ids, value in zip(all_ids, table.values[:, k].tolist(), strict=True):
+                values_of.setdefault(ids, []).append(value)
+            mean[:] = [np.mean(values_of.get(tuple(key), 0.0)) for key in keys[rows].tolist()]
         return _factor(mapping, quantity, body) * means
 
-    tables = [*stress.values()]
+    tables = list(stress_at.values())
     fields = {"pressure": column(tables, 0, "pressure"), "shear": column(tables, 1, "shear")}
-    if set(slip) >= set(stress):
-        fields["slip"] = column([slip[time] for time in stress], 1, "slip")
+    if set(slip_at) >= set(stress_at):
+        fields["slip"] = column([slip_at[time] for time in stress_at], 1, "slip")
         notes.append(_SLIP_NOTE)
     depth = float(np.ptp(mesh.points[:, 2]))
-    return _result(
-        path,
-        mapping,
-        "CalculiX",
-        (places[rows, 0], depth),
-        fields,
-        np.array([*stress]),
-        printed,
-        notes,
-    )
+    face_values = _FaceValues(places[rows, 0], depth, fields, np.array(list(stress_at)))
+    return _result(path, mapping, "CalculiX", face_values, printed, notes)
 
 
 def _factor(mapping: Mapping, quantity: _Quantity, body: str) -> float:
     """Unit factor and sign: the mapping's sign where it states one, else that of the slave face,
     which is part of `body`.
     """
-    one = float(converted(mapping, quantity, np.ones(1))[0])
-    stated = quantity == "pressure" or getattr(mapping.signs, quantity) is not None
-    return one if stated or body == "upper" else -one
+    factor = float(converted(mapping, quantity, np.ones(1))[0])
+    has_sign = quantity == "pressure" or getattr(mapping.signs, quantity) is not None
+    if has_sign or body == "upper":
+        return factor
+    return -factor
 
 
 def _one_block_a_time(
-    file: FrdFile, wanted: Sequence[str], what: str
+    file: FrdFile, components: Sequence[str], noun: str
 ) -> tuple[list[FrdBlock], list[str]]:
-    """The last block of each time, of which all hold the components `wanted`; frames without one
-    and doubles are named.
+    """The last block of each time, of which all hold these components; frames without one and
+    doubles are named.
     """
     for block in file.blocks:
-        if missing := [name for name in wanted if name not in block.components]:
+        missing = [name for name in components if name not in block.components]
+        if missing:
             raise InputError(
                 f"{file.path}: line {block.line}: block {block.name} has no {missing[0]}; it needs"
-                f" {', '.join(wanted)}"
+                f" {', '.join(components)}"
             )
-    last = {block.time: block for block in file.blocks}
+    last_block_at = {block.time: block for block in file.blocks}
     notes = []
-    if without := [time for time in file.times if time not in last]:
+    empty_times = [time for time in file.times if time not in last_block_at]
+    if empty_times:
         notes.append(
-            f"left out: {len(without)} frames without {what} (first at time {without[0]:.6g});"
-            " CalculiX writes such a frame of an increment that did not converge"
+            f"left out: {len(empty_times)} frames without {noun} (first at time"
+            f" {empty_times[0]:.6g}); CalculiX writes such a frame of an increment that did not"
+            " converge"
         )
-    if len(last) < len(file.blocks):
+    double_count = len(file.blocks) - len(last_block_at)
+    if double_count:
         notes.append(
-            f"{len(file.blocks) - len(last)} blocks of {what} share a time with a later one, which"
-            " was taken"
+            f"{double_count} blocks of {noun} share a time with a later one, which was taken"
         )
-    return list(last.values()), notes
+    return list(last_block_at.values()), notes
 
 
 def _body_of_face(path: Path, above: Array) -> str:
@@ -359,7 +364,8 @@ def _body_of_face(path: Path, above: Array) -> str:
 
 def _whole_face(mesh: CalculixMesh, touched: Integers) -> tuple[Integers, list[str]]:
     """The nodes that ever carry a value and, where the face is flat, the rest of it."""
-    height, tolerance = mesh.points[:, 1], SAME * extent(mesh.points)
+    height = mesh.points[:, 1]
+    tolerance = SAME * extent(mesh.points)
     if np.ptp(height[touched]) > tolerance:
         return touched, [
             "the slave face is curved: points that never carry a contact value are left out, and x"
@@ -369,28 +375,36 @@ def _whole_face(mesh: CalculixMesh, touched: Integers) -> tuple[Integers, list[s
     return np.flatnonzero((np.abs(height - height[touched].mean()) <= tolerance) & same_side), []
 
 
+class _FaceValues(NamedTuple):
+    """Values at the points of the slave face, and where and when they are."""
+
+    x: Array  # (n_points,) in the units of the file
+    depth: float  # of the mesh, 0 where it is a plane one
+    fields: dict[str, Array]  # quantity -> (n_times, n_points) in the scene's units
+    times: Array  # (n_times,) that the file states
+
+
 def _result(
     path: Path,
     mapping: Mapping,
     code: str,
-    place: tuple[Array, float],
-    fields: dict[str, Array],
-    times: Array,
+    values: _FaceValues,
     printed: DatFile | None,
     notes: list[str],
 ) -> SurfaceResult:
-    """Times and loads added; everything checked and sorted. `place`: x of the points, and the depth
-    of the mesh.
-    """
-    x, depth = converted(mapping, "x", place[0]), place[1]
-    loads, said = _pair_loads(printed, mapping, times, depth) if printed else ({}, [])
-    time = (
-        stated_times(str(path), mapping, len(times))
-        if mapping.times is not None
-        else converted(mapping, "time", times)
-    )
+    """The face's values with times and loads; everything checked and sorted."""
+    series: dict[str, ArrayLike | None] = {}
+    load_notes: list[str] = []
+    if printed is not None:
+        loads, load_notes = _pair_loads(printed, mapping, values.times, values.depth)
+        series |= loads
+    if mapping.times is not None:
+        series["time"] = stated_times(str(path), mapping, len(values.times))
+    else:
+        series["time"] = converted(mapping, "time", values.times)
+    x = converted(mapping, "x", values.x)
     return surface_result(
-        str(path), mapping.code or code, x, dict(fields), {"time": time, **loads}, [*notes, *said]
+        str(path), mapping.code or code, x, dict(values.fields), series, [*notes, *load_notes]
     )
 
 
@@ -413,30 +427,32 @@ def _pair_loads(
         )
     # The last of each time, which the two files round differently. CalculiX writes 0 and NaN for
     # node-to-surface pairs, touching or not: no statement on the loads.
-    known = [pair for pair in reversed(pairs) if np.isfinite(pair.normal).all()]
-    stated = [
-        found
-        for t in times
-        if (
-            found := next(
-                (one for one in known if np.isclose(one.time, t, rtol=1e-5, atol=0.0)), None
-            )
+    finite_pairs = [pair for pair in reversed(pairs) if np.isfinite(pair.normal).all()]
+    forces_on_lower = []
+    for time in times:
+        for pair in finite_pairs:
+            if np.isclose(pair.time, time, rtol=1e-5, atol=0.0):
+                is_lower = pair.normal[1] > 0
+                forces_on_lower.append(pair.force if is_lower else -pair.force)
+                break
+    if len(forces_on_lower) < len(times):
+        note = (
+            f"{file.path.name} states the pair's resultant at {len(forces_on_lower)} of"
+            f" {len(times)} times: not used"
         )
-    ]
-    if len(stated) < len(times):
-        words = (
-            f"{file.path.name} states the pair's resultant at {len(stated)} of {len(times)} times:"
-            " not used"
-        )
-        return {}, [words] if pairs else []
-    on_lower = np.array([pair.force if pair.normal[1] > 0 else -pair.force for pair in stated])
-    of_mesh = depth > 0 and "thickness" not in mapping.model_fields_set
-    thickness = depth * (mapping.factors.length or 1.0) if of_mesh else 1.0
-    said = (
-        f"divided by the {'mesh' if of_mesh else 'mapping'}'s thickness,"
-        f" {thickness * mapping.thickness:g}"
-    )
-    return {
+        return {}, [note] if pairs else []
+    on_lower = np.array(forces_on_lower)
+    source = "mapping"
+    thickness = 1.0
+    if depth > 0 and "thickness" not in mapping.model_fields_set:
+        source = "mesh"
+        thickness = depth * (mapping.factors.length or 1.0)
+    loads = {
         "normal_load": converted(mapping, "normal_load", -on_lower[:, 1] / thickness),
         "tangential_load": converted(mapping, "tangential_load", on_lower[:, 0] / thickness),
-    }, [f"loads are the resultants of the contact pair in {file.path.name}, {said}"]
+    }
+    note = (
+        f"loads are the resultants of the contact pair in {file.path.name}, divided by the"
+        f" {source}'s thickness, {thickness * mapping.thickness:g}"
+    )
+    return loads, [note]

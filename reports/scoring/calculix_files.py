@@ -9,7 +9,7 @@ key: `2C` nodes, `3C` elements, `100C` a result block, ` -4` its name, ` -5` a c
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -58,9 +58,8 @@ class FrdBlock:
 
     def column(self, component: str) -> Array:
         """(n_records,); KeyError where the block has no such component."""
-        return self.values[
-            :, dict(zip(self.components, range(len(self.components)), strict=True))[component]
-        ]
+        place_of = {name: place for place, name in enumerate(self.components)}
+        return self.values[:, place_of[component]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,9 +93,12 @@ def read_frd(
     path = Path(path)
     _check_size(path)
     version: list[str] = []
-    nodes, points = np.empty(0, np.int64), np.empty((0, 3))
+    nodes = np.empty(0, np.int64)
+    points = np.empty((0, 3))
     elements: list[FrdElement] = []
-    times, named = dict[float, None](), dict[str, None]()
+    # in the order of the file, each once
+    times: dict[float, None] = {}
+    block_names: dict[str, None] = {}
     blocks: list[FrdBlock] = []
     ended = False
     with path.open(encoding="ascii", errors="replace", newline="\n") as stream:
@@ -106,9 +108,9 @@ def read_frd(
                 case "1U":
                     text = line[5:].strip()
                     version += [
-                        text.removeprefix(own).strip()
-                        for own in ("UPGM", "UVERSION")
-                        if text.startswith(own)
+                        text.removeprefix(keyword).strip()
+                        for keyword in ("UPGM", "UVERSION")
+                        if text.startswith(keyword)
                     ]
                 case "2C":
                     nodes, points = lines.nodes(line)
@@ -118,21 +120,15 @@ def read_frd(
                     at = lines.number
                     time = lines.float(line[12:24], "the time of a frame in columns 13 to 24")
                     name, components = lines.components()
-                    times[time] = named[name] = None
-                    best = bool(blocks) and blocks[0].name in names
+                    times[time] = None
+                    block_names[name] = None
+                    has_first_choice = bool(blocks) and blocks[0].name in names
                     label, records = lines.records(line, f"records of block {name}", at)
-                    if name in names and not best:
+                    if name in names and not has_first_choice:
                         blocks.clear()
-                    if name in names or (name in instead and not best):
-                        blocks.append(
-                            FrdBlock(
-                                name,
-                                time,
-                                components,
-                                *lines.table(records, label, len(components)),
-                                at,
-                            )
-                        )
+                    if name in names or (name in instead and not has_first_choice):
+                        numbers, values = lines.table(records, label, len(components))
+                        blocks.append(FrdBlock(name, time, components, numbers, values, at))
                 case "9999":
                     ended = True
                     break
@@ -141,11 +137,21 @@ def read_frd(
             f"{path}: no block of nodes (a line that begins with 2C): this is not a result file of"
             " CalculiX"
         )
-    found = tuple(elements), tuple(times), tuple(blocks), tuple(named)
-    return FrdFile(path, " ".join(version), nodes, points, *found, ended)
+    return FrdFile(
+        path,
+        " ".join(version),
+        nodes,
+        points,
+        tuple(elements),
+        tuple(times),
+        tuple(blocks),
+        tuple(block_names),
+        ended,
+    )
 
 
 def _check_size(path: Path) -> None:
+    """InputError for a file that is too large or can't be read."""
     try:
         check_size(path, "the result", LARGEST, "write fewer sets or frames into it")
     except OSError as reason:
@@ -159,7 +165,7 @@ class _Record(NamedTuple):
 
     line: int
     text: str
-    more: list[str]
+    continuations: list[str]
 
 
 class _Lines(Iterator[str]):
@@ -168,7 +174,9 @@ class _Lines(Iterator[str]):
     """
 
     def __init__(self, path: Path, lines: Iterable[str]) -> None:
-        self.path, self._numbered, self.number = path, enumerate(lines, start=1), 0
+        self.path = path
+        self._numbered = enumerate(lines, start=1)
+        self.number = 0
 
     def __next__(self) -> str:
         self.number, line = next(self._numbered)
@@ -178,7 +186,7 @@ class _Lines(Iterator[str]):
         """The sentence to raise, with file and line."""
         return InputError(f"{self.path}: line {number or self.number}: expected {expected}")
 
-    def records(self, header: str, what: str, at: int) -> tuple[int, list[_Record]]:
+    def records(self, header: str, noun: str, at: int) -> tuple[int, list[_Record]]:
         """Characters of a node's number, and the records of a block, as many as its header in line
         `at` announces.
         """
@@ -190,29 +198,30 @@ class _Lines(Iterator[str]):
                 " forms are read; write *NODE FILE, *EL FILE and *CONTACT FILE in place of *NODE"
                 " OUTPUT, *ELEMENT OUTPUT and *CONTACT OUTPUT"
             )
-        found: list[_Record] = []
+        records: list[_Record] = []
         for line in self:
             if line.startswith(" -1"):
-                found.append(_Record(self.number, line[3:], []))
-            elif line.startswith(" -2") and found:
-                found[-1].more.append(line[3:])
+                records.append(_Record(self.number, line[3:], []))
+            elif line.startswith(" -2") and records:
+                records[-1].continuations.append(line[3:])
             elif line.startswith(" -3"):
-                if len(found) != announced:
+                if len(records) != announced:
                     raise self.refusal(
-                        f"{announced} {what} as announced here, found {len(found)}", at
+                        f"{announced} {noun} as announced here, found {len(records)}", at
                     )
-                return _LABELS[form], found
+                return _LABELS[form], records
             else:
                 raise self.refusal(
                     "the head of a record (-1), then its rest (-2), or the end of the block (-3),"
                     f" found {line[:40]!r}"
                 )
         raise self.refusal(
-            f"the end of the block (-3): the file breaks off after {len(found)} of {announced}"
-            f" {what}"
+            f"the end of the block (-3): the file breaks off after {len(records)} of {announced}"
+            f" {noun}"
         )
 
     def nodes(self, header: str) -> tuple[Integers, Array]:
+        """Numbers (n,) and places (n, 3) of the nodes in the block of this header."""
         at = self.number
         label, records = self.records(header, "nodes", at)
         nodes, points = self.table(records, label, 3)
@@ -223,25 +232,29 @@ class _Lines(Iterator[str]):
         return nodes, points
 
     def elements(self, header: str) -> Iterator[FrdElement]:
+        """The elements in the block of this header."""
         at = self.number
         label, records = self.records(header, "elements", at)
-        for line, head, more in records:
-            own, kind = (
-                self.integer(head[:label], "an element's number", line),
-                self.integer(head[label:][:5], "its kind", line),
-            )
-            words = (text[k : k + label] for text in more for k in range(0, len(text), label))
+        for line, head, continuations in records:
+            number = self.integer(head[:label], "an element's number", line)
+            kind = self.integer(head[label:][:5], "its kind", line)
+            words = [
+                text[k : k + label] for text in continuations for k in range(0, len(text), label)
+            ]
             nodes = tuple(self.integer(word, "a node's number", line + 1) for word in words)
             if not nodes:
-                raise self.refusal(f"nodes (-2) of every element, found none of element {own}", at)
-            yield FrdElement(own, kind, nodes)
+                raise self.refusal(
+                    f"nodes (-2) of every element, found none of element {number}", at
+                )
+            yield FrdElement(number, kind, nodes)
 
     def components(self) -> tuple[str, tuple[str, ...]]:
         """Name of a result block and its components, in the lines below its header."""
         line = next(self, "")
         if not line.startswith(" -4"):
             raise self.refusal(f"the name of a result block (-4), found {line[:40]!r}")
-        name, found = line[5:13].strip(), []
+        name = line[5:13].strip()
+        components = []
         count = self.integer(line[13:18], "how many components the block has")
         for _ in range(count):
             line = next(self, "")
@@ -251,14 +264,15 @@ class _Lines(Iterator[str]):
                 )
             # ALL, which a viewer works out, is announced and is not in the file
             if line[33:38].strip() != "1":
-                found.append(line[5:13].strip())
-        return name, tuple(found)
+                components.append(line[5:13].strip())
+        return name, tuple(components)
 
     def table(self, records: list[_Record], label: int, columns: int) -> tuple[Integers, Array]:
         """Node numbers (n,) and values (n, columns) of records, six numbers a line."""
-        nodes, words = list[int](), list[str]()
-        for line, text, more in records:
-            body = text[label:] + "".join(rest[label:] for rest in more)
+        nodes: list[int] = []
+        words: list[str] = []
+        for line, text, continuations in records:
+            body = text[label:] + "".join(rest[label:] for rest in continuations)
             if len(body) != _WIDTH * columns:
                 length = f"{3 + label + _WIDTH * columns} in all, found {3 + label + len(body)}"
                 raise self.refusal(
@@ -269,27 +283,29 @@ class _Lines(Iterator[str]):
         try:
             values = np.array(words, f"S{_WIDTH}").astype(float)
         except ValueError:  # one of them is not as Python writes it
-            values = np.array(
-                [
-                    self.float(word, "a number", records[k // columns].line)
-                    for k, word in enumerate(words)
-                ]
-            )
+            numbers = []
+            for k, word in enumerate(words):
+                line = records[k // columns].line
+                numbers.append(self.float(word, "a number", line))
+            values = np.array(numbers)
         return np.array(nodes, np.int64), values.reshape(len(nodes), columns)
 
-    def float(self, text: str, what: str = "a number", number: int = 0) -> float:
+    def float(self, text: str, noun: str = "a number", line: int = 0) -> float:
         """The number that the text states, also as Fortran writes it."""
         try:
             return float(text)
         except ValueError:
-            found = _NUMBER.fullmatch(text.strip())
-        if found is None:
-            raise self.refusal(f"{what}, found {text[:40]!r}", number)
-        return float(f"{found[1]}e{found[2] or found[3] or 0}")
+            match = _NUMBER.fullmatch(text.strip())
+        if match is None:
+            raise self.refusal(f"{noun}, found {text[:40]!r}", line)
+        mantissa = match[1]
+        exponent = match[2] or match[3] or 0
+        return float(f"{mantissa}e{exponent}")
 
-    def integer(self, text: str, what: str, number: int = 0) -> int:
+    def integer(self, text: str, noun: str, line: int = 0) -> int:
+        """The whole number that the text states."""
         if not _INTEGER.fullmatch(text):
-            raise self.refusal(f"{what}, found {text[:40]!r}", number)
+            raise self.refusal(f"{noun}, found {text[:40]!r}", line)
         return int(text)
 
 
@@ -313,7 +329,7 @@ _IDS = {"slave node": 1, "slave element+face": 2}
 class DatTable:
     """One printed table."""
 
-    what: str  # such as "contact stress", "relative contact displacement", "total force"
+    kind: str  # such as "contact stress", "relative contact displacement", "total force"
     scope: str  # what it was printed for, such as "set BOTTOM", "all contact elements"
     time: float  # total time
     ids: Integers  # (n_rows, k), numbers of node, or of element and face; k = 0 for totals
@@ -352,81 +368,89 @@ def read_dat(path: str | Path) -> DatFile:
     path = Path(path)
     _check_size(path)
     lines = path.read_text(encoding="ascii", errors="replace").split("\n")
-    file, tables, pairs = _Lines(path, ()), list[DatTable](), list[PairForce]()
-
-    def after(at: int, heading: str) -> Array:
-        """Six numbers on the line after next of a heading among the statistics whose title is line
-        `at` (from 1).
-        """
-        for number, line in enumerate(lines[at : at + 19], start=at + 1):
-            if line.strip().startswith(heading) and number + 1 < len(lines):
-                words = lines[number + 1].split()
-                if len(words) != 6:
-                    raise file.refusal(
-                        f"6 numbers under {heading!r}, found {len(words)}", number + 2
-                    )
-                return np.array([file.float(word, number=number + 2) for word in words])
-        raise file.refusal(f"{heading!r} below this title: the file breaks off", at)
-
-    for at, line in enumerate(lines, start=1):
+    file = _Lines(path, ())  # for its words and numbers
+    tables: list[DatTable] = []
+    pairs: list[PairForce] = []
+    for title_line, line in enumerate(lines, start=1):
         if " time" not in line:
             continue
-        if title := _STATISTICS.fullmatch(line):
-            force, normal = (
-                after(at, "total surface force")[:3],
-                after(at, "center of gravity and mean normal")[3:],
-            )
-            pairs.append(
-                PairForce(
-                    title["slave"].strip(),
-                    title["master"].strip(),
-                    file.float(title["time"], number=at),
-                    force,
-                    normal,
-                )
-            )
-        elif title := _TITLE.fullmatch(line):
-            # Its rows: below the title and blank lines, up to the next blank line or title.
-            first = next((k for k in range(at, len(lines)) if lines[k].strip()), len(lines))
-            last = next(
-                (
-                    k
-                    for k in range(first, len(lines))
-                    if not lines[k].strip() or " time" in lines[k]
-                ),
-                len(lines),
-            )
-            rows, columns = [row.split() for row in lines[first:last]], title["columns"].split(",")
-            n_values = len(columns) - (columns[0].strip() in _IDS)
-            n_ids = _IDS.get(columns[0].strip(), max(len(rows[0]) - n_values, 0) if rows else 0)
-            for number, row in enumerate(rows, start=first + 1):
-                if len(row) != n_ids + n_values:
-                    raise file.refusal(
-                        f"{n_ids + n_values} numbers ({title['columns']}), found {len(row)}", number
-                    )
-            counted, what = (
-                list(enumerate(rows, start=first + 1)),
-                "the number of a node, element or face",
-            )
-            ids = np.array(
-                [[file.integer(word, what, k) for word in row[:n_ids]] for k, row in counted],
-                np.int64,
-            )
-            values = np.array(
-                [[file.float(word, number=k) for word in row[n_ids:]] for k, row in counted], float
-            )
-            shaped = ids.reshape(len(rows), n_ids), values.reshape(len(rows), n_values)
-            tables.append(
-                DatTable(
-                    title["what"],
-                    title["scope"].strip(),
-                    file.float(title["time"], number=at),
-                    *shaped,
-                )
-            )
+        statistics = _STATISTICS.fullmatch(line)
+        if statistics:
+            pairs.append(_pair_force(file, lines, title_line, statistics))
+            continue
+        title = _TITLE.fullmatch(line)
+        if title:
+            tables.append(_printed_table(file, lines, title_line, title))
     if not tables and not pairs:
         raise InputError(
             f"{path}: no table of CalculiX in it (a title that ends with 'and time ...'); *CONTACT"
             " PRINT writes them"
         )
     return DatFile(path, tuple(tables), tuple(pairs))
+
+
+def _pair_force(
+    file: _Lines, lines: Sequence[str], title_line: int, title: re.Match[str]
+) -> PairForce:
+    """The resultant of a contact pair in the statistics below a title."""
+
+    def numbers_below(heading: str) -> Array:
+        """Six numbers on the line after next of a heading."""
+        for number, line in enumerate(lines[title_line : title_line + 19], start=title_line + 1):
+            if line.strip().startswith(heading) and number + 1 < len(lines):
+                words = lines[number + 1].split()
+                if len(words) != 6:
+                    raise file.refusal(
+                        f"6 numbers under {heading!r}, found {len(words)}", number + 2
+                    )
+                return np.array([file.float(word, line=number + 2) for word in words])
+        raise file.refusal(f"{heading!r} below this title: the file breaks off", title_line)
+
+    force_and_moment = numbers_below("total surface force")
+    centre_and_normal = numbers_below("center of gravity and mean normal")
+    return PairForce(
+        title["slave"].strip(),
+        title["master"].strip(),
+        file.float(title["time"], line=title_line),
+        force=force_and_moment[:3],
+        normal=centre_and_normal[3:],
+    )
+
+
+def _printed_table(
+    file: _Lines, lines: Sequence[str], title_line: int, title: re.Match[str]
+) -> DatTable:
+    """The table below a title and blank lines, up to the next blank line or title."""
+    first = title_line
+    while first < len(lines) and not lines[first].strip():
+        first += 1
+    end = first
+    while end < len(lines) and lines[end].strip() and " time" not in lines[end]:
+        end += 1
+    rows = [row.split() for row in lines[first:end]]
+    columns = title["columns"].split(",")
+    first_column = columns[0].strip()
+    n_values = len(columns)
+    if first_column in _IDS:
+        n_values -= 1
+        n_ids = _IDS[first_column]
+    else:
+        n_ids = max(len(rows[0]) - n_values, 0) if rows else 0
+    ids = []
+    values = []
+    for number, row in enumerate(rows, start=first + 1):
+        if len(row) != n_ids + n_values:
+            raise file.refusal(
+                f"{n_ids + n_values} numbers ({title['columns']}), found {len(row)}", number
+            )
+    for number, row in enumerate(rows, start=first + 1):
+        noun = "the number of a node, element or face"
+        ids.append([file.integer(word, noun, number) for word in row[:n_ids]])
+        values.append([file.float(word, line=number) for word in row[n_ids:]])
+    return DatTable(
+        title["what"],
+        title["scope"].strip(),
+        file.float(title["time"], line=title_line),
+        np.array(ids, np.int64).reshape(len(rows), n_ids),
+        np.array(values, float).reshape(len(rows), n_values),
+    )

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections import ChainMap
 from collections.abc import Mapping as Fields
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -55,43 +56,44 @@ def read_fields(path: Path, mapping: Mapping) -> SurfaceResult:
         surface; a mesh that changes.
     """
     frames = read_frames(path)
-    whole = joined(frames[0].parts).points
+    first_points = joined(frames[0].parts).points
+    tolerance = SAME * extent(first_points)
     for k, frame in enumerate(frames[1:], start=2):
-        other = joined(frame.parts).points
-        if other.shape != whole.shape or np.max(np.abs(other - whole)) > SAME * extent(whole):
+        points = joined(frame.parts).points
+        has_same_shape = points.shape == first_points.shape
+        if not has_same_shape or np.max(np.abs(points - first_points)) > tolerance:
             raise InputError(
                 f"{path}: the points of instant {k} are not those of the first; give all instants"
                 " on one undeformed mesh"
             )
     kind, components, words = _tractions(path, frames[0], mapping)
-    numbers, mesh, left_out = _parts_with(
-        path, frames[0], mapping, [n for q, n in components.items() if q != "slip"]
-    )
+    needed_names = [name for quantity, name in components.items() if quantity != "slip"]
+    numbers, mesh, left_out = _parts_with(path, frames[0], mapping, needed_names)
     if "slip" in components and not _holds(mesh, components["slip"]):
         left_out.append(
             f"{components['slip']} is not in all of the files that hold"
             f" {' and '.join(list(components.values())[:-1])}, and was left out"
         )
         del components["slip"]
-    rows, body, how = _surface(path, mesh, mapping)
+    rows, body, surface_notes = _surface(path, mesh, mapping)
     factors = {
         quantity: float(converted(mapping, quantity, np.ones(1))[0]) for quantity in components
     }
     if kind != "fields":  # the traction on the lower body is (q, -p), on the upper one (-q, p)
-        on_upper = kind == "vector" and (
-            mapping.signs.shear == "on upper" if mapping.signs.shear else body == "upper"
-        )
-        stress = (mapping.factors.stress or 1.0) * (-1 if on_upper else 1)
-        factors = {"pressure": -stress, "shear": stress}
-        words = words.format(
-            "upper" if on_upper or (kind == "stress" and body == "upper") else "lower"
-        )
-    taken: dict[str, list[Array]] = {quantity: [] for quantity in components}
+        loaded_body = body
+        if kind == "vector" and mapping.signs.shear:
+            loaded_body = "upper" if mapping.signs.shear == "on upper" else "lower"
+        factor = mapping.factors.stress or 1.0
+        if kind == "vector" and loaded_body == "upper":
+            factor = -factor
+        factors = {"pressure": -factor, "shear": factor}
+        words = words.format(loaded_body)
+    values_of: dict[str, list[Array]] = {quantity: [] for quantity in components}
     for k, frame in enumerate(frames, start=1):
         try:
             part = joined([frame.parts[number] for number in numbers])
             for quantity, name in components.items():
-                taken[quantity].append(factors[quantity] * _component(part, name)[rows])
+                values_of[quantity].append(factors[quantity] * _component(part, name)[rows])
         except (KeyError, IndexError) as reason:
             raise InputError(
                 f"{path}: instant {k} has no field {reason}, which the first one has"
@@ -100,69 +102,67 @@ def read_fields(path: Path, mapping: Mapping) -> SurfaceResult:
     series = None if None in times else converted(mapping, "time", np.array(times, float))
     if mapping.times is not None:
         series = stated_times(str(path), mapping, len(frames))
-    fields = {quantity: np.array(values) for quantity, values in taken.items()}
-    x, notes = converted(mapping, "x", mesh.points[rows, 0]), [words, *left_out, *how]
+    fields = {quantity: np.array(values) for quantity, values in values_of.items()}
+    x = converted(mapping, "x", mesh.points[rows, 0])
+    notes = [words, *left_out, *surface_notes]
     return surface_result(str(path), mapping.code, x, dict(fields), {"time": series}, notes)
 
 
 def _tractions(path: Path, frame: FieldFrame, mapping: Mapping) -> tuple[str, _Components, str]:
     """The first way to tractions that an instant offers ("fields", "vector" or "stress"), its
-    components, and a sentence on it.
+    components, and a sentence on it, in which {} stands for the body.
     """
     fields = dict(ChainMap(*(part.point_fields for part in frame.parts)))
     scalars = [name for name, values in fields.items() if values.ndim == 1]
-    vectors = {name: values for name, values in fields.items() if values.ndim == 2}
-    stated = mapping.columns.pressure or mapping.columns.shear
-    names = [
-        *scalars,
-        *(
-            f"{name}:{k}"
-            for name, values in vectors.items()
-            for k in range(values.shape[1])
-            if stated
-        ),
-    ]
-    if stated or find_column(mapping, "pressure", scalars, str(path)) is not None:
-        quantities: tuple[Quantity, ...] = ("pressure", "shear", "slip")
-        found = {
-            q: find_column(mapping, q, names, str(path), needed=q == "pressure") for q in quantities
-        }
-        components = {q: name for q, name in found.items() if name is not None}
-        shear = f" and {components['shear']}" if "shear" in components else ", without a shear"
-        return "fields", components, f"tractions are the fields {components['pressure']}{shear}"
-    for name in (
-        name
-        for name, values in vectors.items()
-        if values.shape[1] >= 2 and plain(name) in map(plain, _VECTORS)
-    ):
-        return (
-            "vector",
-            {"pressure": f"{name}:1", "shear": f"{name}:0"},
-            f"tractions are the field {name}, taken to act on the {{}} body",
-        )
-    for name in (
-        name
-        for name, values in vectors.items()
-        if values.shape[1] >= 3 and plain(name) in map(plain, _STRESSES)
-    ):
-        yy, xy, order = _order(path, name, vectors[name])
-        words = (
-            "no contact tractions in the file: p = -sigma_yy and q = sigma_xy of the {} body's"
-            f" nodal {name} (components {order}), which is extrapolated to the surface and coarser"
-            " than contact tractions"
-        )
-        return "stress", {"pressure": f"{name}:{yy}", "shear": f"{name}:{xy}"}, words
-    cells = dict(ChainMap(*(part.cell_fields for part in frame.parts)))
-    average = (
-        f" (values of cells, {listed([*cells])}, are not read: average them to points)"
-        if cells
-        else ""
-    )
+    arrays = {name: values for name, values in fields.items() if values.ndim == 2}
+    has_names = bool(mapping.columns.pressure or mapping.columns.shear)
+    if has_names or find_column(mapping, "pressure", scalars, str(path)) is not None:
+        names = list(scalars)
+        if has_names:
+            for name, values in arrays.items():
+                names += [f"{name}:{k}" for k in range(values.shape[1])]
+        return _named_tractions(path, names, mapping)
+    for name, values in arrays.items():
+        if values.shape[1] >= 2 and plain(name) in map(plain, _VECTORS):
+            components: _Components = {"pressure": f"{name}:1", "shear": f"{name}:0"}
+            words = f"tractions are the field {name}, taken to act on the {{}} body"
+            return "vector", components, words
+    for name, values in arrays.items():
+        if values.shape[1] >= 3 and plain(name) in map(plain, _STRESSES):
+            yy, xy, order = _order(path, name, values)
+            components = {"pressure": f"{name}:{yy}", "shear": f"{name}:{xy}"}
+            words = (
+                "no contact tractions in the file: p = -sigma_yy and q = sigma_xy of the {} body's"
+                f" nodal {name} (components {order}), which is extrapolated to the surface and"
+                " coarser than contact tractions"
+            )
+            return "stress", components, words
+    cell_names = dict(ChainMap(*(part.cell_fields for part in frame.parts)))
+    cell_hint = ""
+    if cell_names:
+        names_in_words = listed([*cell_names])
+        cell_hint = f" (values of cells, {names_in_words}, are not read: average them to points)"
     raise InputError(
         f"{path}: neither contact pressure, nor contact traction, nor stress at points among"
-        f" {listed([*fields]) or 'no fields'}{average}; name them by columns.pressure and"
+        f" {listed([*fields]) or 'no fields'}{cell_hint}; name them by columns.pressure and"
         " columns.shear of a mapping (components as 'name:0')"
     )
+
+
+def _named_tractions(
+    path: Path, names: Sequence[str], mapping: Mapping
+) -> tuple[str, _Components, str]:
+    """The fields called pressure, shear and slip, with a sentence on them."""
+    quantities: tuple[Quantity, ...] = ("pressure", "shear", "slip")
+    components: _Components = {}
+    for quantity in quantities:
+        needed = quantity == "pressure"
+        name = find_column(mapping, quantity, names, str(path), needed=needed)
+        if name is not None:
+            components[quantity] = name
+    words = f"tractions are the fields {components['pressure']}"
+    words += f" and {components['shear']}" if "shear" in components else ", without a shear"
+    return "fields", components, words
 
 
 def _order(path: Path, name: str, values: Array) -> tuple[int, int, str]:
@@ -186,28 +186,24 @@ def _parts_with(
     """The parts that hold all the named fields, and what marks the surface where any part does; as
     one mesh; the others named.
     """
-    names, marker = (
-        [*names, *([mapping.columns.slip] if isinstance(mapping.columns.slip, str) else [])],
-        str(mapping.surface or "").partition("=")[0],
-    )
-    marks = [marker in part.point_fields or marker in part.cell_fields for part in frame.parts]
-    lacks = [
-        [name for name in names if not _holds(part, name)] + [marker] * (any(marks) and not own)
-        for part, own in zip(frame.parts, marks, strict=True)
-    ]
-    said = [
-        f"{part.name} has no {listed(lack)}"
-        for part, lack in zip(frame.parts, lacks, strict=True)
-        if lack
-    ]
-    numbers = [k for k, lack in enumerate(lacks) if not lack]
+    if isinstance(mapping.columns.slip, str):
+        names = [*names, mapping.columns.slip]
+    marker = str(mapping.surface or "").partition("=")[0]
+    has_marker = [marker in part.point_fields or marker in part.cell_fields for part in frame.parts]
+    numbers = []
+    faults = []
+    for number, part in enumerate(frame.parts):
+        missing = [name for name in names if not _holds(part, name)]
+        if any(has_marker) and not has_marker[number]:
+            missing.append(marker)
+        if missing:
+            faults.append(f"{part.name} has no {listed(missing)}")
+        else:
+            numbers.append(number)
     if not numbers:
-        raise InputError(f"{path}: no file of it has all that is to be read: {'; '.join(said)}")
-    return (
-        numbers,
-        joined([frame.parts[k] for k in numbers]),
-        [f"{words}: left out" for words in said],
-    )
+        raise InputError(f"{path}: no file of it has all that is to be read: {'; '.join(faults)}")
+    mesh = joined([frame.parts[number] for number in numbers])
+    return numbers, mesh, [f"{fault}: left out" for fault in faults]
 
 
 def _holds(part: FieldPart, name: str) -> bool:
@@ -219,10 +215,10 @@ def _component(part: FieldPart, name: str) -> Array:
     """(n,) of all points; KeyError where there is no such field."""
     if name in part.point_fields:
         return part.point_fields[name]
-    whole, _, k = name.rpartition(":")
-    if whole not in part.point_fields:
+    field, _, k = name.rpartition(":")
+    if field not in part.point_fields:
         raise KeyError(name)
-    return part.point_fields[whole][:, int(k)]
+    return part.point_fields[field][:, int(k)]
 
 
 # --------------------------------------------------------------------------- where the surface lies
@@ -230,44 +226,44 @@ def _surface(path: Path, mesh: FieldPart, mapping: Mapping) -> tuple[Integers, s
     """Rows of points in one plane, ascending in x, whose face they are ("lower" or "upper"), and
     how they were found.
 
-    They are what the mapping marks, else the whole of a path, else the face at y = y_offset.
+    They are what the mapping marks, else all of a mesh without cells of a body, else the face at y
+    = y_offset.
     """
-    height, bulk = (
-        mesh.points[:, 1] - mapping.y_offset / (mapping.factors.length or 1.0),
-        _bulk(mesh),
-    )
-    tolerance, above = SAME * extent(mesh.points), material_above(mesh.points, bulk)
-    faces = {
-        name: np.flatnonzero((np.abs(height) <= tolerance) & side)
-        for name, side in (("lower", above < 0), ("upper", above > 0))
+    height = mesh.points[:, 1] - mapping.y_offset / (mapping.factors.length or 1.0)
+    bulk_cells = _bulk_cells(mesh)
+    tolerance = SAME * extent(mesh.points)
+    is_on_face = np.abs(height) <= tolerance
+    above = material_above(mesh.points, bulk_cells)
+    rows_of_face = {
+        "lower": np.flatnonzero(is_on_face & (above < 0)),
+        "upper": np.flatnonzero(is_on_face & (above > 0)),
     }
+    bodies = [body for body, rows in rows_of_face.items() if len(rows)]
     if mapping.surface is not None:
-        chosen, notes = (
-            _marked(path, mesh, mapping.surface),
-            [f"the surface is what {mapping.surface} marks"],
-        )
-    elif np.ptp(height) <= tolerance or not bulk:
-        chosen = np.arange(len(height))
+        surface_rows = _marked_rows(path, mesh, mapping.surface)
+        notes = [f"the surface is what {mapping.surface} marks"]
+    elif np.ptp(height) <= tolerance or not bulk_cells:
+        surface_rows = np.arange(len(height))
         notes = [f"{mesh.name} is taken for the surface alone, since it has no cells of a body"]
-    elif body := next((name for name, rows in faces.items() if len(rows)), ""):
-        chosen, notes = (
-            faces[body],
-            [f"the surface is the {body} body's face, found at y = {mapping.y_offset:g}"],
-        )
+    elif bodies:
+        body = bodies[0]
+        surface_rows = rows_of_face[body]
+        notes = [f"the surface is the {body} body's face, found at y = {mapping.y_offset:g}"]
     else:
         raise InputError(
             f"{path}: no point of a face at y = {mapping.y_offset:g} (y goes from"
             f" {mesh.points[:, 1].min():.6g} to {mesh.points[:, 1].max():.6g}); say where it lies"
             " by y_offset, or what marks it by surface of a mapping"
         )
-    if np.any(above[chosen] < 0) and np.any(above[chosen] > 0):
-        chosen = chosen[above[chosen] < 0]
+    if np.any(above[surface_rows] < 0) and np.any(above[surface_rows] > 0):
+        surface_rows = surface_rows[above[surface_rows] < 0]
         notes.append("the surface has points of both bodies: those of the lower one were taken")
-    rows, _, more = one_plane(mesh.points, chosen)
-    return rows, "upper" if np.any(above[rows] > 0) else "lower", [*notes, *more]
+    rows, _, plane_notes = one_plane(mesh.points, surface_rows)
+    body = "upper" if np.any(above[rows] > 0) else "lower"
+    return rows, body, [*notes, *plane_notes]
 
 
-def _marked(path: Path, mesh: FieldPart, surface: str) -> Integers:
+def _marked_rows(path: Path, mesh: FieldPart, surface: str) -> Integers:
     """Rows of points that a field of points or of cells marks: NAME=VALUE by a tag's value, NAME
     where it is not 0.
 
@@ -279,7 +275,8 @@ def _marked(path: Path, mesh: FieldPart, surface: str) -> Integers:
     fields: Fields[str, tuple[Array, ...]] = {n: (v,) for n, v in mesh.point_fields.items()}
     places: list[Integers] = [np.arange(len(mesh.points))]
     if name not in fields:
-        fields, places = mesh.cell_fields, [cells for _, cells in mesh.cells]
+        fields = mesh.cell_fields
+        places = [cells for _, cells in mesh.cells]
     if name not in fields:
         raise InputError(
             f"{fault} of the mapping names no field of it"
@@ -289,20 +286,22 @@ def _marked(path: Path, mesh: FieldPart, surface: str) -> Integers:
     if any(block.ndim != 1 for block in blocks):
         raise InputError(f"{fault}: {name} is a vector and can't mark a surface")
     try:
-        wanted = float(value) if equal else None
+        mark = float(value) if equal else None
     except ValueError as reason:
         raise InputError(f"{fault}: {value!r} is no number") from reason
-    none = -1.0 if any(np.any(block == -1) for block in blocks) else 0.0
-    flags = [block != none if wanted is None else block == wanted for block in blocks]
-    rows = np.unique(
-        np.concatenate([own[flag].ravel() for own, flag in zip(places, flags, strict=True)])
-    )
+    no_mark = -1.0 if any(np.any(block == -1) for block in blocks) else 0.0
+    marked_points = []
+    for points_of_block, block in zip(places, blocks, strict=True):
+        is_marked = block != no_mark if mark is None else block == mark
+        marked_points.append(points_of_block[is_marked].ravel())
+    rows = np.unique(np.concatenate(marked_points))
     if not len(rows):
         raise InputError(f"{fault} marks nothing in it")
     return rows
 
 
-def _bulk(mesh: FieldPart) -> list[Integers]:
+def _bulk_cells(mesh: FieldPart) -> list[Integers]:
     """Cells that fill a body: solids, and in a plane mesh what is no line."""
-    deep = np.ptp(mesh.points[:, 2]) > SAME * extent(mesh.points)
-    return [block for dimension, block in mesh.cells if dimension > (2 if deep else 1)]
+    is_deep = np.ptp(mesh.points[:, 2]) > SAME * extent(mesh.points)
+    face_dimension = 2 if is_deep else 1
+    return [block for dimension, block in mesh.cells if dimension > face_dimension]

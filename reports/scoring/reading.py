@@ -8,7 +8,7 @@ import re
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
-from typing import cast
+from typing import NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,7 +49,8 @@ _OTHERS = {plain(alias) for name in _ROWS for alias in ALIASES[name]}
 # brackets as a name took 8 s, with the cube of their number.
 _TAGGED = re.compile(
     r"^(?P<base>.+?)(?<![\s_:@,.;\-(\[])[\s_:@,.;\-(\[]++(?:at\s+)?"
-    r"(?P<word>step[\s_]?time|total[\s_]?time|time|frame|increment|inc|f|t|step)?[\s_:=#]*(?P<figure>\d+(?:\.\d*)?(?:[eE][-+]?\d+)?)\s*s?[)\]]?$",
+    r"(?P<word>step[\s_]?time|total[\s_]?time|time|frame|increment|inc|f|t|step)?"
+    r"[\s_:=#]*(?P<figure>\d+(?:\.\d*)?(?:[eE][-+]?\d+)?)\s*s?[)\]]?$",
     re.IGNORECASE,
 )
 
@@ -71,9 +72,8 @@ def read(path: Path, mapping: Mapping) -> SurfaceResult:
             f" {', '.join(sorted(READERS))}, .nc"
         )
     module, function = home.split(":")
-    return cast(
-        SurfaceResult, getattr(import_module(f"reports.scoring.{module}"), function)(path, mapping)
-    )
+    reader = getattr(import_module(f"reports.scoring.{module}"), function)
+    return cast(SurfaceResult, reader(path, mapping))
 
 
 def read_table(path: Path, mapping: Mapping) -> SurfaceResult:
@@ -95,11 +95,13 @@ def read_table(path: Path, mapping: Mapping) -> SurfaceResult:
         kind=TableKind(
             role="the result",
             cure="write the contact surface alone, and fewer instants",
-            is_known=lambda name: _head(name, mapping)[0] is not None or plain(name) in _OTHERS,
+            is_known=lambda name: _head(name, mapping).quantity is not None or plain(name) in _OTHERS,
         ),
     )
-    if wide := _frames(source, table, mapping):
-        return _placed(_rows(source, mapping, *wide), table, mapping)
+    frames = _frames(source, table, mapping)
+    if frames is not None:
+        columns, notes = frames
+        return _placed(_rows(source, mapping, columns, notes), table, mapping)
     columns = {}
     for quantity in _ROWS:
         name = find_column(
@@ -110,18 +112,20 @@ def read_table(path: Path, mapping: Mapping) -> SurfaceResult:
     return _placed(_rows(source, mapping, columns, []), table, mapping)
 
 
-def _placed(result: SurfaceResult, table: TextTable, mapping: Mapping) -> SurfaceResult:
-    """`result` with line, column and figure of the file for each of its outliers."""
-    if not result.outliers:
-        return result
+def _placed(surface: SurfaceResult, table: TextTable, mapping: Mapping) -> SurfaceResult:
+    """The result with line, column and figure of the file for each of its outliers."""
+    if not surface.outliers:
+        return surface
     size = np.abs(table.values)
-    placed = []
-    for outlier in result.outliers:
+    outliers = []
+    for outlier in surface.outliers:
         # The cell whose figure is the outlier's, but for the factor that all cells of its field
         # have.
-        field = np.abs(getattr(result, outlier.quantity))
+        field = np.abs(getattr(surface, outlier.quantity))
         columns = [
-            k for k, name in enumerate(table.names) if _head(name, mapping)[0] == outlier.quantity
+            k
+            for k, name in enumerate(table.names)
+            if _head(name, mapping).quantity == outlier.quantity
         ]
         cells = size[:, columns]
         factor = float(field.max() / cells.max())
@@ -131,31 +135,20 @@ def _placed(result: SurfaceResult, table: TextTable, mapping: Mapping) -> Surfac
         name = table.names[columns[column]]
         place = f"line {table.lines[row]}, column {name!r} ({outlier.place})"
         figure = float(table.values[row, columns[column]])
-        placed.append(replace(outlier, place=place, figure=figure))
-    return replace(result, outliers=tuple(placed))
+        outliers.append(replace(outlier, place=place, figure=figure))
+    return replace(surface, outliers=tuple(outliers))
 
 
 def _rows(
     source: str, mapping: Mapping, columns: dict[Quantity, Array], notes: list[str]
 ) -> SurfaceResult:
     """From one row for each instant and point; what a reader must not miss comes first."""
-    by, instants = "nothing", np.zeros(len(columns["x"]), dtype=np.intp)
-    told = next((key for key in ("time", "frame") if key in columns), None)
-    if told is not None:
-        by, instants = told, np.unique(columns[told], return_inverse=True)[1]
-    elif "normal_load" in columns:
-        loads = np.column_stack(
-            [columns["normal_load"], columns.get("tangential_load", columns["normal_load"])]
-        )
-        by, instants = (
-            "the loads",
-            np.concatenate([[0], np.cumsum(np.any(np.diff(loads, axis=0) != 0, axis=1))]),
-        )
+    instants, sign = _instants_of_rows(columns)
     counts = np.unique(instants, return_counts=True)[1]
     if np.any(counts != counts[0]):
         odd = int(np.flatnonzero(counts != counts[0])[0])
         raise InputError(
-            f"{source}: instant {odd + 1} (by {by}) has {counts[odd]} points and the first has"
+            f"{source}: instant {odd + 1} (by {sign}) has {counts[odd]} points and the first has"
             f" {counts[0]}: every instant needs the same points, with zeros where nothing touches"
         )
     order = np.argsort(instants, kind="stable")
@@ -177,7 +170,7 @@ def _rows(
                 row = values[odd_rows[0]]
                 raise InputError(
                     f"{source}: {name} goes from {row.min():.6g} to {row.max():.6g} within instant"
-                    f" {odd_rows[0] + 1} (by {by})"
+                    f" {odd_rows[0] + 1} (by {sign})"
                 )
         series[name] = None if values is None else values[:, 0]
     if mapping.times is not None:
@@ -190,13 +183,33 @@ def _rows(
     return surface_result(source, mapping.code, shaped["x"], dict(fields), dict(series), notes)
 
 
-_Head = tuple[Quantity | None, float | None, bool]
-"""What a column's name says: which quantity, of which frame (None: not said), and whether that
-figure is a time.
-"""
+def _instants_of_rows(columns: dict[Quantity, Array]) -> tuple[NDArray[np.intp], str]:
+    """(n_rows,) number of the instant of each row, and by what instants were told apart: time,
+    frame, else the loads.
+    """
+    for key in ("time", "frame"):
+        if key in columns:
+            _, instants = np.unique(columns[key], return_inverse=True)
+            return instants, key
+    if "normal_load" not in columns:
+        return np.zeros(len(columns["x"]), dtype=np.intp), "nothing"
+    normal = columns["normal_load"]
+    loads = np.column_stack([normal, columns.get("tangential_load", normal)])
+    is_new = np.any(np.diff(loads, axis=0) != 0, axis=1)
+    return np.concatenate([[0], np.cumsum(is_new)]), "the loads"
+
+
+class _Head(NamedTuple):
+    """What a column's name says."""
+
+    quantity: Quantity | None
+    frame: float | None  # None: not said
+    is_time: bool  # whether that figure is a time
 
 
 def _head(name: str, mapping: Mapping) -> _Head:
+    """The quantity in the name of a column, with the figure of its frame."""
+
     def quantity_of(base: str) -> Quantity | None:
         for quantity in _FIELDS:
             stated = getattr(mapping.columns, quantity)
@@ -207,10 +220,12 @@ def _head(name: str, mapping: Mapping) -> _Head:
     tagged = _TAGGED.match(name.strip())
     quantity = quantity_of(tagged["base"]) if tagged else None
     if tagged is None or quantity is None:
-        return quantity_of(name), None, False
+        return _Head(quantity_of(name), None, False)
     word = plain(tagged["word"] or "")
-    timed = word in ("time", "t", "steptime", "totaltime") or (not word and "." in tagged["figure"])
-    return quantity, float(tagged["figure"]), timed
+    is_time = word in ("time", "t", "steptime", "totaltime")
+    if not word and "." in tagged["figure"]:
+        is_time = True
+    return _Head(quantity, float(tagged["figure"]), is_time)
 
 
 def _frames(
@@ -223,37 +238,40 @@ def _frames(
     stands in the names, or the frames are taken in the order of the columns.
     """
     heads = [_head(name, mapping) for name in table.names]
-    grouped: dict[Quantity, dict[float, Array]] = {quantity: {} for quantity in _FIELDS}
-    for number, (quantity, frame, _) in enumerate(heads):
-        if quantity is None:
+    values_of: dict[Quantity, dict[float, Array]] = {quantity: {} for quantity in _FIELDS}
+    for number, head in enumerate(heads):
+        if head.quantity is None:
             continue
-        order = float(len(grouped[quantity])) if frame is None else frame
-        if order in grouped[quantity]:
+        by_frame = values_of[head.quantity]
+        frame = float(len(by_frame)) if head.frame is None else head.frame
+        if frame in by_frame:
             raise InputError(
-                f"{source}: two columns hold {quantity} of the same frame; leave one out or"
+                f"{source}: two columns hold {head.quantity} of the same frame; leave one out or"
                 " rename it"
             )
-        grouped[quantity][order] = converted(mapping, quantity, table.values[:, number])
-    frames = sorted(grouped["pressure"])
-    if not grouped["x"] or (
-        len(frames) < 2 and not any(head[0] == "pressure" and head[1] is not None for head in heads)
-    ):
+        by_frame[frame] = converted(mapping, head.quantity, table.values[:, number])
+    frames = sorted(values_of["pressure"])
+    has_frame_in_name = any(
+        head.quantity == "pressure" and head.frame is not None for head in heads
+    )
+    if not values_of["x"] or (len(frames) < 2 and not has_frame_in_name):
         return None
-    if len(grouped["x"]) == 1:
-        grouped["x"] = dict.fromkeys(frames, next(iter(grouped["x"].values())))
-    for quantity, found in grouped.items():
-        if found and (lacking := sorted({*frames} ^ found.keys())):
+    if len(values_of["x"]) == 1:
+        (x,) = values_of["x"].values()
+        values_of["x"] = dict.fromkeys(frames, x)
+    columns = {}
+    for quantity, by_frame in values_of.items():
+        if not by_frame:
+            continue
+        missing_frames = sorted(set(frames) ^ by_frame.keys())
+        if missing_frames:
             raise InputError(
-                f"{source}: frame {lacking[0]:g} has no {quantity}, or no pressure; every frame"
-                " needs both pressure and shear"
+                f"{source}: frame {missing_frames[0]:g} has no {quantity}, or no pressure; every"
+                " frame needs both pressure and shear"
             )
-    columns = {
-        quantity: np.concatenate([found[frame] for frame in frames])
-        for quantity, found in grouped.items()
-        if found
-    }
-    timed: Quantity = "time" if any(timed for _, _, timed in heads) else "frame"
-    columns[timed] = converted(mapping, timed, np.repeat(frames, len(table.values)))
-    named = any(quantity is not None and frame is not None for quantity, frame, _ in heads)
+        columns[quantity] = np.concatenate([by_frame[frame] for frame in frames])
+    key: Quantity = "time" if any(head.is_time for head in heads) else "frame"
+    columns[key] = converted(mapping, key, np.repeat(frames, len(table.values)))
+    named = any(head.quantity is not None and head.frame is not None for head in heads)
     how = "by the figures in their names" if named else "in the order of the columns"
     return columns, [f"{len(frames)} frames were found beside each other, told apart {how}"]

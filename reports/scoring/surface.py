@@ -4,7 +4,7 @@ plane, one body.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,10 +28,10 @@ SAME = 1e-6
 
 
 # A spike is so many times as large as its neighbours in x and in time, and so many times as large
-# as
-# all other values of its field: a traction may be singular at an edge, but not at one point of one
-# instant alone.
-_OVER_NEIGHBOURS, _OVER_ALL = 5.0, 3.0
+# as all other values of its field: a traction may be singular at an edge, but not at one point of
+# one instant alone.
+_OVER_NEIGHBOURS = 5.0
+_OVER_ALL = 3.0
 # Points with a value at the instant of a spike: of a contact of fewer a mesh knows no form.
 _FEWEST_BESIDE = 6
 
@@ -46,13 +46,15 @@ def spikes(values: Array) -> Mask:
     """
     size = np.abs(np.nan_to_num(values))
     padded = np.pad(size, 1)
-    left, right = padded[1:-1, :-2], padded[1:-1, 2:]
-    before, after = padded[:-2, 1:-1], padded[2:, 1:-1]
-    beside = np.maximum.reduce([left, right, before, after])
-    lonely = (size > 0) & (size > _OVER_NEIGHBOURS * beside)
-    lonely &= np.sum(size > 0, axis=1, keepdims=True) > _FEWEST_BESIDE
-    others = float(np.max(size, where=~lonely, initial=0.0))
-    return np.asarray(lonely & (size > _OVER_ALL * others))
+    left = padded[1:-1, :-2]
+    right = padded[1:-1, 2:]
+    before = padded[:-2, 1:-1]
+    after = padded[2:, 1:-1]
+    largest_neighbour = np.maximum.reduce([left, right, before, after])
+    stands_out = (size > 0) & (size > _OVER_NEIGHBOURS * largest_neighbour)
+    stands_out &= np.sum(size > 0, axis=1, keepdims=True) > _FEWEST_BESIDE
+    largest_of_rest = float(np.max(size, where=~stands_out, initial=0.0))
+    return np.asarray(stands_out & (size > _OVER_ALL * largest_of_rest))
 
 
 def without_spikes(values: Array) -> Array:
@@ -62,10 +64,10 @@ def without_spikes(values: Array) -> Array:
         return values
     mended = values.copy()
     for row, column in np.argwhere(mask):
-        beside = [
+        neighbours = [
             k for k in (column - 1, column + 1) if 0 <= k < values.shape[1] and not mask[row, k]
         ]
-        mended[row, column] = np.mean(values[row, beside]) if beside else 0.0
+        mended[row, column] = np.mean(values[row, neighbours]) if neighbours else 0.0
     return freeze(mended)
 
 
@@ -148,36 +150,30 @@ def surface_result(
         twice.
     """
     grids = {
-        name: np.atleast_2d(np.array(v, dtype=float)) for name, v in fields.items() if v is not None
+        name: np.atleast_2d(np.array(values, dtype=float))
+        for name, values in fields.items()
+        if values is not None
     }
     lines = {
-        name: np.atleast_1d(np.array(v, dtype=float)) for name, v in series.items() if v is not None
+        name: np.atleast_1d(np.array(values, dtype=float))
+        for name, values in series.items()
+        if values is not None
     }
-    places, said = np.array(x, dtype=float), list(notes)
+    places = np.array(x, dtype=float)
+    all_notes = list(notes)
     shape = grids["pressure"].shape
-    wanted = (
-        dict.fromkeys(grids, shape)
-        | dict.fromkeys(lines, shape[:1])
-        | {"x": shape[1:] if places.ndim == 1 else shape}
-    )
+    n_steps, n_points = shape
+    shape_of: dict[str, tuple[int, ...]] = dict.fromkeys(grids, shape)
+    shape_of |= dict.fromkeys(lines, (n_steps,))
+    shape_of["x"] = (n_points,) if places.ndim == 1 else shape
     for name, values in (*grids.items(), *lines.items(), ("x", places)):
-        if values.shape != wanted[name]:
+        if values.shape != shape_of[name]:
             raise InputError(
-                f"{source}: {name} has the shape {values.shape} where {wanted[name]} is needed:"
+                f"{source}: {name} has the shape {values.shape} where {shape_of[name]} is needed:"
                 " pressure is (instants, points), x one figure a point, time and loads one an"
                 " instant"
             )
-        bad = np.argwhere(~(np.abs(values) <= LARGEST))
-        if len(bad):
-            where = (
-                "instant {}, point {}".format(*(bad[0] + 1))
-                if values.ndim == 2
-                else f"entry {bad[0][0] + 1}"
-            )
-            raise InputError(
-                f"{source}: {name} is no finite number at {where} ({len(bad)} such in all); mend or"
-                " leave out these rows"
-            )
+        _refuse_no_numbers(source, name, values)
     for row in np.atleast_2d(np.sort(places)):
         if len(row) < 3:
             raise InputError(
@@ -192,30 +188,43 @@ def surface_result(
             )
     if places.ndim == 2:
         places, sentence = _one_line(source, places)
-        said += [sentence] if sentence else []
+        if sentence:
+            all_notes.append(sentence)
     order = np.argsort(places, kind="stable")
     if np.any(np.diff(order) < 0):
-        said.append("the points were not in the order of x and were sorted")
-    known = {"shear": freeze(np.full(shape, np.nan))} | {
-        name: freeze(values[:, order]) for name, values in grids.items()
-    }
-    known |= {name: freeze(values) for name, values in lines.items()}
-    outliers = tuple(
-        Outlier(
-            quantity=name,
-            instant=int(k),
-            point=int(i),
-            value=float(known[name][k, i]),
-            place=f"instant {k + 1}, x = {places[order][i]:.6g}",
-            figure=float(known[name][k, i]),
-        )
-        for name in ("pressure", "shear", "slip")
-        if name in known
-        for k, i in np.argwhere(spikes(known[name]))
-    )
+        all_notes.append("the points were not in the order of x and were sorted")
+    arrays = {"shear": freeze(np.full(shape, np.nan))}
+    arrays |= {name: freeze(values[:, order]) for name, values in grids.items()}
+    arrays |= {name: freeze(values) for name, values in lines.items()}
+    sorted_x = freeze(places[order])
+    outliers = tuple(_outliers(arrays, sorted_x))
     return SurfaceResult(
-        source, code, freeze(places[order]), notes=tuple(said), outliers=outliers, **known
+        source, code, sorted_x, notes=tuple(all_notes), outliers=outliers, **arrays
     )
+
+
+def _refuse_no_numbers(source: str, name: str, values: Array) -> None:
+    """InputError where a value is not finite, or too large to be squared."""
+    bad_places = np.argwhere(~(np.abs(values) <= LARGEST))
+    if not len(bad_places):
+        return
+    first = bad_places[0] + 1
+    where = f"instant {first[0]}, point {first[1]}" if values.ndim == 2 else f"entry {first[0]}"
+    raise InputError(
+        f"{source}: {name} is no finite number at {where} ({len(bad_places)} such in all); mend or"
+        " leave out these rows"
+    )
+
+
+def _outliers(arrays: dict[str, Array], x: Array) -> Iterator[Outlier]:
+    """The spikes of each field."""
+    for name in ("pressure", "shear", "slip"):
+        if name not in arrays:
+            continue
+        for instant, point in np.argwhere(spikes(arrays[name])):
+            value = float(arrays[name][instant, point])
+            place = f"instant {instant + 1}, x = {x[point]:.6g}"
+            yield Outlier(name, int(instant), int(point), value, place, figure=value)
 
 
 def _one_line(source: str, places: Array) -> tuple[Array, str]:
@@ -263,12 +272,14 @@ def one_plane(points: Array, chosen: Integers) -> tuple[Integers, float, list[st
     order = np.argsort(depth, kind="stable")
     plane = np.empty(len(chosen), np.int64)
     plane[order] = np.concatenate([[0], np.cumsum(np.diff(depth[order]) > SAME * extent(points))])
-    taken = int(np.argmax(np.bincount(plane)))  # the lowest where several hold as many
-    rows = chosen[plane == taken]
+    fullest = int(np.argmax(np.bincount(plane)))  # the lowest where several hold as many
+    is_in_plane = plane == fullest
+    rows = chosen[is_in_plane]
     rows = rows[np.argsort(points[rows, 0], kind="stable")]
     if not plane.any():
         return rows, 0.0, []
-    place, thickness = float(depth[plane == taken].min()), float(np.ptp(depth))
+    place = float(depth[is_in_plane].min())
+    thickness = float(np.ptp(depth))
     words = (
         f"the model is {thickness:.6g} thick: the tractions are those of its plane z = {place:.6g},"
         f" one of {plane.max() + 1}"
@@ -283,8 +294,10 @@ def material_above(points: Array, cells: Iterable[Integers]) -> Array:
     Negative at the top face of the lower body, positive at the bottom face of the upper one.
     `cells` are blocks of rows of points.
     """
-    total, count = np.zeros(len(points)), np.zeros(len(points))
+    total = np.zeros(len(points))
+    count = np.zeros(len(points))
     for block in cells:
-        np.add.at(total, block, points[block, 1].mean(axis=1)[:, None] - points[block, 1])
+        heights = points[block, 1]
+        np.add.at(total, block, heights.mean(axis=1)[:, None] - heights)
         np.add.at(count, block, 1.0)
     return np.divide(total, count, out=np.full(len(points), np.nan), where=count > 0)

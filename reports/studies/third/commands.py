@@ -21,7 +21,7 @@ def answer(job: Job, result: ContactSolution) -> ThirdSolver:
     """CalculiX' answer to the scene of a job; its deck has the scales of our finite elements."""
     return solve_with_calculix(
         job.scene,
-        DeckSettings(**job.options.given(("steps_per_cycle",))),
+        DeckSettings(**job.options.stated(("steps_per_cycle",))),
         stages=job.stages,
         scales=getattr(result, "scales", None),
         command=job.command("run"),
@@ -41,7 +41,7 @@ def export(job: Job) -> Answer:
         from reports.studies.third.deck import DeckSettings, build_deck, deck_text
         from reports.units import units
     with stages.stage("deck"):
-        deck = build_deck(scene, DeckSettings(**options.given(("steps_per_cycle", "cycles"))))
+        deck = build_deck(scene, DeckSettings(**options.stated(("steps_per_cycle", "cycles"))))
     # The deck's first comment: where it lies is nobody's business.
     text = deck_text(deck, job.command("export").rpartition(" --out ")[0], versions())
     file = deck_file(scene)
