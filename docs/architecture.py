@@ -22,7 +22,11 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.append(str(ROOT / "benchmarks"))
 sizes = importlib.import_module("sizes")
 
-WIDTH, BOX, ROW, TOP = 760, (300, 104), 164, 16
+# Sizes of the drawing: its width, a box (width, height), from row to row, its margin above.
+WIDTH = 760
+BOX = (300, 104)
+ROW = 164
+TOP = 16
 COLOURS = ("#f5dfb8", "#cfe3f2", "#e3e3e3", "#ffffff")
 
 
@@ -43,35 +47,41 @@ class Contracts(NamedTuple):
     def arrows(self) -> list[tuple[str, str]]:
         """Allowed imports that do not follow from others."""
         depth = self.depth
-        pairs = [
-            (a, b)
-            for a in depth
-            for b in depth
-            if depth[a] < depth[b] and b not in self.forbidden.get(a, ())
+        allowed = [
+            (importer, imported)
+            for importer in depth
+            for imported in depth
+            if depth[importer] < depth[imported]
+            and imported not in self.forbidden.get(importer, ())
         ]
-        return [
-            (a, b)
-            for a, b in pairs
-            if not any((a, via) in pairs and (via, b) in pairs for via in depth)
-        ]
+        arrows = []
+        for importer, imported in allowed:
+            between = [
+                package
+                for package in depth
+                if (importer, package) in allowed and (package, imported) in allowed
+            ]
+            if not between:
+                arrows.append((importer, imported))
+        return arrows
 
 
 def read(path: Path) -> Contracts:
     """The contracts of a pyproject.toml."""
-    found = Contracts([], {}, [])
-    for contract in tomllib.loads(path.read_text(encoding="utf-8"))["tool"]["importlinter"][
-        "contracts"
-    ]:
-        if contract["type"] == "layers" and not found.layers:
-            found.layers.extend(
-                [part.strip() for part in layer.split("|")] for layer in contract["layers"]
-            )
+    contracts = Contracts([], {}, [])
+    tools = tomllib.loads(path.read_text(encoding="utf-8"))["tool"]
+    for contract in tools["importlinter"]["contracts"]:
+        if contract["type"] == "layers" and not contracts.layers:
+            for layer in contract["layers"]:
+                packages = layer.split("|")
+                contracts.layers.append([package.strip() for package in packages])
         elif contract["type"] == "forbidden":
             for source in contract["source_modules"]:
-                found.forbidden.setdefault(source, set()).update(contract["forbidden_modules"])
+                forbidden = contracts.forbidden.setdefault(source, set())
+                forbidden.update(contract["forbidden_modules"])
         elif contract["type"] == "independence":
-            found.independent.append(contract["modules"])
-    return found
+            contracts.independent.append(contract["modules"])
+    return contracts
 
 
 def svg(path: Path) -> str:
@@ -83,14 +93,13 @@ def svg(path: Path) -> str:
     places: dict[str, tuple[float, int]] = {}
     for row, layer in enumerate(contracts.layers):
         for column, name in enumerate(layer):
-            above = [places[one][0] for one, other in arrows if other == name]
-            beside = WIDTH / 2 + (column - (len(layer) - 1) / 2) * WIDTH / 2
-            places[name] = (
-                beside if len(layer) > 1 or not above else sum(above) / len(above),
-                TOP + row * ROW,
-            )
+            importers_x = [places[importer][0] for importer, imported in arrows if imported == name]
+            x = WIDTH / 2 + (column - (len(layer) - 1) / 2) * WIDTH / 2
+            if len(layer) == 1 and importers_x:
+                x = sum(importers_x) / len(importers_x)
+            places[name] = (x, TOP + row * ROW)
     height = TOP * 2 + ROW * (len(contracts.layers) - 1) + BOX[1]
-    words = "; ".join(f"{one} imports {other}" for one, other in arrows)
+    words = "; ".join(f"{importer} imports {imported}" for importer, imported in arrows)
     lines = [
         (
             f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height}"'
@@ -104,12 +113,14 @@ def svg(path: Path) -> str:
         ),
         f'<rect width="{WIDTH}" height="{height}" fill="white"/>',
     ]
-    for one, other in arrows:
-        (x1, y1), (x2, y2) = places[one], places[other]
+    for importer, imported in arrows:
+        x1, y1 = places[importer]
+        x2, y2 = places[imported]
         ends = f'x1="{x1:.0f}" y1="{y1 + BOX[1]}" x2="{x2:.0f}" y2="{y2 - 3}"'
         lines.append(f'<line {ends} stroke="#333" stroke-width="1.5" marker-end="url(#tip)"/>')
     for group in contracts.independent:
-        x, y = sum(places[name][0] for name in group) / len(group), places[group[0]][1]
+        x = sum(places[name][0] for name in group) / len(group)
+        _, y = places[group[0]]
         ends = f'x1="{x:.0f}" y1="{y - 14}" x2="{x:.0f}" y2="{y + BOX[1] + 2}"'
         lines.append(f'<line {ends} stroke="#B33A00" stroke-width="4"/>')
         words = "never import each other"
@@ -132,7 +143,8 @@ def box(name: str, place: tuple[float, int], contracts: Contracts) -> Iterator[s
     """A package: its name, the first sentence of its docstring or what stands before its colon,
     what it does without.
     """
-    x, y = place[0] - BOX[0] / 2, place[1]
+    middle, y = place
+    x = middle - BOX[0] / 2
     fill = COLOURS[contracts.depth[name] % len(COLOURS)]
     outside = ", ".join(sorted(contracts.forbidden.get(name, set()) - set(contracts.depth)))
     words = purpose(name).split(": ", 1)[-1].split("; ")[0]
@@ -239,7 +251,7 @@ def rows(parts: Sequence[Part], page: str) -> Iterator[list[str]]:
         name = part.name if part.name == "single files" else f"`{part.name}`"
         cells = [name, part.holds, part.imports] if part.imports else [name, part.holds]
         stored = re.search(rf"^\| {re.escape(name)} \|.* ([\d,]+) \|$", page, re.MULTILINE)
-        shown = int(stored[1].replace(",", "")) if stored else 0
-        if abs(statements - shown) > 100:
-            shown = round(statements, -2)
-        yield [*cells, f"{shown:,}"]
+        printed_size = int(stored[1].replace(",", "")) if stored else 0
+        if abs(statements - printed_size) > 100:
+            printed_size = round(statements, -2)
+        yield [*cells, f"{printed_size:,}"]

@@ -69,13 +69,16 @@ def run(text: str, folder: Path) -> str:
     """
     names: dict[str, Any] = {}
     pieces: list[str] = []
-    done, printed = 0, None
+    position = 0  # the end of what was taken
+    printed = None  # by the Python block before
     with ready(folder):
         for block in FENCE.finditer(text):
-            language, body, said = block["language"], block["body"], None
-            between = re.sub(r"[\s`]", "", text[done : block.start()])
+            language = block["language"]
+            body = block["body"]
+            new_body = body
+            between = re.sub(r"[\s`]", "", text[position : block.start()])
             if language == "text" and printed is not None and not between:
-                said = printed
+                new_body = printed
             printed = None
             caption = re.search(r"^:caption: (\S+)$", block["options"], re.M)
             if block["directive"] and caption:
@@ -85,17 +88,17 @@ def run(text: str, folder: Path) -> str:
                     exec(compile(body, "a page", "exec"), names)
                 printed = out.getvalue()
             elif language == "console":
-                said = console(body, folder)
-            pieces += [text[done : block.start("body")], body if said is None else said]
-            done = block.end("body")
-    return "".join([*pieces, text[done:]])
+                new_body = console(body, folder)
+            pieces += [text[position : block.start("body")], new_body]
+            position = block.end("body")
+    return "".join([*pieces, text[position:]])
 
 
 def console(body: str, folder: Path) -> str:
     """`$ command` lines with what they print."""
     lines: list[str] = []
     for part in re.split(r"^(?=\$ )", body, flags=re.M):
-        command, _, shown = part.partition("\n")
+        command, _, old_output = part.partition("\n")
         if not command.startswith("$ "):
             lines.append(part)
             continue
@@ -104,8 +107,10 @@ def console(body: str, folder: Path) -> str:
         code, out, errors = ended(program, words, folder)
         if code != (int(expected[1]) if expected else 0):
             raise StaleError(f"{command[2:]} ended with {code}: {out}{errors}")
-        said = "".join(f"{line.rstrip()}\n" for line in out.splitlines())
-        lines.append(f"{command}\n{said if shown.strip() else shown}")
+        output = old_output
+        if old_output.strip():
+            output = "".join(f"{line.rstrip()}\n" for line in out.splitlines())
+        lines.append(f"{command}\n{output}")
     return "".join(lines)
 
 
@@ -113,22 +118,22 @@ def ended(program: str, words: list[str], folder: Path) -> tuple[int, str, str]:
     """Exit code, stdout and stderr of a command; `halfplane` in this process, which has imported
     it.
     """
-    own = {"COLUMNS": "120", "NO_COLOR": "1"}
+    terminal = {"COLUMNS": "120", "NO_COLOR": "1"}
     if program != "halfplane":
-        whole, environment = [sys.executable, *words], os.environ | own
-        done = subprocess.run(
-            whole,
+        process = subprocess.run(
+            [sys.executable, *words],
             cwd=folder,
-            env=environment,
+            env=os.environ | terminal,
             capture_output=True,
             text=True,
             timeout=LIMIT,
             check=False,
         )
-        return done.returncode, done.stdout, done.stderr
-    out, errors = io.StringIO(), io.StringIO()
+        return process.returncode, process.stdout, process.stderr
+    out = io.StringIO()
+    errors = io.StringIO()
     with (
-        mock.patch.dict(os.environ, own),
+        mock.patch.dict(os.environ, terminal),
         contextlib.redirect_stdout(out),
         contextlib.redirect_stderr(errors),
     ):

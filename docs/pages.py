@@ -101,7 +101,8 @@ def third_solver(text: str) -> str:
 
 def between(text: str, words: str, lines: Iterable[str]) -> str:
     """The page with these lines between the two marks of a table."""
-    begin, end = f"<!-- {words}: written by `make pages` -->", f"<!-- end of {words} -->"
+    begin = f"<!-- {words}: written by `make pages` -->"
+    end = f"<!-- end of {words} -->"
     before, _, rest = text.partition(begin)
     return "\n".join([f"{before}{begin}", "", *lines, "", f"{end}{rest.partition(end)[2]}"])
 
@@ -132,16 +133,15 @@ def with_maps(text: str) -> str:
 
 def third_table(cases: Mapping[str, Any]) -> Iterator[str]:
     """A row for each case: size, cost, each error beside ours, and when it was measured."""
-    scenes, rows = published(), []
+    scenes = published()
+    rows = []
     for name, case in sorted(cases.items()):
         scene = name.partition(",")[0]
         cells = [scene, f"{case['nodes']}, {case['instants']}", f"{case['seconds']:.0f}"]
         for key in ("peak_pressure", "shear", "dissipation"):
-            theirs, ours = case["errors"].get(key), quoting.published_share(scenes[scene], key)
-            cells += [
-                quoting.share(scenes[scene], key, theirs) or case["failure"] or "–",
-                ours or "–",
-            ]
+            of_calculix = quoting.share(scenes[scene], key, case["errors"].get(key))
+            of_ours = quoting.published_share(scenes[scene], key)
+            cells += [of_calculix or case["failure"] or "–", of_ours or "–"]
         rows.append([*cells, case["commit"]])
     days = sorted({f"{case['code']} on {case['day']}" for case in cases.values()})
     yield from (f"Measured with {' and '.join(days)}.", "")
@@ -174,19 +174,17 @@ def verification() -> Iterator[str]:
     yield from ("", "## Requirements")
     for area, rows in requirements().items():
         yield from ("", f"### {area}", "")
-        cells = (
-            [cell(row["requirement"]), "<br>".join(f"`{test}`" for test in row["tests"])]
-            for row in rows
-        )
+        cells = []
+        for row in rows:
+            tests = "<br>".join(f"`{test}`" for test in row["tests"])
+            cells.append([cell(row["requirement"]), tests])
         yield from table("requirement | tests", cells, wide=False)
-    judged = {
-        name: [met for met in content["accurate"].values() if met is not None]
-        for name, content in scenes.items()
-    }
-    laws, met = (
-        sum(content["admissible"] for content in scenes.values()),
-        sum(map(all, judged.values())),
-    )
+    verdicts = [
+        [is_met for is_met in content["accurate"].values() if is_met is not None]
+        for content in scenes.values()
+    ]
+    laws = sum(content["admissible"] for content in scenes.values())
+    met = sum(map(all, verdicts))
     yield from ("", "## Scenes", "")
     yield (
         "Error = finite elements/theory − 1, with default settings; of p and q in the L2 norm, of"
@@ -198,14 +196,11 @@ def verification() -> Iterator[str]:
         " each expected value with its source."
     )
     yield ""
-    rows = [
-        [
-            f"[{name}](../reports/published/{name}.md)",
-            *(error(content, key) for key in METRICS),
-            f"{sum(good)} of {len(good)}",
-        ]
-        for (name, content), good in zip(scenes.items(), judged.values(), strict=True)
-    ]
+    rows = []
+    for (name, content), of_scene in zip(scenes.items(), verdicts, strict=True):
+        errors = [error(content, key) for key in METRICS]
+        link = f"[{name}](../reports/published/{name}.md)"
+        rows.append([link, *errors, f"{sum(of_scene)} of {len(of_scene)}"])
     yield from table(f"scene | {' | '.join(METRICS.values())} | tolerances satisfied", rows)
 
 
@@ -220,8 +215,8 @@ def error(content: Mapping[str, Any], key: str) -> str:
     value = content["frozen"].get(f"metric.{key}")
     if value is None:
         return "–"
-    shown = quoting.published_share(content, key) or f"{value:.2g} abs.".replace("-", "−")
-    return f"**{shown}**" if content["accurate"][key] is False else shown
+    text = quoting.published_share(content, key) or f"{value:.2g} abs.".replace("-", "−")
+    return f"**{text}**" if content["accurate"][key] is False else text
 
 
 # ------------------------------------------------------------------------------------------- scenes
@@ -244,11 +239,9 @@ def library() -> Iterator[str]:
     rows = []
     for scene in map(load_scene, scene_names()):
         purpose = f"{scene.title}. {scene.purpose[0].upper()}{scene.purpose[1:]}."
-        each = [
-            numbers(scene, engine, digits)
-            for engine, digits in (("half-plane theory", 9), ("finite elements", 6))
-        ]
-        rows.append([f"`{scene.name}`", cell(purpose), cell(scene.source), *each])
+        of_theory = numbers(scene, "half-plane theory", 9)
+        of_elements = numbers(scene, "finite elements", 6)
+        rows.append([f"`{scene.name}`", cell(purpose), cell(scene.source), of_theory, of_elements])
     yield from table("scene | purpose | source | theory | finite elements", rows)
 
 
@@ -256,15 +249,13 @@ def numbers(scene: Scene, engine: str, digits: int) -> str:
     """Expected numbers of one engine, by their symbols; several of one quantity have several
     sources.
     """
-    found: dict[str, list[str]] = {}
-    for one in scene.expected:
-        if one.engine == engine:
-            found.setdefault(SYMBOLS[one.quantity], []).append(
-                f"{one.value:.{digits}g}".replace("-", "−")
-            )
-    return (
-        "; ".join(f"{symbol}\u00a0{', '.join(values)}" for symbol, values in found.items()) or "–"
-    )
+    values_of: dict[str, list[str]] = {}
+    for entry in scene.expected:
+        if entry.engine == engine:
+            text = f"{entry.value:.{digits}g}".replace("-", "−")
+            values_of.setdefault(SYMBOLS[entry.quantity], []).append(text)
+    texts = [f"{symbol}\u00a0{', '.join(values)}" for symbol, values in values_of.items()]
+    return "; ".join(texts) or "–"
 
 
 def expected() -> str:
@@ -273,15 +264,15 @@ def expected() -> str:
     rows = csv.writer(written, lineterminator="\n")
     rows.writerow(["scene", "quantity", "value", "tolerance", "engine", "source"])
     for scene in map(load_scene, scene_names()):
-        for one in scene.expected:
+        for entry in scene.expected:
             rows.writerow(
                 [
                     scene.name,
-                    one.quantity,
-                    f"{one.value:.9g}",
-                    f"{one.tolerance:g}",
-                    one.engine,
-                    one.source,
+                    entry.quantity,
+                    f"{entry.value:.9g}",
+                    f"{entry.tolerance:g}",
+                    entry.engine,
+                    entry.source,
                 ]
             )
     return written.getvalue()

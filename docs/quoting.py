@@ -66,35 +66,37 @@ def values(
 
 def paper_values(examples: Paper) -> dict[str, str]:
     """Key -> number of the paper's statements and misprints."""
-    said, wrong = statements(examples), misprints(examples)
-    found = {
+    statement_rows = statements(examples)
+    misprint_rows = misprints(examples)
+    numbers = {
         f"permanent stick, {case.scene.name}": f"{case.stick_edge:.4f}"
         for case in (examples.hertz, examples.rounded)
     }
-    pairs = [
-        (f"{row.key}: {quantity}", value) for row in said for quantity, value in row.values.items()
-    ]
-    # below is rounded off
-    found |= {key: _minus(f"{value:.4g}") for key, value in pairs if abs(value) > 1e-6}
-    counts = {f"statements {verdict}": count for verdict, count in tally(said).items()}
+    for row in statement_rows:
+        for quantity, value in row.values.items():
+            if abs(value) > 1e-6:  # below is rounded off
+                numbers[f"{row.key}: {quantity}"] = _minus(f"{value:.4g}")
+    counts = {f"statements {verdict}": count for verdict, count in tally(statement_rows).items()}
     counts |= {
-        "statements": len(said),
-        "misprints": len(wrong),
-        "misprints proven": sum(row.proven is True for row in wrong),
+        "statements": len(statement_rows),
+        "misprints": len(misprint_rows),
+        "misprints proven": sum(row.proven is True for row in misprint_rows),
     }
-    return found | {key: str(count) for key, count in counts.items()}
+    return numbers | {key: str(count) for key, count in counts.items()}
 
 
 def published_values(scenes: Mapping[str, Any]) -> dict[str, str]:
     """Key -> number of the published reports."""
-    found = {"scenes": str(len(scenes))}
+    numbers = {"scenes": str(len(scenes))}
     for name, content in scenes.items():
         for key in ("peak_pressure", "pressure", "shear", "dissipation"):
-            if (shown := published_share(content, key)) is not None:
-                found[f"{key.replace('_', ' ')}, {name}"] = shown
+            text = published_share(content, key)
+            if text is not None:
+                words = key.replace("_", " ")
                 error = 1 / (1 + content["frozen"][f"metric.{key}"]) - 1
-                found[f"theory: {key.replace('_', ' ')}, {name}"] = f"{100 * abs(error):.3f}"
-    return found
+                numbers[f"{words}, {name}"] = text
+                numbers[f"theory: {words}, {name}"] = f"{100 * abs(error):.3f}"
+    return numbers
 
 
 def uncertain_values(measured: Mapping[str, Mapping[str, Mapping[str, float]]]) -> dict[str, str]:
@@ -104,14 +106,15 @@ def uncertain_values(measured: Mapping[str, Mapping[str, Mapping[str, float]]]) 
     >>> uncertain_values({"blocks": {"dissipation": {"value": -0.0272, "uncertainty": 0.00042}}})
     {'theory ± u: dissipation, blocks': '2.80 ± 0.04'}
     """
-    return {
-        f"theory ± u: {key.replace('_', ' ')}, {scene}": with_uncertainty(
-            100 * abs(1 / (1 + one["value"]) - 1),
-            100 * one["uncertainty"] / (1 + one["value"]) ** 2,
-        )
-        for scene, metrics in measured.items()
-        for key, one in metrics.items()
-    }
+    numbers = {}
+    for scene, metrics in measured.items():
+        for key, metric in metrics.items():
+            ratio = 1 + metric["value"]  # finite elements/theory
+            error = 100 * abs(1 / ratio - 1)
+            uncertainty = 100 * metric["uncertainty"] / ratio**2
+            name = f"theory ± u: {key.replace('_', ' ')}, {scene}"
+            numbers[name] = with_uncertainty(error, uncertainty)
+    return numbers
 
 
 def published_share(content: Mapping[str, Any], key: str) -> str | None:
@@ -129,22 +132,21 @@ def share(content: Mapping[str, Any], key: str, value: float | None) -> str | No
     return f"{100 * value:{sign}.2g} %".replace("-", "−")
 
 
-def claim_values(kept: Mapping[str, Any]) -> dict[str, str]:
+def claim_values(sections: Mapping[str, Any]) -> dict[str, str]:
     """Key -> value of every claim of docs/numbers.json: counts as they are, others to two
     digits.
     """
-    rows = [
-        (title, row["what"], row["measured"], row["unit"])
-        for title, section in kept.items()
-        for row in section["rows"]
-    ]
-    often = Counter(what for _, what, _, _ in rows)
-    return {
-        what if often[what] == 1 else f"{title}: {what}": (
-            _minus(f"{value:.0f}" if value.is_integer() else f"{value:.2g}") + f" {unit}".rstrip()
-        )
-        for title, what, value, unit in rows
-    }
+    rows = [(title, row) for title, section in sections.items() for row in section["rows"]]
+    count_of = Counter(row["what"] for _, row in rows)
+    numbers = {}
+    for title, row in rows:
+        claim = row["what"]
+        key = claim if count_of[claim] == 1 else f"{title}: {claim}"
+        value = row["measured"]
+        digits = f"{value:.0f}" if value.is_integer() else f"{value:.2g}"
+        unit = f" {row['unit']}".rstrip()
+        numbers[key] = _minus(digits) + unit
+    return numbers
 
 
 def limit_values() -> dict[str, str]:
@@ -162,56 +164,59 @@ def limit_values() -> dict[str, str]:
         "contact nodes": bodies.MOST_CONTACT_NODES,
         "nodes": bodies.MOST_NODES,
     }
-    shown = {key: in_words(size) for key, size in sizes.items()} | {
-        key: f"{count:,}" for key, count in counts.items()
-    }
-    return {f"limit: {key}": text for key, text in shown.items()}
+    texts = {key: in_words(size) for key, size in sizes.items()}
+    texts |= {key: f"{count:,}" for key, count in counts.items()}
+    return {f"limit: {key}": text for key, text in texts.items()}
 
 
 def third_values(cases: Mapping[str, Any], scenes: Mapping[str, Any]) -> dict[str, str]:
     """Key -> value of CalculiX on a case of benchmarks/third.json, and how many scenes it was tried
     on and converged.
     """
-    found: dict[str, str] = {}
+    numbers: dict[str, str] = {}
     for name, case in cases.items():
+        scene = name.partition(",")[0]
         for key, value in case["errors"].items():
-            if (shown := share(scenes[name.partition(",")[0]], key, value)) is not None:
-                found[f"CalculiX, {name}: {key}"] = shown
-    tried = [case for name, case in cases.items() if name in scenes]
-    counts = {"tried": len(tried), "converged": sum(not case["failure"] for case in tried)}
-    return found | {f"CalculiX, scenes {words}": str(n) for words, n in counts.items()}
+            text = share(scenes[scene], key, value)
+            if text is not None:
+                numbers[f"CalculiX, {name}: {key}"] = text
+    tried_cases = [case for name, case in cases.items() if name in scenes]
+    converged = sum(not case["failure"] for case in tried_cases)
+    numbers["CalculiX, scenes tried"] = str(len(tried_cases))
+    numbers["CalculiX, scenes converged"] = str(converged)
+    return numbers
 
 
 def map_values(name: str, page: str) -> dict[str, str]:
     """Key -> cell or sentence of a published map; what two of them share the key of is left out."""
     pairs: list[tuple[str, str]] = []
     for block in re.findall(r"(?:^\|.*\|\n)+", page, flags=re.M):
-        head, _, *rows = (
-            [cell.strip() for cell in line.strip("| ").split(" | ")] for line in block.splitlines()
-        )
+        lines = [line.strip("| ").split(" | ") for line in block.splitlines()]
+        head, _, *rows = (list(map(str.strip, cells)) for cells in lines)
         # A row is known by as many of its first cells as tell it from the others; a row without a
         # law has fewer cells.
-        known = next(
-            (n for n in range(1, len(head)) if len({tuple(row[:n]) for row in rows}) == len(rows)),
-            len(head),
-        )
-        pairs += [
-            (f"{', '.join(row[:known])}: {one}", cell)
-            for row in rows
-            for one, cell in zip(head[known:], row[known:], strict=False)
-        ]
+        name_length = 1
+        while name_length < len(head):
+            names = {tuple(row[:name_length]) for row in rows}
+            if len(names) == len(rows):
+                break
+            name_length += 1
+        for row in rows:
+            row_name = ", ".join(row[:name_length])
+            for column, text in zip(head[name_length:], row[name_length:], strict=False):
+                pairs.append((f"{row_name}: {column}", text))
     for line in page.splitlines():
-        # the question before an answer, or a whole caption
+        # without the question before an answer, or a whole caption
         plain = re.sub(r"^\*+[^*]+\*+ ?", "", line)
-        sentences = (
-            re.split(r"(?<=\.) (?=[A-Z`])", plain) if plain and plain[0] not in "#|!<" else []
-        )
-        pairs += [
-            (" ".join(sentence.split()[:5]), sentence.replace("**", "")) for sentence in sentences
-        ]
-    often = Counter(key for key, _ in pairs)
-    return {f"{name}: {key}": _minus(text) for key, text in pairs if often[key] == 1}
+        if not plain or plain[0] in "#|!<":
+            continue
+        for sentence in re.split(r"(?<=\.) (?=[A-Z`])", plain):
+            first_words = " ".join(sentence.split()[:5])
+            pairs.append((first_words, sentence.replace("**", "")))
+    count_of = Counter(key for key, _ in pairs)
+    return {f"{name}: {key}": _minus(text) for key, text in pairs if count_of[key] == 1}
 
 
 def _minus(text: str) -> str:
+    """The text with minus signs before its numbers."""
     return re.sub(r"(?<![\w.])-(?=\d)", "−", text)

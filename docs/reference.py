@@ -12,7 +12,8 @@ from typing import Any
 from scenes import Scene
 from scenes.loads import KEYS
 
-BEGIN, END = "<!-- scene keys: written by `make pages` -->", "<!-- end of scene keys -->"
+BEGIN = "<!-- scene keys: written by `make pages` -->"
+END = "<!-- end of scene keys -->"
 # The unit as a description states it: "..., length units (library: mm)".
 UNIT = re.compile(
     r"(?:, (?:both )?(?:length units|stress units|force per unit thickness|any time unit))?"
@@ -72,29 +73,28 @@ def page(text: str) -> str:
 
 def tables(schema: Mapping[str, Any]) -> Iterator[str]:
     """One section for the top of the file, one for each of its tables."""
-    models, properties = schema["$defs"], schema["properties"]
+    models = schema["$defs"]
+    properties = schema["properties"]
 
-    def of(one: Mapping[str, Any]) -> list[Any]:
+    def models_of(value: Mapping[str, Any]) -> list[Any]:
         """The models that a property refers to, in the order of the schema."""
-        entries = [one, one.get("items", {}), *one.get("oneOf", ()), *one.get("anyOf", ())]
+        entries = [value, value.get("items", {}), *value.get("oneOf", ()), *value.get("anyOf", ())]
         return [models[entry["$ref"].rpartition("/")[2]] for entry in entries if "$ref" in entry]
 
     def keys(model: Any, kind: str = "", left_out: Iterable[str] = ()) -> list[Row]:
+        """A row for each key of a model."""
         return [(kind, key, model) for key in model["properties"] if key not in left_out]
 
-    parts = {name: of(one) for name, one in properties.items()}
-    yield from section(
-        "Top of the file", [("", name, schema) for name, found in parts.items() if not found]
-    )
-    parts |= {
-        "material": [models["Elastic"]],
-        "bodies": of(models["Bodies"]["properties"]["lower"]),
-    }
-    for name, found in ((name, found) for name, found in parts.items() if found):
-        title, kinds = (
-            TITLES.get(name, f"`[{name}]`"),
-            [(kind_of(model), model) for model in found if kind_of(model)],
-        )
+    parts = {name: models_of(value) for name, value in properties.items()}
+    plain_names = [name for name, of_part in parts.items() if not of_part]
+    yield from section("Top of the file", [("", name, schema) for name in plain_names])
+    parts["material"] = [models["Elastic"]]
+    parts["bodies"] = models_of(models["Bodies"]["properties"]["lower"])
+    for name, of_part in parts.items():
+        if not of_part:
+            continue
+        title = TITLES.get(name, f"`[{name}]`")
+        kinds = [(kind_of(model), model) for model in of_part if kind_of(model)]
         if kinds:
             yield from (f"## {title}", "", "| `kind` | what it is |", "|---|---|")
             yield from (
@@ -104,14 +104,16 @@ def tables(schema: Mapping[str, Any]) -> Iterator[str]:
         shared = ("kind", *(KEYS if name == "load" else ()))
         yield from section(
             "" if kinds else title,
-            [row for model in found for row in keys(model, kind_of(model), shared)],
+            [row for model in of_part for row in keys(model, kind_of(model), shared)],
         )
         if name == "load":
-            every = {key: dict(found[0]["properties"][key]) for key in KEYS}
-            for one in every.values():
-                one["anyOf"] = [way for way in one["anyOf"] if "Wave" not in way.get("$ref", "")]
+            shared_keys = {key: dict(of_part[0]["properties"][key]) for key in KEYS}
+            for value in shared_keys.values():
+                value["anyOf"] = [
+                    way for way in value["anyOf"] if "Wave" not in way.get("$ref", "")
+                ]
             yield from section(
-                "Bulk stress, tilt and moment, of every load", keys({"properties": every})
+                "Bulk stress, tilt and moment, of every load", keys({"properties": shared_keys})
             )
             yield VALUES
             yield from section(
@@ -122,6 +124,7 @@ def tables(schema: Mapping[str, Any]) -> Iterator[str]:
 
 
 def kind_of(model: Mapping[str, Any]) -> str:
+    """The word for a model under `kind`; empty without one."""
     return model["properties"].get("kind", {}).get("const", "")
 
 
@@ -133,22 +136,22 @@ def section(title: str, rows: list[Row]) -> Iterator[str]:
     heads = ("kind", "key", "what it is", "unit", "default", "range")[first:]
     yield from (":::{container} keys", f"| {' | '.join(heads)} |", f"|{'---|' * len(heads)}")
     for kind, key, model in rows:
-        one = model["properties"][key]
-        words, value = one.get("description", ""), one.get("default")
-        default = (
-            "required"
-            if key in model.get("required", ())
-            else NONE
-            if value in (None, "", [])
-            else f"`{json.dumps(value)}`"
-        )
+        entry = model["properties"][key]
+        words = entry.get("description", "")
+        value = entry.get("default")
+        if key in model.get("required", ()):
+            default = "required"
+        elif value in (None, "", []):
+            default = NONE
+        else:
+            default = f"`{json.dumps(value)}`"
         cells = (
             f"`{kind}`" if kind else "",
             f"`{key}`",
             cell(UNIT.sub("", words)),
             unit(key, words),
             default,
-            admitted(one),
+            admitted(entry),
         )
         yield f"| {' | '.join(cells[first:])} |"
     yield from (":::", "")
@@ -165,33 +168,44 @@ def summary(description: str) -> str:
 
 def unit(key: str, description: str) -> str:
     """The unit in the library's set, as its description states it."""
-    found = UNIT.search(description)
-    return found[1] if found else "degrees" if key.endswith("_degrees") else NONE
+    match = UNIT.search(description)
+    if match:
+        return match[1]
+    return "degrees" if key.endswith("_degrees") else NONE
 
 
-def admitted(one: Mapping[str, Any]) -> str:
+def admitted(entry: Mapping[str, Any]) -> str:
     """The values that a key takes, in words."""
-    if "not" in one:
+    if "not" in entry:
         return "function (Python only)"
-    if "$ref" in one:
-        return TABLES.get(one["$ref"].rpartition("/")[2], "table with a value for each column")
-    if options := one.get("anyOf"):
+    if "$ref" in entry:
+        return TABLES.get(entry["$ref"].rpartition("/")[2], "table with a value for each column")
+    options = entry.get("anyOf")
+    if options:
         return " or ".join(admitted(option) for option in options if option.get("type") != "null")
-    if "enum" in one or "const" in one:
-        return ", ".join(f"`{word}`" for word in one.get("enum", [one.get("const")]))
-    if one["type"] == "array":
-        items = one["items"]
-        plain = {
-            "array": "pairs" if "prefixItems" in items else "rows",
-            "number": "numbers",
-            "string": "words",
-        }[items["type"]]
-        each = admitted(items) if "enum" in items or items["type"] == "number" else PLAIN["number"]
-        return f"list of {plain}" + ("" if each == PLAIN["number"] else f": {each}")
+    if "enum" in entry or "const" in entry:
+        return ", ".join(f"`{word}`" for word in entry.get("enum", [entry.get("const")]))
+    if entry["type"] == "array":
+        return admitted_list(entry["items"])
     bounds = ", ".join(
-        f"{sign} {one[name]:g}".replace("-", "−") for name, sign in BOUNDS if name in one
+        f"{sign} {entry[name]:g}".replace("-", "−") for name, sign in BOUNDS if name in entry
     )
-    return bounds or PLAIN[one["type"]]
+    return bounds or PLAIN[entry["type"]]
+
+
+def admitted_list(entry: Mapping[str, Any]) -> str:
+    """A list in words, by the schema of its entries."""
+    plurals = {
+        "array": "pairs" if "prefixItems" in entry else "rows",
+        "number": "numbers",
+        "string": "words",
+    }
+    words = f"list of {plurals[entry['type']]}"
+    if "enum" in entry or entry["type"] == "number":
+        limits = admitted(entry)
+        if limits != PLAIN["number"]:
+            words += f": {limits}"
+    return words
 
 
 def cell(text: str) -> str:

@@ -21,7 +21,8 @@ from typing import Any
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
-SCENE, HERE = "blocks", Path(__file__).parent
+SCENE = "blocks"
+HERE = Path(__file__).parent
 
 
 def measured(folder: Path) -> dict[str, dict[str, float]]:
@@ -41,10 +42,11 @@ def measured(folder: Path) -> dict[str, dict[str, float]]:
     if run.returncode > 1:  # 1: a metric is undecided
         raise SystemExit(run.returncode)
     metrics = json.loads(run.stdout)["result"]["metrics"]
-    return {
-        key: {name: metrics[key][name] for name in ("value", "uncertainty")}
-        for key in ("dissipation", "peak_pressure")
-    }
+    numbers = {}
+    for key in ("dissipation", "peak_pressure"):
+        metric = metrics[key]
+        numbers[key] = {"value": metric["value"], "uncertainty": metric["uncertainty"]}
+    return numbers
 
 
 def main() -> None:

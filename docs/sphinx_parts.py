@@ -44,7 +44,7 @@ def block_math(translator: Any, node: nodes.math_block) -> None:
 
 
 def escape_prose(
-    _app: Sphinx, _what: str, _name: str, _obj: Any, _options: Any, lines: list[str]
+    _app: Sphinx, _kind: str, _name: str, _object: Any, _options: Any, lines: list[str]
 ) -> None:
     """Escape what would be marks of reStructuredText in a docstring, beside `code` and doctests.
 
@@ -65,22 +65,21 @@ def escape_prose(
 
 def signature(
     _app: Sphinx,
-    what: str,
+    kind: str,
     _name: str,
-    obj: Any,
+    documented: Any,
     _options: Any,
     arguments: str | None,
-    result: str | None,
+    returned: str | None,
 ) -> tuple[str, str] | None:
     """The signature of a class without types, that of a function with the names of types."""
-    if what == "class" and arguments:
-        parameters = inspect.signature(obj).parameters.values()
+    if kind == "class" and arguments:
+        parameters = inspect.signature(documented).parameters.values()
         plain = [parameter.replace(annotation=inspect.Parameter.empty) for parameter in parameters]
         return str(inspect.Signature(plain)), ""
     if arguments is None:
         return None
-    names = [ALIAS.sub(r"\1", text or "") for text in (arguments, result)]
-    return names[0], names[1]
+    return ALIAS.sub(r"\1", arguments), ALIAS.sub(r"\1", returned or "")
 
 
 def published_pages(app: Sphinx) -> None:
@@ -99,10 +98,11 @@ def published_pages(app: Sphinx) -> None:
         moved = re.sub(r"\]\((\S+\.(?:svg|json|csv))\)", rf"]({files}/\1)", text)
         if len(name.parts) == 1:
             moved = moved.replace("](README.md)", "](../gallery.md)")
-        path, now = folder / name, f"---\norphan: true\n---\n\n{moved}"
-        if not path.is_file() or path.read_text(encoding="utf-8") != now:
+        path = folder / name
+        page = f"---\norphan: true\n---\n\n{moved}"
+        if not path.is_file() or path.read_text(encoding="utf-8") != page:
             path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(now, encoding="utf-8")
+            path.write_text(page, encoding="utf-8")
     for path in folder.rglob("*.md"):
         if path.relative_to(folder) not in pages:
             path.unlink()

@@ -20,10 +20,10 @@ NOT_YET: dict[str, dict[str, float]] = {
     "semi_analytic": {},
     "meshes": {},
     "halfplane_fe": {},
-    "reports": {"parallel": 21.4, "nested": 3.5, "empty": 4.6, "wide": 4, "many": 4},
-    "benchmarks": {"nested": 1.6, "wide": 2},
+    "reports": {},
+    "benchmarks": {},
     "tests": {"wide": 1},
-    "docs": {"parallel": 27.5, "nested": 16.2, "empty": 8.1},
+    "docs": {},
 }
 # Numerical signatures that users call by keyword, and commands, have as many parameters as there
 # are quantities.

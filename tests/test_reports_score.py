@@ -717,7 +717,7 @@ def test_an_example_scores_what_it_and_its_page_say(name: str) -> None:
     stored = json.loads((EXAMPLE_FOLDER / name / "made.json").read_text("utf-8"))
     block = measure.MARKS.search((EXAMPLE_FOLDER / name / "README.md").read_text("utf-8"))
     assert block is not None
-    assert block[0] == measure.told(example_scored(name), stored)
+    assert block[0] == measure.block_of(example_scored(name), stored)
     assert sum(file.stat().st_size for file in (EXAMPLE_FOLDER / name).iterdir()) < 1_000_000
 
 

@@ -32,7 +32,9 @@ SCENES = {
 }
 
 # Scene, times and reports of a result.
-RESULT, TIMES, REPORTS = "cattaneo-mindlin", (1.0, 1.5, 2.0), ("field.rpt", "xy.rpt")
+RESULT = "cattaneo-mindlin"
+TIMES = (1.0, 1.5, 2.0)
+REPORTS = ("field.rpt", "xy.rpt")
 
 
 def record(rows: int, noise: float = 0.0) -> NDArray[np.float64]:
@@ -45,10 +47,9 @@ def record(rows: int, noise: float = 0.0) -> NDArray[np.float64]:
     tangential = up * (
         16 * np.sin(2 * np.pi * 0.7 * time + 0.6) + 7 * np.sin(2 * np.pi * 0.23 * time)
     )
-    both = np.column_stack([normal, tangential]) + noise * np.random.default_rng(21).normal(
-        size=(rows, 2)
-    )
-    return np.column_stack([time, both])
+    loads = np.column_stack([normal, tangential])
+    loads = loads + noise * np.random.default_rng(21).normal(size=(rows, 2))
+    return np.column_stack([time, loads])
 
 
 def main(folder: Path) -> None:
@@ -123,7 +124,8 @@ def reports(folder: Path) -> None:
     from scenes import load_scene
 
     x = np.linspace(-1.2, 1.2, 61)
-    found = semi_analytic.solve(load_scene(RESULT), x=x, time=TIMES, fields=("pressure", "shear"))
+    scene = load_scene(RESULT)
+    solution = semi_analytic.solve(scene, x=x, time=TIMES, fields=("pressure", "shear"))
     text = []
     for k, time in enumerate(TIMES):
         for part, sign in (("BLOCK-1", -1.0), ("PAD-1", 1.0)):
@@ -148,11 +150,9 @@ def reports(folder: Path) -> None:
                 "",
             ]
             text += [f"Field Output reported at nodes for part: {part}", ""]
-            heads = (
-                ("Node", "COORD.COORD1", "COORD.COORD2", "CPRESS", "CSHEAR1"),
-                ("Label", *["@Loc 1"] * 4),
-            )
-            text += ["".join(f"{head:>18}" for head in line) for line in heads]
+            names = ("Node", "COORD.COORD1", "COORD.COORD2", "CPRESS", "CSHEAR1")
+            text.append("".join(f"{name:>18}" for name in names))
+            text.append("".join(f"{word:>18}" for word in ("Label", *["@Loc 1"] * 4)))
             text.append("-" * 90)
             for depth in (0.0, 0.1):  # the face, and a row of nodes beneath
                 for node, place in enumerate(x):
@@ -160,8 +160,8 @@ def reports(folder: Path) -> None:
                     values = (
                         place,
                         sign * depth,
-                        found.pressure[k, node] * slave,
-                        found.shear[k, node] * slave,
+                        solution.pressure[k, node] * slave,
+                        solution.shear[k, node] * slave,
                     )
                     text.append(
                         f"{node + 1 + (1000 if depth else 0):>18}"
@@ -181,13 +181,12 @@ def reports(folder: Path) -> None:
     ]
     columns = [
         x,
-        *(values[k] for k in range(len(TIMES)) for values in (found.pressure, found.shear)),
+        *(values[k] for k in range(len(TIMES)) for values in (solution.pressure, solution.shear)),
     ]
     lines = ["", "".join(f"{name:>20}" for name in names), ""]
-    lines += [
-        "".join(f"{figure(float(value)):>20}" for value in row)
-        for row in zip(*columns, strict=True)
-    ]
+    for row in zip(*columns, strict=True):
+        cells = [f"{figure(float(value)):>20}" for value in row]
+        lines.append("".join(cells))
     (folder / "xy.rpt").write_text("\n".join(lines) + "\n\n", encoding="utf-8")
 
 

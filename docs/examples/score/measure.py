@@ -37,13 +37,13 @@ class Example:
     """
 
     name: str
-    result: str
-    beside: tuple[str, ...] = ()
+    result_file: str
+    other_files: tuple[str, ...] = ()
     mapping: str | None = None
 
 
 EXAMPLES = (
-    Example("calculix", f"{SCENE}_calculix.frd.xz", beside=(f"{SCENE}_calculix.dat.xz",)),
+    Example("calculix", f"{SCENE}_calculix.frd.xz", other_files=(f"{SCENE}_calculix.dat.xz",)),
     Example("kratos", "result.csv"),
     Example("abaqus", "path.rpt", mapping="mapping.toml"),
 )
@@ -54,13 +54,13 @@ def scored(example: Example) -> Report:
     folder = HERE / example.name
     mapping = load_mapping(folder / example.mapping if example.mapping else None)
     with tempfile.TemporaryDirectory() as name:
-        for file in (example.result, *example.beside):
+        for file in (example.result_file, *example.other_files):
             content = (folder / file).read_bytes()
             packed = file.endswith(".xz")
             (Path(name) / file.removesuffix(".xz")).write_bytes(
                 lzma.decompress(content) if packed else content
             )
-        path = Path(name) / example.result.removesuffix(".xz")
+        path = Path(name) / example.result_file.removesuffix(".xz")
         return diagnosed(score_file(path, mapping, load_scene(SCENE)))
 
 
@@ -71,16 +71,16 @@ def numbers(report: Report) -> dict[str, Any]:
     return {
         "metrics": {key: report.metric(key).value for key in HEADLINES},
         "passed": report.passed,
-        "diagnoses": [one.fault for one in report.diagnoses],
+        "diagnoses": [diagnosis.fault for diagnosis in report.diagnoses],
     }
 
 
-def told(report: Report, made: dict[str, Any]) -> str:
+def block_of(report: Report, origin: dict[str, Any]) -> str:
     """The block of a README."""
     lines = [
         (
-            f"{made['code']}, {made['increments']} increments, {made['seconds']:.3g} s of CPU on"
-            " one thread."
+            f"{origin['code']}, {origin['increments']} increments, {origin['seconds']:.3g} s of"
+            " CPU on one thread."
         ),
         "",
     ]
@@ -89,24 +89,25 @@ def told(report: Report, made: dict[str, Any]) -> str:
         metric = report.metric(key)
         lines.append(f"| {metric.label} | {value_of(metric)} | {tolerance_of(metric)} |")
     lines += ["", "Likely faults of the result:", ""]
-    for one in report.diagnoses:
-        lines += [f"- {one.sentence}", *(f"  - {evidence}" for evidence in one.evidence)]
+    for diagnosis in report.diagnoses:
+        lines.append(f"- {diagnosis.sentence}")
+        lines += [f"  - {evidence}" for evidence in diagnosis.evidence]
     return "\n".join(lines) + "\n"
 
 
 def main() -> None:
-    found = {}
+    numbers_of = {}
     for example in EXAMPLES:
         report = scored(example)
-        found[example.name] = numbers(report)
-        made = json.loads((HERE / example.name / "made.json").read_text("utf-8"))
+        numbers_of[example.name] = numbers(report)
+        origin = json.loads((HERE / example.name / "made.json").read_text("utf-8"))
         readme = HERE / example.name / "README.md"
-        block = told(report, made).replace("\\", r"\\")
+        block = block_of(report, origin).replace("\\", r"\\")
         readme.write_text(
             MARKS.sub(lambda _, text=block: text, readme.read_text("utf-8")), encoding="utf-8"
         )
-        print(f"{example.name}: {found[example.name]}")
-    NUMBERS.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+        print(f"{example.name}: {numbers_of[example.name]}")
+    NUMBERS.write_text(json.dumps(numbers_of, indent=1) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":
