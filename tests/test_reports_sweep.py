@@ -42,7 +42,14 @@ from reports.studies.sweep import running, solving
 from reports.studies.sweep.page import draw, state_of, write_page
 from reports.studies.sweep.running import Processes, prepare, run, workers_of
 from reports.studies.sweep.solving import code_versions, solve_task
-from reports.studies.sweep.store import STATUS, Planned, Store, StoreError, read_index, rows_with_figures
+from reports.studies.sweep.store import (
+    STATUS,
+    Planned,
+    Store,
+    StoreError,
+    read_index,
+    rows_with_figures,
+)
 from reports.studies.sweep.study import Axis, Study, evaluate, expand, grid, load_study, study_of
 from scenes import ConvergenceError, InputError, load_scene
 from scenes.files import source_digest

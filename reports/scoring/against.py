@@ -144,7 +144,8 @@ def own_solution(path: Path, scene: Scene) -> ContactSolution:
             f"{path}: this is no solution that halfplane wrote ({type(reason).__name__}: {reason})"
         ) from reason
     for part in ("material", "profile", "friction", "load"):
-        own, asked = getattr(solution.scene, part), getattr(scene, part)
+        own = getattr(solution.scene, part)
+        asked = getattr(scene, part)
         if own != asked:
             raise InputError(
                 f"{path}: it answers another scene: {part} is {own!r} there and {asked!r} in"

@@ -54,7 +54,8 @@ Tractions = Array
 _LEAST_EXPLAINED = 0.5
 # What explains this much is exact but for rounding and the points taken; and for the rounding
 # alone.
-_CLEAR, _EXACT = 0.999, 1 - 1e-12
+_CLEAR = 0.999
+_EXACT = 1 - 1e-12
 # Steps of one search: golden sections alone narrow its interval to 1e-6 in thirty.
 _MOST_STEPS_OF_SEARCH = 60
 # Faults looked for behind each other: behind two, what is left is the rounding of the first two
@@ -65,24 +66,30 @@ _LEAST_STRENGTH = 0.05
 # Behind a fault that was mended, tolerances that the rest must exceed to be looked at: a fit is not
 # exact.
 _REST = 2.0
-UNKNOWN, NOISE = "unknown", "noise"
+UNKNOWN = "unknown"
+NOISE = "noise"
 # Faults that change the resultant of the pressure by their factor. Where it has moved by less than
 # this share of the change, none of them is there.
 _OF_LOAD = ("units", "traction_factor", "pressure_factor", "loads", "half_model")
 _UNMOVED = 1 / 3
 # Elements over the half-width below which the mesh itself is the first cause to look at, and those
 # that an engineer should take.
-_FEWEST_ELEMENTS, _ENOUGH_ELEMENTS = 4.0, 10
+_FEWEST_ELEMENTS = 4.0
+_ENOUGH_ELEMENTS = 10
 # Of f p, below which a point sticks for certain; of the largest step of the slip, below which it
 # rests.
-_STICKS, _AT_REST = 0.9, 1e-3
+_STICKS = 0.9
+_AT_REST = 1e-3
 # Share of the creep that is proportional to the change of the shear, where a penalty makes it; over
 # the largest step of slip, below which nobody need know; fewest points and instants that show it.
-_PROPORTIONAL, _NO_CREEP, _FEWEST_CREEPING = 0.9, 3e-3, 20
+_PROPORTIONAL = 0.9
+_NO_CREEP = 3e-3
+_FEWEST_CREEPING = 20
 # Share of the points that should stick and lie on the Coulomb limit, where nothing sticks; of f p,
 # how
 # near to the limit is on it: shear beyond it is another fault.
-_ALL_SLIP, _ON_LIMIT = 0.9, 0.01
+_ALL_SLIP = 0.9
+_ON_LIMIT = 0.01
 # Over P, to which the pressures of a mesh of any size add up: they are nodal forces over the
 # elements.
 _SAME_RESULTANT = 0.02
@@ -95,22 +102,23 @@ _MOST_INSTANTS = 32
 # A fitted factor counts as the round one that it is near: a mesh does not move a resultant by more.
 # A factor of a hundred or more is one of units even farther off: what is left of it is another
 # fault.
-_NEAR, _NEAR_OF_UNITS = 0.02, 0.25
+_NEAR = 0.02
+_NEAR_OF_UNITS = 0.25
 # Below this a factor is no fault of a file: modulus, radius or loads explain it better. A factor of
 # p alone has no rival: no elastic contact has another pressure and the same width and shear.
-_LEAST_FACTOR, _LEAST_OF_PRESSURE = 0.01, 1e-3
+_LEAST_FACTOR = 0.01
+_LEAST_OF_PRESSURE = 1e-3
 # A fitted factor of the question that is nearer to 1 is the error of a mesh, and no other question.
-_FITTED_FACTORS, _LEAST_OF_FIT = ("stiffness", "loads", "friction"), 0.005
+_FITTED_FACTORS = ("stiffness", "loads", "friction")
+_LEAST_OF_FIT = 0.005
 # Of the discrepancy, where a prediction has no solution: finite, for the parabolas of a search.
 _NOTHING = 1e30
 # Logarithms of the factors of E*/R or of the loads that are looked at first, and of f; those of f
 # at which next to nothing slips: a mesh keeps the infinite shear of bonded faces finite, as a large
 # f does.
 _FACTORS = tuple(np.log([0.2, 0.5, 0.75, 0.9, 0.97, 1.0, 1.03, 1.1, 1.33, 2.0, 5.0]))
-_OF_FRICTION, _NO_SLIP = (
-    tuple(np.log([0.4, 0.7, 0.9, 1.0, 1.1, 1.4, 2.0, 4.0])),
-    tuple(np.log([15.0, 50.0, 300.0])),
-)
+_OF_FRICTION = tuple(np.log([0.4, 0.7, 0.9, 1.0, 1.1, 1.4, 2.0, 4.0]))
+_NO_SLIP = tuple(np.log([15.0, 50.0, 300.0]))
 # Loads that differ by less than this share of the largest P are one: those of one revolution and
 # the next differ by rounding.
 _SAME_LOAD = 1e-9
@@ -128,7 +136,8 @@ _MOST = (0.4, 1.0)
 # Of the discrepancy that two plainer faults behind each other leave, above which the model is at
 # fault: two planted ones leave a thousandth, soft layers, creep and small bodies 0.05 to 0.9. Least
 # share that is even in x: of unlike bodies it is 0.3 at most.
-_UNACCOUNTED, _EVEN = 0.04, 0.9
+_UNACCOUNTED = 0.04
+_EVEN = 0.9
 # What a hypothesis must explain more than a plainer one, for each figure fitted: of two that
 # explain all, the plainer is named. A coarse edge and an odd part take what they find, point by
 # point.
@@ -274,7 +283,8 @@ def fraction_of_cycle(comparison: Comparison) -> Array:
     From 0 to 1, or from somewhere between to one period later. Of instants that are no whole
     cycle each counts from the start of its own revolution. The time itself where nothing repeats.
     """
-    path, found = comparison.scene.load.path(), comparison.found
+    path = comparison.scene.load.path()
+    found = comparison.found
     if path.period is None or found.whole:
         return found.fraction
     return np.asarray(np.mod((found.time - path.cycle_start) / path.period, 1.0))
@@ -310,7 +320,8 @@ def discrepancy(comparison: Comparison) -> Discrepancy | None:
         return None
     weight = known * shares(comparison.found.time[rows])[:, None] * shares(comparison.found.x)
     expected = np.nan_to_num(expected)
-    exact, left_out = comparison.reference.engine == "semi_analytic", float(1 - known.mean())
+    exact = comparison.reference.engine == "semi_analytic"
+    left_out = float(1 - known.mean())
     found = np.where(known, found, expected)
     return Discrepancy(
         comparison,
@@ -418,7 +429,8 @@ def _file_faults(what: Discrepancy) -> Iterator[Hypothesis]:
     Widths set a factor apart from loads k times too large: no elastic contact carries k times the
     load on the same width.
     """
-    expected, sheared = what.expected, bool(np.any(what.expected[1]))
+    expected = what.expected
+    sheared = bool(np.any(what.expected[1]))
 
     def times(fault: str, of_pressure: float, of_shear: float, **figures: float) -> Hypothesis:
         factors = _pair(of_pressure, of_shear)
@@ -465,12 +477,10 @@ def with_friction(scene: Scene, coefficient: float) -> Scene:
 
 def _question_faults(what: Discrepancy) -> Iterator[Hypothesis]:
     """Every fault of the question that the discrepancy may have."""
-    scene, path, half_width, alone = (
-        what.scene,
-        what.scene.load.path(),
-        what.comparison.scales.half_width,
-        what.of_pressure,
-    )
+    scene = what.scene
+    path = what.scene.load.path()
+    half_width = what.comparison.scales.half_width
+    alone = what.of_pressure
     # Bulk stress, or tilt, of the other sign; left out.
     for name, keys in (
         ("bulk", ("bulk_stress_lower", "bulk_stress_upper")),
@@ -515,7 +525,8 @@ def _question_faults(what: Discrepancy) -> Iterator[Hypothesis]:
         yield from _history_faults(what)
     # so much of a period late
     if path.period is not None and what.on_cycle and len(what.rows) >= 4:
-        start, period = path.cycle_start + 2 * path.period, path.period
+        start = path.cycle_start + 2 * path.period
+        period = path.period
 
         def late(delay: float) -> Tractions:
             return theory(what, scene, start + np.mod(what.fraction - delay, 1.0) * period)
@@ -555,7 +566,9 @@ def _turned(value: Any) -> Any:
 
 def _history_faults(what: Discrepancy) -> Iterator[Hypothesis]:
     """Another f; nothing slips; no memory; not yet steady; steps too long."""
-    scene, path, f = what.scene, what.scene.load.path(), what.scene.friction.coefficient
+    scene = what.scene
+    path = what.scene.load.path()
+    f = what.scene.friction.coefficient
 
     def of_friction(log_factor: float) -> Tractions:
         return theory(what, with_friction(scene, f * np.exp(log_factor)))
@@ -595,12 +608,12 @@ def _long_steps(what: Discrepancy, period: float) -> Iterator[Hypothesis]:
     P falls it is a straight line. Finite elements in steps that end on no event follow it to 0.983
     of the discrepancy at 48 steps a cycle, to 0.9999 at 4.
     """
-    path, own, whole = what.scene.load.path(), what.comparison.found, what.comparison.result.time
-    times, wanted, steps = (
-        whole[whole <= own.time[-1]],
-        what.time,
-        {"steps": float(len(own.time) - 1)},
-    )
+    path = what.scene.load.path()
+    own = what.comparison.found
+    whole = what.comparison.result.time
+    times = whole[whole <= own.time[-1]]
+    wanted = what.time
+    steps = {"steps": float(len(own.time) - 1)}
     if whole[0] > path.cycle_start:  # the cycle alone: twice, after the initial loading
         fraction = fraction_of_cycle(what.comparison)
         cycles = [path.cycle_start + (turn + fraction) * period for turn in (0, 1)]
@@ -610,7 +623,9 @@ def _long_steps(what: Discrepancy, period: float) -> Iterator[Hypothesis]:
     yield Hypothesis("steps", theory(what, what.scene, wanted, steps=times), steps)
     if what.unsymmetric or len(own.time) - 1 > _MOST_STEPS:
         return
-    points, ends, least = [(0.0, 0.0)], [], _SAME_LOAD * float(np.max(path.at(times)[0]))
+    points = [(0.0, 0.0)]
+    ends = []
+    least = _SAME_LOAD * float(np.max(path.at(times)[0]))
     for normal, tangential in np.transpose(path.at(times)).tolist():
         rises = normal > points[-1][0]
         for point in (
@@ -654,7 +669,9 @@ def _coarse_edge(what: Discrepancy) -> Hypothesis:
     over the element with the edge. What goes beyond that is not the mesh's. The edges are those of
     the instant, and those of the smallest stick zone: what a mesh gets wrong there stays locked in.
     """
-    x, scales, cycle = what.x, what.comparison.scales, what.comparison.expected
+    x = what.x
+    scales = what.comparison.scales
+    cycle = what.comparison.expected
     steps = np.diff(x)
     spacing = np.maximum(np.append(steps, steps[-1]), np.insert(steps, 0, steps[0]))
     places = [
@@ -708,7 +725,8 @@ def _model_fault(what: Discrepancy, best: Hypothesis | None, left: float) -> Ite
         and what.scene.friction.coefficient
         and np.any(what.found[1])
     ):
-        fault, trace = "elastic_slip", "the pressure is right"
+        fault = "elastic_slip"
+        trace = "the pressure is right"
     elif not pressed and best is not None and best.fault == "stiffness":
         factor = best.figures["factor"]
         fault = "soft_normal" if factor < 1 else "small_body"
@@ -764,7 +782,9 @@ def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
 def _causes(whole: Discrepancy) -> tuple[Diagnosis, ...]:
     """Likely causes by what they explain of the discrepancy, the strongest first; never none."""
     found: list[Diagnosis] = []
-    rest, winners, left = whole, list[Hypothesis](), list[float]()
+    rest = whole
+    winners = list[Hypothesis]()
+    left = list[float]()
     for number in range(_ROUNDS):
         taken = {one.fault for one in found}
         ranked = _ranked(rest, taken)
@@ -862,10 +882,12 @@ def _too_coarse(what: Discrepancy) -> Diagnosis | None:
 
 def _full_slip(what: Discrepancy) -> Iterator[Diagnosis]:
     """A result that lies on the Coulomb limit at the points that stick in the reference."""
-    comparison, friction = what.comparison, what.comparison.scene.friction.coefficient
+    comparison = what.comparison
+    friction = what.comparison.scene.friction.coefficient
     if not friction or not what.sheared:
         return
-    found, expected = comparison.found, comparison.expected
+    found = comparison.found
+    expected = comparison.expected
     pressed = (found.pressure > 0.01 * comparison.scales.pressure) & comparison.judged[:, None]
     should_stick = (
         pressed
@@ -896,8 +918,10 @@ def _elastic_slip(what: Discrepancy) -> Iterator[Diagnosis]:
     Points that stick from one instant to the next are those with |q| < 0.9 f p at both, in the
     result and in the reference, whose slip rests in the reference.
     """
-    comparison, friction = what.comparison, what.comparison.scene.friction.coefficient
-    found, expected = comparison.found, comparison.expected
+    comparison = what.comparison
+    friction = what.comparison.scene.friction.coefficient
+    found = comparison.found
+    expected = comparison.expected
     if not friction or not what.sheared or len(found.time) < 2:
         return
     if not (np.isfinite(found.slip).all() and np.isfinite(expected.slip).all()):
@@ -906,12 +930,14 @@ def _elastic_slip(what: Discrepancy) -> Iterator[Diagnosis]:
     for side in (found, expected):
         pressed &= side.pressure > 0.01 * comparison.scales.pressure
         pressed &= np.abs(side.shear) < _STICKS * friction * side.pressure
-    moved, moved_in_reference = np.diff(found.slip, axis=0), np.diff(expected.slip, axis=0)
+    moved = np.diff(found.slip, axis=0)
+    moved_in_reference = np.diff(expected.slip, axis=0)
     sheared = np.diff(found.shear, axis=0)
     touching = (found.pressure[1:] > 0) & (found.pressure[:-1] > 0)
     largest = float(np.max(np.abs(moved), where=touching, initial=0.0))
     sticks = pressed[1:] & pressed[:-1] & (np.abs(moved_in_reference) <= _AT_REST * largest)
-    creep, change = moved[sticks], sheared[sticks]
+    creep = moved[sticks]
+    change = sheared[sticks]
     if len(creep) < _FEWEST_CREEPING or not change.any() or not creep.any():
         return
     compliance = float(creep @ change / (change @ change))
@@ -935,10 +961,8 @@ def scatter(what: Discrepancy) -> Iterator[Diagnosis]:
     """Tractions that scatter from point to point, where that is most of the discrepancy; how many
     exceed the Coulomb limit.
     """
-    scales, inside = (
-        what.comparison.scales,
-        (what.expected[0] > 1e-3 * what.comparison.scales.pressure) & (what.weight > 0),
-    )
+    scales = what.comparison.scales
+    inside = (what.expected[0] > 1e-3 * what.comparison.scales.pressure) & (what.weight > 0)
     pairs = [
         (what.found[0] - what.expected[0], scales.pressure),
         (what.found[1] - what.expected[1], scales.shear),
@@ -954,16 +978,12 @@ def scatter(what: Discrepancy) -> Iterator[Diagnosis]:
     ]
     if len(pairs) > 1:
         # at all instants
-        every, touching = (
-            what.comparison.found,
-            what.comparison.expected.pressure > 1e-3 * scales.pressure,
-        )
+        every = what.comparison.found
+        touching = what.comparison.expected.pressure > 1e-3 * scales.pressure
         beyond = (np.abs(every.shear) / scales.shear - every.pressure / scales.pressure)[touching]
-        count, most, limit = (
-            int(np.sum(beyond > 0)),
-            float(np.max(beyond)),
-            _BY_NOISE * sum(one**2 for one in sigma) ** 0.5,
-        )
+        count = int(np.sum(beyond > 0))
+        most = float(np.max(beyond))
+        limit = _BY_NOISE * sum(one**2 for one in sigma) ** 0.5
         kept = (
             "no more than noise makes: no fault of the contact law"
             if most <= limit
@@ -1018,14 +1038,16 @@ def _contradicted(what: Discrepancy, factor: float) -> bool:
 
 def sentence_of(one: Hypothesis, what: Discrepancy) -> str:
     """The likely cause, and what to do."""
-    material, figures = what.comparison.scene.material, dict(one.figures)
+    material = what.comparison.scene.material
+    figures = dict(one.figures)
     if one.fault == "coupling" and abs(own := dundurs(material).beta) > _NO_COUPLING:
         in_reference = what.comparison.reference.engine == "halfplane_fe"
         which = "coupling_of_reference" if in_reference else "own_coupling"
         return str(_WORDS["others"][which].format(own=own, **figures))
     likely = ""
     if one.fault == "stiffness":
-        factor, nu = figures["factor"], material.upper.poisson_ratio
+        factor = figures["factor"]
+        nu = material.upper.poisson_ratio
         causes = [
             one["cause"]
             for one in _WORDS["stiffness"]
@@ -1047,7 +1069,8 @@ def _evidence(what: Discrepancy, one: Hypothesis, explained: float, number: int)
         f"a result with just this fault explains {explained:.1%} of the square of {behind} in"
         " p/p_ref and q/(f p_ref)"
     )
-    (before, after), (p_before, q_before) = one.mended(what).errors(), what.errors()
+    before, after = one.mended(what).errors()
+    p_before, q_before = what.errors()
     yield (
         f"error of the pressure {p_before:.2g} of its norm, of the shear {q_before:.2g} of f times"
         " that, at the worst instant"
@@ -1065,7 +1088,8 @@ def _by_work(comparison: Comparison) -> Iterator[Diagnosis]:
     corner is left behind.
     """
     values = {one.key: one.value for one in comparison.metrics}
-    off, less = values.get("dissipation"), values.get("dissipation_polygon")
+    off = values.get("dissipation")
+    less = values.get("dissipation_polygon")
     limit = comparison.scene.tolerances.limit("dissipation") or 0.0
     if off is None or less is None or not abs(off) > limit or not abs(less) < abs(off) / 2:
         return

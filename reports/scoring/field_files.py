@@ -29,7 +29,9 @@ from scenes.files import check_size, within_memory
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-LARGEST, UNPACKED = 2**29, 2**31  # bytes: of a file, of memory that one may take
+# bytes: of a file, of memory that one may take
+LARGEST = 2**29
+UNPACKED = 2**31
 SECONDS = 300  # of reading: half a GB takes some ten
 _SUFFIXES = (".vtu", ".vtk")
 # What Python, VTK and C++ print where memory ends.
@@ -200,10 +202,8 @@ def _part(path: Path, prefix: str, arrays: dict[str, NDArray[Any]]) -> FieldPart
     """The part of a file out of the arrays of `vtk_files.arrays_of`."""
     dimensions = arrays[f"{prefix}dimensions"].tolist()
     blocks = range(len(dimensions))
-    of_points, of_cells = (
-        arrays[f"{prefix}point names"].tolist(),
-        arrays[f"{prefix}cell names"].tolist(),
-    )
+    of_points = arrays[f"{prefix}point names"].tolist()
+    of_cells = arrays[f"{prefix}cell names"].tolist()
     return FieldPart(
         path.name,
         arrays[f"{prefix}points"],

@@ -4,6 +4,7 @@ loads, else by its resultants.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
@@ -20,7 +21,8 @@ Loads = tuple[Array, Array]
 # Largest distance in the plane of P and Q, over the largest P of the path: of loads as the file
 # states them, printed to some digits; and of resultants, which the trapezoidal rule takes from the
 # pressures of a mesh of perhaps ten elements.
-_STATED, _INTEGRATED = 0.005, 0.05
+_STATED = 0.005
+_INTEGRATED = 0.05
 _CORRECTIONS = 2  # of the trapezoidal rule: the first leaves a sixtieth of what it misses
 _PRINTED_TIME = 1e-5  # of a cycle: times printed to six digits miss its ends by less
 _PRINTED_LOAD = 1e-5  # of the largest load: those printed to six digits miss one another by less
@@ -29,7 +31,9 @@ _SAME = 1e-6  # over the largest P: places as near as that are equally near
 _PLACES = 64  # at which one instant may lie
 # Costs of a place, over that of a mean step, and for each revolution gone ahead among equal
 # matches; a step back by so small a part of a revolution costs as much as a mean step ahead.
-_DISTANCE, _AHEAD, _BACK = 1e3, 1e-9, 3000.0
+_DISTANCE = 1e3
+_AHEAD = 1e-9
+_BACK = 3000.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,13 +53,11 @@ class History:
     either_sign: bool = False
 
 
-def resultants(result: SurfaceResult) -> Loads:
+def resultants(surface: SurfaceResult) -> Loads:
     """int p dx and int q dx by the trapezoidal rule, (n_steps,) each [force / thickness]."""
-    normal, tangential = (
-        np.asarray(np.trapezoid(field, result.x, axis=1))
-        for field in (result.pressure, result.shear)
-    )
-    return normal, tangential
+    normal = np.trapezoid(surface.pressure, surface.x, axis=1)
+    tangential = np.trapezoid(surface.shear, surface.x, axis=1)
+    return np.asarray(normal), np.asarray(tangential)
 
 
 def without_tangential_load(scene: Scene) -> bool:
@@ -67,8 +69,8 @@ def without_tangential_load(scene: Scene) -> bool:
     return float(np.max(np.abs(tangential))) <= _SAME * float(np.max(normal))
 
 
-def matched(result: SurfaceResult, scene: Scene, *, sure_of_times: bool = True) -> History:
-    """The instants of `result` on the path of `scene`.
+def matched(surface: SurfaceResult, scene: Scene, *, sure_of_times: bool = True) -> History:
+    """The instants of `surface` on the path of `scene`.
 
     Times that nobody vouches for (a solver's own, counted from 0 in each step) are given up where
     they can't be the scene's and the loads or the tractions tell better.
@@ -78,105 +80,102 @@ def matched(result: SurfaceResult, scene: Scene, *, sure_of_times: bool = True) 
     InputError
         Naming the first instant that is not on the path in this order, with both loads there.
     """
-    if result.time is not None:
+    if surface.time is not None:
         try:
-            return _by_time(result, result.time, scene)
+            return _by_time(surface, surface.time, scene)
         except InputError as fault:
             if sure_of_times:
                 raise
             try:
-                other = matched(replace(result, time=None), scene)
+                history = matched(replace(surface, time=None), scene)
             except InputError:
                 raise fault from None
-            why = str(fault).removeprefix(f"{result.source}: ").split(";", maxsplit=1)[0]
-            return replace(
-                other,
-                guess=(
-                    f"the file's times can't be those of the scene's path and were not used ({why})"
-                ),
+            reason = str(fault).removeprefix(f"{surface.source}: ").split(";", maxsplit=1)[0]
+            guess = (
+                f"the file's times can't be those of the scene's path and were not used ({reason})"
             )
-    if result.normal_load is not None and result.tangential_load is not None:
-        return _by_loads(
-            result,
-            scene,
-            (result.normal_load, result.tangential_load),
-            _STATED,
-            "the loads that it states",
-        )
-    return _by_resultants(result, scene)
+            return replace(history, guess=guess)
+    if surface.normal_load is not None and surface.tangential_load is not None:
+        loads = (surface.normal_load, surface.tangential_load)
+        return _by_loads(surface, scene, loads, _STATED, "the loads that it states")
+    return _by_resultants(surface, scene)
 
 
-def _by_resultants(result: SurfaceResult, scene: Scene) -> History:
+def _by_resultants(surface: SurfaceResult, scene: Scene) -> History:
     """By the integrals of the tractions, less what the trapezoidal rule misses of theory at the
     instants so found.
     """
     import semi_analytic
 
-    by = "the integrals of its pressure and shear over x"
-    alone = not result.sheared
-    if alone and not without_tangential_load(scene):
+    sign = "the integrals of its pressure and shear over x"
+    if not surface.sheared and not without_tangential_load(scene):
         raise InputError(
-            f"{result.source}: without a shear the pressure alone does not say which instant is"
+            f"{surface.source}: without a shear the pressure alone does not say which instant is"
             " which: state the times of the scene's path, by a column or by times of a mapping, or"
             " P and Q"
         )
-    if alone:
-        by = "the integral of its pressure over x, with Q = 0 as throughout the scene"
-        result = replace(result, shear=freeze(np.zeros_like(result.pressure)))
-    normal, tangential = resultants(result)
-    normal, integrated = (normal, 1.0) if result.normal_load is None else (result.normal_load, 0.0)
+    if not surface.sheared:
+        sign = "the integral of its pressure over x, with Q = 0 as throughout the scene"
+        surface = replace(surface, shear=freeze(np.zeros_like(surface.pressure)))
+    normal, tangential = resultants(surface)
+    if surface.normal_load is not None:
+        normal = surface.normal_load
 
-    def turned(sense: float, words: str) -> History | None:
+    def with_shear_times(sense: float, words: str) -> History | None:
+        """The instants with the shear as it is (1) or turned (-1); None where they don't fit."""
         try:
-            return _by_loads(result, scene, (normal, sense * tangential), _INTEGRATED, words)
+            return _by_loads(surface, scene, (normal, sense * tangential), _INTEGRATED, words)
         except InputError:
             return None
 
     sense = 1.0
     try:
-        found = _by_loads(result, scene, (normal, tangential), _INTEGRATED, by)
+        history = _by_loads(surface, scene, (normal, tangential), _INTEGRATED, sign)
     except InputError:
         # Shear on the other body: matched all the same, scored as it is, and named by the oddities.
-        sense, other = -1.0, turned(-1.0, f"{by}, the latter turned")
-        if other is None:
+        sense = -1.0
+        turned_history = with_shear_times(sense, f"{sign}, the latter turned")
+        if turned_history is None:
             raise
-        found = other
+        history = turned_history
     for _ in range(_CORRECTIONS):
         theory = semi_analytic.solve(
-            scene, x=result.x, time=found.time, fields=("pressure", "shear")
+            scene, x=surface.x, time=history.time, fields=("pressure", "shear")
         )
-        own = (np.trapezoid(field, result.x, axis=1) for field in (theory.pressure, theory.shear))
-        missed = [
-            integral - load
-            for integral, load in zip(own, (found.normal_load, found.tangential_load), strict=True)
-        ]
-        loads = normal - integrated * missed[0], sense * tangential - missed[1]
-        found = _by_loads(
-            result, scene, loads, _INTEGRATED, f"{by}, less what that misses of theory"
-        )
-    sheared = float(np.max(np.abs(tangential))) > _INTEGRATED * float(np.max(normal))
-    return replace(found, either_sign=sheared and turned(-sense, by) is not None)
+        # what the trapezoidal rule makes of theory, beside the loads of theory
+        corrected_normal = normal
+        if surface.normal_load is None:
+            integral = np.trapezoid(theory.pressure, surface.x, axis=1)
+            corrected_normal = normal - (integral - history.normal_load)
+        integral = np.trapezoid(theory.shear, surface.x, axis=1)
+        corrected_tangential = sense * tangential - (integral - history.tangential_load)
+        loads = (corrected_normal, corrected_tangential)
+        words = f"{sign}, less what that misses of theory"
+        history = _by_loads(surface, scene, loads, _INTEGRATED, words)
+    has_shear = float(np.max(np.abs(tangential))) > _INTEGRATED * float(np.max(normal))
+    either_sign = has_shear and with_shear_times(-sense, sign) is not None
+    return replace(history, either_sign=either_sign)
 
 
-def _by_time(result: SurfaceResult, stated: Array, scene: Scene) -> History:
+def _by_time(surface: SurfaceResult, stated_time: Array, scene: Scene) -> History:
+    """At the times that the file states; InputError where they or the loads there don't fit."""
     path = scene.load.path()
-    last = (
-        path.initial_loading[-1].end
-        if path.period is None
-        else path.cycle_start + scene.cycles * path.period
-    )
-    time = _snapped(stated, path, scene)
+    if path.period is None:
+        last = path.initial_loading[-1].end
+    else:
+        last = path.cycle_start + scene.cycles * path.period
+    time = _snapped(stated_time, path, scene)
     if np.any(np.diff(time) <= 0):
         step = int(np.flatnonzero(np.diff(time) <= 0)[0]) + 1
         raise InputError(
-            f"{result.source}: time does not ascend: instant {step + 1} is at {time[step]:.9g}"
+            f"{surface.source}: time does not ascend: instant {step + 1} is at {time[step]:.9g}"
             f" after {time[step - 1]:.9g}"
         )
     beyond = np.flatnonzero((time < path.start) | (time > last))
     if len(beyond):
         rounds = f" in {scene.cycles} cycles" if path.period is not None else ""
         raise InputError(
-            f"{result.source}: instant {beyond[0] + 1} is at time {time[beyond[0]]:.6g}, outside"
+            f"{surface.source}: instant {beyond[0] + 1} is at time {time[beyond[0]]:.6g}, outside"
             f" the scene's path, which goes from {path.start:.6g} to {last:.6g}{rounds}; state each"
             " instant's time there by the key times of a mapping"
         )
@@ -184,21 +183,24 @@ def _by_time(result: SurfaceResult, stated: Array, scene: Scene) -> History:
     # At the times stated, loads stated must be the scene's, and so must the integral of the
     # pressure.
     size = float(np.max(normal)) or 1.0
-    for name, own, theirs, limit in (
-        ("P", result.normal_load, normal, _STATED),
-        ("Q", result.tangential_load, tangential, _STATED),
-        ("the integral of the pressure", resultants(result)[0], normal, 4 * _INTEGRATED),
+    integral, _ = resultants(surface)
+    for name, of_result, of_scene, limit in (
+        ("P", surface.normal_load, normal, _STATED),
+        ("Q", surface.tangential_load, tangential, _STATED),
+        ("the integral of the pressure", integral, normal, 4 * _INTEGRATED),
     ):
-        if own is not None and np.any(np.abs(own - theirs) > limit * size):
-            step = int(np.flatnonzero(np.abs(own - theirs) > limit * size)[0])
+        if of_result is None:
+            continue
+        misfits = np.flatnonzero(np.abs(of_result - of_scene) > limit * size)
+        if len(misfits):
+            step = int(misfits[0])
             raise InputError(
-                f"{result.source}: its history is not the scene's: at instant {step + 1}, time"
-                f" {time[step]:.6g}, {name} is {own[step]:.6g} and the scene's"
-                f" {theirs[step]:.6g}{_constant_ratio(own, theirs, size)}"
+                f"{surface.source}: its history is not the scene's: at instant {step + 1}, time"
+                f" {time[step]:.6g}, {name} is {of_result[step]:.6g} and the scene's"
+                f" {of_scene[step]:.6g}{_constant_ratio(of_result, of_scene, size)}"
             )
-    return History(
-        time, normal, tangential, ("its instants were matched by the times that it states",)
-    )
+    note = "its instants were matched by the times that it states"
+    return History(time, normal, tangential, (note,))
 
 
 def _snapped(time: Array, path: LoadPath, scene: Scene) -> Array:
@@ -212,66 +214,65 @@ def _snapped(time: Array, path: LoadPath, scene: Scene) -> Array:
     return np.where(np.abs(time - nearest) <= close, nearest, time)
 
 
-def _constant_ratio(own: Array, theirs: Array, size: float) -> str:
+def _constant_ratio(of_result: Array, of_scene: Array, size: float) -> str:
     """What to do, if all figures differ by one factor."""
-    loaded = np.abs(theirs) > 0.01 * size
-    if not loaded.any():
+    is_loaded = np.abs(of_scene) > 0.01 * size
+    if not is_loaded.any():
         return ""
-    ratio = own[loaded] / theirs[loaded]
-    if np.ptp(ratio) > 0.01 * abs(ratio[0]) or abs(ratio[0] - 1) < 0.01 or ratio[0] == 0:
+    ratios = of_result[is_loaded] / of_scene[is_loaded]
+    factor = ratios[0]
+    if np.ptp(ratios) > 0.01 * abs(factor) or abs(factor - 1) < 0.01 or factor == 0:
         return ""
-    hint = (
-        "the other sign?"
-        if ratio[0] < 0
-        else "a thickness of that size (thickness), other units (factors), or half a model?"
-    )
-    return f", {ratio[0]:.4g} times as much at every instant: {hint}"
+    hint = "a thickness of that size (thickness), other units (factors), or half a model?"
+    if factor < 0:
+        hint = "the other sign?"
+    return f", {factor:.4g} times as much at every instant: {hint}"
 
 
 # --------------------------------------------------------------------------- by the loads, in order
-def _by_loads(result: SurfaceResult, scene: Scene, loads: Loads, limit: float, by: str) -> History:
+def _by_loads(surface: SurfaceResult, scene: Scene, loads: Loads, limit: float, by: str) -> History:
     """In order along the path; where every instant lies on the cycle, in its last one."""
     path = scene.load.path()
     size = float(np.max(path.at(_samples(path, 1))[0]))
     if np.max(loads[0]) <= _STATED * size:
         raise InputError(
-            f"{result.source}: its largest P is {np.max(loads[0]):.4g} (from {by}) and the scene's"
+            f"{surface.source}: its largest P is {np.max(loads[0]):.4g} (from {by}) and the scene's"
             f" {size:.4g}: too little to tell its instants by; see to thickness and factors of the"
             " mapping, or state the times"
         )
     best: tuple[float, Array] | None = None
     for times in _windows(path, scene):
-        found = _in_order(times, path, scene, loads, size)
-        off = float(np.max(_distance(path, found, loads))) / size
-        if best is None or off < best[0]:
-            best = off, found
-        if off <= limit:
+        candidate = _in_order(times, path, scene, loads, size)
+        misfit = float(np.max(_distance(path, candidate, loads))) / size
+        if best is None or misfit < best[0]:
+            best = (misfit, candidate)
+        if misfit <= limit:
             break
     assert best is not None
-    off, time = best
-    time = _closed(time, scene, loads, off * size)
+    misfit, time = best
+    time = _closed(time, scene, loads, misfit * size)
     normal, tangential = path.at(time)
-    if off > limit:
+    if misfit > limit:
         step = int(np.flatnonzero(_distance(path, time, loads) / size > limit)[0])
         raise InputError(
-            f"{result.source}: its history is not the scene's: at instant {step + 1} P ="
+            f"{surface.source}: its history is not the scene's: at instant {step + 1} P ="
             f" {loads[0][step]:.6g} and Q = {loads[1][step]:.6g} (from {by}), and the nearest that"
             f" the scene's path has, in order, is P = {normal[step]:.6g} and Q ="
             f" {tangential[step]:.6g} at time"
             f" {time[step]:.6g}{_constant_ratio(loads[0], normal, size)}"
         )
     notes = [
-        f"its instants were matched to the load path by {by}; the farthest is {off:.1e} of the"
+        f"its instants were matched to the load path by {by}; the farthest is {misfit:.1e} of the"
         " largest P away"
     ]
-    if (
-        path.period is not None
-        and time[0] >= path.cycle_start + (scene.cycles - 2) * path.period - 1e-9
-    ):
-        what = "the instant lies" if len(time) == 1 else "all instants lie"
+    start_of_last_two = math.inf
+    if path.period is not None:
+        start_of_last_two = path.cycle_start + (scene.cycles - 2) * path.period
+    if time[0] >= start_of_last_two - 1e-9:
+        subject = "the instant lies" if len(time) == 1 else "all instants lie"
         notes.append(
-            f"{what} on the cycle, which comes back: one of the last of {scene.cycles} cycles was"
-            " taken, the steady state; if it is an earlier one, state the times"
+            f"{subject} on the cycle, which comes back: one of the last of {scene.cycles} cycles"
+            " was taken, the steady state; if it is an earlier one, state the times"
         )
     if path.period is None and len(time) > 1:
         notes.append(
@@ -281,27 +282,29 @@ def _by_loads(result: SurfaceResult, scene: Scene, loads: Loads, limit: float, b
     return History(time, normal, tangential, tuple(notes))
 
 
-def _closed(time: Array, scene: Scene, loads: Loads, apart: float) -> Array:
+def _closed(time: Array, scene: Scene, loads: Loads, distance: float) -> Array:
     """Times of which the last is a whole period after an earlier one, where its loads are the same.
 
     Next to a turning point a small error of a load is a large one of the time. Loads are the same
-    where they differ by no more than the instants lie `apart` from the path, or by what six
-    printed digits leave open [force / thickness].
+    where they differ by no more than twice the largest `distance` of an instant from the path, or
+    by what six printed digits leave open [force / thickness].
     """
     path = scene.load.path()
     if path.period is None or len(time) < 3:
         return time
     earlier = int(np.argmin(np.abs(time[:-1] - (time[-1] - path.period))))
-    closed = time[earlier] + path.period
-    across = loads[0][-1] - loads[0][earlier]
-    up = loads[1][-1] - loads[1][earlier]
-    printed = _PRINTED_LOAD * float(np.max(np.abs(loads)))
-    same = np.hypot(across, up) <= max(2 * apart, printed)
+    period_later = time[earlier] + path.period
+    normal, tangential = loads
+    load_change = np.hypot(normal[-1] - normal[earlier], tangential[-1] - tangential[earlier])
+    print_error = _PRINTED_LOAD * float(np.max(np.abs(loads)))
     step = time[-1] - time[-2]
     end_of_path = path.cycle_start + scene.cycles * path.period
-    if not same or not time[-2] < closed <= end_of_path or abs(time[-1] - closed) > step / 2:
-        return time
-    return np.append(time[:-1], closed)
+    has_same_loads = load_change <= max(2 * distance, print_error)
+    is_on_path = time[-2] < period_later <= end_of_path
+    is_close = abs(time[-1] - period_later) <= step / 2
+    if has_same_loads and is_on_path and is_close:
+        return np.append(time[:-1], period_later)
+    return time
 
 
 def _windows(path: LoadPath, scene: Scene) -> Iterator[Array]:
@@ -315,6 +318,7 @@ def _windows(path: LoadPath, scene: Scene) -> Iterator[Array]:
 
 
 def _samples(path: LoadPath, cycles: int) -> Array:
+    """Times of the initial loading and of so many cycles, ascending."""
     legs = list(path.legs(cycles if path.period is not None else 1))
     count = max(_SAMPLES * (cycles + 1) // len(legs), 8)
     return np.unique(np.concatenate([np.linspace(leg.start, leg.end, count) for leg in legs]))
@@ -332,21 +336,25 @@ def _in_order(times: Array, path: LoadPath, scene: Scene, loads: Loads, size: fl
     """
     normal, tangential = path.at(times)
     squares = [_squares(normal - p, tangential - q) / size**2 for p, q in zip(*loads, strict=True)]
-    noise, whole = max(float(square.min()) for square in squares) + _SAME**2, times[-1] - times[0]
-    mean, back = whole / len(squares), (path.period or whole) / _BACK
-    places = [_nearest(square) for square in squares]
-    cost, came = _AHEAD * (times[places[0]] - times[0]) / whole, list[Places]()
+    noise = max(float(square.min()) for square in squares) + _SAME**2
+    duration = times[-1] - times[0]
+    mean_step = duration / len(squares)
+    step_back = (path.period or duration) / _BACK
+    places = [_nearest(square) for square in squares]  # of each instant
+    cost = _AHEAD * (times[places[0]] - times[0]) / duration
+    predecessors: list[Places] = []  # of each place of an instant, the best of the one before
     for k, place in enumerate(places):
         if k:
             step = times[place] - times[places[k - 1]][:, None]
-            total = cost[:, None] + (step / np.where(step < 0, back, mean)) ** 2
-            came.append(np.argmin(total, axis=0))
-            cost = np.min(total, axis=0)
+            cost_of_pair = cost[:, None] + (step / np.where(step < 0, step_back, mean_step)) ** 2
+            predecessors.append(np.argmin(cost_of_pair, axis=0))
+            cost = np.min(cost_of_pair, axis=0)
         cost = cost + _DISTANCE * squares[k][place] / noise
-    taken = [int(np.argmin(cost))]
-    for way in reversed(came):
-        taken.append(int(way[taken[-1]]))
-    chosen = np.array([place[k] for place, k in zip(places, reversed(taken), strict=True)])
+    best_from_end = [int(np.argmin(cost))]
+    for predecessor in reversed(predecessors):
+        best_from_end.append(int(predecessor[best_from_end[-1]]))
+    best = reversed(best_from_end)
+    chosen = np.array([place[k] for place, k in zip(places, best, strict=True)])
     return np.maximum.accumulate(_snapped(_refined(times, chosen, path, loads), path, scene))
 
 
@@ -357,23 +365,25 @@ def _nearest(squares: Array) -> Places:
     >>> _nearest(np.array([4.0, 1.0, 1.0, 4.0, 1.5])).tolist()
     [1, 4]
     """
-    before, after = np.append(np.inf, squares[:-1]), np.append(squares[1:], np.inf)
-    least = np.flatnonzero((squares < before) & (squares <= after))
-    return np.sort(least[np.argsort(squares[least], kind="stable")[:_PLACES]])
+    before = np.append(np.inf, squares[:-1])
+    after = np.append(squares[1:], np.inf)
+    minima = np.flatnonzero((squares < before) & (squares <= after))
+    order = np.argsort(squares[minima], kind="stable")
+    return np.sort(minima[order[:_PLACES]])
 
 
 def _chords(across: Array, up: Array) -> tuple[Array, Array]:
     """Of the chords between neighbouring samples (..., n), counted from the origin: where its foot
     lies on each, as a share of the chord, and its squared distance, (..., n - 1) each.
     """
-    along, aside = np.diff(across), np.diff(up)
-    length = along**2 + aside**2
-    share = np.clip(
-        -(across[..., :-1] * along + up[..., :-1] * aside) / np.where(length > 0, length, 1.0),
-        0.0,
-        1.0,
-    )
-    return share, (across[..., :-1] + share * along) ** 2 + (up[..., :-1] + share * aside) ** 2
+    start_x = across[..., :-1]
+    start_y = up[..., :-1]
+    chord_x = np.diff(across)
+    chord_y = np.diff(up)
+    square_of_length = chord_x**2 + chord_y**2
+    divisor = np.where(square_of_length > 0, square_of_length, 1.0)
+    share = np.clip(-(start_x * chord_x + start_y * chord_y) / divisor, 0.0, 1.0)
+    return share, (start_x + share * chord_x) ** 2 + (start_y + share * chord_y) ** 2
 
 
 def _squares(across: Array, up: Array) -> Array:
@@ -383,8 +393,10 @@ def _squares(across: Array, up: Array) -> Array:
     From the samples themselves it would be their luck on which of two branches, to and fro on one
     line, an instant lies.
     """
-    chord = _chords(across, up)[1]
-    return np.minimum(np.append(chord, chord[-1]), np.insert(chord, 0, chord[0]))
+    _, of_chord = _chords(across, up)
+    of_chord_before = np.insert(of_chord, 0, of_chord[0])
+    of_chord_after = np.append(of_chord, of_chord[-1])
+    return np.minimum(of_chord_after, of_chord_before)
 
 
 def _refined(times: Array, chosen: Places, path: LoadPath, loads: Loads) -> Array:
@@ -394,19 +406,23 @@ def _refined(times: Array, chosen: Places, path: LoadPath, loads: Loads) -> Arra
     A foot misses the path's by the square of its chord; squares of distances alone are flat to 1e-8
     of a cycle around it.
     """
-    time, rows = times[chosen], np.arange(len(chosen))
-    low, high = times[np.maximum(chosen - 1, 0)], times[np.minimum(chosen + 1, len(times) - 1)]
+    time = times[chosen]
+    rows = np.arange(len(chosen))
+    low = times[np.maximum(chosen - 1, 0)]
+    high = times[np.minimum(chosen + 1, len(times) - 1)]
     for _ in range(6):
         step = (high - low) / 20
         grid = low[:, None] + step[:, None] * np.arange(21)
         normal, tangential = path.at(grid)
         share, square = _chords(normal - loads[0][:, None], tangential - loads[1][:, None])
-        at = np.argmin(square, axis=1)
-        time = grid[rows, at] + share[rows, at] * step
-        low, high = np.maximum(time - step, times[0]), np.minimum(time + step, times[-1])
+        nearest = np.argmin(square, axis=1)
+        time = grid[rows, nearest] + share[rows, nearest] * step
+        low = np.maximum(time - step, times[0])
+        high = np.minimum(time + step, times[-1])
     return time
 
 
 def _distance(path: LoadPath, time: Array, loads: Loads) -> Array:
+    """Of the loads from the path at these times, (n_steps,) [force / thickness]."""
     normal, tangential = path.at(time)
     return np.hypot(normal - loads[0], tangential - loads[1])

@@ -22,13 +22,16 @@ Array = NDArray[np.float64]
 
 # Levels of Q, as shares of its range, that rows must pass between two turning points: noise turns Q
 # more often.
-_LOWER, _UPPER = 0.25, 0.75
+_LOWER = 0.25
+_UPPER = 0.75
 # Scatter of Q from row to row beyond this share of its amplitude hides the loop; rows of a cycle
 # below which turning points can't be told.
-_SCATTER, _FEWEST_OF_CYCLE = 0.15, 8
+_SCATTER = 0.15
+_FEWEST_OF_CYCLE = 8
 # Rows on each side of a turning point that two parabolas are fitted to: the fewest that leave a
 # residual, and how they grow.
-_WINDOW, _GROWTH = 3, 1.5
+_WINDOW = 3
+_GROWTH = 1.5
 # Places of the joint of the two parabolas that are tried.
 _JOINTS = 25
 # Residuals of the parabolas over the noise of Q, beyond which the window is too long for parabolas.
@@ -150,7 +153,8 @@ def find_branches(
         )
         for side in (True, False)
     }
-    (highest, above), (lowest, below) = found[True], found[False]
+    highest, above = found[True]
+    lowest, below = found[False]
 
     # Turning points in the order of time, with one before the first and one behind the last.
     half = {side: float(np.median(np.diff(middles)[is_top == side])) / 2 for side in (True, False)}
@@ -291,7 +295,8 @@ def _turning_point(
     while window < max(in_half, _WINDOW + 0.5):
         reach = (window + 0.5) / in_half
         rows = np.abs(apart - middle) <= reach
-        x, y = (apart[rows] - middle) / reach, values[rows]
+        x = (apart[rows] - middle) / reach
+        y = values[rows]
         fit = _two_parabolas(x, y)
         if fit is not None:
             height, where, residual = fit
@@ -300,7 +305,9 @@ def _turning_point(
             fits.append((height, middle + where * reach, window))
         window *= _GROWTH
     if not fits:
-        height, where, window = float(np.max(values[inside])), middle, 1.0
+        height = float(np.max(values[inside]))
+        where = middle
+        window = 1.0
         return TurningPoint(sign * height, float(noise + np.ptp(values) / in_half)), where * half
     height, where, window = fits[-1]
     shorter = fits[-2][0] if len(fits) > 1 else float(np.max(values[inside]))
@@ -408,7 +415,8 @@ def polygon_area(
             float(values[after - 1] + share * (values[after] - values[after - 1]))
             for values in (shift, load)
         ]
-        shift, load = np.append(shift[:after], ends[0]), np.append(load[:after], ends[1])
+        shift = np.append(shift[:after], ends[0])
+        load = np.append(load[:after], ends[1])
     elif (
         end - phase[-1] > missing
     ):  # the loop may lie anywhere between the chord and its end tangents

@@ -43,10 +43,13 @@ Indices = NDArray[np.intp]
 
 # Samples of the memory curve, closer towards gross sliding, where its slope grows as a logarithm,
 # and how near they come to it.
-_SAMPLES, _BEFORE_SLIDING = 1001, 1e-6
+_SAMPLES = 1001
+_BEFORE_SLIDING = 1e-6
 # First trials of f, from just above gross sliding to so many times as much; beyond, a loop is a
 # line.
-_TRIALS, _ABOVE, _WIDEST = 24, 0.04, 40.0
+_TRIALS = 24
+_ABOVE = 0.04
+_WIDEST = 40.0
 # Minima among the trials from which a fit begins.
 _MINIMA = 3
 # ln f on the way of a fit: so far below sliding the curve goes on straight, lest a fit end at a
@@ -61,7 +64,8 @@ _REWEIGHTED = 8
 _FAR = 4.0
 # Steps outwards to the end of an interval, each 1.3 times the one before, and halvings: to 1 % of
 # the last step.
-_STEPS, _HALVED = 60, 6
+_STEPS = 60
+_HALVED = 6
 # Noise of rows that show none, over their largest value: f is not known better than theory's
 # samples leave it.
 _LEAST_NOISE = 1e-9
@@ -75,7 +79,8 @@ _BESIDE_TURN = 0.05
 _MIDDLE = (0.1, 0.9)
 # Instants of a branch between two that are compared first with each row; rows that are compared at
 # a time.
-_STRIDE, _ROWS_AT_ONCE = 16, 8192
+_STRIDE = 16
+_ROWS_AT_ONCE = 8192
 
 
 class Weights(NamedTuple):

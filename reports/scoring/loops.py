@@ -72,7 +72,9 @@ _SHIFT_NAMES = (
 _BY_NUMBER = "columns.slip = 1 and columns.tangential_load = 2 of a mapping"
 # Rows that show with how many digits numbers are written.
 _DIGITS_SEEN = 1000
-_FEWEST, _LEAST_CYCLES, _MOST_CYCLES = 40, 0.9, 2000
+_FEWEST = 40
+_LEAST_CYCLES = 0.9
+_MOST_CYCLES = 2000
 # Parts of the cycle in which rows are averaged for the figures.
 _PARTS = 200
 # Instants of a cycle at which theory is evaluated, straight between: an error of 1e-5 of the range
@@ -80,10 +82,12 @@ _PARTS = 200
 _INSTANTS = 721
 # Coefficients that are scanned, from gross sliding to so many times as much; beyond, a loop is a
 # line.
-_SCANNED, _WIDEST = 60, 40.0
+_SCANNED = 60
+_WIDEST = 40.0
 # Error of a fitted f by theory at so many instants, straight between, of itself; and by samples of
 # the memory curve.
-_OF_THEORY, _OF_MEMORY = 1e-5, 1e-6
+_OF_THEORY = 1e-5
+_OF_MEMORY = 1e-6
 # Rows that do not follow the scene's Q better than this share of its amplitude are another
 # experiment's.
 _FOLLOWS = 0.15
@@ -224,7 +228,8 @@ def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
             numbered=_is_numbered(mapping),
         ),
     )
-    names, where = table.names, str(path)
+    names = table.names
+    where = str(path)
     alone = not table.head and len(names) == 2  # the other of two columns without names
     force = find_column(mapping, "tangential_load", names, where, needed=not alone)
     stated = (
@@ -436,7 +441,8 @@ def score_loop(
             raise InputError(f"{loop.source}: {name} is the same in every row: there is no loop")
     method = _fit_by_branches if _has_two_branches(scene) else _fit_over_time
     fit = method(loop, scene, rig_compliance)
-    scale, share = fit.scale, fit.share
+    scale = fit.scale
+    share = fit.share
     least = _least_friction(scene)
     tangential = _cycle_loads(scene)[1]
     load_of_cycle = scale * tangential
@@ -660,7 +666,9 @@ def _fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | Non
     from scipy.optimize import brentq, minimize_scalar
 
     place = _on_the_cycle(loop, scene)
-    share, scale, tangential = place.share, place.scale, _cycle_loads(scene)[1]
+    share = place.share
+    scale = place.scale
+    tangential = _cycle_loads(scene)[1]
     fitted = rig_compliance is None
     least = _least_friction(scene)
 
@@ -773,7 +781,8 @@ def _finite_elements(scene: Scene, friction: float) -> Array:
     import halfplane_fe
 
     solution = halfplane_fe.solve(scene.vary(friction=friction))
-    path, cycle = scene.load.path(), solution.last_cycle
+    path = scene.load.path()
+    cycle = solution.last_cycle
     assert path.period is not None
     share = (solution.time[cycle] - path.cycle_start) / path.period
     share -= round(float(share[0]))
@@ -848,7 +857,8 @@ def _aligned(loop: MeasuredLoop, tangential: Array, least_cycles: float = 0.0) -
 
     if not np.ptp(tangential) > 0:
         raise InputError("the scene's Q stands still: there is no loop")
-    amplitude, count = np.ptp(tangential) / 2, len(loop.load)
+    amplitude = np.ptp(tangential) / 2
+    count = len(loop.load)
     even = np.linspace(0.0, loop.time[-1], min(count, 4096))
     wave = np.interp(even, loop.time, loop.load)
     spectrum = np.abs(np.fft.rfft((wave - wave.mean()) * np.hanning(len(wave)), 8 * len(wave)))
@@ -949,7 +959,8 @@ def content(found: LoopScore) -> dict[str, Any]:
 def table(found: LoopScore) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """Heads and rows: each loop, and how far it is from the measured one."""
     length, stress = units(found.scene)[1:]
-    area, distance = f"area W [{energy_unit(found.scene)}]", f"mean rows − loop, rms [{length}]"
+    area = f"area W [{energy_unit(found.scene)}]"
+    distance = f"mean rows − loop, rms [{length}]"
     heads = ("loop", "f", area, "W/measured − 1", f"slope dU/dQ [1/{stress}]", distance)
     measured = found.rows[0]
     rows: list[tuple[str, ...]] = []
@@ -968,11 +979,11 @@ def _plates(found: LoopScore) -> tuple[Plate, ...]:
     """The loop, U less the straight line through it, so that it opens; and rows minus the best
     fit.
     """
-    length, load, line = units(found.scene)[1], load_unit(found.scene), found.rows[1].slope
-    base, rest = (
-        float(np.mean(found.shift - line * found.load)),
-        found.shift - np.interp(found.tau, _SHARES, found.curves[0][1]),
-    )
+    length = units(found.scene)[1]
+    load = load_unit(found.scene)
+    line = found.rows[1].slope
+    base = float(np.mean(found.shift - line * found.load))
+    rest = found.shift - np.interp(found.tau, _SHARES, found.curves[0][1])
     count, share, shifts, loads, means = _means(found.tau, found.tau, found.shift, found.load, rest)
     opened = shifts - line * loads - base
     curves = [
@@ -1039,7 +1050,8 @@ def write(found: LoopScore, out: str | Path, command: str) -> Path:
     from reports.comparison.json_values import strict
 
     program, digest = script()
-    drawings, (heads, rows) = _plates(found), table(found)
+    drawings = _plates(found)
+    heads, rows = table(found)
     with filled(out) as folder:
         (folder / "figures").mkdir()
         for drawing in drawings:

@@ -30,7 +30,9 @@ def score_folder(
     InputError
         Where no file can be scored, with the reason for the first; where two are of one mesh.
     """
-    (files, left), levels, reports = results_in(folder), [], []
+    files, left = results_in(folder)
+    levels = []
+    reports = []
     faults: dict[str, InputError] = {}
     for path in files:
         with stages.stage(path.name):

@@ -177,9 +177,11 @@ def _line(metric: Metric, levels: Sequence[Level]) -> StudyRow | None:
     """At the instant at which the finest mesh is worst, where the instants are the same; else each
     mesh at its own worst.
     """
-    values, finest = [], levels[0].comparison.found.time
+    values = []
+    finest = levels[0].comparison.found.time
     for level in levels:
-        own, time = level.comparison.metric(metric.key), level.comparison.found.time
+        own = level.comparison.metric(metric.key)
+        time = level.comparison.found.time
         same = len(time) == len(finest) and np.allclose(time, finest)
         at_worst = own.series is not None and metric.time is not None and same
         value = own.series[int(np.argmin(np.abs(finest - metric.time)))] if at_worst else own.value  # type: ignore[index, operator]
@@ -193,7 +195,8 @@ def _line(metric: Metric, levels: Sequence[Level]) -> StudyRow | None:
 
 
 def _words(line: StudyRow) -> tuple[str, ...]:
-    found, signed = line.found, line.metric.signed
+    found = line.found
+    signed = line.metric.signed
 
     def cell(value: float | None, plus: bool = signed) -> str:
         return "–" if value is None else amount(value, line.metric, plus=plus, digits=3)
@@ -218,7 +221,8 @@ def element_size(path: Path, mapping: Mapping, comparison: Comparison) -> tuple[
         return mapping.element_sizes[path.name], "from the mapping"
     if named := _SIZE.search(path.stem):
         return float(named[1]), "from the file's name"
-    x, reach = comparison.result.x, float(np.nanmax(np.abs(comparison.found.contact_edges)))
+    x = comparison.result.x
+    reach = float(np.nanmax(np.abs(comparison.found.contact_edges)))
     inside = x[np.abs(x) <= reach]
     if len(inside) < 2:
         raise InputError(

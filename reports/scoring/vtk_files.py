@@ -99,7 +99,8 @@ class _Complaints:
     def __enter__(self) -> _Complaints:
         from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringOutputWindow
 
-        self._window, self._before = vtkStringOutputWindow(), vtkOutputWindow.GetInstance()
+        self._window = vtkStringOutputWindow()
+        self._before = vtkOutputWindow.GetInstance()
         vtkOutputWindow.SetInstance(self._window)
         return self
 

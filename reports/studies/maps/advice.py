@@ -33,7 +33,9 @@ from scenes import (
 from scenes.frozen import validated
 
 FIGURES = ("error.dissipation", "error.p0", "error.contact_half_width")
-RATIO, _SHEAR = 0.6, 0.3  # of the study `pad`: Q over f P, and over P
+# of the study `pad`: Q over f P, and over P
+RATIO = 0.6
+_SHEAR = 0.3
 _COORDINATES = {"flat": "b/a", "aspect": "width/height"}
 # Of the error, what the correction left on the worst held-out point: 14 % (map `block`); rounded
 # up.
@@ -171,7 +173,8 @@ def parts_of(scene: Scene, folder: Path = PUBLISHED) -> tuple[float, tuple[Part,
     from halfplane_fe.dundurs import dundurs
 
     scene = validated(scene, Scene)
-    profile, f = scene.profile, scene.friction.coefficient
+    profile = scene.profile
+    f = scene.friction.coefficient
     if f == 0:
         raise InputError(
             f"{scene.name}: friction.coefficient = 0: nothing is dissipated, and no map is of"
@@ -190,9 +193,11 @@ def parts_of(scene: Scene, folder: Path = PUBLISHED) -> tuple[float, tuple[Part,
     half_width = QUANTITIES["contact_half_width"].value(
         semi_analytic.solve(scene, cycles="steady", fields=())
     )
-    found, bodies = _size(scene, half_width, folder), (scene.bodies.lower, scene.bodies.upper)
+    found = _size(scene, half_width, folder)
+    bodies = (scene.bodies.lower, scene.bodies.upper)
     if any(isinstance(body, Cylinder | Pad | ShoulderedPad) for body in bodies):
-        curvature, (cylinder, pad) = half_width / profile.radius, MAPS["curvature"].charts
+        curvature = half_width / profile.radius
+        cylinder, pad = MAPS["curvature"].charts
         what = f"true arcs, a/R = {curvature:.3g}"
         if isinstance(profile, FlatRounded):
             flat = profile.flat_half_length / half_width
@@ -212,7 +217,8 @@ def _size(scene: Scene, half_width: float, folder: Path) -> list[Part]:
     """What finite heights and widths do: two equal blocks by their correction, one by its map, pads
     as those of theirs.
     """
-    lower, upper = scene.bodies.lower, scene.bodies.upper
+    lower = scene.bodies.lower
+    upper = scene.bodies.upper
     if isinstance(lower, Block) and lower == upper:
         try:
             found = correction(scene)
@@ -243,7 +249,8 @@ def _size(scene: Scene, half_width: float, folder: Path) -> list[Part]:
             what = f"the {name} body, a {body.kind}"
             parts.append(Part(what, None, "no map has bodies with a step in their sides"))
         elif isinstance(body, Block | Pad):
-            height, aspect = body.height / half_width, body.width / body.height
+            height = body.height / half_width
+            aspect = body.width / body.height
             what = (
                 f"the {name} body, a {body.kind}: height/a = {height:.3g}, width/height ="
                 f" {aspect:.3g}, base {body.base}"
@@ -321,7 +328,9 @@ def _from_map(what: str, chart: Chart, s: float, place: Mapping[str, float], fol
     source = f"map `{name}`" + (f", {chart.study}" if chart.study != name else "")
     if not (folder / f"{chart.study}.csv").exists():
         return Part(what, None, f"{source} is not there; make it by `halfplane map all`")
-    every, values, outside = list(lines(chart, read(folder, chart.study), FIGURES)), {}, list[str]()
+    every = list(lines(chart, read(folder, chart.study), FIGURES))
+    values = {}
+    outside = list[str]()
     for figure in FIGURES:
         error, doubt, outside = between(
             [line for line in every if line.figure == figure], s, place, chart.small
@@ -352,7 +361,8 @@ def between(
             if s > largest * (1 + 1e-6):
                 outside.append(f"{small} = {s:.3g} is beyond {largest:.3g}")
             return along(chosen[0], s)
-        name, rest = names[0], names[1:]
+        name = names[0]
+        rest = names[1:]
         steps = sorted({float(line.at[name]) for line in chosen})
         at = min(max(place[name], steps[0]), steps[-1])
         if not math.isclose(at, place[name], rel_tol=1e-6):

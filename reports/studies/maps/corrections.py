@@ -33,13 +33,18 @@ Array = NDArray[np.float64]
 Base = Literal["fixed", "rollers"]
 _FAR = 40.0  # L - 1 of a layer decays like w^2 exp(-2 w)
 # of the memory curve and of an ellipse: W of half-planes is then met to 2e-4
-_CELLS, _STEPS = 600, 400
+_CELLS = 600
+_STEPS = 400
 _NOTHING = 1e-9  # full stick leaves round-off of the order of 1e-16
 _NODES = 24  # a part of the rule for contours: 1e-6 up to b/a = 0.99
 # Where the held-out points of the maps were tried: see docs/maps.md for what is left there.
 # height in half-widths at the largest load
-_LEAST_HEIGHT, _LEAST_ASPECT, _POISSON = 3.6, 1.0, (0.25, 0.35)
-_MOST_CURVATURE, _FLATS = 0.1, (0.2, 0.9)  # a/R and b/a of a pad
+_LEAST_HEIGHT = 3.6
+_LEAST_ASPECT = 1.0
+_POISSON = (0.25, 0.35)
+# a/R and b/a of a pad
+_MOST_CURVATURE = 0.1
+_FLATS = (0.2, 0.9)
 _PER_LEG = 80
 _STILL = 1e-9
 
@@ -49,7 +54,8 @@ def _response(base: Base, tangential: bool, poisson_ratio: float) -> Callable[[A
     """L(w) of a layer that is fixed to its base or slides on it, for normal or tangential forces
     (Johnson 1985, section 5.8).
     """
-    kappa, sense = 3 - 4 * poisson_ratio, 1.0 if tangential else -1.0
+    kappa = 3 - 4 * poisson_ratio
+    sense = 1.0 if tangential else -1.0
 
     def fixed(w: Array) -> Array:
         low = 2 * kappa * np.sinh(2 * w) + sense * 4 * w
@@ -123,30 +129,33 @@ def dissipation(
     """
     # notation: g = alpha^2 of the cells' borders, M = force of the punches up to alpha, frozen = M
     # less that of the curvature tau Q
-    nu, tau = added.normal, added.tangential
+    nu = added.normal
+    tau = added.tangential
     square = normal_load / (1 + nu * normal_load)
     g = np.linspace(0.0, float(np.max(square)), _CELLS + 1)
     # Mean of log(1/alpha) + tau alpha^2/2 over each cell.
     mean = np.diff((g - xlogy(g, g)) / 2) / np.diff(g) + tau * (g[1:] + g[:-1]) / 4
     # of M at the borders instead of m in the cells
     weights = -np.diff(mean, prepend=0.0, append=0.0)
-    frozen, before, shifts = np.zeros_like(g), 0.0, np.empty(len(normal_load))
+    frozen = np.zeros_like(g)
+    before = 0.0
+    shifts = np.empty(len(normal_load))
     for number, (p, q, here) in enumerate(zip(normal_load, tangential_load, square, strict=True)):
         edge = int(np.searchsorted(g, here))
         carried = np.full_like(g, q)
         carried[:edge] = frozen[:edge] + tau * q * np.minimum(g[:edge], before)
         if here > before:
-            first, start = (
-                int(np.searchsorted(g, before, side="right")),
-                float(np.interp(before, g, frozen)) + tau * q * before,
-            )
+            first = int(np.searchsorted(g, before, side="right"))
+            start = float(np.interp(before, g, frozen)) + tau * q * before
             carried[first:edge] = start + (q - start) * (g[first:edge] - before) / (here - before)
         # What friction can carry outside alpha.
         bound = friction * (1 + nu * p) * (here - g[:edge])
         np.clip(carried[:edge], q - bound, q + bound, out=carried[:edge])
         shifts[number] = carried @ weights
-        frozen, before = carried - tau * q * np.minimum(g, here), float(here)
-    shift, q = shifts[-last - 1 :], tangential_load[-last - 1 :]
+        frozen = carried - tau * q * np.minimum(g, here)
+        before = float(here)
+    shift = shifts[-last - 1 :]
+    q = tangential_load[-last - 1 :]
     return float(np.sum((q[1:] + q[:-1]) / 2 * np.diff(shift)))
 
 
@@ -174,7 +183,8 @@ def ellipse_path(
     Loads are over P0, the phase in rad.
     """
     t = phase + np.pi + np.linspace(0.0, 4 * np.pi, 2 * _STEPS + 1)
-    p, q = 1 + normal_amplitude * np.cos(t), mean + amplitude * np.cos(t - phase)
+    p = 1 + normal_amplitude * np.cos(t)
+    q = mean + amplitude * np.cos(t - phase)
     way = np.linspace(0.0, 1.0, 100)[1:-1]
     return np.concatenate([way * p[0], p]), np.concatenate([way * q[0], q]), _STEPS
 
@@ -227,7 +237,8 @@ def work_constant(flat: float, ratio: float, nodes: int = _NODES) -> float:
     materials = Materials(upper=alike, lower=alike)
     contact = contact_of(profile, materials)
     load = float(contact.load(1.0))
-    stuck, shear = (1 - ratio) * load, ratio * load
+    stuck = (1 - ratio) * load
+    shear = ratio * load
     edge = float(contact.half_width(stuck))
     angle, weight = _angles((flat, edge, 1.0), nodes)
     x = np.sin(angle)
@@ -253,8 +264,10 @@ def _angles(ends: tuple[float, ...], nodes: int) -> tuple[Array, Array]:
     """
     cuts = np.unique(np.arcsin([0.0, *ends]))
     s, weight = np.polynomial.legendre.leggauss(nodes)
-    s, weight = (s + 1) / 2, weight / 2
-    begin, length = cuts[:-1, None], np.diff(cuts)[:, None]
+    s = (s + 1) / 2
+    weight = weight / 2
+    begin = cuts[:-1, None]
+    length = np.diff(cuts)[:, None]
     angle = (begin + length * s**2 * (3 - 2 * s)).ravel()
     share = (length * 6 * s * (1 - s) * weight).ravel()
     return np.concatenate([-angle[::-1], angle]), np.concatenate([share[::-1], share])
@@ -339,7 +352,8 @@ def correction(scene: Scene) -> Correction:
         than in the maps, blocks too low or narrower than high.
     """
     scene = validated(scene, Scene)
-    block, ratio = scene.bodies.lower, scene.material.lower.poisson_ratio
+    block = scene.bodies.lower
+    ratio = scene.material.lower.poisson_ratio
     if not isinstance(block, Block) or block != scene.bodies.upper:
         raise _refusal(
             scene, "bodies: the correction is for two equal blocks; take `halfplane run` for these"
@@ -417,7 +431,8 @@ def pad_correction(scene: Scene) -> float:
         tried at.
     """
     scene = validated(scene, Scene)
-    profile, bodies = scene.profile, (scene.bodies.lower, scene.bodies.upper)
+    profile = scene.profile
+    bodies = (scene.bodies.lower, scene.bodies.upper)
     pads = [body for body in bodies if isinstance(body, Pad)]
     if (
         not isinstance(profile, FlatRounded)
@@ -439,7 +454,8 @@ def pad_correction(scene: Scene) -> float:
         raise _refusal(scene, f"bodies: the pad is too small: {too_small}")
     cycle = to_and_fro(scene)
     half_width = float(contact_of(profile, scene.material).half_width(cycle.load))
-    curvature, flat = half_width / profile.radius, profile.flat_half_length / half_width
+    curvature = half_width / profile.radius
+    flat = profile.flat_half_length / half_width
     if curvature > _MOST_CURVATURE * (1 + 1e-9) or not _FLATS[0] * (1 - 1e-9) <= flat <= _FLATS[
         1
     ] * (1 + 1e-9):

@@ -135,7 +135,8 @@ def errors(table: pd.DataFrame, name: str) -> tuple[Array, Array]:
     An error of -1 to the last digit is none either: the finite elements stick throughout, and
     theory's value is round-off.
     """
-    error, doubt = numbers(table, name), f"{name}.uncertainty"
+    error = numbers(table, name)
+    doubt = f"{name}.uncertainty"
     return np.where(error == -1.0, np.nan, error), (
         numbers(table, doubt) if doubt in table else np.full(len(table), np.nan)
     )
@@ -265,7 +266,8 @@ def fit_law(
         if not is_bent(x[:k], e[:k], u[:k]) and not is_moved(x[:k], e[:k], u[:k])
     )
     count = next(inside, _FEWEST)
-    total, (x, e, u) = len(x), (column[:count] for column in (x, e, u))
+    total = len(x)
+    x, e, u = (column[:count] for column in (x, e, u))
     (log, order, _), (log_doubt, order_doubt, _), misfit = _with_doubt(x, e, u, free)
     (log_held, following), (held_doubt, _), _ = _with_doubt(x, e, u, held)
     return Law(
@@ -367,7 +369,9 @@ def lines(chart: Chart, table: pd.DataFrame, wanted: Sequence[str] = ()) -> Iter
     for figure in [name for name in figures(table) if not wanted or name in wanted]:
         order = chart.order(figure)
         for at, part in parts(table, (chart.panels, chart.up)):
-            across, (error, doubt), law = numbers(part, chart.across), errors(part, figure), None
+            across = numbers(part, chart.across)
+            error, doubt = errors(part, figure)
+            law = None
             s = 1 / across if chart.inverse else np.abs(across)
             if order is not None:
                 law = fit_law(
@@ -413,7 +417,8 @@ def bound(line: Line, level: float) -> Bound:
     """
     size = np.abs(line.error) + np.nan_to_num(line.uncertainty)
     order = [k for k in np.argsort(line.s) if np.isfinite(size[k])]
-    s, size = line.s[order], size[order]
+    s = line.s[order]
+    size = size[order]
     above = np.flatnonzero(size > level)
     if not len(above):
         return Bound(float(s[-1]), "all") if len(s) else Bound(None, "none")

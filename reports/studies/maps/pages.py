@@ -76,7 +76,9 @@ _PROBE = 0.02  # curvature at which the sensitivity of dissipation is taken
 _SMALL = 0.05  # a/h at which derived constants are taken
 _LOOKS = 8
 _LOOK_OF_LEVEL = {1.0: "white fine", 5.0: "white", 10.0: "white bold"}
-_LEAST, _MOST = 0.02, 80.0  # per cent, the colours' ends
+# per cent, the colours' ends
+_LEAST = 0.02
+_MOST = 80.0
 _BAR = (0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)
 _MARKED = tuple(digit * 10.0**power for power in range(-4, 1) for digit in (1, 2, 5))
 _PAPER = (1 / 3, 1.1 / 3, 1 / 3, np.pi / 2)  # the paper's loop: P1, Q0 and Q1 over P0, phase
@@ -168,7 +170,8 @@ def _curvatures(laws: list[dict[str, Any]]) -> Iterator[dict[str, float]]:
         )
         return (up - down) / (2 * _PROBE)
 
-    by_normal, by_tangential = sensitivity(1.0, 0.0), sensitivity(0.0, 1.0)
+    by_normal = sensitivity(1.0, 0.0)
+    by_tangential = sensitivity(0.0, 1.0)
     chosen = {
         (row["figure"], row["aspect"]): row
         for row in laws
@@ -177,7 +180,8 @@ def _curvatures(laws: list[dict[str, Any]]) -> Iterator[dict[str, float]]:
     for (figure, aspect), pressure in chosen.items():
         work = chosen.get(("error.dissipation", aspect))
         if figure == "error.p0" and work is not None:
-            normal, doubt = 2 * pressure["sign"] * pressure["fixed"], 2 * pressure["fixed_doubt"]
+            normal = 2 * pressure["sign"] * pressure["fixed"]
+            doubt = 2 * pressure["fixed_doubt"]
             yield {
                 "aspect": float(aspect),
                 "normal": normal,
@@ -320,7 +324,8 @@ def reading_at(line: Line, s: float) -> tuple[float, float] | None:
 
 def _mesh_refinement(study: str, table: pd.DataFrame) -> str:
     """How far apart the engines are over a mesh refinement, and where least."""
-    error, name = np.abs(errors(table, "error.dissipation")[0]), table.columns[0]
+    error = np.abs(errors(table, "error.dissipation")[0])
+    name = table.columns[0]
     span = f"{100 * error.max():.2g} to {100 * error.min():.2g} %"
     return (
         f"{study.removeprefix('limits-')}: {span}, least at {name} ="
@@ -331,10 +336,8 @@ def _mesh_refinement(study: str, table: pd.DataFrame) -> str:
 def _worst_loops(table: pd.DataFrame) -> str:
     """Where the same blocks hurt most and least."""
     error, doubt = errors(table, "error.dissipation")
-    pressure, size = (
-        errors(table, "error.p0")[0],
-        np.where(np.abs(error) > doubt, np.abs(error), np.nan),
-    )
+    pressure = errors(table, "error.p0")[0]
+    size = np.where(np.abs(error) > doubt, np.abs(error), np.nan)
     ends = {"worst": int(np.nanargmax(size)), "least": int(np.nanargmin(size))}
     said = {name: with_uncertainty(100 * error[k], 100 * doubt[k]) for name, k in ends.items()}
     for name, k in ends.items():
@@ -388,7 +391,8 @@ def _within(chart: Chart, found: Sequence[Line]) -> list[str]:
 def _laws(chart: Chart, found: Sequence[Line]) -> list[str]:
     rows = []
     for line in found:
-        law, row = line.law, [WORDS[line.figure], place(line.at)]
+        law = line.law
+        row = [WORDS[line.figure], place(line.at)]
         if law is None:
             few = int(np.sum(np.abs(line.error) > line.uncertainty))
             rows.append(
@@ -400,7 +404,8 @@ def _laws(chart: Chart, found: Sequence[Line]) -> list[str]:
         row += [f"{law.sign * law.fixed:.3g} ± {law.fixed_doubt:.2g}"]
         row += [f"{law.smallest:.3g} to {law.largest:.3g} ({law.points})"]
         rows.append([*row, "no asymptotic range found" if law.bent else f"{law.misfit:.2g}"])
-    constant, span = f"constant at exponent {chart.expected:g}", f"range of {chart.small} (points)"
+    constant = f"constant at exponent {chart.expected:g}"
+    span = f"range of {chart.small} (points)"
     head = ["figure", "where", "exponent", "theory", constant, span, "χ²"]
     prediction = f"Predicted exponent {chart.expected:g}: {chart.prediction}."
     straight = [_straight_exponent(line) for line in found if line.figure == "error.dissipation"]
@@ -430,7 +435,8 @@ def _heat(chart: Chart, table: pd.DataFrame, shown: Sequence[str]) -> Plate:
     """
     columns = list(parts(table, (chart.panels,)))
     every = 100 * np.abs(np.concatenate([errors(table, figure)[0] for figure in shown]))
-    low, high = max(_LEAST, float(np.nanmin(every))), min(_MOST, float(np.nanmax(every)))
+    low = max(_LEAST, float(np.nanmin(every)))
+    high = min(_MOST, float(np.nanmax(every)))
     bar = colour_scale(
         "heat-colours",
         (low, high),
@@ -460,11 +466,15 @@ def _cells(
     angles and what may be 0.
     """
     error, doubt = errors(part, figure)
-    size, hidden = 100 * np.abs(error), ~(np.abs(error) > doubt)
-    axes, places, steps = list[Axis](), list[Array](), list[Array]()
+    size = 100 * np.abs(error)
+    hidden = ~(np.abs(error) > doubt)
+    axes = list[Axis]()
+    places = list[Array]()
+    steps = list[Array]()
     for column in (chart.across, chart.up):
         place = numbers(part, column)
-        values, log = np.unique(place), column != "phase" and bool(place.min() > 0)
+        values = np.unique(place)
+        log = column != "phase" and bool(place.min() > 0)
         borders = cell_borders(values, log=log)
         ticks = tuple(
             (value, f"{float(f'{value:.3g}'):g}")
@@ -522,7 +532,8 @@ def _slopes(chart: Chart, found: Sequence[Line], shown: Sequence[str]) -> Plate:
     """A panel for each error; |error| over the small parameter, hollow where unresolved, laws, the
     predicted slope.
     """
-    panels, keys = [], dict[str, Key]()
+    panels = []
+    keys = dict[str, Key]()
     for number, figure in enumerate(shown):
         chosen = [line for line in found if line.figure == figure]
         marks = [mark for k, line in enumerate(chosen) for mark in _points(line, k)]
@@ -572,11 +583,9 @@ def _slopes(chart: Chart, found: Sequence[Line], shown: Sequence[str]) -> Plate:
 
 
 def _points(line: Line, number: int) -> Iterator[Mark]:
-    look, size, doubt = (
-        f"c{number % _LOOKS}",
-        100 * np.abs(line.error),
-        np.nan_to_num(100 * line.uncertainty),
-    )
+    look = f"c{number % _LOOKS}"
+    size = 100 * np.abs(line.error)
+    doubt = np.nan_to_num(100 * line.uncertainty)
     yield bars(line.s, np.maximum(size - doubt, 1e-3 * size), size + doubt, look)
     for s, value, hidden in zip(line.s, size, size <= doubt, strict=True):
         if np.isfinite(value):
@@ -624,7 +633,8 @@ def _derived_blocks(folder: Path) -> list[str]:
     p, q, cycle = ellipse_path(*_PAPER)
     rows = []
     for law in _known(folder, "block", *FIGURES[:2]):
-        base, aspect = law["base"], float(law["aspect"])
+        base = law["base"]
+        aspect = float(law["aspect"])
         if base == "fixed" and aspect < 4:
             continue
         # notation: N and T, nu = N (a/h)^2, tau = T (a/h)^2
@@ -636,7 +646,8 @@ def _derived_blocks(folder: Path) -> list[str]:
                 dissipation_error(p, q, 1.0, Curvatures(n * _SMALL**2, t * _SMALL**2), cycle)
                 / _SMALL**2
             )
-        fit, doubt = law["sign"] * law["fixed"], law["fixed_doubt"]
+        fit = law["sign"] * law["fixed"]
+        doubt = law["fixed_doubt"]
         whose = (
             "walls and rollers, sum over images"
             if base == "rollers"
@@ -675,12 +686,10 @@ def _odd_part(folder: Path) -> list[str]:
     """
     rows = []
     for row in read(folder, "one-block").to_dict("records"):
-        f, aspect, height, (error, doubt) = (
-            float(row["f"]),
-            float(row["aspect"]),
-            float(row["height"]),
-            _work(row),
-        )
+        f = float(row["f"])
+        aspect = float(row["aspect"])
+        height = float(row["height"])
+        error, doubt = _work(row)
         both = added_curvatures("fixed", aspect, 1 / height)
         p, q, cycle = ellipse_path(_PAPER[0], _PAPER[1] * f, _PAPER[2] * f, _PAPER[3])
         even = dissipation_error(p, q, f, Curvatures(both.normal / 2, both.tangential / 2), cycle)
@@ -699,7 +708,10 @@ def _tried(folder: Path, name: str, study: str, *columns: str) -> list[str]:
     """A correction of dissipation on points that nothing was fitted to: the error of theory, that
     predicted, and what is left.
     """
-    table, points, rows, sizes = read(folder, study), points_of(study), [], []
+    table = read(folder, study)
+    points = points_of(study)
+    rows = []
+    sizes = []
     scenes = {
         tuple(map(cell_text, point.coordinates.values())): point.question.scene for point in points
     }
@@ -746,7 +758,9 @@ def _growth(folder: Path) -> list[str]:
     """The constant of beta^2, and times f^2."""
     rows = []
     for law in _known(folder, "unlike", *FIGURES[:2]):
-        value, doubt, square = law["sign"] * law["fixed"], law["fixed_doubt"], float(law["f"]) ** 2
+        value = law["sign"] * law["fixed"]
+        doubt = law["fixed_doubt"]
+        square = float(law["f"]) ** 2
         cells = [f"{value * by:.3g} ± {doubt * by:.2g}" for by in (1.0, square)]
         rows.append([law["figure"].removeprefix("error."), law["f"], *cells])
     return _section("growth", rows)
@@ -757,9 +771,12 @@ def _other_sign(folder: Path) -> list[str]:
     interpolated over log f.
     """
     laws = sorted(_known(folder, "unlike", "error.dissipation"), key=lambda law: float(law["f"]))
-    fs, rows = np.array([float(law["f"]) for law in laws]), []
+    fs = np.array([float(law["f"]) for law in laws])
+    rows = []
     for row in read(folder, "unlike-held-out").to_dict("records"):
-        (error, doubt), f, square = _work(row), float(row["f"]), float(row["beta"]) ** 2
+        error, doubt = _work(row)
+        f = float(row["f"])
+        square = float(row["beta"]) ** 2
         said = "none"
         if len(fs) > 1 and fs[0] <= f <= fs[-1]:
             columns = (
