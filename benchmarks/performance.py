@@ -639,10 +639,10 @@ def growth_page(stored_points: Found) -> list[str]:
             )
         steep += [name] if max(exponent(points), exponent(points[-2:])) > MOST else []
     names = list(next(iter(stored_points["stages"].values())))
-    stages = [
-        (scene, *(f"{spent[name]:.2f}" for name in names))
-        for scene, spent in stored_points["stages"].items()
-    ]
+    stages = []
+    for scene, seconds_of in stored_points["stages"].items():
+        cells = [f"{seconds_of[name]:.2f}" for name in names]
+        stages.append((scene, *cells))
     return [
         (
             "Each point in a process of its own, one run. The exponent is the slope of log(time)"
@@ -821,13 +821,12 @@ def draw(name: str, panels: Sequence[Panel]) -> None:
             ]
             if label not in POINTS_ONLY:
                 marks.append(Curve(*np.transpose(points), f"c{look} fine", label))
-        ends = [
-            limits(np.log([point[k] for points in lines.values() for point in points]))
-            for k in (0, 1)
-        ]
+        all_points = [point for points in lines.values() for point in points]
+        x_ends = limits(np.log([point[0] for point in all_points]))
+        y_ends = limits(np.log([point[1] for point in all_points]))
         axes = [
             Axis(*np.exp(end).tolist(), words, log=True)
-            for end, words in zip(ends, (x, y), strict=True)
+            for end, words in zip((x_ends, y_ends), (x, y), strict=True)
         ]
         drawn.append(ChartPanel(f"{name}-{number}", *axes, marks, title, 400.0, 320.0, title))
     plate = Plate(

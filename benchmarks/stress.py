@@ -181,7 +181,8 @@ def outcome(case: Case) -> dict[str, Any]:
             sentence = f"{reason}".splitlines()[0]
             outcome_of_case.refused += [] if sentence in outcome_of_case.refused else [sentence]
             outcome_of_case.broken += [] if case.refuses else [f"{name}: refused, {reason}"]
-        except Exception as reason:  # noqa: BLE001 - a traceback is what is looked for: it is counted and shown
+        # a traceback is what is looked for: it is counted and shown
+        except Exception as reason:  # noqa: BLE001
             outcome_of_case.broken.append(f"{name}: {type(reason).__name__}: {reason}")
     if case.refuses and outcome_of_case.worst:
         outcome_of_case.broken.append("a trial was answered")

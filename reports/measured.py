@@ -385,7 +385,8 @@ def _work_at_rows(scene: Scene, rows: Array, late: float) -> tuple[Array, Array]
     normal = np.interp(time, row_times, rows[:, _NORMAL])
     tangential = np.interp(time, row_times, rows[:, _TANGENTIAL])
     path = np.column_stack([time, normal, tangential])
-    closer = scene.vary(load=TimeSeriesLoad(rows=path, repeats=scene.load.repeats))  # type: ignore[union-attr]
+    repeats = scene.load.repeats  # type: ignore[union-attr]
+    closer = scene.vary(load=TimeSeriesLoad(rows=path, repeats=repeats))
     solution = semi_analytic.solve(closer, x=[0.0], time=time + late, fields=("dissipation",))
     return time, solution.record.energy["dissipation"]
 

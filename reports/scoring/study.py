@@ -180,11 +180,13 @@ def _line(metric: Metric, levels: Sequence[Level]) -> StudyRow | None:
     values = []
     finest = levels[0].comparison.found.time
     for level in levels:
-        own = level.comparison.metric(metric.key)
+        metric_of_level = level.comparison.metric(metric.key)
         time = level.comparison.found.time
-        same = len(time) == len(finest) and np.allclose(time, finest)
-        at_worst = own.series is not None and metric.time is not None and same
-        value = own.series[int(np.argmin(np.abs(finest - metric.time)))] if at_worst else own.value  # type: ignore[index, operator]
+        has_same_times = len(time) == len(finest) and np.allclose(time, finest)
+        value = metric_of_level.value
+        series = metric_of_level.series
+        if series is not None and metric.time is not None and has_same_times:
+            value = series[int(np.argmin(np.abs(finest - metric.time)))]
         if value is None or not math.isfinite(value):
             return None
         values.append(float(value))
