@@ -12,6 +12,7 @@ from numbers import Real
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self, get_args
 
+import numpy as np
 from pydantic import Field, field_validator, model_validator
 from pydantic_core import PydanticSerializationError
 
@@ -24,6 +25,7 @@ from scenes.loads import CallableLoad, EllipseLoad, HarmonicLoad, PolygonLoad, T
 from scenes.measured import READING, SCENE_UNITS
 from scenes.notebook_forms import registered_forms
 from scenes.profiles import Profile
+from scenes.segments import NORMAL_LOAD, TANGENTIAL_LOAD, largest_ratio, largest_ratio_of
 from scenes.unit_words import inconsistent
 
 Origin = Literal["paper", "benchmark", "made-up-record"]
@@ -292,6 +294,67 @@ class Scene(Frozen):
         """
         parts = tuple(part.strip() for part in self.units.split(","))
         return (parts[0], parts[1], parts[2]) if len(parts) == 3 else ("force", "length", "stress")
+
+    @property
+    def smallest_friction(self) -> float:
+        """Largest |Q|/P of the initial loading and the cycle: the loads are below gross sliding for
+        every larger coefficient of friction. Infinite where P is negative, or zero beside a Q.
+
+        >>> from scenes import load_scene
+        >>> scene = load_scene("cattaneo-mindlin")
+        >>> round(scene.smallest_friction / scene.friction.coefficient, 12)
+        0.6
+        """
+        if isinstance(self.load, TimeSeriesLoad):
+            rows = self.load.series()  # straight lines between rows: the largest ratio is at one
+            return largest_ratio_of(rows[:, 1], rows[:, 2])
+        path = self.load.path()
+        return largest_ratio((*path.initial_loading, *path.cycle))
+
+    def __repr__(self) -> str:
+        """Five lines: its name, bodies, profile and friction, loads, units.
+
+        >>> from scenes import load_scene
+        >>> print(load_scene("cattaneo-mindlin"))
+        Scene 'cattaneo-mindlin': Cattaneo-Mindlin: constant P, Q cycling between ±0.6 f P
+          half plane on half plane, E = 210000 and 210000, ν = 0.3 and 0.3 (upper, lower)
+          profile: hertz; coefficient of friction 0.5
+          load: polygon, P from 0 to 90.6229, Q from -27.1869 to 27.1869, |Q|/P up to 0.3
+          units: N, mm, MPa
+        """
+        upper, lower = self.material.upper, self.material.lower
+        bodies = f"{self.bodies.upper.kind} on {self.bodies.lower.kind}"
+        normal, tangential = self._loads_at_turns()
+        lines = (
+            f"Scene {self.name!r}" + (f": {self.title}" if self.title else ""),
+            f"  {bodies.replace('_', ' ')}, E = {upper.young_modulus:.6g} and"
+            f" {lower.young_modulus:.6g}, ν = {upper.poisson_ratio:.4g} and"
+            f" {lower.poisson_ratio:.4g} (upper, lower)",
+            f"  profile: {self.profile.kind.replace('_', ' ')}; coefficient of friction"
+            f" {self.friction.coefficient:.6g}",
+            f"  load: {self.load.kind.replace('_', ' ')}, P from {min(normal):.6g} to"
+            f" {max(normal):.6g}, Q from {min(tangential):.6g} to {max(tangential):.6g},"
+            f" |Q|/P up to {self.smallest_friction:.6g}",
+            f"  units: {self.units}",
+        )
+        return "\n".join(lines)
+
+    __str__ = __repr__
+
+    def _loads_at_turns(self) -> tuple[list[float], list[float]]:
+        """P and Q at the ends and turning points of all load segments."""
+        if isinstance(self.load, TimeSeriesLoad):
+            rows = self.load.series()
+            return rows[:, 1].tolist(), rows[:, 2].tolist()
+        path = self.load.path()
+        normal: list[float] = []
+        tangential: list[float] = []
+        for leg in (*path.initial_loading, *path.cycle):
+            turns = [*leg.turning_points(NORMAL_LOAD), *leg.turning_points(TANGENTIAL_LOAD)]
+            loads = leg.loads(np.array([leg.start, leg.end, *turns]))
+            normal += loads[0].tolist()
+            tangential += loads[1].tolist()
+        return normal, tangential
 
     def _repr_html_(self) -> str | None:
         """For a notebook; None, and so the text, where no HTML is registered."""

@@ -807,3 +807,43 @@ def sampled(segment: LoadSegment, least: int) -> Array:
     """
     count = max(least, 8 * segment.most_turns + 1) if segment.most_turns else 2
     return np.linspace(segment.start, segment.end, count)
+
+
+# Of the largest P of a segment: a load below this share of it is zero.
+_ZERO_LOAD = 1e-12
+
+
+def largest_ratio(legs: Iterable[LoadSegment]) -> float:
+    """Largest |Q|/P of load segments; infinite where P is negative, or zero beside a Q.
+
+    Dinkelbach's iteration: where Q - r P or -Q - r P is largest, |Q|/P exceeds r unless r is the
+    largest ratio itself. These combinations are largest at ends and turning points.
+
+    >>> largest_ratio([StraightSegment(0.0, 1.0, (1.0, 0.0), (2.0, -1.0))])
+    0.5
+    """
+    ratio = 0.0
+    for leg in legs:
+        fixed = [leg.start, leg.end, *leg.turning_points(NORMAL_LOAD)]
+        while True:
+            forward = leg.turning_points(Combination(-ratio, 1.0))
+            reverse = leg.turning_points(Combination(ratio, 1.0))
+            larger = largest_ratio_of(*leg.loads(np.array([*fixed, *forward, *reverse])))
+            if not larger > ratio * (1 + 1e-15):
+                break
+            ratio = larger
+            if math.isinf(ratio):
+                return ratio
+    return ratio
+
+
+def largest_ratio_of(normal: Array, tangential: Array) -> float:
+    """Largest |Q|/P of instants (n,); 0 where both are zero, infinite as of `largest_ratio`."""
+    zero = _ZERO_LOAD * np.max(np.abs(normal))
+    size = np.where(np.abs(tangential) <= zero, 0.0, np.abs(tangential))
+    if np.any(normal < -zero):
+        return math.inf
+    pressed = normal > zero
+    if np.any(size[~pressed] > 0):
+        return math.inf
+    return float(np.max(size[pressed] / normal[pressed], initial=0.0))

@@ -296,6 +296,27 @@ class ContactSolution:
             attrs=dict(content.attributes),
         ).set_coords(_SIDE)
 
+    def to_dataframe(self) -> Any:
+        """A pandas.DataFrame with a row for each instant: time, loads, edges, half-widths,
+        displacements, iterations; a pair of edges as two columns, `..._left` and `..._right`.
+
+        Arrays over x are in `to_dataset`.
+        """
+        import xarray as xr
+
+        columns: dict[str, NDArray[Any]] = {}
+        for name, form in _ARRAYS.items():
+            values = getattr(self.record if name == "iterations" else self, name)
+            if values is None:
+                continue
+            if form.metadata["over"] == ("time",):
+                columns[name] = values
+            elif form.metadata["over"] == ("time", "side"):
+                columns[f"{name}_left"] = values[:, 0]
+                columns[f"{name}_right"] = values[:, 1]
+        variables = {name: ("instant", values) for name, values in columns.items()}
+        return xr.Dataset(variables).to_dataframe()
+
     @classmethod
     def from_dataset(cls, data: xr.Dataset) -> ContactSolution:
         """The solution that `to_dataset` wrote."""

@@ -4,7 +4,10 @@ of each package, beside a user's own modules.
 
 from __future__ import annotations
 
+import csv
+import io
 import json
+import math
 import os
 import re
 import subprocess
@@ -16,6 +19,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import numpy as np
 import pytest
 
 import halfplane
@@ -108,6 +112,70 @@ def test_a_users_module_that_hides_a_package_of_a_checkout_is_named(tmp_path: Pa
     assert done.returncode == 1
     last = done.stderr.splitlines()[-1]
     assert f"Python finds {tmp_path / 'reports.py'} by that name: rename that module" in last
+
+
+# ------------------------------------------------------------------------- what a script reads off
+@pytest.mark.parametrize(
+    "name", ["hertz-paper", "cattaneo-mindlin", "unload-reload", "time-series"]
+)
+def test_the_smallest_friction_is_the_largest_ratio_of_the_loads(name: str) -> None:
+    """By brute force over dense instants; the engine refuses what is below and solves above."""
+    scene = scenes.load_scene(name)
+    path = scene.load.path()
+    legs = (*path.initial_loading, *path.cycle)
+    instants = [leg.loads(np.linspace(leg.start, leg.end, 20_001)[1:]) for leg in legs]
+    ratios = [np.max(np.abs(tangential) / normal) for normal, tangential in instants]
+    assert scene.smallest_friction == pytest.approx(max(ratios), rel=1e-7)
+    check = import_module("halfplane_fe").check_admissible
+    check(path, scene.smallest_friction * (1 + 1e-6))
+    with pytest.raises(scenes.InadmissibleLoadError):
+        check(path, scene.smallest_friction * (1 - 1e-6))
+
+
+@pytest.mark.parametrize(
+    ("loads", "ratio"),
+    [
+        ([(1, 0), (0, 0)], 0.0),
+        ([(1, 0.25), (0, 0)], 0.25),
+        ([(1, 0), (0, 0.1)], math.inf),
+        ([(1, 0), (-1, 0)], math.inf),
+    ],
+)
+def test_no_friction_is_enough_where_nothing_presses(
+    loads: list[tuple[float, float]], ratio: float
+) -> None:
+    load = scenes.PolygonLoad(initial_loading=loads)
+    assert scenes.load_scene("hertz-normal").vary(load=load).smallest_friction == ratio
+
+
+def test_a_scene_is_shown_in_five_lines() -> None:
+    for name in scenes.scene_names():
+        lines = repr(scenes.load_scene(name)).splitlines()
+        assert len(lines) == 5, name
+        assert lines[0].startswith(f"Scene {name!r}")
+
+
+def test_a_solution_as_a_table_of_instants_and_a_comparison_as_csv_and_latex() -> None:
+    solution = halfplane.theory("cattaneo-mindlin")
+    table = solution.to_dataframe()
+    assert len(table) == len(solution.time)
+    assert np.array_equal(table["tangential_load"], solution.tangential_load)
+    assert np.array_equal(table["stick_edges_right"], solution.stick_edges[:, 1], equal_nan=True)
+    assert "pressure" not in table
+
+    comparison = halfplane.compare(reference=solution, result=solution)
+    rows = list(csv.DictReader(io.StringIO(comparison.to_csv())))
+    assert [row["key"] for row in rows] == [metric.key for metric in comparison.headlines]
+    (work,) = (row for row in rows if row["key"] == "dissipation")
+    assert float(work["reference"]) == solution.dissipation
+    assert (work["unit"], work["error"], work["uncertainty"]) == ("N·mm/mm", "0.0", "")
+    lines = comparison.to_latex().splitlines()
+    assert lines[:2] == [r"\begin{tabular}{lrrrl}", r"\toprule"]
+    assert len(lines) == 6 + len(rows)
+    cells = [line for line in lines if line.endswith(r"\\")]
+    assert all(len(re.findall(r"(?<!\\)&", line)) == 4 for line in cells)
+    assert r"0 \%" in comparison.to_latex()
+    assert comparison.to_latex().isascii()
 
 
 # ------------------------------------------------------------------------------------ the rewriting

@@ -25,6 +25,7 @@ Offered to the rest of reports, `Comparison` `compare` first; each file imports 
                     `of_stretch` `for_notebook`; in cells: `amount` `value_of`
                     `with_uncertainty` `shown_unit` `first_table` `first_cells` `first_rows`
                     `summary_rows` `summary`
+                    `summary_csv` `summary_latex`
     json_values.py  as JSON: `strict` `solution_content` `metric_content`
     budget.py       where the error of each metric comes from: mesh, steps, penalty, far field,
                     idealisation: `ErrorBudget` `Budget` `error_budget` `climb` `coarser`
@@ -93,6 +94,20 @@ class Comparison(JudgedPair):
         from reports.comparison import words
 
         return words.summary(self)
+
+    def to_csv(self) -> str:
+        """The table of `summary` as CSV with every digit: key, quantity, unit, both values, error
+        E, its uncertainty, verdict; empty where a number is unknown.
+        """
+        from reports.comparison import words
+
+        return words.summary_csv(self)
+
+    def to_latex(self) -> str:
+        """The table of `summary` as a `tabular` of LaTeX with the rules of booktabs."""
+        from reports.comparison import words
+
+        return words.summary_latex(self)
 
 
 def compare(

@@ -6,6 +6,8 @@ The sentences are in templates/words.txt; here are the numbers that stand in the
 
 from __future__ import annotations
 
+import csv
+import io
 import math
 import re
 from collections.abc import Iterator
@@ -624,6 +626,59 @@ def summary(comparison: JudgedPair) -> str:
     rule = "-" * len(head_line)
     table = [head_line, rule, *row_lines]
     return "\n".join([headline(comparison), "", *table, "", verdict(comparison)])
+
+
+def summary_csv(comparison: JudgedPair) -> str:
+    """The first table as CSV: numbers with every digit, in the shown units, the error E and its
+    uncertainty as they are defined for the metric; empty where there is none.
+    """
+    table = io.StringIO()
+    writer = csv.writer(table, lineterminator="\n")
+    writer.writerow(
+        ("key", "quantity", "unit", "reference", "result", "error", "uncertainty", "verdict")
+    )
+    for metric in comparison.headlines:
+        factor, unit = shown_unit(comparison.scene, metric.quantity)
+        amounts = [factor * amount for amount in metric.amounts or (math.nan, math.nan)]
+        numbers = [
+            "" if number is None or math.isnan(number) else float(number)
+            for number in (*amounts, metric.value, metric.uncertainty)
+        ]
+        writer.writerow((metric.key, metric.label, unit, *numbers, metric.verdict or ""))
+    return table.getvalue()
+
+
+# What LaTeX takes for a command, and signs that its default fonts lack.
+_LATEX = {
+    **{sign: f"\\{sign}" for sign in "&%$#_{}"},
+    "\\": r"\textbackslash{}",
+    "~": r"\textasciitilde{}",
+    "^": r"\textasciicircum{}",
+    "±": r"$\pm$",
+    "−": r"$-$",
+    "·": r"$\cdot$",
+    "µ": r"$\mu$",
+    "²": r"$^2$",
+    "–": "--",
+}
+
+
+def summary_latex(comparison: JudgedPair) -> str:
+    """The first table as a `tabular` of LaTeX; needs the package booktabs."""
+    heads, cells = first_cells(comparison)
+    table = str.maketrans(_LATEX)
+    rows = [" & ".join(cell.translate(table) for cell in row) for row in (heads, *cells)]
+    heads_row, *value_rows = [rf"{row} \\" for row in rows]
+    lines = [
+        rf"\begin{{tabular}}{{l{'r' * (len(heads) - 2)}l}}",
+        r"\toprule",
+        heads_row,
+        r"\midrule",
+        *value_rows,
+        r"\bottomrule",
+        r"\end{tabular}",
+    ]
+    return "\n".join(lines) + "\n"
 
 
 # ---------------------------------------------------------------------------------- of one solution
