@@ -344,9 +344,11 @@ def arc_depth(x: Array, radius: float, flat_half_length: float = 0.0) -> Array:
     >>> arc_depth(np.array([0.0, 3.0, 5.0]), 5.0).tolist()
     [0.0, 1.0, 5.0]
     """
-    beyond = np.maximum(np.abs(x) - flat_half_length, 0.0)
-    rest = np.maximum(radius - beyond, 0.0)  # negative by rounding at the very end of the arc
-    return np.asarray(beyond**2 / (radius + np.sqrt(rest * (radius + beyond))))
+    distance = np.maximum(np.abs(x) - flat_half_length, 0.0)
+    height_left = np.maximum(
+        radius - distance, 0.0
+    )  # negative by rounding at the very end of the arc
+    return np.asarray(distance**2 / (radius + np.sqrt(height_left * (radius + distance))))
 
 
 def face_of(shape: Shape, profile: Profile) -> Face:

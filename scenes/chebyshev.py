@@ -226,9 +226,9 @@ def halved(function: Function, edges: Array, scale: ArrayLike | None = None) -> 
         function(low[:, None] + (high - low)[:, None] * (1 + NODES) / 2), dtype=float
     )
     size = np.max(np.abs(values), axis=1)
-    known = np.zeros(len(low)) if scale is None else np.asarray(scale, dtype=float)
+    scales = np.zeros(len(low)) if scale is None else np.asarray(scale, dtype=float)
     # What is next to a piece counts too: a piece may be flat.
-    floor = np.maximum(1e-15 * np.maximum(size, np.append(size[1:], 0.0)), 4e-15 * known)
+    floor = np.maximum(1e-15 * np.maximum(size, np.append(size[1:], 0.0)), 4e-15 * scales)
     starts = [low[:0]]
     series_found = [np.empty((0, DEGREE + 1))]
     count = np.zeros(len(low), dtype=int)
@@ -236,17 +236,17 @@ def halved(function: Function, edges: Array, scale: ArrayLike | None = None) -> 
         coefficients = series(values)
         count = count + np.bincount(owner, minlength=len(count))
         limit = np.maximum(1e-13 * np.max(np.abs(values), axis=1), floor[owner])
-        rough = (tail(coefficients) > limit) & (high - low > shortest[owner])
+        is_rough = (tail(coefficients) > limit) & (high - low > shortest[owner])
         bad = np.flatnonzero(
-            ~np.all(np.isfinite(values), axis=1) | (rough & (count[owner] > _PIECES))
+            ~np.all(np.isfinite(values), axis=1) | (is_rough & (count[owner] > _PIECES))
         )
         if len(bad):
             raise Unresolved(float(low[bad[0]]), float(high[bad[0]]))
-        starts.append(low[~rough])
-        series_found.append(coefficients[~rough])
-        low = low[rough]
-        high = high[rough]
-        owner = np.tile(owner[rough], 2)
+        starts.append(low[~is_rough])
+        series_found.append(coefficients[~is_rough])
+        low = low[is_rough]
+        high = high[is_rough]
+        owner = np.tile(owner[is_rough], 2)
         middle = (low + high) / 2
         low = np.append(low, middle)
         high = np.append(middle, high)
@@ -285,8 +285,8 @@ def _corner(function: Function, pieces: Pieces, run: tuple[int, int]) -> float:
     only touch.
     """
     begin, end = (float(pieces.edges[place]) for place in run)
-    least = run[0] + int(np.argmin(np.diff(pieces.edges[run[0] : run[1] + 1])))
-    shortest = float(pieces.edges[least] + pieces.edges[least + 1]) / 2
+    shortest_piece = run[0] + int(np.argmin(np.diff(pieces.edges[run[0] : run[1] + 1])))
+    shortest = float(pieces.edges[shortest_piece] + pieces.edges[shortest_piece + 1]) / 2
     width = min(
         50 * (end - begin),
         begin - float(pieces.edges[0]) or np.inf,

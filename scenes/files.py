@@ -51,7 +51,7 @@ _TOML = re.compile(
 )
 
 
-def text_of(path: Path, role: str, most: int = TEXT, advice: str = "") -> str:
+def text_of(path: Path, role: str, most_bytes: int = TEXT, advice: str = "") -> str:
     """The text of a regular file of at most `most` bytes, without a byte-order mark.
 
     Parameters
@@ -68,7 +68,7 @@ def text_of(path: Path, role: str, most: int = TEXT, advice: str = "") -> str:
         UTF-8 text.
     """
     try:
-        check_size(path, role, most, advice)
+        check_size(path, role, most_bytes, advice)
         return path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as reason:
         raise InputError(f"{path}: {role} can't be read: it is not UTF-8 text") from reason
@@ -79,7 +79,7 @@ def text_of(path: Path, role: str, most: int = TEXT, advice: str = "") -> str:
         raise InputError(f"{path}: {role} can't be read: {why}") from reason
 
 
-def check_size(path: Path, role: str, most: int, advice: str = "") -> None:
+def check_size(path: Path, role: str, most_bytes: int, advice: str = "") -> None:
     """InputError where `path` is no regular file, or one of more than `most` bytes; OSError where
     it can't be looked at.
     """
@@ -91,10 +91,10 @@ def check_size(path: Path, role: str, most: int, advice: str = "") -> None:
             f"{path}: {role} can't be read: it is no regular file but a pipe or a device; write it"
             " to a file first"
         )
-    if status.st_size > most:
+    if status.st_size > most_bytes:
         remark = f"; {advice}" if advice else ""
         raise InputError(
-            f"{path}: {role} has {in_words(status.st_size)}, and at most {in_words(most)} are"
+            f"{path}: {role} has {in_words(status.st_size)}, and at most {in_words(most_bytes)} are"
             f" read{remark}"
         )
 
@@ -127,13 +127,13 @@ def parsed_toml(text: str) -> dict[str, Any]:
     """
     depth = 0
     keys = 0
-    before = ""
+    sign_before = ""
     for token in _TOML.finditer(text):
         sign = token["sign"] or ""
         # the latter: the head of a table
-        keys += sign == "=" or (sign == "[" and depth == 0 and before != "=")
+        keys += sign == "=" or (sign == "[" and depth == 0 and sign_before != "=")
         depth += (sign in "[{") - (sign in "]}") if sign else 0
-        before = sign
+        sign_before = sign
         if token["deep"] or token["long"] or depth > _DEEPEST or keys > _MOST_KEYS:
             fault = f"Tables nested deeper than {_DEEPEST}"
             if not token["deep"] and depth <= _DEEPEST:
@@ -195,7 +195,7 @@ def _whole_number(digits: str) -> int:
 
 
 @contextmanager
-def within_memory(path: Path, most: int) -> Generator[None, None, None]:
+def within_memory(path: Path, most_bytes: int) -> Generator[None, None, None]:
     """While a foreign file is unpacked by a library, the process may grow by `most` bytes and no
     more (POSIX only).
 
@@ -217,15 +217,15 @@ def within_memory(path: Path, most: int) -> Generator[None, None, None]:
         )
     except OSError:
         used_bytes = int(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss) * 1024
-    room = used_bytes + most
+    room = used_bytes + most_bytes
     allowed = [limit for limit in (soft, hard, room) if limit != resource.RLIM_INFINITY]
     resource.setrlimit(resource.RLIMIT_AS, (min(allowed), hard))
     try:
         yield
     except MemoryError as reason:
         raise InputError(
-            f"{path}: unpacked it takes more than {in_words(most)} of memory, which is the limit;"
-            " write the contact surface alone"
+            f"{path}: unpacked it takes more than {in_words(most_bytes)} of memory, which is the"
+            " limit; write the contact surface alone"
         ) from reason
     finally:
         resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
@@ -251,12 +251,12 @@ def write_keys(path: Path, keys: Mapping[str, Any]) -> None:
     content = (
         json.dumps(keys, ensure_ascii=False, indent=1) if is_json else toml_text(keys)
     ).encode()
-    most = TEXT if is_json else TOML
-    if len(content) > most:
+    most_bytes = TEXT if is_json else TOML
+    if len(content) > most_bytes:
         remark = "" if is_json else "; save it as .json"
         raise InputError(
-            f"{path}: the scene takes {in_words(len(content))}, and at most {in_words(most)} would"
-            f" be read{remark}"
+            f"{path}: the scene takes {in_words(len(content))}, and at most {in_words(most_bytes)}"
+            f" would be read{remark}"
         )
     try:
         replace_file(path, content)

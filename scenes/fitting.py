@@ -173,8 +173,8 @@ def fitted_keys(x: Array, h: Array, request: FitRequest) -> dict[str, Any]:
         rows = _Rows(
             (x - start) / length, (h - h[0]) / height, request.kind, fixed is None, tilt_fitted
         )
-        half = None if request.guess is None else request.guess[1] / length
-        best = rows.fit(level, request.weight, half)
+        flat_half_length = None if request.guess is None else request.guess[1] / length
+        best = rows.fit(level, request.weight, flat_half_length)
         # the former: round-off error of rows on a line
         if np.ptp(best.shape) < _BENT or abs(best.centre) > _LONGEST:
             raise RowError(
@@ -342,11 +342,11 @@ class _Rows:
         """Of the spline: a little beyond the rows where their middle moves."""
         return np.linspace(0.0, 1.2 if self.centred else 1.0, _KNOTS)
 
-    def columns(self, s: Array, half: float) -> Array:
+    def columns(self, s: Array, flat_half_length: float) -> Array:
         """B_j(s), shape (n, m)."""
         match self.kind:
             case "hertz" | "flat_rounded":
-                return np.maximum(s - half, 0.0)[:, None] ** 2 / 2
+                return np.maximum(s - flat_half_length, 0.0)[:, None] ** 2 / 2
             case "even_polynomial":
                 return (s[:, None] ** [2, 4, 6, 8] / _TWICE) @ _BENDS.T
         # Sums of (s - t)^3 above knots t, the primitives of a corner of kappa; the first hat falls
@@ -427,16 +427,22 @@ class _Rows:
         )
         return self.at(minimum.x, weight)
 
-    def fit(self, noise: float | None, weight: float | None, half: float | None) -> _Fit:
+    def fit(
+        self, noise: float | None, weight: float | None, flat_half_length: float | None
+    ) -> _Fit:
         """The best of all, for the spline with the weight of the least expected error; `half` is a
         guess of b, if there is one.
         """
         z = np.zeros(int(self.centred))
-        if self.kind == "flat_rounded" and half is not None:
-            return self.best(np.append(z, np.clip(half, _STARTS[0], _STARTS[-1])), 0.0)
+        if self.kind == "flat_rounded" and flat_half_length is not None:
+            return self.best(np.append(z, np.clip(flat_half_length, _STARTS[0], _STARTS[-1])), 0.0)
         if self.kind == "flat_rounded":
             middles = _MIDDLES if self.centred and self.tilted else np.zeros(1)
-            starts = [np.append(z + middle, half) for middle in middles for half in _STARTS]
+            starts = [
+                np.append(z + middle, flat_half_length)
+                for middle in middles
+                for flat_half_length in _STARTS
+            ]
             return self.best(
                 min(starts, key=lambda start: float(np.sum(self.at(start, 0.0).rest ** 2))), 0.0
             )
@@ -455,10 +461,12 @@ class _Rows:
                 + self.tilted
                 + float(np.trace(np.linalg.solve(square + smoothing * steps.T @ steps, square)))
             )
-            rest = float(np.sum((self.h - candidate.curve) ** 2))
+            squares = float(np.sum((self.h - candidate.curve) ** 2))
             count = len(self.x)
             errors.append(
-                rest / noise**2 + 2 * numbers if noise else rest / max(count - numbers, 1e-3) ** 2
+                squares / noise**2 + 2 * numbers
+                if noise
+                else squares / max(count - numbers, 1e-3) ** 2
             )
             fits.append(replace(candidate, numbers=min(numbers, count - 1.0)))
         return fits[int(np.argmin(errors))]

@@ -82,7 +82,7 @@ def refusal(faults: ValidationError, keys: Any, model: type[Frozen]) -> str:
     data
         the keys as they stand in the file, tables as dicts and lists
     """
-    listed = model.keys_listed
+    place_of_keys = model.keys_listed
     # Unknown keys first: a misspelt key is a missing one too. Then the deepest: of a union's
     # branches the one that got farthest.
     errors = sorted(
@@ -99,26 +99,27 @@ def refusal(faults: ValidationError, keys: Any, model: type[Frozen]) -> str:
             word = str(fault["loc"][-1])
             # What is unknown here may be known in another table.
             schema = model.model_json_schema()
-            known = {
+            known_keys = {
                 name
                 for table in (schema, *schema.get("$defs", {}).values())
                 for name in table.get("properties", {})
             }
             hint = (
-                neglected(word) or f"{did_you_mean(word, known - {word})} {listed} lists the keys"
+                neglected(word)
+                or f"{did_you_mean(word, known_keys - {word})} {place_of_keys} lists the keys"
             )
             return f"unknown key {key} = {shown(value)};{hint}{other_faults}"
         case "missing" if isinstance(value, dict):
-            return f"the key {key} is missing; {listed} lists the keys{other_faults}"
+            return f"the key {key} is missing; {place_of_keys} lists the keys{other_faults}"
         case "key_missing":
             return (
-                f"the key {key}{'.' if key else ''}{fault['ctx']['key']} is missing; {listed} lists"
-                f" the keys{other_faults}"
+                f"the key {key}{'.' if key else ''}{fault['ctx']['key']} is missing;"
+                f" {place_of_keys} lists the keys{other_faults}"
             )
         case "missing":
             rule = "a point is [P, Q]"
         case "union_tag_not_found":
-            return f"the key {key}.kind is missing; {listed} lists the kinds{other_faults}"
+            return f"the key {key}.kind is missing; {place_of_keys} lists the kinds{other_faults}"
         case "union_tag_invalid":
             kinds = fault["ctx"]["expected_tags"].replace(", ", " or ")
             key = f"{key}.kind"
@@ -142,10 +143,10 @@ def _also(keys: Sequence[str]) -> str:
     (' (also at fault: friction.coefficient)', ' (also at fault: a, b, c, d and 2 more, named once
     these are mended)', '')
     """
-    rest = (
+    remainder = (
         f" and {len(keys) - _NAMED} more, named once these are mended" if len(keys) > _NAMED else ""
     )
-    return f" (also at fault: {', '.join(keys[:_NAMED])}{rest})" if keys else ""
+    return f" (also at fault: {', '.join(keys[:_NAMED])}{remainder})" if keys else ""
 
 
 def neglected(word: str) -> str:
@@ -169,7 +170,7 @@ def neglected(word: str) -> str:
     return ""
 
 
-def did_you_mean(word: str, known: Iterable[str]) -> str:
+def did_you_mean(word: str, known_words: Iterable[str]) -> str:
     """A question after the known word that is most like `word`, with a blank before it; empty where
     none is.
 
@@ -178,15 +179,15 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
     >>> did_you_mean("phase", ["base", "phase_degrees"])
     ' did you mean phase_degrees?'
     """
-    words = sorted(known, key=len)
+    words = sorted(known_words, key=len)
     # A key cut short, or with a unit behind it, is nearer than one with as many letters in common.
-    begun = [
+    with_same_start = [
         key
         for key in words
         if min(len(key), len(word)) > 2 and (key.startswith(word) or word.startswith(key))
     ]
-    near = begun or difflib.get_close_matches(word, words, n=1)
-    return f" did you mean {near[0]}?" if near else ""
+    candidates = with_same_start or difflib.get_close_matches(word, words, n=1)
+    return f" did you mean {candidates[0]}?" if candidates else ""
 
 
 def _key(fault: ErrorDetails, keys: Any) -> str:
@@ -430,7 +431,7 @@ def checked(
     """
     units = keys.get("units") if isinstance(keys, Mapping) else getattr(keys, "units", None)
     context = {"folder": folder} | ({"units": units} if isinstance(units, str) else {})
-    before = f"{where}: " if where else ""
+    prefix = f"{where}: " if where else ""
     try:
         if of_file:  # as JSON, where strict still lets 1 be a float and a list a tuple
             return model.model_validate_json(
@@ -438,9 +439,9 @@ def checked(
             )
         return model.model_validate(keys, context=context)
     except ValidationError as faults:
-        raise InputError(f"{before}{refusal(faults, _plain(keys), model)}") from faults
+        raise InputError(f"{prefix}{refusal(faults, _plain(keys), model)}") from faults
     except RecursionError as reason:  # JSON with brackets by the hundred
-        raise InputError(f"{before}its tables are nested too deeply") from reason
+        raise InputError(f"{prefix}its tables are nested too deeply") from reason
 
 
 def _plain(table: Any) -> Any:

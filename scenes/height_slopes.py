@@ -122,19 +122,19 @@ def slope_of_height(height: Function, edges: Array) -> HeightSlope:
         core = _core(rise, edges[edges >= extent * 0.5**_ENDS])
     if core is not None and core.end >= extent:
         return HeightSlope(core.slope, edges, core.rounding)
-    above = edges if core is None else np.append(core.end, edges[edges > core.end])
+    upper_edges = edges if core is None else np.append(core.end, edges[edges > core.end])
     # `fit` resolves to 4e-15 of a scale.
     scale = None if core is None else _GROWS * core.of_heights / 4e-15
-    pieces, rounding = _refined(rise, fit(rise, above, scale).edges)
+    pieces, rounding = _refined(rise, fit(rise, upper_edges, scale).edges)
     slope_above = pieces.derivative
-    inner = np.union1d(edges, slope_above.edges)
+    all_edges = np.union1d(edges, slope_above.edges)
     if core is None:
-        return HeightSlope(slope_above, inner, rounding)
+        return HeightSlope(slope_above, all_edges, rounding)
 
     def slope(x: Array) -> Array:
         return np.where(x < core.end, core.slope(x), slope_above(x))
 
-    return HeightSlope(slope, inner, core.rounding.or_more(rounding))
+    return HeightSlope(slope, all_edges, core.rounding.or_more(rounding))
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,9 +201,9 @@ def _refined(rise: Function, edges: Array) -> tuple[Pieces, Rounding]:
     """Series of h between `edges`, and what its rounding leaves uncertain."""
     samples = _samples(_OF_PIECE)
     low = edges[:-1]
-    half = np.diff(edges) / 2
+    half_length = np.diff(edges) / 2
     coefficients, rounding = samples.series_and_rounding(
-        rise(low[:, None] + half[:, None] * (1 + samples.places))
+        rise(low[:, None] + half_length[:, None] * (1 + samples.places))
     )
     number = np.arange(DEGREE + 1)
     significant = number <= samples.last_of(coefficients, rounding)[:, None]
@@ -211,10 +211,10 @@ def _refined(rise: Function, edges: Array) -> tuple[Pieces, Rounding]:
 
     # P = E* sqrt(a/2) int h'(x)/sqrt(a - x) dx, nearly, and h' = T_k'/half: the piece that a is on
     # counts most.
-    deviation = _STATED * samples.of_coefficient * rounding * np.sqrt(edges[1:] / (2 * half))
+    deviation = _STATED * samples.of_coefficient * rounding * np.sqrt(edges[1:] / (2 * half_length))
     of_load = deviation * _OF_LOAD * np.sqrt(np.sum(significant * number**2.0, axis=1))
     of_stiffness = deviation * _OF_STIFFNESS * np.sqrt(np.sum(significant * number**6.0, axis=1))
-    places = low[:, None] + half[:, None] * np.linspace(0, 2, 9)
+    places = low[:, None] + half_length[:, None] * np.linspace(0, 2, 9)
     steepest = np.maximum.accumulate(np.max(np.abs(pieces.derivative(places)), axis=1))
     rises = steepest > 0
     loads = _LEAST_LOAD * steepest[rises]
@@ -223,7 +223,7 @@ def _refined(rise: Function, edges: Array) -> tuple[Pieces, Rounding]:
     if len(rough):
         piece = int(np.flatnonzero(rises)[rough[0]])
         raise Unresolved(float(edges[piece]), float(edges[piece + 1]))
-    stiffness_errors = of_stiffness[rises] / half[rises] / loads
+    stiffness_errors = of_stiffness[rises] / half_length[rises] / loads
     return pieces, Rounding(
         float(np.max(load_errors, initial=0.0)), float(np.max(stiffness_errors, initial=0.0))
     )
@@ -264,8 +264,8 @@ def _core(rise: Function, ends: Array) -> _Core | None:
     cores = [core for core in candidates if core is not None]
     if not cores:
         return None
-    least = min(core.rounding.load for core in cores)
-    widest = next(core for core in cores if core.rounding.load <= _ALIKE * least)
+    least_error = min(core.rounding.load for core in cores)
+    widest = next(core for core in cores if core.rounding.load <= _ALIKE * least_error)
     return _core_up_to(rise, widest.end, _OF_CORE) or widest
 
 

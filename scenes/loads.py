@@ -726,8 +726,10 @@ class TimeSeriesLoad(StraightLoad, FromFile):
 
     def places(self, corners: int) -> tuple[Sequence[int], int]:
         first, beyond = self.bounds()
-        before = corners - (beyond - first)  # 1 where a line from (0, 0) comes before the rows
-        return [*[-1] * before, *range(first, beyond)], 1
+        lines_before = corners - (
+            beyond - first
+        )  # 1 where a line from (0, 0) comes before the rows
+        return [*[-1] * lines_before, *range(first, beyond)], 1
 
     def entries_needed(self, places: Sequence[int]) -> int:  # noqa: ARG002
         return len(self.rows)
@@ -737,13 +739,13 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         return LoadPath(segments[:1], segments[1:]) if self.repeats else LoadPath(segments, ())
 
     def in_words(self, unit: str) -> str:
-        used = self.used_rows().values
-        low = np.min(used, axis=0)
-        high = np.max(used, axis=0)
+        used_rows = self.used_rows().values
+        low = np.min(used_rows, axis=0)
+        high = np.max(used_rows, axis=0)
         repetition = ", again and again" if self.repeats else ""
         rows = f"{len(self.rows)} rows of a record"
-        if len(used) != len(self.rows):
-            rows = f"{len(used)} of the {rows}"
+        if len(used_rows) != len(self.rows):
+            rows = f"{len(used_rows)} of the {rows}"
         if self.average > 1 or self.reduce is not None:
             rows = f"{len(self.kept_rows())} of the {rows}"
         rows += f", means of {self.average} each" if self.average > 1 else ""
@@ -795,9 +797,12 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
     @model_validator(mode="after")
     def _check(self) -> Self:
         segments = self._segments()
-        after = [*segments[1:], *([segments[0].shifted(self.duration)] if self.repeats else [])]
-        for before, following in zip(segments, after, strict=False):
-            loads_before = before.loads(before.end)
+        segments_after = [
+            *segments[1:],
+            *([segments[0].shifted(self.duration)] if self.repeats else []),
+        ]
+        for segment, following in zip(segments, segments_after, strict=False):
+            loads_before = segment.loads(segment.end)
             loads_after = following.loads(following.start)
             for name, value_before, value_after in zip(
                 ("normal_load", "tangential_load"), loads_before, loads_after, strict=True
@@ -807,7 +812,7 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
                 ):
                     raise ValueError(
                         f"{name} jumps from {float(value_before):.6g} to {float(value_after):.6g}"
-                        f" at time {before.end:.6g}"
+                        f" at time {segment.end:.6g}"
                     )
         return self
 

@@ -446,16 +446,16 @@ def turning_points(values: Array, threshold: float) -> Rows:
     counts once they left it by more.
     """
     step = np.diff(values)
-    moved = np.flatnonzero(step)
+    moving_rows = np.flatnonzero(step)
     # the first row of a plateau that turns
-    turned = moved[:-1][step[moved[:-1]] * step[moved[1:]] < 0] + 1
+    turning_rows = moving_rows[:-1][step[moving_rows[:-1]] * step[moving_rows[1:]] < 0] + 1
     turns: list[int] = []
     direction = 0  # of the swing that is followed
     low = 0  # its extreme rows so far
     high = 0
     for row, value in zip(
-        (*turned.tolist(), len(values) - 1),
-        (*values[turned].tolist(), float(values[-1])),
+        (*turning_rows.tolist(), len(values) - 1),
+        (*values[turning_rows].tolist(), float(values[-1])),
         strict=True,
     ):
         high = row if value > values[high] else high
@@ -484,12 +484,12 @@ def within(path: Array, tolerance: Array) -> Rows:
     def fits(first: int, last: int) -> bool:
         start = path[first]
         change = path[last] - path[first]
-        between = path[first + 1 : last] - start
+        points_between = path[first + 1 : last] - start
         with np.errstate(divide="ignore", invalid="ignore"):
-            at_lower = (between - slack) / change
-            at_upper = (between + slack) / change
+            at_lower = (points_between - slack) / change
+            at_upper = (points_between + slack) / change
         unmoving = change == 0
-        if np.any(np.abs(between[:, unmoving]) > slack[unmoving]):
+        if np.any(np.abs(points_between[:, unmoving]) > slack[unmoving]):
             return False
         low = np.max(np.where(unmoving, 0.0, np.minimum(at_lower, at_upper)), axis=1, initial=0.0)
         high = np.min(np.where(unmoving, 1.0, np.maximum(at_lower, at_upper)), axis=1, initial=1.0)
@@ -502,9 +502,11 @@ def within(path: Array, tolerance: Array) -> Rows:
         reach = 1
         while first + 2 * reach <= last and fits(first, first + 2 * reach):
             reach *= 2
-        far = min(2 * reach, last - first + 1)
-        while far - reach > 1:  # `reach` fits, `far` does not or was not tried
-            middle = (reach + far) // 2
-            reach, far = (middle, far) if fits(first, first + middle) else (reach, middle)
+        reach_limit = min(2 * reach, last - first + 1)
+        while reach_limit - reach > 1:  # `reach` fits, `far` does not or was not tried
+            middle = (reach + reach_limit) // 2
+            reach, reach_limit = (
+                (middle, reach_limit) if fits(first, first + middle) else (reach, middle)
+            )
         row_numbers.append(first + reach)
     return np.array(row_numbers, dtype=np.int64)

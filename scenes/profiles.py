@@ -366,10 +366,10 @@ def first_fall(coefficients: Array) -> float | None:
     # Double roots come as pairs a root of a rounding apart.
     ends = np.sort(roots.real[(np.abs(roots.imag) <= 1e-7 * np.abs(roots)) & (roots.real > 0)])
     marks = np.concatenate([[0.0], ends, [2 * ends[-1] if len(ends) else 1.0]])
-    between = (marks[:-1] + marks[1:]) / 2
-    falls = between[
-        polynomial.polyval(between, coefficients)
-        < -1e-12 * polynomial.polyval(between, np.abs(coefficients))
+    middles = (marks[:-1] + marks[1:]) / 2
+    falls = middles[
+        polynomial.polyval(middles, coefficients)
+        < -1e-12 * polynomial.polyval(middles, np.abs(coefficients))
     ]
     return float(falls[0]) if len(falls) else None
 
@@ -550,9 +550,9 @@ class CallableProfile(Gap):
         """x h''(x) for x >= 0, any shape; 0 beyond the extent."""
         at = np.asarray(x, dtype=float)
         first = float(self._slope.edges[0])
-        above = self._slope.derivative(np.clip(at, first, self.extent)) * at
+        bend_inside = self._slope.derivative(np.clip(at, first, self.extent)) * at
         return np.where(
-            at < first, self.exponent * self.slope(at), np.where(at > self.extent, 0.0, above)
+            at < first, self.exponent * self.slope(at), np.where(at > self.extent, 0.0, bend_inside)
         )
 
     @property
@@ -817,15 +817,25 @@ def rising_spline(x: Array, h: Array) -> Spline:
     slope[1:-1] = np.minimum(slope[1:-1], 2 * np.minimum(secant[:-1], secant[1:]))
     begin = slope[:-1] - secant
     end = slope[1:] - secant
-    bent = np.flatnonzero(np.abs(begin + end) > _ALIKE * (slope[:-1] + slope[1:]))
+    bent_intervals = np.flatnonzero(np.abs(begin + end) > _ALIKE * (slope[:-1] + slope[1:]))
     # Where the curvature changes within an interval: where both parts bend the same way, else, with
     # an inflection, in its middle.
     turns = begin * end < 0
-    share = np.where(turns, end / np.where(turns, end - begin, 1.0), 0.5)[bent]
+    share = np.where(turns, end / np.where(turns, end - begin, 1.0), 0.5)[bent_intervals]
     share = np.clip(share, _SHORTEST, 1 - _SHORTEST)
-    between = 2 * secant[bent] - share * slope[bent] - (1 - share) * slope[bent + 1]
-    at = np.insert(x, bent + 1, x[bent] + share * (x[bent + 1] - x[bent]))
-    tangent = np.maximum(np.insert(slope, bent + 1, between), 0.0)  # below 0 by rounding alone
+    slope_between = (
+        2 * secant[bent_intervals]
+        - share * slope[bent_intervals]
+        - (1 - share) * slope[bent_intervals + 1]
+    )
+    at = np.insert(
+        x,
+        bent_intervals + 1,
+        x[bent_intervals] + share * (x[bent_intervals + 1] - x[bent_intervals]),
+    )
+    tangent = np.maximum(
+        np.insert(slope, bent_intervals + 1, slope_between), 0.0
+    )  # below 0 by rounding alone
     rises = np.diff(at) * (tangent[:-1] + tangent[1:]) / 2
     return Spline(
         at, np.concatenate([[0.0], np.cumsum(rises)]), tangent, np.diff(tangent) / np.diff(at)

@@ -184,15 +184,13 @@ class LoadSegment(abc.ABC):
         total = float(self.change_of(combination, end, begin))
         if abs(total) < LEAST:
             return np.full(change.shape, begin)
-        inside = np.clip(
+        time = np.clip(
             self._time_inside(combination, change, total, begin, end),
             min(begin, end),
             max(begin, end),
         )
         sign = math.copysign(1.0, total)
-        return np.where(
-            sign * change <= 0, begin, np.where(sign * change >= abs(total), end, inside)
-        )
+        return np.where(sign * change <= 0, begin, np.where(sign * change >= abs(total), end, time))
 
     def _time_inside(
         self, combination: Combination, change: Array, total: float, begin: float, end: float
@@ -207,28 +205,32 @@ class LoadSegment(abc.ABC):
         # exact for a cosine that turns at both ends
         time = begin + (end - begin) / math.pi * np.arccos(1 - 2 * change / total)
         best = time
-        least = np.full(change.shape, math.inf)
+        least_fault = np.full(change.shape, math.inf)
         idle = np.zeros(change.shape, int)
-        last = high - low
+        last_step = high - low
         for _ in range(_MOST_STEPS):
             fault = rising * (self.change_of(combination, time, begin) - change)
             slope = rising * self.rate_of(combination, time)
-            better = np.abs(fault) < least
+            better = np.abs(fault) < least_fault
             best = np.where(better, time, best)
-            least = np.where(better, np.abs(fault), least)
+            least_fault = np.where(better, np.abs(fault), least_fault)
             idle = np.where(better, 0, idle + 1)
             # Steps that gain no more are round-off where they are short: a long one is half a
             # bracket, and others follow.
-            no_gain = (idle >= _IDLE) & (last <= _SHORT * np.abs(best - begin))
-            if np.all((least == 0) | no_gain | (last <= _ROUNDING_OF_TIME * np.abs(best))):
+            no_gain = (idle >= _IDLE) & (last_step <= _SHORT * np.abs(best - begin))
+            if np.all(
+                (least_fault == 0) | no_gain | (last_step <= _ROUNDING_OF_TIME * np.abs(best))
+            ):
                 return best
             low = np.where(fault < 0, time, low)
             high = np.where(fault > 0, time, high)
             steep = slope > 0
             newton = time - np.where(steep, fault / np.where(steep, slope, 1.0), math.inf)
-            inside = (low <= newton) & (newton <= high) & (2 * np.abs(newton - time) <= last)
-            following = np.where(inside, newton, (low + high) / 2)
-            last = np.abs(following - time)
+            newton_is_good = (
+                (low <= newton) & (newton <= high) & (2 * np.abs(newton - time) <= last_step)
+            )
+            following = np.where(newton_is_good, newton, (low + high) / 2)
+            last_step = np.abs(following - time)
             time = following
         raise NotFoundError(
             f"no time was found at which the loads have changed as wanted, between {begin:.17g} and"
@@ -431,14 +433,14 @@ class HarmonicSegment(LoadSegment):
         t = np.asarray(time, dtype=float)
         t0 = np.asarray(since, dtype=float)
         middle = (t + t0) / 2
-        half = (t - t0) / 2
+        half_step = (t - t0) / 2
         if self.ellipse:
             size, lead = self.wave(combination)
-            return -2 * size * np.sin(middle + lead) * np.sin(half)
+            return -2 * size * np.sin(middle + lead) * np.sin(half_step)
         # (p(z) - p(z_0))/(z - z_0) by Horner's scheme, and z - z_0 = 2i sin((t - t_0)/2) exp(i (t +
         # t_0)/2).
         centre = np.exp(1j * np.atleast_1d(middle))
-        side = np.exp(1j * np.atleast_1d(half))
+        side = np.exp(1j * np.atleast_1d(half_step))
         z = centre * side
         z_0 = centre * side.conjugate()
         *lower_terms, value = (np.array(combination) @ self._coefficients).tolist()
@@ -628,10 +630,10 @@ class ChebyshevSegment(LoadSegment):
         """
         slope = self._slope(combination)
         size = float(np.abs(combination) @ np.max(np.abs(self._series), axis=1))
-        known = np.flatnonzero(np.abs(slope) > _ROUNDING * size)
-        if not len(known) or known[-1] == 0:
+        significant = np.flatnonzero(np.abs(slope) > _ROUNDING * size)
+        if not len(significant) or significant[-1] == 0:
             return []
-        slope = slope[: known[-1] + 1]
+        slope = slope[: significant[-1] + 1]
         roots = chebyshev.chebroots(slope)
         unit = np.clip(
             roots.real[(np.abs(roots.imag) < _DOUBLE) & (np.abs(roots.real) < 1 + _DOUBLE)], -1, 1
@@ -708,22 +710,24 @@ class LoadPath:
 
     def at(self, time: ArrayLike) -> Loads:
         """(P, Q) at `time`, shape of `time`; ValueError outside the path."""
-        inside = np.atleast_1d(np.asarray(time, dtype=float))
+        path_time = np.atleast_1d(np.asarray(time, dtype=float))
         if self.period is not None:
-            late = inside > self.cycle_start + self.period
-            inside = np.where(
-                late, self.cycle_start + np.mod(inside - self.cycle_start, self.period), inside
+            late = path_time > self.cycle_start + self.period
+            path_time = np.where(
+                late,
+                self.cycle_start + np.mod(path_time - self.cycle_start, self.period),
+                path_time,
             )
         legs = (*self.initial_loading, *self.cycle)
-        if np.any(inside < legs[0].start) or np.any(inside > legs[-1].end):
+        if np.any(path_time < legs[0].start) or np.any(path_time > legs[-1].end):
             raise ValueError(
                 f"time outside the load path, which runs from {legs[0].start} to {legs[-1].end}"
             )
         ends = np.array([leg.end for leg in legs])
-        number = np.minimum(np.searchsorted(ends, inside, side="left"), len(legs) - 1)
-        loads = np.empty((2, *inside.shape))
+        number = np.minimum(np.searchsorted(ends, path_time, side="left"), len(legs) - 1)
+        loads = np.empty((2, *path_time.shape))
         for k in np.unique(number):
-            loads[:, number == k] = legs[k].loads(inside[number == k])
+            loads[:, number == k] = legs[k].loads(path_time[number == k])
         p, q = loads.reshape(2, *np.shape(time))
         return p, q
 
@@ -734,11 +738,14 @@ def _wave_sum(coefficients: NDArray[np.complex128], time: Array) -> Array:
     t = np.atleast_1d(time)
     z = np.exp(1j * t)
     value = np.zeros(t.shape, dtype=complex)
-    above = len(coefficients) - 1
+    order_above = len(coefficients) - 1
     # Waves without an amplitude are passed over: one of a thousand harmonics may be all there is.
     for k in [*np.flatnonzero(coefficients[1:])[::-1] + 1, 0]:
-        value = value * (z if above - k == 1 else np.exp(1j * (above - k) * t)) + coefficients[k]
-        above = k
+        value = (
+            value * (z if order_above - k == 1 else np.exp(1j * (order_above - k) * t))
+            + coefficients[k]
+        )
+        order_above = k
     return np.reshape(value.real, np.shape(time))
 
 
@@ -748,11 +755,11 @@ def _sharpened(segment: LoadSegment, combination: Combination, guess: Array) -> 
     """
     times = guess
     step = 1e-6 * (segment.end - segment.start)
-    longest = _DOUBLE * (segment.end - segment.start) / 2
+    longest_step = _DOUBLE * (segment.end - segment.start) / 2
     for _ in range(2):
         rate, rate_after = segment.rate_of(combination, np.stack([times, times + step]))
         newton_step = rate * step / np.where(rate_after != rate, rate_after - rate, np.inf)
-        times = times - np.where(np.abs(newton_step) < longest, newton_step, 0.0)
+        times = times - np.where(np.abs(newton_step) < longest_step, newton_step, 0.0)
     return sorted(time for time in times.tolist() if segment.start < time < segment.end)
 
 

@@ -138,8 +138,8 @@ def plain(name: str) -> str:
     >>> plain(" Contact_Pressure [MPa]"), plain("CSHEAR1 (top)"), plain("P [N/mm]")
     ('contactpressure', 'cshear1', 'P')
     """
-    bare = name.split("[", maxsplit=1)[0].split("(", maxsplit=1)[0]
-    letters = "".join(letter for letter in bare if letter.isalnum() or letter == ":")
+    name_alone = name.split("[", maxsplit=1)[0].split("(", maxsplit=1)[0]
+    letters = "".join(letter for letter in name_alone if letter.isalnum() or letter == ":")
     return letters if len(letters) == 1 else letters.lower()
 
 
@@ -274,7 +274,7 @@ def text_table(
             raise InputError(
                 f"{path}: columns = {{{name} = {place}}} is refused: columns are numbered from 1 on"
             )
-    longest = _LONGEST if columns else _LONGEST_OF_ALL
+    longest_line = _LONGEST if columns else _LONGEST_OF_ALL
     try:
         check_size(path, kind.role, TEXT, kind.cure)
         with path.open("rb") as binary:
@@ -287,7 +287,7 @@ def text_table(
             encodings = ["utf-8-sig"]
         for encoding in encodings:
             with contextlib.suppress(UnicodeError), path.open(encoding=encoding) as stream:
-                lines = partial(_lines, path, stream, longest)
+                lines = partial(_lines, path, stream, longest_line)
                 first_lines = list(islice(lines(), _LOOK))
                 layout = None
                 if kind.numbered and not columns:
@@ -318,13 +318,14 @@ def text_table(
     )
 
 
-def _lines(path: Path, stream: TextIO, longest: int) -> Iterator[Line]:
+def _lines(path: Path, stream: TextIO, longest_line: int) -> Iterator[Line]:
     """Number and text of every line that is not empty, from the first on."""
     stream.seek(0)
-    for number, line in enumerate(iter(partial(stream.readline, longest + 1), ""), 1):
-        if len(line) > longest:
+    for number, line in enumerate(iter(partial(stream.readline, longest_line + 1), ""), 1):
+        if len(line) > longest_line:
             raise InputError(
-                f"{path}, line {number}: more than {longest:,} characters are no row of a table"
+                f"{path}, line {number}: more than {longest_line:,} characters are no row of a"
+                " table"
             )
         if line.strip():
             yield number, line.strip(" \r\n")
@@ -368,10 +369,12 @@ def _headings(text: str, separator: str | None) -> list[list[str]]:
 
 def _rows_alone(lines: list[Line]) -> _Layout | None:
     """The layout of a file that begins with a row of two numbers or more; None for another."""
-    bare = [(number, text) for number, text in lines if not text.startswith(_REMARKS)]
-    if not bare:
+    lines_without_remarks = [
+        (number, text) for number, text in lines if not text.startswith(_REMARKS)
+    ]
+    if not lines_without_remarks:
         return None
-    number, text = bare[0]
+    number, text = lines_without_remarks[0]
     for mark in SEPARATORS:
         cells = _cells(text, mark)
         if len(cells) > 1 and _numeric(text, mark):
@@ -651,12 +654,12 @@ def _has_decimal_comma(lines: Iterator[Line], layout: _Layout) -> bool:
         if number < layout.first or not ("," in text or "." in text):
             continue
         cells = _cells(text, layout.separator)
-        used = [cells[k] for k in layout.used if k < len(cells)]
-        points = any("." in cell for cell in used)
-        commas = any("," in cell for cell in used)
+        used_cells = [cells[k] for k in layout.used if k < len(cells)]
+        points = any("." in cell for cell in used_cells)
+        commas = any("," in cell for cell in used_cells)
         if points or commas:
             return commas and (
-                not points or any(0 <= cell.find(".") < cell.rfind(",") for cell in used)
+                not points or any(0 <= cell.find(".") < cell.rfind(",") for cell in used_cells)
             )
     return False
 
@@ -702,8 +705,8 @@ def _numbers(
 
     if next(rows(), None) is None:
         headings = ", ".join(layout.names[k] for k in layout.used[:6])
-        rest = ", ..." if len(layout.used) > 6 else ""
-        raise InputError(f"{path}: no row of numbers below the names {headings}{rest}")
+        remainder = ", ..." if len(layout.used) > 6 else ""
+        raise InputError(f"{path}: no row of numbers below the names {headings}{remainder}")
     try:
         values = np.loadtxt(
             even_rows(), delimiter=mark, comments=None, ndmin=2, usecols=layout.used

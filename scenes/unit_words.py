@@ -138,10 +138,13 @@ def unit_in(heading: str) -> tuple[str, str]:
     """
     text = heading.strip()
     for bracket in re.finditer(r"[\[({<]([^][(){}<>]*)[\])}>]", text):
-        inside = bracket[1].strip().removeprefix("in ").strip()
+        bracketed = bracket[1].strip().removeprefix("in ").strip()
         last = bracket.end() == len(text)
-        if is_unit(inside) or last:
-            return text[: bracket.start()].rstrip(" _,;:-"), "" if inside in ("-", "1") else inside
+        if is_unit(bracketed) or last:
+            return text[: bracket.start()].rstrip(" _,;:-"), "" if bracketed in (
+                "-",
+                "1",
+            ) else bracketed
     quotient = re.match(r"(.*?\S)(?:\s*/\s*|\s+in\s+)(\S+)$", text)
     if quotient and is_unit(quotient[2]):
         return quotient[1], quotient[2]
@@ -177,8 +180,8 @@ def name_without_unit(heading: str) -> str:
     ('Time', 'P', 'friction force')
     """
     name, unit = unit_in(heading)
-    before, word = _last_word(name)
-    return before if not unit and word in _SHORT else name
+    text_before, word = _last_word(name)
+    return text_before if not unit and word in _SHORT else name
 
 
 def is_unit(word: str) -> bool:
@@ -194,12 +197,14 @@ def _size(unit: str, kind: str) -> tuple[float, bool] | None:
     """Its size in N, m, Pa, rad, s or N/m, and whether it is per length; None for no unit of this
     kind.
     """
-    above, slash, below = unit.replace(" ", "").partition("/") if kind == "load" else (unit, "", "")
-    above = _symbol(above)
-    below = _symbol(below)
-    if above not in _OF_FILES[kind] or (slash and below not in _OF_FILES["length"]):
+    numerator, slash, denominator = (
+        unit.replace(" ", "").partition("/") if kind == "load" else (unit, "", "")
+    )
+    numerator = _symbol(numerator)
+    denominator = _symbol(denominator)
+    if numerator not in _OF_FILES[kind] or (slash and denominator not in _OF_FILES["length"]):
         return None
-    return _OF_FILES[kind][above] / _OF_FILES["length"].get(below, 1.0), bool(slash)
+    return _OF_FILES[kind][numerator] / _OF_FILES["length"].get(denominator, 1.0), bool(slash)
 
 
 def _symbol(word: str) -> str:
@@ -208,8 +213,8 @@ def _symbol(word: str) -> str:
     >>> _symbol("Microns"), _symbol("kN"), _symbol("Micrometer")
     ('um', 'kN', 'um')
     """
-    bare = word.strip().rstrip(".").lower()
-    return _SPELLED.get(bare) or _SPELLED.get(bare.removesuffix("s")) or word
+    word_alone = word.strip().rstrip(".").lower()
+    return _SPELLED.get(word_alone) or _SPELLED.get(word_alone.removesuffix("s")) or word
 
 
 def unit_factor(unit: str, kind: Kind, units: str) -> tuple[float, bool]:

@@ -229,12 +229,12 @@ def solution_of(question: Question, findings: Findings) -> ContactSolution:
 
 def largest_error(values: ArrayLike) -> float:
     """The largest of some errors >= 0, 0 of none; NotFoundError where one is not a number."""
-    largest = float(np.max(np.asarray(values, dtype=float), initial=0.0))
-    if not np.isfinite(largest):
+    largest_value = float(np.max(np.asarray(values, dtype=float), initial=0.0))
+    if not np.isfinite(largest_value):
         raise NotFoundError(
             "an error that is to be estimated is not a number: what it is of cannot be trusted"
         )
-    return largest
+    return largest_value
 
 
 def neglected_coupling(material: Materials) -> Iterator[str]:

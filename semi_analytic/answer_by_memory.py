@@ -274,9 +274,9 @@ def folded(x: Array) -> tuple[Array, Indices]:
     >>> folded(np.array([-1.0, 0.0, 1.0 + 2.3e-16]))
     (array([0., 1.]), array([1, 0, 1]))
     """
-    size, back = np.unique(np.abs(x), return_inverse=True)
-    is_new = np.diff(size, prepend=-np.inf) > 2 * np.finfo(float).eps * size[-1]
-    return size[is_new], (np.cumsum(is_new) - 1)[back]
+    distances, inverse = np.unique(np.abs(x), return_inverse=True)
+    is_new = np.diff(distances, prepend=-np.inf) > 2 * np.finfo(float).eps * distances[-1]
+    return distances[is_new], (np.cumsum(is_new) - 1)[inverse]
 
 
 def _points_of(contact: Contact, largest: float) -> Array:
@@ -679,9 +679,9 @@ def _series_of(request: Request, snapshot: Snapshot) -> dict[str, Array]:
     contact = request.contact
     family = request.family
     front = snapshot.load - snapshot.slipped
-    half = _half_width(contact, snapshot.load)
+    half_width = _half_width(contact, snapshot.load)
     slipping = np.flatnonzero(snapshot.slipped)
-    stick = half.copy()
+    stick = half_width.copy()
     stick[slipping] = _half_width(contact, front[slipping])
     stick[(front <= 0) & (stick == 0)] = np.nan
     displacement = np.full(len(request.time), np.nan)
@@ -691,7 +691,7 @@ def _series_of(request: Request, snapshot: Snapshot) -> dict[str, Array]:
     if request.wants("normal_approach"):
         approach = request.unit * contact.log_distance(snapshot.load)
     sides = np.array([-1.0, 1.0])
-    contact_edges = half[:, None] * sides
+    contact_edges = half_width[:, None] * sides
     stick_edges = stick[:, None] * sides
     force = snapshot.force
     bulk_and_tilt: dict[str, Array] = {}
@@ -702,7 +702,7 @@ def _series_of(request: Request, snapshot: Snapshot) -> dict[str, Array]:
         shear_moment = Integrals(moment_contact, np.zeros(1), "shift").over(snapshot)[:, 0]
         bulk_and_tilt["shear_moment"] = shear_moment
         contact_edges = bulk_and_tilt.pop("contact_edges")
-        half = np.diff(contact_edges)[:, 0] / 2
+        half_width = np.diff(contact_edges)[:, 0] / 2
         has_slip_zones = (snapshot.slipped > 0) | np.isnan(stick)
         edges_of_stick = family.contact.centre(front)[:, None] + stick_edges
         stick_edges = np.where(has_slip_zones[:, None], edges_of_stick, contact_edges)
@@ -714,7 +714,7 @@ def _series_of(request: Request, snapshot: Snapshot) -> dict[str, Array]:
         "tangential_load": force,
         "tangential_displacement": request.unit * displacement,
         "normal_approach": approach,
-        "contact_half_width": half,
+        "contact_half_width": half_width,
         "stick_half_width": stick,
         "contact_edges": contact_edges,
         "stick_edges": stick_edges,
@@ -723,13 +723,13 @@ def _series_of(request: Request, snapshot: Snapshot) -> dict[str, Array]:
 
 def _half_width(contact: Contact, load: Array) -> Array:
     """a(P), (n,): an inverse that was not found, NaN, must not go on as an answer."""
-    half = contact.half_width(load)
-    lost = np.flatnonzero(~np.isfinite(half))
+    half_width = contact.half_width(load)
+    lost = np.flatnonzero(~np.isfinite(half_width))
     if len(lost):
         raise NotFoundError(
             f"no half-width was found for the normal load {float(load[lost[0]]):.17g}"
         )
-    return half
+    return half_width
 
 
 def _grids_of(
@@ -772,8 +772,8 @@ def _pressure_of(request: Request, snapshot: Snapshot, series: Mapping[str, Arra
     if request.family is None:
         return request.contact.pressure(request.distance, snapshot.load[:, None])
     middle = np.mean(series["contact_edges"], axis=1)
-    half = series["contact_half_width"]
-    return request.family.contact.pressure_over(request.distance, middle, half)
+    half_width = series["contact_half_width"]
+    return request.family.contact.pressure_over(request.distance, middle, half_width)
 
 
 def _state_of(
@@ -855,8 +855,8 @@ def _errors_of_tractions(
     """
     contact = request.contact
     friction = snapshot.friction
-    chosen = np.unique(np.linspace(0, len(snapshot.load) - 1, _INSTANTS).astype(int))
-    loads = np.unique(np.append(snapshot.load[chosen], np.max(snapshot.load)))[:, None]
+    instants = np.unique(np.linspace(0, len(snapshot.load) - 1, _INSTANTS).astype(int))
+    loads = np.unique(np.append(snapshot.load[instants], np.max(snapshot.load)))[:, None]
     places = np.unique(np.linspace(0, len(request.distance) - 1, _PLACES).astype(int))
     x = request.distance[places]
     # p is infinite at the tip of a sharp wedge, s NaN where it was not asked for.
@@ -871,10 +871,10 @@ def _errors_of_tractions(
     if contact.closed_form or isinstance(contact, TiltedProfile):
         return {name: error for name, error in of_arcs.items() if error > PROMISED}
     errors: dict[str, float] = {}
-    kernels = 2 * _most_pieces(snapshot, chosen) + 2
+    kernels = 2 * _most_pieces(snapshot, instants) + 2
     if largest_pressure > _TINY:
-        half = contact.half_width(loads)
-        is_away = np.abs(x - half) > _NEAR * half
+        half_width = contact.half_width(loads)
+        is_away = np.abs(x - half_width) > _NEAR * half_width
         pressure_error = contact.quadrature_error("pressure", x, loads)
         of_kernel = largest_error(np.where(is_away, pressure_error, 0.0)) / largest_pressure
         for words, least_distance in (("", _NEAR), (" at the edge", 0.0)):
@@ -902,16 +902,18 @@ def _most_pieces(snapshot: Snapshot, instants: Indices) -> int:
     return max((len(list(pieces(curve))) for curve in curves), default=0)
 
 
-def _error_at_edges(contact: SymmetricContact, x: Array, half: Array, least: float) -> float:
+def _error_at_edges(
+    contact: SymmetricContact, x: Array, half_width: Array, stick_half_width: float
+) -> float:
     """What the error of a half-width does to a pressure (g/pi) sqrt(2 d/a) at the small distance d
     of the nearest point, `least` a at least.
     """
-    edges = half[np.isfinite(half) & (half > 0)]
+    edges = half_width[np.isfinite(half_width) & (half_width > 0)]
     last = len(x) - 1
     after = np.clip(np.searchsorted(x, edges), 1, max(last, 1))
     distance_before = np.abs(x[after - 1] - edges)
     distance_after = np.abs(x[np.minimum(after, last)] - edges)
-    distance = np.maximum(np.minimum(distance_before, distance_after), least * edges)
+    distance = np.maximum(np.minimum(distance_before, distance_after), stick_half_width * edges)
     stiffness = contact.stiffness(edges)
     load_error = contact.noise * contact.load(edges)
     edge_error = 40 * _EPS * edges + load_error / np.where(stiffness > 0, stiffness, np.inf)
@@ -1021,14 +1023,16 @@ def _skipped_of(
     return skipped
 
 
-def _permanent_stick(contact: Contact, answer: PathResult, largest: float) -> dict[str, Any]:
+def _permanent_stick(contact: Contact, answer: PathResult, largest_load: float) -> dict[str, Any]:
     """What sticks through the whole last cycle: half-width, and edges of an unsymmetric contact."""
     # A front that is nothing but the last digits of P is none.
-    least = answer.least_front if answer.least_front > LAST_DIGITS * largest else 0.0
-    half = float(contact.half_width(least))
-    values: dict[str, Any] = {"permanent_stick_half_width": half if half > 0 else math.nan}
+    least_load = answer.least_front if answer.least_front > LAST_DIGITS * largest_load else 0.0
+    half_width = float(contact.half_width(least_load))
+    values: dict[str, Any] = {
+        "permanent_stick_half_width": half_width if half_width > 0 else math.nan
+    }
     if isinstance(contact, TiltedProfile):
-        edges = contact.interval(least) if half > 0 else np.full(2, math.nan)
+        edges = contact.interval(least_load) if half_width > 0 else np.full(2, math.nan)
         values["permanent_stick_edges"] = edges
     return values
 

@@ -39,9 +39,9 @@ def in_phase(question: Question, ways: tuple[Way, Way]) -> Findings:
     time, (load, force, _, tilt) = _instants_of_cycle(loads)
     period = path.cycle[-1].end - path.cycle_start
     rises = _rises(time, force, period)
-    middle, half = leaning.under(load, tilt)
+    middle, half_width = leaning.under(load, tilt)
     stick_middle, stick_half = _stick_zones(ways, force, rises)
-    contact_edges = np.stack([middle - half, middle + half], axis=-1)
+    contact_edges = np.stack([middle - half_width, middle + half_width], axis=-1)
     stick_edges = np.stack([stick_middle - stick_half, stick_middle + stick_half], axis=-1)
     x = question.x
     if x is None:
@@ -57,13 +57,13 @@ def in_phase(question: Question, ways: tuple[Way, Way]) -> Findings:
     density = np.full(len(x), math.nan)
     errors = {}
     if question.wants("pressure"):
-        pressure = leaning.pressure_over(x, middle, half)
+        pressure = leaning.pressure_over(x, middle, half_width)
     if question.wants("state"):
         slides = np.where(rises, np.int8(SLIP_FORWARD), np.int8(SLIP_REVERSE))[:, None]
         touching = np.where(between(stick_edges, x), np.int8(STICK), slides)
         state = np.where(between(contact_edges, x), touching, state)
     if question.wants("normal_approach"):
-        approach = leaning.approach(middle, half, load, tilt)
+        approach = leaning.approach(middle, half_width, load, tilt)
     if question.wants("dissipation"):
         loop = loop_of(ways)
         work, errors["dissipation"] = _work_of(ways)
@@ -83,7 +83,7 @@ def in_phase(question: Question, ways: tuple[Way, Way]) -> Findings:
             "state": state,
             "contact_edges": contact_edges,
             "stick_edges": stick_edges,
-            "contact_half_width": half,
+            "contact_half_width": half_width,
             "stick_half_width": stick_half,
             "tangential_displacement": unknown_series,
             "normal_approach": approach,
@@ -97,7 +97,7 @@ def in_phase(question: Question, ways: tuple[Way, Way]) -> Findings:
             "bulk_stress_lower": lower,
             "bulk_stress_upper": upper,
             "tilt": tilt,
-            "moment": leaning.moment(middle, half, load, tilt),
+            "moment": leaning.moment(middle, half_width, load, tilt),
         },
         termination="steady",
         message="the second cycle ends in the state it started from",
@@ -134,8 +134,8 @@ def _stick_zones(
     """Middles and half-widths of stick, (n,) each, where Q is `force`."""
     forward, reverse = ways
     share = np.clip((force - forward.begin[1]) / forward.change[1], 0, 1)
-    middle, half = np.where(rises, forward.stick(share), reverse.stick(1 - share))
-    return middle, half
+    middle, half_width = np.where(rises, forward.stick(share), reverse.stick(1 - share))
+    return middle, half_width
 
 
 def _work_of(ways: tuple[Way, Way]) -> tuple[float, float]:
@@ -152,6 +152,6 @@ def _density_of(ways: tuple[Way, Way], x: Array) -> tuple[Array, float]:
     forward, reverse = ways
     density = forward.density(x, WAY_NODES) + reverse.density(x, WAY_NODES)
     by_half_the_nodes = forward.density(x, WAY_NODES // 2) + reverse.density(x, WAY_NODES // 2)
-    largest = float(np.max(density))
+    largest_density = float(np.max(density))
     change = largest_error(np.abs(by_half_the_nodes - density))
-    return density, change / largest if largest > 0 else 0.0
+    return density, change / largest_density if largest_density > 0 else 0.0

@@ -163,14 +163,14 @@ class GridAnswer:
         contact_edges = followed.contact_edges[rows]
         stick_edges = followed.stick_edges[rows]
         middle = np.mean(contact_edges, axis=1)
-        half = np.diff(contact_edges)[:, 0] / 2
+        half_width = np.diff(contact_edges)[:, 0] / 2
         lower, upper = self._loads.stresses(time)
         compliance = 2 / (math.pi * composite_modulus(scene.material))
         datum_shift = compliance * force * math.log(scene.profile.datum_length)
         works = followed.works[-1:] if self._steady_only else followed.works
         values: dict[str, Any] = {
             "tangential_displacement": followed.displacement[rows] + datum_shift,
-            "normal_approach": self._leaning.approach(middle, half, load, tilt),
+            "normal_approach": self._leaning.approach(middle, half_width, load, tilt),
             "pressure": followed.pressure[rows],
             "shear": followed.shear[rows],
             "slip": followed.slip[rows],
@@ -200,7 +200,7 @@ class GridAnswer:
             "tangential_load": force,
             "contact_edges": contact_edges,
             "stick_edges": stick_edges,
-            "contact_half_width": half,
+            "contact_half_width": half_width,
             "stick_half_width": np.diff(stick_edges)[:, 0] / 2,
             "permanent_stick_half_width": float(permanent_edges[1] - permanent_edges[0]) / 2,
             "permanent_stick_edges": permanent_edges,

@@ -117,8 +117,8 @@ def maxima_of(e: Ellipses, contact: SymmetricContact) -> Array:
 
     members = len(e.mean)
     points = _points_of_search(e, contact)
-    inner = points[:, 0]
-    outer = points[:, -1]
+    inner_points = points[:, 0]
+    outer_points = points[:, -1]
     samples, is_spoilt = _samples(points, partial(density, every=2))
     member, x, work = samples
     is_top = (work[1:-1] > work[:-2]) & (work[1:-1] >= work[2:])
@@ -139,19 +139,21 @@ def maxima_of(e: Ellipses, contact: SymmetricContact) -> Array:
     deepest = e.deepest
     relative_error = LAST_DIGITS * (e.mean + e.amplitude) / np.where(deepest > 0, deepest, np.inf)
     relative_error = PROMISED + 3 * relative_error
-    error_without_slip = 2 / math.pi * (e.u + e.v) * deepest / np.where(inner > 0, inner, outer)
+    error_without_slip = (
+        2 / math.pi * (e.u + e.v) * deepest / np.where(inner_points > 0, inner_points, outer_points)
+    )
     value = np.where(is_spoilt, np.nan, 0.0)
     error = np.where(is_spoilt, np.nan, error_without_slip)
     place = np.full(members, np.nan)
     second_value = np.full(members, np.nan)
     second_place = np.full(members, np.nan)
     slipping = np.flatnonzero((best >= 0) & ~is_spoilt)
-    largest = best[slipping]
-    value[slipping] = vertex.work[largest]
-    place[slipping] = vertex.place[largest]
+    maxima = best[slipping]
+    value[slipping] = vertex.work[maxima]
+    place[slipping] = vertex.place[maxima]
     rules = np.stack([density(slipping, place[slipping], every) for every in (1, 2, 4)])
     error_of_rule = quadrature_error(rules, rules[0]) + relative_error[slipping]
-    error[slipping] = vertex.rise[largest] + vertex.work[largest] * error_of_rule
+    error[slipping] = vertex.rise[maxima] + vertex.work[maxima] * error_of_rule
 
     # Other maxima count where W falls in between, and not by its last digits only.
     ends = np.sort(np.stack([number, number[best[owner]]]), axis=0)
@@ -162,7 +164,9 @@ def maxima_of(e: Ellipses, contact: SymmetricContact) -> Array:
     seconds = order[is_other & is_distinct]
     second_value[owner[seconds]] = vertex.work[seconds]
     second_place[owner[seconds]] = vertex.place[seconds]
-    fraction = (place - inner) / np.where(outer > inner, outer - inner, 1.0)
+    fraction = (place - inner_points) / np.where(
+        outer_points > inner_points, outer_points - inner_points, 1.0
+    )
     return np.stack([value, second_value, error, place, second_place, fraction])
 
 
@@ -212,26 +216,26 @@ def _points_of_search(e: Ellipses, contact: SymmetricContact) -> Array:
     """Points from the permanent stick edge to the largest contact, ascending, some of them equal:
     (m, n).
     """
-    least = e.mean - e.amplitude
-    most = e.mean + e.amplitude
+    least_load = e.mean - e.amplitude
+    largest_load = e.mean + e.amplitude
     cosines = (e.cosine, np.cos(e.start + e.turn), -e.cosine, np.cos(e.start - e.turn))
     event_loads = [e.load(cosine) for cosine in cosines]
-    corners = np.clip(contact.break_loads[:, None], e.permanent, most)
-    loads = np.stack([e.permanent, least, *event_loads, *corners, most])
-    loads = np.clip(loads, e.permanent, most)
+    corners = np.clip(contact.break_loads[:, None], e.permanent, largest_load)
+    loads = np.stack([e.permanent, least_load, *event_loads, *corners, largest_load])
+    loads = np.clip(loads, e.permanent, largest_load)
     least_in_slip_zone = loads[1:2]
     ends = contact.half_width(np.sort(loads, axis=0))
     few_corners = len(corners) <= _FEW
     shares = _INSIDE if few_corners else _INSIDE[_FEW_INSIDE]
-    between = ends[:-1] + np.diff(ends, axis=0) * shares[:, None, None]
+    inner_points = ends[:-1] + np.diff(ends, axis=0) * shares[:, None, None]
     kink_loads = least_in_slip_zone
     if few_corners:
         kink_loads = np.concatenate([least_in_slip_zone, corners])
     kinks = contact.half_width(kink_loads)
     distance_to_kink = np.minimum(kinks - ends[0], ends[-1] - kinks) * _BESIDE_KINK[:, None, None]
     inside = [
-        part.reshape(-1, len(least))
-        for part in (between, kinks - distance_to_kink, kinks + distance_to_kink)
+        part.reshape(-1, len(least_load))
+        for part in (inner_points, kinks - distance_to_kink, kinks + distance_to_kink)
     ]
     return np.sort(np.concatenate([ends, *inside]), axis=0).T
 
@@ -281,12 +285,12 @@ def _next_points(bracket: Array, vertex: Array) -> Array:
     step = np.clip(2 * np.abs(vertex - middle), 0.003 * length, 0.125 * length)
     is_middle = np.abs(vertex - middle) < 0.1 * step
     centre = np.where(is_middle, middle, vertex)
-    before = np.maximum(centre - step, (low + centre) / 2)
-    after = np.minimum(centre + step, (centre + high) / 2)
+    left_point = np.maximum(centre - step, (low + centre) / 2)
+    right_point = np.minimum(centre + step, (centre + high) / 2)
     # A vertex that is all but the middle point needs no work of its own: the third point goes
     # beyond.
-    third = np.where(is_middle, (after + high) / 2, vertex)
-    return np.stack([before, third, after])
+    third = np.where(is_middle, (right_point + high) / 2, vertex)
+    return np.stack([left_point, third, right_point])
 
 
 class _Vertex(NamedTuple):
@@ -910,8 +914,8 @@ _KEYS = {
 
 
 def _units_of_polynomial(length: Array, *rises: Array) -> tuple[Array, ...]:
-    largest = np.max(np.abs(rises), axis=0)
-    return length, largest, *(rise / largest for rise in rises)
+    largest_rise = np.max(np.abs(rises), axis=0)
+    return length, largest_rise, *(rise / largest_rise for rise in rises)
 
 
 # Units of length and of height of profiles with these parameters, and the shape that they leave.

@@ -196,8 +196,8 @@ class Arc:
         rises = np.zeros(value.shape)
         rises[step, point] = self._steps(low[step], stops[step], point)
         sums = np.cumsum(rises, axis=0)
-        before = (sums - rises)[begins]
-        value += sums - np.repeat(before, np.diff(np.append(begins, len(stops))), axis=0)
+        sums_before = (sums - rises)[begins]
+        value += sums - np.repeat(sums_before, np.diff(np.append(begins, len(stops))), axis=0)
         return self._factor * value[fold.ravel()]
 
     def _follow(self, marks: Array) -> None:
@@ -238,18 +238,22 @@ class Arc:
         size = 0.0
         points = len(self._x)
         for halvings in range(_HALVINGS + 1):
-            far = self._series(low, high)
-            largest = float(np.max(np.abs(far.coefficients[:, 0]), initial=0.0))
-            size = max(size, largest * math.sqrt(len(low)))
+            regular_part = self._series(low, high)
+            largest_coefficient = float(
+                np.max(np.abs(regular_part.coefficients[:, 0]), initial=0.0)
+            )
+            size = max(size, largest_coefficient * math.sqrt(len(low)))
             error = np.zeros((len(low), points))
-            error[far.panel, far.point] = tail(far.coefficients)
+            error[regular_part.panel, regular_part.point] = tail(regular_part.coefficients)
             table = np.zeros((len(low), points, DEGREE + 1))
-            table[far.panel, far.point] = far.coefficients
+            table[regular_part.panel, regular_part.point] = regular_part.coefficients
             middle = (low + high) / 2
             is_resolved = np.max(error, axis=1, initial=0.0) <= _RESOLVED * size
             is_resolved |= halvings == _HALVINGS
             is_resolved |= (middle == low) | (middle == high)  # no number lies between
-            resolved_panels.append(_Panels(low, high, far.near, table, error).take(is_resolved))
+            resolved_panels.append(
+                _Panels(low, high, regular_part.near, table, error).take(is_resolved)
+            )
             if np.all(is_resolved):
                 break
             middle = middle[~is_resolved]
@@ -267,10 +271,10 @@ class Arc:
         integrals = np.empty(len(low))
         is_upper = low >= self._middle
         for turn, part in ((self._turn_at_begin, ~is_upper), (self._turn_at_end, is_upper)):
-            near = _NearIntegral(self._contact, self._kernel, self._leg, turn)
+            near_integral = _NearIntegral(self._contact, self._kernel, self._leg, turn)
             x = self._x[point[part]]
             edge = self._edge[point[part]]
-            integrals[part] = near.over(low[part], high[part], x, edge)
+            integrals[part] = near_integral.over(low[part], high[part], x, edge)
         return integrals
 
     def _series(self, low: Array, high: Array) -> _FarSeries:
@@ -280,29 +284,29 @@ class Arc:
         edge = self._edge
         time = low[:, None] + (high - low)[:, None] * (1 + NODES) / 2
         load = np.maximum(self._leg.loads(time)[0], 0.0)
-        least = np.maximum(self._leg.loads(low)[0], 0.0)[:, None]
-        most = np.maximum(self._leg.loads(high)[0], 0.0)[:, None]
-        margin = _FAR * (most - least)
+        least_load = np.maximum(self._leg.loads(low)[0], 0.0)[:, None]
+        largest_load = np.maximum(self._leg.loads(high)[0], 0.0)[:, None]
+        margin = _FAR * (largest_load - least_load)
         if self._kernel == "slip":
-            is_at_no_load = least < margin
-            near = (edge > least) & ((edge < most + margin) | is_at_no_load)
-            far = (edge >= most + margin) & ~is_at_no_load
+            is_at_no_load = least_load < margin
+            is_near = (edge > least_load) & ((edge < largest_load + margin) | is_at_no_load)
+            is_far = (edge >= largest_load + margin) & ~is_at_no_load
         else:
-            far = edge <= least - margin
-            near = (edge < most) & (edge > least - margin)
-        panel, point = np.nonzero(far)
+            is_far = edge <= least_load - margin
+            is_near = (edge < largest_load) & (edge > least_load - margin)
+        panel, point = np.nonzero(is_far)
         force_rate = self._leg.rates(time)[1] * (high - low)[:, None]
         advance = contact.advance(load)
         coefficients = np.empty((len(panel), DEGREE + 1))
         at_once = _NODES // (DEGREE + 1)
         for k in range(0, len(panel), at_once):
-            chosen = slice(k, k + at_once)
-            p = panel[chosen]
-            i = point[chosen]
-            above = load[p] - edge[i, None]
-            values = _kernel(contact, self._kernel, x[i, None], above, load[p], advance[p])
-            coefficients[chosen] = series(force_rate[p] * values)
-        return _FarSeries(panel, point, coefficients, near)
+            block = slice(k, k + at_once)
+            p = panel[block]
+            i = point[block]
+            load_above = load[p] - edge[i, None]
+            values = _kernel(contact, self._kernel, x[i, None], load_above, load[p], advance[p])
+            coefficients[block] = series(force_rate[p] * values)
+        return _FarSeries(panel, point, coefficients, is_near)
 
 
 @lru_cache(maxsize=16)  # kernels and points of one solution share its arcs
@@ -316,9 +320,9 @@ def _turn(leg: LoadSegment, end: float, other_end: float) -> TurningPoint:
     time = end
     for _ in range(20):
         slope = float(leg.rate_of(NORMAL_LOAD, time))
-        after = leg.rate_of(NORMAL_LOAD, time + width)
-        before = leg.rate_of(NORMAL_LOAD, time - width)
-        bend = float(after - before) / (2 * width)
+        rate_after = leg.rate_of(NORMAL_LOAD, time + width)
+        rate_before = leg.rate_of(NORMAL_LOAD, time - width)
+        bend = float(rate_after - rate_before) / (2 * width)
         step = slope / bend if bend * sign > 0 else math.inf
         if abs(step) > abs(length) or (end - time + step) * sign < -abs(width):
             return TurningPoint(end, float(leg.loads(end)[0]), sign, other_end)
@@ -337,13 +341,13 @@ def _force_over_root(leg: LoadSegment, turn: TurningPoint, z: Array) -> Array:
 
 
 def _kernel(
-    contact: Contact, kernel: Kernel, x: Array, above: Array, load: Array, advance: Array
+    contact: Contact, kernel: Kernel, x: Array, load_above: Array, load: Array, advance: Array
 ) -> Array:
     """K from P - P_x, P and the advance of the edge."""
     if kernel == "shear":
-        return contact.inverse_root(x, above, advance)
+        return contact.inverse_root(x, load_above, advance)
     if kernel == "slip":
-        return contact.arccosh_ratio(x, -above, advance)
+        return contact.arccosh_ratio(x, -load_above, advance)
     return contact.log_ratio(load)
 
 
@@ -415,8 +419,8 @@ class _NearIntegral:
             return np.ones(len(begin), dtype=bool)
         if self.kernel != "slip" or self.beyond:
             return np.zeros(len(begin), dtype=bool)
-        least = max(self.turn.load, 0.0)
-        height = np.arcsinh(np.sqrt(least / np.maximum(square, 1e-200 * least + 1e-300)))
+        least_load = max(self.turn.load, 0.0)
+        height = np.arcsinh(np.sqrt(least_load / np.maximum(square, 1e-200 * least_load + 1e-300)))
         return np.asarray(np.hypot(begin, height) < _AWAY * length)
 
     def _sum(self, s: Array, weight: Array, x: Array, square: Array) -> Array:
@@ -567,8 +571,8 @@ class Integrals:
         lines = self._line(slopes, bottoms, tops)
         curved = self._curved([(piece, np.array([piece.top])) for piece in new.values()])
         for piece, of_line, of_arc in zip(new.values(), lines, curved, strict=True):
-            below = self._known[id(piece.below)][1] if piece.below is not None else 0.0
-            self._known[id(piece)] = piece, below + of_line + np.ravel(of_arc)
+            integral_below = self._known[id(piece.below)][1] if piece.below is not None else 0.0
+            self._known[id(piece)] = piece, integral_below + of_line + np.ravel(of_arc)
 
     def _line(self, slope: Array, bottom: Array, top: Array) -> Array:
         """Slope times int K d eta from the loads `bottom` to `top` (n,): shape (n, k); 0 for lines

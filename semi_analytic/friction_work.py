@@ -138,7 +138,7 @@ def _over_spans(
     high[k], (n,).
     """
     marks = [corner_times(contact, span) for span, _, _ in ranges]
-    rough = np.array(
+    is_rough = np.array(
         [
             len(cuts) > 0 or uneven(contact, of_span.span)
             for cuts, of_span in zip(marks, ranges, strict=True)
@@ -150,12 +150,12 @@ def _over_spans(
     for number, (span, begin, end) in enumerate(ranges):
         members = np.flatnonzero(end > begin)
         if len(members):
-            rule = crowded if rough[number] else graded
+            rule = crowded if is_rough[number] else graded
             values[number, members] = integral(span, members, begin[members], end[members], rule)
     # One size for all: a short span by itself may be all rounding, and would never converge to its
     # own.
     size = float(np.max(np.abs(np.sum(values, axis=0))))
-    for number in np.flatnonzero(rough).tolist():
+    for number in np.flatnonzero(is_rough).tolist():
         span, begin, end = ranges[number]
         members = np.flatnonzero(end > begin)
         if not len(members):
@@ -228,8 +228,8 @@ def pointwise_dissipation(
     (0.0, 0.008438314611, 0.008438314611)
     """
     edge = contact.load(x)
-    slipping = [span for span in spans if span.direction and span.active is not None]
-    ranges = [SpanRanges(span, *slip_times(span, edge)) for span in slipping]
+    slip_spans = [span for span in spans if span.direction and span.active is not None]
+    ranges = [SpanRanges(span, *slip_times(span, edge)) for span in slip_spans]
 
     def work(span: Span, members: Indices, low: Array, high: Array, rule: QuadratureRule) -> Array:
         times, weights = rule(low, high)
@@ -305,12 +305,12 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
     ... )
     (0.017024392768, 0.017024392768)
     """
-    largest = max(max(span.begin.normal, span.end.normal) for span in spans)
-    contact = _flat_at(contact, largest)
+    largest_load = max(max(span.begin.normal, span.end.normal) for span in spans)
+    contact = _flat_at(contact, largest_load)
     integrals = Integrals(contact, np.zeros(1), "shift")
     # U is a sum of logarithms times loads up to f P, however little of it changes: its last digits,
     # all along Q.
-    size = 2 * abs(float(contact.log_distance(largest)))
+    size = 2 * abs(float(contact.log_distance(largest_load)))
     path_of_force = 0.0
     for span in spans:
         _normal, force = span.leg.loads(np.linspace(span.begin.time, span.end.time, 5))
@@ -334,8 +334,12 @@ def _flat_at(contact: Contact, largest: float) -> Contact:
     That keeps the digits of a closed integral where the logarithm hardly varies, as for a face that
     is nearly all flat.
     """
-    moved = replace(contact, datum_length=float(contact.half_width(largest)) / 2)
-    return replace(moved, rigid="loop") if isinstance(moved, TiltedProfile) else moved
+    moved_contact = replace(contact, datum_length=float(contact.half_width(largest)) / 2)
+    return (
+        replace(moved_contact, rigid="loop")
+        if isinstance(moved_contact, TiltedProfile)
+        else moved_contact
+    )
 
 
 Values = Callable[[Indices, Array, Array], Array]
@@ -360,14 +364,14 @@ def _means(contact: Contact, records: Records, values: Values) -> tuple[Array, i
     rules = [gauss(count) for count in _COUNTS]
     rules += [(ROOTS.up, ROOTS.weight), crowded(0.0, 1.0)]
     for number, (node, weight) in enumerate(rules):
-        chosen = parts.take(np.flatnonzero(kind == number))
-        growth = chosen.load_after - chosen.load
-        slip_growth = chosen.slipped_after - chosen.slipped
-        load = chosen.load[:, None] + growth[:, None] * node
-        slipped = chosen.slipped[:, None] + slip_growth[:, None] * node
-        at_nodes = values(chosen.row, load, np.clip(slipped, 0.0, load))
-        means_of_parts = chosen.until * np.sum(weight * at_nodes, axis=1)
-        means += np.bincount(chosen.row, means_of_parts, len(means))
+        parts_of_kind = parts.take(np.flatnonzero(kind == number))
+        growth = parts_of_kind.load_after - parts_of_kind.load
+        slip_growth = parts_of_kind.slipped_after - parts_of_kind.slipped
+        load = parts_of_kind.load[:, None] + growth[:, None] * node
+        slipped = parts_of_kind.slipped[:, None] + slip_growth[:, None] * node
+        at_nodes = values(parts_of_kind.row, load, np.clip(slipped, 0.0, load))
+        means_of_parts = parts_of_kind.until * np.sum(weight * at_nodes, axis=1)
+        means += np.bincount(parts_of_kind.row, means_of_parts, len(means))
         nodes += load.size
     return means, nodes
 
@@ -381,8 +385,8 @@ def _share_of_way(parts: Records, corners: Array) -> Array:
     for begin, end in ((parts.load, parts.load_after), (front, front_after)):
         low = np.minimum(begin, end)
         high = np.maximum(begin, end)
-        below = np.append(0.0, corners)[np.searchsorted(corners, (low + high) / 2)]
-        ratio = np.maximum(low - below, 0.0) / np.maximum(high - below, tiny)
+        corner_below = np.append(0.0, corners)[np.searchsorted(corners, (low + high) / 2)]
+        ratio = np.maximum(low - corner_below, 0.0) / np.maximum(high - corner_below, tiny)
         share = np.maximum(share, 1 - ratio)
     return share
 
@@ -397,8 +401,8 @@ def _split(contact: Contact, records: Records) -> Records:
     cuts = contact.break_loads
     if contact.bends_anywhere and len(records.row):
         largest_load = max(float(np.max(records.load)), float(np.max(records.load_after)))
-        largest = contact.half_width(largest_load)
-        cuts = np.append(cuts, contact.load(largest * _LADDER))
+        largest_half_width = contact.half_width(largest_load)
+        cuts = np.append(cuts, contact.load(largest_half_width * _LADDER))
     front = records.load - records.slipped
     front_after = records.load_after - records.slipped_after
     marks = [np.zeros((len(records.row), 1))]
@@ -466,11 +470,11 @@ def density_of_records(contact: Contact, records: Records, x: Array) -> Array:
     parts = _split(contact, records)
     at_once = max(_CHUNK // len(x), 1)
     for first in range(0, len(parts.load), at_once):
-        chosen = parts.take(slice(first, first + at_once))
-        load = chosen.load[:, None]
-        growth = (chosen.load_after - chosen.load)[:, None]
-        front = load - chosen.slipped[:, None]
-        drop = (chosen.slipped_after - chosen.slipped)[:, None] - growth
+        block = parts.take(slice(first, first + at_once))
+        load = block.load[:, None]
+        growth = (block.load_after - block.load)[:, None]
+        front = load - block.slipped[:, None]
+        drop = (block.slipped_after - block.slipped)[:, None] - growth
         begin, end = _shares_in_slip(load, growth, front, drop, edge)
         number, point = np.nonzero(end > begin)
         for j in range(0, len(number), _CHUNK // NODES):
@@ -482,7 +486,7 @@ def density_of_records(contact: Contact, records: Records, x: Array) -> Array:
             excess = np.maximum(edge[i, None] - front_at, 0.0)
             ratio = contact.arccosh_ratio(x[i, None], excess, contact.advance(front_at))
             at_nodes = weight * contact.pressure(x[i, None], load_at) * ratio
-            work = chosen.rise[n] * np.sum(at_nodes, axis=1)
+            work = block.rise[n] * np.sum(at_nodes, axis=1)
             density += np.bincount(i, work, len(x))
     return density
 

@@ -325,7 +325,9 @@ class Grid:
             raise ArithmeticError("the contact meets the end of the grid")
         return Pressed(pressure, contact, approach)
 
-    def _drag(self, force: float, moved: Array, limit: Array, earlier: ContactCells) -> Dragged:
+    def _drag(
+        self, force: float, displacement: Array, limit: Array, earlier_cells: ContactCells
+    ) -> Dragged:
         """Shear, slip, directions of slip and U: no slip where |q| < f p, once a cell is touched;
         the cells `earlier` were in contact before.
 
@@ -334,7 +336,7 @@ class Grid:
         in the mean over all t.
         """
         contact = self._contact
-        common = contact.common_with(earlier)
+        common = contact.common_with(earlier_cells)
         has_grown = (common.begin > contact.begin) | (common.end < contact.end)
         grown = np.flatnonzero((common.number > 0) & has_grown)
         start = self.slip.copy()
@@ -342,7 +344,7 @@ class Grid:
         while waiting:
             grids = waiting.pop()
             try:
-                early_slip = self._dragged(force, moved, limit, common, start, grids).slip
+                early_slip = self._dragged(force, displacement, limit, common, start, grids).slip
             except ArithmeticError:
                 # more than the earlier ones can carry: the new ones start from where they were
                 if len(grids) > 1:
@@ -352,12 +354,12 @@ class Grid:
                 continue
             is_new = self._inside(contact)[grids] & ~self._inside(common)[grids]
             start[grids] += np.where(is_new, _TOUCHED * (early_slip - start[grids]), 0.0)
-        return self._dragged(force, moved, limit, contact, start, np.arange(len(self.x)))
+        return self._dragged(force, displacement, limit, contact, start, np.arange(len(self.x)))
 
     def _dragged(
         self,
         force: float,
-        moved: Array,
+        displacement: Array,
         limit: Array,
         contact: ContactCells,
         start: Array,
@@ -376,7 +378,7 @@ class Grid:
         columns = first_column[:, None] + np.arange(cells)
         rows = np.arange(len(grids))[:, None]
         cells_at = (grids[:, None], columns)
-        free_slip = (moved - start)[cells_at]
+        free_slip = (displacement - start)[cells_at]
         touching = inside[rows, columns]
         limit_here = np.where(touching, limit[cells_at], 0.0)
         allowed = _ROUNDING * limit.max()
@@ -407,7 +409,7 @@ class Grid:
         all_shear[rows, columns] = shear
         all_directions[rows, columns] = direction
         shift = (force / self.step + (slip - free_slip) @ zone.rows) / zone.row_sum
-        all_slip = shift[:, None] + moved[grids] - all_shear @ self._compliance
+        all_slip = shift[:, None] + displacement[grids] - all_shear @ self._compliance
         return Dragged(all_shear, all_slip, all_directions, shift)
 
     def _increment(self, load: float, force: float, strain: float, tilt: float) -> dict[str, Any]:
@@ -419,9 +421,9 @@ class Grid:
             if (load, tilt) not in self._pressed:
                 self._pressed[load, tilt] = self._press(load, tilt, self._height)
             pressed = self._pressed[load, tilt]
-            earlier = self._contact
+            earlier_cells = self._contact
             self._contact = pressed.contact
-            dragged = self._drag(force, strained, self.friction * pressed.pressure, earlier)
+            dragged = self._drag(force, strained, self.friction * pressed.pressure, earlier_cells)
         else:
             pressed, dragged = self._press_and_drag_in_turn(load, force, tilt, strained)
         q, slip, directions, shift = dragged
@@ -463,13 +465,15 @@ class Grid:
         self, load: float, force: float, tilt: float, strained: Array
     ) -> tuple[Pressed, Dragged]:
         """Pressure and shear of unlike bodies, by turns until the shear rests."""
-        earlier = self._contact
+        earlier_cells = self._contact
         shear_before = self._shear
         for _ in range(_TURNS):
             pressed = self._press(load, tilt, self._height + shear_before @ self._coupling.T)
             self._contact = pressed.contact
-            moved = strained + pressed.pressure @ self._coupling.T
-            dragged = self._drag(force, moved, self.friction * pressed.pressure, earlier)
+            displacement = strained + pressed.pressure @ self._coupling.T
+            dragged = self._drag(
+                force, displacement, self.friction * pressed.pressure, earlier_cells
+            )
             change = float(np.max(np.abs(dragged.shear - shear_before)))
             shear_before = dragged.shear
             if change <= _ROUNDING * self.friction * pressed.pressure.max():
@@ -524,31 +528,31 @@ class Grid:
 def _slip_of_sliding(zone: Zone, slides: NDArray[np.bool_], excess: Array) -> Array:
     """Slip v of the cells that slide, (g, k) and 0 elsewhere: G v = q_0 - q over them, `excess`."""
     slip = np.zeros(excess.shape)
-    most = int(np.max(np.sum(slides, axis=1)))
-    if not most:
+    most_sliding = int(np.max(np.sum(slides, axis=1)))
+    if not most_sliding:
         return slip
     # The cells that slip first, as many as of the grid with most of them: what is too much has the
     # matrix 1.
     cells = slides.shape[1]
-    order = np.argsort(~slides, axis=1, kind="stable")[:, :most]
+    order = np.argsort(~slides, axis=1, kind="stable")[:, :most_sliding]
     is_sliding = np.take_along_axis(slides, order, axis=1)
     stiffness = zone.stiffness.ravel().take(order[:, :, None] * cells + order[:, None, :])
     if not is_sliding.all():
         stiffness *= is_sliding[:, :, None] & is_sliding[:, None, :]
-        diagonal = np.arange(most)
+        diagonal = np.arange(most_sliding)
         stiffness[:, diagonal, diagonal] += ~is_sliding
     right_side = np.where(is_sliding, np.take_along_axis(excess, order, axis=1), 0.0)
-    solved = np.linalg.solve(stiffness, right_side[..., None])[..., 0]
-    np.put_along_axis(slip, order, solved, axis=1)
+    solved_slip = np.linalg.solve(stiffness, right_side[..., None])[..., 0]
+    np.put_along_axis(slip, order, solved_slip, axis=1)
     return slip
 
 
-def _loop_between(before: dict[str, Any], row: dict[str, Any]) -> Array:
+def _loop_between(row_before: dict[str, Any], row: dict[str, Any]) -> Array:
     """Q dU - m_q d eps between two rows of `Fields`, by the trapezoidal rule."""
-    _, force_before, strain_before, _ = before["loads"]
+    _, force_before, strain_before, _ = row_before["loads"]
     _, force, strain, _ = row["loads"]
-    mean_moment = (row["shear_moment"] + before["shear_moment"]) / 2
-    displaced = row["displacement"] - before["displacement"]
+    mean_moment = (row["shear_moment"] + row_before["shear_moment"]) / 2
+    displaced = row["displacement"] - row_before["displacement"]
     return np.asarray(
         (force + force_before) / 2 * displaced - mean_moment * (strain - strain_before)
     )
@@ -633,13 +637,13 @@ class _Path:
         first_touch = leg is path.initial_loading[0]
         duration = leg.end - leg.start
         periodic_legs = path.cycle or path.initial_loading
-        least = _OF_LEG
+        fewest = _OF_LEG
         if initial and (path.cycle or not place):
-            least = self.increments // 4
+            fewest = self.increments // 4
         share = duration / (periodic_legs[-1].end - periodic_legs[0].start)
         if initial and path.cycle:
             share = 0.0
-        count = max(least, math.ceil(self.increments * share))
+        count = max(fewest, math.ceil(self.increments * share))
         # From first touch in equal steps of the contact's size.
         places = np.linspace(0, 1, count + 1)[1:] ** (2 if first_touch else 1)
         spread_times = leg.start + duration * places
@@ -762,7 +766,13 @@ def _state_at(grid: Grid, fields: Fields, instant: int, x: Array, kernels: Array
 
 
 def _run(
-    grid: Grid, path: _Path, x: Array, time: Array, numbers: range, least: int, every: int = 1
+    grid: Grid,
+    path: _Path,
+    x: Array,
+    time: Array,
+    numbers: range,
+    least_cycles: int,
+    every: int = 1,
 ) -> _Answers:
     """What grids answer along cycles (-1: the initial loading) until one repeats the one before,
     `least` cycles at any rate; each of them at every so many of the instants `time` (n,).
@@ -800,7 +810,7 @@ def _run(
                 answers.slip_of_each[:, i // every] = state.slip
         if number >= 0 or not path.loads.path.cycle:
             works.append(np.sum(fields.work, axis=0))
-        if len(works) >= max(least, 2):
+        if len(works) >= max(least_cycles, 2):
             change = abs(np.mean(works[-1] - works[-2]))
             if change <= STEADY * np.mean(works[-1]):
                 break
@@ -835,10 +845,10 @@ def edges_along(loads: PathLoads, contact: TiltedProfile) -> Array:
     path = _Path(loads, INCREMENTS)
     numbers = (-1, 0) if loads.path.cycle else (-1,)
     rows = np.concatenate([path.rows(number, np.zeros(0)).loads for number in numbers])
-    pressed = rows[rows[:, 0] > 0]
-    load, _, _, tilt = pressed.T
-    middle, half = contact.under(load, tilt)
-    return np.stack([middle - half, middle + half], axis=-1)
+    loaded_rows = rows[rows[:, 0] > 0]
+    load, _, _, tilt = loaded_rows.T
+    middle, half_width = contact.under(load, tilt)
+    return np.stack([middle - half_width, middle + half_width], axis=-1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -1061,9 +1071,9 @@ def follow_on_grid(
         coarse = _run(coarse_grids, coarse_path, points, time[::every], numbers, len(numbers))
 
     load, _, _, tilt = fine.loads
-    middle, half = contact.under(load, tilt)
-    contact_edges = np.stack([middle - half, middle + half], axis=-1)
-    pressure = contact.pressure_over(x, middle, half)
+    middle, half_width = contact.under(load, tilt)
+    contact_edges = np.stack([middle - half_width, middle + half_width], axis=-1)
+    pressure = contact.pressure_over(x, middle, half_width)
     touching = (x >= contact_edges[:, :1]) & (x <= contact_edges[:, 1:])
     shear = np.full(touching.shape, np.nan)
     slip = shear
@@ -1108,7 +1118,7 @@ def follow_on_grid(
     return Followed(
         time=time,
         loads=fine.loads,
-        moment=contact.moment(middle, half, load, tilt),
+        moment=contact.moment(middle, half_width, load, tilt),
         shear_moment=fine.shear_moment,
         displacement=fine.displacement,
         contact_edges=contact_edges,

@@ -37,13 +37,13 @@ def log_excess(ratio: ArrayLike) -> Array:
 
 
 def _log_series(ratio: Array) -> Array:
-    rest = 2 - ratio
-    y = ratio / rest
+    two_minus_ratio = 2 - ratio
+    y = ratio / two_minus_ratio
     square = y * y
     tail = _TAIL[-1]
     for coefficient in _TAIL[-2::-1]:
         tail = tail * square + coefficient
-    return ratio * ratio / rest + tail * y * square
+    return ratio * ratio / two_minus_ratio + tail * y * square
 
 
 @dataclass(frozen=True)
@@ -134,9 +134,11 @@ class HertzContact:
         0.18
         """
         edge = self.load(x)
-        inner = np.minimum(np.asarray(load, dtype=float), edge)
-        gap = edge - inner
-        return inner * _arc(gap, inner) + edge * inner / (edge + np.sqrt(edge * gap) + _TINY)
+        outside_load = np.minimum(np.asarray(load, dtype=float), edge)
+        gap = edge - outside_load
+        return outside_load * _arc(gap, outside_load) + edge * outside_load / (
+            edge + np.sqrt(edge * gap) + _TINY
+        )
 
     def slip_integral_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
         """int_0^eta eta' arccosh(|x|/a) d eta' over the loads at which x is outside [force^2 per
@@ -147,13 +149,13 @@ class HertzContact:
         - eta')) d eta'.
         """
         edge = self.load(x)
-        inner = np.minimum(np.asarray(load, dtype=float), edge)
-        gap = edge - inner
+        outside_load = np.minimum(np.asarray(load, dtype=float), edge)
+        gap = edge - outside_load
         # notation: r = sqrt(P_x), s = sqrt(P_x - eta)
         r = np.sqrt(edge)
         s = np.sqrt(gap)
-        rest = r * (2 * edge * (r - s) - 2 / 3 * (r**3 - s**3))
-        return inner**2 / 2 * _arc(gap, inner) + rest / 4
+        half_power_terms = r * (2 * edge * (r - s) - 2 / 3 * (r**3 - s**3))
+        return outside_load**2 / 2 * _arc(gap, outside_load) + half_power_terms / 4
 
     def advance(self, load: ArrayLike) -> Array:
         """How far the edge is beyond that of no load: a itself [length]."""
@@ -164,10 +166,10 @@ class HertzContact:
     def arccosh_ratio(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
         """arccosh(|x|/a(eta)) from P_x - eta >= 0 and a(eta)."""
         del x
-        half = np.asarray(advance, dtype=float)
+        half_width = np.asarray(advance, dtype=float)
         return np.arcsinh(
             np.sqrt(self.stretch * np.asarray(excess, dtype=float))
-            / np.where(half > 0, half, np.inf)
+            / np.where(half_width > 0, half_width, np.inf)
         )
 
     def inverse_root(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:

@@ -484,11 +484,11 @@ class History:
         end = np.array([span.end.time for span in spans])
         delay = np.array([span.delay for span in spans])
         ends = end + delay
-        inside, slack = within(time, float(begin[0] + delay[0]), float(ends[-1]), self.period)
+        path_time, slack = within(time, float(begin[0] + delay[0]), float(ends[-1]), self.period)
         # Less the slack: a turning point that somebody else found to rounding still belongs to the
         # span that it ends.
-        number = np.minimum(np.searchsorted(ends, inside - slack, side="left"), len(spans) - 1)
-        leg_times = np.clip(inside - delay[number], begin[number], end[number])
+        number = np.minimum(np.searchsorted(ends, path_time - slack, side="left"), len(spans) - 1)
+        leg_times = np.clip(path_time - delay[number], begin[number], end[number])
         by_span = np.argsort(number, kind="stable")
         numbers, starts = np.unique(number[by_span], return_index=True)
         times_of_spans = np.split(leg_times[by_span], starts[1:])
@@ -541,10 +541,12 @@ def history_of(path: LoadPath, friction: float, cycles: int, time: Array | None 
     turn_count, covered_count = turns_of(path.cycle_start, path.period, cycles, time)
     turns = (Turn(path.cycle, k * path.period) for k in range(turn_count))
     history = follow(path.initial_loading, turns, friction)
-    solved = len(history.cycles)
-    covered = tuple(min(number, solved - 1) for number in range(covered_count or solved))
+    solved_count = len(history.cycles)
+    covered_cycles = tuple(
+        min(number, solved_count - 1) for number in range(covered_count or solved_count)
+    )
     loop = path.cycle[0] if len(path.cycle) == 1 and is_plain_ellipse(path.cycle[0]) else None
-    return replace(history, period=path.period, covered=covered, loop=loop)
+    return replace(history, period=path.period, covered=covered_cycles, loop=loop)
 
 
 def turns_of(start: float, period: float, cycles: int, time: Array | None) -> tuple[int, int]:
@@ -571,12 +573,12 @@ def within(time: Array, start: float, end: float, period: float | None) -> tuple
         For a time outside the path.
     """
     slack = SLACK * (end - start)
-    inside = time
+    path_time = time
     if period is not None:
-        inside = time - period * np.maximum(np.ceil((time - end - slack) / period), 0.0)
-    if np.any(inside < start - slack) or np.any(inside > end + slack):
+        path_time = time - period * np.maximum(np.ceil((time - end - slack) / period), 0.0)
+    if np.any(path_time < start - slack) or np.any(path_time > end + slack):
         raise InputError(f"time: outside the load path, which runs from {start:.6g} to {end:.6g}")
-    return inside, slack
+    return path_time, slack
 
 
 def evenly(marks: Array, *, initial: bool) -> Array:
@@ -594,9 +596,9 @@ def evenly(marks: Array, *, initial: bool) -> Array:
 
 def slipped_share(spans: Sequence[Span]) -> float:
     """Largest (P - P_c)/P of some spans, seen at their ends and half-way; 0 where nothing slips."""
-    deepest = max((span.deepest for span in spans), default=0.0)
-    largest = max((max(span.begin.normal, span.end.normal) for span in spans), default=0.0)
-    return deepest / largest if largest > 0 else 0.0
+    largest_slip = max((span.deepest for span in spans), default=0.0)
+    largest_load = max((max(span.begin.normal, span.end.normal) for span in spans), default=0.0)
+    return largest_slip / largest_load if largest_load > 0 else 0.0
 
 
 def take(parts: Iterable[tuple[Span, Array]]) -> Snapshot:

@@ -328,27 +328,27 @@ def _largest(
     places = _between(marks, first)
     first_values = values(places)
     best = int(np.argmax(first_values))
-    largest = float(first_values[best])
+    largest_value = float(first_values[best])
     place = float(places[best])
     brackets = _brackets(places, first_values)
     settled_rounds = 0
     for _ in range(_ROUNDS):
-        if not np.isfinite(largest) or settled_rounds == 2:
+        if not np.isfinite(largest_value) or settled_rounds == 2:
             break
         places_by_bracket = [np.linspace(low, high, _AROUND + 2)[1:-1] for low, high in brackets]
         all_places = np.unique(np.concatenate(places_by_bracket))
         new_values = values(all_places)
         best = int(np.argmax(new_values))
-        change = float(new_values[best]) - largest
+        change = float(new_values[best]) - largest_value
         if change > 0:
-            largest = float(new_values[best])
+            largest_value = float(new_values[best])
             place = float(all_places[best])
-        settled_rounds = settled_rounds + 1 if change <= _SETTLED * abs(largest) else 0
+        settled_rounds = settled_rounds + 1 if change <= _SETTLED * abs(largest_value) else 0
         brackets = [
             _closer(bracket, places, new_values[np.searchsorted(all_places, places)])
             for bracket, places in zip(brackets, places_by_bracket, strict=True)
         ]
-    return largest, place
+    return largest_value, place
 
 
 def _between(marks: Array, count: int) -> Array:

@@ -123,9 +123,9 @@ class Records(NamedTuple):
     until: Array
     row: Indices
 
-    def take(self, chosen: NDArray[np.bool_] | Indices | slice) -> Records:
+    def take(self, numbers: NDArray[np.bool_] | Indices | slice) -> Records:
         """The chosen ones."""
-        return Records._make(column[chosen] for column in self)
+        return Records._make(column[numbers] for column in self)
 
     def with_front_in_contact(self) -> Records:
         """The same with P_c >= 0: of a contact that slips throughout, as next to full unloading,
@@ -529,14 +529,14 @@ def _agree(
     first_loads, first_forces = knots_of(first_curve)
     second_loads, second_forces = knots_of(second_curve)
     all_loads = np.union1d(first_loads, second_loads)
-    largest = all_loads[-1]
+    largest_load = all_loads[-1]
     force_differences = np.abs(
         np.interp(all_loads, first_loads, first_forces)
         - np.interp(all_loads, second_loads, second_forces)
     )
-    if abs(first_loads[-1] - second_loads[-1]) > tolerance * largest:
+    if abs(first_loads[-1] - second_loads[-1]) > tolerance * largest_load:
         return False
-    return bool(np.all(force_differences <= tolerance * friction * largest))
+    return bool(np.all(force_differences <= tolerance * friction * largest_load))
 
 
 # ----------------------------------------------------------------------------------- the whole path
@@ -627,8 +627,8 @@ class LoadSeries:
         if self.long:
             rows = self.times[self.starts[begin] :]
             stride = max(len(rows) // _FEW, 1) if thinned else 1
-            chosen = np.unique(np.append(rows[::stride], rows[-1]))
-            return chosen, len(rows) - len(chosen)
+            times_of_rows = np.unique(np.append(rows[::stride], rows[-1]))
+            return times_of_rows, len(rows) - len(times_of_rows)
         times = []
         for number, part in enumerate(self.parts[begin:], begin):
             records = follow(part.curve, part.rows[:, 1:], self.friction).records
@@ -653,15 +653,15 @@ class LoadSeries:
             For a time outside the path.
         """
         times = self.times
-        inside, slack = within(time, float(times[0]), float(times[-1]), self.period)
-        row = np.clip(np.searchsorted(times, inside, side="left"), 1, len(times) - 1)
+        path_time, slack = within(time, float(times[0]), float(times[-1]), self.period)
+        row = np.clip(np.searchsorted(times, path_time, side="left"), 1, len(times) - 1)
         slack_of_step = np.minimum(slack / np.diff(times), _SLACK_OF_STEP)
         # A row that somebody else found to rounding is still the row.
-        since_row_before = inside - times[row - 1]
+        since_row_before = path_time - times[row - 1]
         row_length = times[row] - times[row - 1]
         is_row_before = (row > 1) & (since_row_before <= slack_of_step[row - 1] * row_length)
         step = row - 1 - is_row_before
-        share = (inside - times[step]) / (times[step + 1] - times[step])
+        share = (path_time - times[step]) / (times[step + 1] - times[step])
         slack_of_share = slack_of_step[step]
         share = np.where(share > 1 - slack_of_share, 1.0, np.maximum(share, 0.0))
         return step, share, slack_of_share
@@ -693,8 +693,8 @@ def series_of(scene: Scene, time: Array | None) -> LoadSeries:
         return replace(_single(friction, loading), long=long)
     check_rows(cycle, friction)
     period = float(cycle[-1, 0] - cycle[0, 0])
-    most, whole_cycles = turns_of(float(cycle[0, 0]), period, scene.cycles, time)
-    turns = (PathPart(cycle, k * period) for k in range(most))
+    most_cycles, whole_cycles = turns_of(float(cycle[0, 0]), period, scene.cycles, time)
+    turns = (PathPart(cycle, k * period) for k in range(most_cycles))
     series = _followed(friction, PathPart(loading, 0.0), turns, period, whole_cycles)
     return replace(series, long=long)
 
@@ -811,8 +811,8 @@ def _followed(
     cycles_covered = whole_cycles
     if not whole_cycles:
         cycles_covered = len(cycles) if repeats else 1
-    covered = tuple(min(number, len(cycles) - 1) for number in range(cycles_covered))
-    return LoadSeries(friction, (loading, *cycles), 1, steady_from, period, covered, repeats)
+    covered_cycles = tuple(min(number, len(cycles) - 1) for number in range(cycles_covered))
+    return LoadSeries(friction, (loading, *cycles), 1, steady_from, period, covered_cycles, repeats)
 
 
 def blocks(
@@ -863,24 +863,24 @@ class States:
         growth = (records.slipped_after - records.slipped)[number]
         slipped = slipped + _share_of_record(records, number, share) * growth
         # the front is on the line
-        least = np.maximum(load - line.top, 0.0)
-        most = np.maximum(load - (line.top - line.length), 0.0)
-        slipped = np.where(direction != 0, np.clip(slipped, least, most), 0.0)
+        least_slip = np.maximum(load - line.top, 0.0)
+        largest_slip = np.maximum(load - (line.top - line.length), 0.0)
+        slipped = np.where(direction != 0, np.clip(slipped, least_slip, largest_slip), 0.0)
         force_at_front = line.force - line.slope * (line.top - (load - slipped))
         balance = force_at_front + direction * self.friction * slipped - force
         line_number = np.zeros(len(step), dtype=np.intp)
         first_line = len(self._lines)
         if self.curves:
-            used, line_number = np.unique(number, return_inverse=True)
-            self._lines += [block.lines[k] for k in used.tolist()]
+            used_records, line_number = np.unique(number, return_inverse=True)
+            self._lines += [block.lines[k] for k in used_records.tolist()]
         self._columns.append(
             _StateColumns(load, force, slipped, direction, line_number + first_line, balance)
         )
 
-    def snapshot(self, time: Array, back: Indices) -> tuple[Snapshot, Array]:
+    def snapshot(self, time: Array, order: Indices) -> tuple[Snapshot, Array]:
         """All of them in the order of `time`, and M(P) - Q."""
         columns = zip(*self._columns, strict=True)
-        states = _StateColumns._make(np.concatenate(column)[back] for column in columns)
+        states = _StateColumns._make(np.concatenate(column)[order] for column in columns)
         snapshot = Snapshot(
             time=time,
             load=states.load,

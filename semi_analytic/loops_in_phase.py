@@ -148,11 +148,11 @@ class Way:
         share, weight = _angles(count)
         u = share[:, None]
         m, c = self.stick(u)
-        middle, half = self.contact(u)
+        middle, half_width = self.contact(u)
         work = 0.0
         for side in (-1, 1):
             begin = m + side * c
-            length = middle + side * half - begin
+            length = middle + side * half_width - begin
             power = self.friction_power(begin + length * share, u)
             work += float(weight @ (np.abs(length) * power) @ weight)
         return work
@@ -179,8 +179,8 @@ class Way:
         def depth(x: Array, u: Array) -> Array:
             """Distance to the nearer end of the slip zone, positive within it."""
             m, c = self.stick(u)
-            middle, half = self.contact(u)
-            return np.minimum(np.abs(x - m) - c, half - np.abs(x - middle))
+            middle, half_width = self.contact(u)
+            return np.minimum(np.abs(x - m) - c, half_width - np.abs(x - middle))
 
         inside = depth(x, _SHARES[:, None]) > 0
         # Instants u at which an edge of the slip zone passes a point, by halving.

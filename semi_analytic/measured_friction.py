@@ -284,17 +284,19 @@ def _of_path(target: ArrayLike, scene: Scene) -> FrictionBatch:
     path = scene.load.path()
     loads = [leg.loads(sampled(leg, 513)) for leg in (*path.initial_loading, *path.cycle)]
     with np.errstate(divide="ignore", invalid="ignore"):
-        least = max(float(np.nanmax(np.abs(tangential) / normal)) for normal, tangential in loads)
+        least_friction = max(
+            float(np.nanmax(np.abs(tangential) / normal)) for normal, tangential in loads
+        )
     # Between the samples of a curved path |Q|/P may be a little larger.
     for excess in (0.0, *10.0 ** np.arange(-12, -3)):
         try:
-            work_at(least * (1 + excess))
+            work_at(least_friction * (1 + excess))
         except InadmissibleLoadError:
             continue
-        least *= 1 + float(excess)
+        least_friction *= 1 + float(excess)
         break
     else:
-        least = math.inf
+        least_friction = math.inf
     normal = np.concatenate([part[0] for part in loads])
     tangential = np.concatenate([part[1] for part in loads])
     varies = float(np.ptp(normal)) > 1e-9 * float(np.max(np.abs(normal)))
@@ -303,13 +305,13 @@ def _of_path(target: ArrayLike, scene: Scene) -> FrictionBatch:
     def work(friction: Array, _member: NDArray[np.intp]) -> Array:
         return np.array([work_at(coefficient) for coefficient in friction.tolist()])
 
-    return _inverse(target, work, np.array([least]), np.array([no_slip]), (), ())
+    return _inverse(target, work, np.array([least_friction]), np.array([no_slip]), (), ())
 
 
 def _inverse(
     target: ArrayLike,
     work: Callable[[Array, NDArray[np.intp]], Array],
-    least: Array,
+    least_friction_of_member: Array,
     no_slip: Array,
     shape: tuple[int, ...],
     notes: tuple[str, ...],
@@ -333,9 +335,9 @@ def _inverse(
         raise InputError(
             f"friction_from: the dissipation must be numbers that broadcast with the loads: {fault}"
         ) from fault
-    n_members = len(least)
-    is_solvable = np.isfinite(least) & (least > 0)
-    begin = np.where(is_solvable, least, 1.0) * (1 + _BESIDE)
+    n_members = len(least_friction_of_member)
+    is_solvable = np.isfinite(least_friction_of_member) & (least_friction_of_member > 0)
+    begin = np.where(is_solvable, least_friction_of_member, 1.0) * (1 + _BESIDE)
     middle = np.maximum(begin, np.where(is_solvable, no_slip, 0.0)) * _MIDDLE
     top = middle * (_MOST / _MIDDLE)
     shares = np.concatenate([[0.0], np.logspace(-8, math.log10(0.05), _CLOSE - 1)])
@@ -354,8 +356,8 @@ def _inverse(
 
     # Turning points of W, which may lie between two samples and hide two roots.
     rise = np.diff(works, axis=0)
-    largest = np.max(np.where(is_solvable, works, 0.0), axis=0)
-    sharp = np.minimum(np.abs(rise[:-1]), np.abs(rise[1:])) >= _STANDS_OUT * largest
+    largest_work = np.max(np.where(is_solvable, works, 0.0), axis=0)
+    sharp = np.minimum(np.abs(rise[:-1]), np.abs(rise[1:])) >= _STANDS_OUT * largest_work
     row, column = np.nonzero(is_solvable & sharp & (rise[:-1] * rise[1:] < 0))
     if len(row):
         sign = np.where(rise[row, column] < 0, 1.0, -1.0)  # W falls before a least value
@@ -381,9 +383,9 @@ def _inverse(
     member = np.broadcast_to(np.arange(n_members).reshape(shape), full_shape).ravel()
     aim = np.broadcast_to(target_works, full_shape).ravel()
     valid = np.isfinite(aim) & (aim > 0) & is_solvable[member]
-    above = works[:, member] > np.where(valid, aim, np.inf)
-    known = np.isfinite(works[:, member])
-    row, column = np.nonzero((above[:-1] != above[1:]) & known[:-1] & known[1:] & valid)
+    is_above = works[:, member] > np.where(valid, aim, np.inf)
+    is_known = np.isfinite(works[:, member])
+    row, column = np.nonzero((is_above[:-1] != is_above[1:]) & is_known[:-1] & is_known[1:] & valid)
     order = np.lexsort((row, column))
     row = row[order]
     column = column[order]
@@ -421,14 +423,18 @@ def _inverse(
     roots[reason != NoFriction.NONE] = np.nan
     sentences = tuple(
         _SENTENCES[NoFriction(reason[k])].format(
-            target=aim[k], least=low[k], most=high[k], f_min=least[member[k]], top=top[member[k]]
+            target=aim[k],
+            least=low[k],
+            most=high[k],
+            f_min=least_friction_of_member[member[k]],
+            top=top[member[k]],
         )
         for k in np.flatnonzero(reason)[:10]
     )
     counted = np.where(reason == NoFriction.NONE, n_roots, 0)
     limits = (
         np.where(is_solvable[member], values, np.nan).reshape(full_shape)
-        for values in (least[member], low, high)
+        for values in (least_friction_of_member[member], low, high)
     )
     least_friction, low, high = (freeze(values) for values in limits)
     return FrictionBatch(

@@ -389,16 +389,16 @@ def same(curve: Curve, other_curve: Curve, friction: float, tolerance: float = 1
     """
     if curve is None or other_curve is None:
         return curve is other_curve
-    largest = max(curve.top, other_curve.top)
-    if abs(curve.top - other_curve.top) > tolerance * largest:
+    largest_load = max(curve.top, other_curve.top)
+    if abs(curve.top - other_curve.top) > tolerance * largest_load:
         return False
     top = min(curve.top, other_curve.top)
     ends = {0.0, top}
     for piece in (*pieces(curve), *pieces(other_curve)):
         ends.add(min(piece.top, top))
     knots = np.array(sorted(ends))
-    between = [knots[:-1] + np.diff(knots) * share for share in (0.25, 0.5, 0.75, 1.0)]
-    loads = np.unique(np.concatenate(between))
+    points_between = [knots[:-1] + np.diff(knots) * share for share in (0.25, 0.5, 0.75, 1.0)]
+    loads = np.unique(np.concatenate(points_between))
     difference = np.abs(values(curve, loads) - values(other_curve, loads))
     return bool(np.all(difference <= tolerance * friction * top))
 

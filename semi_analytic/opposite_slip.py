@@ -111,9 +111,9 @@ def _newton_step(depth: Array, fault: Array) -> Array:
     rates = []
     for row in (0, 1):
         width = _WIDTH * depth * (np.arange(2) == row)[:, None]
-        after = np.stack(loads_of(*(depth + width)))
-        before = np.stack(loads_of(*(depth - width)))
-        rates.append((after - before) / (2 * width[row]))
+        loads_after = np.stack(loads_of(*(depth + width)))
+        loads_before = np.stack(loads_of(*(depth - width)))
+        rates.append((loads_after - loads_before) / (2 * width[row]))
     (e_by_left, force_by_left), (e_by_right, force_by_right) = rates
     fault_of_e, fault_of_force = fault
     determinant = e_by_left * force_by_right - e_by_right * force_by_left
@@ -130,7 +130,7 @@ def _by_gauss(begin: Array, end: Array) -> tuple[Array, Array]:
 
 
 @lru_cache(maxsize=8)  # the same zones under other values of `rigid`
-def _stick_zones(eccentric: float, forced: float, most: float) -> tuple[Pieces, Pieces]:
+def _stick_zones(eccentric: float, forced: float, largest_load: float) -> tuple[Pieces, Pieces]:
     """b1/a and b2/a over P - eta up to `most`, -e = `eccentric` (P - eta) and Q/(f P) = `forced` (P
     - eta).
     """
@@ -139,7 +139,7 @@ def _stick_zones(eccentric: float, forced: float, most: float) -> tuple[Pieces, 
         left, right = slip_depths(-eccentric * v.ravel(), forced * v.ravel())
         return (left - 1).reshape(v.shape), (1 - right).reshape(v.shape)
 
-    marks = np.array([0.0, most])
+    marks = np.array([0.0, largest_load])
     return halved(lambda v: ends(v)[0], marks, 1.0), halved(lambda v: ends(v)[1], marks, 1.0)
 
 
@@ -180,21 +180,23 @@ class OppositeSlip(TiltedProfile):
         """b1 and b2 from the centre of contact, over a, as functions of P - eta: e = eps pi a/(2 A
         f P), for A P = pi a^2/(2 R).
         """
-        most, _, half = self._contact
-        forced = -self.share * float(np.sign(self.lean)) / most
-        return _stick_zones(abs(self.lean) * half / (2 * most), forced, self._deepest * (1 + 1e-9))
+        largest_load, _, half_width = self._contact
+        forced = -self.share * float(np.sign(self.lean)) / largest_load
+        return _stick_zones(
+            abs(self.lean) * half_width / (2 * largest_load), forced, self._deepest * (1 + 1e-9)
+        )
 
     @cached_property
     def _as_loop(self) -> OppositeSlip:
         return replace(self, rigid="loop")
 
     def at(self, load: ArrayLike) -> tuple[Array, Array]:
-        most, middle, half = self._contact
-        v = np.clip(most - np.asarray(load, dtype=float), 0.0, self._deepest)
+        largest_load, middle, half_width = self._contact
+        v = np.clip(largest_load - np.asarray(load, dtype=float), 0.0, self._deepest)
         left_of_v, right_of_v = self._zones
         left = left_of_v(v)
         right = right_of_v(v)
-        return middle + half * (left + right) / 2, half * (right - left) / 2
+        return middle + half_width * (left + right) / 2, half_width * (right - left) / 2
 
     def is_nested(self, load: float) -> bool:
         """Whether stick zones recede at both ends, whatever the load is."""
@@ -204,8 +206,8 @@ class OppositeSlip(TiltedProfile):
 
     def load(self, half_width: ArrayLike) -> Array:
         """P_x: above P out of contact, 0 where nothing slips up to the largest Q."""
-        most, middle, half = self._contact
-        place = (np.asarray(half_width, dtype=float) - middle) / half
+        largest_load, middle, half_width = self._contact
+        place = (np.asarray(half_width, dtype=float) - middle) / half_width
         low = np.zeros(place.shape)
         high = np.full(place.shape, self._deepest)
         left, right = self._zones
@@ -216,9 +218,9 @@ class OppositeSlip(TiltedProfile):
             high = np.where(is_outside, v, high)
         deepest = np.array(self._deepest)
         never_slips = (place >= left(deepest)) & (place <= right(deepest))
-        loads = np.where(never_slips, 0.0, most - (low + high) / 2)
+        loads = np.where(never_slips, 0.0, largest_load - (low + high) / 2)
         beyond_edge = np.abs(place) - 1
-        return np.where(beyond_edge > 0, most * (1 + beyond_edge), loads)
+        return np.where(beyond_edge > 0, largest_load * (1 + beyond_edge), loads)
 
     def sense(self, x: ArrayLike) -> Array:
         """+1 where x slips forward while Q grows, -1 where it slips in reverse."""
@@ -228,9 +230,9 @@ class OppositeSlip(TiltedProfile):
 
     def pressure(self, x: ArrayLike, load: ArrayLike) -> Array:
         """p(x) at the constant load, with the sign of `sense`: q/f where x slips [stress]."""
-        _, middle, half = self._contact
+        _, middle, half_width = self._contact
         pressure = self.shape.pressure(
-            np.asarray(x, dtype=float), np.array(middle), np.array(half)
+            np.asarray(x, dtype=float), np.array(middle), np.array(half_width)
         ) / (np.pi * self.intervals.product)
         return np.asarray(self.sense(x) * pressure + 0 * np.asarray(load, dtype=float))
 
@@ -242,27 +244,29 @@ class OppositeSlip(TiltedProfile):
 
         From load to load: close to P_x by the rule for singular ends, else by Gauss' rule.
         """
-        most = self.intervals.most
-        least = most - self._deepest
-        places, loads = np.broadcast_arrays(np.asarray(x, dtype=float), np.clip(load, least, most))
+        largest_load = self.intervals.most
+        least_load = largest_load - self._deepest
+        places, loads = np.broadcast_arrays(
+            np.asarray(x, dtype=float), np.clip(load, least_load, largest_load)
+        )
         points, column = np.unique(places, return_inverse=True)
         stops, row = np.unique(loads, return_inverse=True)
         low = stops[:, None]
-        high = np.append(stops[1:], most)[:, None]
+        high = np.append(stops[1:], largest_load)[:, None]
         edge = self.load(points)
         begin = low + 0 * edge
         if kernel == "inverse_root":
             end = high + 0 * edge
-            to_edge = low - np.maximum(edge, least)
+            to_edge = low - np.maximum(edge, least_load)
             is_inside = (low >= edge) & (high > low)
         else:
             end = np.minimum(high, edge)
-            to_edge = np.minimum(edge, most) - end
+            to_edge = np.minimum(edge, largest_load) - end
             is_inside = end > begin
         cells = np.zeros(is_inside.shape)
         is_near = to_edge < 3 * (high - low)
-        for chosen, rule in ((is_inside & is_near, graded), (is_inside & ~is_near, _by_gauss)):
-            cell, point = np.nonzero(chosen)
+        for selected, rule in ((is_inside & is_near, graded), (is_inside & ~is_near, _by_gauss)):
+            cell, point = np.nonzero(selected)
             for k in range(0, len(cell), _MEMBERS):
                 block = (cell[k : k + _MEMBERS], point[k : k + _MEMBERS])
                 eta, weight = rule(begin[block], end[block])
@@ -283,9 +287,9 @@ class OppositeSlip(TiltedProfile):
 
     def log_distance(self, load: ArrayLike) -> Array:
         """Integral of `log_ratio` up to a load, less that up to P."""
-        most = self.intervals.most
-        low = np.clip(load, most - self._deepest, most)
-        eta, weight = graded(low, np.full(np.shape(low), most))
+        largest_load = self.intervals.most
+        low = np.clip(load, largest_load - self._deepest, largest_load)
+        eta, weight = graded(low, np.full(np.shape(low), largest_load))
         return np.asarray(-np.sum(weight * self.log_ratio(eta), axis=-1))
 
     def dissipation_kernel(self, load: ArrayLike, slipped: ArrayLike) -> Array:

@@ -128,21 +128,21 @@ def _convex_hertz(profile: Hertz) -> ConvexProfile:
 
 def _convex_flat_rounded(profile: FlatRounded) -> ConvexProfile:
     b = profile.flat_half_length
-    outer = 1 / profile.radius
-    return _parabolas([-b, b], [outer, 0.0, outer], 0.0)
+    edge_curvature = 1 / profile.radius
+    return _parabolas([-b, b], [edge_curvature, 0.0, edge_curvature], 0.0)
 
 
 def _convex_compound(profile: Compound) -> ConvexProfile:
     b = profile.inner_half_length
-    inner = 1 / profile.inner_radius
-    outer = 1 / profile.outer_radius
-    return _parabolas([-b, b], [outer, inner, outer], inner)
+    inner_curvature = 1 / profile.inner_radius
+    outer_curvature = 1 / profile.outer_radius
+    return _parabolas([-b, b], [outer_curvature, inner_curvature, outer_curvature], inner_curvature)
 
 
 def _convex_wedge(profile: Wedge) -> ConvexProfile:
     b = profile.tip_half_length
-    inner = 1 / profile.tip_radius
-    return _parabolas([-b, b], [0.0, inner, 0.0], inner)
+    tip_curvature = 1 / profile.tip_radius
+    return _parabolas([-b, b], [0.0, tip_curvature, 0.0], tip_curvature)
 
 
 def _convex_table(profile: Tabulated) -> ConvexProfile:
@@ -309,11 +309,13 @@ def inverse_of(
         x, ends, cubic, slope = table()
         target = np.where(force > 0, force, 1.0)
         log = np.log(target)
-        below = np.minimum(log - x[0], 0.0)
-        above = np.maximum(log - x[-1], 0.0)
-        d = np.exp(cubic(log - below - above) + slope[0] * below + slope[-1] * above)
+        log_below = np.minimum(log - x[0], 0.0)
+        log_above = np.maximum(log - x[-1], 0.0)
+        d = np.exp(
+            cubic(log - log_below - log_above) + slope[0] * log_below + slope[-1] * log_above
+        )
         number = np.searchsorted(x[1:-1], log)
-        is_within = below == above
+        is_within = log_below == log_above
         low = np.where(is_within, ends[number], d / 2)
         high = np.where(is_within, ends[number + 1], d * 2)
         for _ in range(60):
@@ -561,9 +563,11 @@ class _Series:
         high = inverse.high[number]
         place = np.clip((2 * w - low - high) / (high - low), -1.0, 1.0)
         square = np.maximum(inverse.square(number, place), 0.0)
-        rough = np.flatnonzero(inverse.is_rough[number])
-        if len(rough):
-            square[rough] = self._newton(number[rough], load[rough], square[rough])
+        rough_pieces = np.flatnonzero(inverse.is_rough[number])
+        if len(rough_pieces):
+            square[rough_pieces] = self._newton(
+                number[rough_pieces], load[rough_pieces], square[rough_pieces]
+            )
         return self.begin[number] + square
 
     @cached_property
@@ -653,20 +657,20 @@ def tabulated(modulus: float, profile: Tabulated) -> ContactLaw:
     def stiffness(d: Array) -> Array:
         return series_or_head(d, rows.rate, head.stiffness)
 
-    largest = float(load(np.array(extent - least)))
+    largest_load = float(load(np.array(extent - least)))
 
     def advance(p: Array) -> Array:
-        most = float(np.max(p, initial=0.0))
-        if most > largest:
+        needed_load = float(np.max(p, initial=0.0))
+        if needed_load > largest_load:
             raise ProfileDataError(
-                f"profile: the normal load {most:.6g} needs a contact wider than the table, whose"
-                f" last x = {extent:.6g} carries {largest:.6g}"
+                f"profile: the normal load {needed_load:.6g} needs a contact wider than the table,"
+                f" whose last x = {extent:.6g} carries {largest_load:.6g}"
             )
         if not len(rows.begin):
             return head.advance(p)
         d = np.array(head.advance(np.minimum(p, rows.loads[0])))
-        later = p >= rows.loads[0]
-        d[later] = rows.half_width(p[later]) - least
+        is_later = p >= rows.loads[0]
+        d[is_later] = rows.half_width(p[is_later]) - least
         return d
 
     law = ContactLaw(load, advance, stiffness, least, tuple(knots[1:-1].tolist()), extent=extent)
@@ -674,12 +678,12 @@ def tabulated(modulus: float, profile: Tabulated) -> ContactLaw:
         # Of every piece the ends too: where dP/da falls behind a knot it is least at the next one.
         t = np.concatenate([[-1.0], NODES, [1.0]])
         u = rows.low[:, None] + (rows.high - rows.low)[:, None] * (1 + t) / 2
-        half = rows.begin[:, None] + np.square(u)
-        rate = stiffness(half - least)
+        half_width = rows.begin[:, None] + np.square(u)
+        rate = stiffness(half_width - least)
         # Round-off may leave that much below 0 where the profile is straight.
         falls = rate < -1e-12 * np.max(rate)
         if np.any(falls):
-            raise _splits(profile, float(np.min(half[falls])))
+            raise _splits(profile, float(np.min(half_width[falls])))
     return law
 
 
@@ -710,11 +714,11 @@ def _pieces_of_rows(knots: Array) -> list[_Piece]:
     What the knot before leaves is singular at u^2 = before - begin.
     """
     pieces: list[_Piece] = []
-    for before, begin, end in zip(
+    for knot_before, begin, end in zip(
         knots[:-2].tolist(), knots[1:-1].tolist(), knots[2:].tolist(), strict=True
     ):
         length = (end - begin) ** 0.5
-        step = (begin - before) ** 0.5
+        step = (begin - knot_before) ** 0.5
         octaves = range(math.ceil(math.log2(length / step)))
         marks = [0.0, *(step * 2.0**k for k in octaves), length]
         if len(marks) > 2 and length - marks[-2] < 0.1 * (marks[-2] - marks[-3]):
@@ -739,16 +743,16 @@ def _series_of_rows(knots: Array, bend: Array) -> _Series:
     # The ends too: loads there are where pieces begin and end.
     t = np.concatenate([[-1.0], NODES, [1.0]])
     u = low[:, None] + (high - low)[:, None] * (1 + t) / 2
-    above = np.square(u)
+    rises = np.square(u)
     half_widths = begin[:, None] + np.square(u)
     load_and_rate = np.zeros((*half_widths.shape, 2))
 
-    def sums(a: Array, since: Array, above: Array, first: int, last: int) -> Array:
+    def sums(a: Array, since: Array, rises: Array, first: int, last: int) -> Array:
         """P and dP/da/a by knots number `first` to `last`, at a = since + above: a - b is known
         without cancellation.
         """
         b = knots[first:last]
-        rise = np.maximum((since - b) + above, 0.0)
+        rise = np.maximum((since - b) + rises, 0.0)
         tau = np.sqrt(rise * (a + b))
         angle = np.where(rise > 0, np.arctan2(tau, b), 0.0)
         # a^2 arccos(b/a) - b tau is twice the load of a flat with rounded edges; with b = 0 Hertz.
@@ -765,23 +769,27 @@ def _series_of_rows(knots: Array, bend: Array) -> _Series:
         ends = (half_widths[part.first, 0], half_widths[part.last - 1, -1])
         length = ends[1] - ends[0]
         place = ends[0] + length * (1 + NODES) / 2
-        far = max(int(np.searchsorted(knots, 2 * ends[0] - ends[1])), part.known)
+        knots_far_below = max(int(np.searchsorted(knots, 2 * ends[0] - ends[1])), part.known)
         in_series = (place - part.ends[0]) * (2 / (part.ends[1] - part.ends[0])) - 1
         values = chebyshev.chebval(in_series, part.smooth).T
         column = place[:, None]
-        values = values + sums(column, column, np.zeros((1, 1)), part.known, far)
+        values = values + sums(column, column, np.zeros((1, 1)), part.known, knots_far_below)
         smooth = series(values.T).T
         if part.last - part.first > _TOGETHER:
             middle = (part.first + part.last) // 2
-            ranges.append(_Range(part.first, middle, far, ends, smooth))
-            ranges.append(_Range(middle, part.last, far, ends, smooth))
+            ranges.append(_Range(part.first, middle, knots_far_below, ends, smooth))
+            ranges.append(_Range(middle, part.last, knots_far_below, ends, smooth))
             continue
         rows = slice(part.first, part.last)
         reached = int(np.searchsorted(knots[:-1], ends[1]))
         in_series = (half_widths[rows] - ends[0]) * 2 / length - 1
         load_and_rate[rows] = np.moveaxis(chebyshev.chebval(in_series, smooth), 0, -1)
         load_and_rate[rows] += sums(
-            half_widths[rows, :, None], begin[rows, None, None], above[rows, :, None], far, reached
+            half_widths[rows, :, None],
+            begin[rows, None, None],
+            rises[rows, :, None],
+            knots_far_below,
+            reached,
         )
     load = load_and_rate[..., 0]
     rate = load_and_rate[..., 1] * half_widths
@@ -796,11 +804,11 @@ def _series_of_rows(knots: Array, bend: Array) -> _Series:
     )
 
 
-def _splits(profile: Tabulated, half: float) -> InputError:
+def _splits(profile: Tabulated, half_width: float) -> InputError:
     """Why a contact would split, with the row and what to do; of stairs that rounding has made no
     engine has an answer.
     """
-    row = profile.row_before(half)
+    row = profile.row_before(half_width)
     step = profile.step_of_heights()
     x, h = profile.points.values[row].tolist()
     cause = "the curve through the rows bends down there"
@@ -815,7 +823,9 @@ def _splits(profile: Tabulated, half: float) -> InputError:
             " formula that fits them"
         )
     where = f"{profile.place(row)}, x = {x:.6g} and h = {h:.6g}"
-    words = f"{where}: the contact would split near a half-width of {half:.6g}: {cause}; {cure}"
+    words = (
+        f"{where}: the contact would split near a half-width of {half_width:.6g}: {cause}; {cure}"
+    )
     return InputError(words) if step is None else ProfileDataError(words)
 
 
@@ -881,8 +891,8 @@ def slope_function(modulus: float, profile: CallableProfile) -> ContactLaw:
     least = _flat_half_length(profile, corners)
     cuts = [least, *(b for b in corners if least < b < profile.extent)]
     ranges = list(pairwise([*cuts, profile.extent]))
-    behind = tuple(reversed(cuts if least else cuts[1:]))
-    stretches = [_stretch(modulus, profile, begin, end, behind) for begin, end in ranges]
+    cuts_behind = tuple(reversed(cuts if least else cuts[1:]))
+    stretches = [_stretch(modulus, profile, begin, end, cuts_behind) for begin, end in ranges]
     carried = float(stretches[-1].loads(stretches[-1].loads.edges[-1]))
 
     def at(d: Array, order: int) -> Array:
@@ -894,8 +904,8 @@ def slope_function(modulus: float, profile: CallableProfile) -> ContactLaw:
         for k, stretch in enumerate(stretches):
             in_stretch = number == k
             if np.any(in_stretch):
-                above = (d if k == 0 else half_width - stretch.begin)[in_stretch]
-                u = np.sqrt(above) if stretch.rooted else above
+                rise = (d if k == 0 else half_width - stretch.begin)[in_stretch]
+                u = np.sqrt(rise) if stretch.rooted else rise
                 values[in_stretch] = stretch.at(u, order)
         return values
 
@@ -904,11 +914,11 @@ def slope_function(modulus: float, profile: CallableProfile) -> ContactLaw:
     )
 
     def advance(p: Array) -> Array:
-        most = float(np.max(p, initial=0.0))
-        if most > carried * (1 + 1e-12):
+        needed_load = float(np.max(p, initial=0.0))
+        if needed_load > carried * (1 + 1e-12):
             raise ProfileDataError(
-                f"profile.extent = {profile.extent:.6g}: the normal load {most:.6g} needs a wider"
-                f" contact, the extent carries {carried:.6g}"
+                f"profile.extent = {profile.extent:.6g}: the normal load {needed_load:.6g} needs a"
+                f" wider contact, the extent carries {carried:.6g}"
             )
         return inverse(p)
 
@@ -947,21 +957,22 @@ def _stretch(
 
     def integral(distance: Array, order: int) -> Array:
         # x = a cos(angle); the angle at a corner from the distance to it, which is known.
-        above = distance**2 if rooted else distance
-        half = begin + above
-        gaps = [np.maximum(above + (begin - b), 0.0) for b in cuts]
+        rise = distance**2 if rooted else distance
+        half_width = begin + rise
+        gaps = [np.maximum(rise + (begin - b), 0.0) for b in cuts]
         angles = [
-            np.arctan2(np.sqrt(gap * (half + b)), b) for gap, b in zip(gaps, cuts, strict=True)
+            np.arctan2(np.sqrt(gap * (half_width + b)), b)
+            for gap, b in zip(gaps, cuts, strict=True)
         ]
-        node = panels(np.zeros(half.shape), np.pi / 2, angles)
+        node = panels(np.zeros(half_width.shape), np.pi / 2, angles)
         cosine = np.sin(np.where(node.at < 0.7, np.pi / 2 - node.at, node.below))
-        x = half[..., None, None] * cosine
-        inner = (
+        x = half_width[..., None, None] * cosine
+        slopes = (
             profile.slope(x) + profile.bend(x)
             if order
-            else profile.slope(x) * half[..., None, None]
+            else profile.slope(x) * half_width[..., None, None]
         )
-        return np.asarray(modulus * np.sum(node.weight * cosine * inner, axis=(-2, -1)))
+        return np.asarray(modulus * np.sum(node.weight * cosine * slopes, axis=(-2, -1)))
 
     # Beside a flat, or behind a corner, the slope is known to round-off of its largest value and
     # its bend jumps within round-off of the corner: 4e-15 of the scale can be had for the load,
@@ -990,9 +1001,9 @@ def _flat_half_length(profile: CallableProfile, corners: tuple[float, ...]) -> f
     """Half-length of the flat in the middle; 0 if there is none."""
     marks = np.array([*profile.corners, profile.extent])
     flat = profile.slope(marks * 0.999) <= 1e-15 * float(np.max(profile.slope(marks)))
-    inner = marks[flat]
+    inner_marks = marks[flat]
     # Slopes fall towards 0 without being flat: a flat is one whose edge is a corner of the profile.
-    inner_corners = [b for b in corners if len(inner) and b <= inner[-1] * (1 + 1e-9)]
+    inner_corners = [b for b in corners if len(inner_marks) and b <= inner_marks[-1] * (1 + 1e-9)]
     if not inner_corners:
         return 0.0
     edge = inner_corners[-1]

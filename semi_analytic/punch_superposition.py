@@ -303,9 +303,9 @@ class PunchSuperposition:
         0 is returned for eta = 0 and a = 0, where it is multiplied by eta.
         """
         outer, rise, inner = np.broadcast_arrays(self._beyond(x), as_is(excess), as_is(advance))
-        half = inner + self.least
+        half_width = inner + self.least
         square = self._squares_apart(inner, np.maximum(outer, inner), rise)
-        return np.arcsinh(np.sqrt(square) / np.where(half > 0, half, np.inf))
+        return np.arcsinh(np.sqrt(square) / np.where(half_width > 0, half_width, np.inf))
 
     def inverse_root(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
         """1/sqrt(a(eta)^2 - x^2) from eta - P_x > 0 and the advance d(eta): pi times the pressure
@@ -339,12 +339,14 @@ class PunchSuperposition:
         """
         end = np.maximum(outer, inner * (1 + 4 * _EPS))
         begins = self.law.begins
-        behind = np.searchsorted(begins, inner, side="right") - 1
-        corner = np.append(begins, np.inf)[behind + 1]
-        rise_of_load, rise_of_square = self._rises(inner, np.minimum(corner, end), begins[behind])
+        corner_below = np.searchsorted(begins, inner, side="right") - 1
+        corner = np.append(begins, np.inf)[corner_below + 1]
+        rise_of_load, rise_of_square = self._rises(
+            inner, np.minimum(corner, end), begins[corner_below]
+        )
         crossing = np.flatnonzero(corner < end)
         load_behind, square_behind = self._rises(
-            corner[crossing], end[crossing], begins[behind[crossing] + 1]
+            corner[crossing], end[crossing], begins[corner_below[crossing] + 1]
         )
         rise_of_load[crossing] += load_behind
         rise_of_square[crossing] += square_behind
@@ -395,9 +397,9 @@ class PunchSuperposition:
         integral of positive terms.
         """
         front = np.maximum(p - d, 0.0)
-        behind = np.maximum(np.searchsorted(self._begin_loads, front, side="right") - 1, 0)
-        next_load = np.append(self._begin_loads, np.inf)[behind + 1]
-        is_short = d < _NEARBY * (front - self._begin_loads[behind])
+        corner_below = np.maximum(np.searchsorted(self._begin_loads, front, side="right") - 1, 0)
+        next_load = np.append(self._begin_loads, np.inf)[corner_below + 1]
+        is_short = d < _NEARBY * (front - self._begin_loads[corner_below])
         is_smooth = is_short & (p <= next_load)
         if self.bends_anywhere:
             # twelve nodes would miss a half-width at which P hardly grows
@@ -439,39 +441,39 @@ class PunchSuperposition:
             member = np.repeat(members, parts[members])
             parts_before = np.cumsum(parts[members]) - parts[members]
             number_of_part = np.arange(len(member)) - np.repeat(parts_before, parts[members])
-            behind = number_of_part + first[member] - 1
-            integral = self._integrals_of_parts(load[member], slipped[member], behind)
+            corner_below = number_of_part + first[member] - 1
+            integral = self._integrals_of_parts(load[member], slipped[member], corner_below)
             kernel += np.bincount(member, integral, len(kernel))
         return kernel
 
-    def _integrals_of_parts(self, load: Array, slipped: Array, behind: Indices) -> Array:
+    def _integrals_of_parts(self, load: Array, slipped: Array, corner_below: Indices) -> Array:
         """int (P - eta) d ln(a) from P_c, or a corner's load, to P, or the next corner's, (n,)."""
         corners = np.append(self._begin_loads, np.inf)
         front = load - slipped
-        low = np.maximum(front, corners[behind])
-        high = np.minimum(load, corners[behind + 1])
+        low = np.maximum(front, corners[corner_below])
+        high = np.minimum(load, corners[corner_below + 1])
         # Up to P it is what is left of P - P_c, whose digits a difference of loads would lose.
-        ends_at_load = corners[behind + 1] >= load
+        ends_at_load = corners[corner_below + 1] >= load
         left_of_slipped = np.maximum(slipped - (low - front), 0.0)
         length = np.where(ends_at_load, left_of_slipped, high - low)
         integral = np.zeros(len(load))
-        is_smooth = (behind > 0) | (length < _NEARBY * low)
+        is_smooth = (corner_below > 0) | (length < _NEARBY * low)
         for rooted in (True, False):
-            chosen = is_smooth == rooted
-            if not np.any(chosen):
+            members = is_smooth == rooted
+            if not np.any(members):
                 continue
-            begin = low[chosen, None]
-            way = length[chosen, None]
+            begin = low[members, None]
+            way = length[members, None]
             if rooted:
-                rise, weight = _nodes_in_root(begin - corners[behind[chosen], None], way)
+                rise, weight = _nodes_in_root(begin - corners[corner_below[members], None], way)
             else:
                 rise, weight = (values[:, 0] for values in graded(0.0, way))
             advance = self.law.advance(begin + rise)
             rate = (self.least + advance) * self.law.stiffness(advance)
             # P - eta, with its own digits
-            load_above = slipped[chosen, None] - ((begin - front[chosen, None]) + rise)
+            load_above = slipped[members, None] - ((begin - front[members, None]) + rise)
             integrand = load_above / np.where(rate > 0, rate, np.inf)
-            integral[chosen] = np.sum(weight * integrand, axis=-1)
+            integral[members] = np.sum(weight * integrand, axis=-1)
         return integral
 
     # --- errors
@@ -484,23 +486,23 @@ class PunchSuperposition:
         order = int(name.endswith("_moment"))
         kind = name.removesuffix("_moment")
         advance = self.law.advance(values[-1])
-        half = self.least + advance
+        half_width = self.least + advance
         if kind == "pressure":
             distance = np.abs(values[0])
             value, error = self._pressure(order, distance, values[1])
             error = error + self._last_digit_of_variable(order, distance, advance)
-            distance_to_edge = np.abs(half - distance)
+            distance_to_edge = np.abs(half_width - distance)
         elif kind == "slip_integral":
             distance = np.abs(values[0])
             value, error = self._outside(order, distance, values[1])
-            distance_to_edge = np.minimum(half, distance) - self.least
+            distance_to_edge = np.minimum(half_width, distance) - self.least
         else:
             value, error = self._logarithm(order, advance)
             value = value + np.abs(values[0]) ** (1 + order) * np.abs(self._log_ratio(advance))
-            distance_to_edge = half
+            distance_to_edge = half_width
         # What the last digit of a half-width does to the result, and errors of P(a).
-        least_distance = _EPS * np.maximum(half, np.finfo(float).tiny)
-        last_digit = 8 * _EPS * half / np.maximum(distance_to_edge, least_distance)
+        least_distance = _EPS * np.maximum(half_width, np.finfo(float).tiny)
+        last_digit = 8 * _EPS * half_width / np.maximum(distance_to_edge, least_distance)
         return error + (last_digit + self.noise + 50 * _EPS) * np.abs(value)
 
     def _kernel_error(self, load: Array, slipped: Array) -> Array:
@@ -525,10 +527,10 @@ class PunchSuperposition:
         p by dp/da times as much. At x = 0 v reaches 28, and p of |x|^n goes as a^(n - 1): for
         |x|^20 that is 2e-13 of p.
         """
-        half = self.least + advance
-        ahead = half - distance
+        half_width = self.least + advance
+        ahead = half_width - distance
         way = np.maximum(ahead, 0.0)
-        root = np.sqrt(way / np.where(half > 0, half + distance, np.inf))
+        root = np.sqrt(way / np.where(half_width > 0, half_width + distance, np.inf))
         # Of dp/da = g/(pi sqrt(a^2 - x^2)), times the way ahead.
         change = self.law.stiffness(advance) * root / np.pi
         if order:
@@ -561,8 +563,8 @@ class PunchSuperposition:
             zeros = np.zeros(np.broadcast_shapes(np.shape(x), np.shape(advance)))
             return zeros, zeros
         top = float(np.max(advance))
-        least = float(np.min(advance, where=is_positive, initial=np.inf))
-        if top < least * self._band:
+        least_advance = float(np.min(advance, where=is_positive, initial=np.inf))
+        if top < least_advance * self._band:
             return self._primitive_of_band(kind, order, x, advance)
         points, upto = np.broadcast_arrays(x, advance)
         band = np.full(upto.shape, -1)
@@ -645,9 +647,9 @@ class PunchSuperposition:
         inner = np.minimum(advance, outer)
         integral, error = self._primitive("outside", order, distance, inner)
         force = np.minimum(load, self.law.load(outer))
-        half = inner + self.least
+        half_width = inner + self.least
         root = np.sqrt((outer - inner) * (outer + inner + 2 * self.least))
-        arccosh = np.arcsinh(root / np.where(half > 0, half, np.inf))
+        arccosh = np.arcsinh(root / np.where(half_width > 0, half_width, np.inf))
         return integral + _weight_of_order(order, force) * arccosh, error
 
     def _logarithm(self, order: int, advance: Array) -> tuple[Array, Array]:
@@ -753,13 +755,13 @@ class Primitive:
         return point * (len(self._firsts) + 1) + rank
 
 
-def _variable(kind: Kind, advance: Array, beyond: Array, low: Array, scale: Array) -> Array:
+def _variable(kind: Kind, advance: Array, beyond_flat: Array, low: Array, scale: Array) -> Array:
     """V of an advance; `beyond` is x - a_0."""
     root = np.sqrt(np.maximum(advance - low, 0.0))
     if kind == "pressure":
         return np.arcsinh(root / scale)
     if kind == "outside":
-        return np.arctan2(root, np.sqrt(np.maximum(beyond - advance, 0.0)))
+        return np.arctan2(root, np.sqrt(np.maximum(beyond_flat - advance, 0.0)))
     return root
 
 
@@ -877,17 +879,17 @@ def _with_empty_panels(resolved: _Resolved, x: Array) -> _Resolved:
 
 def _without_round_off(coefficients: Array) -> Array:
     """Series (m, n) without the orders that are round-off of all of them."""
-    largest = np.maximum(np.max(np.abs(coefficients), axis=0), 1e-300)
-    size_of_order = np.max(np.abs(coefficients) / largest, axis=1, initial=0.0)
+    largest_coefficient = np.maximum(np.max(np.abs(coefficients), axis=0), 1e-300)
+    size_of_order = np.max(np.abs(coefficients) / largest_coefficient, axis=1, initial=0.0)
     last = int(np.max(np.flatnonzero(size_of_order > _EPS), initial=0))
     return coefficients[: last + 1]
 
 
-def _ranges(kind: Kind, x: Array, least: float, marks: Array, begins: Array) -> Panels:
+def _ranges(kind: Kind, x: Array, least_half_width: float, marks: Array, begins: Array) -> Panels:
     """Ranges of v between marks that are not empty, for each point, cut to the greatest length."""
     corner = begins[np.clip(np.searchsorted(begins, marks[:-1], side="right") - 1, 0, None)]
-    beyond = x - least
-    at = beyond[:, None]
+    beyond_flat = x - least_half_width
+    at = beyond_flat[:, None]
     low = marks[:-1] + 0 * at
     high = marks[1:] + 0 * at
     origin = corner + 0 * at
@@ -896,24 +898,24 @@ def _ranges(kind: Kind, x: Array, least: float, marks: Array, begins: Array) -> 
         origin = np.maximum(at, corner)
         # From the middle itself, x = b = 0 with no flat there, the law is a power up to the first
         # mark: see `_at_the_bottom`.
-        square = np.where(corner + least > 0, np.abs(at - corner), 2 * at)
+        square = np.where(corner + least_half_width > 0, np.abs(at - corner), 2 * at)
         scale = np.sqrt(np.maximum(square, max(_CLOSEST * marks[-1], 1e-300)))
-        low = np.maximum(low, np.where(x[:, None] + least > 0, origin, marks[1]))
+        low = np.maximum(low, np.where(x[:, None] + least_half_width > 0, origin, marks[1]))
     elif kind == "outside":
         scale = np.sqrt(np.maximum(at - corner, 0.0))
         high = np.minimum(high, at)
-    chosen = np.nonzero(high > low)
-    point = chosen[0]
-    origins = origin[chosen]
-    scales = scale[chosen]
-    inner = _variable(kind, low[chosen], beyond[point], origins, scales)
-    outer = _variable(kind, high[chosen], beyond[point], origins, scales)
-    count = np.maximum(np.ceil((outer - inner) / _LONGEST[kind]), 1).astype(int)
+    cells = np.nonzero(high > low)
+    point = cells[0]
+    origins = origin[cells]
+    scales = scale[cells]
+    begin_of_v = _variable(kind, low[cells], beyond_flat[point], origins, scales)
+    end_of_v = _variable(kind, high[cells], beyond_flat[point], origins, scales)
+    count = np.maximum(np.ceil((end_of_v - begin_of_v) / _LONGEST[kind]), 1).astype(int)
     interval = np.repeat(np.arange(len(count)), count)
     number = np.arange(len(interval)) - np.repeat(np.cumsum(count) - count, count)
-    step = ((outer - inner) / count)[interval]
-    begin = inner[interval] + number * step
-    end = np.where(number == count[interval] - 1, outer[interval], begin + step)
+    step = ((end_of_v - begin_of_v) / count)[interval]
+    begin = begin_of_v[interval] + number * step
+    end = np.where(number == count[interval] - 1, end_of_v[interval], begin + step)
     return Panels(
         point[interval], x[point[interval]], origins[interval], scales[interval], begin, end
     )
@@ -924,18 +926,18 @@ def _integrand(kind: Kind, order: int, panels: Panels, v: Array, law: ContactLaw
     x = panels.x[:, None]
     low = panels.low[:, None]
     scale = panels.scale[:, None]
-    above = panels.advance(kind, v)
-    advance = low + above
-    root = np.sqrt(above)
-    half = law.least + advance
+    advance_at_v = panels.advance(kind, v)
+    advance = low + advance_at_v
+    root = np.sqrt(advance_at_v)
+    half_width = law.least + advance
     if kind == "pressure":
         weight = law.stiffness(advance) * (law.load(advance) if order else 1.0)
-        inside = np.maximum(low - (x - law.least), 0.0) + above
-        return weight * 2 * root * scale * np.cosh(v) / np.sqrt(inside * (half + x)) / np.pi
+        inside = np.maximum(low - (x - law.least), 0.0) + advance_at_v
+        return weight * 2 * root * scale * np.cosh(v) / np.sqrt(inside * (half_width + x)) / np.pi
     force = law.load(advance)
-    ratio = _weight_of_order(order, force) / np.where(half > 0, half, 1.0)
-    weight = np.where(half > 0, ratio, 0.0)
-    return weight * 2 * root * (x / np.sqrt(x + half) if kind == "outside" else 1.0)
+    ratio = _weight_of_order(order, force) / np.where(half_width > 0, half_width, 1.0)
+    weight = np.where(half_width > 0, ratio, 0.0)
+    return weight * 2 * root * (x / np.sqrt(x + half_width) if kind == "outside" else 1.0)
 
 
 def _at_the_bottom(kind: Kind, order: int, x: Array, advance: float, law: ContactLaw) -> Array:

@@ -128,7 +128,7 @@ def panels(begin: ArrayLike, end: ArrayLike, breaks: Iterable[ArrayLike] = ()) -
     length = high - low
     up = length * ROOTS.up
     down = length * ROOTS.down
-    above = (low - first[..., None, None]) + up
-    below = (last[..., None, None] - high) + down
+    from_begin = (low - first[..., None, None]) + up
+    from_end = (last[..., None, None] - high) + down
     nodes = np.where(_IN_LOWER_HALF, low + up, high - down)
-    return Nodes(nodes, above, below, length * ROOTS.weight)
+    return Nodes(nodes, from_begin, from_end, length * ROOTS.weight)

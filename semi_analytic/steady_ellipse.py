@@ -155,10 +155,10 @@ def ellipses_of(
     ratio = tangential / friction
     # cos and sin of the phase from half of it; the mirrored loop, Q -> -Q, goes round the other
     # way: phase + pi.
-    half = np.tan(phase / 2)
-    share = ratio / (1 + half * half)
-    along = np.where(half < 0, -1.0, 1.0) * share * (1 - half) * (1 + half)
-    across = 2 * share * np.abs(half)
+    half_tangent = np.tan(phase / 2)
+    share = ratio / (1 + half_tangent * half_tangent)
+    along = np.where(half_tangent < 0, -1.0, 1.0) * share * (1 - half_tangent) * (1 + half_tangent)
+    across = 2 * share * np.abs(half_tangent)
     u = np.hypot(along - amplitude, across)
     v = np.hypot(along + amplitude, across)
     size = np.where(u > 0, u, 1.0)
@@ -213,9 +213,9 @@ def half_angle(part: Array) -> Array:
 
 def _front_angles(e: Ellipses, loads: Array) -> tuple[Array, Array]:
     """2 arcsin of the roots of (P - P_T)/v and of (P - P_T)/u: angles at which the front passes."""
-    above = np.maximum(loads - e.permanent, 0.0)
-    by_v = half_angle(above / np.where(e.v > 0, e.v, np.inf))
-    by_u = half_angle(above / np.where(e.u > 0, e.u, np.inf))
+    load_above = np.maximum(loads - e.permanent, 0.0)
+    by_v = half_angle(load_above / np.where(e.v > 0, e.v, np.inf))
+    by_u = half_angle(load_above / np.where(e.u > 0, e.u, np.inf))
     return by_v, by_u
 
 
@@ -420,9 +420,9 @@ class Pieces(NamedTuple):
         """All of some, one after the other."""
         return cls._make(np.concatenate(column) for column in zip(*parts, strict=True))
 
-    def take(self, chosen: Indices | NDArray[np.bool_]) -> Pieces:
+    def take(self, numbers: Indices | NDArray[np.bool_]) -> Pieces:
         """The chosen ones."""
-        return Pieces._make(column[chosen] for column in self)
+        return Pieces._make(column[numbers] for column in self)
 
     def halved(self) -> Pieces:
         """Both halves of each side by side: groups stay in order."""
@@ -454,10 +454,10 @@ def roundoff_error(e: Ellipses, work: Array) -> Array:
     digits less are right.
     """
     size = e.amplitude + (e.u + e.v) / 2
-    least = np.minimum(e.u, e.v)
+    least_swing = np.minimum(e.u, e.v)
     angle = np.minimum(e.turn, math.pi - e.turn)
     # Nothing slips where one of them is 0.
-    lost_by_size = size / np.where(least > _TINY * size, least, np.inf)
+    lost_by_size = size / np.where(least_swing > _TINY * size, least_swing, np.inf)
     lost_by_angle = math.pi / np.where(angle > _TINY, angle, np.inf)
     # Where a difference has no digit left W may be anything that so small a slip dissipates.
     slip = _DIGITS * size
@@ -473,12 +473,12 @@ def digits_of_loop(e: Ellipses) -> Array:
     r and P1 along the phase; r sin(phase) has the digits of pi - phase where that is small.
     """
     size = e.amplitude + (e.u + e.v) / 2
-    least = np.minimum(e.u, e.v)
+    least_swing = np.minimum(e.u, e.v)
     across = e.u * e.sine
     along = e.u * e.cosine + e.amplitude
     ratio = -along / np.where(across > _TINY * size, across, np.inf)
     lost_by_phase = np.where(along < 0, ratio, 0.0)
-    lost_by_size = size / np.where(least > _TINY * size, least, np.inf)
+    lost_by_size = size / np.where(least_swing > _TINY * size, least_swing, np.inf)
     return _OF_LOOP * _DIGITS * (1 + lost_by_size + math.pi * lost_by_phase)
 
 
@@ -521,10 +521,10 @@ def by_largest_load(e: Ellipses) -> Iterator[tuple[Indices, int, int]]:
     A member's table follows from its own loads alone, whoever else is in the batch. Loads below
     2^-48 of the mean count as that.
     """
-    most = (e.mean + e.amplitude) * (1 + _MARGIN)
-    least = np.maximum(e.permanent, LEAST_LOAD * e.mean) * (1 - _MARGIN)
-    group = (np.frexp(most)[1] - 1) // _STEP_OF_TABLES
-    first = (np.frexp(least)[1] - 1) // _STEP_OF_TABLES
+    largest_load = (e.mean + e.amplitude) * (1 + _MARGIN)
+    least_load = np.maximum(e.permanent, LEAST_LOAD * e.mean) * (1 - _MARGIN)
+    group = (np.frexp(largest_load)[1] - 1) // _STEP_OF_TABLES
+    first = (np.frexp(least_load)[1] - 1) // _STEP_OF_TABLES
     for number in np.unique(group).tolist():
         members = np.flatnonzero(group == number)
         lowest = int(np.min(first[members]))
@@ -628,8 +628,8 @@ def _over_phases(
 
     pieces = Pieces.together(parts)
     works, error = _over_pieces(e, pieces, len(PHASES), terms, rules, settled)
-    reverse, later, early = works
-    return np.stack([later + early, reverse, error])
+    reverse, work_later, work_early = works
+    return np.stack([work_later + work_early, reverse, error])
 
 
 _COURSES = ("P, E-G", "P, I-M", "P_c, E-G", "P_c, I-J", "P_c, J-M")
@@ -788,14 +788,14 @@ def _integrals(
         of_rule = np.flatnonzero(pieces.rule == number)
         at_once = _ELEMENTS // len(rule.weight)
         for k in range(0, len(of_rule), at_once):
-            chosen = of_rule[k : k + at_once]
-            low = pieces.begin[chosen]
-            high = pieces.end[chosen]
+            numbers = of_rule[k : k + at_once]
+            low = pieces.begin[numbers]
+            high = pieces.end[numbers]
             angle = np.where(rule.lower, low, high) + (high - low) * rule.way
-            at_nodes = terms(pieces.group[chosen], pieces.member[chosen], angle)
+            at_nodes = terms(pieces.group[numbers], pieces.member[numbers], angle)
             length = np.abs(high - low)
-            value[chosen] = rule.weight @ at_nodes * length
-            check[chosen] = np.max(np.abs(rule.check @ at_nodes), axis=0) * length
+            value[numbers] = rule.weight @ at_nodes * length
+            check[numbers] = np.max(np.abs(rule.check @ at_nodes), axis=0) * length
     return value, check
 
 
@@ -898,7 +898,7 @@ _LEAST_SUMS = np.cosh(30.0 / (2 * np.array(_COUNTS)))[:, None]
 
 
 def works_by_lam(
-    e: Ellipses, quick: Area, careful: Area, deep: float, least: float = _FLOOR
+    e: Ellipses, quick: Area, careful: Area, deep_share: float, least: float = _FLOOR
 ) -> tuple[Array, Array]:
     """Forward and reverse part of W pi E*/(2 f^2), (m,), over what the areas are of Lam: each
     member by as many nodes as it needs.
@@ -909,9 +909,9 @@ def works_by_lam(
     """
     # Where u is next to nothing, as at tangency, a phase with no slip to speak of would add
     # rounding times v.
-    unlike = np.minimum(e.u, e.v) <= deep * np.maximum(e.u, e.v)
+    unlike = np.minimum(e.u, e.v) <= deep_share * np.maximum(e.u, e.v)
     # Members alike together: the same rule, and the same way to Lam.
-    kind = 2 * _rule_of(e) + ((e.deepest <= deep * e.mean) | unlike)
+    kind = 2 * _rule_of(e) + ((e.deepest <= deep_share * e.mean) | unlike)
     order = np.argsort(kind, kind="stable")
     loops = _rows(e, least).take(order, axis=1)
     sums = np.empty((3, len(order)))
@@ -926,13 +926,13 @@ def works_by_lam(
             sums[:, order[block]] = phase_integrals(
                 loops[:, block], _RULES[number // 2], area, memory
             )
-    reverse, later, early = 2 * sums
+    reverse, sum_later, sum_early = 2 * sums
     k = 4 * e.amplitude * e.sine
-    early *= (math.pi - e.turn) * e.u / np.where(k > _FLOOR * e.mean, k, np.inf)
-    return later * e.turn * e.u + early, reverse * e.turn * e.v
+    sum_early *= (math.pi - e.turn) * e.u / np.where(k > _FLOOR * e.mean, k, np.inf)
+    return sum_later * e.turn * e.u + sum_early, reverse * e.turn * e.v
 
 
-def lam_error(e: Ellipses, work: Array, deep: float, size: Array | float) -> Array:
+def lam_error(e: Ellipses, work: Array, deep_share: float, size: Array | float) -> Array:
     """Error of the sum of both parts of `works_by_lam` from above, (m,): Lam by the quick way has
     the last digits of P L.
 
@@ -945,8 +945,8 @@ def lam_error(e: Ellipses, work: Array, deep: float, size: Array | float) -> Arr
     size
         of L = ln a, (m,) or one for all
     """
-    unlike = np.minimum(e.u, e.v) <= deep * np.maximum(e.u, e.v)
-    quick = (e.deepest > deep * e.mean) & ~unlike
+    unlike = np.minimum(e.u, e.v) <= deep_share * np.maximum(e.u, e.v)
+    quick = (e.deepest > deep_share * e.mean) & ~unlike
     digits = _DIGITS * (e.mean + e.amplitude) * (e.u + e.v) * size
     return roundoff_error(e, work) + _OF_RULES * np.abs(work) + np.where(quick, digits, 0.0)
 
@@ -986,7 +986,7 @@ def _square_of_imaginary(least_load: Array, load_size: Array) -> Array:
     return np.square(4 * np.arcsinh(np.sqrt(least_load / np.maximum(load_size, _TINY))))
 
 
-def _rows(e: Ellipses, least: float) -> Array:
+def _rows(e: Ellipses, least_share: float) -> Array:
     """What `phase_integrals` takes, (9, m): h, g, P_T, P_min, u, v, alpha, beta, k; no load below a
     share `least` of P0.
     """
@@ -995,8 +995,8 @@ def _rows(e: Ellipses, least: float) -> Array:
     rows[1] = (math.pi - e.turn) / 2
     # A permanent or least load of 0 as the smallest load there is: the logarithm of 0 is never
     # asked for.
-    np.maximum(e.permanent, least * e.mean, out=rows[2])
-    np.maximum(e.mean - e.amplitude, least * e.mean, out=rows[3])
+    np.maximum(e.permanent, least_share * e.mean, out=rows[2])
+    np.maximum(e.mean - e.amplitude, least_share * e.mean, out=rows[3])
     rows[4] = e.u
     rows[5] = e.v
     larger = np.sqrt(e.amplitude * (1 + np.abs(e.cosine)))
@@ -1032,7 +1032,7 @@ def phase_integrals(
     numpy has it in vector code.
     """
     nodes, weights = rule
-    h, g, permanent, least, u, v, alpha, beta, k = loops
+    h, g, permanent_load, least_load, u, v, alpha, beta, k = loops
     shape = (4, 3, len(nodes), len(h))
     front, slipped, work_arrays, free = memory[: math.prod(shape)].reshape(shape)
     tangent, sine_cosine, spare = work_arrays
@@ -1047,7 +1047,7 @@ def phase_integrals(
     slipped[0] = front[1][::-1]
     np.multiply(sine_cosine, k, out=slipped[1])
     slipped[1] += front[0][::-1]
-    front[:2] += permanent
+    front[:2] += permanent_load
     np.multiply(nodes[:, None], g, out=tangent)
     np.tan(tangent, out=tangent)
     np.multiply(tangent, tangent, out=spare)
@@ -1058,7 +1058,7 @@ def phase_integrals(
     np.subtract(alpha, tangent, out=tangent)
     tangent *= tangent
     np.divide(tangent, spare, out=front[2])
-    front[2] += least
+    front[2] += least_load
     areas = area(front, slipped, free)
     areas[:2] *= sine_cosine
     areas[2] *= slipped[2]
@@ -1139,43 +1139,45 @@ class LamTable:
     def _place(self, load: Array) -> tuple[NDArray[np.int64], Array]:
         """Cells of loads, and places in them from -1/2 to 1/2."""
         bits = load.view(np.int64)
-        inside = bits & _REST
-        inside <<= _CELL_BITS
-        inside |= _ONE
+        fraction = bits & _REST
+        fraction <<= _CELL_BITS
+        fraction |= _ONE
         cell = bits >> (52 - _CELL_BITS)
         cell -= self._first
         if cell.size and (cell.min() < 0 or cell.max() >= self._area.shape[1]):
             raise AssertionError("a load outside the table of Lam")
-        return cell, inside.view(np.float64) - 1.5
+        return cell, fraction.view(np.float64) - 1.5
 
     def quick(self, front: Array, slipped: Array, free: Array) -> Array:
         """Lam from P_c and P - P_c, (phases, n, m), to some 1e-16 of P^2 over P - P_c."""
         # one phase after the other: it stays in the cache
-        for below, way, area in zip(front, slipped, free, strict=True):
-            cell, inside = self._place(np.stack([below + way, below]))
-            upper, lower = _series(self._area, cell, inside)
+        for edge_load, way, area in zip(front, slipped, free, strict=True):
+            cell, fraction = self._place(np.stack([edge_load + way, edge_load]))
+            upper, lower = _series(self._area, cell, fraction)
             upper -= lower
-            np.multiply(way, _series(self._log, cell[1], inside[1]), out=area)
+            np.multiply(way, _series(self._log, cell[1], fraction[1]), out=area)
             np.subtract(upper, area, out=area)
         return free
 
     def careful(self, front: Array, slipped: Array, free: Array) -> Array:
         """The same to 1e-13 of itself."""
-        near = np.zeros(front.shape)
+        rate_integral = np.zeros(front.shape)
         for node, weight in _NEAR_RULE:
-            near += weight * _series(self._rate, *self._place(front + node * slipped))
+            rate_integral += weight * _series(self._rate, *self._place(front + node * slipped))
         return np.where(
-            0.7 * slipped < 0.3 * front, near * slipped * slipped, self.quick(front, slipped, free)
+            0.7 * slipped < 0.3 * front,
+            rate_integral * slipped * slipped,
+            self.quick(front, slipped, free),
         )
 
 
-def _series(rows: Array, cell: NDArray[np.int64], inside: Array) -> Array:
+def _series(rows: Array, cell: NDArray[np.int64], fraction: Array) -> Array:
     """Polynomials, rows from the lowest power on, columns for the cells, all of which are columns
     of the table.
     """
     total = rows[-1].take(cell, mode="clip")
     row = np.empty(cell.shape)
     for coefficients in rows[-2::-1]:
-        total *= inside
+        total *= fraction
         total += coefficients.take(cell, mode="clip", out=row)
     return total

@@ -261,9 +261,9 @@ def _places_in(edges: Array) -> Array:
     of all.
     """
     numbers = np.unique(np.linspace(0, len(edges) - 1, _CONTACTS).round().astype(int))
-    chosen = edges[numbers]
+    chosen_edges = edges[numbers]
     cosines = np.cos(np.linspace(0, math.pi, _PLACES))
-    nodes = chosen.mean(axis=1)[:, None] - np.diff(chosen) / 2 * cosines
+    nodes = chosen_edges.mean(axis=1)[:, None] - np.diff(chosen_edges) / 2 * cosines
     inwards = np.array([[1.0], [-1.0]])
     rims = edges[:, :, None] + np.diff(edges)[:, :, None] * inwards * _RIM
     return np.unique(np.concatenate([nodes.ravel(), rims.ravel()]))
@@ -310,9 +310,9 @@ def _tensions(answer: ContactSolution, row: int) -> tuple[Array, float]:
     for every_second in (touching[::2], touching[1::2]):
         if len(every_second):
             change = max(change, float(np.abs(tensions(every_second) - tension).max()))
-    largest = answer.scene.friction.coefficient * float(answer.pressure[row].max())
+    largest_limit = answer.scene.friction.coefficient * float(answer.pressure[row].max())
     error_of_shear = 4 * answer.record.errors.get("shear", 0.0) + _BETWEEN
-    return tension, 3 * change + error_of_shear * largest
+    return tension, 3 * change + error_of_shear * largest_limit
 
 
 def _from_sines(
@@ -326,15 +326,15 @@ def _from_sines(
         return np.zeros((len(x), 3))
     left, right = answer.contact_edges[row]
     middle = (left + right) / 2
-    half = (right - left) / 2
-    at = middle + half * np.cos(math.pi * (np.arange(_TERMS) + 0.5) / _TERMS)
-    pressure = profile.pressure_over(at, np.atleast_1d(middle), np.atleast_1d(half))[0]
+    half_width = (right - left) / 2
+    at = middle + half_width * np.cos(math.pi * (np.arange(_TERMS) + 0.5) / _TERMS)
+    pressure = profile.pressure_over(at, np.atleast_1d(middle), np.atleast_1d(half_width))[0]
     ratio = answer.shear[row, touching] / answer.pressure[row, touching]
     share = np.interp(at, answer.x[touching], ratio)
     series = scipy.fft.dst(np.stack([pressure, side * share * pressure]), 2) / _TERMS
     # In the mirror image, from above the cut of the root: the series have real coefficients.
-    zeta = (x - middle + 0j) / half
-    zeta.imag = np.abs(y) / half
+    zeta = (x - middle + 0j) / half_width
+    zeta.imag = np.abs(y) / half_width
     root = np.sqrt(zeta - 1) * np.sqrt(zeta + 1)
     omega = zeta - root
     sums = np.zeros((4, len(x)), dtype=complex)
@@ -351,7 +351,7 @@ def _from_sines(
     sums[:, order] = sums.copy()
     with np.errstate(divide="ignore", invalid="ignore"):
         # y N', y T'; d omega/dz = -omega/(h root)
-        slopes = np.where(y == 0, 0.0, -y * (sums[2:] / (half * root)).conj())
+        slopes = np.where(y == 0, 0.0, -y * (sums[2:] / (half_width * root)).conj())
     return _from_potentials(*math.pi * sums[:2].conj(), *math.pi * slopes)
 
 
@@ -471,11 +471,11 @@ def _add(
     potentials[:2, rows] += np.einsum(
         "...mn,mn->...m" if weights.ndim == 3 else "kn,mn->km", weights, kernel
     )
-    deep = np.flatnonzero(height[:, 0] != 0)
-    if len(deep):
-        kernel = kernel[deep] / square[deep]
-        part = weights[:, deep] if weights.ndim == 3 else weights
-        z = (point + 1j * height)[deep, 0]
-        potentials[2:, rows[deep]] -= z * np.einsum(
+    in_body = np.flatnonzero(height[:, 0] != 0)
+    if len(in_body):
+        kernel = kernel[in_body] / square[in_body]
+        part = weights[:, in_body] if weights.ndim == 3 else weights
+        z = (point + 1j * height)[in_body, 0]
+        potentials[2:, rows[in_body]] -= z * np.einsum(
             "...mn,mn->...m" if weights.ndim == 3 else "kn,mn->km", part, kernel
         )

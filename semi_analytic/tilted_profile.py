@@ -191,25 +191,25 @@ class ConvexProfile(abc.ABC):
             np.asarray(product, dtype=float), np.asarray(tilt, dtype=float)
         )
         middle = np.array(self.touch(tilt))
-        half = np.zeros(product.shape)
+        half_width = np.zeros(product.shape)
         if not np.all(np.isfinite(middle)):
             raise InputError(
                 "load: the tilt is steeper than the sides of the profile: it touches nowhere along"
                 " its sides"
             )
         pressed = product > 0
-        middle[pressed], half[pressed] = self._pressed(
+        middle[pressed], half_width[pressed] = self._pressed(
             product[pressed], tilt[pressed], middle[pressed]
         )
-        left = float(np.min(middle - half, initial=0.0))
-        right = float(np.max(middle + half, initial=0.0))
-        least, most = self.extent
-        if left < least * (1 + _NOISE) or right > most * (1 + _NOISE):
+        left = float(np.min(middle - half_width, initial=0.0))
+        right = float(np.max(middle + half_width, initial=0.0))
+        left_end, right_end = self.extent
+        if left < left_end * (1 + _NOISE) or right > right_end * (1 + _NOISE):
             raise ProfileDataError(
                 f"profile: the load needs a contact from {left:.6g} to {right:.6g}, the"
-                f" profile goes from {least:.6g} to {most:.6g}"
+                f" profile goes from {left_end:.6g} to {right_end:.6g}"
             )
-        return middle, half
+        return middle, half_width
 
     def _pressed(self, product: Array, tilt: Array, start: Array) -> tuple[Array, Array]:
         """m and c under A P > 0, (n,), of a profile that touches first at `start`.
@@ -255,14 +255,14 @@ class ConvexProfile(abc.ABC):
 
 
 def _newton_step(
-    balance: Balance, lean: Array, missing: Array, half: Array, fallback: Array
+    balance: Balance, lean: Array, missing: Array, half_width: Array, fallback: Array
 ) -> tuple[Array, Array]:
     """Steps of m and c (n,) of Newton's method; no shift, and wider by `fallback`, where the sum is
     not convex.
     """
     bend = balance.bend_sum
     moment = balance.bend_cosine_sum
-    moment_with_lean = moment + lean / half
+    moment_with_lean = moment + lean / half_width
     # The full matrix only where its determinant is positive, with a margin.
     has_margin = bend * bend > 1.1 * moment_with_lean * moment
     off_diagonal = np.where(has_margin, moment_with_lean, moment)
@@ -323,8 +323,10 @@ class PiecewiseParabola(ConvexProfile):
         beyond the left one.
         """
         distance = self.knots - m[..., None]
-        half = np.asarray(c)[..., None]
-        ratio = np.where(half > 0, distance / np.where(half > 0, half, 1.0), np.sign(distance))
+        half_width = np.asarray(c)[..., None]
+        ratio = np.where(
+            half_width > 0, distance / np.where(half_width > 0, half_width, 1.0), np.sign(distance)
+        )
         cosine = np.clip(ratio, -1.0, 1.0)
         return Angles(np.arccos(cosine), np.sqrt((1 - cosine) * (1 + cosine)), cosine)
 
@@ -339,7 +341,7 @@ class PiecewiseParabola(ConvexProfile):
         slope = -np.asarray(tilt, dtype=float)
         last_knot = len(self.knots) - 1
         first = np.searchsorted(self.slopes, slope, "left")
-        after = np.searchsorted(self.slopes, slope, "right")
+        first_after = np.searchsorted(self.slopes, slope, "right")
         knot_before = np.clip(first - 1, 0, last_knot)
         curvature = self.curvature[first]
         rise = slope - self.slopes[knot_before]
@@ -347,8 +349,8 @@ class PiecewiseParabola(ConvexProfile):
             way = np.where(curvature > 0, rise / curvature, np.copysign(np.inf, rise))
             between_knots = self.knots[knot_before] + way
         left = self.knots[np.minimum(first, last_knot)]
-        right = self.knots[np.maximum(after - 1, 0)]
-        return np.where(after > first, (left + right) / 2, between_knots)
+        right = self.knots[np.maximum(first_after - 1, 0)]
+        return np.where(first_after > first, (left + right) / 2, between_knots)
 
     def balance(self, m: Array, c: Array) -> Balance:
         """What a contact carries. Knots left of m count by (b - x)_+, so that ends next to a knot
@@ -358,8 +360,8 @@ class PiecewiseParabola(ConvexProfile):
         knot_before = np.maximum(number - 1, 0)
         curvature = self.curvature[number]
         distance = self.knots - m[..., None]
-        half = np.where(c > 0, c, 1.0)[..., None]
-        depth = np.clip(1 - np.abs(distance) / half, 0.0, 1.0)
+        half_width = np.where(c > 0, c, 1.0)[..., None]
+        depth = np.clip(1 - np.abs(distance) / half_width, 0.0, 1.0)
         theta = 2 * np.arcsin(np.sqrt(depth / 2))
         sine = np.sqrt(depth * (2 - depth))
         side = np.where(distance >= 0, 1.0, -1.0)
@@ -380,8 +382,8 @@ class PiecewiseParabola(ConvexProfile):
             np.asarray(product, dtype=float), np.asarray(tilt, dtype=float)
         )
         middle = self.knots[0] - (self.slope + tilt) / curvature
-        half = np.sqrt(2 * np.maximum(product, 0.0) / (np.pi * curvature))
-        return middle, half
+        half_width = np.sqrt(2 * np.maximum(product, 0.0) / (np.pi * curvature))
+        return middle, half_width
 
     # --- what follows from a contact
 
@@ -396,11 +398,11 @@ class PiecewiseParabola(ConvexProfile):
             return np.asarray(np.pi * self.curvature[0] * np.sqrt(square))
         knot_angles = self.angles(m, c)
         root = np.sqrt(np.maximum((c - t) * (c + t), 0.0))[..., None]
-        half = np.where(c > 0, c, 1.0)[..., None]
+        half_width = np.where(c > 0, c, 1.0)[..., None]
         distance_to_knot = self.knots - x[..., None]
         # ln|sin((theta_x + theta)/2)/sin((theta_x - theta)/2)|, each sine times the same factor
-        of_point = root / half * (1 + knot_angles.cosine)
-        of_knot = knot_angles.sine * (1 + t[..., None] / half)
+        of_point = root / half_width * (1 + knot_angles.cosine)
+        of_knot = knot_angles.sine * (1 + t[..., None] / half_width)
         with np.errstate(divide="ignore", invalid="ignore"):
             logarithm = np.log(np.abs((of_point + of_knot) / (of_point - of_knot)))
         is_zero = (distance_to_knot == 0) | (knot_angles.sine == 0) | ~np.isfinite(logarithm)
@@ -447,10 +449,10 @@ class PiecewiseParabola(ConvexProfile):
 
     def moment(self, m: Array, c: Array, tilt: ArrayLike) -> Array:
         theta, sine, cosine = self.angles(m, c)
-        half = c[..., None]
+        half_width = c[..., None]
         to_knot = self.knots - m[..., None]
         of_angle = sine - sine**3 / 3 - sine * cosine * cosine / 2
-        of_jumps = (half * of_angle - theta * to_knot / 2) @ self.jumps
+        of_jumps = (half_width * of_angle - theta * to_knot / 2) @ self.jumps
         slope = np.asarray(tilt) + self.slope + self.curvature[0] * (m - self.knots[0])
         return np.asarray(m * self.balance(m, c).load + c * c * (of_jumps + np.pi / 2 * slope))
 
@@ -693,9 +695,9 @@ class NestedIntervals:
         middles = []
         halves = []
         for low, high in pairwise(marks.tolist()):
-            middle, half = self._series_between(low, high)
+            middle, half_width = self._series_between(low, high)
             middles.append(middle)
-            halves.append(half)
+            halves.append(half_width)
         return _IntervalSeries(
             marks[:-1], places, _side_by_side(middles, places), _side_by_side(halves, places)
         )
@@ -724,8 +726,8 @@ class NestedIntervals:
         number = np.searchsorted(series.begin_loads, eta, side="right") - 1
         root = np.sqrt(eta - series.begin_loads[number])
         place = np.minimum(series.places[number] + root, series.places[number + 1])
-        half = np.maximum(series.half(place), 0.0)
-        return series.middle(place), np.where(eta > 0, half, 0.0)
+        half_width = np.maximum(series.half(place), 0.0)
+        return series.middle(place), np.where(eta > 0, half_width, 0.0)
 
     def growth(self, side: Array, load: Array, rise: Array) -> Array:
         """How far the end of I(eta) on a side, +1 or -1, has moved outwards while eta rose by
@@ -766,8 +768,8 @@ class NestedIntervals:
 
         With x as an end the mean slope falls with c: Newton's method, kept in a bracket.
         """
-        middle, half = self.exactly(self.most)
-        is_reached = np.abs(x - middle) <= half * (1 + 1e-8)
+        middle, half_width = self.exactly(self.most)
+        is_reached = np.abs(x - middle) <= half_width * (1 + 1e-8)
         place = x[is_reached]
         tilt_per_product = self.slope / self.product
         side = np.where(place < float(self.shape.touch(self.tilt)), -1.0, 1.0)
@@ -952,13 +954,13 @@ class TiltedProfile:
         for _ in range(_STEPS):
             m, c = self.under(load, tilt)
             excess = self.moment(m, c, load, tilt) - moment
-            half = np.where(c > 0, c, 1.0)
+            half_width = np.where(c > 0, c, 1.0)
             low = np.where(excess > 0, tilt, low)
             high = np.where(excess > 0, high, tilt)
             # A change of tilt adds -(d alpha/A) t/sqrt(c^2 - t^2) to p. No step moves a contact by
             # more than about a third of it.
-            longest_step = self._product * load / (4 * half)
-            step = 2 * self._product * excess / (np.pi * half**2)
+            longest_step = self._product * load / (4 * half_width)
+            step = 2 * self._product * excess / (np.pi * half_width**2)
             new_tilt = tilt + np.clip(step, -longest_step, longest_step)
             is_inside = (new_tilt >= low) & (new_tilt <= high)
             new_tilt = np.where(is_inside, new_tilt, (low + high) / 2)
@@ -1034,12 +1036,12 @@ class TiltedProfile:
         is_beside_face = np.abs(place - face_middle) >= face_half
         is_near = (square < _NEXT * c * c) & (load_above > 0) & is_beside_face
         if np.any(is_near):
-            side, load, rise, half = (
+            side, load, rise, half_width = (
                 np.broadcast_to(values, is_near.shape)[is_near]
                 for values in (np.sign(t), advance, load_above, c)
             )
             to_edge = self.intervals.growth(side, load, rise)
-            square[is_near] = to_edge * (2 * half - to_edge)
+            square[is_near] = to_edge * (2 * half_width - to_edge)
         return (self.share - self.lean * t) / np.sqrt(np.where(square > 0, square, np.inf))
 
     def logarithm(self, c: Array) -> Array:
