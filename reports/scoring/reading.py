@@ -95,7 +95,9 @@ def read_table(path: Path, mapping: Mapping) -> SurfaceResult:
         kind=TableKind(
             role="the result",
             cure="write the contact surface alone, and fewer instants",
-            is_known=lambda name: _head(name, mapping).quantity is not None or plain(name) in _OTHERS,
+            is_known=lambda name: (
+                _head(name, mapping).quantity is not None or plain(name) in _OTHERS
+            ),
         ),
     )
     frames = _frames(source, table, mapping)
