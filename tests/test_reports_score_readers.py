@@ -1076,7 +1076,7 @@ SIX_DIGITS = st.builds(
 @given(
     columns=st.integers(1, 20),
     count=st.integers(1, 4),
-    data=st.data(),
+    draws=st.data(),
     form=st.sampled_from([0, 1]),
 )
 def test_numbers_of_fixed_width_come_back_exactly(
