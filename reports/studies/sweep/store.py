@@ -162,11 +162,11 @@ class Store:
             for point in points:  # an address becomes the name of a file
                 if not _ADDRESS.fullmatch(point.address):
                     raise ValueError(f"{shown(point.address)} is no address of a result")
-            return dict(stored["study"]), tuple(points)
+            return _without_unused_keys(stored["study"]), tuple(points)
         except FileNotFoundError:
             start = f"`halfplane sweep STUDY.toml --out {self.folder}` starts one"
             raise InputError(f"{self.folder}: no sweep is stored here; {start}") from None
-        except (OSError, ValueError, KeyError, TypeError) as reason:
+        except (OSError, ValueError, KeyError, TypeError, AttributeError) as reason:
             raise InputError(
                 f"{path}: can't be read ({reason}); start the sweep again: results are kept"
             ) from reason
@@ -241,3 +241,24 @@ def canonical(value: Any) -> str:
 def checksum(text: str) -> str:
     """SHA-256 of a text."""
     return hashlib.sha256(text.encode()).hexdigest()
+
+
+# Keys of the Latin hypercube, which version 0.3.0 had, as it stored them where they were not used.
+_UNUSED_KEYS = {"samples": 0, "seed": 0}
+_UNUSED_KEYS_OF_AXES = {"latin_hypercube": None}
+
+
+def _without_unused_keys(study: Mapping[str, Any]) -> dict[str, Any]:
+    """A stored study without the keys that have left and say nothing.
+
+    >>> _without_unused_keys({"samples": 0, "axes": [{"name": "f", "latin_hypercube": None}]})
+    {'axes': [{'name': 'f'}]}
+    """
+    kept = _without(study, _UNUSED_KEYS)
+    kept["axes"] = [_without(axis, _UNUSED_KEYS_OF_AXES) for axis in study.get("axes", ())]
+    return kept
+
+
+def _without(keys: Mapping[str, Any], unused: Mapping[str, Any]) -> dict[str, Any]:
+    """All but the unused keys that have their unused value."""
+    return {key: value for key, value in keys.items() if key not in unused or value != unused[key]}
