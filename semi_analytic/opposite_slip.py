@@ -206,8 +206,8 @@ class OppositeSlip(TiltedProfile):
 
     def load(self, half_width: ArrayLike) -> Array:
         """P_x: above P out of contact, 0 where nothing slips up to the largest Q."""
-        largest_load, middle, half_width = self._contact
-        place = (np.asarray(half_width, dtype=float) - middle) / half_width
+        largest_load, middle, contact_half_width = self._contact
+        place = (np.asarray(half_width, dtype=float) - middle) / contact_half_width
         low = np.zeros(place.shape)
         high = np.full(place.shape, self._deepest)
         left, right = self._zones
