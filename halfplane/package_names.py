@@ -153,7 +153,7 @@ def _require_checkout() -> None:
     for package in PACKAGES:
         spec = find_spec(package)
         origin = None if spec is None else spec.origin
-        if origin is None or not Path(origin).is_relative_to(checkout):
+        if origin is None or not Path(origin).is_relative_to(checkout / package):
             raise ImportError(
                 f"halfplane runs from its checkout {checkout}, where its package {package!r} lies"
                 f" at the top, but Python finds {origin or 'none'} by that name: rename that"
