@@ -16,14 +16,14 @@ and is no check of them.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
-import numpy as np
-
+from reports.comparison.laws import QUANTITIES
+from reports.comparison.pairs import coupled
 from reports.comparison.verdicts import Verdict, verdict_on
+from reports.units import minus
 from scenes import BodyEffects, ContactSolution, Estimate, InputError, Scene
 
 # Of the next order of a body's numbers, what it makes of their part of a change; and what is left
@@ -50,7 +50,7 @@ class Change(NamedTuple):
     words
         what the value is
     theory
-        of half-planes, in the scene's units
+        of half-planes, theory's own [energy / length, stress or length]
     change
         finite bodies over half-planes, minus 1
     """
@@ -110,74 +110,84 @@ def advise(scene: Scene, limit: float = 0.05) -> Advice:
     ------
     InputError
         Where the numbers say nothing: curved faces, unlike materials (Dundurs' beta is not 0), bulk
-        stress, profiles that are not symmetric.
+        stress, profiles that are not symmetric; where theory dissipates nothing.
     """
     import halfplane_fe
     import semi_analytic
 
-    effects = halfplane_fe.body_effects(scene)
-    if effects.dundurs_beta:
+    if coupled(scene):
         raise InputError(
-            f"{scene.name}: the materials are unlike (Dundurs' beta is"
-            f" {effects.dundurs_beta:.3g}); body effects are then of first order in what is left"
-            " out; solve the scene with finite elements (`halfplane run`)"
+            f"{scene.name}: the materials are unlike (Dundurs' beta is not 0), so what is left out"
+            " is of first order; solve the scene with finite elements (`halfplane run`)"
         )
+    effects = halfplane_fe.body_effects(scene)
     theory = semi_analytic.solve(scene, fields=(WORK, "pressure"))
+    if not theory.dissipation:
+        raise InputError(
+            f"{scene.name}: half-plane theory dissipates nothing: no error is relative to it"
+        )
     corrected = semi_analytic.solve(
         scene, x=theory.x, time=theory.time, effects=effects, fields=(WORK, "pressure")
     )
-    parts = dict(_parts(scene, effects, theory, corrected))
-    half_width = float(np.nanmax(theory.contact_half_width))
+    largest = semi_analytic.extremes(theory)
+    half_width = largest.half_width
+    own_values = {"peak_pressure": largest.pressure, "half_width": half_width}
+    uncertainties = {
+        words: _relative_uncertainty(effects, leading, half_width)
+        for words, (leading, _) in _CURVATURES.items()
+    }
+    parts = _parts(effects, theory, corrected, uncertainties)
     changes = {}
-    for quantity, words in _QUANTITIES.items():
-        before = _value(theory, quantity)
-        change = _ratio(_value(corrected, quantity), before) - 1
-        uncertainty = _uncertainty(quantity, change, parts, effects, half_width)
-        changes[quantity] = Change(words, before, Estimate(change, uncertainty))
+    for key, (name, words) in _VALUES.items():
+        before = QUANTITIES[name].of(theory)
+        change = QUANTITIES[name].of(corrected) / before - 1
+        # pressure and half-widths follow the curvature under P, the stick zone both
+        uncertainty = abs(change) * max(uncertainties.values())
+        if key == WORK:
+            uncertainty = sum(part.uncertainty for part in parts.values())
+        estimate = Estimate(change, uncertainty + _LEFT_OF_WORK)
+        changes[key] = Change(words, own_values.get(key, before), estimate)
     left_out = _size_of_odd_part(effects, scene, half_width)
     return Advice(scene, effects, changes, parts, left_out, limit)
 
 
-_QUANTITIES = {
-    WORK: "dissipation",
-    "peak_pressure": "largest pressure",
-    "half_width": "largest contact half-width",
-    "permanent_stick": "half-width that always sticks",
+# Key of an answer -> the quantity of a solution, whose change is taken on common points, and its
+# words.
+_VALUES = {
+    WORK: ("dissipation", "dissipation"),
+    "peak_pressure": ("largest_pressure", "largest pressure"),
+    "half_width": ("largest_half_width", "largest contact half-width"),
+    "permanent_stick": ("permanent_stick_half_width", "half-width that always sticks"),
 }
 
 
-def _value(solution: ContactSolution, quantity: str) -> float:
-    if quantity == WORK:
-        return solution.dissipation
-    if quantity == "peak_pressure":
-        return float(solution.pressure.max())
-    if quantity == "half_width":
-        return float(np.nanmax(solution.contact_half_width))
-    return solution.permanent_stick_half_width
-
-
-def _ratio(value: float, reference: float) -> float:
-    return value / reference if reference else math.nan
-
-
 def _parts(
-    scene: Scene, effects: BodyEffects, theory: ContactSolution, corrected: ContactSolution
-) -> Iterator[tuple[str, Estimate]]:
-    """What each curvature alone makes of the dissipation, and what both together make more."""
+    effects: BodyEffects,
+    theory: ContactSolution,
+    corrected: ContactSolution,
+    uncertainties: Mapping[str, float],
+) -> dict[str, Estimate]:
+    """What each curvature alone makes of the dissipation, and what both together make more.
+
+    Parameters
+    ----------
+    uncertainties
+        of each part, relative to it
+    """
     import semi_analytic
 
-    half_width = float(np.nanmax(theory.contact_half_width))
-    rest = _ratio(corrected.dissipation, theory.dissipation) - 1
-    relative_uncertainty = 0.0
-    for words, (leading, crossed) in _CURVATURES.items():
-        alone = _with_these_alone(effects, leading, crossed)
-        solution = semi_analytic.solve(scene, x=0.0, time=theory.time, effects=alone, fields=WORK)
-        change = _ratio(solution.dissipation, theory.dissipation) - 1
-        share = _relative_uncertainty(effects, leading, half_width)
-        yield words, Estimate(change, abs(change) * share)
+    parts = {}
+    rest = corrected.dissipation / theory.dissipation - 1
+    for words, names in _CURVATURES.items():
+        alone = _with_these_alone(effects, *names)
+        solution = semi_analytic.solve(
+            theory.scene, x=0.0, time=theory.time, effects=alone, fields=WORK
+        )
+        change = solution.dissipation / theory.dissipation - 1
+        parts[words] = Estimate(change, abs(change) * uncertainties[words])
         rest -= change
-        relative_uncertainty += share
-    yield "both together", Estimate(rest, abs(rest) * relative_uncertainty)
+    parts["both together"] = Estimate(rest, abs(rest) * sum(uncertainties.values()))
+    return parts
 
 
 def _with_these_alone(effects: BodyEffects, *names: str) -> BodyEffects:
@@ -200,22 +210,6 @@ def _relative_uncertainty(effects: BodyEffects, curvature: str, half_width: floa
     return (estimate.uncertainty + abs(next_order)) / abs(estimate.value)
 
 
-def _uncertainty(
-    quantity: str,
-    change: float,
-    parts: dict[str, Estimate],
-    effects: BodyEffects,
-    half_width: float,
-) -> float:
-    """Of the change of a quantity: pressure and half-widths follow the curvature under P."""
-    if quantity == WORK:
-        return sum(part.uncertainty for part in parts.values()) + _LEFT_OF_WORK
-    shares = [
-        _relative_uncertainty(effects, leading, half_width) for leading, _ in _CURVATURES.values()
-    ]
-    return abs(change) * max(shares) + _LEFT_OF_WORK
-
-
 def _size_of_odd_part(effects: BodyEffects, scene: Scene, half_width: float) -> float:
     """About what tilt and bulk strain make of the dissipation; they count by their squares."""
     from semi_analytic.corrected import ODD_NUMBERS, odd_part
@@ -226,8 +220,6 @@ def _size_of_odd_part(effects: BodyEffects, scene: Scene, half_width: float) -> 
     tilt = sizes["tilt_under_pressure"] + sizes["tilt_under_shear"]
     strain = sizes["strain_under_pressure"] + sizes["strain_under_shear"]
     friction = scene.friction.coefficient
-    if not friction:
-        return 0.0
     return (
         _STRAIN_SQUARED * (strain / friction) ** 2
         + _STRAIN_BY_TILT * strain * tilt
@@ -252,7 +244,7 @@ def sentence(advice: Advice) -> str:
 
 def _percent(share: float) -> str:
     """A share in per cent, two digits behind the point, with its sign."""
-    return f"{100 * share:+.2f}".replace("-", "−")
+    return minus(f"{100 * share:+.2f}")
 
 
 def _what_to_do(advice: Advice) -> str:

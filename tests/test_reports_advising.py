@@ -6,10 +6,11 @@ import json
 
 import pytest
 
+import semi_analytic
 from reports.advising import advise, sentence
 from reports.cli import main
 from reports.comparison.verdicts import Verdict
-from scenes import Scene, load_scene
+from scenes import InputError, Scene, load_scene
 
 # Finite elements of the scene `blocks` over half-plane theory, minus 1: `halfplane run blocks`.
 OF_BLOCKS = {"dissipation": -0.02732, "peak_pressure": 0.00511, "half_width": -0.0051}
@@ -34,6 +35,20 @@ def test_two_blocks_change_theory_as_finite_elements_do_and_the_parts_add_up() -
     assert advice.left_out == 0
     assert advice.verdict is Verdict.WITHIN
     assert "−2.75 ± 0.06 %" in sentence(advice)
+
+
+def test_values_of_theory_are_its_own_and_not_those_at_points() -> None:
+    scene = load_scene("blocks")
+    largest = semi_analytic.extremes(semi_analytic.solve(scene, x=[0.5]))
+    changes = advise(scene).changes
+    assert changes["peak_pressure"].theory == pytest.approx(largest.pressure, rel=1e-9)
+    assert changes["half_width"].theory == pytest.approx(largest.half_width, rel=1e-9)
+
+
+def test_where_nothing_is_dissipated_no_error_is_stated() -> None:
+    scene = load_scene("blocks").vary(expected=[], load={"tangential_amplitude": 0.0})
+    with pytest.raises(InputError, match="dissipates nothing"):
+        advise(scene)
 
 
 def test_at_constant_normal_load_the_curvature_under_it_moves_no_work() -> None:

@@ -116,12 +116,12 @@ def _parts_by_numbers(advice: AdviceByNumbers) -> Iterator[Part]:
     """Sentence, changes with theory's values, and what makes that of the dissipation."""
     from reports.advising import sentence
     from reports.studies.maps.advice import percent
-    from reports.units import units
+    from reports.units import energy_unit, units
 
     yield sentence(advice)
     scene = advice.scene
-    force, length, stress = units(scene)
-    unit_of = {"dissipation": f"{force}·{length}/{length}", "peak_pressure": stress}
+    _, length, stress = units(scene)
+    unit_of = {"dissipation": energy_unit(scene), "peak_pressure": stress}
     rows = []
     for name, (words, theory, change) in advice.changes.items():
         unit = unit_of.get(name, length)
