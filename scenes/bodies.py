@@ -88,11 +88,21 @@ class Step(NamedTuple):
     half_width: float
 
 
-class _Rectangle(Frozen):
-    """What block and pad have in common; the base of an upper one carries the load."""
+class _Sided(Frozen):
+    """What bodies with two sides have in common."""
 
     kind: str
     width: Positive = Field(description="along the face, length units (library: mm)")
+
+    @property
+    def face_half_width(self) -> float:
+        """Half the width of the face [length]."""
+        return self.width / 2
+
+
+class _Rectangle(_Sided):
+    """What block and pad have in common; the base of an upper one carries the load."""
+
     height: Positive = Field(
         description=(
             "from the face, a pad's point of first contact, to the base, length units (library: mm)"
@@ -104,11 +114,6 @@ class _Rectangle(Frozen):
     sides: Literal["free", "guided"] = Field(
         "free", description="free, or guided: free to slide along smooth walls"
     )
-
-    @property
-    def face_half_width(self) -> float:
-        """Half the width of the face [length]."""
-        return self.width / 2
 
     @property
     def least_depth(self) -> float:
@@ -154,7 +159,7 @@ class Cylinder(Frozen):
         return self.radius
 
 
-class TShape(Frozen):
+class TShape(_Sided):
     """Flange with a flat face on a narrower stem, the end of which is fixed to a rigid plane (which
     carries the load of an upper body).
 
@@ -173,11 +178,6 @@ class TShape(Frozen):
     height: Positive = Field(
         description="from the face to the end of the stem, length units (library: mm)"
     )
-
-    @property
-    def face_half_width(self) -> float:
-        """Half the width of the face [length]."""
-        return self.width / 2
 
     @property
     def least_depth(self) -> float:
@@ -204,7 +204,7 @@ class TShape(Frozen):
         return self
 
 
-class ShoulderedPad(Frozen):
+class ShoulderedPad(_Sided):
     """Pad on a wider shoulder, the base of which is fixed to a rigid plane (which carries the load
     of an upper body); its face is the true profile, as that of a pad.
 
@@ -223,11 +223,6 @@ class ShoulderedPad(Frozen):
     height: Positive = Field(
         description="from the point of first contact to the base, length units (library: mm)"
     )
-
-    @property
-    def face_half_width(self) -> float:
-        """Half the width of the face [length]."""
-        return self.width / 2
 
     @property
     def least_depth(self) -> float:
