@@ -15,7 +15,16 @@ from numpy.typing import NDArray
 
 import semi_analytic
 from reports.charts.templating import STATE_NAMES
-from reports.studies.paper.cases import FRICTIONS, LETTERS, POINTS, Case, Formulas, Paper, total
+from reports.studies.paper.cases import (
+    FRICTIONS,
+    LETTERS,
+    POINTS,
+    Case,
+    Formulas,
+    Paper,
+    Sweep,
+    total,
+)
 from reports.studies.paper.tables import EXACT, Found, judge, judge_number
 from scenes import SurfaceState
 from semi_analytic.friction_work import slip_times
@@ -144,44 +153,33 @@ def course(case: Case) -> dict[str, Found]:
     """Stick, slip and separation through the cycle."""
     turn = 2 * math.pi
     t = {letter: case.time(letter) for letter in LETTERS}
-    zones = (
-        case.solve(time=np.linspace(t[first], t[last], 203)[1:-1]) for first, last in ("GI", "IM")
-    )
-    held, slid = ((zone.contact_half_width - zone.stick_half_width) / case.length for zone in zones)
+    depth_of_hold = _slip_depth(case, t["G"], t["I"])
+    depth_of_forward_slip = _slip_depth(case, t["I"], t["M"])
     stuck = {
-        "deepest slip in G-I": float(held.max()),
-        "least slip in I-M": float(slid.min()),
+        "deepest slip in G-I": float(depth_of_hold.max()),
+        "least slip in I-M": float(depth_of_forward_slip.min()),
         "share of the cycle": (t["I"] - t["G"]) / turn,
     }
-    first, reverse, forward = (
-        float(case.width(case.events[letter].front_load)) for letter in "EGM"
-    )
-    stick = case.solve(time=np.linspace(t["B"], t["E"], 201)).stick_half_width / case.length
-    contact = case.width([case.events[letter].normal_load for letter in "BC"])
-    ends = {
-        "c at B": float(stick[0]),
-        "c at E": float(stick[-1]),
-        "a at B": float(contact[0]),
-        "a at C": float(contact[1]),
-    }
-    fall = float(np.min(-np.diff(stick)))
+    front_of_first_cycle = float(case.width(case.events["E"].front_load))
+    front_in_reverse = float(case.width(case.events["G"].front_load))
+    front_forward = float(case.width(case.events["M"].front_load))
     times = {"forward": (t["M"] - t["I"]) / turn, "reverse": (t["G"] - t["E"]) / turn}
     # From G of the first cycle on: the engine marches along it, later ones it looks up.
     slip = case.solve(time=t["G"] + np.linspace(0.0, turn, 361), x=POINTS, fields=("slip",)).slip
     net = float(np.max(np.abs(slip[-1] - slip[0])) / np.max(np.ptp(slip, axis=0)))
     return {
-        "stick from G to I": (judge(held.max() <= _ROUNDING < slid.min()), stuck),
+        "stick from G to I": (
+            judge(depth_of_hold.max() <= _ROUNDING < depth_of_forward_slip.min()),
+            stuck,
+        ),
         "transient slip": (
-            judge(first < case.stick_edge),
-            {"first cycle": first, "steady": case.stick_edge},
+            judge(front_of_first_cycle < case.stick_edge),
+            {"first cycle": front_of_first_cycle, "steady": case.stick_edge},
         ),
-        "slip advances from B to E": (
-            judge(fall > 0 and contact[1] > contact[0]),
-            {"least fall of c in a step": fall} | ends,
-        ),
+        "slip advances from B to E": _advance_of_slip(case, t["B"], t["E"]),
         "slip as deep forward as in reverse": (
-            judge(abs(forward - reverse) <= _ROUNDING),
-            {"forward": forward, "reverse": reverse},
+            judge(abs(front_forward - front_in_reverse) <= _ROUNDING),
+            {"forward": front_forward, "reverse": front_in_reverse},
         ),
         "longer in forward slip": (judge(times["forward"] > times["reverse"]), times),
         "forward slip is slower": slip_speed(case),
@@ -189,6 +187,26 @@ def course(case: Case) -> dict[str, Found]:
         "no net displacement": (judge(net <= _ROUNDING), {"net over largest": net}),
         **{f"history of x = {x}": _point_history(case, x) for x in POINTS},
         "one-way slip": one_way_slip(case),
+    }
+
+
+def _slip_depth(case: Case, begin: float, end: float) -> Array:
+    """(a - c)/a0 at 201 instants between two."""
+    zone = case.solve(time=np.linspace(begin, end, 203)[1:-1])
+    return np.asarray((zone.contact_half_width - zone.stick_half_width) / case.length)
+
+
+def _advance_of_slip(case: Case, begin: float, end: float) -> Found:
+    """Whether the stick zone shrinks from B to E, while the contact grows from B to C."""
+    stick = case.solve(time=np.linspace(begin, end, 201)).stick_half_width / case.length
+    contact = case.width([case.events[letter].normal_load for letter in "BC"])
+    least_fall = float(np.min(-np.diff(stick)))
+    return judge(least_fall > 0 and contact[1] > contact[0]), {
+        "least fall of c in a step": least_fall,
+        "c at B": float(stick[0]),
+        "c at E": float(stick[-1]),
+        "a at B": float(contact[0]),
+        "a at C": float(contact[1]),
     }
 
 
@@ -407,49 +425,85 @@ def work(case: Case) -> dict[str, Found]:
     }
 
 
+_NAMES = ("Hertz", "flat and rounded")
+
+
 def _comparisons(paper: Paper) -> dict[str, Found]:
     """Peaks, the sweeps over P0/P1 and f, and the flat and rounded contact beside Hertz at equal
     loads, f, material and a0.
     """
+    return (
+        _places_of_peaks(paper)
+        | _falls_towards_far_loads(paper)
+        | _flat_over_hertz(paper)
+        | {"weaker dependence of the peak": _dependence_of_the_peak(paper)}
+    )
+
+
+def _places_of_peaks(paper: Paper) -> dict[str, Found]:
+    """Where between the stick and the contact edge the pointwise dissipation is largest."""
+    statements: dict[str, Found] = {}
     cases = (paper.hertz, paper.rounded)
-    hertz, rounded = paper.sweeps
-    names = ("Hertz", "flat and rounded")
-    places: dict[str, Found] = {}
-    for name, case, peak in zip(names, cases, paper.peaks, strict=True):
+    for name, case, peak in zip(_NAMES, cases, paper.peaks, strict=True):
         place = float(peak.fraction)
         numbers = {"fraction": place, "x/a0": float(peak.place) / case.length}
-        places[f"place of the peak, {name}"] = (
-            judge(0.6 < place < 0.65, nearly=abs(place - 0.6) < 0.02),
-            numbers,
-        )
-    ends = {
-        f"{name}, {end}": float(s.place[0, k])
-        for name, s in zip(names, paper.sweeps, strict=True)
-        for end, k in (("near", 0), ("far", -1))
-    }
-    as_stated = all(0.6 < place < 0.65 for place in ends.values())
-    nearly_as_stated = all(0.55 < place < 0.7 for place in ends.values())
+        verdict = judge(0.6 < place < 0.65, nearly=abs(place - 0.6) < 0.02)
+        statements[f"place of the peak, {name}"] = (verdict, numbers)
+    at_ends = {}
+    for name, sweep in zip(_NAMES, paper.sweeps, strict=True):
+        at_ends[f"{name}, near"] = float(sweep.place[0, 0])
+        at_ends[f"{name}, far"] = float(sweep.place[0, -1])
+    as_stated = all(0.6 < place < 0.65 for place in at_ends.values())
+    nearly_as_stated = all(0.55 < place < 0.7 for place in at_ends.values())
+    statements["place of the peak, all loads"] = (judge(as_stated, nearly_as_stated), at_ends)
+    return statements
 
-    # Exponents in P0 between neighbours of a sweep at constant a(P0); at constant R, a grows like
-    # sqrt(P0).
-    slopes = {
-        (quantity, k): (
-            np.diff(np.log(getattr(sweep, quantity)), axis=1) / np.diff(np.log(sweep.ratio), axis=1)
-        )
-        for k, sweep in enumerate(paper.sweeps)
-        for quantity in ("work", "peak")
-    }
-    steepest = {}
+
+def _exponents(sweep: Sweep, quantity: str) -> Array:
+    """Exponents of a quantity in P0, between neighbours of a sweep at constant a(P0)."""
+    growth = np.diff(np.log(getattr(sweep, quantity)), axis=1)
+    return np.asarray(growth / np.diff(np.log(sweep.ratio), axis=1))
+
+
+def _falls_towards_far_loads(paper: Paper) -> dict[str, Found]:
+    """How work, its peak and their quotient change from sliding to loads far from it."""
+    hertz = paper.sweeps[0]
+    largest_step = {}
+    falls = {}
     for quantity in ("work", "peak"):
         steps = [np.diff(getattr(sweep, quantity), axis=1) for sweep in paper.sweeps]
-        steepest[quantity] = max(float(np.max(step)) for step in steps)
-    gap = float(np.min(slopes["peak", 0] - 0.5 - slopes["work", 0]))
-    falls = {
-        f"fall of {quantity}": float(np.divide(*getattr(hertz, quantity)[0, [0, -1]]))
-        for quantity in ("work", "peak")
-    }
+        largest_step[quantity] = max(float(np.max(step)) for step in steps)
+        near_and_far = getattr(hertz, quantity)[0, [0, -1]]
+        falls[f"fall of {quantity}"] = float(near_and_far[0] / near_and_far[1])
+    # At constant R, a grows like sqrt(P0).
+    exponents_of_peak = _exponents(hertz, "peak") - 0.5
+    gap = float(np.min(exponents_of_peak - _exponents(hertz, "work")))
     merits = [sweep.work / sweep.peak for sweep in paper.sweeps]
-    best = {int(place) for merit in merits for place in np.argmax(merit, axis=1)}
+    best_columns = {int(column) for merit in merits for column in np.argmax(merit, axis=1)}
+    return {
+        "global dissipation before sliding": (
+            judge(largest_step["work"] < 0),
+            {"largest step": largest_step["work"]},
+        ),
+        "peak before sliding": (
+            judge(largest_step["peak"] < 0),
+            {"largest step": largest_step["peak"]},
+        ),
+        "work falls faster than its peak": (
+            judge(gap > 0),
+            falls | {"least gap of exponents": gap},
+        ),
+        "best designs close to sliding": (
+            judge(best_columns == {0}),
+            {"near": float(merits[0][0, 0]), "far": float(merits[0][0, -1])},
+        ),
+    }
+
+
+def _flat_over_hertz(paper: Paper) -> dict[str, Found]:
+    """Work and peak of the flat and rounded contact over those of Hertz."""
+    hertz, rounded = paper.sweeps
+    cases = (paper.hertz, paper.rounded)
     works = [case.steady.dissipation / case.work_unit for case in cases]
     peaks = [
         float(peak.value) * case.length / case.work_unit
@@ -457,52 +511,14 @@ def _comparisons(paper: Paper) -> dict[str, Found]:
     ]
     quotient_of_works = works[1] / works[0]
     quotient_of_peaks = peaks[1] / peaks[0]
-    spans = [
-        {"least": float(over.min()), "largest": float(over.max())}
-        for over in (rounded.work / hertz.work, rounded.peak / hertz.peak)
-    ]
-    # At constant P0 the peak goes as (P1/P0)^2 times what the sweep has at constant P1.
-    spread = [s.peak[:, 0] / s.peak[:, -1] for s in paper.sweeps]
-    share = float(np.mean(slopes["peak", 1] > slopes["peak", 0]))
-    ratio = rounded.ratio[-1]
-    place_of = rounded.place[-1]
-    last = int(np.argmax(np.abs(np.diff(place_of))))
-    weaker = {
-        "fall, hertz": float(spread[0][0]),
-        "fall, flat and rounded": float(spread[1][0]),
-        "share of smaller exponents": share,
-        "last shoulder": float(ratio[last]),
-        "first outer one": float(ratio[last + 1]),
-        "first place": float(place_of[0]),
-        "last place": float(place_of[last]),
-        "place of the outer one": float(place_of[last + 1]),
-    }
-    return places | {
-        "place of the peak, all loads": (judge(as_stated, nearly_as_stated), ends),
-        "global dissipation before sliding": (
-            judge(steepest["work"] < 0),
-            {"largest step": steepest["work"]},
-        ),
-        "peak before sliding": (judge(steepest["peak"] < 0), {"largest step": steepest["peak"]}),
-        "work falls faster than its peak": (
-            judge(gap > 0),
-            falls | {"least gap of exponents": gap},
-        ),
-        "best designs close to sliding": (
-            judge(best == {0}),
-            {"near": float(merits[0][0, 0]), "far": float(merits[0][0, -1])},
-        ),
+    return {
         "five times the energy": (
             judge_number(quotient_of_works, 5, 0, slack=0.2),
-            {"quotient of work": quotient_of_works} | spans[0],
+            {"quotient of work": quotient_of_works} | _span(rounded.work / hertz.work),
         ),
         "eight times the peak": (
             judge_number(quotient_of_peaks, 8, 0, slack=0.2),
-            {"quotient of peaks": quotient_of_peaks} | spans[1],
-        ),
-        "weaker dependence of the peak": (
-            judge(bool(np.all(spread[1] < spread[0])) and share == 1),
-            weaker,
+            {"quotient of peaks": quotient_of_peaks} | _span(rounded.peak / hertz.peak),
         ),
         "figure of merit": (
             judge(quotient_of_works < quotient_of_peaks),
@@ -512,3 +528,33 @@ def _comparisons(paper: Paper) -> dict[str, Found]:
             },
         ),
     }
+
+
+def _span(quotients: Array) -> dict[str, float]:
+    """Least and largest."""
+    return {"least": float(quotients.min()), "largest": float(quotients.max())}
+
+
+def _dependence_of_the_peak(paper: Paper) -> Found:
+    """The peak of the flat and rounded contact falls less with P0 than that of Hertz, but where
+    its place jumps from one shoulder to the other.
+    """
+    hertz, rounded = paper.sweeps
+    # At constant P0 the peak goes as (P1/P0)^2 times what the sweep has at constant P1.
+    fall_of_hertz = hertz.peak[:, 0] / hertz.peak[:, -1]
+    fall_of_rounded = rounded.peak[:, 0] / rounded.peak[:, -1]
+    share = float(np.mean(_exponents(rounded, "peak") > _exponents(hertz, "peak")))
+    ratio = rounded.ratio[-1]
+    place = rounded.place[-1]
+    last_on_shoulder = int(np.argmax(np.abs(np.diff(place))))
+    numbers = {
+        "fall, hertz": float(fall_of_hertz[0]),
+        "fall, flat and rounded": float(fall_of_rounded[0]),
+        "share of smaller exponents": share,
+        "last shoulder": float(ratio[last_on_shoulder]),
+        "first outer one": float(ratio[last_on_shoulder + 1]),
+        "first place": float(place[0]),
+        "last place": float(place[last_on_shoulder]),
+        "place of the outer one": float(place[last_on_shoulder + 1]),
+    }
+    return judge(bool(np.all(fall_of_rounded < fall_of_hertz)) and share == 1), numbers
