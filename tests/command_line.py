@@ -22,7 +22,10 @@ from pathlib import Path
 from typing import Any
 from unittest import mock
 
+import jsonschema
+
 from reports.cli import main
+from reports.cli.application import FORMAT
 
 ROOT = Path(__file__).parents[1]
 # The coarsest mesh and steps that still go through both engines: a second, and far outside every
@@ -206,6 +209,17 @@ def answer_schema() -> dict[str, Any]:
         (resources.files("reports") / "templates" / "answer.schema.json").read_text("utf-8")
     )
     return schema
+
+
+def answer_of(outcome: Done, *words: str) -> tuple[int, dict[str, Any]]:
+    """Exit code of a command with --json, and what the document that is its whole stdout holds as
+    `result`.
+    """
+    document = json.loads(outcome.stdout)
+    jsonschema.validate(document, answer_schema())
+    assert (document["format"], document["exit_code"]) == (FORMAT, outcome.returncode)
+    assert " ".join(words).startswith(document["command"])
+    return outcome.returncode, document["result"]
 
 
 def raising(fault: BaseException) -> Callable[..., None]:

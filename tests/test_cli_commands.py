@@ -23,6 +23,7 @@ from command_line import (
     COARSE,
     ROOT,
     Done,
+    answer_of,
     answer_schema,
     everything,
     forked,
@@ -414,14 +415,6 @@ def answer_to(tmp_path: Path) -> Callable[..., tuple[int, dict[str, Any]]]:
         return answer_of(halfplane(tmp_path, *words, "--json"), *words)
 
     return run
-
-
-def answer_of(outcome: Done, *words: str) -> tuple[int, dict[str, Any]]:
-    document = json.loads(outcome.stdout)
-    jsonschema.validate(document, answer_schema())
-    assert (document["format"], document["exit_code"]) == (FORMAT, outcome.returncode)
-    assert " ".join(words).startswith(document["command"])
-    return outcome.returncode, document["result"]
 
 
 def test_a_run_outside_its_tolerances_is_1_with_page_files_log_and_one_document(

@@ -2,13 +2,14 @@
 and what is said where the numbers of the bodies say nothing.
 """
 
-import json
+from pathlib import Path
+from typing import Any
 
 import pytest
 
 import semi_analytic
+from command_line import answer_of, halfplane
 from reports.advising import advise, sentence
-from reports.cli import main
 from reports.comparison.verdicts import Verdict
 from scenes import InputError, Scene, load_scene
 
@@ -66,37 +67,36 @@ def test_bulk_strain_and_tilt_of_one_block_are_said_and_counted_as_uncertain() -
     assert "tilt and bulk strain are left out" in sentence(advice)
 
 
-def shown(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> tuple[int, dict]:
-    code = main([*arguments, "--json"])
-    return code, json.loads(capsys.readouterr().out)["result"]
+def answer(folder: Path, *words: str) -> tuple[int, dict[str, Any]]:
+    return answer_of(halfplane(folder, *words, "--json"), *words)
 
 
 def test_the_command_ends_with_1_above_the_limit_and_names_the_way_out(
-    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
 ) -> None:
-    code, answer = shown(["advise", "blocks", "--limit", "1%"], capsys)
-    assert (code, answer["by"], answer["verdict"]) == (1, "corrected theory", "outside")
-    assert "--corrected" in answer["sentence"]
-    assert answer["effects"]["normal_curvature"][0] > 0
+    code, advice = answer(tmp_path, "advise", "blocks", "--limit", "1%")
+    assert (code, advice["by"], advice["verdict"]) == (1, "corrected theory", "outside")
+    assert "--corrected" in advice["sentence"]
+    assert advice["effects"]["normal_curvature"][0] > 0
 
 
 @pytest.mark.parametrize(
     ("name", "words"), [("pad-on-block", "curved"), ("unlike-beta-fifth", "unlike")]
 )
 def test_what_the_numbers_do_not_cover_is_said_and_read_off_the_maps(
-    name: str, words: str, capsys: pytest.CaptureFixture[str]
+    name: str, words: str, tmp_path: Path
 ) -> None:
-    _, answer = shown(["advise", name], capsys)
-    assert answer["by"] == "maps"
-    assert words in (answer["declined"] or words)
+    _, advice = answer(tmp_path, "advise", name)
+    assert advice["by"] == "maps"
+    assert words in advice["declined"]
 
 
 def test_corrected_theory_is_solved_from_the_command_line_and_judged_by_its_own_laws(
-    tmp_path: object, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path,
 ) -> None:
-    code, answer = shown(["exact", "blocks", "--corrected", "--out", str(tmp_path)], capsys)
-    assert (code, answer["expected"], answer["admissible"]) == (0, [], True)
-    exact, theory = shown(["exact", "blocks", "--out", str(tmp_path)], capsys)
-    assert exact == 0
-    change = answer["dissipation"] / theory["dissipation"] - 1
+    code, corrected = answer(tmp_path, "exact", "blocks", "--corrected")
+    assert (code, corrected["expected"], corrected["admissible"]) == (0, [], True)
+    code_of_theory, theory = answer(tmp_path, "exact", "blocks")
+    assert code_of_theory == 0
+    change = corrected["dissipation"] / theory["dissipation"] - 1
     assert change == pytest.approx(-0.02748, abs=1e-4)
