@@ -454,7 +454,8 @@ READ: dict[str, tuple[Make, dict[str, Any], float, list[str]]] = {
 def read_here(paths: Sequence[Path]) -> bytes:
     """What the process of a reader would write, without the second that it takes to start."""
     content = io.BytesIO()
-    np.savez(content, **dict(vtk_files.numbered([str(path) for path in paths])))  # type: ignore[arg-type]
+    arrays: dict[str, Any] = dict(vtk_files.numbered([str(path) for path in paths]))
+    np.savez(content, **arrays)
     return content.getvalue()
 
 
