@@ -16,6 +16,7 @@ and is no check of them.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
@@ -69,12 +70,14 @@ class Advice:
     effects
         the numbers of the bodies
     changes
-        by the name of the quantity; "dissipation" is the first
+        by the name of the quantity, all that is uncertain counted; "dissipation" is the first. NaN
+        where there is no estimate: of what always sticks, which tilt and bulk strain move in the
+        first order
     parts
         of the change of the dissipation, by what makes them: they add up to it
     left_out
         size of what tilt and bulk strain make of the dissipation, in the second order; 0 where
-        there are none. It is counted as uncertain.
+        there are none
     limit
         of |change of the dissipation| up to which theory may be used
     """
@@ -88,9 +91,8 @@ class Advice:
 
     @property
     def work(self) -> Estimate:
-        """Change of the dissipation, all that is uncertain counted."""
-        change = self.changes[WORK].change
-        return Estimate(change.value, change.uncertainty + self.left_out)
+        """Change of the dissipation."""
+        return self.changes[WORK].change
 
     @property
     def verdict(self) -> Verdict:
@@ -137,6 +139,7 @@ def advise(scene: Scene, limit: float = 0.05) -> Advice:
         for words, (leading, _) in _CURVATURES.items()
     }
     parts = _parts(effects, theory, corrected, uncertainties)
+    left_out = _size_of_odd_part(effects, scene, half_width)
     changes = {}
     for key, (name, words) in _VALUES.items():
         before = QUANTITIES[name].of(theory)
@@ -144,10 +147,11 @@ def advise(scene: Scene, limit: float = 0.05) -> Advice:
         # pressure and half-widths follow the curvature under P, the stick zone both
         uncertainty = abs(change) * max(uncertainties.values())
         if key == WORK:
-            uncertainty = sum(part.uncertainty for part in parts.values())
+            uncertainty = sum(part.uncertainty for part in parts.values()) + left_out
         estimate = Estimate(change, uncertainty + _LEFT_OF_WORK)
+        if left_out and key == "permanent_stick":
+            estimate = Estimate(math.nan, math.nan)
         changes[key] = Change(words, own_values.get(key, before), estimate)
-    left_out = _size_of_odd_part(effects, scene, half_width)
     return Advice(scene, effects, changes, parts, left_out, limit)
 
 

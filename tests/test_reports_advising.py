@@ -2,6 +2,7 @@
 and what is said where the numbers of the bodies say nothing.
 """
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -64,6 +65,8 @@ def test_bulk_strain_and_tilt_of_one_block_are_said_and_counted_as_uncertain() -
     advice = advise(one_block())
     assert advice.left_out > 0
     assert advice.work.uncertainty >= advice.left_out
+    assert advice.changes["dissipation"].change == advice.work
+    assert math.isnan(advice.changes["permanent_stick"].change.value)
     assert "tilt and bulk strain are left out" in sentence(advice)
 
 

@@ -100,12 +100,13 @@ def total(known: Sequence[Part], figure: str) -> tuple[float, float]:
 def percent(error: float, doubt: float) -> str:
     """Error with its uncertainty.
 
-    >>> percent(-0.4814, 0.0021), percent(0.00012, 0.0004)
-    ('−48.1 ± 0.2 %', '+0.012 ± 0.04 % (not resolved)')
+    >>> percent(-0.4814, 0.0021), percent(0.00012, 0.0004), percent(-0.5, 0.28)
+    ('−48.1 ± 0.2 %', '+0.012 ± 0.04 % (not resolved)', '−50.0 ± 30 %')
     """
     digits = max(0, min(3, -math.floor(math.log10(100 * doubt)))) if doubt > 0 else 3
     digits = max(digits, 3 if abs(error) < 1e-3 else 1)
-    text = f"{100 * error:+.{digits}f} ± {100 * doubt:.1g} %".replace("-", "−")
+    first_digit = float(f"{100 * doubt:.1g}")
+    text = f"{100 * error:+.{digits}f} ± {first_digit:g} %".replace("-", "−")
     return text + (" (not resolved)" if abs(error) <= doubt else "")
 
 

@@ -125,14 +125,13 @@ def _parts_by_numbers(advice: AdviceByNumbers) -> Iterator[Part]:
     rows = []
     for name, (words, theory, change) in advice.changes.items():
         unit = unit_of.get(name, length)
-        changed = "no value" if math.isnan(change.value) else percent(*change)
+        changed = "no estimate" if math.isnan(change.value) else percent(*change)
         rows.append((words, f"{theory:.6g} {unit}", changed))
     heads = ("quantity", "half-plane theory", "bodies/theory − 1")
     yield Sheet(f"{scene.title or scene.name}: by corrected theory, no contact solved", heads, rows)
     causes = [(words, percent(*part)) for words, part in advice.parts.items()]
     if advice.left_out:
-        size = percent(0.0, advice.left_out)
-        causes.append(("tilt and bulk strain, not in the sum", size))
+        causes.append(("tilt and bulk strain, a size", f"± {100 * advice.left_out:.2g} %"))
     yield Sheet("What makes the change of the dissipation", ("cause", "share of it"), causes)
 
 
