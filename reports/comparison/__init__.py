@@ -6,7 +6,8 @@ Offered to the rest of reports, `Comparison` `compare` first; each file imports 
     cycles.py       the last cycle of a solution, on the points of another: `Cycle` `last_cycle`
                     `Event` `events` `OF_BULK`
     dimensionless.py the scales: `scales` `Scales` `compliance` `energy_scale`
-    pairs.py        reference and result on common points: `Pair` `are_half_planes` `name_of`
+    pairs.py        reference and result on common points: `Pair` `are_half_planes` `coupled`
+                    `name_of`
     work_of_loads.py closed integrals of Q dU, P dV and the bulk term: `loop_work` `bulk_work`
                     `normal_work` `bulk_strain` `bulk_strains`
     verdicts.py     `Verdict` `verdict_on`
