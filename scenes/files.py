@@ -29,7 +29,6 @@ resource = import_module("resource") if find_spec("resource") else None
 # answers to NetCDF.
 TOML = 2**20
 TEXT = 2**28
-SOLUTION = 2**31
 # Of TOML beside its size: scenes and studies nest 4 tables, and have some hundred keys; a key takes
 # up to 1 kB for each of its parts. A number of so many hexadecimal digits is still a float.
 _DEEPEST = 8
@@ -229,9 +228,6 @@ def within_memory(path: Path, most_bytes: int) -> Generator[None, None, None]:
         ) from reason
     finally:
         resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
-
-
-WHAT = "the solution"
 
 
 def write_keys(path: Path, keys: Mapping[str, Any]) -> None:

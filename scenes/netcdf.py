@@ -17,8 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes.errors import InputError, first_line, in_words
-from scenes.files import SOLUTION, WHAT, check_size, within_memory
+from scenes.files import check_size, within_memory
 
+# Bytes that are read at most, in the file and unpacked; what the file is to the user.
+_MOST = 2**31
+_WHAT = "the solution"
 # What the library raises on files that are broken off, spoilt or something else.
 _FAULTS = (
     OSError,
@@ -109,10 +112,10 @@ def read_netcdf(path: Path, form: Mapping[str, tuple[str, ...]], newest: str) ->
     before = sys.unraisablehook
     sys.unraisablehook = lambda _fault: None
     try:
-        check_size(path, WHAT, SOLUTION)
+        check_size(path, _WHAT, _MOST)
         # Dimensions that an HDF5 file does not name are numbered, and refused by their names.
         with (
-            within_memory(path, 2 * SOLUTION),
+            within_memory(path, 2 * _MOST),
             h5netcdf.File(path, "r", phony_dims="access") as file,
         ):
             _require_room(path, file)
@@ -126,7 +129,7 @@ def read_netcdf(path: Path, form: Mapping[str, tuple[str, ...]], newest: str) ->
         raise
     except _FAULTS as reason:
         traceback.clear_frames(reason.__traceback__)
-        raise InputError(f"{path}: {WHAT} can't be read: {first_line(reason)}") from reason
+        raise InputError(f"{path}: {_WHAT} can't be read: {first_line(reason)}") from reason
     finally:
         sys.unraisablehook = before
 
@@ -137,10 +140,10 @@ def _require_room(path: Path, file: Any) -> None:
         math.prod(map(int, variable.shape)) * variable.dtype.itemsize
         for variable in file.variables.values()
     )
-    if unpacked > SOLUTION:
+    if unpacked > _MOST:
         raise InputError(
-            f"{path}: {WHAT} takes {in_words(unpacked)} once unpacked, and at most"
-            f" {in_words(SOLUTION)} are read"
+            f"{path}: {_WHAT} takes {in_words(unpacked)} once unpacked, and at most"
+            f" {in_words(_MOST)} are read"
         )
 
 
@@ -171,18 +174,18 @@ def _require_form(path: Path, file: Any, form: Mapping[str, tuple[str, ...]]) ->
     """InputError where an array is missing, has other axes, or holds no real numbers."""
     for name, dimensions in form.items():
         if name not in file.variables:
-            raise InputError(f"{path}: {WHAT} can't be read: {name} is missing")
+            raise InputError(f"{path}: {_WHAT} can't be read: {name} is missing")
         variable = file.variables[name]
         if variable.dimensions != dimensions or variable.dtype.kind not in "fiu":
             raise InputError(
-                f"{path}: {WHAT} can't be read: {name} should be numbers over"
+                f"{path}: {_WHAT} can't be read: {name} should be numbers over"
                 f" {' and '.join(dimensions)}, and is {variable.dtype} over"
                 f" {' and '.join(map(str, variable.dimensions)) or 'nothing'}"
             )
     for name, variable in file.variables.items():
         if variable.dtype.kind == "c":
             raise InputError(
-                f"{path}: {WHAT} can't be read: {name} holds complex numbers, and should hold real"
+                f"{path}: {_WHAT} can't be read: {name} holds complex numbers, and should hold real"
                 " ones"
             )
 
@@ -198,7 +201,7 @@ def _require_lengths(path: Path, arrays: Mapping[str, StoredArray]) -> None:
             expected_length = lengths.setdefault(dimension, length)
             if length != expected_length:
                 raise InputError(
-                    f"{path}: {WHAT} can't be read: {name} has {length} values over {dimension},"
+                    f"{path}: {_WHAT} can't be read: {name} has {length} values over {dimension},"
                     f" and others have {expected_length}"
                 )
 
