@@ -12,10 +12,10 @@ import resource
 import signal
 import subprocess
 import sys
-import tempfile
 import traceback
 import warnings
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
@@ -98,8 +98,8 @@ def forked(
         no_input = os.open(os.devnull, os.O_RDONLY)
         for handle, number, name, mode in (
             (no_input, 0, "stdin", "r"),
-            (stdout or out.fileno(), 1, "stdout", "w"),
-            (stderr or errors.fileno(), 2, "stderr", "w"),
+            (stdout or output_end, 1, "stdout", "w"),
+            (stderr or errors_end, 2, "stderr", "w"),
         ):
             os.dup2(handle, number)
             setattr(sys, name, os.fdopen(number, mode, encoding=encoding, closefd=False))
@@ -117,13 +117,21 @@ def forked(
         sys.stdout.flush()
         sys.exit(code if isinstance(code, int) else 0)
 
-    with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as errors:
-        ended = os.waitstatus_to_exitcode(os.waitpid(child(as_a_process), 0)[1])
-        texts = []
-        for stream in (out, errors):
-            stream.seek(0)
-            texts.append(stream.read().decode())
-    return Done(ended, *texts)
+    # Pipes: a limit on files must not hold for the sentence that says so.
+    output, output_end = os.pipe()
+    errors, errors_end = os.pipe()
+    number = child(as_a_process)
+    os.close(output_end)
+    os.close(errors_end)
+    with ThreadPoolExecutor(2) as readers:
+        texts = list(readers.map(text_of_pipe, (output, errors)))
+    return Done(os.waitstatus_to_exitcode(os.waitpid(number, 0)[1]), *texts)
+
+
+def text_of_pipe(end: int) -> str:
+    """All that is written into a pipe until its writers have closed it."""
+    with os.fdopen(end, "rb") as stream:
+        return stream.read().decode()
 
 
 def child(act: Callable[[], object]) -> int:
