@@ -18,7 +18,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from halfplane_fe.arrays import Array, Mask, States
 from halfplane_fe.contact import ContactProblem, InterfaceState, nodal
 from halfplane_fe.edges import (
     contact_edges,
@@ -32,6 +31,7 @@ from halfplane_fe.law import slip_sign
 from halfplane_fe.run import PathRun
 from halfplane_fe.scales import Scales, contact_modulus
 from scenes import OPEN, STICK, HalfPlane, Interrupted, Record, Scene, freeze
+from scenes.array_types import Array, Mask, States
 
 
 def from_datum(scene: Scene, run: PathRun, ratio: float) -> PathRun:

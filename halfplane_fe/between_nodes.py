@@ -41,10 +41,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from halfplane_fe.arrays import Array, Mask, States
 from halfplane_fe.contact import ContactProblem, InterfaceState, nodal
 from halfplane_fe.law import slip_sign
 from scenes import OPEN, STICK
+from scenes.array_types import Array, Mask, States
 
 # D and V: least squares on Hertz' compression pressed through 40 elements.
 _D = 0.566

@@ -16,12 +16,12 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from halfplane_fe.arrays import Array, Mask, States
 from halfplane_fe.interface import Interface
 from halfplane_fe.law import project, slip_sign
 from halfplane_fe.systems import Layer, SingularSet, Systems
 from halfplane_fe.tresca import pressure_at_known_shear, shear_at_known_pressure
 from scenes import OPEN, STICK, ConvergenceError, InputError, freeze
+from scenes.array_types import Array, Mask, States
 
 # Rounding of nodal forces and displacements in scaled variables, both of order one: within it a
 # node keeps its state.

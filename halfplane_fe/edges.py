@@ -13,10 +13,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from halfplane_fe.arrays import Array, Indices, Mask, States
 from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.law import slip_sign
 from scenes import STICK
+from scenes.array_types import Array, Indices, Mask, States
 
 # Share of the distance of two nodes by which an edge between them is uncertain whatever the fit
 # says: the shape functions of quadratic elements know no square root. Measured on hertz-paper,

@@ -25,10 +25,10 @@ from scipy.sparse.linalg import SuperLU, splu
 from skfem.models.elasticity import lame_parameters
 from skfem.quadrature import get_quadrature
 
-from halfplane_fe.arrays import Array, Indices
 from halfplane_fe.far_field import arc_work, line_elements
 from meshes import BodyMesh
 from scenes import ConvergenceError, Elastic, InputError, freeze
+from scenes.array_types import Array, Indices
 
 # Lame's lambda over the shear modulus above which the rest enters through a pressure of its own: nu
 # = 1/3.

@@ -30,10 +30,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from halfplane_fe.arrays import Array, Indices, Mask, States
 from halfplane_fe.contact import ROUNDING, ContactProblem, InterfaceState, nodal
 from halfplane_fe.law import slip_sign, violations
 from scenes import STICK
+from scenes.array_types import Array, Indices, Mask, States
 
 
 @dataclass(frozen=True, eq=False)

@@ -41,7 +41,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
-from halfplane_fe.arrays import Array, Complex
+from scenes.array_types import Array, Complex
 
 # Outermost nodes of the contact that are the mesh's own.
 _RIM = 3

@@ -19,8 +19,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from halfplane_fe.arrays import Array, Indices
 from scenes import Elastic
+from scenes.array_types import Array, Indices
 
 # Gauss points of an element of the arc: to rounding on elements no longer than their distance from
 # a force.

@@ -16,7 +16,6 @@ import skfem
 from numpy.typing import ArrayLike
 from skfem.helpers import sym_grad
 
-from halfplane_fe.arrays import Array, Indices
 from halfplane_fe.elasticity import (
     CondensedBody,
     cells_of,
@@ -39,6 +38,7 @@ from halfplane_fe.interface import body_forces
 from halfplane_fe.scales import contact_modulus
 from halfplane_fe.solve import FiniteElementSolution
 from scenes import ContactSolution, Elastic, HalfPlane, InputError, Scene
+from scenes.array_types import Array, Indices
 from scenes.bodies import Shape, face_of
 
 # VTK's order of an element's nodes the other way round, by number of nodes.

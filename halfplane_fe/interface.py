@@ -29,13 +29,13 @@ from numpy.typing import ArrayLike
 from scipy.linalg import solve
 from scipy.sparse import csr_array
 
-from halfplane_fe.arrays import Array
 from halfplane_fe.condensed_bodies import BODIES
 from halfplane_fe.elasticity import CondensedBody
 from halfplane_fe.mortar import Mortar, Side, mortar
 from halfplane_fe.path import has_bulk_stress
 from meshes import BodyMesh, MeshSettings, SurfaceGrading, build
 from scenes import Block, InputError, Pad, Scene, Shape, freeze, sampled
+from scenes.array_types import Array
 
 # The upper body's frame is reflected in y = 0: y points out of it.
 _REFLECTED = np.array([1.0, -1.0])

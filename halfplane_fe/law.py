@@ -18,8 +18,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from halfplane_fe.arrays import Array, States
 from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK
+from scenes.array_types import Array, States
 
 _SIGN = np.zeros(4, dtype=np.int64)
 _SIGN[SLIP_FORWARD] = 1

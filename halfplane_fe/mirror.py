@@ -18,11 +18,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from halfplane_fe.arrays import Array, Indices
 from halfplane_fe.contact import InterfaceState
 from halfplane_fe.interface import Interface
 from halfplane_fe.run import PathRun
 from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, freeze
+from scenes.array_types import Array, Indices
 
 # By how much a face and its image may differ, over the largest entry: rounding of the condensation.
 _ALIKE = 1e-9

@@ -22,7 +22,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from halfplane_fe.arrays import Array, Indices
+from scenes.array_types import Array, Indices
 
 # Points of a segment of the common refinement: exact for the product of two quadratics on a
 # straight line, and to rounding for the slopes of a contact.

@@ -14,7 +14,6 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
-from halfplane_fe.arrays import Array
 from scenes import (
     NORMAL_LOAD,
     TANGENTIAL_LOAD,
@@ -25,6 +24,7 @@ from scenes import (
     LoadSegment,
     sampled,
 )
+from scenes.array_types import Array
 
 # Samples a leg, at least, on which a sign change of a rate is looked for; a turning point and its
 # twin closer than that are missed together.

@@ -39,7 +39,6 @@ from typing import Literal, NamedTuple
 import numpy as np
 import skfem
 
-from halfplane_fe.arrays import Array, Indices
 from halfplane_fe.dundurs import dundurs
 from halfplane_fe.elasticity import System, assemble, factorise
 from halfplane_fe.far_field import (
@@ -63,6 +62,7 @@ from scenes import (
     TShape,
     scene_of,
 )
+from scenes.array_types import Array, Indices
 
 # Gauss points of a facet: Flamant's tractions are smooth over an element, which is shorter than its
 # distance from the force.

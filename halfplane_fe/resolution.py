@@ -22,9 +22,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from halfplane_fe.arrays import Array
 from meshes import MeshSettings, SurfaceGrading
 from scenes import Profile
+from scenes.array_types import Array
 
 # Error in L2 over h/a, of q and of p.
 _SHEAR = 0.65

@@ -21,13 +21,13 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from halfplane_fe.arrays import Array, Indices
 from halfplane_fe.between_nodes import Excess, excess
 from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.energy import certificates, increment_energies
 from halfplane_fe.path import Stretch, enclosed, scaled_loads, straight, stretches
 from halfplane_fe.stepping import Increment, follow
 from scenes import ConvergenceError, Interrupted, LoadPath, LoadSegment, freeze
+from scenes.array_types import Array, Indices
 
 Progress = Callable[[int, int | None, str], None]
 

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from halfplane_fe.arrays import Array, Mask
 from halfplane_fe.contact import BesideTheFaces, ContactProblem, InterfaceState, nodal
 from halfplane_fe.edges import contact_edges, reported_states, stick_edges
 from halfplane_fe.interface import (
@@ -41,6 +40,7 @@ from scenes import (
     TimeSeriesLoad,
     sampled,
 )
+from scenes.array_types import Array, Mask
 
 # The coarse bodies: a scale good to 1e-3 is asked for, and most of the coarse run is the making of
 # them.

@@ -16,7 +16,6 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from halfplane_fe.answer import PenaltyAudit, answer_arrays, from_datum, penalty_audit, record_of
-from halfplane_fe.arrays import Array
 from halfplane_fe.condensed_bodies import CACHED
 from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.dundurs import dundurs
@@ -70,6 +69,7 @@ from scenes import (
     freeze,
     scene_of,
 )
+from scenes.array_types import Array
 
 # Counts of work: faces whose N - T and K lack what only the mesh makes of them, and runs repeated
 # on the faces as they are.

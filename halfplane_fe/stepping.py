@@ -19,12 +19,12 @@ from typing import Literal, NamedTuple
 import numpy as np
 import scipy
 
-from halfplane_fe.arrays import Array, Mask, States
 from halfplane_fe.contact import ROUNDING, ContactProblem, InterfaceState, nodal
 from halfplane_fe.energy import step_errors
 from halfplane_fe.path import Stretch, scaled_loads
 from halfplane_fe.systems import SingularSet
 from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, ConvergenceError, freeze
+from scenes.array_types import Array, Mask, States
 
 Event = Literal["regular", "touch", "release"]
 LoadsAt = Callable[[float], tuple[float, ...]]

@@ -36,10 +36,10 @@ from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, cholesky
 from scipy.linalg.lapack import dgetrf, dgetrs, dtrtri
 
-from halfplane_fe.arrays import Array, Indices, Mask, States
 from halfplane_fe.interface import Interface
 from halfplane_fe.law import slip_sign
 from scenes import OPEN, STICK, ConvergenceError
+from scenes.array_types import Array, Indices, Mask, States
 
 Factors = tuple[Array, NDArray[np.int32]]
 

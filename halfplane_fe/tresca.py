@@ -13,9 +13,9 @@ import numpy as np
 import scipy
 from scipy.linalg import solve
 
-from halfplane_fe.arrays import Array, Mask, States
 from halfplane_fe.systems import SingularSet, Systems
 from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, ConvergenceError
+from scenes.array_types import Array, Mask, States
 
 # Active sets of these convex problems end within ten or so; sets that recur take a node a step.
 _ITERATIONS = 200

@@ -13,9 +13,10 @@ from typing import Literal
 
 import numpy as np
 import skfem
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from scenes import InputError
+from scenes.array_types import Array
 
 Cells = Literal["triangles", "quadrilaterals"]
 
@@ -236,8 +237,6 @@ def check_count(name: str, grading: SurfaceGrading, growth: float, order: int) -
             f" {MOST_NODES:,}; {what}, or growth"
         )
 
-
-Array = NDArray[np.float64]
 
 # Elements around a sharp corner over the one in it. At a corner of a free side with a fixed base
 # the displacement goes as r^0.71 (nu = 0.3), and elements of size h there leave an error of h^1.42

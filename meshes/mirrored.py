@@ -20,8 +20,7 @@ from skfem.quadrature import get_quadrature
 
 from meshes.bodies import Cells
 from meshes.interrupts import interrupts_wait
-
-Array = NDArray[np.float64]
+from scenes.array_types import Array
 
 
 def mesh_quality(mesh: skfem.Mesh, exact_area: float) -> dict[str, float]:

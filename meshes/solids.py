@@ -37,6 +37,7 @@ from scenes import (
     ShoulderedPad,
     TShape,
 )
+from scenes.array_types import Array
 from scenes.bodies import Face, face_of
 
 
@@ -83,7 +84,6 @@ def _quarter(grading: SurfaceGrading) -> dict[str, list[int]]:
     return {"contact": contact, "free": [free], "far_field": [arc]}
 
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Solid: TypeAlias = Block | Pad | Cylinder | TShape | ShoulderedPad
 """A body that ends somewhere."""

@@ -9,7 +9,6 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from reports.charts.templating import in_template
 from reports.comparison.work_of_loads import bulk_strains
@@ -33,9 +32,8 @@ from scenes import (
     TShape,
     sampled,
 )
+from scenes.array_types import Array
 from scenes.unit_words import UNITS
-
-Array = NDArray[np.float64]
 
 # |Q| = f P is allowed (the stick zone has just closed): rounding of the loads must not forbid it.
 _ROUNDING = 1e-12

@@ -11,14 +11,12 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from reports.comparison.pairs import name_of
 from reports.units import energy_unit, load_unit, minus, number
 from scenes import ContactSolution, InputError, Scene, TimeSeriesLoad
+from scenes.array_types import Array
 from scenes.measured import ReadAs, means
-
-Array = NDArray[np.float64]
 
 # Of W: a change that is worth a warning.
 _WARNED = 0.01

@@ -9,13 +9,11 @@ from dataclasses import dataclass
 from typing import Annotated, Any, Literal, NamedTuple, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
+from scenes.array_types import Array
 from scenes.frozen import Frozen, Positive
 from scenes.profiles import Profile
-
-Array = NDArray[np.float64]
 
 
 class Elastic(Frozen):

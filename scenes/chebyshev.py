@@ -13,7 +13,8 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike, NDArray
 
-Array = NDArray[np.float64]
+from scenes.array_types import Array
+
 Function = Callable[[Array], ArrayLike]
 
 _PIECES = 400

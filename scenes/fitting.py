@@ -37,11 +37,9 @@ from typing import Any
 
 import numpy as np
 from numpy.polynomial import polynomial
-from numpy.typing import NDArray
 
+from scenes.array_types import Array
 from scenes.errors import NotFoundError, RowError
-
-Array = NDArray[np.float64]
 
 # Rows that a fit needs: it has up to six numbers, and the noise may have to come from what is left.
 _FEWEST = 8

@@ -20,11 +20,10 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import chebyshev
-from numpy.typing import NDArray
 
+from scenes.array_types import Array
 from scenes.chebyshev import DEGREE, Pieces, Unresolved, fit, tail
 
-Array = NDArray[np.float64]
 Function = Callable[[Array], Array]
 
 # Values that a series is fitted to: of a piece, and of the polynomial of x^2. The rounding of one

@@ -21,13 +21,12 @@ from pydantic import (
 )
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
+from scenes.array_types import Array
 from scenes.arrays import LARGEST, real_numbers
 from scenes.errors import InputError, RowError, shown
 from scenes.frozen import Frozen
 from scenes.text_tables import TextTable, text_table
 from scenes.unit_words import Kind, short_unit_in, unit_factor
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,6 +22,7 @@ from pydantic import (
     model_validator,
 )
 
+from scenes.array_types import Array
 from scenes.chebyshev import Pieces, Unresolved, fit, values_of
 from scenes.errors import InputError, RowError
 from scenes.fitting import FitRequest, fitted_keys
@@ -29,8 +30,6 @@ from scenes.frozen import Frozen, Positive, PositiveNumber, PythonFunction, refu
 from scenes.height_slopes import Rounding, slope_of_height
 from scenes.measured import COLUMNS, READ_AS, SCALE, UNITS, ZERO, FromFile, ReadAs, Table
 from scenes.unit_words import Kind
-
-Array = NDArray[np.float64]
 
 _ALIKE = 1e-12
 # Of a slope: what two neighbouring secants of rows on a line may differ by. Their rounding is less,

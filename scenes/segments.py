@@ -28,10 +28,10 @@ from numpy.polynomial import chebyshev, polynomial
 from numpy.typing import ArrayLike, NDArray
 from pydantic import Field
 
+from scenes.array_types import Array
 from scenes.chebyshev import difference
 from scenes.errors import NotFoundError
 
-Array = NDArray[np.float64]
 Loads = tuple[Array, Array]
 Point = tuple[
     Annotated[float, Field(description="normal load P")],

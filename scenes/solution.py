@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from scenes.array_types import Array
 from scenes.errors import InputError, first_line
 from scenes.files import replace_file
 from scenes.netcdf import StoredArray, StoredArrays, netcdf_of, read_netcdf
@@ -20,8 +21,6 @@ from scenes.scene import Scene
 
 if TYPE_CHECKING:
     import xarray as xr
-
-Array = NDArray[np.float64]
 
 
 class SurfaceState(IntEnum):

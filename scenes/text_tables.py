@@ -21,12 +21,11 @@ from typing import TextIO
 import numpy as np
 from numpy.typing import NDArray
 
+from scenes.array_types import Array
 from scenes.arrays import LARGEST
 from scenes.errors import InputError, shown
 from scenes.files import TEXT, check_size
 from scenes.unit_words import is_unit, name_without_unit, unit_in
-
-Array = NDArray[np.float64]
 
 # Rows of a table, characters of a row: what is longer would take gigabytes on its way through the
 # engines. A row of somebody else's table may hold all the frames of a point.

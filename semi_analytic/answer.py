@@ -29,10 +29,9 @@ from scenes import (
     Work,
     freeze,
 )
+from scenes.array_types import Array
 from scenes.arrays import LARGEST, real_numbers
 from semi_analytic.elasticity import coupling_constant
-
-Array = NDArray[np.float64]
 
 Cycles = Literal["all", "steady"]
 

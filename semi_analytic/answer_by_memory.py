@@ -38,6 +38,7 @@ from scenes import (
     TimeSeriesLoad,
     freeze,
 )
+from scenes.array_types import Array
 from semi_analytic.answer import (
     Findings,
     Question,
@@ -87,7 +88,6 @@ from semi_analytic.quadrature import NODES
 from semi_analytic.steady_ellipse import Ellipses, digits_of_loop, ellipses_of, works_over_time
 from semi_analytic.tilted_profile import TiltedProfile
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 # Instants and places at which the errors of fields are looked at.

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK
+from scenes.array_types import Array
 from semi_analytic.answer import (
     Findings,
     Question,
@@ -22,8 +23,6 @@ from semi_analytic.answer import (
 from semi_analytic.bulk_and_tilt import PathLoads, leaning_profile
 from semi_analytic.loops_in_phase import WAY_NODES, Way, loop_of
 from semi_analytic.memory import PROMISED
-
-Array = NDArray[np.float64]
 
 _INSTANTS = 400
 

@@ -9,7 +9,6 @@ import time as clock
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from scenes import OPEN
 from semi_analytic.answer import (
@@ -22,8 +21,6 @@ from semi_analytic.answer import (
 from semi_analytic.bulk_and_tilt import leaning_profile
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.grid import INCREMENTS, Followed, GridRequest, edges_along, follow_on_grid
-
-Array = NDArray[np.float64]
 
 OF_WORK = frozenset(("dissipation", "dissipation_density"))
 """Fields that are taken from the steady cycle alone where that has another way."""

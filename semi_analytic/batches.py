@@ -38,6 +38,7 @@ from scenes import (
     Profile,
     Wedge,
 )
+from scenes.array_types import Array
 from scenes.arrays import LARGEST, real_numbers
 from scenes.frozen import Frozen, validated
 from semi_analytic.answer import neglected_coupling
@@ -62,7 +63,6 @@ from semi_analytic.steady_ellipse import (
     works_by_lam,
 )
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 _MEMBERS = 256

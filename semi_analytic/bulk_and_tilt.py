@@ -14,7 +14,6 @@ from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from scenes import (
     NORMAL_LOAD,
@@ -29,13 +28,12 @@ from scenes import (
     Scene,
     StraightSegment,
 )
+from scenes.array_types import Array
 from scenes.chebyshev import Unresolved
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.opposite_slip import OppositeSlip
 from semi_analytic.profiles import contact_of, convex_profile
 from semi_analytic.tilted_profile import ConvexProfile, NestedIntervals, TiltedProfile
-
-Array = NDArray[np.float64]
 
 # Share of the largest value, or of what would make a whole edge slip, within which two affine
 # functions are one.

@@ -37,6 +37,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, BodyEffects, Estimate, InputError, Scene
+from scenes.array_types import Array
 from scenes.arrays import LARGEST
 from semi_analytic.answer import (
     Findings,
@@ -52,7 +53,6 @@ from semi_analytic.history import History, turns_of, within
 from semi_analytic.load_series import LoadSeries
 from semi_analytic.profiles import SymmetricContact, contact_of
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 NUMBERS = (

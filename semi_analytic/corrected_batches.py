@@ -22,12 +22,10 @@ from dataclasses import dataclass, fields, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from scenes.array_types import Array
 from semi_analytic.corrected_memory import Curvatures
 from semi_analytic.profiles import SymmetricContact
-
-Array = NDArray[np.float64]
 
 # Gauss' nodes in each of two ranges of punches. At other punches, where slip changes from one kind
 # to another, w has a kink: these leave 2e-5 of W.

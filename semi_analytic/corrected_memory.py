@@ -42,9 +42,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from scenes.array_types import Array
 from semi_analytic.profiles import SymmetricContact
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 # Cells of the table between two corners: cubics leave 1e-12 of a load at 512, 4e-9 at 64.

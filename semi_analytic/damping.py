@@ -15,12 +15,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from scenes import ContactSolution, InputError, freeze
+from scenes.array_types import Array
 from semi_analytic.elasticity import composite_modulus
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -43,13 +43,13 @@ from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
 from scenes import NORMAL_LOAD, LoadSegment
+from scenes.array_types import Array
 from scenes.chebyshev import DEGREE, NODES, series, tail
 from semi_analytic.memory import CurvePart, Piece, Snapshot, front_time, pieces
 from semi_analytic.profiles import Contact
 from semi_analytic.punch_superposition import PunchSuperposition
 from semi_analytic.quadrature import ROOTS, gauss, graded
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 Kernel = Literal["shear", "slip", "shift"]
 

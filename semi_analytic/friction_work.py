@@ -27,6 +27,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from scenes import NORMAL_LOAD, Combination, NotFoundError
+from scenes.array_types import Array
 from scenes.segments import LEAST
 from semi_analytic.fields import Integrals
 from semi_analytic.history import Span, corner_times, take
@@ -36,7 +37,6 @@ from semi_analytic.profiles import Contact
 from semi_analytic.quadrature import NODES, ROOTS, crowded, gauss, graded
 from semi_analytic.tilted_profile import TiltedProfile
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 CONVERGED = 1e-12

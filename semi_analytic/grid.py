@@ -46,11 +46,10 @@ from scenes import (
     LoadPath,
     LoadSegment,
 )
+from scenes.array_types import Array
 from semi_analytic.bulk_and_tilt import PathLoads
 from semi_analytic.history import check
 from semi_analytic.tilted_profile import TiltedProfile
-
-Array = NDArray[np.float64]
 
 CELLS = 160
 """Cells across the largest contact; half as many tell the error."""

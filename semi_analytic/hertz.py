@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from scenes.array_types import Array
 
 # Of 2 artanh y - 2 y; with eleven terms it leaves 2e-16 up to a ratio of 0.3.
 _TAIL = (2 / np.arange(3.0, 25.0, 2.0)).tolist()

@@ -19,7 +19,7 @@ from itertools import pairwise
 
 import numpy as np
 import scipy
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from scenes import (
     NORMAL_LOAD,
@@ -30,6 +30,7 @@ from scenes import (
     LoadPath,
     LoadSegment,
 )
+from scenes.array_types import Array
 from semi_analytic.memory import (
     Curve,
     Instant,
@@ -50,8 +51,6 @@ from semi_analytic.memory import (
     value_on,
 )
 from semi_analytic.profiles import Contact
-
-Array = NDArray[np.float64]
 
 # Share of the largest load, or of the rates of P and Q, below which a difference is rounding.
 _ROUNDING = 1e-14

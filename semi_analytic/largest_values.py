@@ -23,17 +23,15 @@ from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from scenes import NORMAL_LOAD, OPEN, ContactSolution, LoadSegment, Scene
+from scenes.array_types import Array
 from scenes.solution import range_of_slip
 from semi_analytic.bulk_and_tilt import one_curve
 from semi_analytic.memory import level
 from semi_analytic.profiles import Contact, contact_of
 from semi_analytic.solution import solve
 from semi_analytic.subsurface import edge_tension
-
-Array = NDArray[np.float64]
 
 # Places at first between two kinks, of the whole contact together; places in a round around each
 # candidate.

@@ -37,10 +37,10 @@ from scenes import (
     StraightSegment,
     TimeSeriesLoad,
 )
+from scenes.array_types import Array
 from semi_analytic.history import SLACK, check, evenly, turns_of, within
 from semi_analytic.memory import Snapshot, repeats_within
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 # Share of the rates of P and Q below which growth of a level is rounding.

@@ -24,15 +24,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from scenes import Scene
+from scenes.array_types import Array
 from semi_analytic.bulk_and_tilt import LoadSizes, cycle_samples
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.profiles import convex_profile
 from semi_analytic.tilted_profile import ConvexProfile
-
-Array = NDArray[np.float64]
 
 # Gauss nodes over a way and over a slip zone; half as many tell the error.
 WAY_NODES = 48

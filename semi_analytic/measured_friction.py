@@ -37,12 +37,11 @@ from scenes import (
     freeze,
     sampled,
 )
+from scenes.array_types import Array
 from scenes.arrays import real_numbers
 from scenes.frozen import validated
 from semi_analytic.batches import DissipationBatch, dissipation
 from semi_analytic.solution import solve
-
-Array = NDArray[np.float64]
 
 # Samples of W in f over f_min: 1 + 10^k close to sliding, where W has all its changes in P_T; by
 # the logarithm up to _MIDDLE of f_min or Q1/P1, whichever is more, by which W has all its turning

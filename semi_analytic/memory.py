@@ -26,8 +26,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from scenes import NORMAL_LOAD, Combination, LoadSegment
-
-Array = NDArray[np.float64]
+from scenes.array_types import Array
 
 _EPS = float(np.finfo(float).eps)
 _REPEATS = 1e-12

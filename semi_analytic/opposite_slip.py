@@ -24,13 +24,12 @@ from functools import cached_property, lru_cache
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from scenes.array_types import Array
 from scenes.chebyshev import Pieces, halved
 from semi_analytic.quadrature import crowded, gauss, graded
 from semi_analytic.tilted_profile import TiltedProfile
-
-Array = NDArray[np.float64]
 
 # Parts in which loads grow from nothing to those asked for, and steps of Newton's method in each at
 # most.

@@ -43,6 +43,7 @@ from scenes import (
     Tabulated,
     Wedge,
 )
+from scenes.array_types import Array
 from scenes.chebyshev import NODES, Pieces, Powers, Unresolved, halved, series, tail
 from scenes.profiles import first_fall
 from semi_analytic.elasticity import composite_modulus
@@ -56,7 +57,6 @@ from semi_analytic.tilted_profile import (
     TiltedProfile,
 )
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 SymmetricContact = HertzContact | PunchSuperposition
 Contact = SymmetricContact | TiltedProfile

@@ -40,10 +40,10 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike, NDArray
 
+from scenes.array_types import Array
 from scenes.chebyshev import NODES, clenshaw, series, tail
 from semi_analytic.quadrature import gauss, graded
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 Function = Callable[[Array], Array]
 Kind = Literal["pressure", "outside", "logarithm"]

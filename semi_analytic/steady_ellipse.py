@@ -52,12 +52,12 @@ import numpy as np
 from numpy.polynomial import chebyshev, legendre
 from numpy.typing import NDArray
 
+from scenes.array_types import Array
 from scenes.chebyshev import Powers, halved
 from semi_analytic.hertz import log_excess
 from semi_analytic.profiles import Contact, SymmetricContact
 from semi_analytic.quadrature import ROOTS, gauss, graded
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 PHASES = ("E-G", "I-J", "J-M")

@@ -49,13 +49,12 @@ from itertools import pairwise
 from typing import ClassVar, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from scenes import InputError, NotFoundError, ProfileDataError
+from scenes.array_types import Array
 from scenes.chebyshev import Pieces, Unresolved, halved
 from semi_analytic.quadrature import ROOTS, LogisticRule, crowded, gauss, graded, panels
-
-Array = NDArray[np.float64]
 
 # Steps of Newton's method, kept in a bracket: about ten are taken, sixty halvings would do.
 _STEPS = 120

@@ -16,11 +16,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.special import eval_chebyt, eval_chebyu, jv
 
-Array = NDArray[np.float64]
+from scenes.array_types import Array
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,6 @@ from unittest import mock
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 import halfplane_fe
 import semi_analytic
@@ -21,8 +20,7 @@ from halfplane_fe.mirror import half
 from halfplane_fe.run import PathRun
 from meshes import MeshSettings
 from scenes import Scene, load_scene
-
-Array = NDArray[np.float64]
+from scenes.array_types import Array
 
 
 def coarse_pair(scene: Scene) -> scales._CoarsePair:

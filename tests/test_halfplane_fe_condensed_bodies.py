@@ -13,7 +13,6 @@ from inspect import signature
 import numpy as np
 import pytest
 import skfem
-from numpy.typing import NDArray
 
 import halfplane_fe
 from halfplane_fe import SolverSettings, condensed_bodies
@@ -21,8 +20,8 @@ from halfplane_fe.condensed_bodies import CACHED, CondensedBodies
 from halfplane_fe.elasticity import condense
 from meshes import BodyMesh, MeshSettings, SurfaceGrading, half_disc
 from scenes import Elastic, load_scene
+from scenes.array_types import Array
 
-Array = NDArray[np.float64]
 Body = tuple[BodyMesh, Elastic, float]
 STEEL = Elastic(young_modulus=210e3, poisson_ratio=0.3)
 MESH = MeshSettings(element_size=1 / 10, edge_element_size=1 / 20)

@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 import halfplane_fe
 import semi_analytic
@@ -57,9 +56,9 @@ from scenes import (
     TShape,
     load_scene,
 )
+from scenes.array_types import Array
 from semi_analytic.profiles import contact_of
 
-Array = NDArray[np.float64]
 THERE = {table.name: table for table in pages.present(PUBLISHED)}
 PAPER = ellipse_path(1 / 3, 1.1 / 3, 1 / 3, np.pi / 2)
 NOTHING = Curvatures(0.0, 0.0)

@@ -27,9 +27,9 @@ from reports.charts.templating import (
     table_text,
     template,
 )
+from scenes.array_types import Array
 
 # --------------------------------------------------------------------------------- places and ticks
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,6 @@ from itertools import chain
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 
 from reports.comparison import Comparison, compare
@@ -35,6 +34,7 @@ from reports.comparison.pairs import are_half_planes
 from reports.comparison.work_of_loads import on_straight_steps
 from reports.python_numbers import PythonNumbers
 from scenes import ContactSolution, ConvergenceError, InputError
+from scenes.array_types import Array
 
 if TYPE_CHECKING:
     from halfplane_fe import SolverSettings
@@ -659,7 +659,6 @@ def _theory(metric: Metric, comparison: Comparison) -> Term:
 
 
 # --------------------------------------------------------------- mesh-refinement study of one value
-Array = NDArray[np.float64]
 _Kind = Literal["monotone", "oscillating", "diverging", "exact", "too few"]
 
 # Safety factors on an uncertainty: of a plausible order, and of any other (Eca and Hoekstra 2014).

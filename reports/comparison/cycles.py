@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import ContactSolution, InputError, freeze
-
-Array = NDArray[np.float64]
+from scenes.array_types import Array
 
 _FIELDS = ("pressure", "shear", "slip")
 _EDGES = ("contact_edges", "stick_edges")

@@ -15,7 +15,6 @@ from operator import attrgetter
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from reports.comparison.cycles import last_cycle
 from reports.comparison.dimensionless import energy_scale
@@ -25,8 +24,7 @@ from reports.comparison.work_of_loads import bulk_work
 from reports.python_numbers import PythonNumbers
 from reports.units import minus
 from scenes import SLIP_FORWARD, SLIP_REVERSE, ContactSolution, Expected, Scene
-
-Array = NDArray[np.float64]
+from scenes.array_types import Array
 
 # Algebra in double precision over some hundred steps leaves 1e-12 to 1e-10; a law that is broken
 # shows above 1e-6.

@@ -17,12 +17,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.comparison.cycles import Array, Cycle
+from reports.comparison.cycles import Cycle
 from reports.comparison.pairs import Mask, Pair, name_of
 from reports.comparison.work_of_loads import bulk_work, loop_work, on_straight_steps
 from reports.python_numbers import PythonNumbers
 from reports.units import minus
 from scenes import OPEN, ContactSolution
+from scenes.array_types import Array
 from scenes.solution import range_of_slip
 
 # Differences of size that are rounding: engines repeat themselves to 1e-11.

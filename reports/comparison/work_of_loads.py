@@ -12,9 +12,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from reports.comparison.cycles import Array, Cycle
+from reports.comparison.cycles import Cycle
 from reports.comparison.pairs import are_half_planes
 from scenes import ContactSolution, Materials, freeze
+from scenes.array_types import Array
 
 
 def bulk_strains(materials: Materials) -> tuple[float, float]:

@@ -15,16 +15,15 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from scenes import InputError
+from scenes.array_types import Array
 
 if TYPE_CHECKING:
     import pandas as pd
 
     from halfplane_fe import FiniteElementSolution
 
-Array = NDArray[np.float64]
 
 # Angles of planes, half a turn in all, and steps towards the least sphere around a path, whose
 # radius they leave 1e-3 too large.

@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 from reports.comparison.cycles import events, last_cycle
 from reports.field_output.fatigue import principal
 from scenes import ContactSolution, InputError
+from scenes.array_types import Array
 
 if TYPE_CHECKING:
     from halfplane_fe import BodyFields, FiniteElementSolution, Snapshot
     from meshes import BodyMesh
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Report = Callable[[int, int | None, str], None]
 _COLLECTION = "fields.pvd"

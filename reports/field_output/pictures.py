@@ -34,12 +34,12 @@ from reports.comparison.words import SUPPORT_WORDS
 from reports.field_output.files import NO_PEAK, Instant, peak
 from reports.units import load_unit, minus, number, units
 from scenes import InputError
+from scenes.array_types import Array
 
 if TYPE_CHECKING:
     from halfplane_fe import BodyFields, FiniteElementSolution, Snapshot
     from meshes import BodyMesh
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Window = tuple[float, float, float, float]
 """The part of the plane that a picture shows: left, right, bottom, top [length]."""

@@ -25,10 +25,10 @@ from reports.charts.plate import (
 )
 from reports.charts.templating import Table
 from reports.comparison.words import bodies_in_words, bulk_and_tilt
-from reports.page.cycle_view import Array
 from reports.profile_fit import fit_of
 from reports.units import load_unit, number, units
 from scenes import Cylinder, HalfPlane, Scene, Shape, ShoulderedPad, TShape, sampled
+from scenes.array_types import Array
 from scenes.bodies import face_of
 
 # Half the width of a half-plane as drawn, over a or over the half-width of the body that it faces.

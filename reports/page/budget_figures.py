@@ -12,8 +12,9 @@ from reports.charts.plate import Axis, Block, Curve, Dot, Key, Mark, Note, Plate
 from reports.charts.templating import Table
 from reports.comparison.budget import ROUNDING, Budget, ErrorBudget, Refinement, extrapolate
 from reports.comparison.words import value_of
-from reports.page.cycle_view import LINE_LOOKS, Array, broad_panel
+from reports.page.cycle_view import LINE_LOOKS, broad_panel
 from reports.units import minus
+from scenes.array_types import Array
 
 if TYPE_CHECKING:
     from reports.scoring.study import Study

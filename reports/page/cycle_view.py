@@ -14,8 +14,7 @@ from reports.comparison.cycles import Cycle, events
 from reports.comparison.pairs import name_of
 from reports.units import minus
 from scenes import ContactSolution
-
-Array = NDArray[np.float64]
+from scenes.array_types import Array
 
 X_OVER_A = "x / a_ref"
 

@@ -29,13 +29,13 @@ from reports.charts.templating import STATE_NAMES
 from reports.comparison.words import value_of
 from reports.page.cycle_view import (
     ZERO,
-    Array,
     CycleView,
     EngineView,
     difference_in_words,
     permanent_edges,
 )
 from reports.units import minus, signed
+from scenes.array_types import Array
 
 # Open, stick, forward and reverse slip on a map, which has no style sheet.
 _STATE_COLOURS = ("#ffffff", "#d2d2d2", "#e69f00", "#0072b2")

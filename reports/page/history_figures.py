@@ -30,7 +30,6 @@ from reports.page.cycle_view import (
     LINE_LOOKS,
     X_OVER_A,
     ZERO,
-    Array,
     CycleView,
     broad_panel,
     difference_in_words,
@@ -40,6 +39,7 @@ from reports.page.cycle_view import (
 )
 from reports.units import energy_unit, load_unit, minus, signed, units
 from scenes import Scene, sampled
+from scenes.array_types import Array
 from scenes.scene import OWN_TOLERANCES
 
 _MOST_TOLERANCES = 8.0  # that an axis of discrepancies holds

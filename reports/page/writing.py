@@ -36,7 +36,7 @@ from reports.measured import section
 from reports.page.body_figures import fit_residuals, sketch
 from reports.page.budget_figures import budget_bars, mesh_refinement, study_convergence
 from reports.page.content import as_json, common_content
-from reports.page.cycle_view import Array, CycleView, sheared_displacement, slip_points
+from reports.page.cycle_view import CycleView, sheared_displacement, slip_points
 from reports.page.field_figures import (
     dissipation_density,
     moving_instant,
@@ -56,6 +56,7 @@ from reports.profile_fit import findings
 from reports.report import Report, ThirdAnswer
 from reports.units import load_unit, minus, units
 from scenes import InputError
+from scenes.array_types import Array
 
 if TYPE_CHECKING:
     from reports.field_output.files import Instant

@@ -14,15 +14,13 @@ from itertools import chain, pairwise
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from reports.scoring.mapping import Mapping, Quantity, converted, find_column, listed
 from scenes import InputError
+from scenes.array_types import Array
 from scenes.errors import shown
 from scenes.files import TEXT, check_size
 from scenes.text_tables import plain
-
-Array = NDArray[np.float64]
 
 _TITLE = "Field Output Report"
 _HEADER = re.compile(

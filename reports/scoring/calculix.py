@@ -33,8 +33,8 @@ from reports.scoring.surface import (
     surface_result,
 )
 from scenes import InputError
+from scenes.array_types import Array
 
-Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 # Of the blocks that tractions are read from: quantities, and the components that they are.

@@ -18,9 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import InputError
+from scenes.array_types import Array
 from scenes.files import check_size
 
-Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 # bytes; a path along the surface needs no more, and the whole of a larger file would not fit beside

@@ -44,9 +44,9 @@ from reports.comparison.verdicts import Verdict, verdict_on
 from reports.measured import noise_of
 from reports.scoring.surface import spikes
 from scenes import STICK, InputError, LineOfAction, Materials, PolygonLoad, Scene, Wave, WaveSum
+from scenes.array_types import Array
 from semi_analytic.profiles import contact_of
 
-Array = NDArray[np.float64]
 Tractions = Array
 """(2, k, n): pressure and shear at instants and points [stress]."""
 

@@ -23,10 +23,10 @@ from numpy.typing import NDArray
 
 from reports.scoring import vtk_files
 from scenes import InputError
+from scenes.array_types import Array
 from scenes.errors import in_words
 from scenes.files import check_size, within_memory
 
-Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 # bytes: of a file, of memory that one may take

@@ -27,9 +27,9 @@ from reports.scoring.surface import (
     surface_result,
 )
 from scenes import InputError
+from scenes.array_types import Array
 from scenes.text_tables import plain
 
-Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 _Components = dict[Quantity, str]
 """Quantity -> the field at points that it is, or "name:k" for a component of one."""

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from reports.scoring.surface import SurfaceResult
 from scenes import InputError, LoadPath, Scene, freeze
+from scenes.array_types import Array
 
-Array = NDArray[np.float64]
 Places = NDArray[np.intp]
 Loads = tuple[Array, Array]
 

@@ -17,8 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import InputError
-
-Array = NDArray[np.float64]
+from scenes.array_types import Array
 
 # Levels of Q, as shares of its range, that rows must pass between two turning points: noise turns Q
 # more often.

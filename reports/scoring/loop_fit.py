@@ -37,8 +37,8 @@ from numpy.typing import NDArray
 import semi_analytic
 from reports.scoring.loop_branches import Branches, row_noise
 from scenes import Scene
+from scenes.array_types import Array
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 # Samples of the memory curve, closer towards gross sliding, where its slope grows as a logarithm,

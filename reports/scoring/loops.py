@@ -33,7 +33,6 @@ from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 import semi_analytic
 from reports.charts.plate import Axis, Curve, Dot, Key, Mark, Panel, Plate, Rule, limits, worded
@@ -53,10 +52,10 @@ from reports.scoring.loop_fit import (
 from reports.scoring.mapping import Mapping, converted, find_column, listed
 from reports.units import energy_unit, load_unit, minus, units
 from scenes import InputError, Scene
+from scenes.array_types import Array
 from scenes.measured import ReadAs, layout_in_words, unit_of_column
 from scenes.text_tables import ALIASES, TableKind, TextTable, plain, text_table
 
-Array = NDArray[np.float64]
 Against = Literal["exact", "fe"]
 
 _SHIFT_NAMES = (

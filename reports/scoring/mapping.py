@@ -10,15 +10,14 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
 from scenes import InputError
+from scenes.array_types import Array
 from scenes.files import keys_of
 from scenes.frozen import Frozen, checked
 from scenes.text_tables import ALIASES, plain
 
-Array = NDArray[np.float64]
 Quantity = Literal[
     "time", "frame", "normal_load", "tangential_load", "x", "y", "pressure", "shear", "slip"
 ]

@@ -17,9 +17,8 @@ from reports.scoring.abaqus import is_field_report, read_field_report
 from reports.scoring.mapping import Mapping, Quantity, converted, find_column, stated_times
 from reports.scoring.surface import SurfaceResult, surface_result
 from scenes import InputError
+from scenes.array_types import Array
 from scenes.text_tables import ALIASES, TableKind, TextTable, plain, text_table
-
-Array = NDArray[np.float64]
 
 _TABLES = (".csv", ".txt", ".rpt")
 # Suffix -> module and function, each read(path, mapping) -> SurfaceResult; loaded when a file asks

@@ -33,9 +33,9 @@ from scenes import (
     Work,
     freeze,
 )
+from scenes.array_types import Array
 from scenes.solution import last_whole_cycle
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 # A figure of the result over that of theory may lie between these and be right: a frame near

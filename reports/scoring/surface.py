@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from scenes import InputError, freeze
+from scenes.array_types import Array
 from scenes.arrays import LARGEST
 
-Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 

@@ -17,7 +17,6 @@ from functools import lru_cache
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.integrate import quad
 from scipy.interpolate import PchipInterpolator
 from scipy.special import xlogy
@@ -25,11 +24,11 @@ from scipy.special import xlogy
 import semi_analytic
 from reports.studies.maps.laws import PUBLISHED
 from scenes import Block, Elastic, FlatRounded, HalfPlane, Hertz, InputError, Materials, Pad, Scene
+from scenes.array_types import Array
 from scenes.frozen import validated
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.profiles import contact_of
 
-Array = NDArray[np.float64]
 Base = Literal["fixed", "rollers"]
 _FAR = 40.0  # L - 1 of a layer decays like w^2 exp(-2 w)
 # of the memory curve and of an ellipse: W of half-planes is then met to 2e-4

@@ -26,8 +26,8 @@ from scipy.stats import t as student
 from reports.charts.templating import table_text
 from reports.studies.sweep.study import Point, expand, load_study
 from scenes import InputError
+from scenes.array_types import Array
 
-Array = NDArray[np.float64]
 _FEWEST = 5  # points of a fit: three unknowns and two degrees of freedom
 _BEND = 2.0  # standard deviations of curvature before a range counts as not asymptotic
 _SHARE = 0.1  # of an error, its uncertainty where none was asked for

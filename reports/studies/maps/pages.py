@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from reports.charts.plate import (
     Axis,
@@ -66,8 +65,8 @@ from reports.studies.maps.laws import (
 )
 from reports.studies.sweep.page import bars, cell_borders, heat_map
 from scenes import InputError, load_scene
+from scenes.array_types import Array
 
-Array = NDArray[np.float64]
 DESIGNER = Path(__file__).with_name("designer.toml")
 _DRAWN = ("error.dissipation", "error.peak_dissipation", "error.p0", "error.contact_half_width")
 _TABLED = (*_DRAWN, "error.permanent_stick_half_width", "error.stick_half_width")

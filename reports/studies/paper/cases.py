@@ -17,17 +17,16 @@ from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 import semi_analytic
 from scenes import ContactSolution, EllipseLoad, InputError, Scene, freeze, load_scene
+from scenes.array_types import Array
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.friction_work import pointwise_dissipation, slip_times
 from semi_analytic.history import Span, history_of
 from semi_analytic.profiles import Contact, contact_of
 from semi_analytic.quadrature import graded
-
-Array = NDArray[np.float64]
 
 # Names of both examples in the library.
 _HERTZ = "hertz-paper"

@@ -16,8 +16,7 @@ from reports.charts.templating import Table
 from reports.studies.paper.cases import FRICTIONS, LETTERS, POINTS, Case, Paper, Sweep, total
 from reports.studies.paper.tables import WORDS, filled_in
 from scenes import SurfaceState
-
-Array = NDArray[np.float64]
+from scenes.array_types import Array
 
 # Looks of curves that a figure tells apart, the first to the last.
 _FAMILY = ("c0 solid", "c1 dash", "c2 dashdot", "c3 dot")

@@ -18,8 +18,7 @@ import semi_analytic
 from reports.studies.paper.cases import Case, Formulas, Paper, integral, sliding_limit, total
 from reports.studies.paper.tables import EXACT, Found, proves
 from scenes import PolygonLoad
-
-Array = NDArray[np.float64]
+from scenes.array_types import Array
 
 _PHASES = ("EG", "IJ", "JM")
 

@@ -11,7 +11,6 @@ from collections.abc import Sequence
 from itertools import chain, groupby
 
 import numpy as np
-from numpy.typing import NDArray
 
 import semi_analytic
 from reports.charts.templating import STATE_NAMES
@@ -27,9 +26,8 @@ from reports.studies.paper.cases import (
 )
 from reports.studies.paper.tables import EXACT, Found, judge, judge_number
 from scenes import SurfaceState
+from scenes.array_types import Array
 from semi_analytic.friction_work import slip_times
-
-Array = NDArray[np.float64]
 
 _ROUNDING = 1e-10
 _EXPONENT_SLACK = 0.01

@@ -39,8 +39,8 @@ from reports.studies.sweep.store import STATUS, Store, rows_with_figures
 from reports.studies.sweep.study import Axis, study_of
 from reports.units import number
 from scenes import Scene
+from scenes.array_types import Array
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 _PANELS = 6  # of one figure
 _MARKED = 120  # points of a line that are marked one by one

@@ -24,9 +24,9 @@ from halfplane_fe.solve import surface_grading
 from meshes import BodyMesh, MeshSettings
 from reports.charts.templating import template
 from scenes import Block, HalfPlane, InputError, Profile, Scene, Shape, freeze
+from scenes.array_types import Array
 from scenes.frozen import validated
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 # The longest line that CalculiX reads.

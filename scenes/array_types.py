@@ -1,4 +1,4 @@
-"""Types of the arrays of this package, by what their entries are."""
+"""Types of arrays, by what their entries are."""
 
 from __future__ import annotations
 
