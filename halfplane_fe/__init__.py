@@ -32,7 +32,6 @@ In the order in which a scene passes through::
     remainder.py                           what finite bodies add to half-planes: remainder of the
                                            Green's function, without contact
     resolution.py, dundurs.py              what the mesh can't see, how unlike the bodies are
-    arrays.py                              types of the arrays of the package
     fields.py, face_stress.py              displacement and stress inside the bodies; stress next to
                                            the contact from the tractions
 """

@@ -29,6 +29,7 @@ Its files and the answer::
     files.py        files up to a stated size, whole or not at all: text, keys, source files
     netcdf.py       NetCDF files of named arrays with their units, by h5netcdf
     errors.py       what can go wrong, as sentences
+    array_types.py  types of arrays by what their entries are, for every package
     arrays.py       arrays of real numbers from Python callers; the largest number that is admitted
     solution.py     the form of every answer
     notebook_forms.py   HTML and figures of scenes and solutions, registered by whoever draws them
