@@ -1,10 +1,9 @@
 """Numbers in the text of a page, each between two marks: `<!-- n:KEY -->0.412<!-- /n -->`. What
 each key stands for.
 
-- `peak pressure, SCENE` and the like: the published baselines of tests/cases; `theory: ...`:
-  theory/finite elements - 1 in %, unsigned
-- `theory ± u: dissipation, SCENE` and the like: the same with its uncertainty,
-  docs/uncertainty.json
+- `peak pressure, SCENE` and the like: the published baselines of tests/cases
+- `± u: dissipation, SCENE` and the like: finite elements/theory - 1 in %, unsigned, with its
+  uncertainty, docs/uncertainty.json
 - the paper's: its statements and misprints, computed again
 - `CLAIM`, or `SECTION: CLAIM` where two sections share it: docs/numbers.json, by make numbers
 - `limit: FILE`: how much of a file is read, from the code
@@ -27,7 +26,7 @@ from reports.comparison.words import with_uncertainty
 from reports.scoring import calculix_files, field_files
 from reports.studies.paper.cases import Paper
 from reports.studies.paper.page import misprints, statements, tally
-from scenes import files, text_tables
+from scenes import files, netcdf, text_tables
 from scenes.errors import in_words
 
 NUMBER = re.compile(r"(<!-- n:([^<>]+?) -->)[^<]*(<!-- /n -->)")
@@ -93,27 +92,23 @@ def published_values(scenes: Mapping[str, Any]) -> dict[str, str]:
             text = published_share(content, key)
             if text is not None:
                 words = key.replace("_", " ")
-                error = 1 / (1 + content["frozen"][f"metric.{key}"]) - 1
                 numbers[f"{words}, {name}"] = text
-                numbers[f"theory: {words}, {name}"] = f"{100 * abs(error):.3f}"
     return numbers
 
 
 def uncertain_values(measured: Mapping[str, Mapping[str, Mapping[str, float]]]) -> dict[str, str]:
-    """Key -> theory/finite elements - 1 in %, unsigned, with its uncertainty, of scenes whose
+    """Key -> finite elements/theory - 1 in %, unsigned, with its uncertainty, of scenes whose
     uncertainty was measured.
 
     >>> uncertain_values({"blocks": {"dissipation": {"value": -0.0272, "uncertainty": 0.00042}}})
-    {'theory ± u: dissipation, blocks': '2.80 ± 0.04'}
+    {'± u: dissipation, blocks': '2.72 ± 0.04'}
     """
     numbers = {}
     for scene, metrics in measured.items():
         for key, metric in metrics.items():
-            ratio = 1 + metric["value"]  # finite elements/theory
-            error = 100 * abs(1 / ratio - 1)
-            uncertainty = 100 * metric["uncertainty"] / ratio**2
-            name = f"theory ± u: {key.replace('_', ' ')}, {scene}"
-            numbers[name] = with_uncertainty(error, uncertainty)
+            difference = 100 * abs(metric["value"])
+            name = f"± u: {key.replace('_', ' ')}, {scene}"
+            numbers[name] = with_uncertainty(difference, 100 * metric["uncertainty"])
     return numbers
 
 
@@ -154,7 +149,7 @@ def limit_values() -> dict[str, str]:
     sizes = {
         "TOML": files.TOML,
         "text": files.TEXT,
-        "NetCDF": files.SOLUTION,
+        "NetCDF": netcdf.LARGEST_SOLUTION,
         "fields": field_files.LARGEST,
         "unpacked": field_files.UNPACKED,
         ".frd and .dat": calculix_files.LARGEST,

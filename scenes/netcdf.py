@@ -20,7 +20,7 @@ from scenes.errors import InputError, first_line, in_words
 from scenes.files import check_size, within_memory
 
 # Bytes that are read at most, in the file and unpacked; what the file is to the user.
-_MOST = 2**31
+LARGEST_SOLUTION = 2**31
 _WHAT = "the solution"
 # What the library raises on files that are broken off, spoilt or something else.
 _FAULTS = (
@@ -112,10 +112,10 @@ def read_netcdf(path: Path, form: Mapping[str, tuple[str, ...]], newest: str) ->
     before = sys.unraisablehook
     sys.unraisablehook = lambda _fault: None
     try:
-        check_size(path, _WHAT, _MOST)
+        check_size(path, _WHAT, LARGEST_SOLUTION)
         # Dimensions that an HDF5 file does not name are numbered, and refused by their names.
         with (
-            within_memory(path, 2 * _MOST),
+            within_memory(path, 2 * LARGEST_SOLUTION),
             h5netcdf.File(path, "r", phony_dims="access") as file,
         ):
             _require_room(path, file)
@@ -140,10 +140,10 @@ def _require_room(path: Path, file: Any) -> None:
         math.prod(map(int, variable.shape)) * variable.dtype.itemsize
         for variable in file.variables.values()
     )
-    if unpacked > _MOST:
+    if unpacked > LARGEST_SOLUTION:
         raise InputError(
             f"{path}: {_WHAT} takes {in_words(unpacked)} once unpacked, and at most"
-            f" {in_words(_MOST)} are read"
+            f" {in_words(LARGEST_SOLUTION)} are read"
         )
 
 

@@ -256,7 +256,7 @@ def test_the_first_result_and_its_uncertainty_are_those_of_a_run() -> None:
         assert number["value"] == pytest.approx(frozen[f"metric.{key}"], rel=1e-6)
         assert 0 < number["uncertainty"] < abs(number["value"])
         words = quoting.uncertain_values({"blocks": uncertainty()})[
-            f"theory ± u: {key.replace('_', ' ')}, blocks"
+            f"± u: {key.replace('_', ' ')}, blocks"
         ]
         for name in ("README.md", "docs/index.md"):
             text = (DOCS.parent / name).read_text(encoding="utf-8")

@@ -269,8 +269,8 @@ def headline(comparison: JudgedPair) -> str:
     """The answer in a sentence: how wrong half-plane theory is for these bodies, or how far the two
     solutions agree.
 
-    Of real bodies theory is judged, so the figures are theory/finite elements - 1; the metrics are
-    finite elements/theory - 1.
+    Every figure is result/reference - 1, finite elements/theory - 1, as in the table below it. A
+    figure that is not twice its uncertainty is called not resolved.
     """
     work = comparison.metric("dissipation")
     keys = ("largest_pressure", "largest_half_width")
@@ -289,7 +289,7 @@ def headline(comparison: JudgedPair) -> str:
     if kind == "agree":
         claims = [_agreement(metric) for metric in metrics]
     else:
-        claims = [_claim(metric, kind == "theory") for metric in metrics]
+        claims = [_claim(metric) for metric in metrics]
     stated_errors = None
     if all(metric.uncertainty is None for metric in metrics):
         stated_errors = _stated_errors(comparison)
@@ -346,28 +346,20 @@ def _agreement(metric: Metric) -> tuple[str, str, str]:
     return "agreement", _name(metric), _in_digits(difference, plus=False, digits=2)
 
 
-def _claim(metric: Metric, theory: bool) -> tuple[str, str, str]:
-    """What one side makes of a figure: "over" or "under" and by how many per cent, "equal", or
-    "open" within its uncertainty.
-
-    "over nothing": theory has something where the finite elements have nothing, and no share of
-    nothing is a number.
+def _claim(metric: Metric) -> tuple[str, str, str]:
+    """What the result makes of a figure of the reference: "more", "less" or "none" of it and by how
+    many per cent, "equal", or "open": not resolved, since its uncertainty exceeds half of it.
     """
     value = metric.value or 0.0
     uncertainty = metric.uncertainty
-    if theory:  # theory/FE - 1 from FE/theory - 1
-        ratio = 1 + value
-        if ratio == 0:
-            return "over nothing", _name(metric), ""
-        value = 1 / ratio - 1
-        if uncertainty is not None:
-            uncertainty = uncertainty / ratio**2
     percent = None if uncertainty is None else 100 * uncertainty
-    if uncertainty is not None and abs(value) <= uncertainty:
+    if uncertainty is not None and uncertainty > abs(value) / 2:
         return "open", _name(metric), with_uncertainty(100 * value, percent)
     if uncertainty is None and abs(value) < 1e-12:  # round-off error
         return "equal", _name(metric), ""
-    sense = "over" if value > 0 else "under"
+    if value == -1:
+        return "none", _name(metric), ""
+    sense = "more" if value > 0 else "less"
     return sense, _name(metric), with_uncertainty(100 * abs(value), percent)
 
 
