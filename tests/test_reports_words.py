@@ -290,9 +290,7 @@ def test_finite_elements_that_dissipate_nothing_have_no_dissipation() -> None:
     """FE/theory − 1 is −1 then, whatever the uncertainty."""
     for uncertainty in (None, 6e-4):
         sentence = headline(bodies(0.0, 1.005, uncertainty))
-        assert sentence.startswith(
-            "Finite elements of these bodies give no dissipation and a "
-        )
+        assert sentence.startswith("Finite elements of these bodies give no dissipation and a ")
 
 
 # A load path, and the word for what its values are of.
