@@ -78,7 +78,8 @@ class Mortar:
 
 
 def mortar(lower: Side, upper: Side) -> Mortar:
-    """Couple two sides that end above each other.
+    """Gap, normals and mean displacements of two sides that end above each other, weighted by the
+    dual functions of the lower one.
 
     Raises
     ------
@@ -93,7 +94,8 @@ def mortar(lower: Side, upper: Side) -> Mortar:
     >>> (coupled.upper[0, :, 1] @ linear).round(12).tolist()
     [0.0, 0.5, 1.0]
     """
-    # notation: k nodes of an element, s segments of the common refinement, m points of each
+    # notation: k nodes of an element, s segments of the common refinement, m points of each,
+    # psi_j dual function of node j of the lower side
     span = lower.x[-1] - lower.x[0]
     if max(abs(lower.x[0] - upper.x[0]), abs(lower.x[-1] - upper.x[-1])) > 1e-9 * span:
         raise ValueError("the two contact sides do not begin and end together")
@@ -102,55 +104,58 @@ def mortar(lower: Side, upper: Side) -> Mortar:
     middle = (ends[1:] + ends[:-1])[:, None] / 2
     half_length = np.diff(ends)[:, None] / 2
     x = middle + half_length * _POINTS
-    below = _at_points(lower, x)
-    above = _at_points(upper, x)
+    lower_at_points = _at_points(lower, x)
+    upper_at_points = _at_points(upper, x)
     # along the line half-way between the sides
-    slope = (below.slope + above.slope) / 2
+    slope = (lower_at_points.slope + upper_at_points.slope) / 2
     stretch = np.sqrt(1 + slope**2)
     lengths = half_length * _WEIGHTS * stretch
     normal = np.stack([-slope, np.ones_like(x)]) / stretch
     tangent = np.stack([normal[1], -normal[0]])
-    distance = (above.y - below.y) * normal[1]
+    distance = (upper_at_points.y - lower_at_points.y) * normal[1]
     n = len(lower.x)
-    dual_lengths = _dual_lengths(lower, below, lengths)
+    dual_lengths = _dual_lengths(lower, lower_at_points, lengths)
 
     def at_multipliers(values: Array) -> Array:
         """(n,) integral of psi_j times values (s, m)."""
         integrals = np.einsum("skm,sm->sk", dual_lengths, values)
-        sums = np.bincount(below.nodes.ravel(), integrals.ravel(), n)
+        sums = np.bincount(lower_at_points.nodes.ravel(), integrals.ravel(), n)
         return np.asarray(sums, dtype=np.float64)
 
-    weights = at_multipliers(np.ones_like(x))
+    multiplier_integrals = at_multipliers(np.ones_like(x))
 
-    def mean_displacement(side: Side, on_side: _SideAtPoints) -> Array:
+    def mean_displacement(side: Side, side_at_points: _SideAtPoints) -> Array:
         operator = np.zeros((2, n, 2, len(side.x)))
         for direction, vector in enumerate((normal, tangent)):
             for component, factor in enumerate(vector):
-                integrals = np.einsum("skm,sm,slm->skl", dual_lengths, factor, on_side.shapes)
+                integrals = np.einsum(
+                    "skm,sm,slm->skl", dual_lengths, factor, side_at_points.shapes
+                )
                 np.add.at(
                     operator[direction, :, component],
-                    (below.nodes[:, :, None], on_side.nodes[:, None, :]),
-                    integrals / weights[below.nodes][:, :, None],
+                    (lower_at_points.nodes[:, :, None], side_at_points.nodes[:, None, :]),
+                    integrals / multiplier_integrals[lower_at_points.nodes][:, :, None],
                 )
         return operator
 
-    least = np.unravel_index(np.argmin(distance), distance.shape)
+    nearest_point = np.unravel_index(np.argmin(distance), distance.shape)
     return Mortar(
-        weights=weights,
-        normals=np.stack([at_multipliers(component) for component in normal]) / weights,
-        gap=at_multipliers(distance) / weights,
-        nearest=(float(x[least]), float(distance[least])),
-        lower=mean_displacement(lower, below),
-        upper=mean_displacement(upper, above),
+        weights=multiplier_integrals,
+        normals=np.stack([at_multipliers(component) for component in normal])
+        / multiplier_integrals,
+        gap=at_multipliers(distance) / multiplier_integrals,
+        nearest=(float(x[nearest_point]), float(distance[nearest_point])),
+        lower=mean_displacement(lower, lower_at_points),
+        upper=mean_displacement(upper, upper_at_points),
     )
 
 
-def _dual_lengths(side: Side, on_side: _SideAtPoints, lengths: Array) -> Array:
+def _dual_lengths(side: Side, side_at_points: _SideAtPoints, lengths: Array) -> Array:
     """(s, k, m) psi = diag(int phi) (int phi phi^T)^-1 phi, element by element of the lower side,
     times the lengths (s, m) of the points.
     """
-    phi = on_side.shapes
-    element = on_side.nodes[:, 0] // side.order
+    phi = side_at_points.shapes
+    element = side_at_points.nodes[:, 0] // side.order
     n_elements = (len(side.x) - 1) // side.order
     mass = np.zeros((n_elements, side.order + 1, side.order + 1))
     np.add.at(mass, element, np.einsum("skm,sm,slm->skl", phi, lengths, phi))

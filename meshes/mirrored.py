@@ -87,10 +87,10 @@ _ON_AXIS = 1e-9
 
 
 @dataclass(frozen=True)
-class _Cells:
+class _ReadMesh:
     points: Array  # (n_points, 2)
     elements: Indices  # (n_elements, nodes of one), gmsh's order
-    named: dict[str, Indices]  # points of each boundary
+    boundary_points: dict[str, Indices]
 
     @property
     def corners(self) -> int:
@@ -125,9 +125,11 @@ def mirrored_mesh(
     skfem.Mesh
         MeshTri, MeshTri2, MeshQuad or MeshQuad2 with the named boundaries.
     """
-    half = _half(draw, size, order, cells)
+    half = _mesh_of_half(draw, size, order, cells)
     if settle is not None:
-        half = _Cells(settle(half.points, half.named), half.elements, half.named)
+        half = _ReadMesh(
+            settle(half.points, half.boundary_points), half.elements, half.boundary_points
+        )
     whole = _corners_first(_reflect(half))
     points = np.ascontiguousarray(whole.points.T)
     elements = np.ascontiguousarray(whole.elements.T)
@@ -137,7 +139,9 @@ def mirrored_mesh(
     )
     straight.is_valid(raise_=True)
     mesh = _MESHES[len(elements)](points, elements) if order == 2 else straight
-    return mesh.with_boundaries({name: _facets(mesh, nodes) for name, nodes in whole.named.items()})
+    return mesh.with_boundaries(
+        {name: _facets(mesh, nodes) for name, nodes in whole.boundary_points.items()}
+    )
 
 
 @contextmanager
@@ -169,21 +173,24 @@ def _gmsh_model(cells: Cells) -> Iterator[None]:
         gmsh.finalize()
 
 
-def _half(
+def _mesh_of_half(
     draw: Callable[[], Mapping[str, list[int]]], size: str, order: int, cells: Cells
-) -> _Cells:
+) -> _ReadMesh:
+    """gmsh's mesh of what `draw` puts into its model; `size` is the element size, a formula of x
+    and y.
+    """
     with interrupts_wait(), _gmsh_model(cells):
-        named = draw()
+        curves_by_name = draw()
         gmsh.model.geo.synchronize()
         field = gmsh.model.mesh.field.add("MathEval")
         gmsh.model.mesh.field.setString(field, "F", size)
         gmsh.model.mesh.field.setAsBackgroundMesh(field)
         gmsh.model.mesh.generate(2)
         gmsh.model.mesh.setOrder(order)
-        return _read(named)
+        return _read(curves_by_name)
 
 
-def _read(curves: Mapping[str, list[int]]) -> _Cells:
+def _read(curves: Mapping[str, list[int]]) -> _ReadMesh:
     """Points, elements and boundary points of gmsh's current model."""
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     place = np.zeros(int(tags.max()) + 1, dtype=np.int64)
@@ -192,14 +199,14 @@ def _read(curves: Mapping[str, list[int]]) -> _Cells:
     if len(kinds) != 1:
         raise ValueError("gmsh left elements of more than one kind")
     elements = place[connectivity[0].astype(np.int64)].reshape(len(numbers[0]), -1)
-    named = {}
+    boundary_points = {}
     for name, lines in curves.items():
         nodes = [gmsh.model.mesh.getNodes(1, line, includeBoundary=True)[0] for line in lines]
-        named[name] = np.unique(place[np.concatenate(nodes).astype(np.int64)])
-    return _Cells(coordinates.reshape(-1, 3)[:, :2], elements, named)
+        boundary_points[name] = np.unique(place[np.concatenate(nodes).astype(np.int64)])
+    return _ReadMesh(coordinates.reshape(-1, 3)[:, :2], elements, boundary_points)
 
 
-def _reflect(half: _Cells) -> _Cells:
+def _reflect(half: _ReadMesh) -> _ReadMesh:
     """`half` (x >= 0) with its mirror image, points on x = 0 shared."""
     points = half.points.copy()
     on_axis = np.abs(points[:, 0]) < _ON_AXIS
@@ -208,14 +215,14 @@ def _reflect(half: _Cells) -> _Cells:
     image[on_axis] = np.flatnonzero(on_axis)
     image[~on_axis] = len(points) + np.arange(np.count_nonzero(~on_axis))
     mirrored = image[half.elements][:, _REFLECTED[half.elements.shape[1]]]
-    return _Cells(
+    return _ReadMesh(
         np.vstack([points, points[~on_axis] * [-1.0, 1.0]]),
         np.vstack([half.elements, mirrored]),
-        {name: np.union1d(nodes, image[nodes]) for name, nodes in half.named.items()},
+        {name: np.union1d(nodes, image[nodes]) for name, nodes in half.boundary_points.items()},
     )
 
 
-def _corners_first(body: _Cells) -> _Cells:
+def _corners_first(body: _ReadMesh) -> _ReadMesh:
     """The same body, corners numbered before mid-side points: then scikit-fem leaves the numbers
     alone.
 
@@ -225,8 +232,8 @@ def _corners_first(body: _Cells) -> _Cells:
     order = np.concatenate([corners, np.setdiff1d(body.elements, corners)])
     place = np.full(len(body.points), -1)
     place[order] = np.arange(len(order))
-    named = {name: place[nodes] for name, nodes in body.named.items()}
-    return _Cells(body.points[order], place[body.elements], named)
+    boundary_points = {name: place[nodes] for name, nodes in body.boundary_points.items()}
+    return _ReadMesh(body.points[order], place[body.elements], boundary_points)
 
 
 def _facets(mesh: skfem.Mesh, nodes: Indices) -> Indices:

@@ -252,24 +252,24 @@ class Scene(Frozen):
                 )
         length = self.profile.datum_length
         radius = self.bodies.relative_radius()
-        arc = self.profile.arc
+        arcs = self.profile.arc  # half the flat, and the radius of the arcs beside it
         if not 1 / LARGEST <= length <= LARGEST:
             raise ValueError(
                 f"profile has a length of {length:g}, which is not between {1 / LARGEST:g} and"
-                f" {LARGEST:g}, and its square would be no number: choose other units"
+                f" {LARGEST:g}, and its square would overflow or vanish: choose other units"
             )
         if radius is not None and not (
-            self.profile.kind == "hertz" and arc and abs(arc[1] / radius - 1) <= 1e-9
+            self.profile.kind == "hertz" and arcs and abs(arcs[1] / radius - 1) <= 1e-9
         ):
             raise ValueError(
                 "profile is not that of the cylinders: it is kind = 'hertz' with radius ="
                 f" {radius:.12g} (1/R is the sum of 1/radius over the cylinders)"
             )
         for name, body in (("lower", self.bodies.lower), ("upper", self.bodies.upper)):
-            if isinstance(body, Pad | ShoulderedPad) and arc and body.width / 2 >= sum(arc):
+            if isinstance(body, Pad | ShoulderedPad) and arcs and body.width / 2 >= sum(arcs):
                 raise ValueError(
                     f"bodies.{name}.width = {body.width:g} goes past the end of the pad's arcs, at"
-                    f" {2 * sum(arc):g}: make it less"
+                    f" {2 * sum(arcs):g}: make it less"
                 )
         return self
 
@@ -362,8 +362,8 @@ class Scene(Frozen):
         return None if forms is None else forms.scene_html(self)
 
     def save(self, path: str | Path) -> None:
-        """Write a scene file, .toml or .json, which `load_scene` reads back as this scene; rows of
-        a CSV file stand in it.
+        """Write a scene file, .toml or .json, which `load_scene` reads back as this scene; the rows
+        of CSV files are written into it.
 
         Raises
         ------
@@ -371,11 +371,11 @@ class Scene(Frozen):
             For a scene that holds a Python function, for rows that are too many for a .toml file,
             where it can't be written.
         """
-        keys = json.loads(self.model_dump_json(exclude_none=True))
-        for table in (keys["profile"], keys["load"]):
+        tables = json.loads(self.model_dump_json(exclude_none=True))
+        for table in (tables["profile"], tables["load"]):
             for key in ("file", *READING):
                 table.pop(key, None)
-        write_keys(Path(path), keys)
+        write_keys(Path(path), tables)
 
     def model_dump_json(self, **options: Any) -> str:
         """The scene as JSON text.

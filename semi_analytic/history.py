@@ -454,12 +454,12 @@ class History:
         """Whether the path is answered at its rows: it has none."""
         return False
 
-    def default_times(self, steady: bool, _: bool = False) -> tuple[Array, int]:
-        """Instants evenly spread over each span, both its ends among them, about 400 a cycle; and
-        how many are left out: none.
+    def default_times(self, last_cycle_only: bool, _thinned: bool = False) -> tuple[Array, int]:
+        """Instants evenly spread over each span of the path, or of its last cycle alone: both ends
+        of each, about 400 a cycle; and 0: a path of spans has no rows to leave out.
         """
         groups = list(self.cycles[-1:])
-        if not steady:
+        if not last_cycle_only:
             groups = list(self.cycles)
             if self.loading:
                 groups.append(self.loading)

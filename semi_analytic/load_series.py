@@ -616,14 +616,14 @@ class LoadSeries:
         """Number of the first step of each part, and of steps in all."""
         return np.cumsum([0, *(len(part.rows) - 1 for part in self.parts)])
 
-    def default_times(self, steady: bool, thinned: bool) -> tuple[Array, int]:
+    def default_times(self, last_cycle_only: bool, thinned: bool) -> tuple[Array, int]:
         """Instants where none are asked for, and how many rows of a long path are left out where
         they may be `thinned`.
 
         About 400 a cycle, evenly spread over each record, both its ends among them; of a long path
         the rows.
         """
-        begin = len(self.parts) - 1 if steady else 0
+        begin = len(self.parts) - 1 if last_cycle_only else 0
         if self.long:
             rows = self.times[self.starts[begin] :]
             stride = max(len(rows) // _FEW, 1) if thinned else 1

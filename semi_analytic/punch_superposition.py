@@ -607,17 +607,17 @@ class PunchSuperposition:
     def _cached_primitive(
         self, kind: Kind, order: int, points: Array, top: float
     ) -> tuple[Primitive, Indices]:
-        """A primitive that serves these points (k,), ascending, up to the advance `top`, and their
-        numbers in it.
+        """A primitive of this kind over the advance of the punches, from 0 to `top` at least, at
+        these points (k,), ascending; and their indices in it.
         """
-        cached = self._primitives.setdefault((kind, order), [])
-        for primitive in cached:
-            number = np.minimum(np.searchsorted(primitive.x, points), len(primitive.x) - 1)
-            reaches = top <= primitive.top < top * self._band
-            if reaches and np.array_equal(primitive.x[number], points):
-                return primitive, number
+        kept_primitives = self._primitives.setdefault((kind, order), [])
+        for primitive in kept_primitives:
+            indices = np.minimum(np.searchsorted(primitive.x, points), len(primitive.x) - 1)
+            reaches_top = top <= primitive.top < top * self._band
+            if reaches_top and np.array_equal(primitive.x[indices], points):
+                return primitive, indices
         primitive = primitive_of(kind, order, points, top, self.law)
-        cached[:] = [primitive, *cached[: _KEPT - 1]]
+        kept_primitives[:] = [primitive, *kept_primitives[: _KEPT - 1]]
         return primitive, np.arange(len(points))
 
     def _pressure(self, order: int, distance: Array, load: Array) -> tuple[Array, Array]:

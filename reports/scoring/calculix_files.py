@@ -357,7 +357,7 @@ class DatFile:
 
 
 def read_dat(path: str | Path) -> DatFile:
-    """Every table of the file whose title states a time.
+    """Every table, and the resultants of every contact pair, whose title states a time.
 
     Raises
     ------
@@ -368,25 +368,25 @@ def read_dat(path: str | Path) -> DatFile:
     path = Path(path)
     _check_size(path)
     lines = path.read_text(encoding="ascii", errors="replace").split("\n")
-    file = _Lines(path, ())  # for its words and numbers
+    reader = _Lines(path, ())  # for its words and numbers
     tables: list[DatTable] = []
-    pairs: list[PairForce] = []
-    for title_line, line in enumerate(lines, start=1):
+    pair_forces: list[PairForce] = []
+    for title_line_number, line in enumerate(lines, start=1):
         if " time" not in line:
             continue
-        statistics = _STATISTICS.fullmatch(line)
-        if statistics:
-            pairs.append(_pair_force(file, lines, title_line, statistics))
+        pair_title = _STATISTICS.fullmatch(line)
+        if pair_title:
+            pair_forces.append(_pair_force(reader, lines, title_line_number, pair_title))
             continue
         title = _TITLE.fullmatch(line)
         if title:
-            tables.append(_printed_table(file, lines, title_line, title))
-    if not tables and not pairs:
+            tables.append(_printed_table(reader, lines, title_line_number, title))
+    if not tables and not pair_forces:
         raise InputError(
             f"{path}: no table of CalculiX in it (a title that ends with 'and time ...'); *CONTACT"
             " PRINT writes them"
         )
-    return DatFile(path, tuple(tables), tuple(pairs))
+    return DatFile(path, tuple(tables), tuple(pair_forces))
 
 
 def _pair_force(

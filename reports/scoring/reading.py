@@ -209,24 +209,28 @@ class _Head(NamedTuple):
 
 
 def _head(name: str, mapping: Mapping) -> _Head:
-    """The quantity in the name of a column, with the figure of its frame."""
+    """The quantity in the name of a column, and the number after it: of a frame, or its time
+    ('pressure t=0.5').
+    """
 
     def quantity_of(base: str) -> Quantity | None:
         for quantity in _FIELDS:
-            stated = getattr(mapping.columns, quantity)
-            if plain(base) in map(plain, ALIASES[quantity] if stated is None else (stated,)):
+            stated_column = getattr(mapping.columns, quantity)
+            if plain(base) in map(
+                plain, ALIASES[quantity] if stated_column is None else (stated_column,)
+            ):
                 return quantity
         return None
 
-    tagged = _TAGGED.match(name.strip())
-    quantity = quantity_of(tagged["base"]) if tagged else None
-    if tagged is None or quantity is None:
+    tag_match = _TAGGED.match(name.strip())
+    quantity = quantity_of(tag_match["base"]) if tag_match else None
+    if tag_match is None or quantity is None:
         return _Head(quantity_of(name), None, False)
-    word = plain(tagged["word"] or "")
+    word = plain(tag_match["word"] or "")
     is_time = word in ("time", "t", "steptime", "totaltime")
-    if not word and "." in tagged["figure"]:
+    if not word and "." in tag_match["figure"]:
         is_time = True
-    return _Head(quantity, float(tagged["figure"]), is_time)
+    return _Head(quantity, float(tag_match["figure"]), is_time)
 
 
 def _frames(

@@ -547,7 +547,7 @@ def _guessed(
         )
 
     for yardstick in _yardsticks(surface, theory):
-        surface, sentence = _in_units_of(yardstick, surface, mapping)
+        surface, sentence = _scaled_by(yardstick, surface, mapping)
         if sentence:
             sentences.append(sentence)
 
@@ -648,23 +648,27 @@ def _yardsticks(surface: SurfaceResult, theory: ContactSolution) -> tuple[_Yards
     )
 
 
-def _in_units_of(
+def _scaled_by(
     yardstick: _Yardstick, surface: SurfaceResult, mapping: Mapping
 ) -> tuple[SurfaceResult, str]:
-    """The result with the guessed factor, and the sentence that says so; empty where none is."""
+    """The result times the factor that was guessed from a measured quantity and theory's, and the
+    sentence that says so; empty where nothing is multiplied.
+    """
     fields = {name: getattr(surface, name) for name in yardstick.fields}
-    known = {name: values for name, values in fields.items() if values is not None}
+    present_fields = {name: values for name, values in fields.items() if values is not None}
     is_stated = getattr(mapping.factors, yardstick.key) is not None
     factor = yardstick.factor
-    if is_stated or not known or not yardstick.measured or factor == 1.0:
+    if is_stated or not present_fields or not yardstick.measured or factor == 1.0:
         return surface, ""
-    scaled: dict[str, Any] = {name: freeze(values * factor) for name, values in known.items()}
+    scaled_fields: dict[str, Any] = {
+        name: freeze(values * factor) for name, values in present_fields.items()
+    }
     sentence = (
         f"{yardstick.words} multiplied by {factor:g}, for {yardstick.quantity}"
         f" {yardstick.measured:.4g} and theory has {yardstick.theory_in_words} "
         f"(factors.{yardstick.key} = {factor:g} says it for certain)"
     )
-    return replace(surface, **scaled), sentence
+    return replace(surface, **scaled_fields), sentence
 
 
 def _extent(surface: SurfaceResult) -> tuple[float, float]:

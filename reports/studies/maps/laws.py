@@ -431,18 +431,23 @@ def bound(line: Line, level: float) -> Bound:
     return Bound(float(s[first - 1] * (s[first] / s[first - 1]) ** share), "points")
 
 
-def bound_in_words(found: Bound, inverse: bool) -> str:
+def bound_in_words(axis_bound: Bound, axis_is_inverse: bool) -> str:
     """For a table: in units of the map's axis, rounded to the safe side; * where extrapolated.
 
     >>> (
-    ...     [bound_in_words(Bound(0.1234, "points"), inverse) for inverse in (True, False)],
+    ...     [
+    ...         bound_in_words(Bound(0.1234, "points"), axis_is_inverse)
+    ...         for axis_is_inverse in (True, False)
+    ...     ],
     ...     bound_in_words(Bound(0.5, "all"), True),
     ... )
     (['8.2', '0.123'], '2 (all tried)')
     """
-    if found.s is None:
+    if axis_bound.s is None:
         return "none tried"
-    value = 1 / found.s if inverse else found.s
+    value = 1 / axis_bound.s if axis_is_inverse else axis_bound.s
     scale = 10.0 ** (2 - int(np.floor(np.log10(value)))) if value < 1 else 10.0
-    rounded = (np.ceil(value * scale - 1e-9) if inverse else np.floor(value * scale + 1e-9)) / scale
-    return f"{rounded:g}" + {"points": "", "all": " (all tried)", "law": "*"}[found.how]
+    rounded = (
+        np.ceil(value * scale - 1e-9) if axis_is_inverse else np.floor(value * scale + 1e-9)
+    ) / scale
+    return f"{rounded:g}" + {"points": "", "all": " (all tried)", "law": "*"}[axis_bound.how]
