@@ -227,7 +227,7 @@ def _work_of_ellipse(scene: Scene) -> float:
         "normal_amplitude",
         "mean_tangential_load",
         "tangential_amplitude",
-        "phase",
+        "phase_radians",
     )
     batch = semi_analytic.dissipation(
         profile=scene.profile,

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import abc
 import math
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import pairwise
@@ -313,18 +314,30 @@ class EllipseLoad(CyclicLoad[Wave]):
     )
 
     @property
-    def phase(self) -> float:
-        """Phase in radians."""
+    def phase_radians(self) -> float:
+        """Lag of Q behind P in radians."""
         return math.radians(self.phase_degrees)
 
+    @property
+    def phase(self) -> float:
+        """`phase_radians` under its old name, for one release, with a DeprecationWarning."""
+        warnings.warn(
+            "EllipseLoad.phase, in radians, is the old name of phase_radians and leaves with the"
+            " next release",
+            DeprecationWarning,
+            stacklevel=2,
+        )
+        return self.phase_radians
+
     def path_of_loads(self) -> LoadPath:
-        begin = self.phase + math.pi if self.phase >= 0 else self.phase + 2 * math.pi
+        phase = self.phase_radians
+        begin = phase + math.pi if phase >= 0 else phase + 2 * math.pi
         turn = ellipse_segment(
             begin,
             begin + 2 * math.pi,
             (self.mean_normal_load, self.mean_tangential_load),
             (self.normal_amplitude, self.tangential_amplitude),
-            self.phase,
+            phase,
         )
         first: Point = tuple(float(load) for load in turn.loads(begin))  # type: ignore[assignment]
         if self.initial_loading == "parabola":

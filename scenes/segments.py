@@ -73,13 +73,13 @@ TANGENTIAL_LOAD = Combination(0.0, 1.0)
 
 
 class Ellipse(NamedTuple):
-    """P = P0 + P1 cos(t - origin), Q = Q0 + Q1 cos(t - origin - phase): equations (3) and (4) of
-    the paper with omega = 1.
+    """P = P0 + P1 cos(t - origin), Q = Q0 + Q1 cos(t - origin - phase_radians): equations (3) and
+    (4) of the paper with omega = 1.
     """
 
     mean: Point
     amplitude: Point
-    phase: float
+    phase_radians: float
     origin: float
 
     def largest_at(self, combination: Combination) -> float:
@@ -92,7 +92,7 @@ class Ellipse(NamedTuple):
         """
         phasor = combination.normal * self.amplitude[0] + combination.tangential * self.amplitude[
             1
-        ] * cmath.exp(-1j * self.phase)
+        ] * cmath.exp(-1j * self.phase_radians)
         return self.origin - cmath.phase(phasor)
 
 
@@ -779,10 +779,12 @@ def straight_segments(rows: Iterable[Sequence[float]]) -> tuple[StraightSegment,
 
 
 def ellipse_segment(
-    start: float, end: float, mean: Point, amplitude: Point, phase: float
+    start: float, end: float, mean: Point, amplitude: Point, phase_radians: float
 ) -> HarmonicSegment:
-    """P = P0 + P1 cos t, Q = Q0 + Q1 cos(t - phase)."""
-    return HarmonicSegment(start, end, mean, ((amplitude[0], 0.0),), ((amplitude[1], phase),))
+    """P = P0 + P1 cos t, Q = Q0 + Q1 cos(t - phase_radians)."""
+    normal = ((amplitude[0], 0.0),)
+    tangential = ((amplitude[1], phase_radians),)
+    return HarmonicSegment(start, end, mean, normal, tangential)
 
 
 def parabola_segment(start: float, end: float, last: Point, end_slope: float) -> ChebyshevSegment:

@@ -55,6 +55,7 @@ Arrays of ellipses in one call::
     batches.py              `dissipation` and `peak_dissipation` of arrays of loads and profiles,
                             the maxima of W(x)
     corrected_batches.py    W of ellipses with the effects of bodies: a play operator for each punch
+    phases.py               the lag of Q behind P, in degrees or in radians
     steady_ellipse.py       W and W(x) of a steady ellipse, its permanent stick zone
     measured_friction.py    `friction_from`: every coefficient of friction that gives a measured W
 """

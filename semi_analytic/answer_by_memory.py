@@ -654,7 +654,7 @@ def _ellipses_of_leg(leg: LoadSegment, friction: float) -> Ellipses | None:
         np.array([mean_load]),
         np.array([load_amplitude]),
         np.array([force_amplitude]),
-        np.array([ellipse.phase]),
+        np.array([ellipse.phase_radians]),
         np.array([friction]),
     )
 

@@ -47,6 +47,7 @@ from semi_analytic.corrected_batches import BendColumns, EllipseOfLoads, works_o
 from semi_analytic.corrected_memory import Curvatures
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.memory import LAST_DIGITS, PROMISED
+from semi_analytic.phases import accepts_phase, phase_in_radians
 from semi_analytic.profiles import SymmetricContact, contact_of
 from semi_analytic.steady_ellipse import (
     LEAST_LOAD,
@@ -324,7 +325,7 @@ _LOADS = (
     "normal_amplitude",
     "mean_tangential_load",
     "tangential_amplitude",
-    "phase",
+    "phase_radians",
     "friction_coefficient",
 )
 _BLOCK = 16384
@@ -417,6 +418,7 @@ class PeakBatch:
     notes: tuple[str, ...] = field(default=(), kw_only=True)
 
 
+@accepts_phase
 def dissipation(
     *,
     profile: Profile | Mapping[str, Any],
@@ -425,7 +427,8 @@ def dissipation(
     mean_normal_load: ArrayLike,
     normal_amplitude: ArrayLike,
     tangential_amplitude: ArrayLike,
-    phase: ArrayLike = math.pi / 2,
+    phase_degrees: ArrayLike | None = None,
+    phase_radians: ArrayLike | None = None,
     mean_tangential_load: ArrayLike = 0.0,
     effects: BodyEffects | None = None,
 ) -> DissipationBatch:
@@ -444,8 +447,8 @@ def dissipation(
         f
     mean_normal_load, normal_amplitude, mean_tangential_load, tangential_amplitude
         P0, P1, Q0, Q1 [force per unit thickness]
-    phase
-        lag of Q behind P [radians], any sense
+    phase_degrees, phase_radians
+        lag of Q behind P, any sense, in degrees or in radians; 90 degrees where neither is given
     effects
         what finite bodies add to half-planes, for all members, as in `solve`. Some 0.3 ms a
         member; `permanent_stick_load` then is the load of half-planes whose contact is the
@@ -490,7 +493,7 @@ def dissipation(
         normal_amplitude,
         mean_tangential_load,
         tangential_amplitude,
-        phase,
+        phase_in_radians(phase_degrees, phase_radians),
         friction_coefficient,
     )
     material = _of_both(material)
@@ -562,6 +565,7 @@ def _works_with_effects(bends: Curvatures, members: Members) -> Array:
     return works
 
 
+@accepts_phase
 def peak_dissipation(
     *,
     profile: Profile | Mapping[str, Any],
@@ -570,7 +574,8 @@ def peak_dissipation(
     mean_normal_load: ArrayLike,
     normal_amplitude: ArrayLike,
     tangential_amplitude: ArrayLike,
-    phase: ArrayLike = math.pi / 2,
+    phase_degrees: ArrayLike | None = None,
+    phase_radians: ArrayLike | None = None,
     mean_tangential_load: ArrayLike = 0.0,
 ) -> PeakBatch:
     """Largest pointwise dissipation of the same ellipses, and where it is; arguments as in
@@ -601,7 +606,7 @@ def peak_dissipation(
         normal_amplitude,
         mean_tangential_load,
         tangential_amplitude,
-        phase,
+        phase_in_radians(phase_degrees, phase_radians),
         friction_coefficient,
     )
     material = _of_both(material)

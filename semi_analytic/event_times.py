@@ -220,7 +220,7 @@ def _letter_times(history: History) -> dict[str, float]:
     friction = history.spans[0].friction
     ellipse = history.loop.ellipse
     assert ellipse is not None  # for the type checker: `loop` is one
-    area = ellipse.amplitude[0] * ellipse.amplitude[1] * math.sin(ellipse.phase)
+    area = ellipse.amplitude[0] * ellipse.amplitude[1] * math.sin(ellipse.phase_radians)
     if abs(area) <= 1e-12 * ellipse.amplitude[0] * ellipse.amplitude[1]:
         return {}
     sense = 1 if area > 0 else -1

@@ -41,6 +41,7 @@ from scenes.array_types import Array
 from scenes.arrays import real_numbers
 from scenes.frozen import validated
 from semi_analytic.batches import DissipationBatch, dissipation
+from semi_analytic.phases import accepts_phase, phase_in_radians
 from semi_analytic.solution import solve
 
 # Samples of W in f over f_min: 1 + 10^k close to sliding, where W has all its changes in P_T; by
@@ -62,7 +63,7 @@ _LOADS = (
     "normal_amplitude",
     "mean_tangential_load",
     "tangential_amplitude",
-    "phase",
+    "phase_radians",
 )
 
 
@@ -134,6 +135,7 @@ class FrictionBatch:
     notes: tuple[str, ...] = field(default=(), kw_only=True)
 
 
+@accepts_phase
 def friction_from(
     dissipation: ArrayLike,
     *,
@@ -143,7 +145,8 @@ def friction_from(
     mean_normal_load: ArrayLike | None = None,
     normal_amplitude: ArrayLike | None = None,
     tangential_amplitude: ArrayLike | None = None,
-    phase: ArrayLike = math.pi / 2,
+    phase_degrees: ArrayLike | None = None,
+    phase_radians: ArrayLike | None = None,
     mean_tangential_load: ArrayLike = 0.0,
 ) -> FrictionBatch:
     """Every coefficient of friction at which the steady cycle dissipates the measured
@@ -188,14 +191,22 @@ def friction_from(
             normal_amplitude,
             mean_tangential_load,
             tangential_amplitude,
-            phase,
+            phase_in_radians(phase_degrees, phase_radians),
         )
         loads = dict(zip(_LOADS, load_values, strict=True))
         missing = [name for name, value in (pair | loads).items() if value is None]
         if missing:
             raise InputError(f"friction_from: {', '.join(missing)} is missing; or give a scene")
         return _of_ellipses(dissipation, pair, loads)
-    parts_of_scene = (profile, material, mean_normal_load, normal_amplitude, tangential_amplitude)
+    parts_of_scene = (
+        profile,
+        material,
+        mean_normal_load,
+        normal_amplitude,
+        tangential_amplitude,
+        phase_degrees,
+        phase_radians,
+    )
     if any(value is not None for value in parts_of_scene):
         raise InputError("friction_from: a scene comes without profile, material and loads")
     scene = validated(scene, Scene)

@@ -256,8 +256,8 @@ def _slope_on(piece):
         return lambda eta: LONG(piece.slope) + 2 * LONG(piece.bend) * (eta - anchor)
     if leg.ellipse:
         p0, p1, q1 = (LONG(v) for v in (leg.mean[0], *leg.ellipse.amplitude))
-        sine = np.sin(LONG(leg.ellipse.phase))
-        cosine = np.cos(LONG(leg.ellipse.phase))
+        sine = np.sin(LONG(leg.ellipse.phase_radians))
+        cosine = np.cos(LONG(leg.ellipse.phase_radians))
 
         def slope(eta):
             # At an end of the arc the difference may round to 0, where M' has no bound.

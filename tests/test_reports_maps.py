@@ -148,7 +148,7 @@ def test_without_bodies_it_is_half_plane_theory() -> None:
         load.mean_tangential_load / p0,
         load.tangential_amplitude / p0,
     )
-    p, q, cycle = ellipse_path(*amplitudes, load.phase)
+    p, q, cycle = ellipse_path(*amplitudes, load.phase_radians)
     compliance = sum(
         (1 - m.poisson_ratio**2) / m.young_modulus for m in (material.lower, material.upper)
     )

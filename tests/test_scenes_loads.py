@@ -301,7 +301,7 @@ def test_segments_state_what_they_are_and_keep_their_ends():
     }
     assert ChebyshevSegment(0.0, 1.0, (3.0, 1.0), (0.0, 2.0)).is_straight
     turned = SEGMENTS["ellipse from elsewhere"].ellipse
-    assert (turned.phase, turned.origin) == (-3.5, 2.5)
+    assert (turned.phase_radians, turned.origin) == (-3.5, 2.5)
     assert replace(ELLIPSE, normal=((1.0, 0.0), (0.0, 3.0))).ellipse == ELLIPSE.ellipse
     assert replace(ELLIPSE, normal=((1.0, 0.0), (1e-300, 0.0))).ellipse is None
     assert replace(ELLIPSE.shifted(7 * TURN), start=ELLIPSE.start, end=ELLIPSE.end) == ELLIPSE
@@ -371,6 +371,13 @@ def test_a_path_starts_from_nothing_is_continuous_and_repeats(load):
     assert [
         v.shape for shape in ((), (2, 3)) for v in path.at(np.full(shape, path.cycle_start))
     ] == [(), (), (2, 3), (2, 3)]
+
+
+def test_the_phase_of_an_ellipse_in_radians_has_a_name_that_says_so():
+    load = EllipseLoad(mean_normal_load=3, phase_degrees=60)
+    assert load.phase_radians == math.radians(60)
+    with pytest.warns(DeprecationWarning, match="phase_radians"):
+        assert load.phase == load.phase_radians
 
 
 @settings(max_examples=60)

@@ -77,7 +77,7 @@ def question(loads, friction=1.0, **changes):
     columns = np.array(loads, dtype=float).T
     keys = ("mean_normal_load", "normal_amplitude", "mean_tangential_load", "tangential_amplitude")
     arguments = dict(zip(keys, columns, strict=False)) | {
-        "phase": np.radians(columns[4]),
+        "phase_degrees": columns[4],
         "friction_coefficient": friction,
     }
     return {"material": MATERIAL} | arguments | changes
@@ -95,7 +95,7 @@ def batch(load, call=dissipation, profile=HERTZ, friction=1.0):
         "normal_amplitude",
         "mean_tangential_load",
         "tangential_amplitude",
-        "phase",
+        "phase_radians",
     )
     return call(
         profile=profile,
@@ -328,7 +328,7 @@ def test_reasons_are_those_of_the_sampled_loops():
         normal_amplitude=ratio,
         mean_tangential_load=mean,
         tangential_amplitude=force,
-        phase=phase,
+        phase_radians=phase,
     )
     clear = np.abs(over) > 1e-5
     np.testing.assert_array_equal(
@@ -375,7 +375,7 @@ def test_at_the_very_limit_of_sliding_the_work_is_finite_and_the_limit(profile, 
         normal_amplitude=ratio,
         mean_tangential_load=mean,
         tangential_amplitude=force * [1.0, 1 - 1e-9],
-        phase=phase,
+        phase_radians=phase,
     )
     assert np.all(batch.reason == Reason.NONE)
     assert np.all(batch.value > 0)
@@ -544,7 +544,7 @@ def test_every_member_has_a_value_or_a_reason(call):
         "normal_amplitude": 0.3,
         "mean_tangential_load": 0.0,
         "tangential_amplitude": 0.2,
-        "phase": 1.0,
+        "phase_radians": 1.0,
     }
     for name in (*good, "friction_coefficient", "radius"):
         loads = {"friction_coefficient": 0.5} | good
@@ -635,7 +635,7 @@ def random_loads(seed, count=60):
         "normal_amplitude": amplitude,
         "mean_tangential_load": rng.uniform(-0.5, 0.5, count) * rng.integers(0, 2, count),
         "tangential_amplitude": 10 ** rng.uniform(-3, 0.3, count),
-        "phase": rng.uniform(-3.1, 3.1, count),
+        "phase_radians": rng.uniform(-3.1, 3.1, count),
     }
 
 
@@ -674,7 +674,7 @@ def test_every_root_is_found_as_brute_force_counts_them(name):
 
 def test_two_and_three_roots_where_the_normal_load_varies():
     question = {"profile": Hertz(radius=1.0), "material": MATERIAL, "mean_normal_load": 1.0}
-    two = {"normal_amplitude": 1 / 3, "tangential_amplitude": 1 / 3, "phase": math.pi / 2}
+    two = {"normal_amplitude": 1 / 3, "tangential_amplitude": 1 / 3, "phase_radians": math.pi / 2}
     least = friction_from(1.0, **question, **two).least
     inverse = friction_from([1.01 * least, 1.001 * least, (1 + 1e-8) * least], **question, **two)
     # the last two next to the turning point, between two samples of the search
@@ -682,7 +682,7 @@ def test_two_and_three_roots_where_the_normal_load_varies():
     assert np.all(np.diff(np.diff(inverse.roots, axis=1), axis=0) < 0)
     dense = dissipation(friction_coefficient=np.linspace(0.6, 2.0, 20001), **question, **two).value
     assert least == pytest.approx(np.nanmin(dense), rel=1e-9)
-    three = {"normal_amplitude": 0.7, "tangential_amplitude": 0.1, "phase": 1.66}
+    three = {"normal_amplitude": 0.7, "tangential_amplitude": 0.1, "phase_radians": 1.66}
     friction = sliding_limit(1.0, 0.7, 0.0, 0.1, 1.66) * np.geomspace(1.000001, 1e4, 4001)
     works = dissipation(friction_coefficient=friction, **question, **three).value
     turns = np.flatnonzero(np.diff(np.sign(np.diff(works)))) + 1
@@ -696,13 +696,18 @@ def test_the_sliding_limit_is_the_largest_quotient_of_the_loads():
     time = np.linspace(0, 2 * math.pi, 20001)[:, None]
     normal = 1 + loads["normal_amplitude"] * np.cos(time)
     tangential = loads["mean_tangential_load"] + loads["tangential_amplitude"] * np.cos(
-        time - loads["phase"]
+        time - loads["phase_radians"]
     )
     limit_friction = sliding_limit(
         1.0,
         *(
             loads[key]
-            for key in ("normal_amplitude", "mean_tangential_load", "tangential_amplitude", "phase")
+            for key in (
+                "normal_amplitude",
+                "mean_tangential_load",
+                "tangential_amplitude",
+                "phase_radians",
+            )
         ),
     )
     assert np.allclose(limit_friction, np.max(np.abs(tangential) / normal, axis=0), rtol=1e-5)
@@ -740,6 +745,48 @@ def test_a_member_without_a_root_gets_one_reason():
     }
     separated = friction_from(0.1, normal_amplitude=[1.5, 0.5], **question)
     assert separated.reason[0] == NoFriction.LOADS
+
+
+# ------------------------------------------------------------------------------ angles at the doors
+PHASES = [-120.0, 0.0, 37.5, 90.0, 180.0]
+ELLIPSES = {
+    "profile": HERTZ,
+    "material": MATERIAL,
+    "mean_normal_load": 1.0,
+    "normal_amplitude": 0.3,
+    "tangential_amplitude": 0.2,
+}
+DOORS = {
+    "dissipation": lambda **phase: dissipation(friction_coefficient=0.5, **ELLIPSES, **phase).value,
+    "peak_dissipation": lambda **phase: (
+        peak_dissipation(friction_coefficient=0.5, **ELLIPSES, **phase).value
+    ),
+    "friction_from": lambda **phase: friction_from(1.0, **ELLIPSES, **phase).least_friction,
+}
+
+
+@pytest.mark.parametrize("name", DOORS)
+def test_a_phase_is_in_degrees_or_says_radians(name):
+    call = DOORS[name]
+    of_degrees = call(phase_degrees=PHASES)
+    assert len(np.unique(of_degrees.round(12))) > 3
+    np.testing.assert_array_equal(call(phase_radians=np.radians(PHASES)), of_degrees)
+    np.testing.assert_array_equal(call(), call(phase_degrees=90.0))
+    with pytest.warns(DeprecationWarning, match="phase_degrees or phase_radians") as notices:
+        of_old_name = call(phase=np.radians(PHASES))
+    assert len(notices) == 1
+    assert notices[0].filename == __file__
+    np.testing.assert_array_equal(of_old_name, of_degrees)
+    for both in ({"phase_degrees": 1.0}, {"phase": 1.0}):
+        with pytest.raises(InputError, match="give one"):
+            call(phase_radians=1.0, **both)
+    with pytest.raises(InputError, match="phase_degrees = 'late'"):
+        call(phase_degrees="late")
+
+
+def test_friction_from_a_scene_takes_no_phase_beside_it():
+    with pytest.raises(InputError, match="a scene comes without"):
+        friction_from(1.0, scene=load_scene("hertz-paper"), phase_degrees=90.0)
 
 
 # --------------------------------------------------------------------- a member is what it is alone

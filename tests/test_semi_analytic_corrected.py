@@ -456,7 +456,7 @@ def batch_of(scene: Scene, effects: BodyEffects | None, **changes: object):
         "normal_amplitude": load.normal_amplitude,
         "mean_tangential_load": load.mean_tangential_load,
         "tangential_amplitude": load.tangential_amplitude,
-        "phase": math.radians(load.phase_degrees),
+        "phase_degrees": load.phase_degrees,
     }
     return semi_analytic.dissipation(**(arguments | changes), effects=effects)
 

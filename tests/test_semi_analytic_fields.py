@@ -664,7 +664,7 @@ REFUSED = [
     ),
     (
         lambda: dissipation(
-            profile=ROUND, **LOOP | {"mean_normal_load": [1, 1, 1], "phase": [1, 1]}
+            profile=ROUND, **LOOP | {"mean_normal_load": [1, 1, 1], "phase_degrees": [1, 1]}
         ),
         "must broadcast",
     ),

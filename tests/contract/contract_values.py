@@ -148,7 +148,7 @@ def _batch(scene: Scene) -> dict[str, float]:
         "normal_amplitude": load.normal_amplitude,
         "mean_tangential_load": load.mean_tangential_load,
         "tangential_amplitude": load.tangential_amplitude,
-        "phase": load.phase,
+        "phase_radians": load.phase_radians,
     }
     work = semi_analytic.dissipation(profile=scene.profile, material=scene.material, **given)
     peak = semi_analytic.peak_dissipation(profile=scene.profile, material=scene.material, **given)

@@ -252,7 +252,7 @@ def work_constant(flat: float, ratio: float, nodes: int = _NODES) -> float:
         "tangential_amplitude": shear,
     }
     plain = semi_analytic.dissipation(
-        profile=profile, material=materials, friction_coefficient=1.0, phase=0.0, **cycle
+        profile=profile, material=materials, friction_coefficient=1.0, phase_degrees=0.0, **cycle
     )
     return float(change) / float(plain.value)
 

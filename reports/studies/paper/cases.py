@@ -173,7 +173,7 @@ class Case:
             "normal_amplitude",
             "mean_tangential_load",
             "tangential_amplitude",
-            "phase",
+            "phase_radians",
         )
         bodies = {
             "profile": self.scene.profile,
@@ -239,7 +239,9 @@ class Formulas:
         load = self.case.load
         time = np.asarray(t, dtype=float)
         normal = load.mean_normal_load + load.normal_amplitude * np.cos(time)
-        shear = load.mean_tangential_load + load.tangential_amplitude * np.cos(time - load.phase)
+        shear = load.mean_tangential_load + load.tangential_amplitude * np.cos(
+            time - load.phase_radians
+        )
         return normal, shear
 
     def rates(self, t: ArrayLike) -> tuple[Array, Array]:
@@ -247,7 +249,7 @@ class Formulas:
         load = self.case.load
         time = np.asarray(t, dtype=float)
         normal_rate = -load.normal_amplitude * np.sin(time)
-        tangential_rate = -load.tangential_amplitude * np.sin(time - load.phase)
+        tangential_rate = -load.tangential_amplitude * np.sin(time - load.phase_radians)
         return normal_rate, tangential_rate
 
     def level(self, letter: str, sign: int) -> float:
