@@ -1,8 +1,12 @@
 """Does the stated uncertainty cover the known error, what does it cost, and which term does a
 planted fault fall on?
 
-    python benchmarks/covered.py models [COUNT] [SEED]      finite elements on random scenes (60
-                                                            scenes: three minutes)
+    python benchmarks/covered.py values [COUNT] [SEED] [PRESET]
+                                                            every value of finite elements between
+                                                            random half-planes, beside theory (30
+                                                            scenes: four minutes of CPU)
+    python benchmarks/covered.py models [COUNT] [SEED]      W on random scenes, half of them blocks
+                                                            (60 scenes: three minutes)
     python benchmarks/covered.py profiles [COUNT] [SEED]    noisy profilometer rows (200 cases);
                                                             exit code 1 below 95 %
 
@@ -34,6 +38,7 @@ from unittest import mock
 import must_fail
 import numpy as np
 from claims import Row
+from random_scenes import judge
 
 import halfplane_fe
 import semi_analytic
@@ -555,6 +560,17 @@ def models(count: int = 60, seed: int = 2) -> int:
     return 0
 
 
+def values(count: int = 30, seed: int | None = None, preset: str = "default") -> int:
+    """Whether the stated uncertainty of every value covers its error, between random half-planes
+    against theory; without a seed another one is drawn each time, and printed.
+    """
+    if seed is None:
+        seed = int(np.random.SeedSequence().generate_state(1)[0])
+    for line in judge(count, seed, preset, functools.partial(print, flush=True)):
+        print(line)
+    return 0
+
+
 # -------------------------------------------------------------------------------- measured profiles
 # Profile and fit; what the engine promises of any W, which is all that is uncertain where W does
 # not depend on the fitted numbers.
@@ -647,5 +663,6 @@ def profiles(count: int = 200, seed: int = 1) -> int:
 
 
 if __name__ == "__main__":
-    kind, *numbers = sys.argv[1:]
-    sys.exit({"models": models, "profiles": profiles}[kind](*map(int, numbers)))
+    kind, *words = sys.argv[1:]
+    arguments = [int(word) if word.isdecimal() else word for word in words]
+    sys.exit({"models": models, "profiles": profiles, "values": values}[kind](*arguments))

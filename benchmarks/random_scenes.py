@@ -1,0 +1,354 @@
+"""Random scenes of half-planes, whose every value theory knows, and how far the uncertainties that
+finite elements state cover their true errors.
+
+`python benchmarks/covered.py values` prints the table.
+
+# notation: a half-width, f friction, A = 2/E*, P the largest normal load, n power of a profile
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import halfplane_fe
+import semi_analytic
+from halfplane_fe import FiniteElementSolution
+from halfplane_fe.fields import edge_tension
+from meshes import MeshSettings
+from scenes import OPEN, ConvergenceError, InputError, Scene, load_scene
+from scenes.solution import range_of_slip
+from semi_analytic.profiles import contact_of
+
+Array = NDArray[np.float64]
+
+# W below this share of A f^2 P^2 hardly slips: rows of their own.
+LITTLE_SLIP = 1e-4
+# True errors below this share of a value are round-off: covered by any statement.
+ROUND_OFF = 1e-9
+# Instants at which the edge tension is compared; theory integrates at each.
+_TENSIONS = 12
+# Rows of a table on each side.
+_ROWS = 41
+# A table goes on straight beyond this distance [mm]: no contact reaches it.
+_END_OF_TABLE = 1.6
+
+
+# --------------------------------------------------------------------------------------- the scenes
+def _hertz(_draw: np.random.Generator) -> dict[str, Any]:
+    return {"kind": "hertz", "radius": 1000.0}
+
+
+def _flat(draw: np.random.Generator) -> dict[str, Any]:
+    flat_half_length = draw.uniform(0.1, 0.95)
+    return {"kind": "flat_rounded", "radius": 1000.0, "flat_half_length": flat_half_length}
+
+
+def _power(draw: np.random.Generator) -> dict[str, Any]:
+    exponent = math.exp(draw.uniform(math.log(1.15), math.log(6.0)))
+    return {"kind": "power_law", "exponent": exponent, "length": 1.0, "rise": 5e-4}
+
+
+def _compound(draw: np.random.Generator) -> dict[str, Any]:
+    return {
+        "kind": "compound",
+        "inner_radius": 1000.0,
+        "outer_radius": math.exp(draw.uniform(math.log(300.0), math.log(3000.0))),
+        "inner_half_length": draw.uniform(0.2, 0.95),
+    }
+
+
+def _wedge(draw: np.random.Generator) -> dict[str, Any]:
+    tip_half_length = math.exp(draw.uniform(math.log(0.02), math.log(0.5)))
+    return {"kind": "wedge", "tip_radius": 1000.0, "tip_half_length": tip_half_length}
+
+
+def _table(draw: np.random.Generator) -> dict[str, Any]:
+    """Rows of x^2 and x^4."""
+    x = np.linspace(0.0, _END_OF_TABLE, _ROWS)
+    share = draw.uniform(0.0, 1.0)
+    height = 5e-4 * (x**2 + share * x**4)
+    return {"kind": "tabulated", "points": np.column_stack([x, height]).tolist()}
+
+
+_PROFILES: tuple[Callable[[np.random.Generator], dict[str, Any]], ...] = (
+    _hertz,
+    _flat,
+    _power,
+    _compound,
+    _wedge,
+    _table,
+)
+
+
+def _ellipse(draw: np.random.Generator, largest: float, friction: float) -> dict[str, Any]:
+    """P = P0 + P1 cos t and Q = Q0 + Q1 cos(t - phase) with a largest P."""
+    swing = draw.uniform(0.0, 0.95)
+    phase = draw.uniform(0.0, 180.0)
+    offset = draw.random()
+    mean = largest / (1 + swing)
+    angle = np.linspace(0, 2 * np.pi, 4001)
+    wave = offset + (1 - offset) * np.cos(angle - np.radians(phase))
+    limit = friction * mean * (1 + swing * np.cos(angle))
+    amplitude = _share_of_sliding(draw) / np.max(np.abs(wave) / limit)
+    return {
+        "kind": "ellipse",
+        "mean_normal_load": mean,
+        "normal_amplitude": mean * swing,
+        "mean_tangential_load": amplitude * offset,
+        "tangential_amplitude": amplitude * (1 - offset),
+        "phase_degrees": phase,
+        "initial_loading": "straight",
+    }
+
+
+def _polygon(draw: np.random.Generator, largest: float, friction: float) -> dict[str, Any]:
+    """Three to six vertices, the largest P among them."""
+    count = int(draw.integers(3, 7))
+    normal = largest * draw.uniform(0.1, 1.0, count)
+    normal[0] = largest
+    shares = draw.uniform(-1.0, 1.0, count)
+    shares *= _share_of_sliding(draw) / np.abs(shares).max()
+    vertices = np.column_stack([normal, friction * normal * shares]).tolist()
+    return {"kind": "polygon", "initial_loading": vertices[:1], "cycle": vertices[1:]}
+
+
+def _share_of_sliding(draw: np.random.Generator) -> float:
+    """Largest |Q|/(f P): 1 minus 1e-3 to 0.9."""
+    return 1 - math.exp(draw.uniform(math.log(1e-3), math.log(0.9)))
+
+
+def random_half_planes(draw: np.random.Generator, number: int) -> Scene:
+    """Scene number `number`: profiles in turn, ellipses and polygons in turn, a = 1 mm at the
+    largest load, f from 0.05 to 1.5.
+    """
+    material = load_scene("hertz-paper").material
+    profile = _PROFILES[number % len(_PROFILES)](draw)
+    friction = math.exp(draw.uniform(math.log(0.05), math.log(1.5)))
+    unloaded = {
+        "name": f"random-{number}",
+        "material": material.model_dump(mode="json"),
+        "profile": profile,
+        "friction": {"coefficient": friction},
+    }
+    ellipse = load_scene("hertz-paper").load.model_dump(mode="json", exclude_none=True)
+    shape = Scene.model_validate(unloaded | {"load": ellipse}).profile
+    largest = float(contact_of(shape, material).load(1.0))
+    loads = _polygon if number // len(_PROFILES) % 2 else _ellipse
+    return Scene.model_validate(unloaded | {"load": loads(draw, largest, friction)})
+
+
+# ------------------------------------------------------------------------------ errors of one scene
+@dataclass(frozen=True)
+class Errors:
+    """True errors and stated uncertainties of one quantity of one answer, one or one an instant.
+
+    Attributes
+    ----------
+    error, stated
+        (k,), without sign; NaN of `stated` is "no estimate"
+    """
+
+    error: Array
+    stated: Array
+
+
+def errors_of(answer: FiniteElementSolution) -> dict[str, Errors]:
+    """Of every quantity, by its name in the table."""
+    scene = answer.scene
+    theory = semi_analytic.solve(scene, x=answer.x, time=answer.time)
+    largest = semi_analytic.extremes(theory)
+    uncertainties: Mapping[str, float | Array] = getattr(answer, "uncertainties", {})
+    cycle = answer.last_cycle
+    touching = answer.state[cycle] != OPEN
+    slip = float(range_of_slip(answer.slip[cycle], touching).max())
+    step = int(np.argmax(answer.contact_half_width))
+    half_width_uncertainty = float(np.mean(answer.contact_edge_uncertainty[step]))
+    values: dict[str, tuple[Any, Any, Any]] = {
+        "W": (answer.dissipation, theory.dissipation, answer.dissipation_uncertainty),
+        "peak W(x)": (
+            answer.dissipation_density.max(),
+            largest.dissipation_density,
+            uncertainties.get("largest_dissipation_density", math.nan),
+        ),
+        "peak pressure": (
+            answer.pressure.max(),
+            largest.pressure,
+            answer.largest_pressure_uncertainty,
+        ),
+        "largest half-width": (
+            answer.contact_half_width[step],
+            largest.half_width,
+            half_width_uncertainty,
+        ),
+        "contact edges, all instants": (
+            answer.contact_edges[1:],
+            theory.contact_edges[1:],
+            answer.contact_edge_uncertainty[1:],
+        ),
+        "stick edges, all instants": (
+            answer.stick_edges[1:],
+            theory.stick_edges[1:],
+            answer.stick_edge_uncertainty[1:],
+        ),
+        "permanent stick": (
+            np.nan_to_num(answer.permanent_stick_half_width),
+            np.nan_to_num(theory.permanent_stick_half_width),
+            uncertainties.get("permanent_stick_half_width", math.nan),
+        ),
+        "largest slip": (slip, largest.slip, uncertainties.get("largest_slip", math.nan)),
+        "U, all instants": (
+            answer.tangential_displacement[1:],
+            theory.tangential_displacement[1:],
+            uncertainties.get("tangential_displacement", math.nan),
+        ),
+        "approach, all instants": (
+            answer.normal_approach[1:],
+            theory.normal_approach[1:],
+            uncertainties.get("normal_approach", math.nan),
+        ),
+    }
+    tension = halfplane_fe.largest_edge_tension(answer)
+    if tension is not None:
+        values["largest edge tension"] = (tension.value, largest.edge_tension, tension.uncertainty)
+    loaded = np.flatnonzero(answer.normal_load > 0)[1:]
+    steps = loaded[np.linspace(0, len(loaded) - 1, _TENSIONS).round().astype(int)]
+    by_elements, stated = edge_tension(answer, steps.tolist())
+    by_theory, _ = semi_analytic.edge_tension(theory, answer.time[steps])
+    values["edge tension, all instants"] = (by_elements, by_theory, stated)
+    return {name: _errors(*three) for name, three in values.items()}
+
+
+def _errors(value: Any, true: Any, stated: Any) -> Errors:
+    """Pairs of one quantity; instants without a value in either are left out, those without one in
+    the answer alone have no estimate.
+    """
+    value_array, true_array, stated_array = np.broadcast_arrays(
+        np.asarray(value, dtype=float), np.asarray(true, dtype=float), np.asarray(stated, float)
+    )
+    known = np.isfinite(true_array)
+    error = np.abs(value_array - true_array)[known].ravel()
+    without_value = ~np.isfinite(error)
+    scale = np.abs(true_array[known]).max(initial=0.0)
+    error = np.where(without_value | (error > ROUND_OFF * scale), error, 0.0)
+    of_known = stated_array[known].ravel()
+    return Errors(error, np.where(without_value, np.nan, of_known))
+
+
+# ---------------------------------------------------------------------------------------- the table
+@dataclass
+class Coverage:
+    """What the statements of one quantity did over scenes.
+
+    Attributes
+    ----------
+    covered, unknown
+        share of each scene's values that are covered, and that have no estimate
+    generosity
+        stated over true of each scene, its median instant
+    shortfall
+        true over stated of each scene, its worst instant
+    worst_scene
+        of the largest shortfall
+    """
+
+    covered: list[float] = field(default_factory=list)
+    unknown: list[float] = field(default_factory=list)
+    generosity: list[float] = field(default_factory=list)
+    shortfall: list[float] = field(default_factory=list)
+    worst_scene: str = "-"
+
+    def add(self, scene: str, errors: Errors) -> None:
+        """One scene more."""
+        if not len(errors.error):
+            return
+        unknown = ~np.isfinite(errors.stated)
+        self.covered.append(float(np.mean(~unknown & (errors.error <= errors.stated))))
+        self.unknown.append(float(np.mean(unknown)))
+        judged = ~unknown & (errors.error > 0)
+        if not judged.any():
+            return
+        stated = np.maximum(errors.stated[judged], 1e-300)
+        ratio = errors.error[judged] / stated
+        self.generosity.append(float(np.median(1 / ratio)))
+        worst = float(ratio.max())
+        if worst > max(self.shortfall, default=0.0):
+            self.worst_scene = scene
+        self.shortfall.append(worst)
+
+    def row(self, name: str) -> str:
+        """A row of the table."""
+        generosity = f"{np.median(self.generosity):.2g}" if self.generosity else "-"
+        shortfall = f"{max(self.shortfall):.2g}" if self.shortfall else "-"
+        return (
+            f"| {name} | {100 * np.mean(self.covered):.0f} % | {100 * np.mean(self.unknown):.0f} %"
+            f" | {generosity} | {shortfall} | {self.worst_scene} |"
+        )
+
+
+HEAD = (
+    "| quantity | covered | no estimate | stated over true, median | true over stated, worst |"
+    " in scene |",
+    "|---|---|---|---|---|---|",
+)
+
+
+def judge(
+    count: int, seed: int, preset: str, report: Callable[[str], None] = lambda _line: None
+) -> list[str]:
+    """Lines of the tables of `count` random scenes: those that slip, those that hardly slip.
+
+    Parameters
+    ----------
+    report
+        called with a line for each scene, as it is done
+    """
+    draw = np.random.default_rng(seed)
+    groups: dict[str, dict[str, Coverage]] = {"slip": {}, "hardly slip": {}}
+    scenes = {"slip": 0, "hardly slip": 0}
+    refused = 0
+    mesh = MeshSettings.preset(preset)
+    for number in range(count):
+        scene = random_half_planes(draw, number)
+        name = f"{number} {_words(scene)}"
+        try:
+            answer = halfplane_fe.solve(scene, mesh)
+        except (InputError, ConvergenceError) as reason:
+            refused += 1
+            report(f"{name}: refused, {reason}")
+            continue
+        errors = errors_of(answer)
+        work_unit = (
+            2 / answer.scales.modulus * (scene.friction.coefficient * answer.scales.load) ** 2
+        )
+        group = "slip" if answer.dissipation >= LITTLE_SLIP * work_unit else "hardly slip"
+        scenes[group] += 1
+        for quantity, of_quantity in errors.items():
+            groups[group].setdefault(quantity, Coverage()).add(name, of_quantity)
+        report(f"{name}: {'; '.join(_missed(errors)) or 'all covered'}")
+    lines = [f"seed {seed}, {preset} preset, {count} scenes, {refused} refused or not converged"]
+    for group, quantities in groups.items():
+        if quantities:
+            lines += ["", f"{scenes[group]} scenes that {group}:", "", *HEAD]
+            lines += [coverage.row(quantity) for quantity, coverage in quantities.items()]
+    return lines
+
+
+def _words(scene: Scene) -> str:
+    profile = scene.profile
+    exponent = f" n = {profile.exponent:.3g}" if profile.kind == "power_law" else ""
+    return f"{profile.kind}{exponent}, {scene.load.kind}"
+
+
+def _missed(errors: Mapping[str, Errors]) -> Iterable[str]:
+    """Quantities with a statement that is too small, and by which factor."""
+    for name, of_quantity in errors.items():
+        missed = of_quantity.error > of_quantity.stated
+        if missed.any():
+            ratio = of_quantity.error[missed] / np.maximum(of_quantity.stated[missed], 1e-300)
+            yield f"{name} {ratio.max():.2g}"
