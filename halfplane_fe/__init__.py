@@ -6,7 +6,8 @@ In the order in which a scene passes through::
     settings.py                            method and step control
     path.py                                turning points of the loads, increments, inadmissible
                                            paths
-    scales.py                              the coarse run: half-width, innermost edge
+    scales.py                              the coarse run: half-width, innermost edge; datum of
+                                           approach and displacement
     elasticity.py, far_field.py            elements that do not lock; static condensation (Schur
                                            complement) to the contact nodes, Flamant far field
     condensed_bodies.py                    least-recently-used cache of condensed bodies in the
@@ -27,10 +28,11 @@ In the order in which a scene passes through::
     between_nodes.py                       what edges between nodes add to the dissipation, which is
                                            taken off
     edges.py                               edges of contact and stick, states as a reader sees them
-    answer.py, solve.py                    the answer: `solve`; datum of approach and displacement;
-                                           cost of a penalty layer
+    answer.py, solve.py                    the answer: `solve`; cost of a penalty layer
     remainder.py                           what finite bodies add to half-planes: remainder of the
                                            Green's function, without contact
+    uncertainty.py                         how far each value may be from the true one: one rule
+                                           from two meshes, Richardson
     resolution.py, dundurs.py              what the mesh can't see, how unlike the bodies are
     fields.py, face_stress.py              displacement and stress inside the bodies; stress next to
                                            the contact from the tractions

@@ -12,7 +12,7 @@ of (1 - nu^2)/E
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -29,35 +29,9 @@ from halfplane_fe.edges import (
 )
 from halfplane_fe.law import slip_sign
 from halfplane_fe.run import PathRun
-from halfplane_fe.scales import Scales, contact_modulus
-from scenes import OPEN, STICK, HalfPlane, Interrupted, Record, Scene, freeze
+from halfplane_fe.scales import Scales
+from scenes import OPEN, STICK, Interrupted, Record, Scene, freeze
 from scenes.array_types import Array, Mask, States
-
-
-def from_datum(scene: Scene, run: PathRun, ratio: float) -> PathRun:
-    """The run with approach and shift counted from a datum length `ratio` times that of its bodies.
-
-    Each half-plane moves by (2/pi) (1 - nu^2)/E ln(ratio) of P and Q less, as a rigid body; blocks,
-    pads and cylinders stand on something and have no datum. The energies of the record stay those
-    of the datum that the run had.
-    """
-    bodies = (
-        (scene.bodies.lower, scene.material.lower),
-        (scene.bodies.upper, scene.material.upper),
-    )
-    half_planes = [material for shape, material in bodies if isinstance(shape, HalfPlane)]
-    soft = sum((1 - material.poisson_ratio**2) / material.young_modulus for material in half_planes)
-    modulus = contact_modulus(scene.material.lower, scene.material.upper)
-    by_load = 2 / np.pi * soft * modulus * float(np.log(ratio))
-    moved = [
-        state.changed(
-            approach=state.approach + by_load * state.normal_load,
-            shift=state.shift + by_load * state.tangential_load,
-        )
-        for state in run.states
-    ]
-    return replace(run, states=moved)
-
 
 # Instants whose edges are found together: a few, so that the arrays of a long run stay small.
 _AT_ONCE = 256

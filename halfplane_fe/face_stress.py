@@ -359,25 +359,35 @@ def sampled_tractions(
 
 
 class TractionsAndUncertainty(NamedTuple):
-    """The series of an instant, None where fewer than three nodes touch, and how far its tension at
-    either edge may be off, (2,) [stress].
+    """The series of an instant, and how uncertain its tension is at either edge.
+
+    Attributes
+    ----------
+    series
+        None where fewer than three nodes touch
+    tension_uncertainty
+        (2,) of the tension that the nodes show [stress]
+    of_unseen_slip
+        (2,) change of the tension by slip as narrow as the rim, which no node shows yet after a
+        load has turned [stress]
     """
 
     series: Tractions | None
     tension_uncertainty: Array
+    of_unseen_slip: Array
 
 
 def tractions_with_uncertainty(nodal: Nodal) -> TractionsAndUncertainty:
     """`tractions`, and the uncertainty of the tension at both edges.
 
-    It is the largest of what four changes make, and what was put at the stick edges. The changes:
+    It is the largest of what three changes make, and what was put at the stick edges. The changes:
     a multiple of what other rims, fewer nodes or a higher degree change; all nodes, where fewer
-    were fitted because p^2 is rough; q/p that stays as it is at
-    the outermost node; and, where the load has turned but no node shows it yet, slip as narrow as
-    the rim. Such slip changes q by 2 f p with p = K sqrt(d), hence s_xx by (8/pi) f K sqrt(width).
+    were fitted because p^2 is rough; q/p that stays as it is at the outermost node. Beside it
+    stands, where the load has turned but no node shows it yet, what slip as narrow as the rim
+    changes: it changes q by 2 f p with p = K sqrt(d), hence s_xx by (8/pi) f K sqrt(width).
     """
     if len(nodal.x) < FEWEST:
-        return TractionsAndUncertainty(None, np.zeros(2))
+        return TractionsAndUncertainty(None, np.zeros(2), np.zeros(2))
     series = tractions(nodal)
     tension = series.edge_tension()
     spacing = float(np.median(np.diff(nodal.x)))
@@ -393,13 +403,14 @@ def tractions_with_uncertainty(nodal: Nodal) -> TractionsAndUncertainty:
     at_level = sampled_tractions(nodal, level=True)
     difference = np.abs(at_level.edge_tension() - tension)
     uncertainty = np.maximum(uncertainty, difference)
+    of_unseen_slip = np.zeros(2)
     if not (nodal.growing or nodal.slips(_RIM + 1)) and math.isfinite(nodal.stick[0]):
         # p at a depth d into the contact is sum k A_k sqrt(2 d/h) there: p^2/d at the nodes of the
         # rim.
         depth = np.array([nodal.x[_RIM] - series.edges[0], series.edges[1] - nodal.x[-1 - _RIM]])
         pressure = np.array([nodal.pressure[_RIM], nodal.pressure[-1 - _RIM]])
-        uncertainty = uncertainty + 8 / math.pi * nodal.friction * pressure * (depth > 0)
-    return TractionsAndUncertainty(series, uncertainty + series.placed)
+        of_unseen_slip = 8 / math.pi * nodal.friction * pressure * (depth > 0)
+    return TractionsAndUncertainty(series, uncertainty + series.placed, of_unseen_slip)
 
 
 def _series(values: Array) -> Array:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 import skfem
@@ -257,17 +257,35 @@ def edge_tension(solution: ContactSolution, steps: Sequence[int]) -> tuple[Array
             "edge_tension: the answer has no meshes, so what the size of its bodies adds is not"
             " known; solve it again"
         )
+    tension = _edge_tension(solution, steps)
+    return tension.values, tension.uncertainties + tension.of_unseen_slip
+
+
+class _EdgeTension(NamedTuple):
+    """Of stored steps, each (n_steps, 2, 2) as of `edge_tension`; `of_unseen_slip` is what slip
+    that no node shows yet may change.
+    """
+
+    values: Array
+    uncertainties: Array
+    of_unseen_slip: Array
+
+
+def _edge_tension(solution: ContactSolution, steps: Sequence[int]) -> _EdgeTension:
+    """`edge_tension`, with its uncertainty in two parts."""
     values = np.zeros((len(steps), 2, 2))
     uncertainties = np.zeros((len(steps), 2, 2))
+    of_unseen_slip = np.zeros((len(steps), 2, 2))
     in_contact: dict[int, Tractions] = {}
     for k, step in enumerate(steps):
-        series, tension_uncertainty = tractions_with_uncertainty(_nodal(solution, step))
-        if series is not None:
-            in_contact[k] = series
-            values[k] = np.outer([1.0, -1.0], series.edge_tension())
-            uncertainties[k] = tension_uncertainty
+        at_step = tractions_with_uncertainty(_nodal(solution, step))
+        if at_step.series is not None:
+            in_contact[k] = at_step.series
+            values[k] = np.outer([1.0, -1.0], at_step.series.edge_tension())
+            uncertainties[k] = at_step.tension_uncertainty
+            of_unseen_slip[k] = at_step.of_unseen_slip
     if not in_contact:
-        return values, uncertainties
+        return _EdgeTension(values, uncertainties, of_unseen_slip)
     rows = list(in_contact)
     steps_in_contact = [steps[k] for k in rows]
     for number, name in enumerate(_BODIES):
@@ -281,7 +299,7 @@ def edge_tension(solution: ContactSolution, steps: Sequence[int]) -> tuple[Array
             )
             values[rows, number] += by_size
             uncertainties[rows, number] += uncertainty
-    return values, uncertainties
+    return _EdgeTension(values, uncertainties, of_unseen_slip)
 
 
 def _tension_by_size(
@@ -430,27 +448,27 @@ class LargestTension:
 def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
     """The largest `edge_tension` of the last cycle; None where it is not known, and out of contact.
 
-    That at which the value minus its uncertainty is largest: where a load has just turned, elements
-    see no more than that the new slip zone is narrow, and the tension that they still have says
-    little.
+    Where a load has just turned, elements may still have the tension from before the turn, for the
+    new slip zone is narrower than they see. So slip that no node shows does not make the largest
+    tension uncertain.
     """
     if not (solution.scene.bodies.half_planes or isinstance(solution, FiniteElementSolution)):
         return None
     steps = _steps_of_large_tension(solution)
     if not steps:
         return None
-    values, uncertainties = edge_tension(solution, steps)
+    tension = _edge_tension(solution, steps)
+    values = tension.values
     if np.isnan(values).any():
         return None
-    certain = values - uncertainties
     # Of mirrored instants, alike but for round-off, the first counts.
-    is_largest = certain >= certain.max() - _ROUND_OFF * abs(certain.max())
+    is_largest = values >= values.max() - _ROUND_OFF * abs(values.max())
     largest = np.unravel_index(np.argmax(is_largest), values.shape)
     k, body, edge = (int(index) for index in largest)
     edges = tractions(_nodal(solution, steps[k])).edges
     return LargestTension(
         value=float(values[k, body, edge]),
-        uncertainty=float(uncertainties[k, body, edge]),
+        uncertainty=float(tension.uncertainties[k, body, edge]),
         time=float(solution.time[steps[k]]),
         body=_BODIES[body],
         x=edges[edge],
@@ -462,8 +480,8 @@ def _steps_of_large_tension(solution: ContactSolution) -> list[int]:
     """The steps of the last cycle among which the largest tension is looked for, in order: those of
     the largest tension of half-planes.
 
-    Between half-planes that is all of the tension but the bulk stress. A step whose tension is
-    below what the largest so far has after its uncertainty can't have the largest: it is left out.
+    Between half-planes that is all of the tension but the bulk stress: there the largest is among
+    those that are alike but for round-off.
     """
     cycle = np.asarray(solution.last_cycle)
     tension = np.full(len(cycle), -np.inf)
@@ -475,18 +493,10 @@ def _steps_of_large_tension(solution: ContactSolution) -> list[int]:
     by_tension = np.argsort(-tension, kind="stable")[:n_candidates]
     steps = cycle[by_tension]
     has_bulk_stress = any(_bulk_stress(solution, steps.tolist(), body).any() for body in (0, 1))
-    if not solution.scene.bodies.half_planes or has_bulk_stress:
-        return [int(step) for step in np.sort(steps)]
-
-    certain_tension = -np.inf
-    kept: list[int] = []
-    for step, size in zip(steps.tolist(), tension[by_tension].tolist(), strict=True):
-        if size * (1 + _ROUND_OFF) < certain_tension:
-            break
-        kept.append(step)
-        values, uncertainties = edge_tension(solution, [step])
-        certain_tension = max(certain_tension, float((values - uncertainties).max()))
-    return sorted(kept)
+    if solution.scene.bodies.half_planes and not has_bulk_stress:
+        largest = float(tension.max(initial=0.0))
+        steps = steps[tension[by_tension] >= largest * (1 - _ROUND_OFF)]
+    return [int(step) for step in np.sort(steps)]
 
 
 def _bulk_stress(solution: ContactSolution, steps: Sequence[int], number: int) -> Array:

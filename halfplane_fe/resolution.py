@@ -1,8 +1,6 @@
 """What the mesh can't see, in sentences: contacts, slip zones and flanks of the pressure that are
 too few elements wide.
 
-And the uncertainty of the dissipation, from the difference to the coarse run and from the steps.
-
 # notation: h element at the edges of contact and stick, of the coarser side; a half-width; A =
 2/E*; f coefficient of friction
 
@@ -18,11 +16,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
-from meshes import MeshSettings, SurfaceGrading
 from scenes import Profile
 from scenes.array_types import Array
 
@@ -48,7 +44,7 @@ _LEFT_AT_TIP = 1 / 64
 # there, and of a tenth of that with eight.
 _WITHIN_TIP = 2
 # Power from which on a tip counts as smooth: rows and fitted curves are no exact parabolas.
-_SMOOTH = 1.99
+SMOOTH_TIP = 1.99
 # Digits that a power has.
 _DIGITS_OF_POWER = 9
 # Dissipation over A f^2 P^2 (h/a)^2 of a mesh on which nothing should slip.
@@ -96,7 +92,7 @@ def tip_halvings(profile: Profile, size: float) -> int:
     error_left = 1.0
     while count < _MOST_HALVINGS and error_left > _LEFT_AT_TIP:
         power = tip_power(profile, size / 2**count)
-        if power >= _SMOOTH:
+        if power >= SMOOTH_TIP:
             return count + _WITHIN_TIP if count else 0
         count += 1
         error_left /= 2 ** (power - 1)
@@ -250,235 +246,4 @@ def _slip_notes(revolution: Revolution, element: float) -> Iterator[str]:
             f"the dissipation is {dissipation:.2g} A f^2 P^2, and the mesh alone makes up to"
             f" {made_by_mesh:.2g} of that unit where all of the contact is next to slipping, even"
             " if nothing slips: take the figure for uncertain by that much"
-        )
-
-
-class _Shares(NamedTuple):
-    """Shares of the mesh in the uncertainty of W.
-
-    Attributes
-    ----------
-    difference
-        of its difference from the coarse run's over the square of the refinement
-    scatter
-        of the rms of what edges between nodes add to W, which is taken off (`between_nodes`)
-    work
-        of W (h/a)^2
-    unit
-        of A f^2 P^2 (h/a)^2
-    """
-
-    difference: float
-    scatter: float
-    work: float
-    unit: float
-
-
-# By what is known of the edges. Fitted to 115 random scenes (benchmarks/covered.py, seeds 5 to 7),
-# held to others. Some stand between nodes, and W was corrected for it:
-_CORRECTED = _Shares(difference=1.0, scatter=0.15, work=0.1, unit=0.0)
-# none stands:
-_MOVING = _Shares(difference=1.0, scatter=0.0, work=1.0, unit=1e-4)
-# nothing is known, on linear elements, with a penalty layer, and under bulk stress or tilt:
-_UNKNOWN = _Shares(difference=2.0, scatter=0.0, work=1.5, unit=5e-3)
-# Share of W over the fourth power of the growth of elements away from the edges, the order of
-# quadratic elements: on four scenes 1e-6 to 3e-6 at 0.12, 1e-5 to 2.5e-5 at 0.2, 1e-4 to 3.3e-4 at
-# 0.4.
-_GROWN = 0.01875
-# Safety factor of a difference whose order is known (Roache 1994).
-_SAFETY = 1.25
-# Share of p0 h^2/(a d), d from the peak to the edge, that edges between nodes move it by: up to 0.6
-# for Hertz, 0.4 for x^5.
-_PEAK_BY_EDGES = 0.8
-# Share of p0 (H/a)^2 (b/a)^4 that the elements H of the middle leave where they reach to b, near
-# the edge: 0.07 at b = 0.8 a.
-_PEAK_BY_MIDDLE = 0.15
-# Share of p0 (H/t)^2 that they leave in a body t thin: 0.0035 at most on pairs of layers of 0.17 to
-# 0.4 a with H = a/12 and a/24, of which the terms above cover a part.
-_PEAK_BY_DEPTH = 0.003
-# Share of p0 over the fourth power of the growth of elements away from the edges, as of W: 2.7e-6
-# of Hertz at 0.12 in all.
-_PEAK_GROWN = 0.005
-# Share of p0 that eight elements within a rounded tip leave: 1.6e-4 of a sharp wedge on the default
-# mesh, 1.3e-4 on a fine one.
-_PEAK_WITHIN_TIP = 3e-4
-# Refinement from the coarse run below which their difference says nothing.
-_LEAST_REFINEMENT = 1.4
-
-
-def uncertainty(
-    dissipation: float,
-    difference: float,
-    coarse: float,
-    mesh: MeshSettings,
-    scatter: float | None,
-    plain: bool,
-) -> float:
-    """Share of the mesh in the uncertainty of W over A f^2 P^2; NaN on a mesh hardly finer than
-    that of the coarse run.
-
-    Parameters
-    ----------
-    dissipation, difference
-        W, and its difference from that of the coarse run, over A f^2 P^2
-    coarse
-        element of the coarse run, over the half-width
-    scatter
-        rms of what edges between nodes add to W, over A f^2 P^2; 0 where none stands, None
-        where that is not known
-    plain
-        linear elements or a penalty layer, whose errors are not of order 2: the difference
-        counts in full
-
-    Examples
-    --------
-    >>> round(
-    ...     uncertainty(0.1, 0.01, 0.1, MeshSettings(edge_element_size=0.01), 1e-5, plain=False), 12
-    ... )
-    0.000106510101
-    """
-    element = mesh.edge_element_size * max(mesh.upper_ratio, 1.0)
-    refinement = coarse / element
-    if refinement < _LEAST_REFINEMENT:
-        return float("nan")
-    if scatter is None:
-        shares = _UNKNOWN
-    elif scatter:
-        shares = _CORRECTED
-    else:
-        shares = _MOVING
-    share_left = shares.difference / (refinement**2 - 1)  # of an error of order 2
-    if plain:
-        share_left = max(share_left, 1.0)
-    by_edges = 0.0
-    # Where no node slips, nothing scatters: a note says what may be unseen.
-    if dissipation:
-        by_edges = (shares.work * dissipation + shares.unit) * element**2
-    by_scatter = shares.scatter * (scatter or 0.0)
-    by_growth = _GROWN * mesh.growth**4 * dissipation
-    return difference * share_left + by_scatter + by_edges + by_growth
-
-
-class Place(NamedTuple):
-    """Where the mesh makes an error of a known order: elements there over those of the coarse run,
-    and the order.
-    """
-
-    refinement: float
-    order: float
-
-    def share_left(self) -> float:
-        """Error of the run over its difference from the coarse run, 1/|r^p - 1|; infinite where the
-        elements are alike.
-
-        With errors C h^p and C H^p, r = H/h the refinement, the difference is C h^p (r^p - 1).
-
-        >>> (
-        ...     Place(refinement=4.0, order=0.5).share_left(),
-        ...     Place(refinement=0.5, order=1.0).share_left(),
-        ... )
-        (1.0, 2.0)
-        """
-        difference = abs(self.refinement**self.order - 1)  # over the error of the run
-        return 1 / difference if difference else math.inf
-
-
-@dataclass(frozen=True)
-class Peak:
-    """The largest pressure of a run.
-
-    Attributes
-    ----------
-    value
-        [stress]
-    difference
-        from that of the coarse run [stress]
-    half_width
-        of the contact then [length]
-    to_edge
-        distance of the peak from the nearer edge of contact [length]
-    """
-
-    value: float
-    difference: float
-    half_width: float
-    to_edge: float
-
-
-def peak_uncertainty(
-    peak: Peak,
-    profile: Profile,
-    coarse: float,
-    fine: SurfaceGrading,
-    mesh: MeshSettings,
-    *,
-    depth: float,
-    plain: bool,
-) -> float:
-    """Uncertainty of the largest pressure [stress].
-
-    u = 1.25 |p_h - p_H| / (r^p - 1), and what the edges of contact and a thin body do to it. Where
-    the profile has a tip, the difference is made there: of order n - 1 where the gap rises as |x|^n
-    with n < 2, of order 1 where the elements resolve that it is rounded. Elsewhere it is made by
-    the edges of contact: of order 2, or 1 where the curvature of the profile jumps in their zone.
-    NaN where the elements there are like those of the coarse run.
-
-    Parameters
-    ----------
-    coarse
-        element of the coarse run [length]
-    fine
-        surface of the run, of the coarser side
-    mesh
-        of the run, of which the growth counts
-    depth
-        of the thinner body; infinite of half-planes [length]
-    plain
-        linear elements or a penalty layer: the difference counts in full
-    """
-    if not (peak.half_width > 0 and peak.to_edge > 0):
-        return math.nan  # nothing touches: the first increment failed
-    power = tip_power(profile, coarse)
-    within_tip = 0.0
-    if power >= _SMOOTH:
-        place = Place(coarse / fine.edge_size, 1.0 if profile.kinks else 2.0)
-    elif tip_power(profile, fine.tip_size) < _SMOOTH:
-        place = Place(coarse / fine.tip_size, power - 1)
-    else:
-        place = Place(coarse / fine.tip_size, 1.0)
-        within_tip = _PEAK_WITHIN_TIP
-    if 1 / _LEAST_REFINEMENT < place.refinement < _LEAST_REFINEMENT:
-        return math.nan
-    share = max(place.share_left(), 1.0 if plain else 0.0)
-    a = peak.half_width
-    of_edges = _PEAK_BY_EDGES * fine.edge_size**2 / (a * peak.to_edge)
-    of_middle = _PEAK_BY_MIDDLE * (fine.size / a) ** 2 * (fine.inner / a) ** 4
-    of_depth = _PEAK_BY_DEPTH * (fine.size / depth) ** 2
-    of_growth = _PEAK_GROWN * mesh.growth**4
-    return (
-        _SAFETY * peak.difference * share
-        + (of_edges + of_middle + of_depth + of_growth + within_tip) * peak.value
-    )
-
-
-def uncertainty_note(
-    dissipation: float, uncertainty: float, tolerance: float, coarse: float
-) -> Iterator[str]:
-    """That W is uncertain by more than its tolerance, or by an unknown amount; `coarse` is that of
-    the coarse run, or NaN.
-    """
-    if np.isnan(dissipation):
-        return
-    if np.isnan(uncertainty):
-        reason = "the coarse run has elements like these"
-        if np.isnan(coarse):
-            reason = "its bodies are shared, without a coarse run of this scene"
-        yield f"the dissipation has no uncertainty estimate: {reason}"
-    elif uncertainty > tolerance * dissipation and uncertainty > 0:
-        share = ""
-        if dissipation:
-            share = f" ({uncertainty / dissipation:.2%}, for a tolerance of {tolerance:.2%})"
-        yield (
-            f"the dissipation is uncertain by {uncertainty:.3g}{share}: make edge_element_size or"
-            " step_tolerance smaller"
         )

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -29,12 +29,14 @@ from halfplane_fe.mirror import half, mirrored, unfolded
 from halfplane_fe.path import has_bulk_stress
 from halfplane_fe.run import Pace, PathRun, run_path
 from halfplane_fe.systems import Layer
+from halfplane_fe.uncertainty import RunValues, run_values
 from meshes import MeshSettings, SurfaceGrading
 from scenes import (
     NORMAL_LOAD,
     STICK,
     Bodies,
     Elastic,
+    HalfPlane,
     InputError,
     Scene,
     TimeSeriesLoad,
@@ -98,6 +100,8 @@ class Scales:
         of other loads or friction
     largest_pressure
         at the largest load [stress]
+    values
+        what its uncertainties are taken from; None in scales that are shared
     """
 
     half_width: float
@@ -108,6 +112,13 @@ class Scales:
     element: float
     dissipation: float
     largest_pressure: float
+    values: RunValues | None
+
+    def content(self) -> dict[str, float]:
+        """The numbers, without the values of the coarse run."""
+        numbers = {field.name: getattr(self, field.name) for field in fields(self)}
+        del numbers["values"]
+        return numbers
 
 
 def contact_modulus(lower: Elastic, upper: Elastic) -> float:
@@ -118,6 +129,31 @@ def contact_modulus(lower: Elastic, upper: Elastic) -> float:
     115384.615
     """
     return 1 / sum((1 - body.poisson_ratio**2) / body.young_modulus for body in (lower, upper))
+
+
+def from_datum(scene: Scene, run: PathRun, ratio: float) -> PathRun:
+    """The run with approach and shift counted from a datum length `ratio` times that of its bodies.
+
+    Each half-plane moves by (2/pi) (1 - nu^2)/E ln(ratio) of P and Q less, as a rigid body; blocks,
+    pads and cylinders stand on something and have no datum. The energies of the record stay those
+    of the datum that the run had.
+    """
+    bodies = (
+        (scene.bodies.lower, scene.material.lower),
+        (scene.bodies.upper, scene.material.upper),
+    )
+    half_planes = [material for shape, material in bodies if isinstance(shape, HalfPlane)]
+    soft = sum((1 - material.poisson_ratio**2) / material.young_modulus for material in half_planes)
+    modulus = contact_modulus(scene.material.lower, scene.material.upper)
+    by_load = 2 / np.pi * soft * modulus * float(np.log(ratio))
+    moved = [
+        state.changed(
+            approach=state.approach + by_load * state.normal_load,
+            shift=state.shift + by_load * state.tangential_load,
+        )
+        for state in run.states
+    ]
+    return replace(run, states=moved)
 
 
 def largest_load(scene: Scene) -> float:
@@ -210,6 +246,12 @@ def _scales_of_run(pair: _CoarsePair, size: float, problem: ContactProblem, run:
         element=1 / (_ELEMENTS * half_width),
         dissipation=float(run.cycle_density[-1].sum()) * load**2 / modulus,
         largest_pressure=float(np.max(pressed.pressure / problem.interface.weights)) * load / size,
+        values=run_values(
+            from_datum(scene, run, scene.profile.datum_length / size),
+            problem.interface.weights,
+            displacement_unit=load / modulus,
+            stress_unit=load / size,
+        ),
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import platform
 import time as clock
 from collections import Counter
@@ -15,7 +16,7 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from halfplane_fe.answer import PenaltyAudit, answer_arrays, from_datum, penalty_audit, record_of
+from halfplane_fe.answer import PenaltyAudit, answer_arrays, penalty_audit, record_of
 from halfplane_fe.condensed_bodies import CACHED
 from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.dundurs import dundurs
@@ -35,15 +36,7 @@ from halfplane_fe.interface import (
 )
 from halfplane_fe.mirror import half, unfolded
 from halfplane_fe.path import check_admissible
-from halfplane_fe.resolution import (
-    Peak,
-    Revolution,
-    peak_uncertainty,
-    resolution_notes,
-    tip_halvings,
-    uncertainty,
-    uncertainty_note,
-)
+from halfplane_fe.resolution import Revolution, resolution_notes, tip_halvings
 from halfplane_fe.run import MOST_INSTANTS, REPEATS, Pace, PathRun, Progress, run_path
 from halfplane_fe.scales import (
     COARSE_CYCLES,
@@ -52,12 +45,22 @@ from halfplane_fe.scales import (
     contact_modulus,
     estimate_room,
     find_scales,
+    from_datum,
     needs_shear,
     on_half,
     sheared,
 )
 from halfplane_fe.settings import SolverSettings
 from halfplane_fe.systems import Layer
+from halfplane_fe.uncertainty import (
+    Meshes,
+    Peak,
+    peak_uncertainty,
+    run_values,
+    uncertainties,
+    uncertainty,
+    uncertainty_note,
+)
 from meshes import BodyMesh, MeshSettings, SurfaceGrading, check
 from scenes import (
     ContactSolution,
@@ -117,9 +120,6 @@ class FiniteElementSolution(ContactSolution):
         what the coarse run found; with E* the units of `states`
     penalty
         what the layer of the penalty method costs
-    largest_pressure_uncertainty
-        of the largest pressure at the points, see `resolution.peak_uncertainty`; NaN where the
-        elements at the edges are like those of the coarse run [stress]
     contact_edge_uncertainty, stick_edge_uncertainty
         (n_steps, 2) how far each edge may be from the true one, by the mesh alone [length]; see
         `edges`
@@ -132,7 +132,6 @@ class FiniteElementSolution(ContactSolution):
     normals: Array
     scales: Scales
     penalty: PenaltyAudit
-    largest_pressure_uncertainty: float
     contact_edge_uncertainty: Array
     stick_edge_uncertainty: Array
 
@@ -441,11 +440,12 @@ def _solution(
         scene=scene,
         record=record_of(run, scales, audit, notes),
         dissipation_uncertainty=dissipation_uncertainty,
+        uncertainties=_uncertainties(task, problem, run, arrays),
         work=_work(scene, problem, run, condensed, seconds),
         settings={
             "mesh": asdict(task.mesh),
             "solver": asdict(task.settings),
-            "scales": asdict(scales),
+            "scales": scales.content(),
             "dundurs": dundurs(scene.material)._asdict(),
             "element_size": grading.edge_size,
             "penalty": {} if audit.note() is None else asdict(audit),
@@ -459,7 +459,6 @@ def _solution(
         normals=problem.interface.normals,
         scales=scales,
         penalty=audit,
-        largest_pressure_uncertainty=_peak_uncertainty(task, arrays),
         **arrays,
     )
 
@@ -495,6 +494,57 @@ def _uncertainty(task: _Task, run: PathRun) -> float:
         scatter,
         task.has_plain_errors,
     )
+
+
+def _uncertainties(
+    task: _Task, problem: ContactProblem, run: PathRun, arrays: Mapping[str, Any]
+) -> dict[str, float]:
+    """By the mesh, of all but W and the edges of each instant; empty where the run failed."""
+    if run.failure is not None:
+        return {}
+    scales = task.scales
+    element = task.mesh.edge_element_size * max(task.mesh.upper_ratio, 1.0)
+    values = run_values(
+        run,
+        problem.interface.weights,
+        displacement_unit=scales.load / scales.modulus,
+        stress_unit=scales.load / scales.half_width,
+    )
+    half_width = float(np.max(arrays["contact_half_width"]))
+    stick = float(np.nan_to_num(arrays["permanent_stick_half_width"]))
+    slip_width = max(half_width - stick, element * scales.half_width)
+    meshes = Meshes(
+        refinement=scales.element / element,
+        coarse=scales.element * scales.half_width / slip_width,
+        plain=task.has_plain_errors,
+    )
+    step = int(np.argmax(arrays["contact_half_width"]))
+    return uncertainties(values, scales.values, meshes, needs_shear(task.scene)) | {
+        "largest_pressure": _peak_uncertainty(task, arrays),
+        "largest_half_width": float(np.mean(arrays["contact_edge_uncertainty"][step])),
+        "permanent_stick_half_width": _of_permanent_stick(task.scene, arrays),
+    }
+
+
+def _of_permanent_stick(scene: Scene, arrays: Mapping[str, Any]) -> float:
+    """Uncertainty of the permanent stick half-width [length]: of the stick edges that bound it.
+
+    The zone ends at the innermost edge of the last cycle. With edges e +- u, that edge is between
+    the innermost e - u and the innermost e + u. NaN where nothing sticks all the time, and where
+    the path does not repeat.
+    """
+    period = scene.load.path().period
+    if period is None or math.isnan(arrays["permanent_stick_half_width"]):
+        return math.nan
+    time = arrays["time"]
+    in_cycle = (time > time[-1] - period * (1 - 1e-9)) & (arrays["normal_load"] > 0)
+    outwards = np.array([-1.0, 1.0])
+    edges = arrays["stick_edges"][in_cycle] * outwards
+    edge_uncertainty = arrays["stick_edge_uncertainty"][in_cycle]
+    innermost = edges.min(axis=0)
+    nearest = (edges - edge_uncertainty).min(axis=0)
+    farthest = (edges + edge_uncertainty).min(axis=0)
+    return float(np.mean(np.maximum(innermost - nearest, farthest - innermost)))
 
 
 def _peak_uncertainty(task: _Task, arrays: Mapping[str, Any]) -> float:

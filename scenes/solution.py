@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping
 from dataclasses import MISSING, dataclass, field, fields
 from enum import IntEnum
@@ -143,6 +144,10 @@ class ContactSolution:
     dissipation_uncertainty
         of `dissipation`, by mesh and steps of finite elements [energy / thickness]; NaN where
         it is unknown, as of other engines
+    uncertainties
+        of other values by their names, by the mesh of finite elements, each in the unit of its
+        value and for all instants of the last cycle; NaN where there is no estimate; empty of
+        other engines
     loop_work
         closed integral of Q dU - m_q d(eps) over the last whole cycle, m_q the `shear_moment`
         and eps the bulk strain (0 without bulk stress, where Q dU alone is left): between
@@ -213,6 +218,7 @@ class ContactSolution:
     versions: Mapping[str, str] = field(default_factory=dict)
     loop_work: float = float("nan")
     dissipation_uncertainty: float = float("nan")
+    uncertainties: Mapping[str, float] = field(default_factory=dict)
     bulk_stress_lower: Array | None = field(
         default=None, metadata=_stored("bulk stress of the lower body", "time", "stress")
     )
@@ -373,6 +379,12 @@ class ContactSolution:
             "record": json.dumps(record),
             "work": json.dumps(work),
             "settings": json.dumps(dict(self.settings)),
+            "uncertainties": json.dumps(
+                {
+                    name: value if math.isfinite(value) else None
+                    for name, value in self.uncertainties.items()
+                }
+            ),
             "versions": json.dumps(dict(self.versions)),
         }
         return StoredArrays(arrays, attributes)
@@ -398,7 +410,9 @@ class ContactSolution:
         values: dict[str, Any] = {
             name: freeze(arrays[name], arrays[name].dtype) for name in present
         }
-        for name in _NUMBERS:  # the uncertainty is not in files of earlier versions
+        # Uncertainties are not in files of earlier versions.
+        uncertainties = json.loads(stored.get("uncertainties", "{}"))
+        for name in _NUMBERS:
             values[name] = float(
                 stored.get(name, "nan") if name == "dissipation_uncertainty" else stored[name]
             )
@@ -418,6 +432,10 @@ class ContactSolution:
                 work["seconds"],
             ),
             settings=json.loads(stored["settings"]),
+            uncertainties={
+                name: math.nan if value is None else float(value)
+                for name, value in uncertainties.items()
+            },
             versions=json.loads(stored["versions"]),
             **values,
         )

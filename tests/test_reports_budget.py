@@ -411,7 +411,7 @@ def test_meshes_of_real_bodies_that_agree_by_chance_leave_the_peak_as_uncertain_
         "largest_pressure"
     )
     stated = (
-        solution.largest_pressure_uncertainty
+        solution.uncertainties["largest_pressure"]
         / comparison.reference.pressure[comparison.reference.last_cycle].max()
     )
     assert line.uncertainty == pytest.approx(stated, rel=1e-2)

@@ -565,6 +565,7 @@ _OF_ONE_ENGINE = (
     "notes",
     "dissipation",
     "dissipation_uncertainty",
+    "uncertainties",
     "dissipation_drift",
     "loop_work",
     "load_cycles",

@@ -558,7 +558,7 @@ def _stated_of_peak(metric: Metric, comparison: Comparison) -> float:
     """
     if metric.key not in _PEAKS or are_half_planes(comparison.scene):
         return 0.0
-    uncertainty = getattr(comparison.result, "largest_pressure_uncertainty", math.nan)
+    uncertainty = comparison.result.uncertainties.get("largest_pressure", math.nan)
     if not math.isfinite(uncertainty):
         return 0.0
     over_result = float(uncertainty / comparison.result.pressure.max())

@@ -73,6 +73,7 @@ def solution_content(solution: ContactSolution, checks: tuple[Certificate, ...])
         "engine",
         "dissipation",
         "dissipation_uncertainty",
+        "uncertainties",
         "dissipation_drift",
         "loop_work",
         "cycle_dissipation",

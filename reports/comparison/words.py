@@ -688,20 +688,38 @@ def first_rows(solution: ContactSolution) -> list[tuple[str, str]]:
     last_loads = (
         f"P {solution.normal_load[-1]:.6g}, Q {solution.tangential_load[-1]:.6g} {load_unit(scene)}"
     )
+    half_width = f"{np.nanmax(solution.contact_half_width):.8g}"
+    half_width += _stated(solution, "largest_half_width")
+    permanent_stick = _or_none(solution.permanent_stick_half_width)
+    if math.isfinite(solution.permanent_stick_half_width):
+        permanent_stick += _stated(solution, "permanent_stick_half_width")
     rows = [
         ("engine", name_of(solution.engine)),
         ("how it ended", solution.record.message),
         ("instants, surface points", f"{len(solution.time)}, {len(solution.x)}"),
         ("last instant", f"time {solution.time[-1]:.6g}, {last_loads}"),
-        (f"largest pressure at the points [{stress}]", f"{np.max(solution.pressure):.8g}"),
-        (f"largest contact half-width [{length}]", f"{np.nanmax(solution.contact_half_width):.8g}"),
-        (f"permanent stick half-width [{length}]", _or_none(solution.permanent_stick_half_width)),
+        (
+            f"largest pressure at the points [{stress}]",
+            f"{np.max(solution.pressure):.8g}{_stated(solution, 'largest_pressure')}",
+        ),
+        (f"largest contact half-width [{length}]", half_width),
+        (f"permanent stick half-width [{length}]", permanent_stick),
     ]
     of_ends = of_unsymmetric(solution)
     if of_ends:
         ends = [of_ends[f"permanent_stick_{side}"] for side in ("left", "right")]
         rows.append((f"ends of permanent stick [{length}]", ", ".join(map(_or_none, ends))))
     return [*rows, (f"dissipation of the {stretch(scene)} [{energy_unit(scene)}]", dissipation)]
+
+
+def _stated(solution: ContactSolution, name: str) -> str:
+    """The uncertainty that a solution states of a value, to stand behind it; empty of engines that
+    state none.
+    """
+    if name not in solution.uncertainties:
+        return ""
+    uncertainty = solution.uncertainties[name]
+    return f" ± {uncertainty:.2g}" if math.isfinite(uncertainty) else ", no estimate of its error"
 
 
 def summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:

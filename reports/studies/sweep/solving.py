@@ -483,6 +483,7 @@ def _scales_of(scene: str) -> Scales:
         find_scales(Scene.model_validate_json(scene), Counter()),
         inner=0.0,
         dissipation=float("nan"),
+        values=None,
     )
 
 
