@@ -45,6 +45,7 @@ From a request to an answer::
     corrected.py            theory with what finite bodies add to the compliance of half-planes:
                             curvatures that follow the loads, c_n and c_t
     corrected_memory.py     its memory curve: clipped between two bounds that follow the loads
+    tilt_and_strain.py      what tilt and bulk strain of the bodies make of W: on grids
     subsurface.py           stress inside the bodies (McEwen), tension at the trailing edge
     largest_values.py       largest pressure, slip, W(x) and tension of a cycle, to 1e-9 of
                             themselves
@@ -69,6 +70,7 @@ from semi_analytic.largest_values import Extremes, extremes
 from semi_analytic.measured_friction import FrictionBatch, NoFriction, friction_from
 from semi_analytic.solution import solve
 from semi_analytic.subsurface import edge_tension, stress
+from semi_analytic.tilt_and_strain import change_by_tilt_and_strain
 
 __all__ = [
     "FIELDS",
@@ -81,6 +83,7 @@ __all__ = [
     "NoFriction",
     "PeakBatch",
     "Reason",
+    "change_by_tilt_and_strain",
     "compliance",
     "dissipation",
     "eccentricity",

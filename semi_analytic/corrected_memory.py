@@ -52,8 +52,10 @@ _CELLS, _FEWEST_CELLS = 512, 64
 _MOST_CELLS = 4096
 _BISECTIONS = 60
 _STEPS_OF_NEWTON = 60
-# Share of f P below which a difference of forces is round-off.
-_ROUNDING = 1e-13
+# Share of f P below which a difference of forces is round-off. A steady cycle slips along the line
+# of the cycle before: differences of the two are sums over all pieces of the curve, and reach a few
+# 1e-13. Taken for slip they move the edge of stick to an older piece.
+_ROUNDING = 1e-11
 # Share of the largest half-width that stands for 0 in a logarithm.
 _LEAST = 1e-9
 _GAUSS = np.polynomial.legendre.leggauss(3)

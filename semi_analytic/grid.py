@@ -1138,6 +1138,42 @@ def follow_on_grid(
     )
 
 
+def cycle_works(
+    loads: PathLoads,
+    span: tuple[float, float],
+    height: Callable[[Array], Array],
+    friction: float,
+    modulus: float,
+    request: GridRequest,
+) -> Array:
+    """Friction work of each cycle (c,) on 16 grids that are moved by shares of a cell, (16, c),
+    until one repeats the one before; of the whole path where none repeats, (16, 1).
+
+    Parameters
+    ----------
+    span
+        the outermost edges of contact, which the cells lie between [length]
+    height
+        h(x)
+    friction, modulus
+        f, E*
+    request
+        how fine the grids are, and the largest number of cycles
+
+    Raises
+    ------
+    InputError
+        Where an increment does not converge.
+    """
+    left, right = span
+    cell = (right - left) / request.cells
+    extents = np.stack([left - (2 + _SHIFTS) * cell, right + (3 - _SHIFTS) * cell], axis=1)
+    grids = Grid(height, extents, request.cells + 5, friction, modulus)
+    numbers = range(-1, request.most_cycles) if loads.path.cycle else range(-1, 0)
+    nothing = np.zeros(0)
+    return _run(grids, _Path(loads, request.increments), nothing, nothing, numbers, 1).works
+
+
 def _default_times(path: LoadPath, cycles: int, increments: int, last_alone: bool) -> Array:
     """Every second increment of the last of so many cycles, or of all of them; fewer of the initial
     loading.

@@ -15,6 +15,7 @@ from unittest import mock
 
 import numpy as np
 import pytest
+import scipy.optimize
 
 import halfplane_fe
 import semi_analytic
@@ -399,6 +400,36 @@ def test_more_steps_change_the_work_by_less_than_is_stated() -> None:
     stated = solution.record.errors["dissipation"]
     assert 0 < stated < 1e-4
     assert fine.dissipation == pytest.approx(solution.dissipation, rel=stated)
+
+
+@pytest.mark.parametrize("height", [4.0, 8.0])
+@pytest.mark.parametrize("history", ["paper", "ellipse .3", "cycle .9 .3"])
+def test_what_always_sticks_is_where_no_bound_ever_meets_the_other(
+    history: str, height: float
+) -> None:
+    """A punch sticks through a steady cycle where the largest B_+ is below the least B_-. Of layers
+    the line of slip is that of the cycle before, to round-off error.
+    """
+    scene = scene_of(history)
+    normal = 0.716 / height**2
+    tangential = 0.331 / height**2
+    solution = semi_analytic.solve(
+        scene, cycles="steady", fields="dissipation", effects=effects_of(normal, tangential)
+    )
+    path = scene.load.path()
+    instants = path.cycle_start + np.linspace(0.0, path.period, 20_001)
+    turns = [segment.end for segment in path.cycle]
+    load, force = path.at(np.append(instants, turns))
+    friction = scene.friction.coefficient
+
+    def gap(square: float) -> float:
+        """Least B_- minus largest B_+ of the punch of half-width c, c^2 = square."""
+        carried = friction * (load - square * (LOAD + normal * load))
+        following = tangential * force * square
+        return float(np.min(force - following + carried) - np.max(force - following - carried))
+
+    square = scipy.optimize.brentq(gap, 0.0, 1.0)
+    assert solution.permanent_stick_half_width == pytest.approx(math.sqrt(square), rel=1e-4)
 
 
 def test_odd_numbers_are_left_out_and_noted_with_their_size() -> None:
