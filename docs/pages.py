@@ -4,9 +4,8 @@ of `make pages`.
     python docs/pages.py
 
 verification.md, gallery.md, misprints.md, expected.csv, architecture.svg, the tables of scenes.md,
-third.md, metrics.md and scene-keys.md, the maps of packages, and the numbers in the text of every
-page. Tests make all of
-it again.
+third.md, maps.md, metrics.md and scene-keys.md, the maps of packages, and the numbers in the text
+of every page. Tests make all of it again.
 """
 
 from __future__ import annotations
@@ -37,6 +36,7 @@ PUBLISHED = ROOT / "reports" / "published"
 sys.path.append(str(ROOT / "benchmarks"))  # the table of cases
 WRITTEN = "<!-- written by `make pages` -->"
 THIRD = ROOT / "benchmarks" / "third.json"
+BOUND = ROOT / "benchmarks" / "bound.json"
 ROUNDING = re.compile(r"(?<![\w.])(?:0|\d(?:\.\d+)?e-1[3-9])(?!\w|\.\d)")
 
 
@@ -59,6 +59,7 @@ def made(examples: Paper | None = None) -> dict[str, str]:
         "scenes.md": between(written["scenes.md"], "the library", library()),
         "expected.csv": expected(),
         "third.md": third_solver(written["third.md"]),
+        "maps.md": between(written["maps.md"], "the bound", bound_table()),
         "metrics.md": between(written["metrics.md"], "the metrics", markdown().splitlines()),
         "scene-keys.md": reference.page(written["scene-keys.md"]),
         "architecture.svg": architecture.svg(ROOT / "pyproject.toml"),
@@ -97,6 +98,33 @@ def third_solver(text: str) -> str:
         }
         text = between(text, words, third_table(chosen))
     return text
+
+
+def bound_table() -> Iterator[str]:
+    """What advice leaves of finite elements on the drawn bodies, as benchmarks/bound.py solved
+    them.
+    """
+    content = json.loads(BOUND.read_text(encoding="utf-8"))
+    rows = []
+    for row in content["rows"]:
+        cells = [row["bodies"], f"{row['height']:.1f}", row["load"]]
+        if "refused" in row:
+            rows.append([*cells, "refused", "–", "–", "–"])
+            continue
+        percents = [100 * row[key] for key in ("finite_elements", "advised", "left")]
+        signed = [f"{value:+.2f}".replace("-", "−") for value in percents]
+        rows.append([*cells, *signed, f"{100 * row['bound']:.2f}"])
+    yield (
+        f"{len(content['rows'])} cases of seed {content['seed']}, in per cent of W:"
+        f" {100 * content['covered']:.0f} % covered, {100 * content['left']:.2f} left at the"
+        f" median, the uncertainty {content['bound_over_left']:.1f} times as much,"
+        f" {100 * content['refused']:.0f} % refused."
+    )
+    yield ""
+    yield from table(
+        "lower, upper body | least height/a | load | finite elements | advice | left | uncertainty",
+        rows,
+    )
 
 
 def between(text: str, words: str, lines: Iterable[str]) -> str:

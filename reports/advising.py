@@ -52,8 +52,8 @@ _CURVATURES = {
     "curvature under P": ("normal_curvature", "tangential_curvature_under_pressure"),
     "curvature under Q": ("tangential_curvature", "normal_curvature_under_shear"),
 }
-# Of the product of the parts of curvatures and of tilt and bulk strain, what may be left: 0.09 of it
-# at most on twelve bodies (benchmarks/bound.py, seed 1).
+# Of the product of the parts of curvatures and of tilt and bulk strain, what may be left: 0.09 of
+# it where it is above 1 % of W, on twelve bodies (benchmarks/bound.py, seed 1).
 _PRODUCT = 0.25
 WORK = "dissipation"
 ODD = "tilt and bulk strain"

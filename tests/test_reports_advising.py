@@ -61,12 +61,46 @@ def test_at_constant_normal_load_the_curvature_under_it_moves_no_work() -> None:
     assert parts["curvature under Q"].value < -1e-3
 
 
-def test_bulk_strain_and_tilt_of_one_block_are_said_and_counted_as_uncertain() -> None:
+def test_bulk_strain_and_tilt_of_one_block_are_a_part_of_the_change() -> None:
     advice = advise(one_block())
-    assert advice.left_out > 0
-    assert advice.work.uncertainty >= advice.left_out
+    part = advice.parts["tilt and bulk strain"]
+    # In closed form to second order: 0.0819 (a/h)^2.
+    assert part.value == pytest.approx(8.19e-4, abs=part.uncertainty)
+    assert part.uncertainty < 4e-4
+    assert advice.left_out == 0
+    total = sum(of_cause.value for of_cause in advice.parts.values())
+    assert advice.work.value == pytest.approx(total, rel=1e-12)
     assert advice.changes["dissipation"].change == advice.work
     assert math.isnan(advice.changes["permanent_stick"].change.value)
+    assert "tilt and bulk strain +0.08" in sentence(advice)
+
+
+@pytest.mark.slow
+def test_a_t_shape_tilts_and_strains_and_is_told_as_finite_elements_have_it() -> None:
+    t_shape = {
+        "kind": "t_shape",
+        "width": 20.0,
+        "flange_height": 6.0,
+        "stem_width": 12.0,
+        "height": 18.0,
+    }
+    bodies = {"lower": t_shape, "upper": {"kind": "half_plane"}}
+    advice = advise(load_scene("blocks").vary(bodies=bodies, expected=[]))
+    # `halfplane run`, growth of the mesh 0.1
+    assert abs(advice.work.value + 0.09258) < advice.work.uncertainty < 0.007
+    assert abs(advice.parts["tilt and bulk strain"].value) > 0.05
+
+
+def test_where_grids_take_no_profile_tilt_and_bulk_strain_are_left_out_and_said(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def refused(*_: Any) -> None:
+        raise InputError("no such profile")
+
+    monkeypatch.setattr(semi_analytic, "change_by_tilt_and_strain", refused)
+    advice = advise(one_block())
+    assert advice.work.uncertainty >= advice.left_out > 0
+    assert "tilt and bulk strain" not in advice.parts
     assert "tilt and bulk strain are left out" in sentence(advice)
 
 

@@ -546,6 +546,66 @@ def test_members_of_a_batch_that_slide_or_would_split_have_a_reason() -> None:
     assert float(still.value) == 0.0
 
 
+# ------------------------------------------------------------------------ tilt and bulk strain
+def unit_scene(load: dict[str, object]) -> Scene:
+    """E* = 1, R = 1, f = 1."""
+    return load_scene("hertz-paper").vary(
+        material={"young_modulus": 2 * 0.91, "poisson_ratio": 0.3},
+        profile={"radius": 1.0},
+        friction=1.0,
+        load=load,
+        expected=[],
+    )
+
+
+def test_bulk_strain_that_follows_the_shear_at_constant_load_adds_its_closed_form() -> None:
+    """W grows by 2 R e^2 Q/f, e the amplitude of the strain, Q that of the shear."""
+    scene = load_scene("cattaneo-mindlin")
+    largest = 0.3 * LOAD
+    strain = 2e-4
+    numbers = BodyEffects(datum_length=1000.0, strain_under_shear=Estimate(strain / largest))
+    change = semi_analytic.change_by_tilt_and_strain(scene, numbers)
+    work = semi_analytic.solve(scene, fields="dissipation").dissipation
+    added = 2 * RADIUS * strain**2 * largest / scene.friction.coefficient
+    assert change.value == pytest.approx(added / work, abs=change.uncertainty)
+    assert added / work > 10 * change.uncertainty
+
+
+def test_tilt_that_follows_p_as_bulk_strain_follows_q_has_one_memory_curve() -> None:
+    """W of the closed theory in docs/bulk-stress.md: the paper's cycle, kappa = 0.1."""
+    load = {
+        "mean_normal_load": 3.0,
+        "normal_amplitude": 1.0,
+        "mean_tangential_load": 1.1,
+        "tangential_amplitude": 1.0,
+    }
+    scene = unit_scene(load)
+    numbers = BodyEffects(
+        datum_length=1000.0,
+        tilt_under_pressure=Estimate(0.1),
+        strain_under_shear=Estimate(0.1),
+    )
+    change = semi_analytic.change_by_tilt_and_strain(scene, numbers)
+    work = semi_analytic.solve(scene, fields="dissipation").dissipation
+    closed = 0.32380811606118304 / work - 1
+    assert change.value == pytest.approx(closed, abs=change.uncertainty)
+    assert abs(closed) > 10 * change.uncertainty
+
+
+def test_without_odd_numbers_tilt_and_strain_change_nothing_and_what_is_no_scene_for_them() -> None:
+    change = semi_analytic.change_by_tilt_and_strain
+    assert change(scene_of("paper"), ALL_BENDS) == (0.0, 0.0)
+    strained = BodyEffects(datum_length=1000.0, strain_under_pressure=Estimate(1e-6))
+    with pytest.raises(InputError, match="beside bulk stress, tilt"):
+        change(load_scene("nowell-hills"), strained)
+    to_and_fro = {"cycle": [(LOAD, 1.0), (LOAD, -1.0)] * 31}
+    long_path = load_scene("cattaneo-mindlin").vary(load=to_and_fro)
+    with pytest.raises(InputError, match="60 segments at most"):
+        change(long_path, strained)
+    with pytest.raises(InputError, match="effects: a BodyEffects is needed"):
+        change(scene_of("paper"), {"strain_under_pressure": 1.0})
+
+
 # ----------------------------------------------------------------------------------- planted faults
 def changed(name: str, value: object) -> object:
     """`corrected_memory.Curvatures` with another of its methods."""
