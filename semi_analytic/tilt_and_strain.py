@@ -15,6 +15,7 @@ of the bodies are not in it: for those see `corrected`.
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -105,7 +106,8 @@ def change_by_tilt_and_strain(scene: Scene, effects: BodyEffects) -> Estimate:
             " part of the path"
         )
     path_loads, profile = leaning_profile(scene)
-    without = replace(effects, **dict.fromkeys(ODD_NUMBERS, ZERO))
+    zeros: dict[str, Any] = dict.fromkeys(ODD_NUMBERS, ZERO)
+    without = replace(effects, **zeros)
     courses = []
     for numbers in (effects, without):
         of_path = {item.name: getattr(path_loads, item.name) for item in fields(path_loads)}
