@@ -813,6 +813,19 @@ PLACE = next(
     line for line in PRINTED.splitlines() if line.strip().startswith("1") and len(line.split()) == 5
 )
 ELEMENT = PLACE.split()[0]
+CELL_OF_NOTHING = """# vtk DataFile Version 3.0
+two cells, one without points
+ASCII
+DATASET UNSTRUCTURED_GRID
+POINTS 3 double
+0 0 0 1 0 0 0 1 0
+CELLS 2 5
+3 0 1 2
+0
+CELL_TYPES 2
+5
+0
+"""
 PVD = "<VTKFile type='Collection'><DataSet {}file='a.pvd'/></VTKFile>"
 AVERAGE = meshio.Mesh(POINTS, CELLS, cell_data={"CPRESS": [np.ones(80)], "CSHEAR1": [np.ones(80)]})
 
@@ -892,6 +905,7 @@ FAULTS: dict[str, tuple[Any, ...]] = {
     "no VTK": (file("no\nvtk\nat all\n", "a.vtk"), "can't be read as a .vtk file"),
     "XDMF": (file("<Xdmf Version='3.0'></Xdmf>", "a.xdmf"), "no reader for '.xdmf'; it reads .csv"),
     "no such point": (no_such_point, "names a point that is not there"),
+    "cell of nothing": (file(CELL_OF_NOTHING, "a.vtk"), "a cell has no points"),
     "no field": (
         file(partial(mesh, force=traction)),
         "neither contact pressure, nor contact traction, nor stress at points among 'force'",
@@ -988,7 +1002,7 @@ def test_each_fault_of_a_file_is_one_sentence(
     fault: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     make, fact, *mapping = FAULTS[fault]
-    if fault not in ("empty VTU", "no VTK", "no such point"):
+    if fault not in ("empty VTU", "no VTK", "no such point", "cell of nothing"):
         monkeypatch.setattr(field_files, "_read_apart", read_here)
     path = make(tmp_path)
     with pytest.raises(InputError, match=re.escape(fact)) as caught:

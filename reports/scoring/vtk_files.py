@@ -40,8 +40,8 @@ def arrays_of(path: Path) -> dict[str, NDArray[Any]]:
     Raises
     ------
     ValueError
-        For whatever VTK complains of, points that are no numbers and cells of points that are not
-        there.
+        For whatever VTK complains of, points that are no numbers, cells without points and cells of
+        points that are not there.
     """
     import pyvista
     from vtkmodules.util.numpy_support import vtk_to_numpy
@@ -61,6 +61,8 @@ def arrays_of(path: Path) -> dict[str, NDArray[Any]]:
     starts = np.asarray(vtk_to_numpy(grid.GetCells().GetOffsetsArray()), np.int64)
     if len(nodes) and not 0 <= nodes.min() <= nodes.max() < len(points):
         raise ValueError("a cell names a point that is not there")
+    if not np.diff(starts).all():
+        raise ValueError("a cell has no points")
     kinds = (
         np.column_stack([grid.celltypes, np.diff(starts)])
         if grid.n_cells
