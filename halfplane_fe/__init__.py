@@ -21,6 +21,8 @@ In the order in which a scene passes through::
                                            updates of a few, cached
     tresca.py                              the two convex halves (Signorini, Tresca), where the sets
                                            do not settle
+    return_mapping.py                      penalty method and augmented Lagrangian: return mapping
+                                           of the tractions, multipliers
     stepping.py                            along a stretch of the path, to each touch and release
     run.py                                 over the whole path; shakedown and ratcheting: what
                                            revolutions have left to go

@@ -260,7 +260,7 @@ def _creeping(slip: Array, closed: Mask, share: float) -> Mask:
 
 @dataclass(frozen=True)
 class PenaltyAudit:
-    """The layer and what it does; without one (augmented Lagrangian) the stiffnesses are infinite
+    """The layer and what it does; without one (the law met exactly) the stiffnesses are infinite
     and the rest is zero or rounding.
 
     Attributes

@@ -18,6 +18,8 @@ from numpy.typing import ArrayLike
 
 from halfplane_fe.interface import Interface
 from halfplane_fe.law import project, slip_sign
+from halfplane_fe.return_mapping import ReturnMapping, Start
+from halfplane_fe.settings import Method
 from halfplane_fe.systems import Layer, SingularSet, Systems
 from halfplane_fe.tresca import pressure_at_known_shear, shear_at_known_pressure
 from scenes import OPEN, STICK, ConvergenceError, InputError, freeze
@@ -188,12 +190,15 @@ class ContactProblem:
     augmentation
         weights r_n, r_t of gap and slip in the trial tractions, one or (n,) each; they set the
         way to the answer, not the answer. In two dimensions a nodal force moves its node by
-        O(1/E*) against its neighbours however fine the mesh, so 1 is natural
+        O(1/E*) against its neighbours however fine the mesh, so 1 is natural. Of
+        augmented_lagrangian they are the penalty
     moment_given
         whether the fifth load is the moment, so that the tilt follows from it, or the tilt
         itself
     work
         counts of what was done
+    method
+        by which an equilibrium is found, see `settings.SolverSettings`
     jumps
         increments in which the interface went from one solution to another, see
         `stepping.follow`
@@ -208,6 +213,7 @@ class ContactProblem:
     augmentation: tuple[Array | float, Array | float] = (1.0, 1.0)
     moment_given: bool = False
     work: Counter[str] = field(default_factory=Counter)
+    method: Method = "active_set"
     jumps: int = field(default=0, init=False)
 
     def __post_init__(self) -> None:
@@ -224,6 +230,23 @@ class ContactProblem:
         own.
         """
         return Systems(self.interface, self.layer, self.friction, self.work, self.tangential)
+
+    @cached_property
+    def _return_mapping(self) -> ReturnMapping:
+        """Both loops of the augmented Lagrangian, or the one of the penalty method."""
+        penalty = None
+        if self.method == "augmented_lagrangian":
+            one = np.ones_like(self.height)
+            penalty = (self.augmentation[0] * one, self.augmentation[1] * one)
+        return ReturnMapping(
+            self.interface,
+            self.friction,
+            self.layer,
+            self.tangential,
+            penalty,
+            self.work,
+            self._shear_scale,
+        )
 
     def at_rest(
         self, time: float = 0.0, loads: tuple[float, ...] = (0.0, 0.0), line: float = 0.0
@@ -254,8 +277,8 @@ class ContactProblem:
     def equilibrium(
         self, start: InterfaceState, time: float, loads: tuple[float, ...]
     ) -> tuple[InterfaceState, int]:
-        """The state at `loads` that follows the state `start` in one increment (active set), and
-        its iterations.
+        """The state at `loads` that follows the state `start` in one increment, and its iterations
+        (sets of states, or Newton steps).
 
         Raises
         ------
@@ -276,6 +299,8 @@ class ContactProblem:
         >>> sheared.shear.round(12).tolist(), sheared.state.tolist()  # the second one slips at f p
         ([0.7, 0.5], [1, 2])
         """
+        if self.method != "active_set":
+            return self._mapped_equilibrium(start, time, loads)
         state, iterations, changing = self._active_set(start, time, loads)
         if state is None and (self.tangential or self.moment_given):
             state, turns, changing = self._alternating(start, time, loads)
@@ -288,6 +313,27 @@ class ContactProblem:
                 " (over the largest normal load)"
             )
         return state, iterations
+
+    def _mapped_equilibrium(
+        self, start: InterfaceState, time: float, loads: tuple[float, ...]
+    ) -> tuple[InterfaceState, int]:
+        """`equilibrium` by return mapping of the tractions."""
+        moment = None
+        if self.moment_given and len(loads) > 2:
+            moment = loads[_TILT_OR_MOMENT]
+        change_of_loads = np.subtract(loads, start.loads)
+        solved = self._return_mapping.equilibrium(
+            Start(start.values, start.state, change_of_loads, moment), self.max_iterations
+        )
+        if solved is None:
+            raise ConvergenceError(
+                f"contact: the return mapping does not converge, however soft the penalty, at time"
+                f" {time:.6g}, normal load {loads[0]:.6g}, tangential load {loads[1]:.6g}"
+                " (over the largest normal load)"
+            )
+        self.work["contact iterations"] += solved.newton_steps
+        state = InterfaceState(time, loads, freeze(solved.values), freeze(solved.states, np.int8))
+        return state, solved.newton_steps
 
     def following(
         self, start: InterfaceState, time: float, loads: tuple[float, ...], states: States

@@ -4,10 +4,18 @@ cut.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import dataclass, replace
+from typing import Literal, get_args
 
 from scenes import InputError
+
+Method = Literal["active_set", "augmented_lagrangian", "penalty"]
+
+# Over E*/h. The layer of the penalty method, or the weight of the trials of the active set;
+_STIFFNESS = 1e3
+# the penalty of the augmented Lagrangian: an update leaves a twentieth of the error, and the inner
+# loop seldom cycles, which it does between unlike bodies where the penalty is stiffer.
+_PENALTY = 30.0
 
 
 @dataclass(frozen=True)
@@ -17,14 +25,16 @@ class SolverSettings:
     Attributes
     ----------
     method
-        "augmented_lagrangian" (the law is met exactly) or "penalty" (an elastic layer between
-        the faces)
+        "active_set" (semismooth Newton, the law is met exactly), "augmented_lagrangian"
+        (return mapping of the tractions, multipliers updated until the law is met) or
+        "penalty" (one return mapping, an elastic layer between the faces)
     normal_stiffness, tangential_stiffness
-        over E*/h, h being the surface element of the contact edges. Of the penalty layer:
-        pressure per penetration is normal_stiffness E*/h [stress/length]; the cost is a
-        penetration p h/(stiffness E*), an elastic slip and creep where the faces should stick,
-        see `FiniteElementSolution.penalty`. For augmented_lagrangian the weights of gap and
-        slip in the trial tractions: the answer does not depend on them
+        over E*/h, h being the surface element of the contact edges; by default 1000, and 30 for
+        augmented_lagrangian. Of the penalty layer: pressure per penetration is
+        normal_stiffness E*/h [stress/length]; the cost is a penetration p h/(stiffness E*), an
+        elastic slip and creep where the faces should stick, see
+        `FiniteElementSolution.penalty`. Of active_set the weights of gap and slip in the trial
+        tractions, of augmented_lagrangian the penalty: the answer does not depend on them
     steps_per_cycle
         regular increments of one revolution or of the longest leg of a polygon; instants at
         which a node touches or lets go, and the turning points of the path, come on top, and so
@@ -36,24 +46,24 @@ class SolverSettings:
         of one increment, before it counts as not converged
     """
 
-    method: Literal["augmented_lagrangian", "penalty"] = "augmented_lagrangian"
-    normal_stiffness: float = 1e3
-    tangential_stiffness: float = 1e3
+    method: Method = "active_set"
+    normal_stiffness: float | None = None
+    tangential_stiffness: float | None = None
     steps_per_cycle: int = 24
     step_tolerance: float = 5e-4
     max_iterations: int = 100
 
     def __post_init__(self) -> None:
-        if self.method not in ("augmented_lagrangian", "penalty"):
+        if self.method not in get_args(Method):
             raise InputError(
-                f"solver: method = {self.method!r} is refused: it is augmented_lagrangian or"
-                " penalty"
+                f"solver: method = {self.method!r} is refused: it is active_set,"
+                " augmented_lagrangian or penalty"
             )
         for name in ("normal_stiffness", "tangential_stiffness"):
-            if not 1e-3 <= getattr(self, name) <= 1e9:
+            stiffness = getattr(self, name)
+            if stiffness is not None and not 1e-3 <= stiffness <= 1e9:
                 raise InputError(
-                    f"solver: {name} = {getattr(self, name)!r} is refused: it lies in [0.001, 1e9],"
-                    " over E*/h"
+                    f"solver: {name} = {stiffness!r} is refused: it lies in [0.001, 1e9], over E*/h"
                 )
         if not 4 <= self.steps_per_cycle <= 100_000:
             raise InputError(
@@ -68,3 +78,22 @@ class SolverSettings:
             raise InputError(
                 f"solver: max_iterations = {self.max_iterations!r} is refused: it is at least 2"
             )
+
+    @property
+    def stiffnesses(self) -> tuple[float, float]:
+        """Normal and tangential stiffness, over E*/h: those that are set, or the method's own.
+
+        >>> SolverSettings().stiffnesses
+        (1000.0, 1000.0)
+        >>> SolverSettings("augmented_lagrangian", tangential_stiffness=3.0).stiffnesses
+        (30.0, 3.0)
+        """
+        default = _PENALTY if self.method == "augmented_lagrangian" else _STIFFNESS
+        normal = default if self.normal_stiffness is None else self.normal_stiffness
+        tangential = default if self.tangential_stiffness is None else self.tangential_stiffness
+        return normal, tangential
+
+    def with_stiffnesses(self) -> SolverSettings:
+        """These settings with both stiffnesses written out."""
+        normal, tangential = self.stiffnesses
+        return replace(self, normal_stiffness=normal, tangential_stiffness=tangential)

@@ -83,6 +83,12 @@ _NOTE_REPEATED = (
     " makes: this is the answer of the faces as they are; where edges move its dissipation errs by"
     " the first power of the element"
 )
+# for one release: the name meant the active set up to 0.3
+_NOTE_RENAMED = (
+    "method augmented_lagrangian: since 0.4 the augmented Lagrangian of Simo and Laursen, with"
+    " multipliers that are updated; what had this name before is active_set, the default, several"
+    " times faster and with the same answer"
+)
 
 # Share of what kinks between the first and the last start of sliding add to W that counts as
 # uncertain.
@@ -368,11 +374,12 @@ def _contact_problem(task: _Task, faces: Interface, work: Counter[str]) -> Conta
     scales = task.scales
     settings = task.settings
     interface = faces.scaled(scales.half_width, 1 / scales.modulus)
-    # A stiffness of k E*/h per area is, node by node and scaled, k w/h: that of the layer, or the
-    # weight of the trial tractions.
+    # A stiffness of k E*/h per area is, node by node and scaled, k w/h: that of the layer, the
+    # penalty, or the weight of the trial tractions.
     weights = interface.weights
-    normal_stiffness = settings.normal_stiffness * weights / task.mesh.edge_element_size
-    tangential_stiffness = settings.tangential_stiffness * weights / task.mesh.edge_element_size
+    normal, tangential = settings.stiffnesses
+    normal_stiffness = normal * weights / task.mesh.edge_element_size
+    tangential_stiffness = tangential * weights / task.mesh.edge_element_size
     augmentation: tuple[Array | float, Array | float]
     if settings.method == "penalty":
         layer = Layer(1 / normal_stiffness, 1 / tangential_stiffness)
@@ -391,6 +398,7 @@ def _contact_problem(task: _Task, faces: Interface, work: Counter[str]) -> Conta
         augmentation=augmentation,
         moment_given=scene.load.path().moment_given,
         work=work,
+        method=settings.method,
     )
 
 
@@ -432,6 +440,8 @@ def _solution(
             scales.dissipation,
         ),
     ]
+    if task.settings.method == "augmented_lagrangian":
+        notes.append(_NOTE_RENAMED)
     if problem.work[_REPEATED] and run.failure is None:
         notes.insert(0, _NOTE_REPEATED)
     grading = condensed[0].body.grading
@@ -444,7 +454,7 @@ def _solution(
         work=_work(scene, problem, run, condensed, seconds),
         settings={
             "mesh": asdict(task.mesh),
-            "solver": asdict(task.settings),
+            "solver": asdict(task.settings.with_stiffnesses()),
             "scales": scales.content(),
             "dundurs": dundurs(scene.material)._asdict(),
             "element_size": grading.edge_size,

@@ -47,6 +47,9 @@ Factors = tuple[Array, NDArray[np.int32]]
 _BYTES = 300_000_000
 # Rows in which a set may differ from its base: beyond that the set becomes a base itself.
 _MOST_ROWS = 96
+# Sets of which `corrections` keeps the factors: the iterations of an increment go to and fro
+# between few of them.
+_FACTORISED = 8
 # Rows on either side of one that is needed whose answers are found along with it: edges of contact
 # and stick travel from node to node.
 _NEIGHBOURS = 12
@@ -220,6 +223,7 @@ class Systems:
         self._held_still = faces.guided or not self.shears
         self.matrix = self._assembled()
         self._bases: list[_Base] = []  # what was used last comes last
+        self._factorised: dict[bytes, _Base] = {}  # of `corrections`, by states
         self._nested: list[_Nested] = []
         # p does not depend on q then
         if faces.coupling is None and faces.flat and faces.imposed is None:
@@ -370,6 +374,64 @@ class Systems:
         small_system = (columns[:, place] - columns[:, place_of_pressure] * slope).T
         factors = _lu_solve(_lu(small_system), right.T).T
         return np.asarray(values + factors @ columns)
+
+    def corrections(self, states: States, n_loads: int, changes: Array) -> Array:
+        """`answers`, with changes of all rows: by the factors of the set itself.
+
+        Parameters
+        ----------
+        states
+            which the nodes keep
+        n_loads
+            2 (P and Q) or 5 (bulk stresses and tilt too)
+        changes
+            (2 n,) of all rows while no load changes
+
+        Returns
+        -------
+        ndarray
+            (n_loads + 1, 3 + 4 n), the last row by the changes
+
+        Raises
+        ------
+        SingularSet
+            If the states leave the bodies free to move.
+        """
+        n = len(states)
+        self.work["linear solves"] += 1
+        touching = int(np.count_nonzero(states))
+        sticking = int(np.count_nonzero(states == STICK))
+        leading = states[:touching].all() and (states[:sticking] == STICK).all()
+        if self._nested and sticking and leading:
+            return self._answers_of_nested(states, n_loads, np.arange(2 * n), changes)
+        if not (self._held_still or sticking):
+            raise SingularSet("no node sticks: the bodies slide on each other")
+        key = states.tobytes()
+        base = self._factorised.pop(key, None)
+        if base is None:
+            kinds = np.concatenate([states != OPEN, states], dtype=np.int8, casting="unsafe")
+            base = self._new_base(states, kinds)
+        self._factorised[key] = base  # what was used last comes last
+        if len(self._factorised) > _FACTORISED:
+            del self._factorised[next(iter(self._factorised))]
+        rows_of_loads = np.arange(2 * n, 2 * n + n_loads)
+        case_of_changes = n_loads
+        z = np.zeros((2 * n + 5, n_loads + 1))
+        z[rows_of_loads[2:], np.arange(2, n_loads)] = 1.0
+        z[base.free, case_of_changes] = changes[base.free]
+        right = -self.matrix[base.held] @ z
+        right[base.place[rows_of_loads[:2]], np.arange(2)] += 1.0
+        of_nodes = base.held < 2 * n
+        right[of_nodes, case_of_changes] += changes[base.held[of_nodes]]
+        z[base.held] = _lu_solve(base.factors, right)
+        z[n : 2 * n] += base.traction[:, None] * z[:n]
+        moved = self.matrix[: 2 * n] @ z
+        values = np.empty((n_loads + 1, 3 + 4 * n))
+        values[:, :3] = z[[2 * n, 2 * n + 1, 2 * n + 4]].T  # approach, shift, tilt
+        values[:, 3 : 3 + n] = moved[n:].T  # slip
+        values[:, 3 + n : 3 + 3 * n] = z[: 2 * n].T  # pressure and shear
+        values[:, 3 + 3 * n :] = moved[:n].T  # gap
+        return values
 
     def _nearest(self, states: States) -> tuple[_Base, Mask]:
         """A base for a set, and the rows that differ: that from which the set was reached before,

@@ -185,7 +185,7 @@ def mindlin_errors(elements, order=2):
 
 def excess(steps, late, mean):
     """Late less mean work of the last cycle, over its dissipation."""
-    answer = stepped_run("augmented_lagrangian", steps)
+    answer = stepped_run("active_set", steps)
     cycle = answer.last_cycle[1:]
     energy = answer.record.energy
     return float(abs((energy[late] - energy[mean])[cycle].sum()) / answer.dissipation)
@@ -198,9 +198,7 @@ def layered(quantity, stiffness):
     soft = layer_run("hertz-paper", "penalty", float(stiffness))
     if quantity != "dissipation":
         return getattr(soft.penalty, quantity)
-    return abs(
-        soft.dissipation / layer_run("hertz-paper", "augmented_lagrangian", 1e3).dissipation - 1
-    )
+    return abs(soft.dissipation / layer_run("hertz-paper", "active_set", 1e3).dissipation - 1)
 
 
 STEEL = Elastic(young_modulus=210e3, poisson_ratio=0.3)
@@ -473,9 +471,7 @@ def test_a_sequence_of_another_order_would_fail_that_test():
             "end_of_step work",
             THREE,
             [
-                float(
-                    np.abs(stepped_run("augmented_lagrangian", n).record.energy["step_error"]).sum()
-                )
+                float(np.abs(stepped_run("active_set", n).record.energy["step_error"]).sum())
                 for n in (48, 96, 192)
             ],
         ),

@@ -388,7 +388,7 @@ def test_progress_is_told():
 # ----------------------------------------------------------------------------- energy of increments
 
 
-@pytest.mark.parametrize("method", ["augmented_lagrangian", "penalty"])
+@pytest.mark.parametrize("method", ["active_set", "augmented_lagrangian", "penalty"])
 def test_balance_is_closed_at_every_step_and_the_layer_has_its_share(method):
     """External work = elastic energy, that of the layer in it, + trapezoidal work of the interface;
     without the layer it fails.
@@ -666,13 +666,13 @@ def test_settings_refuse_bad_values(settings):
 # ---------------------------------------------------------------------- penalty layer and exact law
 
 
-def test_augmented_lagrangian_is_independent_of_the_weights_over_six_decades():
+def test_active_set_is_independent_of_the_weights_over_six_decades():
     """To the last bit: where the law is met the projection of (p - r g, q + r ds) is (p, q) for any
     r.
     """
-    plain = layer_run("hertz-paper", "augmented_lagrangian", 1e3)
+    plain = layer_run("hertz-paper", "active_set", 1e3)
     for weight in (1.0, 1e6):
-        answer = layer_run("hertz-paper", "augmented_lagrangian", weight)
+        answer = layer_run("hertz-paper", "active_set", weight)
         for field in ("time", "pressure", "shear", "slip", "state"):
             np.testing.assert_array_equal(
                 getattr(answer, field), getattr(plain, field), err_msg=f"{field}, {weight:g}"

@@ -122,8 +122,11 @@ class Options:
     growth: Annotated[float | None, _mesh("Growth of the elements away from the contact.")] = None
     order: Annotated[_Count | None, _mesh("Order of the elements, 1 or 2.")] = None
     method: Annotated[
-        Literal["augmented_lagrangian", "penalty"] | None,
-        _solver("The contact law met exactly, or an elastic layer between the faces."),
+        Literal["active_set", "augmented_lagrangian", "penalty"] | None,
+        _solver(
+            "Active set or augmented Lagrangian: the contact law met exactly. Penalty: an elastic"
+            " layer between the faces."
+        ),
     ] = None
     steps_per_cycle: Annotated[
         _Count | None, _solver("Steps of a revolution; turning points come on top.")

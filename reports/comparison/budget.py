@@ -171,10 +171,11 @@ def coarser(
     middle_size = min(_LARGEST, factor * mesh.element_size)
     edge_size = min(_LARGEST, factor * mesh.edge_element_size)
     if settings.method == "penalty":
+        normal_stiffness, tangential_stiffness = settings.stiffnesses
         settings = replace(
             settings,
-            normal_stiffness=factor * settings.normal_stiffness,
-            tangential_stiffness=factor * settings.tangential_stiffness,
+            normal_stiffness=factor * normal_stiffness,
+            tangential_stiffness=factor * tangential_stiffness,
         )
     return replace(mesh, element_size=middle_size, edge_element_size=edge_size), settings
 
@@ -323,7 +324,7 @@ def _penalty_runs(
     more than the layer does.
     """
     exact_settings = replace(
-        settings, method="augmented_lagrangian", normal_stiffness=1e3, tangential_stiffness=1e3
+        settings, method="active_set", normal_stiffness=None, tangential_stiffness=None
     )
     pairs = []
     for run in runs:

@@ -426,13 +426,18 @@ def _settings(
 
     kinds = {int: "a whole number", float: "a number", str: "a word", bool: "true or false"}
     settings: list[Any] = []
-    for name, base in (("mesh", MeshSettings.preset(preset)), ("solver", SolverSettings())):
+    bases = (("mesh", MeshSettings.preset(preset)), ("solver", SolverSettings()))
+    for name, base in bases:
+        types = {key: type(value) for key, value in asdict(base).items()}
+        if name == "solver":
+            # without a value they have the method's own
+            types |= {"normal_stiffness": float, "tangential_stiffness": float}
         for key, value in changes[name].items():
-            if key not in asdict(base):
+            if key not in types:
                 raise InputError(
-                    f"{name}.{key}: there is no such setting; known: {', '.join(asdict(base))}"
+                    f"{name}.{key}: there is no such setting; known: {', '.join(types)}"
                 )
-            kind = type(getattr(base, key))
+            kind = types[key]
             if not (type(value) is kind or (kind is float and type(value) is int)):
                 raise InputError(f"{name}.{key} = {value!r} is refused: it is {kinds[kind]}")
         settings.append(replace(base, **changes[name]))

@@ -1,0 +1,389 @@
+r"""Return mapping of tractions: penalty method, and augmented Lagrangian of Simo and Laursen.
+
+The faces carry what the contact law makes of a trial,
+
+    (p, q) = project(l - e g,  m + e ds),
+
+with a penalty e (force over displacement of each node), gap g, slip ds since the start of the
+increment, and multipliers l, m. Two loops:
+
+    inner   l and m stay. Newton's method on p - project(...) = 0, q - project(...) = 0 and the
+            equilibrium of the loads, on the condensed bodies
+    outer   (l, m) = (p, q), until they change no more: then the gap under pressure, the slip of
+            what sticks and the force beyond the Coulomb limit are zero
+
+The multipliers start from the tractions of the increment before. In the values of a state that is
+iterated, gap and slip are G = g + c (p - l) and S = s - c (q - m), c = 1/e, so that the trial is p
+- G/c and q + dS/c. Penalty method: c is the layer between the faces, there is no multiplier, and
+one inner loop is all. Where an inner loop cycles, the increment is solved again from the same start
+with a softer penalty. Between faces with a layer the softness comes on top of the layer, and its
+multipliers take it away again.
+
+Source: Simo and Laursen (1992), Computers and Structures; see `law.project`.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from halfplane_fe.interface import Interface
+from halfplane_fe.law import project, slip_sign
+from halfplane_fe.systems import Layer, SingularSet, Systems
+from scenes import OPEN, STICK
+from scenes.array_types import Array, States
+
+# Change of multipliers, and what the law makes of the tractions less these, over the largest nodal
+# force.
+_TOLERANCE = 1e-10
+# Each try has a penalty of a tenth of the one before: what cycled at 30 E*/h converged at 3 or 0.3.
+_SOFTER = 0.1
+_MOST_TRIES = 5
+# Of an increment. An update leaves 1/(1 + e N) of the error: a twentieth at 30 E*/h, and a softer
+# penalty takes as many times more.
+_MOST_UPDATES = 2000
+# Pressure of a node that touches without force, from which the sense of its slip is read.
+_TOUCHING = 1e-11
+
+
+class Tractions(NamedTuple):
+    """What is iterated, and what the law makes of it.
+
+    Attributes
+    ----------
+    trial_pressure, trial_shear
+        (n,) before the return mapping
+    pressure, shear, states
+        (n,) after it
+    error
+        largest difference of the mapped tractions from the iterated ones, over the tolerance
+    """
+
+    trial_pressure: Array
+    trial_shear: Array
+    pressure: Array
+    shear: Array
+    states: States
+    error: float
+
+
+class Equilibrium(NamedTuple):
+    """The values of an interface state that meet the law, the states of its nodes, and the Newton
+    steps that were taken.
+    """
+
+    values: Array
+    states: States
+    newton_steps: int
+
+
+class Start(NamedTuple):
+    """Values (3 + 4 n,) and states (n,) at the start of an increment, and the change of its loads;
+    the moment at its end, where it is given.
+    """
+
+    values: Array
+    states: States
+    change_of_loads: Array
+    moment: float | None
+
+
+@dataclass(eq=False)
+class ReturnMapping:
+    """Equilibrium of two condensed bodies by return mapping; scaled.
+
+    Attributes
+    ----------
+    interface, friction, layer, tangential, work
+        see `contact.ContactProblem`
+    penalty
+        (n,) normal and tangential e of the augmented Lagrangian; None for the penalty method,
+        whose penalty is the stiffness of the layer
+    shear_scale
+        of a nodal shear over a nodal pressure
+    """
+
+    interface: Interface
+    friction: float
+    layer: Layer
+    tangential: bool
+    penalty: tuple[Array, Array] | None
+    work: Counter[str]
+    shear_scale: float = 1.0
+    _systems: dict[int, Systems] = field(default_factory=dict, init=False)
+
+    def equilibrium(self, start: Start, most_steps: int) -> Equilibrium | None:
+        """What follows the start of an increment; None where no penalty converges.
+
+        Parameters
+        ----------
+        start
+            of the increment
+        most_steps
+            of Newton in one inner loop
+        """
+        newton_steps = 0
+        for number, softness in enumerate(self._softnesses()):
+            systems = self._systems_with(number, softness)
+            iteration = _Iteration(self, systems, softness, start)
+            try:
+                converged = iteration.converges(most_steps)
+            except SingularSet:
+                converged = False
+            newton_steps += iteration.newton_steps
+            self.work["Newton steps"] += iteration.newton_steps
+            self.work["multiplier updates"] += iteration.updates
+            if converged:
+                return Equilibrium(*iteration.answer(), newton_steps)
+            self.work["penalties softened"] += 1
+        return None
+
+    def _softnesses(self) -> Iterator[Layer]:
+        """The compliances c of the multipliers, each ten times as soft as the one before."""
+        if self.penalty is None:
+            yield Layer(np.zeros_like(self.layer.normal), np.zeros_like(self.layer.tangential))
+            stiffest = self.layer
+        else:
+            normal_penalty, tangential_penalty = self.penalty
+            stiffest = Layer(1 / normal_penalty, 1 / tangential_penalty)
+            yield stiffest
+        for number in range(1, _MOST_TRIES):
+            factor = _SOFTER**-number
+            yield Layer(stiffest.normal * factor, stiffest.tangential * factor)
+
+    def _systems_with(self, number: int, softness: Layer) -> Systems:
+        """The linear systems with the layer and this softness on top."""
+        systems = self._systems.get(number)
+        if systems is None:
+            compliance = Layer(
+                self.layer.normal + softness.normal, self.layer.tangential + softness.tangential
+            )
+            systems = Systems(self.interface, compliance, self.friction, self.work, self.tangential)
+            self._systems[number] = systems
+        return systems
+
+
+@dataclass(eq=False)
+class _Iteration:
+    """Both loops of one increment at one penalty.
+
+    Attributes
+    ----------
+    faces, systems, softness, start
+        what is solved
+    values
+        (3 + 4 n,) as iterated, G and S in the place of gap and slip
+    newton_steps, updates
+        counts
+    """
+
+    faces: ReturnMapping
+    systems: Systems
+    softness: Layer
+    start: Start
+    newton_steps: int = 0
+    updates: int = 0
+
+    def __post_init__(self) -> None:
+        self.values = self.start.values.copy()
+        # views of `values`
+        self._slip, self._pressure, self._shear, self._gap = self.values[3:].reshape(4, -1)
+        self._slip_at_start = self._slip.copy()
+        self._latest_states = self.start.states
+
+    def converges(self, most_steps: int) -> bool:
+        """Whether both loops end; the first step keeps the states of the start.
+
+        Raises
+        ------
+        SingularSet
+            If the states leave the bodies free to move.
+        """
+        pressure = self._pressure.copy()
+        shear = self._shear.copy()
+        at_start = Tractions(pressure, shear, pressure, shear, self.start.states, np.inf)
+        self._newton_step(at_start, self.start.change_of_loads)
+        multipliers = self.start.values[3:].reshape(4, -1)[1:3].copy()
+        without_multipliers = not (self.softness.normal.any() or self.softness.tangential.any())
+        while self.updates < _MOST_UPDATES:
+            mapped = self._inner_loop(most_steps)
+            if mapped is None:
+                return False
+            if without_multipliers:
+                return True
+            self.updates += 1
+            change = self._updated(multipliers, mapped)
+            if change <= 1.0 and self._mapped().error <= 1.0:
+                return True
+        return False
+
+    def _inner_loop(self, most_steps: int) -> Tractions | None:
+        """Newton's method at constant multipliers; None where its sets of states repeat."""
+        met: set[bytes] = set()
+        for _ in range(most_steps):
+            mapped = self._mapped()
+            if mapped.error <= 1.0:
+                return mapped
+            key = mapped.states.tobytes()
+            if key in met:
+                return None
+            met.add(key)
+            mapped = self._with_sticking(mapped)
+            self._newton_step(mapped, np.zeros_like(self.start.change_of_loads))
+        return None
+
+    def _with_sticking(self, mapped: Tractions) -> Tractions:
+        """The mapping with nodes that stick in the next step of Newton although they are to slide.
+
+        A sliding node that turns round sticks first: from forward to reverse slip at one go, sets
+        chase each other. Where all are to slide, the one that is least beyond the Coulomb limit
+        sticks: Q < f P.
+        """
+        slides = mapped.states > STICK
+        sticks = slides & (self._latest_states > STICK) & (mapped.states != self._latest_states)
+        none_left = not np.any((mapped.states == STICK) | sticks)
+        if self.faces.tangential and none_left and not self.faces.interface.guided:
+            beyond_limit = np.abs(mapped.trial_shear) - self.faces.friction * mapped.pressure
+            sticks[np.argmin(np.where(slides, beyond_limit, np.inf))] = True
+        return mapped._replace(
+            states=np.where(sticks, STICK, mapped.states).astype(np.int8),
+            shear=np.where(sticks, mapped.trial_shear, mapped.shear),
+        )
+
+    def _mapped(self) -> Tractions:
+        """The return mapping of the trial tractions."""
+        compliance = self.systems.layer
+        trial_pressure = self._pressure - self._gap / compliance.normal
+        trial_shear = self._shear
+        if self.faces.tangential:
+            slip_increment = self._slip - self._slip_at_start
+            trial_shear = self._shear + slip_increment / compliance.tangential
+        pressure, shear, states = project(trial_pressure, trial_shear, self.faces.friction)
+        return Tractions(
+            trial_pressure,
+            trial_shear,
+            pressure,
+            shear,
+            states.astype(np.int8),
+            self._over_tolerance(pressure - self._pressure, shear - self._shear),
+        )
+
+    def _over_tolerance(self, normal_forces: Array, tangential_forces: Array) -> float:
+        """The largest of these differences of nodal forces, over what is tolerated."""
+        tolerance = _TOLERANCE * float(np.abs(self._pressure).max())
+        largest = float(np.abs(normal_forces).max())
+        if self.faces.tangential:
+            largest_shear = float(np.abs(tangential_forces).max())
+            largest = max(largest, largest_shear / self.faces.shear_scale)
+        return largest / tolerance if tolerance > 0 else np.inf
+
+    def _newton_step(self, mapped: Tractions, change_of_loads: Array) -> None:
+        """Solve p = project(...), q = project(...), linear about the iterate, and the loads.
+
+        With the derivatives that the states of the mapping have, this asks of a node
+
+            open     p = P,              q = Q
+            closed   G = c (P - trial)
+            stick    dS = c (Q - trial)
+            slip     q -+ f p = Q -+ f P
+
+        P and Q being the mapped tractions.
+        """
+        compliance = self.systems.layer
+        states = mapped.states
+        self._latest_states = states
+        is_open = states == OPEN
+        gap_under_pressure = compliance.normal * (mapped.pressure - mapped.trial_pressure)
+        of_normal_rows = np.where(
+            is_open, mapped.pressure - self._pressure, gap_under_pressure - self._gap
+        )
+        of_tangential_rows = np.zeros_like(of_normal_rows)
+        cone = slip_sign(states) * self.faces.friction
+        if self.faces.tangential:
+            slip_in_stick = self._slip_at_start + compliance.tangential * (
+                mapped.shear - mapped.trial_shear
+            )
+            beyond_cone = mapped.shear - cone * mapped.pressure
+            of_tangential_rows = np.where(
+                states == STICK,
+                slip_in_stick - self._slip,
+                beyond_cone - (self._shear - cone * self._pressure),
+            )
+        changes = np.concatenate([of_normal_rows, of_tangential_rows])
+        *by_loads, by_changes = self.systems.corrections(states, len(change_of_loads), changes)
+        self.newton_steps += 1
+        self.values += by_changes
+        moment = self.start.moment
+        if moment is None:
+            self.values += change_of_loads @ np.array(by_loads)
+        else:
+            self.values += change_of_loads[:-1] @ np.array(by_loads[:-1])
+            self._turn(by_loads[-1], moment)
+        # What the rows ask for is met to the last digit: the penalty would magnify its rounding.
+        self._gap[~is_open] = gap_under_pressure[~is_open]
+        self._pressure[is_open] = mapped.pressure[is_open]
+        if self.faces.tangential:
+            sticks = states == STICK
+            self._slip[sticks] = slip_in_stick[sticks]
+            self._shear[:] = np.where(sticks, self._shear, cone * self._pressure + beyond_cone)
+
+    def _turn(self, by_tilt: Array, moment: float) -> None:
+        """Turn the upper body until the nodal forces have the moment."""
+        moment_by_tilt = self._moment(by_tilt)
+        if not moment_by_tilt < -1e-12:
+            raise SingularSet("one node alone holds no moment")
+        self.values += (moment - self._moment(self.values)) / moment_by_tilt * by_tilt
+
+    def _moment(self, values: Array) -> float:
+        """Of the nodal forces in some values."""
+        _, pressure, shear, _ = values[3:].reshape(4, -1)
+        return -float(self.faces.interface.work_of_imposed(pressure, shear)[2])
+
+    def _updated(self, multipliers: Array, mapped: Tractions) -> float:
+        """Replace the multipliers (2, n) by the mapped tractions: their change, over what is
+        tolerated.
+        """
+        change_of_normal = mapped.pressure - multipliers[0]
+        change_of_tangential = mapped.shear - multipliers[1]
+        self._gap -= self.softness.normal * change_of_normal
+        self._slip += self.softness.tangential * change_of_tangential
+        multipliers[0] = mapped.pressure
+        multipliers[1] = mapped.shear
+        return self._over_tolerance(change_of_normal, change_of_tangential)
+
+    def answer(self) -> tuple[Array, States]:
+        """Values and states at the end.
+
+        Nodes that are within the tolerance of two states have the one of the start: tractions
+        are equal, but an event is found by the side on which a node has been.
+        """
+        compliance = self.systems.layer
+        friction = self.faces.friction
+        tolerance = _TOLERANCE * float(np.abs(self._pressure).max())
+        was_open = self.start.states == OPEN
+        mapped = self._mapped()
+        touching = np.abs(self._pressure) <= tolerance
+        touching &= np.abs(self._gap) <= tolerance * compliance.normal
+        trial_pressure = np.where(
+            touching, np.where(was_open, 0.0, _TOUCHING), mapped.trial_pressure
+        )
+        _, _, states = project(trial_pressure, mapped.trial_shear, friction)
+        if self.faces.tangential:
+            elastic_shear = mapped.trial_shear - self._shear
+            shear_tolerance = tolerance * self.faces.shear_scale
+            at_cone = np.abs(np.abs(self._shear) - friction * self._pressure) <= shear_tolerance
+            at_cone &= np.abs(elastic_shear) <= shear_tolerance
+            at_cone &= ~was_open & (states != OPEN)
+            states = np.where(at_cone, self.start.states, states)
+            sticks = states == STICK
+            self._slip[sticks] = self._slip_at_start[sticks]
+        is_open = states == OPEN
+        is_met = np.abs(self._gap) <= tolerance * compliance.normal
+        self._gap[~is_open & is_met] = 0.0
+        self._pressure[is_open] = 0.0
+        self._shear[is_open] = 0.0
+        return self.values, states.astype(np.int8)
