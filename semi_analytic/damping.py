@@ -7,6 +7,9 @@ and a damping ratio.
 While P rests, a change dQ that lets the slip go on raises the whole memory above the front by dQ,
 and a reversal raises it at the edge of the contact: dU/dQ = (A/pi) ln(2 L/c), c being a in full
 stick and right after a reversal.
+
+L is arbitrary: U of half-planes, and with it stiffness and damping ratio, are those of an actuator
+only where a datum length is stated, or what finite bodies add: U + c_t Q.
 """
 
 from __future__ import annotations
@@ -16,7 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scenes import ContactSolution, InputError, freeze
+from scenes import BodyEffects, ContactSolution, InputError, freeze
 from scenes.array_types import Array
 from semi_analytic.elasticity import composite_modulus
 
@@ -44,20 +47,38 @@ class Hysteresis:
     damping_ratio: float
 
 
-def hysteresis(solution: ContactSolution) -> Hysteresis:
+def hysteresis(
+    solution: ContactSolution,
+    *,
+    datum_length: float | None = None,
+    effects: BodyEffects | None = None,
+) -> Hysteresis:
     """Stiffness and damping of the last cycle of a solution that holds the tangential displacement
     and the dissipation.
+
+    Parameters
+    ----------
+    solution
+        of finite bodies, which counts U from their supports, or of half-planes, which needs one of
+        the other two
+    datum_length
+        L, distance from the load at which the surface of a half-plane is taken not to move
+        [length]; `scene.profile.datum_length` is that of the solution
+    effects
+        what finite bodies add, `halfplane_fe.body_effects(scene)`; of it c_t
 
     Raises
     ------
     InputError
-        Where the solution was not asked for them, holds no whole cycle, or where Q does not move.
+        For half-planes without a datum length or effects. Where the solution was not asked for the
+        fields, holds no whole cycle, or where Q does not move.
 
     Examples
     --------
     >>> from scenes import load_scene
     >>> from semi_analytic import solve
-    >>> loop = hysteresis(solve(load_scene("cattaneo-mindlin"), x=[0.0]))
+    >>> scene = load_scene("cattaneo-mindlin")
+    >>> loop = hysteresis(solve(scene, x=[0.0]), datum_length=scene.profile.datum_length)
     >>> round(loop.damping_ratio, 5)
     0.00607
     """
@@ -73,10 +94,10 @@ def hysteresis(solution: ContactSolution) -> Hysteresis:
         )
     if len(cycle) < 3:
         raise InputError("hysteresis: the times of the solution hold no whole cycle")
-    force, shift = (
-        np.ptp(values[cycle]) / 2
-        for values in (solution.tangential_load, solution.tangential_displacement)
-    )
+    added = added_compliance(solution, "hysteresis", datum_length, effects)
+    displacement = solution.tangential_displacement + added * solution.tangential_load
+    force = np.ptp(solution.tangential_load[cycle]) / 2
+    shift = np.ptp(displacement[cycle]) / 2
     if not np.all(np.isfinite(solution.tangential_displacement)) or not math.isfinite(
         solution.dissipation
     ):
@@ -94,15 +115,62 @@ def hysteresis(solution: ContactSolution) -> Hysteresis:
     )
 
 
-def compliance(solution: ContactSolution) -> tuple[Array, Array]:
-    """dU/dQ at constant P, (n_steps,) [1/stress]: while slip goes on (infinite where nothing
-    sticks), right after a reversal.
+def added_compliance(
+    solution: ContactSolution,
+    caller: str,
+    datum_length: float | None,
+    effects: BodyEffects | None,
+) -> float:
+    """What dU/dQ of an actuator has beside that of the solution [1/stress]: c_t, or
+    (A/pi) ln(L/L_solution) of a stated datum length; 0 for finite bodies, whose supports are the
+    datum.
 
-    InputError for solutions with bulk stress or tilt.
+    Raises
+    ------
+    InputError
+        For half-planes without either, for both at once, and for either beside finite bodies.
+    """
+    is_plain_theory = solution.engine == "semi_analytic" and "effects" not in solution.settings
+    if not is_plain_theory and not solution.scene.bodies.half_planes:
+        if datum_length is not None or effects is not None:
+            raise InputError(
+                f"{caller}: U of finite bodies counts from their supports: leave datum_length and"
+                " effects out"
+            )
+        return 0.0
+    if (datum_length is None) == (effects is None):
+        raise InputError(
+            f"{caller}: U of half-planes has no datum: give datum_length, a length, or effects of"
+            " finite bodies (halfplane_fe.body_effects), one of the two"
+        )
+    datum_of_solution = solution.scene.profile.datum_length
+    if effects is not None:
+        stated_length = effects.datum_length
+        of_bodies = effects.tangential_compliance.value
+    else:
+        stated_length = datum_length or 0.0
+        of_bodies = 0.0
+    if not 0 < stated_length < math.inf:
+        raise InputError(f"{caller}: datum_length = {stated_length} is refused: a length above 0")
+    unit = 2 / (math.pi * composite_modulus(solution.scene.material))
+    return of_bodies + unit * math.log(stated_length / datum_of_solution)
+
+
+def compliance(
+    solution: ContactSolution,
+    *,
+    datum_length: float | None = None,
+    effects: BodyEffects | None = None,
+) -> tuple[Array, Array]:
+    """dU/dQ at constant P of half-planes, (n_steps,) [1/stress]: while slip goes on (infinite where
+    nothing sticks), right after a reversal. `datum_length` or `effects` as in `hysteresis`.
+
+    InputError for solutions with bulk stress or tilt, and of finite bodies.
 
     >>> from scenes import load_scene
     >>> from semi_analytic import solve
-    >>> tangent, stick = compliance(solve(load_scene("cattaneo-mindlin"), x=[0.0], time=[1.0, 2.0]))
+    >>> solution = solve(load_scene("cattaneo-mindlin"), x=[0.0], time=[1.0, 2.0])
+    >>> tangent, stick = compliance(solution, datum_length=1000.0)
     >>> (
     ...     bool(tangent[0] == stick[0] == stick[1]),
     ...     round(float(tangent[1] / stick[1]), 6),
@@ -111,9 +179,14 @@ def compliance(solution: ContactSolution) -> tuple[Array, Array]:
     """
     if solution.tilt is not None:
         raise InputError("compliance: it is for symmetric profiles without bulk stress and tilt")
+    is_plain_theory = solution.engine == "semi_analytic" and "effects" not in solution.settings
+    if not is_plain_theory and not solution.scene.bodies.half_planes:
+        raise InputError("compliance: the formula is that of half-planes; solve by theory")
+    added = added_compliance(solution, "compliance", datum_length, effects)
     factor = 2 / (math.pi * composite_modulus(solution.scene.material))
     datum_width = 2 * solution.scene.profile.datum_length
     with np.errstate(divide="ignore"):
-        in_slip = factor * np.log(datum_width / np.nan_to_num(solution.stick_half_width))
+        in_slip = factor * np.log(datum_width / np.nan_to_num(solution.stick_half_width)) + added
         after_reversal = factor * np.log(datum_width / np.nan_to_num(solution.contact_half_width))
+        after_reversal = after_reversal + added
     return freeze(in_slip), freeze(after_reversal)

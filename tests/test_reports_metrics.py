@@ -20,12 +20,23 @@ from problems import COARSE, FEW_STEPS, fe_run
 from reports import compare, write
 from reports.comparison import Comparison
 from reports.comparison.cycles import events, last_cycle, sample
+from reports.comparison.datum import effects_between
 from reports.comparison.metrics import METRICS, markdown
 from reports.comparison.words import unit_of
 from reports.page.content import as_json
 from reports.page.writing import draw
 from reports.report import Report
-from scenes import ContactSolution, InputError, Materials, Record, SurfaceState, freeze, load_scene
+from scenes import (
+    BodyEffects,
+    ContactSolution,
+    Estimate,
+    InputError,
+    Materials,
+    Record,
+    SurfaceState,
+    freeze,
+    load_scene,
+)
 from scenes.scene import OWN_TOLERANCES
 from test_reports_synthetic import LOAD_RATIO, cattaneo_mindlin, with_fields
 
@@ -838,13 +849,14 @@ def test_light_instants_are_shown_and_not_judged() -> None:
     assert any("1 of 121 instants carry less than 0.1 P_ref" in note for note in comparison.notes)
 
 
+OF_BODIES = {"displacement_amplitude", "approach_amplitude"}
 OF_BULK = {"stick_eccentricity", "bulk_work", "dissipation_drift", "moment", "tilt"}
 
 
 def test_every_metric_has_its_row_in_the_table_on_the_page_and_a_planted_fault() -> None:
     comparison = compare(PULLED, PULLED, polygon_reference=PULLED)
     assert [metric.key for metric in comparison.metrics] == sorted(
-        METRICS, key=lambda key: not METRICS[key].headline
+        [key for key in METRICS if key not in OF_BODIES], key=lambda key: not METRICS[key].headline
     )
     assert [*comparison.headlines, *comparison.others] == list(comparison.metrics)
     plain = compare(TRUTH, TRUTH, polygon_reference=TRUTH)
@@ -858,8 +870,83 @@ def test_every_metric_has_its_row_in_the_table_on_the_page_and_a_planted_fault()
     page = (Path(__file__).parents[1] / "docs" / "metrics.md").read_text(encoding="utf-8")
     assert markdown() in page
     planted = {key for _, amounts, also, _ in FAULTS.values() for key in (*amounts, *also.split())}
-    # See test_step_error_stands_apart, test_tension_at_the_trailing_edge.
-    assert set(METRICS) - planted == {"dissipation_step", "edge_tension"}
+    # See test_step_error_stands_apart, test_tension_at_the_trailing_edge,
+    # test_displacements_of_bodies_compare_with_what_the_bodies_add.
+    assert set(METRICS) - planted == {"dissipation_step", "edge_tension"} | OF_BODIES
+
+
+def without(effects: BodyEffects, name: str) -> BodyEffects:
+    """The effects with one number dropped."""
+    return dataclasses.replace(effects, **{name: Estimate(0.0)})
+
+
+def test_displacements_of_bodies_compare_with_what_the_bodies_add() -> None:
+    """Two blocks: c_t and c_n take the amplitudes to 0.3 and 0.5 % on a coarse mesh; without them
+    they are half as large again and more.
+    """
+    scene = load_scene("blocks")
+    fe = fe_run(scene)
+    theory = semi_analytic.solve(scene, x=fe.x, time=fe.time)
+    effects = effects_between(theory, fe)
+    assert effects is not None
+    known = compare(theory, fe, effects=effects)
+    for key, limit in (
+        ("tangential_displacement", 5e-3),
+        ("displacement_amplitude", 4e-3),
+        ("approach_amplitude", 6e-3),
+    ):
+        metric = known.metric(key)
+        assert abs(metric.value) < limit, key
+        assert metric.note == "with c_t, c_n of these bodies"
+    assert any("U + c_t Q and approach + c_n P" in note for note in known.notes)
+    # which solution is the reference is no matter
+    turned = compare(fe, theory, effects=effects).metric("displacement_amplitude").value
+    assert (1 + turned) * (1 + known.metric("displacement_amplitude").value) == pytest.approx(1)
+    # The area of the loop knows no datum.
+    plain = compare(theory, fe)
+    area = plain.metric("hysteresis").value
+    assert known.metric("hysteresis").value == pytest.approx(area, rel=1e-6)
+
+    dropped = {
+        "tangential_compliance": "displacement_amplitude",
+        "normal_compliance": "approach_amplitude",
+    }
+    for name, key in dropped.items():
+        assert abs(compare(theory, fe, effects=without(effects, name)).metric(key).value) > 0.2
+
+    assert not OF_BODIES & {metric.key for metric in plain.metrics}
+    assert plain.metric("tangential_displacement").value is None
+    assert plain.metric("tangential_displacement").note.startswith("no datum")
+    assert any(note.startswith("No datum") for note in plain.notes)
+    # of finite elements with each other, and of corrected theory, there is nothing to add
+    assert effects_between(fe, fe) is None
+    corrected = semi_analytic.solve(scene, x=fe.x, time=fe.time, effects=effects)
+    own_datum = compare(corrected, fe, effects=effects)
+    assert own_datum.effects is None
+    assert abs(own_datum.metric("tangential_displacement").value) < 5e-3
+
+
+def loop_caption(comparison: Comparison) -> str:
+    """Caption of the loop of Q over U."""
+    plates = {plate.name: plate for plate in draw(Report(comparison))}
+    return plates["hysteresis"].caption
+
+
+def test_the_loop_on_the_page_says_what_half_planes_count_from() -> None:
+    scene = load_scene("blocks")
+    fe = fe_run(scene)
+    theory = semi_analytic.solve(scene, x=fe.x, time=fe.time)
+    known = loop_caption(compare(theory, fe, effects=effects_between(theory, fe)))
+    assert "that of half-planes with c_t, c_n of these bodies" in known
+    assert "no datum: that of half-planes" in loop_caption(compare(theory, fe))
+
+
+def test_bodies_whose_compliance_is_not_known_have_no_datum() -> None:
+    scene = load_scene("blocks").vary(
+        bodies={"lower": {"kind": "half_plane"}, "upper": {"kind": "cylinder", "radius": 20.0}}
+    )
+    theory = semi_analytic.solve(scene, x=[0.0], time=[1.0])
+    assert effects_between(theory, dataclasses.replace(theory, engine="halfplane_fe")) is None
 
 
 def test_tension_at_the_trailing_edge() -> None:

@@ -647,9 +647,20 @@ REFUSED = [
     (lambda: stress("hertz-normal", 0.0, float("nan"), 1.0), "y: a list of finite numbers"),
     (lambda: stress("hertz-normal", [0.0, 1.0], [0.0, -1.0, -2.0], 1.0), "x and y: 2 and 3 places"),
     (lambda: stress("hertz-normal", 0.0, 0.0, 1.0, body="both"), "neither 'lower' nor 'upper'"),
-    (lambda: hysteresis(solve("hertz-paper", fields=("dissipation",))), "ask for the fields"),
-    (lambda: hysteresis(solve("cattaneo-mindlin", **ONCE, time=[1.0, 2.0])), "no whole cycle"),
-    (lambda: hysteresis(solve(make_scene(ellipse(3.0, 1.0, 0.0, 0.0), 0.5), **ONCE)), "no loop"),
+    (
+        lambda: hysteresis(solve("hertz-paper", fields=("dissipation",)), datum_length=1.0),
+        "ask for the fields",
+    ),
+    (
+        lambda: hysteresis(solve("cattaneo-mindlin", **ONCE, time=[1.0, 2.0]), datum_length=1.0),
+        "no whole cycle",
+    ),
+    (
+        lambda: hysteresis(
+            solve(make_scene(ellipse(3.0, 1.0, 0.0, 0.0), 0.5), **ONCE), datum_length=1.0
+        ),
+        "no loop",
+    ),
     *(
         (lambda keys=keys: dissipation(profile=keys, **LOOP), words)
         for keys, words in (

@@ -11,16 +11,20 @@ import numpy as np
 import pytest
 
 from scenes import (
+    BodyEffects,
     CallableLoad,
     Compound,
     EllipseLoad,
+    Estimate,
     EvenPolynomial,
+    InputError,
     Tabulated,
     Wedge,
     load_scene,
 )
 from scenes.loads import HarmonicLoad
 from semi_analytic import compliance, friction_work, hysteresis, solve
+from semi_analytic.elasticity import composite_modulus
 from semi_analytic.friction_work import CONVERGED, by_halving, pointwise_dissipation
 from semi_analytic.history import history_of
 from semi_analytic.profiles import contact_of
@@ -404,21 +408,23 @@ def test_tangent_compliance_is_the_slope_of_the_loop_at_constant_load():
     in full stick.
     """
     scene = load_scene("cattaneo-mindlin")
+    datum = scene.profile.datum_length
     for time, direction in ((1.5, 1), (2.5, -1), (3.7, 1)):
         near = solve(scene, x=[0.0], time=[time - 1e-4, time, time + 1e-4])
         slope = np.diff(near.tangential_displacement[[0, 2]]) / np.diff(
             near.tangential_load[[0, 2]]
         )
-        assert slope[0] == pytest.approx(compliance(near)[0][1], rel=1e-6)
+        assert slope[0] == pytest.approx(compliance(near, datum_length=datum)[0][1], rel=1e-6)
         assert np.sign(np.diff(near.tangential_load)[0]) == direction
     near = solve(scene, x=[0.0], time=[2.0, 2.0 + 1e-6])
     slope = np.diff(near.tangential_displacement) / np.diff(near.tangential_load)
-    assert slope[0] == pytest.approx(compliance(near)[1][0], rel=1e-5)
+    assert slope[0] == pytest.approx(compliance(near, datum_length=datum)[1][0], rel=1e-5)
 
 
 def test_damping_ratio_is_that_of_the_linear_oscillator():
     answer = solve(load_scene("hertz-paper"), x=[0.0])
-    loop = hysteresis(answer)
+    datum = answer.scene.profile.datum_length
+    loop = hysteresis(answer, datum_length=datum)
     assert loop.damping_ratio == pytest.approx(
         answer.dissipation / (2 * math.pi * loop.force_amplitude * loop.shift_amplitude)
     )
@@ -429,4 +435,41 @@ def test_damping_ratio_is_that_of_the_linear_oscillator():
     )
     assert loop.secant_stiffness * loop.shift_amplitude == pytest.approx(loop.force_amplitude)
     assert 0.001 < loop.damping_ratio < 0.1
-    assert hysteresis(solve(load_scene("full-stick"), x=[0.0])).damping_ratio == 0
+    stuck = solve(load_scene("full-stick"), x=[0.0])
+    assert hysteresis(stuck, datum_length=datum).damping_ratio == 0
+
+
+def test_stiffness_of_half_planes_needs_a_datum_length_or_the_compliance_of_bodies():
+    """U + (A/pi) ln(L/L_0) Q, U + c_t Q, and corrected theory, which has c_t already."""
+    scene = load_scene("blocks")
+    answer = solve(scene, x=[0.0])
+    for call in (hysteresis, compliance):
+        with pytest.raises(InputError, match="U of half-planes has no datum: give datum_length"):
+            call(answer)
+        with pytest.raises(InputError, match="one of the two"):
+            call(answer, datum_length=1.0, effects=BodyEffects(datum_length=1.0))
+        with pytest.raises(InputError, match=r"datum_length = -1\.0 is refused"):
+            call(answer, datum_length=-1.0)
+    length = scene.profile.datum_length
+    near = hysteresis(answer, datum_length=length)
+    far = hysteresis(answer, datum_length=math.e * length)
+    modulus = composite_modulus(scene.material)
+    softer = 1 / far.secant_stiffness - 1 / near.secant_stiffness
+    assert softer == pytest.approx(2 / (math.pi * modulus), rel=0.05)
+    slopes = [
+        compliance(answer, datum_length=stated)[1][-1] for stated in (length, math.e * length)
+    ]
+    assert np.diff(slopes) == pytest.approx(2 / (math.pi * modulus), rel=1e-9)
+
+    effects = BodyEffects(datum_length=length, tangential_compliance=Estimate(1e-5))
+    added = hysteresis(answer, effects=effects)
+    corrected = hysteresis(solve(scene, x=[0.0], effects=effects))
+    assert added.secant_stiffness == pytest.approx(corrected.secant_stiffness, rel=1e-3)
+    assert added.damping_ratio == pytest.approx(corrected.damping_ratio, rel=1e-3)
+    assert added.secant_stiffness < 0.9 * near.secant_stiffness
+    slope_of_bodies = compliance(answer, effects=effects)[1][-1]
+    assert slope_of_bodies - slopes[0] == pytest.approx(1e-5, rel=1e-9)
+    with pytest.raises(InputError, match="count"):
+        hysteresis(solve(scene, x=[0.0], effects=effects), datum_length=length)
+    with pytest.raises(InputError, match="formula is that of half-planes"):
+        compliance(solve(scene, x=[0.0], effects=effects))

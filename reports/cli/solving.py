@@ -330,8 +330,15 @@ def _comparison_with_theory(
             polygon = theory_on_steps(fe)
     with job.stages.stage("comparison"):
         from reports.comparison import compare
+        from reports.comparison.datum import effects_between
 
-        return compare(reference, fe, polygon_reference=polygon, tolerances=tolerances)
+        return compare(
+            reference,
+            fe,
+            polygon_reference=polygon,
+            tolerances=tolerances,
+            effects=effects_between(reference, fe),
+        )
 
 
 def _measured(job: Job, comparison: Comparison, begun: float | None) -> Report:

@@ -6,6 +6,8 @@ Offered to the rest of reports, `Comparison` `compare` first; each file imports 
     cycles.py       the last cycle of a solution, on the points of another: `Cycle` `last_cycle`
                     `Event` `events` `OF_BULK`
     dimensionless.py the scales: `scales` `Scales` `compliance` `energy_scale`
+    datum.py        what displacements count from, c_t and c_n of finite bodies:
+                    `effects_between` `lacks_datum` `from_supports`
     pairs.py        reference and result on common points: `Pair` `are_half_planes` `coupled`
                     `name_of`
     work_of_loads.py closed integrals of Q dU, P dV and the bulk term: `loop_work` `bulk_work`
@@ -46,12 +48,15 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from reports.comparison.cycles import last_cycle, sample, sample_instants
+from reports.comparison.datum import from_supports, lacks_datum
 from reports.comparison.dimensionless import scales
 from reports.comparison.judged import JudgedPair
 from reports.comparison.laws import certificates
 from reports.comparison.metrics import METRICS, judge, missing, tolerances_of
 from reports.comparison.pairs import LIGHT, Pair, are_half_planes, name_of
-from scenes import ContactSolution, InputError
+from scenes import BodyEffects, ContactSolution, InputError
+
+_DISPLACEMENT = "tangential_displacement"
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +74,13 @@ class Comparison(JudgedPair):
     scales
         what makes it dimensionless
     expected, found
-        last cycle of the reference (on the result's points and instants) and of the result
+        last cycle of the reference (on the result's points and instants) and of the result; with
+        `effects` the displacements of half-planes in them are counted from the supports
+    effects
+        what the bodies add to half-planes, where it was given and a solution needs it; else None
+    lacks_datum
+        whether the displacements of the two are counted from different places, and no effects
+        lead from the one to the other
     metrics
         in the order of the table
     reference_certificates, result_certificates
@@ -119,6 +130,7 @@ def compare(
     scales_from: ContactSolution | None = None,
     plain_reference: ContactSolution | None = None,
     tolerances: Mapping[str, float] | None = None,
+    effects: BodyEffects | None = None,
 ) -> Comparison:
     """How far `result` is from `reference` in the last cycle, metric by metric.
 
@@ -142,6 +154,10 @@ def compare(
         key of a metric -> largest |E| admitted, before those of the scene; where neither says
         anything, the tolerances of the project's own engines judge bodies for which half-plane
         theory is exact, and real bodies are not judged
+    effects
+        what finite bodies add to half-planes, `halfplane_fe.body_effects(scene)`: theory of
+        half-planes then has the displacements U + c_t Q and approach + c_n P, which compare with
+        those of the bodies; without it they have no datum in common
 
     Raises
     ------
@@ -170,6 +186,13 @@ def compare(
         reference_cycle = sample(last_cycle(reference), result_cycle, reference.engine)
     else:
         reference_cycle = sample_instants(reference, result_cycle)
+    has_other_datum = lacks_datum(reference) != lacks_datum(result)
+    if not has_other_datum:
+        effects = None
+    elif effects is not None and lacks_datum(reference):
+        reference_cycle = from_supports(reference_cycle, effects)
+    elif effects is not None:
+        result_cycle = from_supports(result_cycle, effects)
     pair = Pair(
         reference,
         result,
@@ -178,6 +201,8 @@ def compare(
         scales(scales_from or reference),
         expected=reference_cycle,
         found=result_cycle,
+        effects=effects,
+        lacks_datum=has_other_datum and effects is None,
     )
     return Comparison(
         **{name: getattr(pair, name) for name in Pair.__dataclass_fields__},
@@ -226,8 +251,8 @@ def _notes(pair: Pair) -> Iterator[str]:
         ):
             yield in_template("not_steady", name)
         yield from (f"{name}: {note}" for note in solution.record.notes)
-    if not scene.bodies.half_planes and "tangential_displacement" not in missing(pair.result):
-        yield in_template("displacements")
+    if (pair.effects is not None or pair.lacks_datum) and _DISPLACEMENT not in missing(pair.result):
+        yield in_template("displacements", pair.effects is not None)
     if pair.unsymmetric and pair.result.engine == "halfplane_fe" and pair.polygon_reference is None:
         yield in_template("steps_not_apart")
     if not scene.friction.coefficient:

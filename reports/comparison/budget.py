@@ -126,9 +126,11 @@ def without_steps(comparison: Comparison) -> dict[str, float | None]:
             " polygon_reference"
         )
     if comparison.polygon_reference is None:
-        return _values(compare(comparison.reference, comparison.result))
+        return _values(compare(comparison.reference, comparison.result, effects=comparison.effects))
     result_on_polygon = on_straight_steps(comparison.result)
-    return _values(compare(comparison.polygon_reference, result_on_polygon))
+    return _values(
+        compare(comparison.polygon_reference, result_on_polygon, effects=comparison.effects)
+    )
 
 
 def finer_steps(settings: SolverSettings) -> SolverSettings:
@@ -271,6 +273,7 @@ class _RunSolver:
 
     def __init__(self, comparison: Comparison, stage: _Stage) -> None:
         self.scene = comparison.scene
+        self.effects = comparison.effects
         self.scales = getattr(comparison.result, "scales", None)
         self.on_polygon = comparison.polygon_reference is not None
         self.stage = stage
@@ -290,7 +293,7 @@ class _RunSolver:
         if reference is None:
             return Run(label, size, {}, f"{label}: half-plane theory has no answer on its steps")
         compared_solution = on_straight_steps(solution) if self.on_polygon else solution
-        values = _values(compare(reference, compared_solution))
+        values = _values(compare(reference, compared_solution, effects=self.effects))
         return Run(label, size, values, "", len(solution.time), len(solution.x))
 
     def _theory(self, solution: ContactSolution) -> ContactSolution | None:

@@ -43,6 +43,8 @@ _SAME_EDGE = 1e-9
 
 _NOT_IN_CONTACT = "no instant has points in contact in both"
 _NO_LOOP = "the path is not periodic: no loop"
+_NO_DATUM = "no datum: c_t of these bodies is not known"
+_WITH_COMPLIANCES = "with c_t, c_n of these bodies"
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -610,6 +612,8 @@ def _series_of_tilted(pair: Pair, name: str, scale: float) -> Measured:
 
 def tangential_displacement(pair: Pair) -> Measured:
     """U of each instant, over the range of U_ref."""
+    if pair.lacks_datum:
+        return _nothing_to_compare(_NO_DATUM)
     of_reference = pair.expected.tangential_displacement
     of_result = pair.found.tangential_displacement
     stroke = float(np.ptp(of_reference))
@@ -622,8 +626,29 @@ def tangential_displacement(pair: Pair) -> Measured:
     series = np.full_like(of_reference, np.nan)
     if stroke > least_stroke:
         series = (of_result - of_reference) / stroke
-    note = "" if pair.judged.any() else "the reference does not move sideways"
+    note = "" if pair.effects is None else _WITH_COMPLIANCES
+    if not pair.judged.any():
+        note = "the reference does not move sideways"
     return _at_worst(pair, series, note=note)
+
+
+def displacement_amplitude(pair: Pair) -> Measured:
+    """Half the range of U in the cycle."""
+    return _amplitude(pair, "tangential_displacement", "U does not vary")
+
+
+def approach_amplitude(pair: Pair) -> Measured:
+    """Half the range of the normal approach in the cycle."""
+    return _amplitude(pair, "normal_approach", "the approach does not vary")
+
+
+def _amplitude(pair: Pair, name: str, reason_for_none: str) -> Measured:
+    """Half the range of a displacement in the cycle, over that of the reference, − 1."""
+    of_reference = float(np.ptp(getattr(pair.expected, name))) / 2
+    of_result = float(np.ptp(getattr(pair.found, name))) / 2
+    if of_reference <= _NOTHING * pair.scales.shift:
+        return _nothing_to_compare(reason_for_none)
+    return _of_amounts(of_reference, of_result, pair.scales.shift, note=_WITH_COMPLIANCES)
 
 
 def dissipation_without_steps(pair: Pair) -> Measured:

@@ -250,6 +250,7 @@ _STICK = (
 )
 _PULLED = attrgetter("pulled")
 _TURNED = attrgetter("turned")
+_WITH_EFFECTS = attrgetter("has_effects")
 
 # The first table, with absolute values of both; below it all others.
 _ROWS = (
@@ -457,6 +458,32 @@ _ROWS = (
         region=_INSTANTS,
         needs=("tangential_displacement",),
         measure=measures.tangential_displacement,
+    ),
+    Metric(
+        key="displacement_amplitude",
+        label="Amplitude of the displacement",
+        how="half the range of U through the cycle over that of the reference, − 1, that of"
+        " half-planes as U + c_t Q",
+        why="stroke and secant stiffness at the actuator",
+        unit="of the reference",
+        norm=_ONE_VALUE,
+        region=_CYCLE,
+        needs=("tangential_displacement", WHOLE_CYCLE),
+        measure=measures.displacement_amplitude,
+        exists=_WITH_EFFECTS,
+    ),
+    Metric(
+        key="approach_amplitude",
+        label="Amplitude of the approach",
+        how="half the range of the normal approach through the cycle over that of the reference,"
+        " − 1, that of half-planes as approach + c_n P",
+        why="the normal stiffness of contact and bodies",
+        unit="of the reference",
+        norm=_ONE_VALUE,
+        region=_CYCLE,
+        needs=("normal_approach", WHOLE_CYCLE),
+        measure=measures.approach_amplitude,
+        exists=_WITH_EFFECTS,
     ),
     Metric(
         key="dissipation_polygon",

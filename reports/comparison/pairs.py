@@ -4,7 +4,7 @@ and whether theory is exact for their bodies.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from reports.comparison.cycles import Cycle
 from reports.comparison.dimensionless import Scales
-from scenes import ContactSolution, Scene
+from scenes import BodyEffects, ContactSolution, Scene
 
 if TYPE_CHECKING:
     from semi_analytic import Extremes
@@ -73,6 +73,8 @@ class Pair:
     scales: Scales
     expected: Cycle
     found: Cycle
+    effects: BodyEffects | None = field(default=None, kw_only=True)
+    lacks_datum: bool = field(default=False, kw_only=True)
 
     @cached_property
     def largest(self) -> Extremes | None:
@@ -91,6 +93,11 @@ class Pair:
         are its own choice.
         """
         return self.result.engine != "halfplane_fe"
+
+    @property
+    def has_effects(self) -> bool:
+        """Whether displacements of half-planes are given with what the bodies add."""
+        return self.effects is not None
 
     @property
     def has_polygon(self) -> bool:

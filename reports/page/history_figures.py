@@ -23,6 +23,7 @@ from reports.charts.plate import (
 )
 from reports.charts.templating import Table
 from reports.comparison.cycles import Cycle, Event
+from reports.comparison.judged import JudgedPair
 from reports.comparison.metrics import missing
 from reports.comparison.pairs import are_half_planes
 from reports.comparison.work_of_loads import bulk_strain, bulk_work, loop_work
@@ -440,7 +441,17 @@ def hysteresis(view: CycleView) -> Plate | None:
         periodic=scene.load.path().period is not None,
         alone=are_half_planes(scene) or constant_load,
         works=works_in_words or (),
+        datum=_datum_in_words(comparison),
     )
+
+
+def _datum_in_words(comparison: JudgedPair) -> str:
+    """What the displacement of half-planes counts from, beside finite bodies; else nothing."""
+    if comparison.effects is not None:
+        return "that of half-planes with c_t, c_n of these bodies"
+    if comparison.lacks_datum:
+        return "no datum: that of half-planes counts from another place than that of these bodies"
+    return ""
 
 
 def _loop_panel(view: CycleView, name: str, shift: tuple[str, list[Array]], title: str) -> Panel:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from reports.comparison import compare
+from reports.comparison.datum import effects_between
 from reports.comparison.dimensionless import scales
 from reports.comparison.laws import DERIVED, certificates, derived
 from reports.comparison.metrics import WHOLE_CYCLE
@@ -229,6 +230,7 @@ def score_solution(
         scales_from=whole,
         plain_reference=plain,
         tolerances=tolerances,
+        effects=effects_between(reference, solution),
     )
     checks = certificates(reference)
     found = replace(

@@ -27,6 +27,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from reports.comparison.datum import effects_between, lacks_datum
 from reports.comparison.metrics import METRICS
 from reports.units import energy_unit, units
 from scenes import (
@@ -160,6 +161,8 @@ QUANTITIES: dict[str, Quantity] = {
         ("dissipation",),
     ),
 }
+# Metrics that take what the bodies add to the displacements of half-planes.
+_OF_DISPLACEMENTS = {"tangential_displacement", "displacement_amplitude", "approach_amplitude"}
 _ENGINES = {"fe": "the finite elements", "exact": "half-plane theory"}
 
 
@@ -233,6 +236,8 @@ def _take(
     value_by = {}
     for engine, solution in (("fe", fe), ("exact", exact)):
         if solution is not None and prefix in (engine, "error"):
+            if quantity == "stroke" and lacks_datum(solution):
+                return None, "half-planes have no datum: their stroke is not that of these bodies"
             value_by[engine] = float(QUANTITIES[quantity].value(solution))
             if not math.isfinite(value_by[engine]):
                 return None, f"there is none in {_ENGINES[engine]}"
@@ -530,7 +535,12 @@ def evaluate(point: Question, fe: ContactSolution | None, *, polygon: bool = Fal
             point.uncertainty == "budget" or {"dissipation_polygon", "dissipation_step"} & metrics
         ):
             straight = theory_on_steps(fe)
-        evaluated.comparison = compare(evaluated.exact, fe, polygon_reference=straight)
+        effects = None
+        if metrics & _OF_DISPLACEMENTS:
+            effects = effects_between(evaluated.exact, fe)
+        evaluated.comparison = compare(
+            evaluated.exact, fe, polygon_reference=straight, effects=effects
+        )
     comparison = evaluated.comparison
     metrics_by_key = {metric.key: metric for metric in comparison.metrics} if comparison else {}
     for name in point.figures:
