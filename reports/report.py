@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Protocol
 
 from reports.comparison import Comparison
-from reports.comparison.words import for_notebook
+from reports.comparison.words import for_notebook, in_five_lines
 
 if TYPE_CHECKING:
     from reports.comparison.budget import ErrorBudget
@@ -87,12 +87,8 @@ class Report:
     unscored: tuple[UnscoredFile, ...] = ()
 
     def __repr__(self) -> str:
-        """Who was compared, and the table of `summary`."""
-        comparison = self.comparison
-        return (
-            f"Report on {comparison.result.engine} against"
-            f" {comparison.reference.engine}\n{self.summary()}"
-        )
+        """Five lines, as those of its comparison."""
+        return in_five_lines(self.comparison, "Report")
 
     @property
     def honest(self) -> str:

@@ -942,9 +942,7 @@ def test_the_loop_on_the_page_says_what_half_planes_count_from() -> None:
 
 
 def test_bodies_whose_compliance_is_not_known_have_no_datum() -> None:
-    scene = load_scene("blocks").vary(
-        bodies={"lower": {"kind": "half_plane"}, "upper": {"kind": "cylinder", "radius": 20.0}}
-    )
+    scene = load_scene("two-cylinders")
     theory = semi_analytic.solve(scene, x=[0.0], time=[1.0])
     assert effects_between(theory, dataclasses.replace(theory, engine="halfplane_fe")) is None
 

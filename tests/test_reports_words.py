@@ -391,6 +391,18 @@ def test_bodies_without_a_tolerance_are_not_judged() -> None:
         bodies(0.98, disipation=0.01)
 
 
+def test_a_comparison_and_a_report_print_as_five_lines() -> None:
+    comparison = bodies(0.98, 1.005, 6e-4)
+    for kind, shown in (("Comparison", comparison), ("Report", Report(comparison))):
+        lines = repr(shown).splitlines()
+        assert len(lines) == 5
+        assert lines[0].startswith(f"{kind} of {comparison.result.engine} with ")
+        assert lines[1].strip() == headline(comparison)
+        assert lines[2].startswith("  Peak pressure [")
+        assert lines[3].startswith("  Dissipation [")
+        assert "difference −2" in lines[3]
+
+
 def test_the_first_table_has_both_values_in_the_scene_s_units() -> None:
     heads, rows = first_table(bodies(0.98, 1.005, 6e-4))
     assert heads == ("", "theory", "finite elements", "difference", "verdict")
@@ -540,7 +552,7 @@ class TestPage:
         ):
             assert words in head
         assert "<b>Outside tolerance: a finding about the idealisation.</b>" in page
-        assert "counted from their supports" in page
+        assert "No datum: tangential displacement and approach" in page
         stored = json.loads((folder / "comparison.json").read_text(encoding="utf-8"))
         assert stored["bodies"] == bodies_in_words(comparison.scene)
         assert stored["result"]["settings"]["dundurs"]["alpha"] == pytest.approx(-0.5)

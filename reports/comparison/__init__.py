@@ -28,7 +28,7 @@ Offered to the rest of reports, `Comparison` `compare` first; each file imports 
                     `of_stretch` `for_notebook`; in cells: `amount` `value_of`
                     `with_uncertainty` `shown_unit` `first_table` `first_cells` `first_rows`
                     `summary_rows` `summary`
-                    `summary_csv` `summary_latex`
+                    `summary_csv` `summary_latex` `in_five_lines`
     json_values.py  as JSON: `strict` `solution_content` `metric_content`
     budget.py       where the error of each metric comes from: mesh, steps, penalty, far field,
                     idealisation: `ErrorBudget` `Budget` `error_budget` `climb` `coarser`
@@ -90,8 +90,12 @@ class Comparison(JudgedPair):
     """
 
     def __repr__(self) -> str:
-        """Who was compared, and the table of `summary`."""
-        return f"Comparison of {self.result.engine} with {self.reference.engine}\n{self.summary()}"
+        """Five lines: who was compared on what, the headline, dissipation and largest pressure, the
+        verdict.
+        """
+        from reports.comparison import words
+
+        return words.in_five_lines(self, "Comparison")
 
     def _repr_html_(self) -> str:
         """For a notebook."""

@@ -620,6 +620,24 @@ def summary(comparison: JudgedPair) -> str:
     return "\n".join([headline(comparison), "", *table, "", verdict(comparison)])
 
 
+def in_five_lines(comparison: JudgedPair, kind: str) -> str:
+    """For an interactive session: who was compared on what, the headline, dissipation and largest
+    pressure of both, the verdict. `kind` is what it is called.
+    """
+    name = comparison.scene.name or comparison.scene.title or "a scene"
+    lines = [
+        f"{kind} of {comparison.result.engine} with {comparison.reference.engine} on {name!r}",
+        f"  {headline(comparison)}",
+    ]
+    heads, rows = first_cells(comparison)
+    for metric, cells in zip(comparison.headlines, rows, strict=True):
+        if metric.key in ("dissipation", "largest_pressure"):
+            label, *values = cells
+            named = zip(heads[1:], values, strict=True)
+            lines.append(f"  {label}: " + ", ".join(" ".join(pair) for pair in named))
+    return "\n".join([*lines, f"  {verdict(comparison)}"])
+
+
 def summary_csv(comparison: JudgedPair) -> str:
     """The first table as CSV: numbers with every digit, in the shown units, the error E and its
     uncertainty as they are defined for the metric; empty where there is none.

@@ -164,7 +164,10 @@ def loop_figure(solution: ContactSolution) -> Figure:
     figure, (axes,) = _axes(1, (5.5, 4.5))
     force, length, _ = scene.unit_words
     axes.plot(shift, solution.tangential_load[cycle], color="black")
-    axes.set_xlabel(f"relative tangential displacement U [{length}]")
+    words = f"relative tangential displacement U [{length}]"
+    if scene.bodies.half_planes or lacks_datum(solution):
+        words += f", datum length {scene.profile.datum_length:g} {length}"
+    axes.set_xlabel(words)
     axes.set_ylabel(f"Q [{force}/{length}]")
     title = scene.title or scene.name
     if np.isfinite(solution.dissipation):
