@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from reports.charts.templating import template
+from reports.comparison.datum import lacks_datum
 from reports.comparison.words import bulk_and_tilt, first_rows, stretch
 from scenes import ContactSolution, InputError, Scene, SurfaceState
 from scenes.notebook_forms import NotebookForms, register
