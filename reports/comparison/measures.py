@@ -646,6 +646,8 @@ def _amplitude(pair: Pair, name: str, reason_for_none: str) -> Measured:
     """Half the range of a displacement in the cycle, over that of the reference, − 1."""
     of_reference = float(np.ptp(getattr(pair.expected, name))) / 2
     of_result = float(np.ptp(getattr(pair.found, name))) / 2
+    if not math.isfinite(of_reference + of_result):
+        return _nothing_to_compare("a solution states none")
     if of_reference <= _NOTHING * pair.scales.shift:
         return _nothing_to_compare(reason_for_none)
     return _of_amounts(of_reference, of_result, pair.scales.shift, note=_WITH_COMPLIANCES)

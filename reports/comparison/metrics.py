@@ -481,7 +481,7 @@ _ROWS = (
         unit="of the reference",
         norm=_ONE_VALUE,
         region=_CYCLE,
-        needs=("normal_approach", WHOLE_CYCLE),
+        needs=(WHOLE_CYCLE,),
         measure=measures.approach_amplitude,
         exists=_WITH_EFFECTS,
     ),
