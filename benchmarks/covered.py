@@ -43,6 +43,7 @@ from random_scenes import judge
 import halfplane_fe
 import semi_analytic
 from halfplane_fe import SolverSettings
+from halfplane_fe.uncertainty import LITTLE_WORK
 from meshes import MeshSettings
 from reports import Comparison, compare
 from reports.comparison.budget import (
@@ -54,6 +55,7 @@ from reports.comparison.budget import (
     theory_on_steps,
     without_steps,
 )
+from reports.comparison.datum import effects_between
 from reports.comparison.pairs import are_half_planes
 from scenes import (
     ContactSolution,
@@ -80,7 +82,12 @@ def beside_theory(answer: ContactSolution) -> Comparison:
     polygon of its increments.
     """
     reference = semi_analytic.solve(answer.scene, x=answer.x, time=answer.time)
-    return compare(reference, answer, polygon_reference=theory_on_steps(answer))
+    return compare(
+        reference,
+        answer,
+        polygon_reference=theory_on_steps(answer),
+        effects=effects_between(reference, answer),
+    )
 
 
 def plain(scene: Scene, mesh: MeshSettings, steps: SolverSettings = STEPS) -> Comparison:
@@ -452,7 +459,7 @@ def cheap() -> Iterator[Row]:
 
 # ------------------------------------------------------------------------------------ random models
 # W below this share of A f^2 P^2, P the largest load, hardly slips, and is counted apart.
-LITTLE = 1e-4
+LITTLE = LITTLE_WORK
 MEAN = 90.0
 
 

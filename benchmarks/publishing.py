@@ -58,11 +58,17 @@ def compute(name: str) -> Comparison:
     import semi_analytic
     from reports.comparison import compare
     from reports.comparison.budget import theory_on_steps
+    from reports.comparison.datum import effects_between
 
     scene = load_scene(name)
     answer = halfplane_fe.solve(scene)
     reference = semi_analytic.solve(scene, x=answer.x, time=answer.time)
-    return compare(reference, answer, polygon_reference=theory_on_steps(answer))
+    return compare(
+        reference,
+        answer,
+        polygon_reference=theory_on_steps(answer),
+        effects=effects_between(reference, answer),
+    )
 
 
 def half_plane_findings(name: str) -> Findings:

@@ -53,6 +53,7 @@ from halfplane_fe.scales import (
 from halfplane_fe.settings import SolverSettings
 from halfplane_fe.systems import Layer
 from halfplane_fe.uncertainty import (
+    LITTLE_WORK,
     Meshes,
     Peak,
     peak_uncertainty,
@@ -529,7 +530,12 @@ def _uncertainties(
         plain=task.has_plain_errors,
     )
     step = int(np.argmax(arrays["contact_half_width"]))
-    return uncertainties(values, scales.values, meshes, needs_shear(task.scene)) | {
+    by_rule = uncertainties(values, scales.values, meshes, needs_shear(task.scene))
+    friction = task.scene.friction.coefficient
+    unit_of_work = 2 / scales.modulus * (friction * scales.load) ** 2
+    if arrays["dissipation"] < LITTLE_WORK * unit_of_work and needs_shear(task.scene):
+        by_rule["largest_dissipation_density"] = math.nan
+    return by_rule | {
         "largest_pressure": _peak_uncertainty(task, arrays),
         "largest_half_width": float(np.mean(arrays["contact_edge_uncertainty"][step])),
         "permanent_stick_half_width": _of_permanent_stick(task.scene, arrays),

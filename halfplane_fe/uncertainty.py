@@ -108,6 +108,10 @@ class Rule:
         return self.factor * error + _ROUND_OFF * value
 
 
+LITTLE_WORK = 1e-4
+"""W over A f^2 P^2, P the largest load, below which W(x) has no estimate: it hardly slips, in zones
+that the elements do not resolve."""
+
 # Fitted to scenes that slip, seeds 21, 22, 31 and 32 of benchmarks/covered.py values, both
 # presets.
 RULES: dict[str, Rule] = {
