@@ -9,7 +9,8 @@ bodies; the difference with its uncertainty::
     scene = halfplane.load_scene("blocks")
     fe = halfplane.finite_elements(scene)
     theory = halfplane.theory(scene, x=fe.x, time=fe.time)
-    comparison = halfplane.compare(reference=theory, result=fe)
+    effects = halfplane.body_effects(scene)  # theory's displacements count from the supports then
+    comparison = halfplane.compare(reference=theory, result=fe, effects=effects)
     print(comparison.summary())
     halfplane.report(comparison, "out/blocks")
 
@@ -19,6 +20,10 @@ The names and what they are::
     load_scene       a scene from the library or a file (`scenes.load_scene`)
     theory           half-plane theory (`semi_analytic.solve`)
     finite_elements  plane-strain finite elements (`halfplane_fe.solve`)
+    body_effects     what finite bodies add to half-planes, no contact solved
+                     (`halfplane_fe.body_effects`)
+    advise           how far theory errs for these bodies, and why, no contact solved
+                     (`reports.advising.advise`)
     compare          one solution against the other (`reports.compare`)
     report           the page and its files (`reports.write`)
 
@@ -46,16 +51,29 @@ TYPE_CHECKING = False  # as in `typing`, whose import takes longer than this mod
 if TYPE_CHECKING:
     from typing import Any
 
+    from halfplane_fe import body_effects
     from halfplane_fe import solve as finite_elements
     from reports import compare
     from reports import write as report
+    from reports.advising import advise
     from scenes import Scene, load_scene
     from semi_analytic import solve as theory
 
-__all__ = ["Scene", "compare", "finite_elements", "load_scene", "report", "theory"]
+__all__ = [
+    "Scene",
+    "advise",
+    "body_effects",
+    "compare",
+    "finite_elements",
+    "load_scene",
+    "report",
+    "theory",
+]
 
 _HOME = {
     "Scene": ("scenes", "Scene"),
+    "advise": ("reports.advising", "advise"),
+    "body_effects": ("halfplane_fe", "body_effects"),
     "compare": ("reports", "compare"),
     "finite_elements": ("halfplane_fe", "solve"),
     "load_scene": ("scenes", "load_scene"),

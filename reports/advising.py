@@ -105,6 +105,16 @@ class Advice:
     left_out: float
     limit: float
 
+    def __repr__(self) -> str:
+        """The sentence that `halfplane advise` begins with, and the other changes in per cent."""
+        changes = [
+            f"{change.words} {_percent(change.change.value)} ± "
+            f"{_percent(change.change.uncertainty).lstrip('+')} %"
+            for key, change in self.changes.items()
+            if key != WORK and math.isfinite(change.change.value)
+        ]
+        return f"{sentence(self)}\n  {', '.join(changes)}"
+
     @property
     def work(self) -> Estimate:
         """Change of the dissipation."""
@@ -287,8 +297,9 @@ def sentence(advice: Advice) -> str:
 
 
 def _percent(share: float) -> str:
-    """A share in per cent, two digits behind the point, with its sign."""
-    return minus(f"{100 * share:+.2f}")
+    """A share in per cent, two digits behind the point, with its sign unless these are zeros."""
+    digits = f"{100 * share:+.2f}"
+    return "0.00" if float(digits) == 0 else minus(digits)
 
 
 def _what_to_do(advice: Advice) -> str:

@@ -81,3 +81,44 @@ class BodyEffects:
     dundurs_beta: float = 0.0
     unknowns: int = 0
     factorisations: int = 0
+
+    def __repr__(self) -> str:
+        """Five lines, without uncertainties.
+
+        >>> BodyEffects(datum_length=1000.0, normal_curvature=Estimate(8.5e-8, 1e-12))
+        BodyEffects: what the bodies add to half-planes with a datum length of 1000
+          compliance: c_n = 0, c_t = 0
+          curvature: N = 8.5e-08, T = 0, N_Q = 0, T_P = 0; next order N_4 = 0, T_4 = 0
+          tilt: alpha_P = 0, alpha_Q = 0; bulk strain: e_P = 0, e_Q = 0
+          Dundurs' beta = 0; 0 unknowns, 0 factorisations
+        """
+        rows = (
+            ("compliance: ", {"c_n": self.normal_compliance, "c_t": self.tangential_compliance}),
+            (
+                "curvature: ",
+                {
+                    "N": self.normal_curvature,
+                    "T": self.tangential_curvature,
+                    "N_Q": self.normal_curvature_under_shear,
+                    "T_P": self.tangential_curvature_under_pressure,
+                },
+            ),
+            ("; next order ", {"N_4": self.normal_fourth, "T_4": self.tangential_fourth}),
+            ("tilt: ", {"alpha_P": self.tilt_under_pressure, "alpha_Q": self.tilt_under_shear}),
+            (
+                "; bulk strain: ",
+                {"e_P": self.strain_under_pressure, "e_Q": self.strain_under_shear},
+            ),
+        )
+        text = (
+            "BodyEffects: what the bodies add to half-planes with a datum length of"
+            f" {self.datum_length:g}"
+        )
+        for heading, numbers in rows:
+            begin = heading if heading.startswith(";") else f"\n  {heading}"
+            values = [f"{symbol} = {number.value:.4g}" for symbol, number in numbers.items()]
+            text += begin + ", ".join(values)
+        return (
+            f"{text}\n  Dundurs' beta = {self.dundurs_beta:.3g}; {self.unknowns} unknowns,"
+            f" {self.factorisations} factorisations"
+        )

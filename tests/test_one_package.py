@@ -66,6 +66,8 @@ def test_the_names_are_those_of_the_packages() -> None:
     assert halfplane.report is reports.write
     assert halfplane.theory is import_module("semi_analytic").solve
     assert halfplane.finite_elements is import_module("halfplane_fe").solve
+    assert halfplane.body_effects is import_module("halfplane_fe").body_effects
+    assert halfplane.advise is import_module("reports.advising").advise
     assert dir(halfplane) == sorted(halfplane.__all__)
     assert re.match(r"\d+\.\d+\.\d+", halfplane.__version__)
     with pytest.raises(AttributeError, match="module 'halfplane' has no attribute 'solve'"):

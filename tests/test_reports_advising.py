@@ -37,6 +37,10 @@ def test_two_blocks_change_theory_as_finite_elements_do_and_the_parts_add_up() -
     assert advice.left_out == 0
     assert advice.verdict is Verdict.WITHIN
     assert "−2.75 ± 0.06 %" in sentence(advice)
+    first_line, other_changes = repr(advice).splitlines()
+    assert first_line == sentence(advice)
+    assert "largest pressure +0.5" in other_changes
+    assert len(repr(advice.effects).splitlines()) == 5
 
 
 def test_values_of_theory_are_its_own_and_not_those_at_points() -> None:
@@ -56,8 +60,10 @@ def test_where_nothing_is_dissipated_no_error_is_stated() -> None:
 def test_at_constant_normal_load_the_curvature_under_it_moves_no_work() -> None:
     load = load_scene("cattaneo-mindlin").load.model_dump(mode="json")
     scene = load_scene("blocks").vary(expected=[], load=load)
-    parts = advise(scene).parts
+    advice = advise(scene)
+    parts = advice.parts
     assert abs(parts["curvature under P"].value) < 1e-6
+    assert "curvature under P 0.00," in sentence(advice)
     assert parts["curvature under Q"].value < -1e-3
 
 
