@@ -101,6 +101,19 @@ SLOW = [
 ]
 
 
+@pytest.mark.parametrize("name", ["compound-curvature", "flat-rounded-paper"])
+def test_the_tension_of_an_instant_does_not_depend_on_the_others(name: str) -> None:
+    """The half-width at P, one digit more or less, would move it by 1e-8."""
+    scene = load_scene(name)
+    solution = semi_analytic.solve(scene, x=[0.0])
+    begin, end = solution.time[solution.last_cycle][[0, -1]]
+    time = np.linspace(begin, end, 150)
+    together = edge_tension(scene, time)[0]
+    alone = np.concatenate([edge_tension(scene, instant)[0] for instant in time[::10]])
+    largest = np.abs(together).max()
+    np.testing.assert_allclose(together[::10], alone, rtol=0, atol=1e-13 * largest)
+
+
 @pytest.mark.parametrize(
     ("profile", "load"), [*CASES, *(pytest.param(*case, marks=pytest.mark.slow) for case in SLOW)]
 )
