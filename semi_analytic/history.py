@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -64,6 +64,8 @@ _SAMPLES = 33
 # Instants of a cycle and of the initial loading where none are asked for.
 _INSTANTS = 400
 _INSTANTS_OF_LOADING = 100
+# Histories that are kept: what asks one scene several times follows its path once.
+_KEPT = 16
 # Share of a cycle, or of the whole path, within which somebody else's instant is one of the path's
 # own.
 SLACK = 1e-9
@@ -528,8 +530,17 @@ def is_plain_ellipse(segment: LoadSegment) -> bool:
 
 def history_of(path: LoadPath, friction: float, cycles: int, time: Array | None = None) -> History:
     """The history along a path: as many cycles as `time` needs; until it is steady where it needs
-    none, `cycles` at most.
+    none, `cycles` at most. The last few are kept.
     """
+    if path.period is None:
+        return _followed_path(path, friction, 0, 0)
+    turn_count, covered_count = turns_of(path.cycle_start, path.period, cycles, time)
+    return _followed_path(path, friction, turn_count, covered_count)
+
+
+@lru_cache(maxsize=_KEPT)
+def _followed_path(path: LoadPath, friction: float, turn_count: int, covered_count: int) -> History:
+    """The history along so many cycles at most, of which the answer covers some."""
     if path.has_bulk_or_tilt:
         raise InputError(
             "load: half-plane theory with one memory curve takes neither bulk stress nor tilt"
@@ -537,7 +548,6 @@ def history_of(path: LoadPath, friction: float, cycles: int, time: Array | None 
     check([*path.initial_loading, *path.cycle], friction)
     if path.period is None:
         return follow((), [Turn(path.initial_loading)], friction)
-    turn_count, covered_count = turns_of(path.cycle_start, path.period, cycles, time)
     turns = (Turn(path.cycle, k * path.period) for k in range(turn_count))
     history = follow(path.initial_loading, turns, friction)
     solved_count = len(history.cycles)
