@@ -637,10 +637,7 @@ def _drift_notes(run: PathRun, scales: Scales) -> Iterator[str]:
     trend = run.trend
     drift = ""
     if len(works) > 1 and last_work > 0:
-        drift = (
-            f"; its dissipation differs by {1 - works[-2] / last_work:+.1e} of itself from that of"
-            " the one before"
-        )
+        drift = f"; W changed by {1 - works[-2] / last_work:+.1e}"
     if run.steady_from is None:
         yield (
             f"no revolution repeats: the last of {len(works)} ends {run.cycle_change[-1]:.1e} of"
@@ -655,9 +652,9 @@ def _drift_notes(run: PathRun, scales: Scales) -> Iterator[str]:
         )
     elif run.steady_from is not None and trend.left and last_work > 0:
         yield (
-            f"shakedown: revolution {len(works)} repeats but for {run.cycle_change[-1]:.1e} of the"
-            f" largest nodal force{drift}; {trend.left / last_work:.1e} of it count as uncertain,"
-            " for no trend is clear yet"
+            f"shakedown: revolution {len(works)} repeats to {run.cycle_change[-1]:.1e} of the"
+            f" largest nodal force{drift}; no trend is clear, uncertainty"
+            f" {trend.left / last_work:.1e}"
         )
     if run.ratchets:
         shift_of_cycle = run.states[-1].shift - run.states[run.cycle_starts[-1]].shift

@@ -67,7 +67,7 @@ class Report:
     budget
         where the error of every metric comes from, where that was measured
     guesses
-        what was taken for granted of somebody else's result, to be read before anything else
+        what was assumed of somebody else's result, to be read before anything else
     diagnoses
         the likely causes of somebody else's difference, the strongest first
     study

@@ -306,7 +306,8 @@ class Frozen(BaseModel, metaclass=_OneDoor):
         given_names = self.model_fields_set - {*self.written}
         keys = {name: changed for name, changed in self if name == "kind" or name in given_names}
         for name, changed in changes.items():
-            present_value = getattr(self, name, None)
+            is_key = name in type(self).model_fields
+            present_value = getattr(self, name) if is_key else None
             kind = getattr(present_value, "kind", None)
             if (
                 isinstance(present_value, Frozen)

@@ -700,15 +700,13 @@ def test_a_result_in_metres_and_pascals_is_scored_with_its_page(
     outcome = score(TABLE.assign(**other_units))
     assert (outcome.returncode, outcome.stderr) == (0, "")
     first, second, *_, last = outcome.stdout.splitlines()
-    assert first.startswith("Taken for granted: x multiplied by 1000")
-    assert second.startswith("Taken for granted: pressure and shear multiplied by 1e-06")
+    assert first.startswith("Assumed: x multiplied by 1000")
+    assert second.startswith("Assumed: pressure and shear multiplied by 1e-06")
     assert last == "out/score-mine/report.html"
     assert "mine.csv agrees with half-plane theory" in outcome.stdout
     page = (tmp_path / last).read_text(encoding="utf-8")
     assert not [
-        words
-        for words in ("Taken for granted of the result", "X multiplied by 1000")
-        if words not in page
+        words for words in ("Assumed of the result", "X multiplied by 1000") if words not in page
     ]
     stored = json_of(tmp_path / "out/score-mine/comparison.json")
     assert (len(stored["guesses"]), stored["diagnoses"]) == (2, [])

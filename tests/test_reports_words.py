@@ -182,15 +182,7 @@ WORDS = [
         [],
     ),
     (question, {"load": CYCLE}, ["round the straight lines through (2, 0), (2, 1)"], []),
-    (question, {"load": CYCLE}, ["what does a cycle dissipate?"], []),
     (question, {"load": LINES}, ["along the straight lines through (0, 0), (2, 0) N/mm"], []),
-    (question, {"load": LINES}, ["what does the path dissipate?"], []),
-    (
-        question,
-        {"load": {"kind": "time_series", "rows": [[0.0, 0.0, 0.0], [1.0, 2.0, 0.0]]}},
-        ["what does the record dissipate?"],
-        [],
-    ),
     (question, {"units": "lbf, in, psi"}, ["E = 210000 psi"], []),
     (question, {"units": "SI"}, ["force/length"], []),
     (
@@ -217,7 +209,7 @@ def test_the_question_of_every_scene_of_the_library() -> None:
         assert not [
             words for words in ("friction coefficient", "MPa", "N/mm") if words not in sentence
         ]
-        assert sentence.endswith("?")
+        assert sentence.endswith(".")
     assert units(scene(units="SI")) == ("force", "length", "stress")
 
 

@@ -505,7 +505,7 @@ _COMMANDS = (
     _Command(
         "Scenes",
         "check",
-        "Refuse what `run` would refuse; state the contact's size and how near gross sliding is.",
+        "Validate a scene; print a, p0 and the margin to gross sliding.",
         "cli.scene_files:check",
         (_SCENE_NAME,),
         ("json", "quiet", "loop", "mapping"),

@@ -186,7 +186,7 @@ def _scored_loop(
         WITHIN if score.agrees else OUTSIDE,
         [
             read_in_words(path.name, score.read_as),
-            *(f"Taken for granted: {sentence}." for sentence in score.said),
+            *(f"Assumed: {sentence}." for sentence in score.said),
             sheet,
             score.sentence,
             page,
@@ -198,7 +198,7 @@ def _scored_loop(
 
 def _score_shown(report: Report, page: str) -> Iterator[Part]:
     """Guesses, verdict, likely causes, and the mesh study where it is one."""
-    yield from (f"Taken for granted: {sentence}." for sentence in report.guesses)
+    yield from (f"Assumed: {sentence}." for sentence in report.guesses)
     yield from verdict_shown(report)
     # headlines without a value, those with one reason in one line
     reasons: dict[str, list[str]] = {}

@@ -109,8 +109,8 @@ def example(bodies: bool = False, profile: Literal["hertz", "flat_rounded"] = "h
 
 # -------------------------------------------------------------------------------------------- check
 def check(scene: str, options: Options) -> Answer:
-    """Refuse what `run` would refuse; print how large the contact gets, and how near it comes to
-    gross sliding.
+    """Validate a scene as `run` does; print its largest half-width and pressure, and how near it
+    comes to gross sliding.
     """
     from reports.checking import (
         bulk_and_tilt,

@@ -440,8 +440,8 @@ class ErrorBudget:
         coverings = [budget.honest for budget in self.budgets if budget.honest is not None]
         if not coverings:
             return (
-                "not assessed: the true error of real bodies is not known; half-planes show it,"
-                " where every term was measured"
+                "cannot be checked here: the exact answer of these bodies is unknown (that of"
+                " half-planes is known)"
             )
         return (
             f"{sum(coverings)} of {len(coverings)} metrics: the stated uncertainty covers what the"
@@ -794,7 +794,7 @@ def extrapolate(refinement: Refinement) -> Extrapolation:
         return Extrapolation(None, kind, finest, refinement.rounding, rule)
     if count == 2:
         correction = _richardson(refinement, refinement.formal_order)
-        rule = "formal order taken for granted, safety factor 3"
+        rule = "formal order assumed, safety factor 3"
         return Extrapolation(None, kind, finest + correction, _DOUBTFUL * abs(correction), rule)
     orders = [
         observed_order(refinement.sizes[i : i + 3], refinement.values[i : i + 3])
@@ -873,7 +873,7 @@ def _trusted_curve(refinement: Refinement) -> tuple[_Fit, str, float | None]:
     ]
     best_fit, best_powers = min(fits, key=lambda pair: pair[0].deviation)
     powers_in_words = " and ".join(f"{power:g}" for power in best_powers)
-    return best_fit, f"order {powers_in_words} taken for granted", order
+    return best_fit, f"order {powers_in_words} assumed", order
 
 
 def _best_free_fit(refinement: Refinement) -> _Fit:

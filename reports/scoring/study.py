@@ -167,8 +167,7 @@ def study(levels: Sequence[Level], notes: Sequence[str] = ()) -> Study:
     said = list(notes)
     if len(ordered) == 2:
         said.append(
-            "Two meshes show no order: second order is taken for granted, with three times the"
-            " uncertainty."
+            "Two meshes show no order: second order is assumed, with three times the uncertainty."
         )
     return Study(ordered, tuple(line for line in lines if line is not None), tuple(said))
 

@@ -18,6 +18,7 @@ import reports
 import scene_cases
 import semi_analytic
 from meshes import MeshSettings
+from reports.comparison.datum import effects_between
 from scenes import ContactSolution, InadmissibleLoadError, InputError, Scene
 
 Values = dict[case_table.Key, Any]
@@ -226,7 +227,10 @@ def comparison_metrics(name: str, folder: Path) -> dict[str, dict[str, Any]]:
     """
     result = finite_elements(name)
     reference = semi_analytic.solve(result.scene, x=result.x, time=result.time)
-    reports.write(reports.compare(reference=reference, result=result), folder)
+    comparison = reports.compare(
+        reference=reference, result=result, effects=effects_between(reference, result)
+    )
+    reports.write(comparison, folder)
     content = json.loads((folder / "comparison.json").read_text(encoding="utf-8"))
     return {
         key: {column: metric[column] for column in ("value", "unit", "accurate")}
