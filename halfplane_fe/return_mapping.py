@@ -40,11 +40,10 @@ from scenes.array_types import Array, States
 # Change of multipliers, and what the law makes of the tractions less these, over the largest nodal
 # force.
 _TOLERANCE = 1e-10
-# Each try has a penalty of a tenth of the one before: what cycled at 30 E*/h converged at 3 or 0.3.
+# Where Newton's method cycles, the penalty of the next try over that of the one before.
 _SOFTER = 0.1
 _MOST_TRIES = 5
-# Of an increment. An update leaves 1/(1 + e N) of the error: a twentieth at 30 E*/h, and a softer
-# penalty takes as many times more.
+# Of an increment: softer penalties take more of them.
 _MOST_UPDATES = 2000
 # Pressure of a node that touches without force, from which the sense of its slip is read.
 _TOUCHING = 1e-11

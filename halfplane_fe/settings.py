@@ -11,10 +11,10 @@ from scenes import InputError
 
 Method = Literal["active_set", "augmented_lagrangian", "penalty"]
 
-# Over E*/h. The layer of the penalty method, or the weight of the trials of the active set;
+# Over E*/h. The layer of the penalty method, or the weight of the trials of the active set.
 _STIFFNESS = 1e3
-# the penalty of the augmented Lagrangian: an update leaves a twentieth of the error, and the inner
-# loop seldom cycles, which it does between unlike bodies where the penalty is stiffer.
+# Over E*/h. The penalty of the augmented Lagrangian: a stiffer one makes its inner loop cycle
+# between unlike bodies.
 _PENALTY = 30.0
 
 

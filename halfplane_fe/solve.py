@@ -53,7 +53,6 @@ from halfplane_fe.scales import (
 from halfplane_fe.settings import SolverSettings
 from halfplane_fe.systems import Layer
 from halfplane_fe.uncertainty import (
-    LITTLE_WORK,
     Meshes,
     Peak,
     peak_uncertainty,
@@ -207,6 +206,11 @@ class _Task:
     def work_unit(self) -> float:
         """What dissipation is scaled by [energy / thickness]."""
         return self.scales.load**2 / self.scales.modulus
+
+    @property
+    def friction_unit(self) -> float:
+        """A f^2 P^2 over `work_unit`, P the largest load."""
+        return 2 * self.scene.friction.coefficient**2
 
 
 def _solve(
@@ -482,7 +486,7 @@ def _uncertainty(task: _Task, run: PathRun) -> float:
     if not needs_shear(scene):
         return 0.0
     first = run.cycle_starts[-1] if run.cycle_starts else 0
-    unit = 2 * scene.friction.coefficient**2  # A f^2 P^2
+    unit = task.friction_unit
     # With bulk stress or tilt a cycle is compared with the coarse run's of the same number: they
     # only approach the steady state.
     compared = run.cycle_density[:COARSE_CYCLES] if scene.unsymmetric else run.cycle_density
@@ -530,12 +534,9 @@ def _uncertainties(
         plain=task.has_plain_errors,
     )
     step = int(np.argmax(arrays["contact_half_width"]))
-    by_rule = uncertainties(values, scales.values, meshes, needs_shear(task.scene))
-    friction = task.scene.friction.coefficient
-    unit_of_work = 2 / scales.modulus * (friction * scales.load) ** 2
-    if arrays["dissipation"] < LITTLE_WORK * unit_of_work and needs_shear(task.scene):
-        by_rule["largest_dissipation_density"] = math.nan
-    return by_rule | {
+    sheared = needs_shear(task.scene)
+    work = float(arrays["dissipation"]) / (task.friction_unit * task.work_unit) if sheared else 0.0
+    return uncertainties(values, scales.values, meshes, sheared, work) | {
         "largest_pressure": _peak_uncertainty(task, arrays),
         "largest_half_width": float(np.mean(arrays["contact_edge_uncertainty"][step])),
         "permanent_stick_half_width": _of_permanent_stick(task.scene, arrays),

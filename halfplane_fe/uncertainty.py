@@ -75,11 +75,15 @@ class Rule:
         F
     least
         share of the value times (H/s)^p that counts as the least difference
+    least_work
+        W over A f^2 P^2, P the largest load, below which there is no estimate: what slips lies in
+        zones that the elements do not resolve
     """
 
     order: float
     factor: float
     least: float = 0.0
+    least_work: float = 0.0
 
     def uncertainty(
         self, value: float, difference: float, refinement: float, coarse: float = 0.0
@@ -109,8 +113,7 @@ class Rule:
 
 
 LITTLE_WORK = 1e-4
-"""W over A f^2 P^2, P the largest load, below which W(x) has no estimate: it hardly slips, in zones
-that the elements do not resolve."""
+"""W over A f^2 P^2, P the largest load, of a scene that hardly slips."""
 
 # Fitted to scenes that slip, seeds 21, 22, 31 and 32 of benchmarks/covered.py values, both
 # presets.
@@ -123,7 +126,7 @@ RULES: dict[str, Rule] = {
     # Slip is largest next to an edge of contact, where it ends as a root.
     "largest_slip": Rule(order=0.5, factor=1.5, least=0.05),
     # W(x) has a kink where an edge of contact or stick turns, and its largest value is near one.
-    "largest_dissipation_density": Rule(order=1.0, factor=1.6, least=0.05),
+    "largest_dissipation_density": Rule(order=1.0, factor=1.6, least=0.05, least_work=LITTLE_WORK),
 }
 """By the name of the quantity."""
 
@@ -220,7 +223,11 @@ class Meshes:
 
 
 def uncertainties(
-    values: RunValues, of_coarse_run: RunValues | None, meshes: Meshes, sheared: bool
+    values: RunValues,
+    of_coarse_run: RunValues | None,
+    meshes: Meshes,
+    sheared: bool,
+    work: float,
 ) -> dict[str, float]:
     """u of each quantity of `RULES`, in its unit; NaN is "no estimate".
 
@@ -231,6 +238,8 @@ def uncertainties(
     sheared
         whether any shear can arise: then slip and W(x) that are zero in both runs may be too
         little for either
+    work
+        W over A f^2 P^2, P the largest load; 0 without friction
     """
     if of_coarse_run is None or not values.is_comparable(of_coarse_run):
         return dict.fromkeys(RULES, math.nan)
@@ -238,7 +247,7 @@ def uncertainties(
     for name, rule in RULES.items():
         largest = float(np.max(np.abs(getattr(values, name))))
         difference = values.difference(name, of_coarse_run)
-        if sheared and largest == 0:
+        if sheared and (largest == 0 or work < rule.least_work):
             estimates[name] = math.nan
             continue
         estimate = rule.uncertainty(largest, difference, meshes.refinement, meshes.coarse)

@@ -8,22 +8,13 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
+from sizes import PARTS
 
 ROOT = Path(__file__).parents[1]
 
 # Parallel and nested: per 1,000 statements. Empty names: per cent of all that are bound. Lines over
 # 100 columns and functions of more than seven parameters: counted.
 GOALS = {"parallel": 6.0, "nested": 1.5, "empty": 2.0, "wide": 0, "many": 1}
-PACKAGES = (
-    "scenes",
-    "semi_analytic",
-    "meshes",
-    "halfplane_fe",
-    "reports",
-    "benchmarks",
-    "tests",
-    "docs",
-)
 # Numerical signatures that users call by keyword, and commands, have as many parameters as there
 # are quantities.
 LISTED = {"dissipation", "peak_dissipation", "friction_from", "follow_instants", "score"}
@@ -106,7 +97,7 @@ def figures(package: str) -> dict[str, float]:
     }
 
 
-@pytest.mark.parametrize("package", PACKAGES)
+@pytest.mark.parametrize("package", PARTS)
 def test_a_package_is_no_denser_than_it_may_be(package: str) -> None:
     measured = figures(package)
     over = {name: value for name, value in measured.items() if value > GOALS[name]}
