@@ -29,7 +29,7 @@ import math
 from collections.abc import Callable, Iterator
 from itertools import pairwise
 from pathlib import Path
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 import scipy
@@ -223,6 +223,17 @@ def edge_tension(
 
 
 # ------------------------------------------------- from memory curves: all instants in one sum
+class _Panel(NamedTuple):
+    """The punches of half-widths `first` to `last` [length] of the memory curve of an instant, with
+    M' of their loads.
+    """
+
+    instant: int
+    first: float
+    last: float
+    slope: Slope
+
+
 def _tensions_of_curves(
     contact: SymmetricContact, snapshot: Snapshot, in_contact: Indices, edges: Array
 ) -> Array:
@@ -235,50 +246,51 @@ def _tensions_of_curves(
     edges
         (n,) their half-widths a(P) [length]
     """
-    instant_of_line: list[int] = []
+    panels = _panels_of_curves(contact, snapshot, in_contact, edges)
+    instants = np.array([panel.instant for panel in panels])
+    first = np.array([panel.first for panel in panels])[:, None]
+    last = np.array([panel.last for panel in panels])[:, None]
+    edge = edges[instants, None]
+    half_widths = _nodes_from(0.0, first, last)
+    delta = _nodes_from(edge, first, last)  # a(eta) - a(P)
+    loads = contact.load(half_widths)
+    rates = np.empty_like(loads)  # M'
+    for number, panel in enumerate(panels):
+        rates[number] = panel.slope(loads[number])
+    rises = contact.stiffness(half_widths) * (last - first) * INVERSE_ROOTS.weight  # d eta
+    of_panels = (rises * rates / np.sqrt(-delta * (2 * edge + delta))).sum(axis=1)
+    sums = np.bincount(instants, weights=of_panels, minlength=len(in_contact))
+    return np.asarray(2 / math.pi * sums)
+
+
+def _panels_of_curves(
+    contact: SymmetricContact, snapshot: Snapshot, in_contact: Indices, edges: Array
+) -> list[_Panel]:
+    """Those of all instants, each counted from the first of `in_contact`."""
+    instants: list[int] = []
     bottoms: list[float] = []
     tops: list[float] = []
     slopes: list[Slope] = []
     for number, k in enumerate(in_contact.tolist()):
         for bottom, top, slope in _lines(snapshot, k):
-            instant_of_line.append(number)
+            instants.append(number)
             bottoms.append(bottom)
             tops.append(top)
             slopes.append(slope)
     lows = np.atleast_1d(contact.half_width(np.array(bottoms)))
     # The half-width at P is the edge to the last digit: one digit more or less would move the
     # integral of the root by 1e-8.
-    edge_of_line = edges[instant_of_line]
-    reaches_edge = np.array(tops) == snapshot.load[in_contact][instant_of_line]
+    edge_of_line = edges[instants]
+    reaches_edge = np.array(tops) == snapshot.load[in_contact][instants]
     half_width_at_top = np.minimum(contact.half_width(np.array(tops)), edge_of_line)
     highs = np.where(reaches_edge, edge_of_line, half_width_at_top)
-    line_of_panel: list[int] = []
-    panel_ends: list[tuple[float, float]] = []
-    for line, (low, high) in enumerate(zip(lows.tolist(), highs.tolist(), strict=True)):
-        marks = [low, *(place for place in contact.breaks if low < place < high), high]
-        for ends in pairwise(marks):
-            if ends[1] > ends[0]:
-                line_of_panel.append(line)
-                panel_ends.append(ends)
-    rule = INVERSE_ROOTS
-    in_lower_half = rule.up < 0.5
-    instant_of_panel = np.array(instant_of_line)[line_of_panel]
-    edge = edges[instant_of_panel, None]
-    first, last = np.array(panel_ends).T[:, :, None]
-    length = last - first
-    half_widths = np.where(in_lower_half, first + length * rule.up, last - length * rule.down)
-    # a(eta) - a(P), which does not cancel
-    delta_from_first = (first - edge) + length * rule.up
-    delta_from_last = (last - edge) - length * rule.down
-    delta = np.where(in_lower_half, delta_from_first, delta_from_last)
-    loads = contact.load(half_widths)
-    rates = np.empty_like(loads)  # M'
-    for panel, line in enumerate(line_of_panel):
-        rates[panel] = slopes[line](loads[panel])
-    rises = contact.stiffness(half_widths) * length * rule.weight  # d eta
-    of_panels = (rises * rates / np.sqrt(-delta * (2 * edge + delta))).sum(axis=1)
-    sums = np.bincount(instant_of_panel, weights=of_panels, minlength=len(in_contact))
-    return np.asarray(2 / math.pi * sums)
+    return [
+        _Panel(instant, first, last, slope)
+        for instant, low, high, slope in zip(
+            instants, lows.tolist(), highs.tolist(), slopes, strict=True
+        )
+        for first, last in _cut(contact, low, high)
+    ]
 
 
 # ----------------------------------------------- from tractions, where there is no one memory curve
@@ -465,13 +477,30 @@ def _potentials(
     distance = np.abs(x)
     for bottom, top, slope in lines:
         low, high = (float(contact.half_width(load)) for load in (bottom, top))
-        marks = [low, *(b for b in contact.breaks if low < b < high), high]
-        for first, last in pairwise(marks):
-            if last > first:
-                _add_panel(potentials, contact, slope, (first, last), distance, y)
+        for ends in _cut(contact, low, high):
+            _add_panel(potentials, contact, slope, ends, distance, y)
     potentials[:2, x < 0] = -potentials[:2, x < 0].conj()
     potentials[2:, x < 0] = potentials[2:, x < 0].conj()
     return potentials
+
+
+def _cut(contact: SymmetricContact, low: float, high: float) -> Iterator[tuple[float, float]]:
+    """Panels between two half-widths, cut where the profile has a break."""
+    marks = [low, *(place for place in contact.breaks if low < place < high), high]
+    for first, last in pairwise(marks):
+        if last > first:
+            yield first, last
+
+
+def _nodes_from(place: ArrayLike, first: ArrayLike, last: ArrayLike) -> Array:
+    """Nodes of the rule between `first` and `last`, less `place`, without cancellation at either
+    end; the last axis is that of the nodes.
+    """
+    rule = INVERSE_ROOTS
+    length = np.subtract(last, first)
+    from_first = np.subtract(first, place) + length * rule.up
+    from_last = np.subtract(last, place) - length * rule.down
+    return np.where(rule.up < 0.5, from_first, from_last)
 
 
 def _add_panel(
@@ -489,16 +518,13 @@ def _add_panel(
     length = high - low
     rule = INVERSE_ROOTS
     in_lower_half = rule.up < 0.5
-    half_widths = np.where(in_lower_half, low + length * rule.up, high - length * rule.down)
+    half_widths = _nodes_from(0.0, low, high)
     weights = _weights(contact, slope, half_widths, length * rule.weight)
     is_cut = (x > low) & (x < high)
     points_at_once = _AT_ONCE // len(rule.up)
     beside_panel = np.flatnonzero(~is_cut)
     for rows in np.array_split(beside_panel, 1 + len(beside_panel) // points_at_once):
-        point = x[rows, None]
-        delta_from_low = (low - point) + length * rule.up
-        delta_from_high = (high - point) - length * rule.down
-        delta = np.where(in_lower_half, delta_from_low, delta_from_high)
+        delta = _nodes_from(x[rows, None], low, high)
         _add(potentials, rows, weights, delta, x, y)
     in_panel = np.flatnonzero(is_cut)
     for rows in np.array_split(in_panel, 1 + len(in_panel) // points_at_once):
