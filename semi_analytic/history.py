@@ -13,8 +13,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -64,8 +66,10 @@ _SAMPLES = 33
 # Instants of a cycle and of the initial loading where none are asked for.
 _INSTANTS = 400
 _INSTANTS_OF_LOADING = 100
-# Histories that are kept: what asks one scene several times follows its path once.
-_KEPT = 16
+# Histories that are kept while `histories_kept` holds, by path, friction and numbers of cycles.
+_kept_histories: ContextVar[dict[tuple[LoadPath, float, int, int], History] | None] = ContextVar(
+    "histories", default=None
+)
 # Share of a cycle, or of the whole path, within which somebody else's instant is one of the path's
 # own.
 SLACK = 1e-9
@@ -530,15 +534,31 @@ def is_plain_ellipse(segment: LoadSegment) -> bool:
 
 def history_of(path: LoadPath, friction: float, cycles: int, time: Array | None = None) -> History:
     """The history along a path: as many cycles as `time` needs; until it is steady where it needs
-    none, `cycles` at most. The last few are kept.
+    none, `cycles` at most.
     """
-    if path.period is None:
-        return _followed_path(path, friction, 0, 0)
-    turn_count, covered_count = turns_of(path.cycle_start, path.period, cycles, time)
-    return _followed_path(path, friction, turn_count, covered_count)
+    turn_count = 0
+    covered_count = 0
+    if path.period is not None:
+        turn_count, covered_count = turns_of(path.cycle_start, path.period, cycles, time)
+    kept = _kept_histories.get()
+    if kept is None:
+        return _followed_path(path, friction, turn_count, covered_count)
+    key = path, friction, turn_count, covered_count
+    if key not in kept:
+        kept[key] = _followed_path(*key)
+    return kept[key]
 
 
-@lru_cache(maxsize=_KEPT)
+@contextmanager
+def histories_kept() -> Iterator[None]:
+    """Meanwhile a path that is asked for again is not followed again."""
+    before = _kept_histories.set({})
+    try:
+        yield
+    finally:
+        _kept_histories.reset(before)
+
+
 def _followed_path(path: LoadPath, friction: float, turn_count: int, covered_count: int) -> History:
     """The history along so many cycles at most, of which the answer covers some."""
     if path.has_bulk_or_tilt:

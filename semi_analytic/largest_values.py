@@ -28,6 +28,7 @@ from scenes import NORMAL_LOAD, OPEN, ContactSolution, LoadSegment, Scene
 from scenes.array_types import Array
 from scenes.solution import range_of_slip
 from semi_analytic.bulk_and_tilt import one_curve
+from semi_analytic.history import histories_kept
 from semi_analytic.memory import level
 from semi_analytic.profiles import Contact, contact_of
 from semi_analytic.solution import solve
@@ -119,6 +120,12 @@ def extremes(answer: ContactSolution) -> Extremes:
     ... )  # a = 1
     (1.0, 1.0)
     """
+    with histories_kept():
+        return _extremes(answer)
+
+
+def _extremes(answer: ContactSolution) -> Extremes:
+    """`extremes`: of theory of the answer's scene, by the way that its memory has."""
     scene = answer.scene
     contact = _contact(scene)
     if contact is None:
