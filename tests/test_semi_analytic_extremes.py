@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ import reports
 import semi_analytic
 from reports.comparison import compare
 from scenes import ContactSolution, Scene, load_scene
+from semi_analytic import history
 
 FIRST_TABLE = (
     "largest_pressure",
@@ -198,3 +200,25 @@ def test_first_increment_of_a_path_without_cycles_plays_no_part() -> None:
     assert dataclasses.astuple(values[0])[:-1] == pytest.approx(
         dataclasses.astuple(values[1])[:-1], rel=1e-9
     )
+
+
+def test_a_path_is_followed_once_while_extremes_are_looked_for_and_anew_afterwards(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """What outlived the search would hide a fault planted in the memory curve."""
+    followed: list[float] = []
+    follow = history.follow
+
+    def counted(loading: Any, turns: Any, friction: float) -> history.History:
+        followed.append(friction)
+        return follow(loading, turns, friction)
+
+    scene = load_scene("hertz-paper").vary(friction=1.1, expected=[])
+    solution = semi_analytic.solve(scene, x=[0.0])
+    monkeypatch.setattr(history, "follow", counted)
+    semi_analytic.extremes(solution)
+    assert 1 <= len(followed) <= 3
+    before = len(followed)
+    semi_analytic.solve(scene, x=[0.0])
+    semi_analytic.solve(scene, x=[0.0])
+    assert len(followed) == before + 2
