@@ -156,6 +156,16 @@ X = np.array([-1.2, -1.0, -0.9, -0.3, 0.0, 0.3, 0.632, 0.633, 0.9, 0.999, 1.0, 1
 
 
 # ----------------------------------------------------------------- laws, and faults planted in them
+def far_from_slip(answer, distance):
+    """Points that stick, (n, m), and none nearer than `distance` that does not."""
+    sticks = answer.state == SurfaceState.STICK
+    for instant, row in enumerate(sticks):
+        places_of_slip = answer.x[~row]
+        gaps = np.abs(answer.x[:, None] - places_of_slip)
+        sticks[instant] &= np.min(gaps, axis=1, initial=np.inf) > distance
+    return sticks
+
+
 def broken_laws(scene, answer):
     """The laws that an answer breaks, by name; no knowledge of how the engine works."""
     limit = scene.friction.coefficient * answer.pressure
@@ -168,9 +178,15 @@ def broken_laws(scene, answer):
     same_state = state[1:] == state[:-1]
     travel = float(np.max(np.abs(answer.slip))) or 1.0
     stated = answer.record.errors.get("slip", 0.0)
-    # on grids: 5 next to an edge, for what is stated is a root mean square
-    allowed_creep = 5 * stated if stated > 1e-6 else 1e-12
-    stuck = same_state & (state[1:] == SurfaceState.STICK)
+    # On grids an edge of stick is known to two cells, and next to it the slip errs by 5 times what
+    # is stated, a root mean square.
+    allowed_creep = 1e-12
+    sticks = state == SurfaceState.STICK
+    cells = answer.work.counts.get("cells")
+    if cells:
+        allowed_creep = 5 * stated
+        sticks = far_from_slip(answer, distance=2 / cells * edge)
+    stuck = sticks[1:] & sticks[:-1]
     laws = {
         "no tension": (
             np.all(answer.pressure >= 0)

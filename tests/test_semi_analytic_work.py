@@ -117,7 +117,7 @@ def test_error_of_pointwise_work_is_honest(monkeypatch):
 
 
 # Parts of a span, where P(a) hardly grows or harmonics drive the front.
-PARTS = {"hardly growing": 4, "harmonics": 3, "harmonics to 1e-3": 4}
+PARTS = {"hardly growing": 8, "harmonics": 3, "harmonics to 1e-3": 8}
 FEW = [
     ("hertz", "ellipse to 1e-4"),
     ("hertz", "harmonics"),
