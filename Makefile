@@ -29,6 +29,8 @@ ONE_THREAD := OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
 # gmsh writes the preferences of its window toolkit into the home folder even when no window is opened. Only for our own
 # programs: pip keeps the real home, where a user may have set it up.
 HOME_HERE := HOME="$(CURDIR)/.cache/home"
+# Modules are compiled once, for every program and test that starts another Python, even where the environment forbids that.
+HOME_HERE += PYTHONPYCACHEPREFIX="$(CURDIR)/.cache/compiled" PYTHONDONTWRITEBYTECODE=
 
 UV := .venv/bin/uv pip compile --quiet --no-header --only-binary :all:
 
@@ -230,7 +232,7 @@ pins: $(STAMP) ### look up whether every pin of constraints.txt has wheels for e
 	done
 
 clean: ### remove results and the tools' caches, keep .venv
-	rm -rf out dist docs/_build .cache/mypy .cache/ruff .cache/pytest .cache/import-linter .cache/hypothesis .cache/doctrees .cache/tmp
+	rm -rf out dist docs/_build .cache/compiled .cache/mypy .cache/ruff .cache/pytest .cache/import-linter .cache/hypothesis .cache/doctrees .cache/tmp
 	find . -path ./.venv -prune -o -name __pycache__ -type d -prune -exec rm -rf {} +
 
 distclean: clean ### remove .venv, .peers and every cache too

@@ -4,6 +4,7 @@ answers, files and JSON, and what it covers of known errors.
 
 from __future__ import annotations
 
+import importlib
 import math
 from collections.abc import Mapping
 from dataclasses import replace
@@ -158,3 +159,24 @@ def test_the_largest_tension_is_that_of_the_narrowest_contact_that_still_slips()
     assert tension is not None
     assert abs(tension.value - true) <= tension.uncertainty
     assert tension.value == pytest.approx(true, rel=0.03)
+
+
+def test_edges_are_fitted_only_where_the_tension_may_be_the_largest(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Q is near its largest value in a part of the cycle alone."""
+    answer = halfplane_fe.solve("hertz-paper", COARSE)
+    fields = importlib.import_module("halfplane_fe.fields")
+    sampled_tractions = fields.sampled_tractions
+    fitted = []
+
+    def counted(nodal: object) -> object:
+        fitted.append(nodal)
+        return sampled_tractions(nodal)
+
+    monkeypatch.setattr(fields, "sampled_tractions", counted)
+    tension = halfplane_fe.largest_edge_tension(answer)
+    assert tension is not None
+    of_every_instant, _ = halfplane_fe.edge_tension(answer, list(answer.last_cycle))
+    assert tension.value == pytest.approx(np.max(of_every_instant), rel=1e-9)
+    assert len(fitted) < len(answer.last_cycle) / 2
