@@ -100,7 +100,7 @@ def test_revolutions_that_do_not_repeat_are_noted_with_how_the_dissipation_drift
     assert solution.steady_from is None
     assert solution.dissipation_drift == pytest.approx(1 - before / last)
     assert "the last of 2 ends" in drift_note(solution)
-    assert f"differs by {1 - before / last:+.1e} of itself" in drift_note(solution)
+    assert f"W changed by {1 - before / last:+.1e}" in drift_note(solution)
     rows_of_summary = {
         ("note", drift_note(solution)),
         ("dissipation, change from the cycle before", f"{solution.dissipation_drift:+.2e} of it"),
