@@ -30,13 +30,18 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from reports.comparison.laws import QUANTITIES
 from reports.comparison.pairs import coupled
 from reports.comparison.verdicts import Verdict, verdict_on
+from reports.comparison.why import Why
 from reports.units import minus
 from scenes import BodyEffects, ContactSolution, Estimate, InputError, Scene
+
+if TYPE_CHECKING:
+    from reports.comparison.budget import ErrorBudget
+    from reports.comparison.judged import JudgedPair
 
 # Of the next order of a body's numbers, what it makes of their part of a change; and what is left
 # of W in any case. Fitted to 127 runs on fifteen flat bodies (Hertz, six load cycles).
@@ -126,13 +131,15 @@ class Advice:
         return verdict_on(self.work.value, self.limit, self.work.uncertainty)
 
 
-def advise(scene: Scene, limit: float = 0.05) -> Advice:
+def advise(scene: Scene, limit: float = 0.05, effects: BodyEffects | None = None) -> Advice:
     """How far finite bodies are from half-plane theory, by corrected theory.
 
     Parameters
     ----------
     limit
         share of the dissipation
+    effects
+        the numbers of the bodies, where they are known already
 
     Raises
     ------
@@ -148,7 +155,8 @@ def advise(scene: Scene, limit: float = 0.05) -> Advice:
             f"{scene.name}: the materials are unlike (Dundurs' beta is not 0), so what is left out"
             " is of first order; solve the scene with finite elements (`halfplane run`)"
         )
-    effects = halfplane_fe.body_effects(scene)
+    if effects is None:
+        effects = halfplane_fe.body_effects(scene)
     theory = semi_analytic.solve(scene, fields=(WORK, "pressure"))
     if not theory.dissipation:
         raise InputError(
@@ -192,6 +200,36 @@ def advise(scene: Scene, limit: float = 0.05) -> Advice:
             estimate = Estimate(math.nan, math.nan)
         changes[key] = Change(words, own_values.get(key, before), estimate)
     return Advice(scene, effects, changes, parts, left_out, limit)
+
+
+def split(comparison: JudgedPair, budget: ErrorBudget | None) -> Why:
+    """The difference of W between finite elements of real bodies and half-plane theory, split by
+    what makes it; not split, and why, where the numbers of the bodies say nothing.
+
+    Parameters
+    ----------
+    comparison
+        of finite elements with half-plane theory, W with its uncertainty
+    budget
+        of which mesh and steps are taken; without it they are in what is left
+    """
+    metric = comparison.metric(WORK)
+    if metric.value is None or metric.absolute or not math.isfinite(metric.value):
+        return Why(Estimate(math.nan, math.nan), not_split="the dissipation was not compared")
+    uncertainty = math.nan if metric.uncertainty is None else metric.uncertainty
+    total = Estimate(metric.value, uncertainty)
+    numerical = 0.0
+    if budget is not None:
+        terms = next(row.terms for row in budget.budgets if row.metric.key == WORK)
+        numerical = sum(term.value or 0.0 for term in terms)
+    try:
+        advice = advise(comparison.scene, effects=comparison.effects)
+    except InputError as reason:
+        return Why(total, not_split=str(reason))
+    parts = dict(advice.parts)
+    if advice.left_out:
+        parts[ODD] = Estimate(0.0, advice.left_out)
+    return Why(total, parts, Estimate(numerical))
 
 
 # Key of an answer -> the quantity of a solution, whose change is taken on common points, and its

@@ -3,18 +3,22 @@ and what is said where the numbers of the bodies say nothing.
 """
 
 import math
+from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
+import halfplane_fe
 import semi_analytic
 from command_line import answer_of, halfplane
-from reports.advising import advise, sentence
+from reports.advising import WORK, advise, sentence, split
 from reports.comparison.verdicts import Verdict
-from scenes import InputError, Scene, load_scene
+from scenes import BodyEffects, InputError, Scene, load_scene
 
 # Finite elements of the scene `blocks` over half-plane theory, minus 1: `halfplane run blocks`.
+PARTS_OF_BLOCKS = ["curvature under P", "curvature under Q"]
 OF_BLOCKS = {"dissipation": -0.02732, "peak_pressure": 0.00511, "half_width": -0.0051}
 
 
@@ -31,7 +35,7 @@ def test_two_blocks_change_theory_as_finite_elements_do_and_the_parts_add_up() -
         assert change.uncertainty < 0.1 * abs(change.value), quantity
     total = sum(part.value for part in advice.parts.values())
     assert total == pytest.approx(advice.work.value, rel=1e-12)
-    assert list(advice.parts) == ["curvature under P", "curvature under Q", "both together"]
+    assert list(advice.parts) == [*PARTS_OF_BLOCKS, "both together"]
     assert advice.parts["curvature under P"].value == pytest.approx(-0.0077, abs=2e-4)
     assert advice.parts["curvature under Q"].value == pytest.approx(-0.0200, abs=2e-4)
     assert advice.left_out == 0
@@ -41,6 +45,56 @@ def test_two_blocks_change_theory_as_finite_elements_do_and_the_parts_add_up() -
     assert first_line == sentence(advice)
     assert "largest pressure +0.5" in other_changes
     assert len(repr(advice.effects).splitlines()) == 5
+
+
+@cache
+def effects_of_blocks() -> BodyEffects:
+    return halfplane_fe.body_effects(load_scene("blocks"))
+
+
+def run_of(scene: Scene, error: float, uncertainty: float) -> Any:
+    """Stands for finite elements of a scene beside theory that differ so much in W."""
+    work = SimpleNamespace(value=error, uncertainty=uncertainty, absolute=False)
+    effects = effects_of_blocks() if scene.name == "blocks" else None
+    return SimpleNamespace(scene=scene, effects=effects, metric=lambda key: {WORK: work}[key])
+
+
+def test_a_difference_is_split_by_what_makes_it_and_its_main_cause_named() -> None:
+    error = OF_BLOCKS[WORK]
+    why = split(run_of(load_scene("blocks"), error, 5e-5), None)
+    *parts, left, numerical = why.steps
+    assert [step.words for step in parts] == [*PARTS_OF_BLOCKS, "both together"]
+    assert sum(step.change.value for step in why.steps) == pytest.approx(error, rel=1e-12)
+    assert (numerical.words, numerical.change.value) == ("mesh and steps", 0.0)
+    assert left.change == why.left
+    assert why.explains
+    assert why.main_cause == "curvature under Q"
+    assert "curvature under Q −2.00 ±" in why.sentence
+    assert why.cause_in_percent == "−2.00 %"
+
+
+@pytest.mark.parametrize(
+    ("error", "uncertainty"),
+    [
+        pytest.param(-0.05, 5e-5, id="something else makes half of it"),
+        pytest.param(-0.02732, 0.02, id="not resolved"),
+        pytest.param(0.02732, 5e-5, id="the other way"),
+        pytest.param(-0.02732, math.nan, id="uncertainty unknown"),
+    ],
+)
+def test_no_main_cause_is_named_where_the_parts_do_not_explain_the_difference(
+    error: float, uncertainty: float
+) -> None:
+    why = split(run_of(load_scene("blocks"), error, uncertainty), None)
+    assert why.main_cause == ""
+    assert len(why.steps) == 5
+
+
+def test_what_the_numbers_do_not_cover_is_not_split_and_says_why() -> None:
+    why = split(run_of(load_scene("pad-on-block"), -0.1, 1e-3), None)
+    assert why.steps == []
+    assert "curved" in why.sentence
+    assert why.content()["main_cause"] is None
 
 
 def test_values_of_theory_are_its_own_and_not_those_at_points() -> None:

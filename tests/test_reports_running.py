@@ -82,6 +82,17 @@ def scene_file(
     return path.name
 
 
+def require_split(content: Mapping[str, Any]) -> None:
+    """The steps from theory to finite elements end at E, or a reason why there are none."""
+    why = content["why"]
+    if why["not_split"]:
+        assert not why["steps"]
+        return
+    error = content["metrics"]["dissipation"]["value"]
+    assert sum(step["value"] for step in why["steps"]) == pytest.approx(error, rel=1e-9)
+    assert why["steps"][-2]["cause"] == "what is left"
+
+
 SLOW = ("blocks", "unlike flat pad on a block")  # a layer and a pad of one material are like them
 
 
@@ -100,8 +111,10 @@ def test_a_run_of_each_kind_of_body_ends_with_a_page_and_an_uncertainty(
     # theory is exact for them, and no uncertainty is measured unless it is asked for
     if kind == "half-planes":
         assert content["budget"] is None
+        assert content["why"] is None
     else:
         assert content["budget"]["metrics"]["dissipation"]["u"] > 0
+        require_split(content)
     assert (tmp_path / "out/report.html").read_text("utf-8").rstrip().endswith("</html>")
 
 

@@ -348,6 +348,7 @@ def _measured(job: Job, comparison: Comparison, begun: float | None) -> Report:
     budget is stated; None without a budget.
     """
     from reports.comparison.budget import climb, error_budget
+    from reports.comparison.pairs import are_half_planes
     from reports.report import Report, with_budget
 
     if begun is None:
@@ -358,7 +359,14 @@ def _measured(job: Job, comparison: Comparison, begun: float | None) -> Report:
     mesh, settings = job.options.settings()
     # Every run is a stage of its own.
     refinements = climb(comparison, mesh, settings, job.stages.stage, meshes)
-    return with_budget(comparison, error_budget(comparison, refinements, cost))
+    report = with_budget(comparison, error_budget(comparison, refinements, cost))
+    if are_half_planes(job.scene):
+        return report
+    with job.stages.stage("why"):
+        from reports.advising import split
+
+        why = split(report.comparison, report.budget)
+    return replace(report, comparison=replace(report.comparison, why=why))
 
 
 def _write_page(job: Job, report: Report) -> None:
@@ -457,6 +465,7 @@ def _answer_of_both(report: Report, page: Path, stages: Stages) -> Answer:
             **of_report["verdict"],
             "lead": lead(comparison),
             "metrics": metrics,
+            "why": of_report["why"],
             **{name: of_fe[name] for name in work},
             **{name: of_report[name] for name in last},
             "page": str(page),
@@ -474,6 +483,8 @@ def verdict_shown(report: Report) -> Iterator[Part]:
     heads, rows = first_cells(comparison)
     yield headline(comparison), "bold"
     yield Sheet(scene.title or scene.name, heads, rows, (1, 2, 3))
+    if comparison.why is not None:
+        yield comparison.why.sentence
     yield (
         f"{lead(comparison)} {verdict(comparison)}".strip(),
         _STYLES.get(standing(comparison) or "", ""),

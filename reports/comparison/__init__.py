@@ -20,6 +20,7 @@ Offered to the rest of reports, `Comparison` `compare` first; each file imports 
                     `certificates` `LIMIT` `DERIVED` `derived`; the numbers of a solution:
                     `QUANTITIES` `OF_UNSYMMETRIC`; those that its scene expects: `Finding`
                     `expected_numbers` `expected_content` `expected_rows` `EXPECTED_HEADS`
+    why.py          the difference of W split by what makes it: `Why` `Step` `percent_of`
     judged.py       all of that with its verdict: `JudgedPair`
     words.py        all of that in sentences, whose words are in templates/words.txt: `headline`
                     `lead` `verdict` `how_judged` `standing` `uncertain_work` `question`
@@ -87,6 +88,8 @@ class Comparison(JudgedPair):
         the laws of contact, needing no reference
     notes
         everything that a reader must not miss
+    why
+        the difference of W split by what makes it, where that was asked for; else None
     """
 
     def __repr__(self) -> str:

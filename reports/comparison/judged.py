@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from reports.comparison.laws import Certificate
 from reports.comparison.metrics import Metric
 from reports.comparison.pairs import Pair
 from reports.comparison.verdicts import Verdict
+from reports.comparison.why import Why
 from scenes import Scene
 
 
@@ -21,6 +22,7 @@ class JudgedPair(Pair):
     reference_certificates: tuple[Certificate, ...]
     result_certificates: tuple[Certificate, ...]
     notes: tuple[str, ...]
+    why: Why | None = field(default=None, kw_only=True)
 
     @property
     def scene(self) -> Scene:

@@ -11,6 +11,7 @@ import numpy as np
 from reports.charts.plate import Axis, Block, Curve, Dot, Key, Mark, Note, Plate, Segments, worded
 from reports.charts.templating import Table
 from reports.comparison.budget import ROUNDING, Budget, ErrorBudget, Refinement, extrapolate
+from reports.comparison.why import Why, percent_of
 from reports.comparison.words import value_of
 from reports.page.cycle_view import LINE_LOOKS, broad_panel
 from reports.units import minus
@@ -72,6 +73,54 @@ def budget_bars(budget: ErrorBudget) -> Plate | None:
 def _axis_of_bars(judged: bool) -> str:
     """Words of the axis along the bars."""
     return "share of the tolerance" if judged else "per cent"
+
+
+def waterfall(why: Why) -> Plate | None:
+    """From half-plane theory at zero to the finite elements: a bar for each step, in per cent of
+    theory's dissipation; None where the difference is not split.
+    """
+    steps = why.steps
+    if not steps:
+        return None
+    ends = [100 * (step.start + step.change.value) for step in steps]
+    total = 100 * why.total.value
+    uncertainty = 100 * why.total.uncertainty
+    if not math.isfinite(uncertainty):
+        uncertainty = 0.0
+    low = min(0.0, *ends, total - uncertainty)
+    high = max(0.0, *ends, total + uncertainty)
+    room = 0.08 * (high - low) or 1.0
+    axis = Axis(low - room, high + room, "change of W, per cent", count=8)
+    marks: list[Mark] = []
+    row_count = len(steps) + 1
+    for number, (step, end) in enumerate(zip(steps, ends, strict=True)):
+        row = float(row_count - number - 1)
+        start = 100 * step.start
+        text = f"{step.words}: {percent_of(step.change)}"
+        marks.append(Segments(np.array([[[0.0, row + 0.06], [0.0, row + 0.56]]]), "zero"))
+        marks.append(Segments(np.array([[[end, row + 0.14], [end, row - 0.5]]]), "limit"))
+        if end != start:
+            marks.append(Block((start, end), (row + 0.14, row + 0.5), f"term-{number} edge", text))
+        marks.append(Note(axis.low, row + 0.7, text, "tick over", shift=(6.0, 0.0)))
+    marks.append(Segments(np.array([[[0.0, 0.06], [0.0, 0.56]]]), "zero"))
+    marks += _marks_of_total(0.0, total, uncertainty, max(-axis.low, axis.high))
+    text = f"finite elements/theory − 1: {percent_of(why.total)}"
+    marks.append(Note(axis.low, 0.7, text, "tick over", shift=(6.0, 0.0)))
+    panel = broad_panel(
+        "waterfall",
+        axis,
+        Axis(0.0, float(row_count), "", count=0),
+        marks,
+        "From theory to finite elements, step by step",
+        _BAR_HEIGHT * row_count + 60,
+        room=(20.0, 12.0, 20.0, 46.0),
+    )
+    table: Table = {
+        "cause": [step.words for step in steps],
+        "change of W": [step.change.value for step in steps],
+        "u": [step.change.uncertainty for step in steps],
+    }
+    return worded("waterfall", [panel], table, columns=1)
 
 
 class _Stack(NamedTuple):

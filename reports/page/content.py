@@ -92,6 +92,7 @@ def whole_content(report: Report, command: str, seconds: Mapping[str, float]) ->
             for metric in comparison.metrics
         },
         "budget": None if budget is None else budget_content(budget),
+        "why": None if comparison.why is None else comparison.why.content(),
         "expected": expected_content(expected_numbers(comparison.scene, complete_solutions)),
         "instants": comparison.found.time,
         "reference": solution_content(comparison.reference, comparison.reference_certificates),

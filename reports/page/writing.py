@@ -34,7 +34,12 @@ from reports.field_output.files import with_bodies, write_fields
 from reports.folder import filled
 from reports.measured import section
 from reports.page.body_figures import fit_residuals, sketch
-from reports.page.budget_figures import budget_bars, mesh_refinement, study_convergence
+from reports.page.budget_figures import (
+    budget_bars,
+    mesh_refinement,
+    study_convergence,
+    waterfall,
+)
 from reports.page.content import as_json, common_content
 from reports.page.cycle_view import CycleView, sheared_displacement, slip_points
 from reports.page.field_figures import (
@@ -467,6 +472,8 @@ def draw(report: Report) -> tuple[Plate, ...]:
     ]
     if report.study is not None:
         drawings.append(study_convergence(report.study))
+    if comparison.why is not None:
+        drawings.append(waterfall(comparison.why))
     if report.budget is not None:
         drawings += [budget_bars(report.budget), mesh_refinement(report.budget)]
     meshes = getattr(comparison.result, "bodies", ())
