@@ -18,7 +18,10 @@ import semi_analytic
 from halfplane_fe import FiniteElementSolution, SolverSettings
 from halfplane_fe.uncertainty import RULES, Place, Rule
 from meshes import MeshSettings
-from reports.comparison.words import first_rows
+from reports import Comparison, compare
+from reports.comparison.words import first_rows, first_table
+from reports.page.content import whole_content
+from reports.report import Report
 from scenes import OPEN, ContactSolution, Scene, load_scene
 from scenes.solution import range_of_slip
 
@@ -105,6 +108,39 @@ def test_files_and_tables_have_the_uncertainties(
     theory = semi_analytic.solve(paper.scene, x=[0.0])
     assert theory.uncertainties == {}
     assert "±" not in "".join(dict(first_rows(theory)).values())
+
+
+@pytest.fixture(scope="module")
+def beside_theory(paper: FiniteElementSolution) -> Comparison:
+    theory = semi_analytic.solve(paper.scene, x=paper.x, time=paper.time)
+    return compare(theory, paper)
+
+
+def test_the_first_table_has_every_value_of_finite_elements_with_its_uncertainty(
+    beside_theory: Comparison,
+) -> None:
+    """Theory of a parabola is exact."""
+    heads, rows = first_table(beside_theory)
+    assert heads[1:3] == ("theory", "finite elements")
+    assert len(rows) == 7
+    for row, metric in zip(rows, beside_theory.headlines, strict=True):
+        assert metric.amounts is not None
+        assert metric.stated[1] is not None
+        value, uncertainty = row["result"].split(" ± ")
+        assert "±" not in row["reference"]
+        factor = 1e3 if row["key"] == "largest_slip" else 1.0
+        margin = metric.stated[1] * factor
+        assert float(uncertainty) == pytest.approx(margin, rel=0.5), row["key"]
+        assert abs(float(value) - factor * metric.amounts[1]) <= margin, row["key"]
+    stated = whole_content(Report(beside_theory), "", {})["metrics"]["largest_slip"]["stated"]
+    assert stated[1] == beside_theory.result.uncertainties["largest_slip"]
+
+
+def test_the_first_table_says_that_there_is_no_estimate(beside_theory: Comparison) -> None:
+    unknown = replace(beside_theory.result, uncertainties={}, dissipation_uncertainty=math.nan)
+    _, rows = first_table(compare(beside_theory.reference, unknown))
+    for row in rows:
+        assert row["result"].endswith(", no estimate") == (row["key"] != "edge_tension"), row
 
 
 def test_without_a_second_mesh_there_is_no_estimate(paper: FiniteElementSolution) -> None:

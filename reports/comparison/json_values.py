@@ -40,6 +40,7 @@ _OF_A_METRIC = (
     "verdict",
     "absolute",
     "amounts",
+    "stated",
     "uncertainty",
     "elements",
     "note",

@@ -73,6 +73,9 @@ class Measured(PythonNumbers):
         unit; None where nobody states it
     amounts
         (reference, result) of a row with a quantity, in units of the scene; None for the others
+    stated
+        uncertainty that the solution states of either amount, in its unit: 0 exact, NaN no
+        estimate, None from a solution that states nothing
     """
 
     value: float | None = None
@@ -84,6 +87,7 @@ class Measured(PythonNumbers):
     place: float | None = None
     uncertainty: float | None = None
     amounts: tuple[float, float] | None = None
+    stated: tuple[float | None, float | None] = (None, None)
 
 
 # ------------------------------------------------------------------------- norms, shares, the worst
@@ -219,6 +223,39 @@ def _beside_theory(pair: Pair, name: str, common: float, measured: float, scale:
     return _beside_extremum(extremum, common, measured, scale, external=external, note=note)
 
 
+def _with_stated(pair: Pair, measured: Measured, name: str, error: str = "") -> Measured:
+    """With the uncertainties that the two solutions state of its amounts.
+
+    Parameters
+    ----------
+    name
+        of the quantity in `uncertainties` of finite elements
+    error
+        of the error in the record of half-plane theory; "" of what is exact there
+    """
+    if measured.amounts is None:
+        return measured
+    of_reference, of_result = measured.amounts
+    stated = (
+        _uncertainty_stated(pair.plain_reference, of_reference, name, error),
+        _uncertainty_stated(pair.result, of_result, name, error),
+    )
+    return replace(measured, stated=stated)
+
+
+def _uncertainty_stated(
+    solution: ContactSolution, amount: float, name: str, error: str
+) -> float | None:
+    """Of one amount, in its unit; see `Measured`."""
+    if solution.engine == "semi_analytic":
+        return solution.record.errors.get(error, 0.0) * abs(amount)
+    if solution.engine != "halfplane_fe":
+        return None
+    if name == "dissipation":
+        return solution.dissipation_uncertainty
+    return solution.uncertainties.get(name, math.nan)
+
+
 def _place_of_largest(pair: Pair, values: Array) -> float:
     """x/a_ref of the largest of (n,)."""
     return float(pair.found.x[np.argmax(values)]) / pair.scales.half_width
@@ -228,14 +265,16 @@ def largest_pressure(pair: Pair) -> Measured:
     """Largest p of the cycle."""
     common = float(pair.expected.pressure.max())
     measured = float(pair.found.pressure.max())
-    return _beside_theory(pair, "pressure", common, measured, pair.scales.pressure)
+    beside = _beside_theory(pair, "pressure", common, measured, pair.scales.pressure)
+    return _with_stated(pair, beside, "largest_pressure", "pressure")
 
 
 def largest_half_width(pair: Pair) -> Measured:
     """Largest half distance of the contact edges in the cycle."""
     common = _largest_half_distance(pair.expected)
     measured = _largest_half_distance(pair.found)
-    return _beside_theory(pair, "half_width", common, measured, pair.scales.half_width)
+    beside = _beside_theory(pair, "half_width", common, measured, pair.scales.half_width)
+    return _with_stated(pair, beside, "largest_half_width")
 
 
 def _largest_half_distance(cycle: Cycle) -> float:
@@ -244,12 +283,15 @@ def _largest_half_distance(cycle: Cycle) -> float:
 
 def permanent_stick(pair: Pair) -> Measured:
     """Half-width of what sticks through the whole cycle."""
-    return _length_of_stick_zone(pair, _permanent_half_width)
+    measured = _length_of_stick_zone(pair, _permanent_half_width)
+    return _with_stated(pair, measured, "permanent_stick_half_width")
 
 
 def stick_eccentricity(pair: Pair) -> Measured:
     """Middle of what sticks through the whole cycle."""
-    return _length_of_stick_zone(pair, _middle_of_stick)
+    measured = _length_of_stick_zone(pair, _middle_of_stick)
+    # Half the sum of two edges is as uncertain as half their distance.
+    return _with_stated(pair, measured, "permanent_stick_half_width")
 
 
 def _permanent_half_width(solution: ContactSolution) -> float:
@@ -288,7 +330,9 @@ def largest_slip(pair: Pair) -> Measured:
         return _nothing_to_compare(_NOT_IN_CONTACT)
     range_in_result = range_of_slip(pair.found.slip, touches_in_result)
     common = float(range_of_slip(pair.expected.slip, touches_in_reference).max())
-    measured = _beside_theory(pair, "slip", common, float(range_in_result.max()), pair.scales.slip)
+    largest = float(range_in_result.max())
+    measured = _beside_theory(pair, "slip", common, largest, pair.scales.slip)
+    measured = _with_stated(pair, measured, "largest_slip", "slip")
     return replace(measured, place=_place_of_largest(pair, range_in_result))
 
 
@@ -321,6 +365,7 @@ def dissipation(pair: Pair) -> Measured:
         pair.scales.dissipation,
         external=pair.plain_reference is not pair.reference,
     )
+    measured = _with_stated(pair, measured, "dissipation", "dissipation")
     if measured.absolute:
         note = "the reference dissipates nothing, so the value is absolute"
         return replace(measured, note=note)
@@ -332,6 +377,7 @@ def largest_dissipation_density(pair: Pair) -> Measured:
     common = float(pair.expected.dissipation_density.max())
     largest = float(pair.found.dissipation_density.max())
     measured = _beside_theory(pair, "dissipation_density", common, largest, pair.scales.density)
+    measured = _with_stated(pair, measured, "largest_dissipation_density", "dissipation_density")
     return replace(measured, place=_place_of_largest(pair, pair.found.dissipation_density))
 
 
@@ -353,7 +399,9 @@ def edge_tension(pair: Pair) -> Measured:
     of_result, result_uncertainty = tension_of_result
     measured = _of_amounts(of_reference, of_result, pair.scales.shear)
     scale = pair.scales.shear if measured.absolute else abs(of_reference)
-    return replace(measured, uncertainty=(reference_uncertainty + result_uncertainty) / scale)
+    uncertainty = (reference_uncertainty + result_uncertainty) / scale
+    stated = (reference_uncertainty, result_uncertainty)
+    return replace(measured, uncertainty=uncertainty, stated=stated)
 
 
 def _largest_tension(solution: ContactSolution, pair: Pair) -> tuple[float, float] | None:

@@ -117,6 +117,7 @@ class Metric(Measured):
         values = dict(vars(measured))
         if not self.headline:
             values["amounts"] = None
+            values["stated"] = (None, None)
         unit = self.absolute_unit if measured.absolute else self.unit
         return replace(self, unit=unit, tolerance=tolerance, **values)
 

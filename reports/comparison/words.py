@@ -239,6 +239,10 @@ def tolerance_of(metric: Metric) -> str:
     )
 
 
+# Significant digits of a value that is known better than anybody reads.
+_MOST_DIGITS = 8
+
+
 def with_uncertainty(value: float, uncertainty: float | None) -> str:
     """A size with its uncertainty, as many digits as that leaves it: one of u, two where that
     begins with 1.
@@ -248,8 +252,9 @@ def with_uncertainty(value: float, uncertainty: float | None) -> str:
     ...     with_uncertainty(0.5231, 0.0113),
     ...     with_uncertainty(12.0, 35.2),
     ...     with_uncertainty(2.8512, None),
+    ...     with_uncertainty(0.0020574905, 9.4e-8),
     ... )
-    ('2.85 ± 0.06', '0.523 ± 0.011', '12 ± 35', '2.85')
+    ('2.85 ± 0.06', '0.523 ± 0.011', '12 ± 35', '2.85', '0.00205749 ± 9e−08')
     """
     if uncertainty is None:
         return minus(f"{value:.3g}")
@@ -259,8 +264,11 @@ def with_uncertainty(value: float, uncertainty: float | None) -> str:
         return f"{minus(f'{value:.3g}')} ± 0"
     power = math.floor(math.log10(uncertainty))
     digits = max(0, -power + (round(uncertainty / 10**power, 6) < 2))
-    if digits > 6:  # rounding: a row of zeros says less than a power of ten
-        return f"{minus(f'{value:.2g}')} ± {minus(f'{uncertainty:.1g}')}"
+    if digits > 6:  # a row of zeros says less than a power of ten
+        significant = 2
+        if abs(value) > uncertainty:
+            significant = min(math.floor(math.log10(abs(value))) + digits + 1, _MOST_DIGITS)
+        return f"{minus(f'{value:.{significant}g}')} ± {minus(f'{uncertainty:.1g}')}"
     return f"{minus(f'{value:.{digits}f}')} ± {uncertainty:.{digits}f}"
 
 
@@ -554,6 +562,7 @@ def first_table(comparison: JudgedPair) -> tuple[tuple[str, ...], list[dict[str,
     for metric in comparison.headlines:
         factor, unit = shown_unit(comparison.scene, metric.quantity)
         of_reference, of_result = metric.amounts or (math.nan, math.nan)
+        stated_of_reference, stated_of_result = metric.stated
         place = ""
         if metric.place is not None and metric.value is not None:
             place = f"x = {signed(float(f'{metric.place:.2g}'))} a"
@@ -561,8 +570,8 @@ def first_table(comparison: JudgedPair) -> tuple[tuple[str, ...], list[dict[str,
             {
                 "key": metric.key,
                 "label": f"{metric.label} [{unit}]",
-                "reference": _number_or_dash(factor * of_reference),
-                "result": _number_or_dash(factor * of_result),
+                "reference": _with_stated(of_reference, stated_of_reference, factor),
+                "result": _with_stated(of_result, stated_of_result, factor),
                 "place": place,
                 "difference": _difference_of(metric),
                 "verdict": metric.verdict or "–",
@@ -573,9 +582,30 @@ def first_table(comparison: JudgedPair) -> tuple[tuple[str, ...], list[dict[str,
     return ("", *names, "difference", "verdict"), rows
 
 
-def _number_or_dash(value: float) -> str:
-    """Five digits; a dash for what a solution does not hold."""
-    return "–" if math.isnan(value) else minus(f"{value:.5g}")
+# Share of a value below which its uncertainty changes none of eight digits: it is called exact.
+_EXACT = 1e-8
+
+
+def _with_stated(value: float, stated: float | None, factor: float) -> str:
+    """A value times a factor with the uncertainty that its solution states, or "no estimate"; five
+    digits of what is exact and of a solution that states nothing; a dash for what it does not hold.
+
+    >>> (
+    ...     _with_stated(66.6168, 0.0753, 1.0),
+    ...     _with_stated(1.6725e-4, math.nan, 1e3),
+    ...     _with_stated(66.6168, 0.0, 1.0),
+    ...     _with_stated(0.0020574905, 9.4e-8, 1.0),
+    ... )
+    ('66.62 ± 0.08', '0.16725, no estimate', '66.617', '0.00205749 ± 9e−08')
+    """
+    if math.isnan(value):
+        return "–"
+    plain = minus(f"{factor * value:.5g}")
+    if stated is None or stated <= _EXACT * abs(value):
+        return plain
+    if math.isnan(stated):
+        return f"{plain}, no estimate"
+    return with_uncertainty(factor * value, factor * stated)
 
 
 def first_cells(comparison: JudgedPair) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
