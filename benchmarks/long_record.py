@@ -1,4 +1,5 @@
-"""A measured record on real bodies: what `halfplane run` takes of it, in seconds, memory and files.
+"""A measured record on real bodies: what `halfplane run` takes of it, in seconds, memory and files;
+ten records on half-planes: what the finite elements take of them.
 
 The scene is that of `halfplane init --bodies` (a pad on a block) with f = 0.7; its loads are rows
 of time, P and Q as a machine would write them: 17 cycles in 2,000 rows, P with noise of 1 % of its
@@ -8,20 +9,34 @@ mean and Q of its amplitude, from a fixed seed.
         write the scene, of N rows
     python benchmarks/long_record.py SCENE.toml --run OUT [OPTIONS OF RUN]
         and run it; print what it took
+    python benchmarks/long_record.py --ten [like|unlike] [--rows N] [--seed S] [--against COMMIT]
+        ten records on half-planes, five random and five as measured, 1,000 rows each: increments,
+        CPU seconds, W against exact theory (like bodies) and its uncertainty; the same by an
+        earlier commit beside them, each record by both in turn
 """
 
 from __future__ import annotations
 
 import argparse
+import io
+import json
 import os
 import re
+import subprocess
 import sys
+import tarfile
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from reports.cli.scene_files import example
 
+ROOT = Path(__file__).parent.parent
 ROWS = 2000
 CYCLES = 17
 NOISE = 0.01
@@ -30,6 +45,10 @@ SEED = 1
 MEAN = 90.0
 NORMAL = 30.0
 TANGENTIAL = 30.0
+# The ten records: rows, seed, and the largest |Q| over f P.
+ROWS_OF_TEN = 1000
+SEED_OF_TEN = 48
+MOST_OF_LIMIT = 0.85
 
 
 def rows_of(count: int) -> np.ndarray:
@@ -73,13 +92,153 @@ def run(scene: Path, out: Path, options: list[str]) -> int:
     return os.waitstatus_to_exitcode(status)
 
 
+def ten_records(count: int, seed: int) -> list[tuple[str, float, np.ndarray]]:
+    """Name, f, and (count, 3) rows of time, P and Q: five records of smoothed random loads, then
+    five of cycles of P and Q with noise.
+    """
+    generator = np.random.default_rng(seed)
+    records = []
+    for number in range(10):
+        friction = float(generator.uniform(0.2, 1.0))
+        if number < 5:
+            name = f"random {number + 1}"
+            smoothed_over = int(generator.integers(3, 13))
+            window = np.ones(smoothed_over) / np.sqrt(smoothed_over)
+            noise = generator.standard_normal((2, count + smoothed_over - 1))
+            smooth = [np.convolve(series, window, mode="valid") for series in noise]
+            normal = MEAN * (1 + 0.25 * np.tanh(smooth[0]))
+            tangential = friction * MEAN * 0.5 * smooth[1]
+        else:
+            name = f"as measured {number - 4}"
+            swing = generator.uniform([0.05, 0.15], [0.4, 0.5])
+            phase = generator.uniform(0, 2 * np.pi)
+            turn = 2 * np.pi / generator.uniform(40, 150) * np.arange(count)
+            noise = generator.uniform(0.002, 0.02) * generator.standard_normal((2, count))
+            normal = MEAN * (1 + swing[0] * np.cos(turn) + noise[0])
+            tangential = friction * MEAN * (swing[1] * np.sin(turn + phase) + noise[1])
+        limit = MOST_OF_LIMIT * friction * normal
+        rows = np.column_stack(
+            [0.01 * np.arange(count), normal, np.clip(tangential, -limit, limit)]
+        )
+        records.append((name, friction, rows))
+    return records
+
+
+def solved(number: int, unlike: bool, count: int, seed: int) -> dict[str, Any]:
+    """What one of the ten records takes in this process, by the packages that it imports."""
+    import halfplane_fe
+    import semi_analytic
+    from scenes import load_scene
+
+    name, friction, rows = ten_records(count, seed)[number]
+    load = {"kind": "time_series", "rows": rows.tolist()}
+    scene = load_scene("hertz-paper").vary(
+        friction={"coefficient": friction}, tolerances={}, load=load
+    )
+    if unlike:
+        aluminium = {"young_modulus": 70e3, "poisson_ratio": 0.33}
+        steel = {"young_modulus": 210e3, "poisson_ratio": 0.3}
+        scene = scene.vary(material={"upper": aluminium, "lower": steel})
+    begun = time.process_time()
+    answer = halfplane_fe.solve(scene)
+    seconds = time.process_time() - begun
+    work = answer.work.counts
+    truth = float("nan") if unlike else semi_analytic.solve(scene).dissipation
+    return {
+        "name": name,
+        "increments": work["steps solved"],
+        "landed": work.get("touch increments", 0) + work.get("release increments", 0),
+        "halved": work.get("increments halved, step error", 0),
+        "seconds": seconds,
+        "work": answer.dissipation,
+        "uncertainty": answer.dissipation_uncertainty,
+        "truth": truth,
+    }
+
+
+@contextmanager
+def packages_of(commit: str | None) -> Iterator[Path]:
+    """The folder with the packages of a commit, or of this tree."""
+    if commit is None:
+        yield ROOT
+        return
+    command = ["git", "-C", str(ROOT), "archive", commit]
+    archive = subprocess.run(command, check=True, capture_output=True).stdout
+    with tempfile.TemporaryDirectory() as folder:
+        with tarfile.open(fileobj=io.BytesIO(archive)) as files:
+            files.extractall(folder, filter="data")
+        yield Path(folder)
+
+
+def solved_by(tree: Path, number: int, options: argparse.Namespace) -> dict[str, Any]:
+    """`solved` in a process of its own, by the packages of a folder."""
+    words = [sys.executable, str(Path(__file__).resolve()), "--ten", options.ten]
+    words += ["--number", str(number), "--rows", str(options.rows), "--seed", str(options.seed)]
+    printed = subprocess.run(
+        words,
+        check=True,
+        capture_output=True,
+        text=True,
+        env=os.environ | {"PYTHONPATH": str(tree)},
+        cwd=tree,
+    ).stdout
+    answer: dict[str, Any] = json.loads(printed)
+    return answer
+
+
+def print_ten(options: argparse.Namespace) -> None:
+    """The table of the ten records."""
+    print(f"{options.ten} bodies, {options.rows} rows, seed {options.seed}")
+    head = "increments landed halved  CPU [s]  W/theory - 1     u/W"
+    beside = f"   {options.against}: {head}  inc.  CPU  W/W - 1" if options.against else ""
+    print(f"{'record':14s} {head}{beside}", flush=True)
+    ratios = []
+    with packages_of(None) as here, packages_of(options.against) as there:
+        for number in range(10):
+            now = solved_by(here, number, options)
+            line = f"{now['name']:14s} {_columns(now)}"
+            if options.against:
+                before = solved_by(there, number, options)
+                ratio = [before[name] / now[name] for name in ("increments", "seconds")]
+                ratios.append(ratio)
+                line += f"   {_columns(before)} {ratio[0]:6.2f} {ratio[1]:5.2f}"
+                line += f" {now['work'] / before['work'] - 1:+9.1e}"
+            print(line, flush=True)
+    if ratios:
+        by_increments, by_seconds = np.exp(np.log(ratios).mean(axis=0))
+        print(f"geometric mean: {by_increments:.2f} times fewer increments, {by_seconds:.2f} CPU")
+
+
+def _columns(row: dict[str, Any]) -> str:
+    error = row["work"] / row["truth"] - 1
+    return (
+        f"{row['increments']:10d} {row['landed']:6d} {row['halved']:6d} {row['seconds']:8.1f}"
+        f" {error:+13.1e} {row['uncertainty'] / row['work']:7.1e}"
+    )
+
+
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("scene", type=Path)
-    parser.add_argument("--rows", type=int, default=ROWS)
+    parser.add_argument("scene", type=Path, nargs="?")
+    parser.add_argument("--rows", type=int)
     parser.add_argument("--run", type=Path, metavar="OUT")
+    parser.add_argument("--ten", nargs="?", const="like", choices=("like", "unlike"))
+    parser.add_argument("--seed", type=int, default=SEED_OF_TEN)
+    parser.add_argument("--against", metavar="COMMIT")
+    parser.add_argument("--number", type=int, help=argparse.SUPPRESS)
     arguments, options = parser.parse_known_args()
-    arguments.scene.write_text(scene_text(arguments.rows), encoding="utf-8")
+    if arguments.ten:
+        arguments.rows = arguments.rows or ROWS_OF_TEN
+        if arguments.number is None:
+            print_ten(arguments)
+        else:
+            unlike = arguments.ten == "unlike"
+            answer = solved(arguments.number, unlike, arguments.rows, arguments.seed)
+            print(json.dumps(answer))
+        sys.exit(0)
+    if arguments.scene is None:
+        parser.error("name a scene file to write, or ask for --ten")
+    arguments.scene.write_text(scene_text(arguments.rows or ROWS), encoding="utf-8")
     sys.exit(run(arguments.scene, arguments.run, options) if arguments.run else 0)

@@ -153,14 +153,11 @@ def increment_energies(
         return np.asarray(loads[:, 0] * approach + loads[:, 1] * shift + of_imposed)
 
     before = np.stack([state.state for state in states[:-1]])
-    after = np.stack(solved)
-    sign = slip_sign(after)
+    solved_states = np.stack(solved)
+    sign = slip_sign(solved_states)
     dissipation = problem.friction * mean_p * np.maximum(sign * slip, 0.0)
-    starts = _starting(before, after)
-    # A node on the cone that has not moved is marked either way, by the last digit of its shear.
-    moved = np.abs(slip) > ROUNDING * min(problem.friction, 1.0)
-    after = np.where(starts & ~moved, before, after)
-    kinked = np.flatnonzero((starts & moved).any(axis=1))
+    after = _states_of_moved(problem.friction, before, solved_states, slip)
+    kinked = np.flatnonzero(_starting(before, after).any(axis=1))
     bent = np.zeros(len(sign))
     share_before = np.ones(len(sign))
     if len(kinked):
@@ -204,6 +201,35 @@ def increment_energies(
         step_error=step_errors(problem.friction, pressure, slip, before, after),
         bent=bent,
     )
+
+
+def _states_of_moved(friction: float, before: States, after: States, slip: Array) -> States:
+    """(...) states after; of nodes that are to start sliding and have not moved those before: on
+    the cone a node is marked either way, by the last digit of its shear.
+    """
+    moved = np.abs(slip) > ROUNDING * min(friction, 1.0)
+    return np.where(_starting(before, after) & ~moved, before, after)
+
+
+def bent_work(
+    problem: ContactProblem, start: InterfaceState, end: InterfaceState, solved: States
+) -> float:
+    """Dissipation that kinks between the first and the last start of sliding add to one increment,
+    without sign: `Energies.bent`.
+
+    Parameters
+    ----------
+    solved
+        (n,) states of the nodes at the end, before an event changes them
+    """
+    values = np.stack([start.values, end.values])
+    _, p, q, _ = nodal(values)
+    slip = end.slip - start.slip
+    after = _states_of_moved(problem.friction, start.state, solved, slip)
+    increment = _Rows(p, q, slip[None], start.state[None], after[None])
+    changes_of_loads = np.subtract(end.loads, start.loads)[None]
+    _, bent, _ = _kinked_work(problem, changes_of_loads, increment, np.array([0]))
+    return float(bent[0])
 
 
 def _work_by_curve(

@@ -25,7 +25,7 @@ from halfplane_fe.between_nodes import Excess, excess
 from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.energy import certificates, increment_energies
 from halfplane_fe.path import Stretch, enclosed, scaled_loads, straight, stretches
-from halfplane_fe.stepping import Increment, follow
+from halfplane_fe.stepping import Increment, StepTolerance, follow
 from scenes import ConvergenceError, Interrupted, LoadPath, LoadSegment, freeze
 from scenes.array_types import Array, Indices
 
@@ -356,7 +356,9 @@ class Pace:
     half_width, modulus
         units of length and of stress; with `load` those of bulk stress, tilt and moment follow
     dissipation
-        expected of a revolution, scaled; 0 if unknown
+        expected of a revolution, or of a path that does not repeat, scaled; 0 if unknown
+    of_kinks
+        whether the step tolerance is held by what kinks add, see `stepping.StepTolerance`
     """
 
     load: float
@@ -365,6 +367,7 @@ class Pace:
     half_width: float = 1.0
     modulus: float = 1.0
     dissipation: float = 0.0
+    of_kinks: bool = False
 
     def units(self, moment_given: bool) -> tuple[float, ...]:
         """What each of the five loads of `path` is divided by."""
@@ -475,8 +478,7 @@ def _follow_legs(
     run.density = np.zeros_like(problem.height)
     reference = _reference_dissipation(run, pace, problem.friction)
 
-    def allowed(time: float) -> float:
-        return pace.step_tolerance * reference * time / duration
+    tolerance = StepTolerance(pace.step_tolerance * reference / duration, pace.of_kinks)
 
     def report(n_pieces: int) -> None:
         steps_done = len(run.iterations)
@@ -488,7 +490,7 @@ def _follow_legs(
         report(number)
         increments: list[Increment] = []
         try:
-            increments += follow(problem, run.states[-1], piece, units, allowed)
+            increments += follow(problem, run.states[-1], piece, units, tolerance)
         finally:
             run.take(problem, increments, piece.leg, units)
     report(len(pieces))

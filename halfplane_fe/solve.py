@@ -68,6 +68,7 @@ from scenes import (
     InputError,
     Profile,
     Scene,
+    TimeSeriesLoad,
     Work,
     freeze,
     scene_of,
@@ -93,6 +94,8 @@ _NOTE_RENAMED = (
 # Share of what kinks between the first and the last start of sliding add to W that counts as
 # uncertain.
 _BENT = 0.2
+# The same in records, whose increments are longer.
+_BENT_IN_RECORDS = 0.3
 # Least radius of a half-disc over the side that may touch: tilt can bring the contact far from x =
 # 0.
 _BEYOND = 1.5
@@ -203,6 +206,19 @@ class _Task:
         return self.mesh.order == 1 or self.settings.method == "penalty"
 
     @property
+    def is_record(self) -> bool:
+        """Whether the load is a record of rows."""
+        return isinstance(self.scene.load, TimeSeriesLoad)
+
+    @property
+    def steps_by_kinks(self) -> bool:
+        """Whether what kinks in increments add stands for the whole error of the steps: in records
+        of like bodies, without bulk stress, tilt or layer.
+        """
+        plain_faces = shapes_alike(self.scene) and not self.scene.unsymmetric
+        return self.is_record and plain_faces and not self.has_plain_errors
+
+    @property
     def work_unit(self) -> float:
         """What dissipation is scaled by [energy / thickness]."""
         return self.scales.load**2 / self.scales.modulus
@@ -254,10 +270,10 @@ def _solve_path(
     where there is none, or where the contact does not converge without it.
     """
     scene = task.scene
-    # Increments of coupled bodies are dear; where nothing couples, short ones also place the edges,
-    # which are fitted there.
+    # Increments of coupled bodies are dear, and a record has many; elsewhere short ones also place
+    # the edges, which are fitted there.
     expected = 0.0
-    if true_faces.coupling is not None:
+    if true_faces.coupling is not None or task.is_record:
         expected = float(np.nan_to_num(task.scales.dissipation)) / task.work_unit
     pace = Pace(
         load=task.scales.load,
@@ -266,6 +282,7 @@ def _solve_path(
         half_width=task.scales.half_width,
         modulus=task.scales.modulus,
         dissipation=expected,
+        of_kinks=task.steps_by_kinks,
     )
     cured_faces = without_local_difference(true_faces, scene)
     for faces in (true_faces,) if cured_faces is None else (cured_faces, true_faces):
@@ -497,7 +514,9 @@ def _uncertainty(task: _Task, run: PathRun) -> float:
         scatter = run.excess[-1].scatter / unit
     # Unlike bodies: the increments of the nodes that start to slide bend the pressure too, and
     # their bound counts in full.
-    if scatter is not None and shapes_alike(scene):
+    if task.steps_by_kinks:
+        of_steps = _BENT_IN_RECORDS * run.column("bent")[first:].sum()
+    elif scatter is not None and shapes_alike(scene):
         of_steps = _BENT * run.column("bent")[first:].sum()
     else:
         of_steps = run.column("step_error")[first:].sum()

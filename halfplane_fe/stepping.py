@@ -20,7 +20,7 @@ import numpy as np
 import scipy
 
 from halfplane_fe.contact import ROUNDING, ContactProblem, InterfaceState, nodal
-from halfplane_fe.energy import step_errors
+from halfplane_fe.energy import bent_work, step_errors
 from halfplane_fe.path import Stretch, scaled_loads
 from halfplane_fe.systems import SingularSet
 from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, ConvergenceError, freeze
@@ -61,6 +61,24 @@ _MOST_TRIALS = 2**14
 _MOST_EVENTS = 8
 
 
+@dataclass(frozen=True)
+class StepTolerance:
+    """Errors of the dissipation with which an increment is accepted.
+
+    Attributes
+    ----------
+    rate
+        the largest error of an increment over its duration, scaled
+    of_kinks
+        whether the error of an increment is no more than what kinks between the first and the
+        last start of sliding add (`energy.bent_work`): so it is of like bodies, whose pressure
+        does not depend on what slides. Else it is the bound of `energy.step_errors`
+    """
+
+    rate: float
+    of_kinks: bool = False
+
+
 @dataclass(frozen=True, eq=False)
 class Increment:
     """One increment: the state that it leaves behind, and how it was found.
@@ -98,16 +116,16 @@ def follow(
     state: InterfaceState,
     stretch: Stretch,
     units: tuple[float, ...],
-    allowed: Callable[[float], float],
+    tolerance: StepTolerance,
 ) -> Iterator[Increment]:
     """Increments from a state along one stretch of the path, each load divided by its unit.
 
     Landing on each node's touch (from where its slip counts) and release (up to where its friction
     works) leaves no increment with a node that is closed for a part of it only. An increment that
-    does not converge, or whose step error is above `allowed` (of its duration), is halved. The
-    state that it started from is a value, so that the rejected attempt leaves no trace. Where half
-    an increment has the error of the increment, the interface jumps from one solution to another:
-    halving ends there.
+    does not converge, or whose error is above the tolerance, is halved. The state that it started
+    from is a value, so that the rejected attempt leaves no trace. Where half an increment has the
+    step error of the increment, the interface jumps from one solution to another: halving ends
+    there.
 
     Raises
     ------
@@ -121,7 +139,7 @@ def follow(
 
     regular = stretch.ends[0] - stretch.start
     for end in stretch.ends:
-        control = _ErrorControl(problem, allowed, _SHORTEST_FOR_ERROR * regular)
+        control = _ErrorControl(problem, tolerance, _SHORTEST_FOR_ERROR * regular)
         # the first is to be reached, those after it are what halving has put before it
         targets = [end]
         for _ in range(_MOST_TRIALS + _MOST_EVENTS * len(problem.height)):
@@ -129,7 +147,7 @@ def follow(
             if isinstance(attempt, NotConverged):
                 targets.append((state.time + attempt.time) / 2)
                 continue
-            if not control.accepts(attempt, state.time):
+            if not control.accepts(attempt, state):
                 targets.append(state.time + (attempt.state.time - state.time) / 2)
                 continue
             state = attempt.state
@@ -148,12 +166,10 @@ def follow(
 
 @dataclass
 class _ErrorControl:
-    """Whether the step errors of the increments up to one regular instant are accepted.
+    """Whether the errors of the increments up to one regular instant are accepted.
 
     Attributes
     ----------
-    allowed
-        step error of an increment of some duration
     shortest
         increments up to that duration are not halved
     refused_start, refused_error
@@ -163,29 +179,35 @@ class _ErrorControl:
     """
 
     problem: ContactProblem
-    allowed: Callable[[float], float]
+    tolerance: StepTolerance
     shortest: float
     refused_start: float = np.nan
     refused_error: float = np.inf
     jumps: bool = False
 
-    def accepts(self, increment: Increment, start: float) -> bool:
-        """Whether the increment from the instant `start` is accepted; if not, it is to be halved.
+    def accepts(self, increment: Increment, start: InterfaceState) -> bool:
+        """Whether the increment from the state `start` is accepted; if not, it is to be halved.
 
         Raises
         ------
         ConvergenceError
             Where the interface jumps too often.
         """
-        duration = increment.state.time - start
+        duration = increment.state.time - start.time
+        allowed = self.tolerance.rate * duration
         error = increment.step_error
-        if not error > self.allowed(duration):
+        if not error > allowed:
             return True
-        if self.refused_start == start and error > _JUMP * self.refused_error:
-            self._count_jump(start)
+        if self.tolerance.of_kinks:
+            error = min(error, bent_work(self.problem, start, increment.state, increment.solved))
+            if not error > allowed:
+                return True
+        # Like bodies have one solution. All their kinks can be in one half.
+        elif self.refused_start == start.time and error > _JUMP * self.refused_error:
+            self._count_jump(start.time)
         work = self.problem.work
         if duration > self.shortest and not self.jumps:
-            self.refused_start = start
+            self.refused_start = start.time
             self.refused_error = error
             work["increments halved, step error"] += 1
             return False

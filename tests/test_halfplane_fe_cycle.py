@@ -440,6 +440,49 @@ def test_a_tighter_step_tolerance_halves_more_and_errs_less() -> None:
     assert halved[0] == 0 < halved[1] < halved[2]
 
 
+@cache
+def record_of_turns(turns: int) -> FiniteElementSolution:
+    """A record of like half-planes: so many equal turns of P and Q, in eight rows each."""
+    phase = 2 * np.pi * np.arange(8 * turns + 1) / 8
+    rows = [0.01 * np.arange(len(phase)), 90 + 18 * np.cos(phase), 32 * np.sin(phase)]
+    load = TimeSeriesLoad(rows=np.column_stack(rows).tolist())
+    scene = load_scene("hertz-paper").vary(load=load, friction=0.6, tolerances={})
+    return halfplane_fe.solve(scene, MeshSettings.coarse())
+
+
+def test_the_step_tolerance_of_a_record_grows_with_its_dissipation() -> None:
+    """A further turn of the record takes its events and regular increments and hardly any more;
+    with an absolute tolerance each turn would be cut the finer, the longer the record is.
+    """
+    first = record_of_turns(1).work.counts
+    longer = record_of_turns(4).work.counts
+    landed = sum(
+        longer[f"{event} increments"] - first[f"{event} increments"]
+        for event in ("touch", "release")
+    )
+    regular = 3 * 8 * 3
+    assert longer["steps solved"] - first["steps solved"] < 1.1 * (landed + regular)
+
+
+def test_increments_of_records_are_halved_for_what_kinks_add_alone(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The bound of the step error would halve a hundred increments of these; the dissipation is the
+    same to rounding, within its uncertainty.
+    """
+    halved = "increments halved, step error"
+    answer = record_of_turns(1)
+    assert answer.work.counts.get(halved, 0) < 10
+    assert answer.record.energy["step_error"].sum() > 1e-3 * answer.dissipation
+    exact = semi_analytic.solve(answer.scene).dissipation
+    assert abs(answer.dissipation - exact) < answer.dissipation_uncertainty < 0.01 * exact
+    task = sys.modules["halfplane_fe.solve"]._Task
+    monkeypatch.setattr(task, "steps_by_kinks", property(lambda _: False))
+    by_bound = halfplane_fe.solve(answer.scene, MeshSettings.coarse(), scales=answer.scales)
+    assert by_bound.work.counts[halved] > 50
+    assert by_bound.dissipation == pytest.approx(answer.dissipation, rel=1e-6)
+
+
 def test_an_increment_that_fails_once_is_halved_and_leaves_no_trace(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
