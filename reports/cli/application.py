@@ -99,6 +99,9 @@ class Options:
     ] = None
     json: Annotated[bool, _flag("As JSON on stdout, and nothing else there.")] = False
     quiet: Annotated[bool, _flag("No progress on stderr.")] = False
+    verbose: Annotated[
+        bool, _flag("Also where the difference comes from, expected numbers and times.")
+    ] = False
     corrected: Annotated[
         bool,
         _flag(
@@ -274,7 +277,7 @@ class Options:
         words = ["halfplane", name, *([operand] if operand else [])]
         for option in fields(self):
             value = getattr(self, option.name)
-            if value == option.default or option.name in ("out", "json", "quiet"):
+            if value == option.default or option.name in ("out", "json", "quiet", "verbose"):
                 continue
             name = option.name.strip("_").replace("_", "-")
             if isinstance(value, bool):
@@ -350,7 +353,16 @@ _COMMANDS = (
         "Both engines on one scene: verdict, page and data.",
         "cli.solving:run",
         (_SCENE_NAME,),
-        (*_OUTPUT, "tolerance", "budget", "vtu", "stress", "third", *_FINITE_ELEMENTS),
+        (
+            *_OUTPUT,
+            "verbose",
+            "tolerance",
+            "budget",
+            "vtu",
+            "stress",
+            "third",
+            *_FINITE_ELEMENTS,
+        ),
     ),
     _Command(
         "Solve",

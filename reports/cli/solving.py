@@ -26,6 +26,7 @@ from reports.console import Part, Sheet, Stages, complain
 # All else is heavy, and imported in the functions: `halfplane run --help` waits for nothing.
 if TYPE_CHECKING:
     from reports.comparison import Comparison
+    from reports.comparison.budget import ErrorBudget
     from reports.comparison.laws import Finding
     from reports.report import Report
     from scenes import ContactSolution, Scene
@@ -260,7 +261,7 @@ def run(job: Job) -> Answer:
         return replace(_answer_alone(job, solution, no_comparison), command=command)
     if options.third:
         _third_solver(options.third).require()
-    return _answer_of_both(_compared(job, tolerances), job.folder / "report.html", job.stages)
+    return _answer_of_both(job, _compared(job, tolerances))
 
 
 def _require_no_option_of_both(job: Job, no_comparison: str) -> None:
@@ -422,7 +423,7 @@ def _saved_if_it_fails(solution: ContactSolution, folder: Path) -> Generator[Non
 _OF_A_METRIC = ("value", "uncertainty", "unit", "tolerance", "accurate", "verdict", "honest")
 
 
-def _answer_of_both(report: Report, page: Path, stages: Stages) -> Answer:
+def _answer_of_both(job: Job, report: Report) -> Answer:
     """The verdict; the exit code, whose reason is the last line on stderr."""
     from reports.comparison import laws
     from reports.comparison.words import lead
@@ -431,6 +432,9 @@ def _answer_of_both(report: Report, page: Path, stages: Stages) -> Answer:
     comparison = report.comparison
     third = report.third
     scene = comparison.scene
+    stages = job.stages
+    verbose = job.options.verbose
+    page = job.folder / "report.html"
     findings = list(laws.expected_numbers(scene, (comparison.reference, comparison.result)))
     if third is not None and third.failure:
         complain(f"halfplane: {scene.name}: {third.failure}")
@@ -442,13 +446,16 @@ def _answer_of_both(report: Report, page: Path, stages: Stages) -> Answer:
 
     def parts() -> Iterator[Part]:
         yield from verdict_shown(report)
-        yield from _uncertainty_shown(report)
+        yield from _notes_shown(report)
+        if report.budget is not None and (verbose or job.options.budget):
+            yield from _budget_shown(report, report.budget)
         if third is not None:
             yield Sheet("A third solver", third.heads, third.rows(comparison), (1, 2, 3))
             yield from third.sentences
-        yield from _expected_shown(findings)
-        times = [(stage, f"{seconds:.2f}") for stage, seconds in stages.seconds.items()]
-        yield Sheet("Time", ("stage", "seconds"), times, (1,))
+        yield from _expected_shown(findings, verbose)
+        if verbose:
+            times = [(stage, f"{seconds:.2f}") for stage, seconds in stages.seconds.items()]
+            yield Sheet("Time", ("stage", "seconds"), times, (1,))
         yield str(page)
 
     def content() -> dict[str, Any]:
@@ -493,11 +500,8 @@ def verdict_shown(report: Report) -> Iterator[Part]:
         yield words
 
 
-def _uncertainty_shown(report: Report) -> Iterator[Part]:
-    """What the dissipation is uncertain by, what the finite elements note, and where the errors
-    come from if that was measured.
-    """
-    from reports.comparison.budget_words import budget_table, cost
+def _notes_shown(report: Report) -> Iterator[Part]:
+    """What the dissipation is uncertain by, and what the finite elements and the record note."""
     from reports.comparison.words import uncertain_work
     from reports.measured import check_record, record_in_words
 
@@ -509,21 +513,29 @@ def _uncertainty_shown(report: Report) -> Iterator[Part]:
     if record := check_record(scene):
         for sentence, is_warning in record_in_words(scene, record):
             yield f"{'Warning' if is_warning else 'Note'}: {sentence}"
-    if report.budget is not None:
-        # Without what is nothing but bounds of rounding in nearly every run.
-        heads, rows, _ = budget_table(report.budget, without=("solver", "half-plane theory"))
-        yield Sheet("Where the difference comes from", heads, rows, range(1, len(heads) - 1))
-        yield f"Covered by the stated uncertainty: {report.honest}"
-        yield cost(report.budget)
 
 
-def _expected_shown(findings: Sequence[Finding]) -> Iterator[Part]:
-    """The numbers that the scene expects beside those found."""
+def _budget_shown(report: Report, budget: ErrorBudget) -> Iterator[Part]:
+    """Where the errors come from."""
+    from reports.comparison.budget_words import budget_table, cost
+
+    # Without what is nothing but bounds of rounding in nearly every run.
+    heads, rows, _ = budget_table(budget, without=("solver", "half-plane theory"))
+    yield Sheet("Where the difference comes from", heads, rows, range(1, len(heads) - 1))
+    yield f"Covered by the stated uncertainty: {report.honest}"
+    yield cost(budget)
+
+
+def _expected_shown(findings: Sequence[Finding], verbose: bool = True) -> Iterator[Part]:
+    """The numbers that the scene expects beside those found: how many are met, and all of them
+    where one is missed or they are asked for.
+    """
     from reports.comparison.laws import EXPECTED_HEADS, expected_rows
 
     if findings:
-        yield Sheet("Expected numbers", EXPECTED_HEADS, expected_rows(findings), (2, 3, 4, 5))
         missed = sum(not finding.met for finding in findings)
+        if missed or verbose:
+            yield Sheet("Expected numbers", EXPECTED_HEADS, expected_rows(findings), (2, 3, 4, 5))
         if missed:
             yield f"{missed} of {len(findings)} expected numbers are missed."
         else:
