@@ -4,7 +4,7 @@ its likely faults named.
 reading.py         which reader takes which file; tables of text (their numbers:
                    `scenes.text_tables.text_table`)
 abaqus.py          reports of field output; reports of XY data are tables
-fields.py          VTU, VTK and PVD; field_files.py, vtk_files.py: read by pyvista in a process of
+fields.py          VTU, VTK and PVD; field_files.py, vtk_files.py: read by VTK in a process of
                    its own
 calculix.py        CalculiX' results as tractions; calculix_files.py: the forms .frd and .dat
 mapping.py         names of columns, factors of units, signs

@@ -1,7 +1,7 @@
 """Field files that other programs wrote, of one instant or of many: VTU, legacy VTK, and PVD, their
 collection.
 
-pyvista reads them in a process of its own, bounded in time and memory: see `vtk_files`.
+VTK reads them in a process of its own, bounded in time and memory: see `vtk_files`.
 """
 
 from __future__ import annotations

@@ -1,13 +1,13 @@
-"""VTU and legacy VTK files by pyvista, in a process of its own: VTK ends or hangs the process on
-some broken files.
+"""VTU and legacy VTK files by VTK's readers, in a process of its own: VTK ends or hangs the process
+on some broken files.
 
     python vtk_files.py BYTES SECONDS      the most memory and processor time; paths as a JSON list
                                            on stdin
 
 Writes the arrays of all files as npz to stdout. On stderr stands {"file": number} before each file,
 and {"file": number, "reason": text} for one that can't be read, with exit code 1.
-`reports.scoring.field_files` starts it; nothing of this project is imported here, so that it starts
-in a second.
+`reports.scoring.field_files` starts it; nothing of this project is imported here, and of VTK only
+the readers, so that it starts in a second.
 """
 
 from __future__ import annotations
@@ -43,52 +43,99 @@ def arrays_of(path: Path) -> dict[str, NDArray[Any]]:
         For whatever VTK complains of, points that are no numbers, cells without points and cells of
         points that are not there.
     """
-    import pyvista
     from vtkmodules.util.numpy_support import vtk_to_numpy
 
     with _Complaints() as complaints:
-        dataset = pyvista.read(path)
+        grid = _grid_of(path)
     if complaints.text:
         raise ValueError(complaints.first)
-    if not isinstance(dataset, pyvista.DataSet):
-        raise ValueError(f"it holds a {type(dataset).__name__}, no mesh")
-    grid = dataset.cast_to_unstructured_grid()
-    points = np.asarray(grid.points, float)
+    if grid is None:
+        raise ValueError("it holds no mesh")
+    points = np.zeros((0, 3))
+    if grid.GetNumberOfPoints():
+        points = np.asarray(vtk_to_numpy(grid.GetPoints().GetData()), float)
     if not (np.abs(points) <= _FARTHEST).all():
         raise ValueError(f"its points are not three finite numbers each, of at most {_FARTHEST:g}")
-    arrays = {"points": points}
+    arrays: dict[str, NDArray[Any]] = {"points": points}
     nodes = np.asarray(vtk_to_numpy(grid.GetCells().GetConnectivityArray()), np.int64)
     starts = np.asarray(vtk_to_numpy(grid.GetCells().GetOffsetsArray()), np.int64)
     if len(nodes) and not 0 <= nodes.min() <= nodes.max() < len(points):
         raise ValueError("a cell names a point that is not there")
     if not np.diff(starts).all():
         raise ValueError("a cell has no points")
-    kinds = (
-        np.column_stack([grid.celltypes, np.diff(starts)])
-        if grid.n_cells
-        else np.zeros((0, 2), np.int64)
-    )
+    count = grid.GetNumberOfCells()
+    cell_types = np.array([grid.GetCellType(number) for number in range(count)], np.int64)
+    kinds = np.column_stack([cell_types, np.diff(starts)])
     blocks = [np.flatnonzero((kinds == kind).all(axis=1)) for kind in np.unique(kinds, axis=0)]
     for number, block in enumerate(blocks):
         size = kinds[block[0], 1]
         arrays[f"cells.{number}"] = nodes[starts[block][:, None] + np.arange(size)]
     arrays["dimensions"] = np.array(
-        [grid.get_cell(int(block[0])).dimension for block in blocks], np.int64
+        [grid.GetCell(int(block[0])).GetCellDimension() for block in blocks], np.int64
     )
-    of_points = {
-        name: values for name, values in grid.point_data.items() if values.dtype.kind in "biuf"
-    }
+    of_points = _numeric_fields(grid.GetPointData(), len(points))
     arrays["point names"] = np.array(list(of_points), np.str_)
     for k, values in enumerate(of_points.values()):
         arrays[f"point.{k}"] = np.asarray(values, float)
-    of_cells = {
-        name: values for name, values in grid.cell_data.items() if values.dtype.kind in "biuf"
-    }
+    of_cells = _numeric_fields(grid.GetCellData(), count)
     arrays["cell names"] = np.array(list(of_cells), np.str_)
     for k, values in enumerate(of_cells.values()):
         for number, block in enumerate(blocks):
             arrays[f"cell.{k}.{number}"] = np.asarray(values, float)[block]
     return arrays
+
+
+def _grid_of(path: Path) -> Any:
+    """The vtkUnstructuredGrid of a .vtu file, or of whatever mesh a .vtk file holds; None
+    where it holds none.
+    """
+    if path.suffix.lower() == ".vtu":
+        from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
+
+        xml_reader = vtkXMLUnstructuredGridReader()
+        xml_reader.SetFileName(str(path))
+        xml_reader.Update()
+        return xml_reader.GetOutput()
+
+    from vtkmodules.vtkFiltersCore import vtkAppendFilter
+    from vtkmodules.vtkIOLegacy import vtkDataSetReader
+
+    reader = vtkDataSetReader()
+    reader.SetFileName(str(path))
+    for everything in ("Scalars", "ColorScalars", "Normals", "TCoords", "Vectors", "Fields"):
+        getattr(reader, f"ReadAll{everything}On")()
+    reader.ReadAllTensorsOn()
+    reader.Update()
+    mesh = reader.GetOutput()
+    if mesh is None or mesh.GetClassName() == "vtkUnstructuredGrid":
+        return mesh
+    append = vtkAppendFilter()
+    append.SetOutputPointsPrecision(vtkAppendFilter.DOUBLE_PRECISION)
+    append.AddInputData(mesh)
+    append.Update()
+    return append.GetOutput()
+
+
+def _numeric_fields(attributes: Any, count: int) -> dict[str, NDArray[Any]]:
+    """Name -> array of `count` rows, of the fields of points or cells that are numbers.
+
+    Raises
+    ------
+    ValueError
+        Where a field has another number of rows.
+    """
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+
+    fields = {}
+    for number in range(attributes.GetNumberOfArrays()):
+        field = attributes.GetArray(number)
+        if field is None:  # words, no numbers
+            continue
+        name = field.GetName() or f"Unnamed_{number}"
+        fields[name] = vtk_to_numpy(field)
+        if len(fields[name]) != count:
+            raise ValueError(f"{name} has {len(fields[name])} values for {count} places")
+    return fields
 
 
 class _Complaints:
@@ -148,7 +195,7 @@ def numbered(paths: list[str]) -> Iterator[tuple[str, NDArray[Any]]]:
         _report({"file": number})
         try:
             arrays = arrays_of(Path(path))
-        except Exception as reason:  # noqa: BLE001 (whatever a broken file makes pyvista raise)
+        except Exception as reason:  # noqa: BLE001 (whatever a broken file makes VTK raise)
             _report({"file": number, "reason": f"{type(reason).__name__}: {reason}"})
             raise SystemExit(1) from None
         for name, array in arrays.items():
@@ -157,7 +204,10 @@ def numbered(paths: list[str]) -> Iterator[tuple[str, NDArray[Any]]]:
 
 def main() -> None:
     """Read the files that stdin names."""
-    import pyvista  # noqa: F401 (what it takes itself does not count)
+    # What these take themselves does not count.
+    import vtkmodules.vtkFiltersCore
+    import vtkmodules.vtkIOLegacy
+    import vtkmodules.vtkIOXML  # noqa: F401
 
     _limit(int(sys.argv[1]), int(sys.argv[2]))
     content = io.BytesIO()
