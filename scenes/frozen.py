@@ -9,6 +9,7 @@ import json
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NoReturn, Self, TypeVar, cast
 
@@ -98,15 +99,10 @@ def refusal(faults: ValidationError, keys: Any, model: type[Frozen]) -> str:
         case "extra_forbidden":
             word = str(fault["loc"][-1])
             # What is unknown here may be known in another table.
-            schema = model.model_json_schema()
-            known_keys = {
-                name
-                for table in (schema, *schema.get("$defs", {}).values())
-                for name in table.get("properties", {})
-            }
+            other_keys = keys_of_all_tables(model) - {word}
             hint = (
                 neglected(word)
-                or f"{did_you_mean(word, known_keys - {word})} {place_of_keys} lists the keys"
+                or f"{did_you_mean(word, other_keys)} {place_of_keys} lists the keys"
             )
             return f"unknown key {key} = {shown(value)};{hint}{other_faults}"
         case "missing" if isinstance(value, dict):
@@ -134,6 +130,16 @@ def refusal(faults: ValidationError, keys: Any, model: type[Frozen]) -> str:
         case "value_error":
             return f"{key} is refused: {rule}{other_faults}" if key else f"{rule}{other_faults}"
     return f"{key} = {shown(value)} is refused: {rule}{other_faults}"
+
+
+@cache
+def keys_of_all_tables(model: type[Frozen]) -> frozenset[str]:
+    """Keys of a model and of every table in it. The schema is made once for each model, since it
+    takes longer than many refusals.
+    """
+    schema = model.model_json_schema()
+    tables = (schema, *schema.get("$defs", {}).values())
+    return frozenset(name for table in tables for name in table.get("properties", {}))
 
 
 def _also(keys: Sequence[str]) -> str:
