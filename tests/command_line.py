@@ -17,6 +17,7 @@ import warnings
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import cache
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -219,12 +220,24 @@ def answer_schema() -> dict[str, Any]:
     return schema
 
 
+@cache
+def answer_validator() -> Any:
+    """Made once: to check the schema itself takes longer than a command."""
+    schema = answer_schema()
+    return jsonschema.validators.validator_for(schema)(schema)
+
+
+def require_schema(document: Any) -> None:
+    """The document is an answer as the schema has it."""
+    answer_validator().validate(document)
+
+
 def answer_of(outcome: Done, *words: str) -> tuple[int, dict[str, Any]]:
     """Exit code of a command with --json, and what the document that is its whole stdout holds as
     `result`.
     """
     document = json.loads(outcome.stdout)
-    jsonschema.validate(document, answer_schema())
+    require_schema(document)
     assert (document["format"], document["exit_code"]) == (FORMAT, outcome.returncode)
     assert " ".join(words).startswith(document["command"])
     return outcome.returncode, document["result"]

@@ -10,6 +10,7 @@ import subprocess
 import sys
 import tomllib
 from collections import Counter
+from functools import cache
 from importlib import import_module
 from importlib.metadata import distributions
 from pathlib import Path
@@ -56,12 +57,19 @@ def test_tab_completion_of_a_scene_and_a_solution_shows_keys_and_methods_only() 
     ]
 
 
+@cache
+def imports_and_calls(text: str) -> tuple[ast.Import | ast.ImportFrom | ast.Call, ...]:
+    """Every import and call of a file, wherever; each file is parsed once for all tests."""
+    kinds = (ast.Import, ast.ImportFrom, ast.Call)
+    return tuple(node for node in ast.walk(ast.parse(text)) if isinstance(node, kinds))
+
+
 def imports_of(text: str) -> list[tuple[str, str]]:
     """(module, name) of every `from ... import ...` in a file, wherever, for types alone too;
     (module, "") of a plain import.
     """
     pairs = []
-    for node in ast.walk(ast.parse(text)):
+    for node in imports_and_calls(text):
         if isinstance(node, ast.ImportFrom):
             pairs += [(node.module or "", alias.name) for alias in node.names]
         elif isinstance(node, ast.Import):
@@ -167,7 +175,7 @@ def names_of_modules(node: ast.AST) -> list[str]:
 
 def upward_imports(package: str, text: str) -> list[str]:
     """Packages on a higher floor, or beside this one, that a module imports by a string."""
-    names = [name for node in ast.walk(ast.parse(text)) for name in names_of_modules(node)]
+    names = [name for node in imports_and_calls(text) for name in names_of_modules(node)]
     return [name for name in names if name != package and ORDER[name] >= ORDER[package]]
 
 

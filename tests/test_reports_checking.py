@@ -16,7 +16,6 @@ from runpy import run_path
 from types import SimpleNamespace
 from typing import Any
 
-import jsonschema
 import numpy as np
 import pytest
 from rainflow import count_cycles
@@ -24,7 +23,7 @@ from rainflow import count_cycles
 import halfplane_fe
 import reports
 import semi_analytic
-from command_line import COARSE, ROOT, answer_schema, halfplane, refused
+from command_line import COARSE, ROOT, halfplane, refused, require_schema
 from halfplane_fe import scales
 from halfplane_fe.scales import estimate_room, find_scales
 from reports import checking
@@ -606,7 +605,7 @@ def test_a_scene_that_one_engine_alone_takes_is_checked_and_gets_its_answer(
     )
     outcome = halfplane(tmp_path, "run", "mine.toml", "--json", "--quiet", *COARSE)
     answer = json.loads(outcome.stdout)
-    jsonschema.validate(answer, answer_schema())
+    require_schema(answer)
     assert (outcome.returncode, outcome.stderr) == (0, f"halfplane: mine: no comparison. {alone}\n")
     assert (answer["command"], answer["exit_code"]) == (command, 0)
     assert alone in answer["result"]["notes"]
