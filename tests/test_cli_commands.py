@@ -260,34 +260,43 @@ def test_help_lists_commands_by_use_with_examples_and_exit_codes(tmp_path: Path)
 # Modules that make what needs none of them fast: not one is imported. A time would depend on the
 # machine.
 HEAVY = {"numpy", "scipy", "pydantic", "xarray", "matplotlib", "skfem", "gmsh", "jinja2", "pyvista"}
-PARTS_OF_SCIPY = {f"scipy.{part}" for part in ("optimize", "interpolate", "special", "linalg")}
 NOT_FOR_BOTH_ENGINES = {f"scipy.{part}" for part in ("optimize", "interpolate", "special", "fft")}
 NOT_FOR_BOTH_ENGINES |= {"xarray", "pandas", "h5py", "meshio", "rich", "matplotlib", "jinja2"}
-HELP_OF_ALL = """
+# What importing theory, importing both engines, and then solving, saving and reading load of what
+# they do not need: to import xarray takes longer than a solve and its file.
+ENGINES = f"""
+import sys
+def print_loaded(names):
+    print("loaded:", *sorted(names & set(sys.modules)))
+import semi_analytic
+print_loaded({{"scipy.linalg", "skfem", "gmsh"}})
+import halfplane_fe, scenes
+print_loaded({NOT_FOR_BOTH_ENGINES!r})
+semi_analytic.solve("hertz-paper", x=[0.0], time=[2.0], fields="pressure").save("a.nc")
+scenes.ContactSolution.load("a.nc")
+print_loaded({{"xarray", "pandas", "dask"}})
+"""
+HELP_OF_ALL = f"""
+import sys
 from reports.cli import main
 from reports.cli.application import app
 assert main(["--version"]) == main(["--help"]) == 0
 names = [name for name in [*app, "sweep status"] if name[0] != "-"]
 assert not any(main([*name.split(), "--help"]) for name in names)
+print("loaded:", *sorted({HEAVY | {"pandas"}!r} & set(sys.modules)))
 """
 
 
 @pytest.mark.parametrize(
-    ("program", "heavy"),
-    [
-        (HELP_OF_ALL, HEAVY | {"pandas"}),
-        ("import semi_analytic\n", PARTS_OF_SCIPY | {"scipy.fft", "xarray", "skfem", "gmsh"}),
-        ("import semi_analytic, halfplane_fe\n", NOT_FOR_BOTH_ENGINES),
-    ],
-    ids=["help", "theory", "both engines"],
+    ("program", "count"), [(HELP_OF_ALL, 1), (ENGINES, 3)], ids=["help", "engines"]
 )
 def test_help_and_engines_load_nothing_that_they_do_not_need(
-    program: str, heavy: set[str], tmp_path: Path
+    program: str, count: int, tmp_path: Path
 ) -> None:
-    loaded = f"import sys\nprint('loaded:', *sorted({heavy!r} & set(sys.modules)))"
-    with start(tmp_path, program=("-c", program + loaded)) as running:
+    with start(tmp_path, program=("-c", program)) as running:
         printed, _ = running.communicate()
-    assert (running.returncode, printed.splitlines()[-1]) == (0, "loaded:")
+    assert running.returncode == 0
+    assert printed.splitlines()[-count:] == ["loaded:"] * count
 
 
 def test_verdicts_are_coloured_where_the_terminal_has_colours_and_nobody_minds(
@@ -400,6 +409,7 @@ def test_a_missed_number_ends_with_1(tmp_path: Path) -> None:
         (tmp_path / "mine.toml").write_text(text + number.format(value), encoding="utf-8")
         outcome = halfplane(tmp_path, "exact", "mine.toml", "--quiet")
         assert outcome.returncode == code, outcome
+        assert "quadrature nodes" not in outcome.stdout  # counters are in the file
         row = next(line for line in outcome.stdout.splitlines() if "largest half width" in line)
         assert re.search(rf"\b{word}\b", row)
 
@@ -468,7 +478,6 @@ def test_a_run_is_judged_by_the_users_tolerances_and_says_how_to_repeat_that(
         "--tolerance 50% pressure=50% peak_pressure=50% shear=0.5 contact_edge=100% stick_edge=100%"
         in stored["command"]
     )
-    assert halfplane(tmp_path, "run", "mine.toml", "--quiet", *COARSE).returncode == 1
 
 
 def test_one_engine_alone_has_its_values_and_misses_what_so_coarse_a_mesh_misses(
@@ -494,10 +503,6 @@ def test_one_engine_alone_has_its_values_and_misses_what_so_coarse_a_mesh_misses
         stated = {number.quantity for number in load_scene("cattaneo-mindlin").expected}
         assert {"dissipation"} <= {number["quantity"] for number in answer["expected"]} <= stated
         assert all(number["met"] for number in answer["expected"]) is answer["passed"]
-        printed = halfplane(tmp_path, words[0], "cattaneo-mindlin", "--quiet", *words[1:])
-        assert printed.returncode == code
-        assert bool(re.search(r"\bno\b.*", printed.stdout)) is (code == 1)
-        assert "quadrature nodes" not in printed.stdout  # counters are in the file
     assert {
         path.suffix for path in (tmp_path / "out/cattaneo-mindlin").glob("semi_analytic.*")
     } == {".nc", ".json", ".csv"}
@@ -534,8 +539,6 @@ def test_what_doctor_finds_amiss_is_1(
 ERROR = 0.0274
 ADVICE = {
     "blocks": (0, "within", "theory may be used"),
-    "blocks --limit 5%": (0, "within", "theory may be used"),
-    "blocks --limit 0.02": (1, "outside", "--corrected"),
     f"blocks --limit {ERROR}": (1, "undecided", "undecided"),
     "hertz-paper": (0, "within", "both bodies are half-planes of like materials"),
 }

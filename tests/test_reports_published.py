@@ -314,7 +314,7 @@ STORED: dict[str, Any] = publishing.published()
 RENEW = "run `make publish`, look at what moved, and say why in CHANGELOG.md"
 # Half-planes without slip and with a little; make nightly has all scenes, and test_contract.py
 # freezes twelve coarser ones.
-CHEAP = ("full-stick", "hertz-normal")
+CHEAP = ("full-stick",)
 EVERY = pytest.mark.parametrize("name", scene_names())
 
 

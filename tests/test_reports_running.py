@@ -93,7 +93,8 @@ def require_split(content: Mapping[str, Any]) -> None:
     assert why["steps"][-2]["cause"] == "what is left"
 
 
-SLOW = ("blocks", "unlike flat pad on a block")  # a layer and a pad of one material are like them
+# A layer and a flat pad of one material are like them; a roller is run by test_docs_pages.py.
+SLOW = ("blocks", "cylinder on a block", "unlike flat pad on a block")
 
 
 @pytest.mark.parametrize(

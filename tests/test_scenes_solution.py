@@ -121,20 +121,6 @@ def test_a_saved_file_is_what_xarray_writes_of_the_dataset(tmp_path):
     np.testing.assert_equal(parts(loaded), parts(solution))
 
 
-def test_solving_saving_and_loading_import_neither_xarray_nor_pandas(tmp_path):
-    """To import both takes longer than the solve and the file."""
-    program = (
-        "import sys, semi_analytic, scenes\n"
-        "semi_analytic.solve('hertz-paper', x=[0.0], time=[2.0], fields='pressure').save('a.nc')\n"
-        "scenes.ContactSolution.load('a.nc')\n"
-        "print(*({'xarray', 'pandas', 'dask'} & set(sys.modules)))"
-    )
-    printed = subprocess.run(
-        [sys.executable, "-c", program], check=True, capture_output=True, text=True, cwd=tmp_path
-    ).stdout
-    assert printed == "\n"
-
-
 def test_arrays_that_differ_in_the_length_of_an_axis_are_refused(tmp_path):
     path = tmp_path / "answer.nc"
     small_solution().save(path)
