@@ -167,6 +167,8 @@ def test_an_exact_loop_gives_f_and_its_area_within_what_is_stated(
     assert score.high - score.low < 1e-4 * FRICTION
     assert score.compliance == pytest.approx(RIG, rel=1e-5)
     assert score.rows[1].area == pytest.approx(CYCLE[3], rel=1e-4)
+    assert score.cycles == pytest.approx(cycles, abs=0.05)
+    assert score.rows[0].slope == pytest.approx(score.rows[1].slope, rel=1e-2)
     # A polygon within the loop: its error is of the order of the square of the step, and what is
     # stated is no more than needed.
     assert 0 < score.rows[0].area_uncertainty < 20 * CYCLE[3] * (cycles / count) ** 2

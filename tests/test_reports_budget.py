@@ -130,7 +130,7 @@ def test_scattered_refinements_cover_the_truth(order, noise, least):
     rng = np.random.default_rng(20)
     limits = [
         extrapolate(refinement(lambda h: 1 + 0.01 * h**order + noise * rng.uniform(-1, 1)))
-        for _ in range(100)
+        for _ in range(50)
     ]
     assert np.mean([abs(limit.value - 1) <= limit.uncertainty for limit in limits]) >= least
 

@@ -8,6 +8,7 @@ import dataclasses
 import json
 import pickle
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -183,7 +184,6 @@ def recorded(value: float) -> ContactSolution:
 # The same contact, pulled in phase with Q and tilted in phase too: numbers alone, whose integrals
 # are known by hand.
 TURN = np.sin(2 * np.pi * (TIME - 1) / 3)
-_LOAD = TRUTH.scene.load.model_dump(mode="json")
 STRESS = 0.1 * SCALES.pressure
 STRAIN = STRESS * SCALES.compliance / 2 / 2  # of one of two like bodies: A/2 = 2/E'
 PULLED = changed(
@@ -880,15 +880,22 @@ def without(effects: BodyEffects, name: str) -> BodyEffects:
     return dataclasses.replace(effects, **{name: Estimate(0.0)})
 
 
-def test_displacements_of_bodies_compare_with_what_the_bodies_add() -> None:
-    """Two blocks: c_t and c_n take the amplitudes to 0.3 and 0.5 % on a coarse mesh; without them
-    they are half as large again and more.
-    """
+@cache
+def both_engines_on_blocks() -> tuple[ContactSolution, ContactSolution, BodyEffects]:
+    """Theory, finite elements on a coarse mesh, and what the two blocks add to theory."""
     scene = load_scene("blocks")
     fe = fe_run(scene)
     theory = semi_analytic.solve(scene, x=fe.x, time=fe.time)
     effects = effects_between(theory, fe)
     assert effects is not None
+    return theory, fe, effects
+
+
+def test_displacements_of_bodies_compare_with_what_the_bodies_add() -> None:
+    """Two blocks: c_t and c_n take the amplitudes to 0.3 and 0.5 % on a coarse mesh; without them
+    they are half as large again and more.
+    """
+    theory, fe, effects = both_engines_on_blocks()
     known = compare(theory, fe, effects=effects)
     for key, limit in (
         ("tangential_displacement", 5e-3),
@@ -920,7 +927,7 @@ def test_displacements_of_bodies_compare_with_what_the_bodies_add() -> None:
     assert any(note.startswith("No datum") for note in plain.notes)
     # of finite elements with each other, and of corrected theory, there is nothing to add
     assert effects_between(fe, fe) is None
-    corrected = semi_analytic.solve(scene, x=fe.x, time=fe.time, effects=effects)
+    corrected = semi_analytic.solve(fe.scene, x=fe.x, time=fe.time, effects=effects)
     own_datum = compare(corrected, fe, effects=effects)
     assert own_datum.effects is None
     assert abs(own_datum.metric("tangential_displacement").value) < 5e-3
@@ -933,10 +940,8 @@ def loop_caption(comparison: Comparison) -> str:
 
 
 def test_the_loop_on_the_page_says_what_half_planes_count_from() -> None:
-    scene = load_scene("blocks")
-    fe = fe_run(scene)
-    theory = semi_analytic.solve(scene, x=fe.x, time=fe.time)
-    known = loop_caption(compare(theory, fe, effects=effects_between(theory, fe)))
+    theory, fe, effects = both_engines_on_blocks()
+    known = loop_caption(compare(theory, fe, effects=effects))
     assert "that of half-planes with c_t, c_n of these bodies" in known
     assert "no datum: that of half-planes" in loop_caption(compare(theory, fe))
 

@@ -149,19 +149,46 @@ def test_bulk_stress_and_tilt_turned_or_left_out_are_found_in_a_foreign_result(
     assert "not looked for" in " ".join(wronged.diagnoses[0].evidence)
 
 
-@pytest.mark.parametrize("key", [*OF_FILE, *OF_QUESTION])
-@pytest.mark.parametrize(
-    "scene", ["cattaneo-mindlin", slow("hertz-paper"), slow("flat-rounded-paper")]
-)
-def test_a_fault_of_file_or_question_is_named_first(
-    table: ModuleType, key: str, scene: str
-) -> None:
-    first = diagnose(planted(table, key, scene))[0]
+def named_first(key: str, comparison: Comparison) -> Diagnosis:
+    """The likeliest cause, which is the fault that was planted."""
+    first = diagnose(comparison)[0]
     assert first.fault == key
     # 0.99 or more was measured everywhere but for the shear of bonded faces on the flat one
     assert first.strength > 0.97
     assert first.evidence
     assert "{" not in first.sentence
+    return first
+
+
+# Fault -> how large, and words of the sentence that has the figure.
+FIGURES = {
+    "stiffness": (0.91, "plane stress"),
+    "friction": (1.1, "friction is"),
+    "loads": (1.3, "Loads"),
+    "units": (1e6, "units"),
+    "pressure_factor": (1.01, "pressure alone"),
+    "offset": (0.03, "off along x"),
+    "other_times": (0.05, "late"),
+}
+WITHOUT_FIGURE = [key for key in (*OF_FILE, *OF_QUESTION) if key not in FIGURES]
+
+
+@pytest.mark.parametrize(
+    ("scene", "key"),
+    [
+        *(("cattaneo-mindlin", key) for key in WITHOUT_FIGURE),
+        *(slow("cattaneo-mindlin", key) for key in FIGURES),
+        *(
+            slow(scene, key)
+            for scene in ("hertz-paper", "flat-rounded-paper")
+            for key in (*OF_FILE, *OF_QUESTION)
+        ),
+    ],
+)
+def test_a_fault_of_file_or_question_is_named_first(
+    table: ModuleType, scene: str, key: str
+) -> None:
+    named_first(key, planted(table, key, scene))
 
 
 @pytest.mark.slow
@@ -211,32 +238,13 @@ def test_a_right_pressure_under_a_shear_that_nothing_plainer_explains_is_creep_a
     assert not {"soft_normal", "small_body"} & set(keys(diagnoses))
 
 
-@pytest.mark.parametrize(
-    ("key", "severity", "name"),
-    [
-        ("stiffness", 0.91, "plane stress"),
-        ("friction", 1.1, "friction is"),
-        ("loads", 1.3, "Loads"),
-        ("units", 1e6, "units"),
-        ("pressure_factor", 1.01, "pressure alone"),
-        ("offset", 0.03, "off along x"),
-        ("other_times", 0.05, "late"),
-    ],
-)
-def test_the_figure_planted_is_the_figure_found(
-    table: ModuleType, key: str, severity: float, name: str
-) -> None:
-    first = diagnose(planted(table, key, "cattaneo-mindlin", severity))[0]
-    assert first.fault == key
-    assert name in first.sentence
+@pytest.mark.parametrize("key", FIGURES)
+def test_the_figure_planted_is_the_figure_found(table: ModuleType, key: str) -> None:
+    severity, words = FIGURES[key]
+    first = named_first(key, planted(table, key, "cattaneo-mindlin", severity))
+    assert words in first.sentence
     figure = float(re.findall(r"-?[0-9][0-9.]*(?:e[+-]?[0-9]+)?", first.sentence)[0])
     assert figure == pytest.approx(severity, rel=5e-3)
-
-
-@pytest.mark.parametrize("scene", SCENES)
-def test_a_right_result_suffers_from_nothing(table: ModuleType, scene: str) -> None:
-    true = table.truth(scene)
-    assert diagnose(compare(true, true)) == ()
 
 
 @pytest.mark.slow

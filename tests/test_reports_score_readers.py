@@ -173,15 +173,20 @@ def test_a_pressure_without_a_shear_is_scored_for_what_it_has(tmp_path: Path) ->
         "No law of contact is violated, as far as a pressure without a shear can show."
         in verdict(report.comparison)
     )
-    wrong = score_file(
-        path, Mapping(times=solution.time.tolist(), factors={"stress": 1.1}), solution.scene
-    )
-    assert diagnosed(wrong).diagnoses[0].fault in ("traction_factor", "pressure_factor", "units")
     written(table[["x", "pressure"]].iloc[:53], path)
     with pytest.raises(
         InputError, match="without a shear the pressure alone does not say which instant is which"
     ):
         score_file(path, Mapping(), solution.scene)
+
+
+@pytest.mark.slow
+def test_a_wrong_pressure_without_a_shear_is_diagnosed(tmp_path: Path) -> None:
+    solution = exact(steps=9, points=53)
+    path = written(rows(solution)[["time", "x", "pressure"]], tmp_path / "pressure.csv")
+    mapping = Mapping(times=solution.time.tolist(), factors={"stress": 1.1})
+    report = diagnosed(score_file(path, mapping, solution.scene))
+    assert report.diagnoses[0].fault in ("traction_factor", "pressure_factor", "units")
 
 
 # ------------------------------------------------------------------------------------------ mapping
