@@ -93,7 +93,15 @@ FACES = {
 }
 
 
-@pytest.mark.parametrize("name", FACES)
+@pytest.mark.parametrize(
+    "name",
+    [
+        "hertz-paper",
+        pytest.param("hertz-paper, unlike", marks=pytest.mark.slow),
+        "bulk stress and tilt, unlike half-planes",
+        "bulk stress and tilt, specimen on rollers",
+    ],
+)
 def test_slip_and_gap_of_the_bodies_are_those_of_the_interface(name):
     """Upper less lower face: along x the slip, along y the gap less the one at the start; rigid
     motion and tilt included.

@@ -371,10 +371,11 @@ def one_line(line):
 
 
 def case(line, rest, name, *before):
-    """The finer side below with all but quadratic triangles, and the flat line, only among the slow
-    tests.
+    """Among the slow tests alone: the finer side below and pressure alone with all but quadratic
+    triangles, and the flat line.
     """
-    mild = (rest[0] == 4.0 and rest[1:] != (2, "triangles")) or (line == "flat" and rest[0] == 0.25)
+    plain = rest[1:] != (2, "triangles") and (rest[0] == 4.0 or name == "pressed")
+    mild = plain or (line == "flat" and rest[0] == 0.25)
     return pytest.param(
         line, *before, *rest, id=f"{line}, {name}, {rest}", marks=[pytest.mark.slow] if mild else []
     )

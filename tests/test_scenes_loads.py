@@ -59,7 +59,7 @@ SEGMENTS = {
     "series": ChebyshevSegment(0.5, 2.0, (3.0, 0.4, -0.3, 0.05, 0.1), (0.1, 0.5, 0.02, 0.3)),
 }
 EVERY = pytest.mark.parametrize("segment", SEGMENTS.values(), ids=SEGMENTS)
-COMBINATIONS = (NORMAL_LOAD, TANGENTIAL_LOAD, Combination(-0.6, 1.0), Combination(-0.6, -1.0))
+COMBINATIONS = (NORMAL_LOAD, TANGENTIAL_LOAD, Combination(-0.6, 1.0))
 WAVES = st.lists(
     st.tuples(st.just(0.0) | st.floats(1e-3, 1), st.floats(-180, 180)), min_size=1, max_size=3
 )
@@ -98,7 +98,7 @@ def exact_loads(segment, moment):
 
 
 @EVERY
-@settings(max_examples=60)
+@settings(max_examples=30)
 @given(part=st.floats(0, 1), step=st.floats(-14, -0.1), ahead=st.booleans())
 def test_loads_are_the_definition_and_changes_free_of_cancellation(segment, part, step, ahead):
     """The relative error of a change stays at round-off however short the step is; a difference of

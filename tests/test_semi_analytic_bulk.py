@@ -525,12 +525,12 @@ ANY_CONTACT = {
 
 @pytest.mark.parametrize("name", ANY_CONTACT)
 def test_contacts_of_any_load_and_tilt_are_in_balance(name):
-    """A thousand at once, over many powers of ten."""
+    """Hundreds at once, over many powers of ten."""
     profile, steepest, least = ANY_CONTACT[name]
     shape = convex_profile(profile)
     random = np.random.default_rng(1)
-    product = least * (2 / least) ** random.random(1000)
-    tilt = steepest * random.uniform(-1, 1, 1000)
+    product = least * (2 / least) ** random.random(250)
+    tilt = steepest * random.uniform(-1, 1, 250)
     m, c = shape.contact(product, tilt)
     balance = shape.balance(m, c)
     np.testing.assert_allclose(balance.load, product, rtol=3e-10)
@@ -1274,7 +1274,7 @@ def test_a_moment_on_a_flat_and_rounded_face_is_the_tilt_that_it_makes():
     assert of_moment.shear == pytest.approx(of_tilt.shear, rel=2e-2)
 
 
-QUICK = ("Q, then bulk", "P, Q, bulk and tilt in phase")
+QUICK = ("Q, then bulk",)
 
 
 @pytest.mark.parametrize(

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -155,6 +156,12 @@ def test_score_of_few_points_shows_theorys_half_width() -> None:
             assert "too few" in report.metric("largest_half_width").note
 
 
+@cache
+def extremes_of_the_paper() -> semi_analytic.Extremes:
+    """Largest values of theory on the paper's cycle."""
+    return semi_analytic.extremes(semi_analytic.solve("hertz-paper"))
+
+
 def test_straight_steps_have_largest_values_of_their_own() -> None:
     """Steps of a mesh cut the corners of an ellipse: less slip and less work, whatever the
     points.
@@ -171,17 +178,17 @@ def test_straight_steps_have_largest_values_of_their_own() -> None:
     assert dataclasses.astuple(semi_analytic.extremes(fine))[:-1] == pytest.approx(
         of_steps, rel=1e-9
     )
-    of_path = semi_analytic.extremes(semi_analytic.solve(scene))
+    of_path = extremes_of_the_paper()
     assert 0.9 < semi_analytic.extremes(coarse).slip / of_path.slip < 1.0
 
 
-@pytest.mark.parametrize("start", [1.3, 2.0, 2.6])
+@pytest.mark.parametrize("start", [1.3, 2.6])
 def test_a_steady_cycle_may_begin_anywhere(start: float) -> None:
     scene = load_scene("hertz-paper")
     path = scene.load.path()
     times = path.cycle_start + path.period * np.linspace(start, start + 1, 9)
     elsewhere = semi_analytic.extremes(semi_analytic.solve(scene, x=[0.1, 0.9], time=times))
-    steady = semi_analytic.extremes(semi_analytic.solve(scene))
+    steady = extremes_of_the_paper()
     assert elsewhere.slip == pytest.approx(steady.slip, rel=1e-9)
     assert elsewhere.dissipation_density == pytest.approx(steady.dissipation_density, rel=1e-9)
     assert elsewhere.edge_tension == pytest.approx(steady.edge_tension, rel=1e-9)

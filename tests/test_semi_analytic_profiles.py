@@ -86,7 +86,7 @@ CASES |= {
     for rises in ((0.5,), (0.0, 0.3), (0.5, 0.25, 0.1), (1.0, -0.9, 0.5))
 }
 CASES |= {
-    f"|x|^{n}": (PowerLaw(exponent=n, length=2.0, rise=0.5), (1e-6, 0.7, 40.0))
+    f"|x|^{n}": (PowerLaw(exponent=n, length=2.0, rise=0.5), (1e-6, 40.0))
     for n in (1.0, 1.01, 1.3, 2.0, 3.0, 3.5, 6.0, 20.0)
 }
 EVERY = pytest.mark.parametrize("name", CASES)
@@ -109,10 +109,7 @@ def kernels(contact, truth, a):
     load = float(contact.load(a))
     a = LONG(a)
     least = truth.least
-    for x in (
-        float(a) * part
-        for part in (0.0, 1e-3, 0.3, 0.9, 0.999, 1 + 1e-9, 1 + 1e-6, 1 + 1e-3, 1.3, 4.0)
-    ):
+    for x in (float(a) * part for part in (0.0, 1e-3, 0.9, 0.999, 1 + 1e-9, 1 + 1e-3, 4.0)):
         at = LONG(x)
         for moment, weight in (("", None), ("_moment", truth.law.load)):
             # p of the tip of a wedge is infinite
@@ -122,7 +119,7 @@ def kernels(contact, truth, a):
                 yield "slip_integral" + moment, (x, load), truth.slip(at, least, a, weight)
     yield "log_distance", (load,), truth.log(least, a)
     yield "log_moment", (load,), truth.log(least, a, truth.law.load)
-    for part in (0.999, 0.7, 0.1):
+    for part in (0.999, 0.1):
         slipped = load - float(contact.load(float(least + part * (a - least))))
         if front := load - slipped:  # as P - P_c has it: for |x|^20 nothing is left of 1e-20 P
             c = LONG(float(contact.half_width(front)))

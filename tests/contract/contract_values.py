@@ -24,9 +24,6 @@ from scenes import ContactSolution, InadmissibleLoadError, InputError, Scene
 Values = dict[case_table.Key, Any]
 FIELDS = ("pressure", "shear", "slip")
 SERIES = ("tangential_displacement", "normal_approach", "contact_half_width", "stick_half_width")
-# places, as shares of the largest half-width
-SHARES = (0.0, 0.13, 0.37, 0.61, 0.745, 0.83, 0.91, 0.97, 1.02)
-INSTANTS = 12
 GRID, REFUSAL, STATED = "grid", "refusal", "stated error of "
 SOLVER_NODES, SOLVER_STEPS = 9, 8
 
@@ -168,27 +165,6 @@ def refusal(scene: Scene) -> list[Any] | None:
         kind = "separation" if str(reason).startswith("separation") else "gross sliding"
         return [kind, reason.time, reason.normal_load, reason.tangential_load]
     return None
-
-
-def places_and_instants(scene: Scene) -> tuple[list[float], list[float]]:
-    """Where and when a scene is looked at: clear of events, where a state may change with the last
-    digit.
-    """
-    answer = semi_analytic.solve(scene, x=[0.0], fields=("dissipation",))
-    start, end = float(answer.time[0]), float(answer.time[-1])
-    named = np.array([one.time for one in events_of(scene)])
-    draw = np.random.default_rng(20261122)
-    chosen: list[float] = []
-    while len(chosen) < INSTANTS:  # ends: nearly every instant is clear
-        time = float(draw.uniform(start, end))
-        if not len(named) or np.min(np.abs(named - time)) > 1e-3 * (end - start) / max(
-            len(named), 10
-        ):
-            chosen.append(time)
-    if len(getattr(scene.load, "rows", ())) > 100:
-        chosen = [float(int(time) + 0.37) if time < end - 1 else time for time in chosen]
-    half = float(np.nanmax(answer.contact_half_width))
-    return [share * half for share in SHARES], [*sorted(chosen), end]
 
 
 # ------------------------------------------------------------------------------ the finite elements
