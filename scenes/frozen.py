@@ -62,6 +62,14 @@ _NEGLECTED = {
     ("adhesion", "adhesive", "roughness"): "the faces are smooth and do not adhere",
     ("thickness",): "the bodies are in plane strain, and loads are per unit thickness",
 }
+# Rules in plain words, by pydantic's types of faults.
+RULES = {
+    "missing": "a point is [P, Q]",
+    "tuple_type": "should be a list in square brackets",
+    "list_type": "should be a list in square brackets",
+    "model_type": "should be a table of keys",
+    "model_attributes_type": "should be a table of keys",
+}
 # What loads state, asked for elsewhere or by another word.
 _OF_LOADS = (
     "bulk",
@@ -94,15 +102,17 @@ def refusal(faults: ValidationError, keys: Any, model: type[Frozen]) -> str:
     value = fault["input"]
     faulty_keys = dict.fromkeys(_key(error, keys) for error in errors)
     other_faults = _also([name for name in faulty_keys if name not in (key, "")])
-    rule = fault["msg"].removeprefix("Value error, ").removeprefix("Input ")
+    rule = RULES.get(fault["type"]) or fault["msg"].removeprefix("Value error, ").removeprefix(
+        "Input "
+    )
     match fault["type"]:
         case "extra_forbidden":
             word = str(fault["loc"][-1])
             # What is unknown here may be known in another table.
-            other_keys = keys_of_all_tables(model) - {word}
             hint = (
                 neglected(word)
-                or f"{did_you_mean(word, other_keys)} {place_of_keys} lists the keys"
+                or f"{did_you_mean(word, keys_of_all_tables(model) - {word})}"
+                f" {place_of_keys} lists the keys"
             )
             return f"unknown key {key} = {shown(value)};{hint}{other_faults}"
         case "missing" if isinstance(value, dict):
@@ -112,8 +122,6 @@ def refusal(faults: ValidationError, keys: Any, model: type[Frozen]) -> str:
                 f"the key {key}{'.' if key else ''}{fault['ctx']['key']} is missing;"
                 f" {place_of_keys} lists the keys{other_faults}"
             )
-        case "missing":
-            rule = "a point is [P, Q]"
         case "union_tag_not_found":
             return f"the key {key}.kind is missing; {place_of_keys} lists the kinds{other_faults}"
         case "union_tag_invalid":
@@ -121,12 +129,8 @@ def refusal(faults: ValidationError, keys: Any, model: type[Frozen]) -> str:
             key = f"{key}.kind"
             value = fault["ctx"]["tag"]
             rule = f"should be {kinds}"
-        case "tuple_type" | "list_type":
-            rule = "should be a list in square brackets"
         case "too_long":
             rule = f"should have at most {fault['ctx']['max_length']} entries"
-        case "model_type" | "model_attributes_type":
-            rule = "should be a table of keys"
         case "value_error":
             return f"{key} is refused: {rule}{other_faults}" if key else f"{rule}{other_faults}"
     return f"{key} = {shown(value)} is refused: {rule}{other_faults}"
