@@ -16,6 +16,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -132,6 +133,45 @@ class Revolution:
         return float(np.max(self.contact - stick, initial=0.0))
 
 
+class Flank(NamedTuple):
+    """What lies beyond a kink of the profile.
+
+    Attributes
+    ----------
+    kink
+        its place [length]
+    width
+        from there to the edge of contact [elements]
+    resolved_by
+        elements from the middle to the edge of a parabola that is as steep at its edge
+    """
+
+    kink: float
+    width: float
+    resolved_by: float
+
+
+def flanks(profile: Profile, half_width: float, element: float) -> Iterator[Flank]:
+    """Those of a contact that ends beyond a kink, or less than an element before it.
+
+    Parameters
+    ----------
+    half_width, element
+        of the contact, and of the mesh at its edge [length]
+
+    >>> from scenes import FlatRounded
+    >>> punch = FlatRounded(radius=1000.0, flat_half_length=0.8)
+    >>> [round(flank.resolved_by, 6) for flank in flanks(punch, 1.0, 0.01)]
+    [25.0]
+    """
+    for kink in profile.kinks:
+        width = (half_width - kink) / element
+        # A flank is as steep as it is narrow beside what it ends: one that takes most of the
+        # contact is Hertz' own.
+        if width > -1:
+            yield Flank(kink, width, max(width, 1e-9) * max(half_width / kink, 1.0))
+
+
 def resolution_notes(
     profile: Profile, revolution: Revolution, element: float, order: int
 ) -> Iterator[str]:
@@ -163,16 +203,12 @@ def resolution_notes(
             " the tip: the largest pressure is too low, by 7% for |x|^1.15 and by 40% for"
             " |x|^1.05; away from the tip the mesh follows it"
         )
-    for kink in profile.kinks:
-        width = least - kink / element
-        # A flank is as steep as it is narrow beside what it ends: one that takes most of the
-        # contact is Hertz' own.
-        resolved_by = max(width, 1e-9) * max(least / (kink / element), 1.0)
-        if width > -1 and expected.of_shear(resolved_by) > _TOLD:
+    for flank in flanks(profile, least * element, element):
+        if expected.of_shear(flank.resolved_by) > _TOLD:
             yield (
-                f"the contact ends {max(width, 0.0):.2g} elements, {element:.3g} each, beyond x ="
-                f" {kink:.6g}, where the pressure is steep: it is not resolved there,"
-                f" {expected.words(resolved_by)}; make edge_element_size"
+                f"the contact ends {max(flank.width, 0.0):.2g} elements, {element:.3g} each, beyond"
+                f" x = {flank.kink:.6g}, where the pressure is steep: it is not resolved there,"
+                f" {expected.words(flank.resolved_by)}; make edge_element_size"
                 f" {expected.enough_elements():.0f} times less than that distance"
             )
     if revolution.sheared:

@@ -57,6 +57,7 @@ from halfplane_fe.uncertainty import (
     Peak,
     peak_uncertainty,
     run_values,
+    share_of_flanks,
     uncertainties,
     uncertainty,
     uncertainty_note,
@@ -217,6 +218,11 @@ class _Task:
         """
         plain_faces = shapes_alike(self.scene) and not self.scene.unsymmetric
         return self.is_record and plain_faces and not self.has_plain_errors
+
+    @property
+    def element(self) -> float:
+        """Size at the edges of contact and stick, of the coarser side, over the half-width."""
+        return self.mesh.edge_element_size * max(self.mesh.upper_ratio, 1.0)
 
     @property
     def work_unit(self) -> float:
@@ -449,6 +455,10 @@ def _solution(
     if run.failure is None:
         left_by_trend = float(np.nan_to_num(abs(run.trend.left)))
         dissipation_uncertainty = (_uncertainty(task, run) + left_by_trend) * task.work_unit
+        least_contact = _revolution(task, run, arrays).least_contact()
+        dissipation_uncertainty += arrays["dissipation"] * share_of_flanks(
+            scene.profile, least_contact, task.element * scales.half_width
+        )
     states = tuple(run.states[index] for index in run.stored)
     audit = penalty_audit(scene, problem, states, arrays, scales)
     largest_tangential_load = float(np.abs(arrays["tangential_load"]).max())
@@ -537,7 +547,7 @@ def _uncertainties(
     if run.failure is not None:
         return {}
     scales = task.scales
-    element = task.mesh.edge_element_size * max(task.mesh.upper_ratio, 1.0)
+    element = task.element
     values = run_values(
         run,
         problem.interface.weights,
@@ -615,6 +625,14 @@ def _notes(task: _Task, run: PathRun, arrays: Mapping[str, Any]) -> tuple[str, .
     """What the mesh does not resolve in the last revolution, and what of the path is left."""
     if run.failure is not None:
         return ()
+    element = task.element * task.scales.half_width
+    revolution = _revolution(task, run, arrays)
+    of_mesh = resolution_notes(task.scene.profile, revolution, element, task.mesh.order)
+    return (*_drift_notes(run, task.scales), *_thinned_notes(run), *of_mesh)
+
+
+def _revolution(task: _Task, run: PathRun, arrays: Mapping[str, Any]) -> Revolution:
+    """What the last revolution of a run asks of the mesh."""
     scene = task.scene
     first = 1
     if run.cycle_starts:
@@ -622,17 +640,13 @@ def _notes(task: _Task, run: PathRun, arrays: Mapping[str, Any]) -> tuple[str, .
     load = arrays["normal_load"][first:]
     modulus = contact_modulus(scene.material.lower, scene.material.upper)
     unit = 2 / modulus * (scene.friction.coefficient * np.max(load)) ** 2  # A f^2 P^2
-    revolution = Revolution(
+    return Revolution(
         load=load,
         contact=arrays["contact_half_width"][first:],
         stick=arrays["stick_half_width"][first:],
         dissipation=float(arrays["dissipation"] / unit) if unit > 0 else 0.0,
         sheared=needs_shear(scene),
     )
-    coarser_side = max(task.mesh.upper_ratio, 1.0)
-    element = task.mesh.edge_element_size * task.scales.half_width * coarser_side
-    of_mesh = resolution_notes(scene.profile, revolution, element, task.mesh.order)
-    return (*_drift_notes(run, task.scales), *_thinned_notes(run), *of_mesh)
 
 
 def _thinned_notes(run: PathRun) -> Iterator[str]:
