@@ -5,6 +5,10 @@ planted fault fall on?
                                                             every value of finite elements between
                                                             random half-planes, beside theory (30
                                                             scenes: four minutes of CPU)
+    python benchmarks/covered.py bodies [COUNT] [SEED] [PRESET]
+                                                            the same of blocks, layers, pads,
+                                                            cylinders, unlike bodies, bulk stress
+                                                            and tilt, beside finer meshes
     python benchmarks/covered.py models [COUNT] [SEED]      W on random scenes, half of them blocks
                                                             (60 scenes: three minutes)
     python benchmarks/covered.py profiles [COUNT] [SEED]    noisy profilometer rows (200 cases);
@@ -38,6 +42,7 @@ from unittest import mock
 import must_fail
 import numpy as np
 from claims import Row
+from random_bodies import judge_bodies
 from random_scenes import judge
 
 import halfplane_fe
@@ -571,9 +576,24 @@ def values(count: int = 30, seed: int | None = None, preset: str = "default") ->
     """Whether the stated uncertainty of every value covers its error, between random half-planes
     against theory; without a seed another one is drawn each time, and printed.
     """
+    return _shown(judge, count, seed, preset)
+
+
+def bodies(count: int = 40, seed: int | None = None, preset: str = "default") -> int:
+    """The same of real bodies, unlike materials, bulk stress and tilt, against finer meshes."""
+    return _shown(judge_bodies, count, seed, preset)
+
+
+def _shown(
+    table_of: Callable[[int, int, str, Callable[[str], None]], list[str]],
+    count: int,
+    seed: int | None,
+    preset: str,
+) -> int:
+    """Prints a line for each scene as it is done, then the table."""
     if seed is None:
         seed = int(np.random.SeedSequence().generate_state(1)[0])
-    for line in judge(count, seed, preset, functools.partial(print, flush=True)):
+    for line in table_of(count, seed, preset, functools.partial(print, flush=True)):
         print(line)
     return 0
 
@@ -669,7 +689,14 @@ def profiles(count: int = 200, seed: int = 1) -> int:
     return 1 if answered < count or share < 0.95 else 0
 
 
+COMMANDS: dict[str, Callable[..., int]] = {
+    "values": values,
+    "bodies": bodies,
+    "models": models,
+    "profiles": profiles,
+}
+
 if __name__ == "__main__":
     kind, *words = sys.argv[1:]
     arguments = [int(word) if word.isdecimal() else word for word in words]
-    sys.exit({"models": models, "profiles": profiles, "values": values}[kind](*arguments))
+    sys.exit(COMMANDS[kind](*arguments))

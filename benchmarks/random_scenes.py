@@ -95,7 +95,7 @@ def _ellipse(draw: np.random.Generator, largest: float, friction: float) -> dict
     angle = np.linspace(0, 2 * np.pi, 4001)
     wave = offset + (1 - offset) * np.cos(angle - np.radians(phase))
     limit = friction * mean * (1 + swing * np.cos(angle))
-    amplitude = _share_of_sliding(draw) / np.max(np.abs(wave) / limit)
+    amplitude = share_of_sliding(draw) / np.max(np.abs(wave) / limit)
     return {
         "kind": "ellipse",
         "mean_normal_load": mean,
@@ -113,12 +113,12 @@ def _polygon(draw: np.random.Generator, largest: float, friction: float) -> dict
     normal = largest * draw.uniform(0.1, 1.0, count)
     normal[0] = largest
     shares = draw.uniform(-1.0, 1.0, count)
-    shares *= _share_of_sliding(draw) / np.abs(shares).max()
+    shares *= share_of_sliding(draw) / np.abs(shares).max()
     vertices = np.column_stack([normal, friction * normal * shares]).tolist()
     return {"kind": "polygon", "initial_loading": vertices[:1], "cycle": vertices[1:]}
 
 
-def _share_of_sliding(draw: np.random.Generator) -> float:
+def share_of_sliding(draw: np.random.Generator) -> float:
     """Largest |Q|/(f P): 1 minus 1e-3 to 0.9."""
     return 1 - math.exp(draw.uniform(math.log(1e-3), math.log(0.9)))
 
