@@ -44,7 +44,7 @@ import scipy
 from scenes.array_types import Array, Complex
 
 # Outermost nodes of the contact that are the mesh's own.
-_RIM = 3
+RIM = 3
 # Share of the half-width behind them that p^2 is fitted to on fine meshes: there the error of
 # single nodes is left, which many nodes make small.
 _SPAN = 0.17
@@ -92,7 +92,7 @@ class RootFit(NamedTuple):
         root mean square of the relative residual above which half as many nodes are fitted
     """
 
-    rim: int = _RIM
+    rim: int = RIM
     share: float = 1.0
     degree: int = _DEGREE
     most_rough: float = _ROUGH
@@ -428,11 +428,11 @@ def tractions_with_uncertainty(nodal: Nodal) -> TractionsAndUncertainty:
     difference = np.abs(at_level.edge_tension() - tension)
     uncertainty = np.maximum(uncertainty, difference)
     of_unseen_slip = np.zeros(2)
-    if not (nodal.growing or nodal.slips(_RIM + 1)) and math.isfinite(nodal.stick[0]):
+    if not (nodal.growing or nodal.slips(RIM + 1)) and math.isfinite(nodal.stick[0]):
         # p at a depth d into the contact is sum k A_k sqrt(2 d/h) there: p^2/d at the nodes of the
         # rim.
-        depth = np.array([nodal.x[_RIM] - series.edges[0], series.edges[1] - nodal.x[-1 - _RIM]])
-        pressure = np.array([nodal.pressure[_RIM], nodal.pressure[-1 - _RIM]])
+        depth = np.array([nodal.x[RIM] - series.edges[0], series.edges[1] - nodal.x[-1 - RIM]])
+        pressure = np.array([nodal.pressure[RIM], nodal.pressure[-1 - RIM]])
         of_unseen_slip = 8 / math.pi * nodal.friction * pressure * (depth > 0)
     return TractionsAndUncertainty(series, uncertainty + series.placed, of_unseen_slip)
 
@@ -484,11 +484,11 @@ def _form(nodal: Nodal) -> Callable[[Array], Array]:
         return over_root
 
     smooth_part = 0.0
-    if len(nodal.x) > 3 * _RIM:
-        inner = nodal.x[_RIM:-_RIM]
+    if len(nodal.x) > 3 * RIM:
+        inner = nodal.x[RIM:-RIM]
         square = (inner - left) * (right - inner)
         root = np.sqrt(np.maximum(square, (_AT_EDGE * half_width) ** 2))
-        smooth_part = float(np.mean(nodal.pressure[_RIM:-_RIM] / root - of_kinks(inner)))
+        smooth_part = float(np.mean(nodal.pressure[RIM:-RIM] / root - of_kinks(inner)))
     if not len(kinks) or not np.all(smooth_part + of_kinks(nodal.x) > 0):
         return np.ones_like
     return lambda x: smooth_part + of_kinks(x)

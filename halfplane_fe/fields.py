@@ -26,6 +26,7 @@ from halfplane_fe.elasticity import (
 )
 from halfplane_fe.face_stress import (
     FEWEST,
+    RIM,
     Nodal,
     SizeEffect,
     Tractions,
@@ -262,7 +263,46 @@ def edge_tension(solution: ContactSolution, steps: Sequence[int]) -> tuple[Array
             " known; solve it again"
         )
     tension = _edge_tension(solution, steps)
-    return tension.values, tension.uncertainties + tension.of_unseen_slip
+    of_new_contact = np.array([_of_new_contact(solution, step) for step in steps])
+    return (
+        tension.values,
+        tension.uncertainties + tension.of_unseen_slip + of_new_contact.reshape(-1, 1, 2),
+    )
+
+
+def _of_new_contact(solution: ContactSolution, step: int) -> Array:
+    """(2,) change of the tension at both edges by contact that is new since P began to grow in full
+    stick, where it is too narrow for the nodes of the rim to show its shear [stress].
+
+    Within the width w of new contact q/p near the edge is dQ/dP, behind it what the slip before has
+    left. With p = K sqrt(d) a difference c of the two changes s_xx by (4/pi) c K sqrt(w).
+    """
+    if not _sticks_in_full(solution, step):
+        return np.zeros(2)
+    start = step
+    while (
+        start > 0
+        and solution.normal_load[start - 1] < solution.normal_load[start]
+        and _sticks_in_full(solution, start - 1)
+    ):
+        start -= 1
+    nodal = _nodal(solution, step)
+    if start == step or len(nodal.x) <= 2 * RIM:
+        return np.zeros(2)
+    rise_of_p = float(solution.normal_load[step] - solution.normal_load[step - 1])
+    rise_of_q = float(solution.tangential_load[step] - solution.tangential_load[step - 1])
+    at_rim = [RIM, -1 - RIM]
+    depth = np.abs(nodal.x[at_rim] - solution.contact_edges[step])
+    width = np.abs(solution.contact_edges[step] - solution.contact_edges[start])
+    pressure = nodal.pressure[at_rim]
+    change_of_ratio = np.abs(rise_of_q / rise_of_p - nodal.shear[at_rim] / pressure)
+    pressure_at_width = pressure * np.sqrt(width / depth)
+    return np.where(width < depth, 4 / np.pi * change_of_ratio * pressure_at_width, 0.0)
+
+
+def _sticks_in_full(solution: ContactSolution, step: int) -> bool:
+    """Whether the stick edges are those of contact."""
+    return bool(np.array_equal(solution.stick_edges[step], solution.contact_edges[step]))
 
 
 class _EdgeTension(NamedTuple):

@@ -576,8 +576,9 @@ def _of_permanent_stick(scene: Scene, arrays: Mapping[str, Any]) -> float:
     """Uncertainty of the permanent stick half-width [length]: of the stick edges that bound it.
 
     The zone ends at the innermost edge of the last cycle. With edges e +- u, that edge is between
-    the innermost e - u and the innermost e + u. NaN where nothing sticks all the time, and where
-    the path does not repeat.
+    the innermost e - u and the innermost e + u. Between coupled bodies, and under bulk stress or
+    tilt, what only creeps counts as stuck too: by how much that differs from the edges is a part of
+    it. NaN where nothing sticks all the time, and where the path does not repeat.
     """
     period = scene.load.path().period
     if period is None or math.isnan(arrays["permanent_stick_half_width"]):
@@ -590,7 +591,9 @@ def _of_permanent_stick(scene: Scene, arrays: Mapping[str, Any]) -> float:
     innermost = edges.min(axis=0)
     nearest = (edges - edge_uncertainty).min(axis=0)
     farthest = (edges + edge_uncertainty).min(axis=0)
-    return float(np.mean(np.maximum(innermost - nearest, farthest - innermost)))
+    of_edges = np.mean(np.maximum(innermost - nearest, farthest - innermost))
+    of_creep = abs(arrays["permanent_stick_half_width"] - np.mean(innermost))
+    return float(of_edges + of_creep)
 
 
 def _peak_uncertainty(task: _Task, arrays: Mapping[str, Any]) -> float:
