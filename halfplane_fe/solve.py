@@ -58,6 +58,7 @@ from halfplane_fe.uncertainty import (
     peak_uncertainty,
     run_values,
     share_of_flanks,
+    share_of_shapes,
     uncertainties,
     uncertainty,
     uncertainty_note,
@@ -455,10 +456,11 @@ def _solution(
     if run.failure is None:
         left_by_trend = float(np.nan_to_num(abs(run.trend.left)))
         dissipation_uncertainty = (_uncertainty(task, run) + left_by_trend) * task.work_unit
-        least_contact = _revolution(task, run, arrays).least_contact()
-        dissipation_uncertainty += arrays["dissipation"] * share_of_flanks(
-            scene.profile, least_contact, task.element * scales.half_width
-        )
+        revolution = _revolution(task, run, arrays)
+        share_of_mesh = share_of_flanks(
+            scene.profile, revolution.least_contact(), task.element * scales.half_width
+        ) + share_of_shapes(scene, revolution.load, task.element)
+        dissipation_uncertainty += arrays["dissipation"] * share_of_mesh
     states = tuple(run.states[index] for index in run.stored)
     audit = penalty_audit(scene, problem, states, arrays, scales)
     largest_tangential_load = float(np.abs(arrays["tangential_load"]).max())
