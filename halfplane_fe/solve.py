@@ -46,6 +46,8 @@ from halfplane_fe.scales import (
     estimate_room,
     find_scales,
     from_datum,
+    is_plain_record,
+    is_record,
     needs_shear,
     on_half,
     sheared,
@@ -70,7 +72,6 @@ from scenes import (
     InputError,
     Profile,
     Scene,
-    TimeSeriesLoad,
     Work,
     freeze,
     scene_of,
@@ -208,17 +209,11 @@ class _Task:
         return self.mesh.order == 1 or self.settings.method == "penalty"
 
     @property
-    def is_record(self) -> bool:
-        """Whether the load is a record of rows."""
-        return isinstance(self.scene.load, TimeSeriesLoad)
-
-    @property
     def steps_by_kinks(self) -> bool:
         """Whether what kinks in increments add stands for the whole error of the steps: in records
         of like bodies, without bulk stress, tilt or layer.
         """
-        plain_faces = shapes_alike(self.scene) and not self.scene.unsymmetric
-        return self.is_record and plain_faces and not self.has_plain_errors
+        return is_plain_record(self.scene) and not self.has_plain_errors
 
     @property
     def element(self) -> float:
@@ -280,7 +275,7 @@ def _solve_path(
     # Increments of coupled bodies are dear, and a record has many; elsewhere short ones also place
     # the edges, which are fitted there.
     expected = 0.0
-    if true_faces.coupling is not None or task.is_record:
+    if true_faces.coupling is not None or is_record(scene):
         expected = float(np.nan_to_num(task.scales.dissipation)) / task.work_unit
     pace = Pace(
         load=task.scales.load,
