@@ -135,6 +135,12 @@ ROWS = (
         f"import semi_analytic\nsemi_analytic.solve({str(_DOVETAIL)!r})",
         memory=True,
     ),
+    Row(
+        "finite elements, dovetail-in-phase: peak memory",
+        0.55,
+        f"import halfplane_fe\nhalfplane_fe.solve({str(_DOVETAIL)!r})",
+        memory=True,
+    ),
 )
 
 

@@ -36,8 +36,10 @@ _LEAST_FORCE = 1e-13
 
 # Force or gap that is the last digit of an answer, and not left by an event.
 _LAST_DIGIT = 1e-15
-# Bytes of rates that are kept: a cycle meets the same sets of nodes again.
-_RATE_BYTES = 200_000_000
+# Rates that are kept: of the sets that increments had, until their energies are found
+# (`run._AT_ONCE`). In bytes, and so many sets at least.
+_RATE_BYTES = 20_000_000
+_LEAST_RATES = 128
 
 _RIGID = ("approach", "shift", "tilt")
 _NODAL = ("slip", "pressure", "shear", "gap")
@@ -383,7 +385,8 @@ class ContactProblem:
             # by P, Q and bulk stresses at constant moment; by the moment
             factors = [*moments, moment_by_tilt - 1]
             by_load = by_load - np.outer(factors, by_load[_TILT_OR_MOMENT]) / moment_by_tilt
-        if len(self._rates) * by_load.nbytes > _RATE_BYTES:
+        n_sets = len(self._rates)
+        if n_sets > _LEAST_RATES and n_sets * by_load.nbytes > _RATE_BYTES:
             self._rates.pop(next(iter(self._rates)))
         return self._rates.setdefault(states.tobytes(), by_load)
 

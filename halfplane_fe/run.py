@@ -16,7 +16,8 @@ The number m follows from the last ratio, d_k being about (k - 1/2)^-(m+1): r = 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import itertools
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -44,6 +45,9 @@ _LEAST_DISSIPATION = 3e-3
 MOST_INSTANTS = 4000
 # Share of the first leg of the initial loading after which its line of action is read.
 _SOON = 1e-3
+# Increments whose energies are found together: few enough that the rates of their states are still
+# cached, which are what a path needs most memory for.
+_AT_ONCE = 32
 # Share of the largest value within which two values are the same but for round-off.
 _SAME = 1e-12
 # A ratio of a geometric series stays; that of m = 1 rises by a factor of 1 + 2/[k (k-2)] from one
@@ -190,8 +194,8 @@ class PathRun:
     bounded
         whether states may be dropped
     blocks
-        energies (but for those of each node) and checks by name, (k,) of the k increments of
-        each stretch
+        energies (but for those of each node) and checks by name, (k,) of k increments of a
+        stretch
     iterations
         (n_steps), of each increment
     density
@@ -225,6 +229,7 @@ class PathRun:
     cycle_change: list[float] = field(default_factory=list)
     failure: ConvergenceError | Interrupted | None = None
     _thinning: _Thinning = field(default_factory=_Thinning)
+    _first_of_stretch: int = 0
 
     def column(self, name: str) -> Array:
         """(n_steps,) one energy or check of all increments."""
@@ -266,7 +271,7 @@ class PathRun:
         leg: LoadSegment,
         units: tuple[float, ...],
     ) -> None:
-        """Add the increments of a stretch with their energies and checks; all of them or, where
+        """Add some increments of a stretch with their energies and checks; all of them or, where
         Ctrl-C comes in between, none.
         """
         if not increments:
@@ -287,8 +292,13 @@ class PathRun:
             iterations=self.iterations + [increment.iterations for increment in increments],
             density=self.density + dissipation.sum(axis=0),
         )
-        if self.bounded:
-            self._thin(len(self.states) - len(states))
+
+    def end_stretch(self) -> None:
+        """End a stretch: of a long path states of it, or earlier ones, are dropped."""
+        last = len(self.states) - 1
+        if self.bounded and last > self._first_of_stretch:
+            self._thin(self._first_of_stretch)
+        self._first_of_stretch = last
 
     def close_cycle(self, edge_excess: Excess) -> None:
         """End a revolution and take off what edges between nodes add to its dissipation, of
@@ -488,12 +498,30 @@ def _follow_legs(
 
     for number, piece in enumerate(pieces):
         report(number)
+        followed = follow(problem, run.states[-1], piece, units, tolerance)
+        try:
+            _take_all(problem, run, followed, piece, units)
+        finally:
+            run.end_stretch()
+    report(len(pieces))
+
+
+def _take_all(
+    problem: ContactProblem,
+    run: PathRun,
+    followed: Iterator[Increment],
+    stretch: Stretch,
+    units: tuple[float, ...],
+) -> None:
+    """Add the increments of a stretch to a run, `_AT_ONCE` of them at a time."""
+    ended = False
+    while not ended:
         increments: list[Increment] = []
         try:
-            increments += follow(problem, run.states[-1], piece, units, tolerance)
+            increments += itertools.islice(followed, _AT_ONCE)
         finally:
-            run.take(problem, increments, piece.leg, units)
-    report(len(pieces))
+            ended = len(increments) < _AT_ONCE
+            run.take(problem, increments, stretch.leg, units)
 
 
 def _reference_dissipation(run: PathRun, pace: Pace, friction: float) -> float:

@@ -43,8 +43,9 @@ from scenes.array_types import Array, Indices, Mask, States
 
 Factors = tuple[Array, NDArray[np.int32]]
 
-# Bytes of bases: a cycle meets the same sets again and again.
-_BYTES = 300_000_000
+# Bytes of bases, and so many at least: a cycle meets the same sets again and again.
+_BYTES = 75_000_000
+_LEAST_BASES = 4
 # Rows in which a set may differ from its base: beyond that the set becomes a base itself.
 _MOST_ROWS = 96
 # Sets of which `corrections` keeps the factors: the iterations of an increment go to and fro
@@ -521,5 +522,5 @@ class Systems:
         answers[:, 3 : 3 + n] = moved[n:].T  # slip
         answers[:, 3 + n : 3 + 3 * n] = z[: 2 * n].T  # pressure and shear
         answers[:, 3 + 3 * n :] = moved[:n].T  # gap
-        while len(self._bases) > 1 and sum(base.nbytes for base in self._bases) > _BYTES:
+        while len(self._bases) > _LEAST_BASES and sum(base.nbytes for base in self._bases) > _BYTES:
             self._bases.pop(0)

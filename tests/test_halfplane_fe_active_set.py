@@ -387,6 +387,7 @@ def test_bytes_kept_stay_within_the_bound(every: int, monkeypatch: pytest.Monkey
     n = 60
     base_bytes = 8 * (122**2 + 120 * (3 + 4 * n))  # of a base all of whose answers are there
     monkeypatch.setattr(systems, "_BYTES", bound := 3 * base_bytes)
+    monkeypatch.setattr(systems, "_LEAST_BASES", 1)
     monkeypatch.setattr(systems, "_MOST_ROWS", 40)
     set_systems = random_systems(n=n)
     reached = []

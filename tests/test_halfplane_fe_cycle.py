@@ -432,6 +432,26 @@ def test_a_tighter_step_tolerance_halves_more_and_errs_less() -> None:
     assert halved[0] == 0 < halved[1] < halved[2]
 
 
+def test_rates_serve_the_energies_of_their_increments_from_a_small_cache(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A few increments at a time need few sets; with the energies of a stretch at its end the sets
+    of its first increments would be gone, and solved for again.
+    """
+    settings = SolverSettings(steps_per_cycle=64)
+    scene = unlike("hertz-paper").vary(cycles=1)
+    kept = halfplane_fe.solve(scene, MODEST, settings)
+    monkeypatch.setattr(halfplane_fe.contact, "_RATE_BYTES", 0)
+    monkeypatch.setattr(halfplane_fe.contact, "_LEAST_RATES", 16)
+    monkeypatch.setattr(halfplane_fe.run, "_AT_ONCE", 4)
+    few = halfplane_fe.solve(scene, MODEST, settings, scales=kept.scales)
+    monkeypatch.setattr(halfplane_fe.run, "_AT_ONCE", 10**9)
+    at_end = halfplane_fe.solve(scene, MODEST, settings, scales=kept.scales)
+    assert few.work.counts["rates"] < 1.2 * kept.work.counts["rates"]
+    assert at_end.work.counts["rates"] > 1.3 * few.work.counts["rates"]
+    assert few.dissipation == pytest.approx(kept.dissipation, rel=1e-12)
+
+
 @cache
 def record_of_turns(turns: int) -> FiniteElementSolution:
     """A record of like half-planes: so many equal turns of P and Q, in eight rows each."""
