@@ -130,9 +130,9 @@ ROWS = (
     Row("`halfplane --help`", 1.0, _COMMAND.format(words=["--help"])),
     Row("`halfplane check hertz-paper`", 0.6, _COMMAND.format(words=["check", "hertz-paper"])),
     Row(
-        "theory, dovetail-in-phase: peak memory",
+        "finite elements, dovetail-in-phase: peak memory",
         0.51,
-        f"import semi_analytic\nsemi_analytic.solve({str(_DOVETAIL)!r})",
+        f"import halfplane_fe\nhalfplane_fe.solve({str(_DOVETAIL)!r})",
         memory=True,
     ),
     Row(
