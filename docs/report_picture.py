@@ -26,7 +26,9 @@ HERE = Path(__file__).parent
 
 
 def measured(folder: Path) -> dict[str, dict[str, float]]:
-    """Finite elements/theory - 1 of two metrics and its uncertainty, by a run into `folder`."""
+    """Finite elements/theory - 1 of two metrics and its uncertainty, and what the main cause makes
+    of the dissipation, by a run into `folder`.
+    """
     command = [
         sys.executable,
         "-m",
@@ -41,11 +43,15 @@ def measured(folder: Path) -> dict[str, dict[str, float]]:
     run = subprocess.run(command, check=False, stdout=subprocess.PIPE, text=True)
     if run.returncode > 1:  # 1: a metric is undecided
         raise SystemExit(run.returncode)
-    metrics = json.loads(run.stdout)["result"]["metrics"]
+    result = json.loads(run.stdout)["result"]
     numbers = {}
     for key in ("dissipation", "peak_pressure"):
-        metric = metrics[key]
+        metric = result["metrics"][key]
         numbers[key] = {"value": metric["value"], "uncertainty": metric["uncertainty"]}
+    why = result["why"]
+    cause = why["main_cause"]
+    step = next(step for step in why["steps"] if step["cause"] == cause)
+    numbers[cause] = {"value": step["value"], "uncertainty": step["uncertainty"]}
     return numbers
 
 
