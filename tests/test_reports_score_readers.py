@@ -831,6 +831,7 @@ CELL_TYPES 2
 5
 0
 """
+CELL_OF_LESS = CELL_OF_NOTHING.replace("0 1 2\n0\n", "0 1 2\n-1\n")
 PVD = "<VTKFile type='Collection'><DataSet {}file='a.pvd'/></VTKFile>"
 AVERAGE = meshio.Mesh(POINTS, CELLS, cell_data={"CPRESS": [np.ones(80)], "CSHEAR1": [np.ones(80)]})
 
@@ -911,6 +912,7 @@ FAULTS: dict[str, tuple[Any, ...]] = {
     "XDMF": (file("<Xdmf Version='3.0'></Xdmf>", "a.xdmf"), "no reader for '.xdmf'; it reads .csv"),
     "no such point": (no_such_point, "names a point that is not there"),
     "cell of nothing": (file(CELL_OF_NOTHING, "a.vtk"), "a cell has no points"),
+    "cell of less": (file(CELL_OF_LESS, "a.vtk"), "a cell has no points"),
     "no field": (
         file(partial(mesh, force=traction)),
         "neither contact pressure, nor contact traction, nor stress at points among 'force'",
@@ -1007,7 +1009,7 @@ def test_each_fault_of_a_file_is_one_sentence(
     fault: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     make, fact, *mapping = FAULTS[fault]
-    if fault not in ("empty VTU", "no VTK", "no such point", "cell of nothing"):
+    if fault not in ("empty VTU", "no VTK", "no such point", "cell of nothing", "cell of less"):
         monkeypatch.setattr(field_files, "_read_apart", read_here)
     path = make(tmp_path)
     with pytest.raises(InputError, match=re.escape(fact)) as caught:
