@@ -87,7 +87,7 @@ def at_many_places(name: str, count: int = 9) -> Iterator[tuple[PathRun, float, 
     pair = coarse_pair(load_scene(name))
     size = scales._fitting_size(pair)
     for larger in np.linspace(0.92, 1.06, count):
-        problem, run = scales._coarse_run(pair, size * larger)
+        problem, run = scales._coarse_run(pair, size * larger, scales._COARSE_STEPS)
         pressed = max(run.states, key=lambda state: state.normal_load)
         half_width = float(np.diff(scales._contact_edges(problem, [pressed]))[0, 0] / 2)
         yield run, (scales._ELEMENTS * half_width) ** -2.0, pair.load**2 / pair.modulus
