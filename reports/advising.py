@@ -35,8 +35,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from reports.comparison.laws import QUANTITIES
 from reports.comparison.pairs import coupled
 from reports.comparison.verdicts import Verdict, verdict_on
-from reports.comparison.why import Why
-from reports.units import minus
+from reports.comparison.why import Why, in_percent
 from scenes import BodyEffects, ContactSolution, Estimate, InputError, Scene
 
 if TYPE_CHECKING:
@@ -113,8 +112,8 @@ class Advice:
     def __repr__(self) -> str:
         """The sentence that `halfplane advise` begins with, and the other changes in per cent."""
         changes = [
-            f"{change.words} {_percent(change.change.value)} ± "
-            f"{_percent(change.change.uncertainty).lstrip('+')} %"
+            f"{change.words} {in_percent(change.change.value)} ± "
+            f"{in_percent(change.change.uncertainty).lstrip('+')} %"
             for key, change in self.changes.items()
             if key != WORK and math.isfinite(change.change.value)
         ]
@@ -322,22 +321,16 @@ def _size_of_odd_part(effects: BodyEffects, scene: Scene, half_width: float) -> 
 def sentence(advice: Advice) -> str:
     """By how much theory is expected to err in the dissipation, and what makes the error."""
     change = advice.work
-    names = [f"{words} {_percent(part.value)}" for words, part in advice.parts.items()]
+    names = [f"{words} {in_percent(part.value)}" for words, part in advice.parts.items()]
     words = (
-        f"Half-plane theory is expected to err by {_percent(change.value)}"
-        f" ± {_percent(change.uncertainty).lstrip('+')} % in the dissipation"
+        f"Half-plane theory is expected to err by {in_percent(change.value)}"
+        f" ± {in_percent(change.uncertainty).lstrip('+')} % in the dissipation"
         f" (finite elements/theory − 1): {', '.join(names)}"
     )
     if advice.left_out:
-        size = _percent(advice.left_out).lstrip("+")
+        size = in_percent(advice.left_out).lstrip("+")
         words += f"; tilt and bulk strain are left out, and counted as ± {size} %"
     return f"{words}. {_what_to_do(advice)}"
-
-
-def _percent(share: float) -> str:
-    """A share in per cent, two digits behind the point, with its sign unless these are zeros."""
-    digits = f"{100 * share:+.2f}"
-    return "0.00" if float(digits) == 0 else minus(digits)
 
 
 def _what_to_do(advice: Advice) -> str:

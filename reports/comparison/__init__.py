@@ -21,6 +21,7 @@ Offered to the rest of reports, `Comparison` `compare` first; each file imports 
                     `QUANTITIES` `OF_UNSYMMETRIC`; those that its scene expects: `Finding`
                     `expected_numbers` `expected_content` `expected_rows` `EXPECTED_HEADS`
     why.py          the difference of W split by what makes it: `Why` `Step` `percent_of`
+                    `in_percent`
     judged.py       all of that with its verdict: `JudgedPair`
     words.py        all of that in sentences, whose words are in templates/words.txt: `headline`
                     `lead` `verdict` `how_judged` `standing` `uncertain_work` `question`

@@ -32,6 +32,12 @@ LEFT = "what is left"
 NUMERICAL = "mesh and steps"
 
 
+def in_percent(share: float) -> str:
+    """A share in per cent, two digits behind the point, with its sign unless these are zeros."""
+    digits = f"{100 * share:+.2f}"
+    return "0.00" if float(digits) == 0 else minus(digits)
+
+
 def percent_of(change: Estimate) -> str:
     """A share in per cent to two digits behind the point, with its uncertainty, 0.01 at least;
     without one where that is 0 or unknown.
@@ -39,8 +45,7 @@ def percent_of(change: Estimate) -> str:
     >>> percent_of(Estimate(-0.0200, 0.00021)), percent_of(Estimate(0.0004))
     ('−2.00 ± 0.02 %', '+0.04 %')
     """
-    digits = f"{100 * change.value:+.2f}"
-    words = minus("0.00" if float(digits) == 0 else digits)
+    words = in_percent(change.value)
     if not change.uncertainty or math.isnan(change.uncertainty):
         return f"{words} %"
     uncertainty = max(100 * change.uncertainty, 0.01)
@@ -77,7 +82,7 @@ class Why(PythonNumbers):
         of the bodies, by what makes them, in the order in which they are taken; empty where the
         difference is not split
     numerical
-        mesh and steps, known terms of the budget with their uncertainty
+        known terms of the budget, mesh and steps; their uncertainty is in that of E
     not_split
         why it is not; empty where it is
     """
