@@ -17,7 +17,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from random_scenes import HEAD, LITTLE_SLIP, Coverage, Errors, share_of_sliding
+from random_scenes import Errors, Tables, first_line, share_of_sliding
 
 import halfplane_fe
 from halfplane_fe import FiniteElementSolution, SolverSettings
@@ -280,9 +280,7 @@ def judge_bodies(
     """
     draw = np.random.default_rng(seed)
     mesh = MeshSettings.preset(preset)
-    groups: dict[str, dict[str, Coverage]] = {"slip": {}, "hardly slip": {}}
-    scenes = {"slip": 0, "hardly slip": 0}
-    refused = 0
+    tables = Tables()
     unresolved: dict[str, int] = {}
     for number in range(count):
         scene = random_bodies(draw, number)
@@ -291,30 +289,13 @@ def judge_bodies(
             answer = halfplane_fe.solve(scene, mesh)
             judged = errors_of_bodies(answer, mesh)
         except (InputError, ConvergenceError) as reason:
-            refused += 1
+            tables.refused += 1
             report(f"{name}: refused, {reason}")
             continue
-        work_unit = (
-            2 / answer.scales.modulus * (scene.friction.coefficient * answer.scales.load) ** 2
-        )
-        group = "slip" if answer.dissipation >= LITTLE_SLIP * work_unit else "hardly slip"
-        scenes[group] += 1
-        words = []
-        for quantity, errors in judged.errors.items():
-            groups[group].setdefault(quantity, Coverage()).add(name, errors)
-            with np.errstate(invalid="ignore"):
-                missed = errors.error > errors.stated
-            if missed.any():
-                ratio = float(np.max(errors.error[missed] / errors.stated[missed]))
-                words.append(f"{quantity} {ratio:.2g}")
         for quantity in judged.unresolved:
             unresolved[quantity] = unresolved.get(quantity, 0) + 1
-        report(f"{name}: {'; '.join(words) or 'all covered'}")
-    lines = [f"seed {seed}, {preset} preset, {count} scenes, {refused} refused or not converged"]
-    for group, quantities in groups.items():
-        if quantities:
-            lines += ["", f"{scenes[group]} scenes that {group}:", "", *HEAD]
-            lines += [coverage.row(quantity) for quantity, coverage in quantities.items()]
+        report(tables.add(name, answer, judged.errors))
+    lines = [first_line(seed, preset, count, tables.refused), *tables.lines()]
     if unresolved:
         counts = [f"{quantity} in {number}" for quantity, number in unresolved.items()]
         lines += ["", f"Not judged, the references differing too much: {', '.join(counts)}."]

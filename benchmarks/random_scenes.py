@@ -297,6 +297,40 @@ HEAD = (
 )
 
 
+class Tables:
+    """What random scenes show of every quantity: of those that slip, and of those that hardly do.
+
+    Attributes
+    ----------
+    refused
+        scenes that were refused, or did not converge
+    """
+
+    def __init__(self) -> None:
+        self._groups: dict[str, dict[str, Coverage]] = {"slip": {}, "hardly slip": {}}
+        self._scenes = {"slip": 0, "hardly slip": 0}
+        self.refused = 0
+
+    def add(self, name: str, answer: FiniteElementSolution, errors: Mapping[str, Errors]) -> str:
+        """Count a scene; returns its line, with the quantities that are not covered."""
+        friction = answer.scene.friction.coefficient
+        work_unit = 2 / answer.scales.modulus * (friction * answer.scales.load) ** 2
+        group = "slip" if answer.dissipation >= LITTLE_SLIP * work_unit else "hardly slip"
+        self._scenes[group] += 1
+        for quantity, of_quantity in errors.items():
+            self._groups[group].setdefault(quantity, Coverage()).add(name, of_quantity)
+        return f"{name}: {'; '.join(_missed(errors)) or 'all covered'}"
+
+    def lines(self) -> list[str]:
+        """Both tables."""
+        lines = []
+        for group, quantities in self._groups.items():
+            if quantities:
+                lines += ["", f"{self._scenes[group]} scenes that {group}:", "", *HEAD]
+                lines += [coverage.row(quantity) for quantity, coverage in quantities.items()]
+        return lines
+
+
 def judge(
     count: int, seed: int, preset: str, report: Callable[[str], None] = lambda _line: None
 ) -> list[str]:
@@ -308,34 +342,24 @@ def judge(
         called with a line for each scene, as it is done
     """
     draw = np.random.default_rng(seed)
-    groups: dict[str, dict[str, Coverage]] = {"slip": {}, "hardly slip": {}}
-    scenes = {"slip": 0, "hardly slip": 0}
-    refused = 0
     mesh = MeshSettings.preset(preset)
+    tables = Tables()
     for number in range(count):
         scene = random_half_planes(draw, number)
         name = f"{number} {_words(scene)}"
         try:
             answer = halfplane_fe.solve(scene, mesh)
         except (InputError, ConvergenceError) as reason:
-            refused += 1
+            tables.refused += 1
             report(f"{name}: refused, {reason}")
             continue
-        errors = errors_of(answer)
-        work_unit = (
-            2 / answer.scales.modulus * (scene.friction.coefficient * answer.scales.load) ** 2
-        )
-        group = "slip" if answer.dissipation >= LITTLE_SLIP * work_unit else "hardly slip"
-        scenes[group] += 1
-        for quantity, of_quantity in errors.items():
-            groups[group].setdefault(quantity, Coverage()).add(name, of_quantity)
-        report(f"{name}: {'; '.join(_missed(errors)) or 'all covered'}")
-    lines = [f"seed {seed}, {preset} preset, {count} scenes, {refused} refused or not converged"]
-    for group, quantities in groups.items():
-        if quantities:
-            lines += ["", f"{scenes[group]} scenes that {group}:", "", *HEAD]
-            lines += [coverage.row(quantity) for quantity, coverage in quantities.items()]
-    return lines
+        report(tables.add(name, answer, errors_of(answer)))
+    return [first_line(seed, preset, count, tables.refused), *tables.lines()]
+
+
+def first_line(seed: int, preset: str, count: int, refused: int) -> str:
+    """What was drawn."""
+    return f"seed {seed}, {preset} preset, {count} scenes, {refused} refused or not converged"
 
 
 def _words(scene: Scene) -> str:
