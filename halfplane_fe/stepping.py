@@ -278,28 +278,35 @@ class _Trial:
         ConvergenceError
             If the active set does not converge.
         """
-        event, self.target = self._predicted(self.start.state)
-        solved = self._equilibrium(self.target)
+        expected = self.start.state
+        if self.problem.interface.coupling is not None:
+            expected = _with_touching_nodes_sliding(self.start)
+        event, self.target = self._predicted(expected)
+        solved = self._equilibrium(self.target, expected)
         for _ in range(_MOST_PREDICTIONS - 1):
             if not _misses(self.problem, self.start, solved, event):
                 break
             changed = solved.closed != self.start.closed
-            event, self.target = self._predicted(_on_its_side(self.start, solved, changed))
+            expected = _on_its_side(self.start, solved, changed)
+            event, self.target = self._predicted(expected)
             if self.target == solved.time:
                 break
-            solved = self._equilibrium(self.target)
+            solved = self._equilibrium(self.target, expected)
             self.problem.work["events predicted again"] += 1
         if event != "regular":
             time = _exact_time(self.problem, self.start, self.loads_at, solved, event, self.end)
             if time != self.target:
-                solved = self._equilibrium(time)
+                solved = self._equilibrium(time, up_to_event(self.start, solved))
         return event, solved
 
     def _predicted(self, states: States) -> tuple[Event, float]:
         return next_event(self.problem, self.start, self.loads_at, self.end, states)
 
-    def _equilibrium(self, time: float) -> InterfaceState:
-        solved, iterations = self.problem.equilibrium(self.start, time, self.loads_at(time))
+    def _equilibrium(self, time: float, expected: States | None = None) -> InterfaceState:
+        """The state at an instant; `expected` are states that its nodes may have."""
+        solved, iterations = self.problem.equilibrium(
+            self.start, time, self.loads_at(time), expected
+        )
         self.iterations += iterations
         return solved
 
@@ -372,6 +379,22 @@ def _first_event(
     if share_to_touch <= share_to_release:
         return "touch", share_to_touch, touching
     return "release", share_to_release, leaving
+
+
+def _with_touching_nodes_sliding(start: InterfaceState) -> States:
+    """(n,) states; nodes that stick without pressure, as they have just touched, slide as the
+    neighbour that bears pressure does; those of `start` where nothing would stick.
+    """
+    just_touched = (start.state == STICK) & (start.pressure <= ROUNDING)
+    if not just_touched.any():
+        return start.state
+    states = start.state.copy()
+    for node in np.flatnonzero(just_touched).tolist():
+        neighbours = start.state[max(node - 1, 0) : node + 2]
+        sliding = neighbours[neighbours > STICK]
+        if len(sliding):
+            states[node] = sliding[0]
+    return states if np.any(states == STICK) else start.state
 
 
 def _misses(

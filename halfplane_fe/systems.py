@@ -437,19 +437,19 @@ class Systems:
 
     def _nearest(self, states: States) -> tuple[_Base, Mask]:
         """A base for a set, and the rows that differ: that from which the set was reached before,
-        the one used last or, where it is far, the nearest one, or the set itself."""
+        the nearest one or, where it is far, the set itself.
+        """
         # An update of a base makes a pivot of rounding from the zero that this is.
         if not (self._held_still or np.any(states == STICK)):
             raise SingularSet("no node sticks: the bodies slide on each other")
         key = states.tobytes()
         kinds = np.concatenate([states != OPEN, states], dtype=np.int8, casting="unsafe")
         base = next((base for base in self._bases if key in base.met), None)
-        for candidates in (self._bases[-1:], self._bases):
-            if base is None and candidates:
-                rows_apart = [np.count_nonzero(base.kinds != kinds) for base in candidates]
-                nearest = int(np.argmin(rows_apart))
-                if rows_apart[nearest] <= _MOST_ROWS:
-                    base = candidates[nearest]
+        if base is None and self._bases:
+            rows_apart = [np.count_nonzero(base.kinds != kinds) for base in self._bases]
+            nearest = int(np.argmin(rows_apart))
+            if rows_apart[nearest] <= _MOST_ROWS:
+                base = self._bases[nearest]
         if base is None:
             base = self._new_base(states, kinds)
         else:
