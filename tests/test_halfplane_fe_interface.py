@@ -21,13 +21,14 @@ from hypothesis import strategies as st
 from scipy.sparse.linalg import splu
 from skfem.models.elasticity import lame_parameters, linear_elasticity
 
+from halfplane_fe import elasticity
 from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.elasticity import CondensedBody, condense, scalar_element
-from halfplane_fe.interface import body_forces, couple
+from halfplane_fe.interface import Interface, body_forces, couple, without_local_difference
 from halfplane_fe.mortar import Side, mortar
 from halfplane_fe.systems import Layer, Systems
-from meshes import BodyMesh, SurfaceGrading, solid
-from scenes import Block, Elastic, Hertz, SurfaceState
+from meshes import BodyMesh, SurfaceGrading, half_disc, solid
+from scenes import Block, Elastic, Hertz, SurfaceState, load_scene
 from tolerances import order_of
 
 STEEL = Elastic(young_modulus=2.0, poisson_ratio=0.3)
@@ -483,3 +484,75 @@ def test_a_hydrostatic_state_goes_through_the_contact(line, ratio, order, cells)
     )
     assert state.approach == pytest.approx(strain * sum(HEIGHTS.values()), rel=1e-9)
     assert state.shift == pytest.approx(SHIFT, rel=1e-9)
+
+
+# --------------------------------------------- local parts of N and T, before they are made alike
+
+
+# Half-width of an elliptical traction: wider than what is made alike, and within it.
+WIDE = 0.45
+NARROW = 0.2
+# Share of it in which the surface is fitted.
+FITTED_SHARE = 0.8
+
+
+def half_planes() -> Interface:
+    """Two half-planes of one material, coupled; N and T as the elements make them."""
+    grading = SurfaceGrading(inner=0.0, outer=1.2, size=1 / 16, edge_size=1 / 16, radius=6.0)
+    body = condense(half_disc("body", grading, 0.5, 2), STEEL, 1.0)
+    return couple(body, body)
+
+
+def compliance_over_theory(faces: Interface, matrix: np.ndarray, half_width: float = WIDE) -> float:
+    """By how much elliptical tractions bend both surfaces, over what half-planes do.
+
+    t = sqrt(1 - x^2/c^2) moves each point by u(0) - x^2/(c E*), whether it presses or shears.
+    """
+    share = faces.x / half_width
+    forces = np.sqrt(np.maximum(1 - share**2, 0)) * faces.weights
+    fitted = np.abs(share) <= FITTED_SHARE
+    parabola = np.polynomial.polynomial.polyfit(share[fitted], (matrix @ forces)[fitted], 2)
+    contact_modulus = STEEL.young_modulus / (1 - STEEL.poisson_ratio**2) / 2
+    return -float(parabola[2]) * contact_modulus / half_width
+
+
+def check_local_parts(faces: Interface) -> None:
+    """N and T bend as half-planes do, to half a per cent, and like each other to a tenth of one."""
+    by_pressure = compliance_over_theory(faces, faces.normal)
+    by_shear = compliance_over_theory(faces, faces.tangential)
+    assert by_pressure == pytest.approx(1, abs=5e-3)
+    assert by_shear == pytest.approx(1, abs=5e-3)
+    assert by_shear == pytest.approx(by_pressure, abs=1e-3)
+
+
+def test_local_parts_of_both_compliances_are_those_of_half_planes() -> None:
+    check_local_parts(half_planes())
+
+
+def test_a_wrong_shear_modulus_of_the_elements_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It changes N and T alike: they agree with each other and not with theory."""
+    split_lame = elasticity.split_lame
+
+    def with_fault(material: Elastic, order: int) -> elasticity.SplitLame:
+        moduli = split_lame(material, order)
+        return moduli._replace(shear_modulus=1.02 * moduli.shear_modulus)
+
+    monkeypatch.setattr(elasticity, "split_lame", with_fault)
+    with pytest.raises(AssertionError):
+        check_local_parts(half_planes())
+
+
+def test_a_wrong_tangential_compliance_is_seen_before_it_is_made_like_the_normal_one() -> None:
+    """Afterwards it is hidden: the nodes nearby take T from N."""
+    faces = half_planes()
+    stiff_in_shear = dataclasses.replace(faces, tangential=0.98 * faces.tangential)
+    with pytest.raises(AssertionError):
+        check_local_parts(stiff_in_shear)
+    scene = load_scene("hertz-paper")
+    made_alike = without_local_difference(faces, scene)
+    made_alike_with_fault = without_local_difference(stiff_in_shear, scene)
+    assert made_alike is not None
+    assert made_alike_with_fault is not None
+    assert compliance_over_theory(faces, made_alike_with_fault.tangential, NARROW) == pytest.approx(
+        compliance_over_theory(faces, made_alike.tangential, NARROW), abs=1e-3
+    )
