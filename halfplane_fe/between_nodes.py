@@ -58,6 +58,8 @@ _SIMPSON = (1.8, 2.2)
 _STUCK = 1e-6
 # Share of its own range within which a node has turned round.
 _TURNED = 1e-6
+# Count of work: of the last revolution, for what it had is taken off the dissipation.
+TAKEN_OFF = "edges between nodes, taken off the dissipation"
 # Nodes of a zone below which its edge is not far from another one.
 _ZONE = 3
 
@@ -88,6 +90,7 @@ def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
     quadratic and of one size.
     """
     nothing = Excess(0.0, 0.0, 0)
+    problem.work.pop(TAKEN_OFF, None)
     if not problem.tangential:
         return nothing
     slip = np.stack([state.slip for state in states])
@@ -109,7 +112,7 @@ def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
         if at_contact_edge is not None:
             at_contact_edges.append(at_contact_edge)
     edges = at_stick_edges + at_contact_edges
-    problem.work["edges between nodes, taken off the dissipation"] += len(edges)
+    problem.work[TAKEN_OFF] = len(edges)
     # the two edges of a zone mostly stand alike in their elements: their scatters add up
     scatter = math.hypot(
         sum(edge.scatter for edge in at_stick_edges),

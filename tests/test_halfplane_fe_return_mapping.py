@@ -184,13 +184,14 @@ def test_wrong_tractions_of_the_return_mapping_are_seen(fault, method, monkeypat
     assert moved > limit
 
 
-@pytest.mark.parametrize("fault", [less_shear, more_shear_in_slip])
+@pytest.mark.parametrize("fault", [less_shear, more_shear_in_slip, less_pressure])
 def test_active_set_reads_the_states_alone(fault, monkeypatch) -> None:
-    """Wrong shear moves no bit of it: why the other route is kept."""
+    """Wrong tractions move nothing of it beyond round-off: why the other route is kept."""
     project = law.project
     monkeypatch.setattr(contact, "project", lambda *trials: fault(*project(*trials)))
     wrong = solved("hertz-paper")
-    np.testing.assert_array_equal(wrong.shear, by_active_set("hertz-paper").shear)
+    right = by_active_set("hertz-paper").shear
+    np.testing.assert_allclose(wrong.shear, right, rtol=0, atol=1e-13 * np.abs(right).max())
 
 
 @pytest.mark.slow
