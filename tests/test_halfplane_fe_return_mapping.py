@@ -140,14 +140,21 @@ def test_penalty_is_one_return_mapping_and_the_active_set_with_a_layer(monkeypat
 
 @pytest.mark.slow
 def test_penalty_tends_to_the_exact_law_as_one_over_its_stiffness() -> None:
+    """Well inside from 10 E*/h on. The largest error is at the edge of contact: below 100 E*/h a
+    node more touches there, and the error falls faster (1.3) until it touches no more.
+    """
     exact = by_active_set("hertz-paper")
     last = exact.pressure[-1]
-    stiffnesses = (1e2, 1e3, 1e4, 1e6)
-    errors = [
-        float(np.abs(layered(stiffness).pressure[-1] - last).max()) for stiffness in stiffnesses
-    ]
-    orders = -np.diff(np.log(errors)) / np.diff(np.log(stiffnesses))
-    np.testing.assert_allclose(orders, 1.0, atol=0.15)
+    inside = np.abs(exact.x) < 0.7 * exact.contact_half_width[-1]
+    stiffnesses = np.array([1e1, 1e2, 1e3, 1e4, 1e6])
+    pressures = [layered(float(stiffness)).pressure[-1] for stiffness in stiffnesses]
+    errors = np.abs(np.array(pressures) - last)
+    orders_inside = -np.diff(np.log(errors[:, inside].max(axis=1))) / np.diff(np.log(stiffnesses))
+    np.testing.assert_allclose(orders_inside, 1.0, atol=0.05)
+    orders = -np.diff(np.log(errors.max(axis=1))) / np.diff(np.log(stiffnesses))
+    np.testing.assert_allclose(orders[1:], 1.0, atol=0.01)
+    touching = [int(np.count_nonzero(pressure)) for pressure in pressures]
+    assert touching[0] > touching[1] == touching[-1] == np.count_nonzero(last)
 
 
 def less_shear(pressure, shear, states):
