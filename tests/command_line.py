@@ -109,6 +109,8 @@ def forked(
                 sent, signal.default_int_handler if sent == signal.SIGINT else signal.SIG_DFL
             )
         signal.alarm(600)
+        # Python keeps a compiled module cut off by the limit, and every later import of it fails.
+        sys.dont_write_bytecode = True
         resource.setrlimit(resource.RLIMIT_FSIZE, (file_size, file_size))
         if memory != resource.RLIM_INFINITY:
             used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()

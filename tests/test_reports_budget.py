@@ -217,10 +217,7 @@ def test_terms_and_rest_add_up_to_the_metric(paper):
 def test_an_idealisation_error_stands_out_and_vanishes(paper):
     """Planted: 1 % that no mesh cures, beside a mesh error of 0.1 % of first order."""
     comparison, _ = paper
-    comparison = replace(
-        comparison, result=replace(comparison.result, dissipation_uncertainty=float("nan"))
-    )
-    metric = replace(comparison.metric("dissipation"), value=1.1e-2)
+    metric = replace(comparison.metric("dissipation"), value=1.1e-2, stated=(0.0, float("nan")))
     line = error_budget(
         replace(comparison, metrics=(metric,)), invented(comparison, 1e-3, 1e-2), 1.0
     ).budget("dissipation")
@@ -239,33 +236,41 @@ def test_an_idealisation_error_stands_out_and_vanishes(paper):
     assert nothing.budget("dissipation").resolved is False
 
 
-@pytest.mark.parametrize(
-    ("stated", "refined"), [(1e-4, False), (0.0, False), (9e-3, True), (float("nan"), True)]
-)
-def test_the_work_of_a_scattered_ladder_has_the_smaller_uncertainty_that_the_answer_states(
-    paper, stated, refined
-):
-    """Runs at 0, 1e-3, -1e-3 are three times their spread uncertain, 6e-3; the answer's own is of
-    the mesh and the steps.
+@pytest.mark.parametrize("key", ["dissipation", "largest_slip"])
+@pytest.mark.parametrize("stated", [1e-4, 0.0, 9e-3, float("nan")])
+def test_a_value_and_its_difference_are_equally_uncertain(paper, key, stated):
+    """Runs at 0, 1e-3, -1e-3 are three times their spread uncertain, 6e-3: that counts only where
+    the run states nothing of the value.
     """
     comparison, refinements = paper
     values = (0.0, 1e-3, -1e-3)
     runs = tuple(
-        Run(f"{h:g}h", h, {"dissipation": v}) for h, v in zip((1.0, 2.0, 4.0), values, strict=True)
+        Run(f"{h:g}h", h, {key: value}) for h, value in zip((1.0, 2.0, 4.0), values, strict=True)
     )
-    solution = replace(
-        comparison.result, dissipation_uncertainty=stated * comparison.reference.dissipation
-    )
+    metric = comparison.metric(key)
+    metric = replace(metric, stated=(0.0, stated * metric.denominator), uncertainty=None)
     line = error_budget(
-        replace(comparison, result=solution), replace(refinements, mesh=runs), 1.0
-    ).budget("dissipation")
+        replace(comparison, metrics=(metric,)), replace(refinements, mesh=runs), 1.0
+    ).budget(key)
     mesh = line.terms[0]
-    assert mesh.uncertainty == pytest.approx(6e-3 if refined else stated)
+    by_runs = np.isnan(stated)
+    assert mesh.uncertainty == pytest.approx(6e-3 if by_runs else stated)
     assert mesh.value is None
-    assert ("that the run itself states" in mesh.how) is not refined
-    if not refined:
+    assert ("that the run itself states" in mesh.how) is not by_runs
+    if stated < 6e-3:
         assert "three times the spread, 6.0e-03" in mesh.how
-        assert line.uncertainty < 6e-3
+
+
+def test_a_ladder_that_follows_a_curve_gives_the_share_of_the_mesh(paper):
+    """1e-3 h on meshes of every size: its share is 1e-3, as uncertain as the run states."""
+    comparison, _ = paper
+    metric = comparison.metric("dissipation")
+    metric = replace(metric, stated=(0.0, 5e-3 * metric.denominator))
+    line = error_budget(
+        replace(comparison, metrics=(metric,)), invented(comparison, 1e-3, 1e-2), 1.0
+    ).budget("dissipation")
+    assert line.terms[0].value == pytest.approx(1e-3, rel=1e-6)
+    assert line.terms[0].uncertainty == pytest.approx(5e-3)
 
 
 def test_what_was_not_measured_is_not_zero_and_bounds_add_where_scatter_adds_by_squares(paper):

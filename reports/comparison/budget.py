@@ -505,40 +505,37 @@ def _extrapolated(
 
 
 def _mesh(metric: Metric, comparison: Comparison, refinements: Refinements) -> Term:
-    """phi(h) - phi(0); no less doubtful than the run itself says."""
+    """phi(h) - phi(0).
+
+    Where the run states an uncertainty of the value, that is the uncertainty of this share: a value
+    and its difference from theory are equally uncertain. The coarser meshes then say what the share
+    is, where they know it better than that. Otherwise they say both.
+    """
     term = _extrapolated("mesh", metric, refinements, refinements.mesh, 2.0)
     if term.uncertainty is None:
         return term
     labels = ", ".join(run.label for run in refinements.mesh if not run.failure)
     how = f"{labels}: {term.kind}; {term.how}"
-    if metric.key == "dissipation":
-        uncertainty_of_work = _stated_of_work(metric, comparison)
-        if uncertainty_of_work < term.uncertainty:
-            # Where edges stand in their elements moves W from mesh to mesh: a few meshes show that
-            # scatter, and no order.
-            how = (
-                f"{how}, {term.uncertainty:.1e}; instead the smaller uncertainty that the run"
-                " itself states"
-            )
-            return Term("mesh", None, uncertainty_of_work, how)
-    stated_uncertainty = max(
-        metric.uncertainty or 0.0,
-        _stated_of_edges(metric, comparison),
-        _stated_of_peak(metric, comparison),
-    )
-    if term.uncertainty < stated_uncertainty < math.inf:
-        how = f"{how}; uncertainty that the run itself states"
-        return replace(term, uncertainty=stated_uncertainty, how=how)
-    return replace(term, how=how)
-
-
-def _stated_of_work(metric: Metric, comparison: Comparison) -> float:
-    """Uncertainty of W that the result itself states, in the unit of the metric."""
-    if metric.absolute:
-        unit = comparison.scales.dissipation
-    else:
-        unit = abs(comparison.reference.dissipation) or 1.0
-    return float(comparison.result.dissipation_uncertainty / unit)
+    stated = metric.stated_by_result
+    if stated is None:
+        least = max(
+            metric.uncertainty or 0.0,
+            _stated_of_edges(metric, comparison),
+            _stated_of_peak(metric, comparison),
+        )
+        if not term.uncertainty < least < math.inf:
+            return replace(term, how=how)
+        stated = least
+    if stated < term.uncertainty:
+        # Where edges stand in their elements moves a value from mesh to mesh: a few meshes show
+        # that scatter, and no order.
+        how = (
+            f"{how}, {term.uncertainty:.1e}; instead the smaller uncertainty that the run itself"
+            " states"
+        )
+        return Term("mesh", None, stated, how)
+    how = f"{how}; uncertainty that the run itself states"
+    return replace(term, uncertainty=stated, how=how)
 
 
 def _stated_of_edges(metric: Metric, comparison: Comparison) -> float:
@@ -654,6 +651,8 @@ def _theory(metric: Metric, comparison: Comparison) -> Term:
         for name, error in record.errors.items()
         if name.startswith(field)
     ]
+    if metric.stated_by_reference:
+        error_estimates.append(metric.stated_by_reference)
     uncertainty = ROUNDING
     how = "closed forms: rounding"
     if error_estimates:

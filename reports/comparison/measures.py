@@ -76,6 +76,8 @@ class Measured(PythonNumbers):
     stated
         uncertainty that the solution states of either amount, in its unit: 0 exact, NaN no
         estimate, None from a solution that states nothing
+    denominator
+        what the difference of the two amounts is over, in their unit
     """
 
     value: float | None = None
@@ -88,6 +90,28 @@ class Measured(PythonNumbers):
     uncertainty: float | None = None
     amounts: tuple[float, float] | None = None
     stated: tuple[float | None, float | None] = (None, None)
+    denominator: float | None = None
+
+    @property
+    def stated_by_result(self) -> float | None:
+        """Uncertainty that the result states of its amount, in the unit of the value; None where it
+        states none.
+
+        >>> measured = Measured(amounts=(4.0, 3.6), stated=(0.0, 0.2), denominator=4.0)
+        >>> measured.stated_by_result, measured.stated_by_reference
+        (0.05, 0.0)
+        """
+        return self._in_its_unit(self.stated[1])
+
+    @property
+    def stated_by_reference(self) -> float | None:
+        """That of the reference."""
+        return self._in_its_unit(self.stated[0])
+
+    def _in_its_unit(self, uncertainty: float | None) -> float | None:
+        if uncertainty is None or not math.isfinite(uncertainty) or self.denominator is None:
+            return None
+        return uncertainty / abs(self.denominator)
 
 
 # ------------------------------------------------------------------------- norms, shares, the worst
@@ -165,9 +189,13 @@ def _of_amounts(
     nothing beside that (1e-12).
     """
     absolute = abs(of_reference) <= _NOTHING * scale
-    value = (of_result - of_reference) / (scale if absolute else of_reference)
+    denominator = scale if absolute else of_reference
     return Measured(
-        value=value, absolute=absolute, amounts=(of_reference, of_result), **of_measured
+        value=(of_result - of_reference) / denominator,
+        absolute=absolute,
+        amounts=(of_reference, of_result),
+        denominator=denominator,
+        **of_measured,
     )
 
 
@@ -317,7 +345,11 @@ def _length_of_stick_zone(pair: Pair, length_of: Callable[[ContactSolution], flo
         return Measured(note=f"none in {name_of(pair.reference.engine)}", amounts=amounts)
     if math.isnan(of_result):
         return Measured(note=f"none in {name_of(pair.result.engine)}", amounts=amounts)
-    return Measured(value=(of_result - of_reference) / pair.scales.half_width, amounts=amounts)
+    return Measured(
+        value=(of_result - of_reference) / pair.scales.half_width,
+        amounts=amounts,
+        denominator=pair.scales.half_width,
+    )
 
 
 def largest_slip(pair: Pair) -> Measured:
