@@ -77,7 +77,7 @@ sizes: $(STAMP) ### statements and public names of each package
 pytest: $(STAMP) ### tests and doctests, slow ones skipped (more options: PYTEST_ARGS="-k hertz")
 	@echo "==> tests: pytest on 2 processes, each file on one, so that what its tests share is made once"
 	@mkdir -p "$$TMPDIR" .cache/home
-	@$(HOME_HERE) $(ONE_THREAD) $(PY) -m pytest -n 2 --dist loadfile --benchmark-disable --durations=10 --basetemp=.cache/tmp/pytest $(PYTEST_ARGS)
+	@$(HOME_HERE) $(ONE_THREAD) $(PY) -m pytest -n 2 --dist worksteal --benchmark-disable --durations=10 --basetemp=.cache/tmp/pytest $(PYTEST_ARGS)
 
 quick: $(STAMP) ## a minute: the contract, then the tests of what differs from the last commit (or of the last commit)
 	@mkdir -p "$$TMPDIR" .cache/home

@@ -118,14 +118,22 @@ def equilibrium(planted: Callable[..., Step]) -> Planted:
 
 
 def forgetting(
-    self: ContactProblem, history: InterfaceState, time: float, loads: tuple[float, float]
+    self: ContactProblem,
+    history: InterfaceState,
+    time: float,
+    loads: tuple[float, float],
+    *_expected: Any,
 ) -> Step:
     """Each increment starts from faces that have never slipped."""
     return EQUILIBRIUM(self, self.at_rest(history.time), time, loads)
 
 
 def turned_round(
-    self: ContactProblem, history: InterfaceState, time: float, loads: tuple[float, float]
+    self: ContactProblem,
+    history: InterfaceState,
+    time: float,
+    loads: tuple[float, float],
+    *_expected: Any,
 ) -> Step:
     """Q has the wrong sign, in the law's eyes alone."""
     before = replace(history, loads=(history.normal_load, -history.tangential_load))

@@ -144,7 +144,7 @@ def in_first_revolution(name):
     return replace(problem, time=time, scene=problem.scene.vary(cycles=1))
 
 
-def sliding(self, history, time, loads):
+def sliding(self, history, time, loads, *_expected):
     """q replaced by p: every closed node carries f p, whatever Q is."""
     state, iterations = EQUILIBRIUM(self, history, time, loads)
     return state.changed(shear=np.sign(loads[1]) * self.friction * state.pressure), iterations
