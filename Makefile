@@ -75,7 +75,7 @@ sizes: $(STAMP) ### statements and public names of each package
 	@$(PY) benchmarks/sizes.py
 
 pytest: $(STAMP) ### tests and doctests, slow ones skipped (more options: PYTEST_ARGS="-k hertz")
-	@echo "==> tests: pytest on 2 processes, each file on one, so that what its tests share is made once"
+	@echo "==> tests: pytest on 2 processes; the first to end takes from the other"
 	@mkdir -p "$$TMPDIR" .cache/home
 	@$(HOME_HERE) $(ONE_THREAD) $(PY) -m pytest -n 2 --dist worksteal --benchmark-disable --durations=10 --basetemp=.cache/tmp/pytest $(PYTEST_ARGS)
 
