@@ -261,16 +261,20 @@ def test_a_value_and_its_difference_are_equally_uncertain(paper, key, stated):
         assert "three times the spread, 6.0e-03" in mesh.how
 
 
-def test_a_ladder_that_follows_a_curve_gives_the_share_of_the_mesh(paper):
-    """1e-3 h on meshes of every size: its share is 1e-3, as uncertain as the run states."""
+@pytest.mark.parametrize(("stated", "uncertainty"), [(5e-3, 5e-3), (1e-4, 1.25e-3)])
+def test_a_ladder_that_follows_a_curve_gives_the_share_of_the_mesh(paper, stated, uncertainty):
+    """1e-3 h on meshes of every size: its share is 1e-3, as uncertain as the run states; a run that
+    states less is wrong, and the ladder counts.
+    """
     comparison, _ = paper
     metric = comparison.metric("dissipation")
-    metric = replace(metric, stated=(0.0, 5e-3 * metric.denominator))
+    metric = replace(metric, stated=(0.0, stated * metric.denominator))
     line = error_budget(
         replace(comparison, metrics=(metric,)), invented(comparison, 1e-3, 1e-2), 1.0
     ).budget("dissipation")
     assert line.terms[0].value == pytest.approx(1e-3, rel=1e-6)
-    assert line.terms[0].uncertainty == pytest.approx(5e-3)
+    assert line.terms[0].uncertainty == pytest.approx(uncertainty, rel=1e-3)
+    assert ("states less" in line.terms[0].how) is (stated < 1e-3)
 
 
 def test_what_was_not_measured_is_not_zero_and_bounds_add_where_scatter_adds_by_squares(paper):

@@ -509,14 +509,18 @@ def _mesh(metric: Metric, comparison: Comparison, refinements: Refinements) -> T
 
     Where the run states an uncertainty of the value, that is the uncertainty of this share: a value
     and its difference from theory are equally uncertain. The coarser meshes then say what the share
-    is, where they know it better than that. Otherwise they say both.
+    is, where they know it better than that. They say both where nothing is stated, and where they
+    follow a curve that ends outside of what is stated.
     """
     term = _extrapolated("mesh", metric, refinements, refinements.mesh, 2.0)
     if term.uncertainty is None:
         return term
     labels = ", ".join(run.label for run in refinements.mesh if not run.failure)
     how = f"{labels}: {term.kind}; {term.how}"
-    stated = metric.stated_by_result
+    stated = _stated_by_mesh(metric, comparison)
+    if stated is not None and term.value is not None and abs(term.value) > stated:
+        how = f"{how}; the run itself states less, {stated:.1e}"
+        return replace(term, how=how)
     if stated is None:
         least = max(
             metric.uncertainty or 0.0,
@@ -536,6 +540,15 @@ def _mesh(metric: Metric, comparison: Comparison, refinements: Refinements) -> T
         return Term("mesh", None, stated, how)
     how = f"{how}; uncertainty that the run itself states"
     return replace(term, uncertainty=stated, how=how)
+
+
+def _stated_by_mesh(metric: Metric, comparison: Comparison) -> float | None:
+    """Uncertainty by the mesh that the result states of the value, in the unit of the metric; None
+    without one, and of a penalty layer, whose own share is a part of it.
+    """
+    if comparison.result.settings.get("solver", {}).get("method") == "penalty":
+        return None
+    return metric.stated_by_result
 
 
 def _stated_of_edges(metric: Metric, comparison: Comparison) -> float:
