@@ -259,6 +259,7 @@ def test_a_value_and_its_difference_are_equally_uncertain(paper, key, stated):
     assert ("that the run itself states" in mesh.how) is not by_runs
     if stated < 6e-3:
         assert "three times the spread, 6.0e-03" in mesh.how
+        assert line.uncertainty < 6e-3
 
 
 @pytest.mark.parametrize(("stated", "uncertainty"), [(5e-3, 5e-3), (1e-4, 1.25e-3)])

@@ -62,6 +62,8 @@ _PEAKS = ("largest_pressure", "peak_pressure")
 # one.
 _Stage = Callable[[str], AbstractContextManager[Callable[[int, int | None, str], None]]]
 
+_BY_RUN = "uncertainty that the run itself states"
+
 _LARGEST = 0.25  # of MeshSettings, over the contact half-width
 _LEAST_RATIO = 1.2
 
@@ -518,18 +520,10 @@ def _mesh(metric: Metric, comparison: Comparison, refinements: Refinements) -> T
     labels = ", ".join(run.label for run in refinements.mesh if not run.failure)
     how = f"{labels}: {term.kind}; {term.how}"
     stated = _stated_by_mesh(metric, comparison)
-    if stated is not None and term.value is not None and abs(term.value) > stated:
-        how = f"{how}; the run itself states less, {stated:.1e}"
-        return replace(term, how=how)
     if stated is None:
-        least = max(
-            metric.uncertainty or 0.0,
-            _stated_of_edges(metric, comparison),
-            _stated_of_peak(metric, comparison),
-        )
-        if not term.uncertainty < least < math.inf:
-            return replace(term, how=how)
-        stated = least
+        return _no_less_than_stated(replace(term, how=how), metric, comparison)
+    if term.value is not None and abs(term.value) > stated:
+        return replace(term, how=f"{how}; the run itself states less, {stated:.1e}")
     if stated < term.uncertainty:
         # Where edges stand in their elements moves a value from mesh to mesh: a few meshes show
         # that scatter, and no order.
@@ -538,8 +532,21 @@ def _mesh(metric: Metric, comparison: Comparison, refinements: Refinements) -> T
             " states"
         )
         return Term("mesh", None, stated, how)
-    how = f"{how}; uncertainty that the run itself states"
-    return replace(term, uncertainty=stated, how=how)
+    return replace(term, uncertainty=stated, how=f"{how}; {_BY_RUN}")
+
+
+def _no_less_than_stated(term: Term, metric: Metric, comparison: Comparison) -> Term:
+    """The term of a metric whose value has no uncertainty of its own: no less doubtful than what
+    the run states of edges and peaks.
+    """
+    least = max(
+        metric.uncertainty or 0.0,
+        _stated_of_edges(metric, comparison),
+        _stated_of_peak(metric, comparison),
+    )
+    if (term.uncertainty or 0.0) < least < math.inf:
+        return replace(term, uncertainty=least, how=f"{term.how}; {_BY_RUN}")
+    return term
 
 
 def _stated_by_mesh(metric: Metric, comparison: Comparison) -> float | None:
