@@ -30,6 +30,8 @@ TABLES = {
     "ProfileFit": "table of keys: see `profile.fit`",
     "Fitted": "table, written by the fit",
     "LineOfAction": "table {x, height}",
+    "DrivenWave": "table {mean, amplitude, phase_degrees}",
+    "DrivenWaveSum": "table {mean, harmonics}",
     "RecordRow": "table {row}",
 }
 # Keys that every load has stand once; how their values vary with time, by the kind of load.

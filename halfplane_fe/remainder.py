@@ -418,7 +418,7 @@ def _check(name: str, shape: Shape, scene: Scene) -> None:
             f"bodies.{name}: a body on rollers with free sides holds no tangential load, and its"
             " effects are not known; take base = 'fixed' or sides = 'guided'"
         )
-    if has_bulk_stress(scene.load.path()):
+    if not scene.load.is_driven and has_bulk_stress(scene.load.path()):
         raise InputError(
             f"load.bulk_stress_{name}: body effects are known for P and Q, not for the bulk stress"
             " of a body; solve the scene with finite elements"

@@ -14,6 +14,7 @@ The question::
                     smoothing spline
     loads.py        load paths: ellipse, harmonics, polygon, measured rows, Python functions; bulk
                     stress and tilt beside P and Q
+    rig.py          springs between the actuators of a rig and the contact
     segments.py     load segments, of which paths consist: straight lines, harmonics, Chebyshev
                     series
     chebyshev.py    piecewise Chebyshev series that stand for functions
@@ -59,6 +60,8 @@ from scenes.errors import (
 )
 from scenes.loads import (
     CallableLoad,
+    DrivenWave,
+    DrivenWaveSum,
     EllipseLoad,
     HarmonicLoad,
     LineOfAction,
@@ -79,6 +82,7 @@ from scenes.profiles import (
     Wedge,
     fit_profile,
 )
+from scenes.rig import Rig
 from scenes.scene import (
     Expected,
     Friction,
@@ -135,6 +139,8 @@ __all__ = [
     "Compound",
     "ContactSolution",
     "ConvergenceError",
+    "DrivenWave",
+    "DrivenWaveSum",
     "Elastic",
     "Cylinder",
     "Ellipse",
@@ -163,6 +169,7 @@ __all__ = [
     "Profile",
     "ProfileDataError",
     "Record",
+    "Rig",
     "Scene",
     "Shape",
     "ShoulderedPad",

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from scenes.chebyshev import NODES, Unresolved, fit, series, values_of
-from scenes.errors import RowError
+from scenes.errors import InputError, RowError
 from scenes.frozen import Frozen, Positive, PythonFunction
 from scenes.measured import (
     COLUMNS,
@@ -91,6 +91,34 @@ class Wave(Frozen):
         return self.mean, ((self.amplitude, math.radians(self.phase_degrees)),)
 
 
+class DrivenWave(Frozen):
+    """U = mean + amplitude cos(t - phase) of an actuator, t being the time of the ellipse."""
+
+    mean: float = Field(0.0, description="length units (library: mm)")
+    amplitude: float = Field(0.0, ge=0, description="length units (library: mm)")
+    phase_degrees: float = Field(90.0, ge=-180, le=180, description="lag of U behind P")
+
+
+class DrivenWaveSum(Frozen):
+    """U = mean + sum over k of amplitude_k cos(k t - phase_k) of an actuator."""
+
+    mean: float = Field(0.0, description="length units (library: mm)")
+    harmonics: tuple[Harmonic, ...] = Field(
+        (), description="[amplitude, phase in degrees] of k = 1, 2, ... (library: mm, degrees)"
+    )
+
+
+_TAKES_PLACE_OF_Q = "displacement U of a tangential actuator, in the place of the tangential loads"
+_IS_SECOND = (
+    "whether the second number of each point is the displacement U of a tangential actuator, in the"
+    " place of Q (library: mm)"
+)
+_IS_FIRST = (
+    "whether the first number of each point is the approach of a normal actuator, in the place of"
+    " P; beside tangential_displacement (library: mm)"
+)
+
+
 class WaveSum(Frozen):
     """mean + sum over k of amplitude_k cos(k t - phase_k), t being the time of the harmonics."""
 
@@ -114,6 +142,14 @@ class LineOfAction(Frozen):
     height: float = Field(
         0.0, description="above the contact at which Q acts, length units (library: mm)"
     )
+
+
+DRIVEN = (
+    "load.tangential_displacement: P and Q follow from the displacement that is prescribed, and"
+    " this takes loads. `halfplane exact` finds them by corrected half-plane theory; the scene.json"
+    " that it writes states them, without what slides as a whole"
+)
+"""What is said where loads are needed and a displacement is prescribed."""
 
 
 V = TypeVar("V")
@@ -168,9 +204,40 @@ class BulkAndTilt(Frozen, Generic[V]):
         ]
         if len(ways) > 1:
             raise ValueError(f"{' and '.join(ways)} say the same thing: state one of them")
+        if self.has_bulk_or_tilt and self.is_driven:
+            key = next(key for key in KEYS if getattr(self, key) is not None)
+            raise ValueError(
+                f"{key} does not go with tangential_displacement: leave one of the two out"
+            )
         if self.has_bulk_or_tilt:
             self.path()
         return self
+
+    @property
+    def is_driven(self) -> bool:
+        """Whether a displacement is prescribed in the place of Q, so that P and Q follow from the
+        contact.
+        """
+        return bool(getattr(self, "tangential_displacement", None))
+
+    @property
+    def states_approach(self) -> bool:
+        """Whether the approach is prescribed in the place of P."""
+        return bool(getattr(self, "approach", False))
+
+    def path_of_actuators(self) -> LoadPath:
+        """What is prescribed over time: U in the place of Q where a displacement is stated, the
+        approach in that of P likewise.
+
+        >>> load = PolygonLoad(
+        ...     initial_loading=[(2, 0)],
+        ...     cycle=[(2, 0.01), (2, -0.01)],
+        ...     tangential_displacement=True,
+        ... )
+        >>> [float(value) for value in load.path_of_actuators().at(2.0)]
+        [2.0, 0.01]
+        """
+        return self.path_of_loads()
 
     @property
     def has_bulk_or_tilt(self) -> bool:
@@ -185,7 +252,15 @@ class BulkAndTilt(Frozen, Generic[V]):
         return self.moment is not None or self.line_of_action is not None
 
     def path(self) -> LoadPath:
-        """The loads over time, with the bulk stresses and the tilt or moment that are stated."""
+        """The loads over time, with the bulk stresses and the tilt or moment that are stated.
+
+        Raises
+        ------
+        InputError
+            Where a displacement is prescribed: the loads follow from the contact.
+        """
+        if self.is_driven:
+            raise InputError(DRIVEN)
         path = self.path_of_loads()
         if not self.has_bulk_or_tilt:
             return path
@@ -305,6 +380,7 @@ class EllipseLoad(CyclicLoad[Wave]):
     phase_degrees: float = Field(
         90.0, ge=-180, le=180, description="lag of Q behind P; positive goes round anticlockwise"
     )
+    tangential_displacement: DrivenWave | None = Field(None, description=_TAKES_PLACE_OF_Q)
     initial_loading: Literal["straight", "parabola"] | tuple[Point, ...] = Field(
         "straight",
         description=(
@@ -312,6 +388,16 @@ class EllipseLoad(CyclicLoad[Wave]):
             "(tangent to the ellipse there), or the [P, Q] points of a polygon in between"
         ),
     )
+
+    @model_validator(mode="after")
+    def _states_loads_or_displacement(self) -> Self:
+        stated = (self.mean_tangential_load, self.tangential_amplitude, self.phase_degrees)
+        if self.is_driven and stated != (0.0, 0.0, 90.0):
+            raise ValueError(
+                "tangential_displacement stands in the place of mean_tangential_load,"
+                " tangential_amplitude and phase_degrees: leave these out"
+            )
+        return self
 
     @property
     def phase_radians(self) -> float:
@@ -330,13 +416,17 @@ class EllipseLoad(CyclicLoad[Wave]):
         return self.phase_radians
 
     def path_of_loads(self) -> LoadPath:
+        tangential = (self.mean_tangential_load, self.tangential_amplitude)
         phase = self.phase_radians
+        if (wave := self.tangential_displacement) is not None:
+            tangential = (wave.mean, wave.amplitude)
+            phase = math.radians(wave.phase_degrees)
         begin = phase + math.pi if phase >= 0 else phase + 2 * math.pi
         turn = ellipse_segment(
             begin,
             begin + 2 * math.pi,
-            (self.mean_normal_load, self.mean_tangential_load),
-            (self.normal_amplitude, self.tangential_amplitude),
+            (self.mean_normal_load, tangential[0]),
+            (self.normal_amplitude, tangential[1]),
             phase,
         )
         first: Point = tuple(float(load) for load in turn.loads(begin))  # type: ignore[assignment]
@@ -405,6 +495,15 @@ class PolygonLoad(StraightLoad):
             " (library: N/mm)"
         ),
     )
+    times: tuple[float, ...] | None = Field(
+        None,
+        description=(
+            "times of (0, 0), of each point of initial_loading and cycle, and of the return where"
+            " there is a cycle, ascending; 0, 1, 2, ... if left out (library: s)"
+        ),
+    )
+    tangential_displacement: bool = Field(False, description=_IS_SECOND)
+    approach: bool = Field(False, description=_IS_FIRST)
 
     entries = "one for each point of initial_loading and cycle"
 
@@ -414,7 +513,11 @@ class PolygonLoad(StraightLoad):
 
     @model_validator(mode="after")
     def _moves(self) -> Self:
-        path = self.path()
+        _require_displacement_beside_approach(self)
+        if self.times is not None:
+            self._check_times(self.times)
+            return self
+        path = self.path_of_actuators() if self.is_driven else self.path()
         for leg in (*path.initial_loading, *path.cycle):
             ends = np.array([leg.start, leg.end])
             parts = [part for part in (leg, leg.bulk, leg.turning) if part is not None]
@@ -425,16 +528,46 @@ class PolygonLoad(StraightLoad):
                 raise ValueError(f"the point {point} stands twice in a row{remark}: leave one out")
         return self
 
-    def path_of_loads(self) -> LoadPath:
-        corners = [
+    @property
+    def _corners(self) -> list[Point]:
+        """The points of the path, (0, 0) and the return among them."""
+        return [
             (0.0, 0.0),
             *self.initial_loading,
             *self.cycle,
             *(self.initial_loading[-1:] if self.cycle else ()),
         ]
-        segments = straight_segments([(float(k), *point) for k, point in enumerate(corners)])
+
+    def _check_times(self, times: tuple[float, ...]) -> None:
+        """ValueError for times of another number than points, or that do not ascend. Of a point
+        that stands twice in a row the loads rest.
+        """
+        count = len(self._corners)
+        if len(times) != count:
+            raise ValueError(
+                f"times has {len(times)} entries, and {count} are needed: of (0, 0), of each point"
+                " of initial_loading and cycle, and of the return where there is a cycle"
+            )
+        for before, after in pairwise(times):
+            if not before < after:
+                raise ValueError(f"times: {after:.12g} comes after {before:.12g}: they must ascend")
+
+    def path_of_loads(self) -> LoadPath:
+        corners = self._corners
+        times = self.times or tuple(float(k) for k in range(len(corners)))
+        rows = [(time, *point) for time, point in zip(times, corners, strict=True)]
+        segments = straight_segments(rows)
         first = len(self.initial_loading)
         return LoadPath(segments[:first], segments[first:])
+
+
+def _require_displacement_beside_approach(load: PolygonLoad | TimeSeriesLoad) -> None:
+    """ValueError for an approach beside a tangential load."""
+    if load.approach and not load.tangential_displacement:
+        raise ValueError(
+            "approach goes with tangential_displacement: write tangential_displacement = true, and"
+            " 0 for U where nothing moves along the faces"
+        )
 
 
 def _in_radians(harmonics: tuple[Harmonic, ...]) -> tuple[tuple[float, float], ...]:
@@ -467,18 +600,33 @@ class HarmonicLoad(CyclicLoad[WaveSum]):
     tangential_harmonics: tuple[Harmonic, ...] = Field(
         (), description="[Q_k, phi_k] of k = 1, 2, ... (library: N/mm, degrees)"
     )
+    tangential_displacement: DrivenWaveSum | None = Field(None, description=_TAKES_PLACE_OF_Q)
     initial_loading: InitialLoading = Field(
         "straight",
         description="from (0, 0) to the first point of the cycle: straight, or along [P, Q] points",
     )
 
+    @model_validator(mode="after")
+    def _states_loads_or_displacement(self) -> Self:
+        if self.is_driven and (self.mean_tangential_load or self.tangential_harmonics):
+            raise ValueError(
+                "tangential_displacement stands in the place of mean_tangential_load and"
+                " tangential_harmonics: leave these out"
+            )
+        return self
+
     def path_of_loads(self) -> LoadPath:
+        mean = self.mean_tangential_load
+        tangential = self.tangential_harmonics
+        if (driven := self.tangential_displacement) is not None:
+            mean = driven.mean
+            tangential = driven.harmonics
         turn = HarmonicSegment(
             0.0,
             2 * math.pi,
-            (self.mean_normal_load, self.mean_tangential_load),
+            (self.mean_normal_load, mean),
             _in_radians(self.normal_harmonics),
-            _in_radians(self.tangential_harmonics),
+            _in_radians(tangential),
         )
         return LoadPath(straight_loading(self.initial_loading, turn, math.pi), (turn,))
 
@@ -499,6 +647,8 @@ class OfLoads(Frozen, Generic[T]):
     time: T | None = None
     P: T | None = None
     Q: T | None = None
+    U: T | None = None
+    approach: T | None = None
     bulk_stress_lower: T | None = None
     bulk_stress_upper: T | None = None
     tilt: T | None = None
@@ -547,6 +697,20 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         default_factory=Table.of_a_file,
         description=(
             "the rows themselves, [time, P, Q] each, in place of a file (library: s, N/mm, N/mm)"
+        ),
+    )
+    tangential_displacement: bool = Field(
+        False,
+        description=(
+            "whether the rows have the displacement U of a tangential actuator in the place of Q,"
+            " in a file the column U (library: mm)"
+        ),
+    )
+    approach: bool = Field(
+        False,
+        description=(
+            "whether the rows have the approach of a normal actuator in the place of P, in a file"
+            " the column approach; beside tangential_displacement (library: mm)"
         ),
     )
     repeats: bool = Field(False, description="whether the rows are one cycle that repeats")
@@ -601,6 +765,27 @@ class TimeSeriesLoad(StraightLoad, FromFile):
             " distance in P and in Q"
         ),
     )
+
+    @property
+    def column_kinds(self) -> dict[str, Kind]:
+        """The columns that are read from a file."""
+        kinds = dict(self.quantities)
+        if self.tangential_displacement:
+            kinds = {"time": "time", "P": "load", "U": "length"}
+        if self.approach:
+            kinds = {"time": "time", "approach": "length", "U": "length"}
+        return kinds
+
+    @model_validator(mode="after")
+    def _displacement_goes_alone(self) -> Self:
+        _require_displacement_beside_approach(self)
+        reducing = self.reduce is not None or self.least_normal_load is not None
+        if self.is_driven and (self.average > 1 or reducing):
+            raise ValueError(
+                "average, reduce and least_normal_load go with records of P and Q: leave them out"
+                " beside tangential_displacement"
+            )
+        return self
 
     @model_validator(mode="after")
     def _threshold_has_a_use(self) -> Self:
@@ -728,7 +913,18 @@ class TimeSeriesLoad(StraightLoad, FromFile):
     def series(self) -> NDArray[np.float64]:
         """The rows that the path goes through, (n, 3), from (0, 0) on: the initial loading is the
         first step.
+
+        Raises
+        ------
+        InputError
+            Where a displacement is prescribed, as of `path`.
         """
+        if self.is_driven:
+            raise InputError(DRIVEN)
+        return self._rows_from_rest()
+
+    def _rows_from_rest(self) -> NDArray[np.float64]:
+        """The rows that the path goes through, loads or ways of actuators, from (0, 0) on."""
         rows = self.kept_rows()
         if not np.any(rows[0, 1:]):
             return rows
@@ -748,7 +944,7 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         return len(self.rows)
 
     def path_of_loads(self) -> LoadPath:
-        segments = straight_segments(self.series().tolist())
+        segments = straight_segments(self._rows_from_rest().tolist())
         return LoadPath(segments[:1], segments[1:]) if self.repeats else LoadPath(segments, ())
 
     def in_words(self, unit: str) -> str:

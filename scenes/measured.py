@@ -219,6 +219,11 @@ class FromFile(Frozen):
     file: str | None
     read_as: ReadAs | None
 
+    @property
+    def column_kinds(self) -> dict[str, Kind]:
+        """The columns that a file must have, and what each is."""
+        return self.quantities
+
     @model_validator(mode="after")
     def _read(self, validation: ValidationInfo) -> Self:
         if self.table in self.model_fields_set:
@@ -233,7 +238,7 @@ class FromFile(Frozen):
             units = _UNITS
         columns = getattr(self, "columns", None)
         named = self._named(columns)
-        kinds = self.quantities | {name: self.further[name] for name in named}
+        kinds = self.column_kinds | {name: self.further[name] for name in named}
         table = text_table(path, tuple(kinds), stated=_stated_columns(columns))
         read_as = layout_in_words(path, table)
         converted = False
@@ -254,7 +259,7 @@ class FromFile(Frozen):
                 " leave one out"
             )
         values = Table.of(table.values).values
-        count = len(self.quantities)
+        count = len(self.column_kinds)
         keys_read: dict[str, Any] = {
             self.table: Table.of(values[:, :count]),
             "read_as": tuple(read_as),
@@ -353,10 +358,8 @@ class FromFile(Frozen):
             place = f"{self.table}, row {fault.row + 1}"
             if self.file is not None and path.is_file():  # where the rows came from
                 columns = _stated_columns(getattr(self, "columns", None))
-                place = (
-                    f"{path}, line"
-                    f" {text_table(path, tuple(self.quantities), stated=columns).lines[fault.row]}"
-                )
+                table = text_table(path, tuple(self.column_kinds), stated=columns)
+                place = f"{path}, line {table.lines[fault.row]}"
             raise ValueError(f"{place}: {fault.rule}") from fault
         unused = [key for key in READING if getattr(self, key, None) is not None]
         if self.file is None and unused:

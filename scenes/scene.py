@@ -25,6 +25,7 @@ from scenes.loads import CallableLoad, EllipseLoad, HarmonicLoad, PolygonLoad, T
 from scenes.measured import READING, SCENE_UNITS
 from scenes.notebook_forms import registered_forms
 from scenes.profiles import Profile
+from scenes.rig import Rig
 from scenes.segments import NORMAL_LOAD, TANGENTIAL_LOAD, largest_ratio, largest_ratio_of
 from scenes.unit_words import inconsistent
 
@@ -200,6 +201,7 @@ class Scene(Frozen):
     ]
     load: Load
     bodies: Bodies = Bodies()
+    rig: Rig = Rig()
     tolerances: Tolerances = Tolerances()
     expected: tuple[Expected, ...] = Field(
         (), description="known numbers, checked by `halfplane run`"
@@ -250,6 +252,7 @@ class Scene(Frozen):
                     f" {units_of_columns!r}: give file and units together in a scene file, or to"
                     " Scene.vary"
                 )
+        self._check_rig()
         length = self.profile.datum_length
         radius = self.bodies.relative_radius()
         arcs = self.profile.arc  # half the flat, and the radius of the arcs beside it
@@ -272,6 +275,38 @@ class Scene(Frozen):
                     f" {2 * sum(arcs):g}: make it less"
                 )
         return self
+
+    def _check_rig(self) -> None:
+        """ValueError where rig, load and bodies do not go together."""
+        rig = self.rig
+        load = self.load
+        if rig.is_stated and not load.is_driven:
+            raise ValueError(
+                "rig goes with load.tangential_displacement: under given loads no spring and no"
+                " datum changes the contact; leave rig out"
+            )
+        if rig.normal_stiffness is not None and not load.states_approach:
+            raise ValueError(
+                "rig.normal_stiffness goes with load.approach: P is given here; leave it out"
+            )
+        if not load.is_driven:
+            return
+        if not self.profile.symmetric:
+            raise ValueError(
+                "load.tangential_displacement is followed for profiles with two equal sides: state"
+                " such a profile, or the loads"
+            )
+        if self.bodies.half_planes and rig.datum_length is None:
+            raise ValueError(
+                "load.tangential_displacement needs bodies: a displacement of half-planes depends"
+                " on where it is prescribed. State bodies.lower and bodies.upper, or"
+                " rig.datum_length, the distance from the contact at which it is"
+            )
+        if not self.bodies.half_planes and rig.datum_length is not None:
+            raise ValueError(
+                "rig.datum_length goes with half-planes alone: of bodies the displacement is"
+                " prescribed at their bases; leave it out"
+            )
 
     @property
     def unsymmetric(self) -> bool:
@@ -323,8 +358,14 @@ class Scene(Frozen):
           units: N, mm, MPa
         """
         upper, lower = self.material.upper, self.material.lower
+        (least, largest), (back, forward) = self.ranges_of_load()
+        first = "approach" if self.load.states_approach else "P"
+        last = f"Q from {back:.6g} to {forward:.6g}"
+        if self.load.is_driven:
+            last = f"U of the actuator from {back:.6g} to {forward:.6g}"
+        else:
+            last += f", |Q|/P up to {self.smallest_friction:.6g}"
         bodies = f"{self.bodies.upper.kind} on {self.bodies.lower.kind}"
-        normal, tangential = self._loads_at_turns()
         lines = (
             f"Scene {self.name!r}" + (f": {self.title}" if self.title else ""),
             f"  {bodies.replace('_', ' ')}, E = {upper.young_modulus:.6g} and"
@@ -332,21 +373,29 @@ class Scene(Frozen):
             f" {lower.poisson_ratio:.4g} (upper, lower)",
             f"  profile: {self.profile.kind.replace('_', ' ')}; coefficient of friction"
             f" {self.friction.coefficient:.6g}",
-            f"  load: {self.load.kind.replace('_', ' ')}, P from {min(normal):.6g} to"
-            f" {max(normal):.6g}, Q from {min(tangential):.6g} to {max(tangential):.6g},"
-            f" |Q|/P up to {self.smallest_friction:.6g}",
+            f"  load: {self.load.kind.replace('_', ' ')}, {first} from {least:.6g} to"
+            f" {largest:.6g}, {last}",
             f"  units: {self.units}",
         )
         return "\n".join(lines)
 
     __str__ = __repr__
 
+    def ranges_of_load(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Least and largest P and Q of the path, or approach and U of the actuators where these are
+        prescribed.
+        """
+        normal, tangential = self._loads_at_turns()
+        return (min(normal), max(normal)), (min(tangential), max(tangential))
+
     def _loads_at_turns(self) -> tuple[list[float], list[float]]:
-        """P and Q at the ends and turning points of all load segments."""
-        if isinstance(self.load, TimeSeriesLoad):
+        """P and Q at the ends and turning points of all load segments, or what actuators
+        prescribe in their place.
+        """
+        if isinstance(self.load, TimeSeriesLoad) and not self.load.is_driven:
             rows = self.load.series()
             return rows[:, 1].tolist(), rows[:, 2].tolist()
-        path = self.load.path()
+        path = self.load.path_of_actuators() if self.load.is_driven else self.load.path()
         normal: list[float] = []
         tangential: list[float] = []
         for leg in (*path.initial_loading, *path.cycle):

@@ -122,10 +122,19 @@ ALIASES: dict[str, tuple[str, ...]] = {
         "Schlupf",
         "Gleitweg",
     ),
+    "displacement": (
+        "U",
+        "displacement",
+        "tangential_displacement",
+        "tangential displacement",
+        "stroke",
+        "Verschiebung",
+    ),
+    "approach": ("approach", "normal_approach", "normal approach", "indentation"),
     "height": ("h", "height", "gap", "z", "profile", "profile height"),
 }
 # Of the columns that a scene asks for.
-_OF_SCENES = {"P": "normal_load", "Q": "tangential_load", "h": "height"}
+_OF_SCENES = {"P": "normal_load", "Q": "tangential_load", "U": "displacement", "h": "height"}
 
 
 def plain(name: str) -> str:

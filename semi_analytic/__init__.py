@@ -45,6 +45,9 @@ From a request to an answer::
     corrected.py            theory with what finite bodies add to the compliance of half-planes:
                             curvatures that follow the loads, c_n and c_t
     corrected_memory.py     its memory curve: clipped between two bounds that follow the loads
+    driven.py               rigs: Q and P that follow from prescribed displacements, gross sliding,
+                            the spring of the rig, separation
+    answer_of_rig.py        the answer to a scene of a rig, under the loads that were found
     tilt_and_strain.py      what tilt and bulk strain of the bodies make of W: on grids
     subsurface.py           stress inside the bodies (McEwen), tension at the trailing edge
     largest_values.py       largest pressure, slip, W(x) and tension of a cycle, to 1e-9 of

@@ -165,6 +165,9 @@ class Findings:
         as in its Record
     counts, skipped, seconds
         as in its Work
+    scene
+        the scene with the loads that were found, where the question prescribes displacements;
+        None: the scene of the question
     """
 
     time: Array
@@ -179,6 +182,7 @@ class Findings:
     counts: Mapping[str, int] = field(default_factory=dict)
     skipped: Mapping[str, tuple[int, str]] = field(default_factory=dict)
     seconds: Mapping[str, float] = field(default_factory=dict)
+    scene: Scene | None = None
 
 
 def solution_of(question: Question, findings: Findings) -> ContactSolution:
@@ -217,7 +221,7 @@ def solution_of(question: Question, findings: Findings) -> ContactSolution:
         settings["effects"] = asdict(question.effects)
     return ContactSolution(
         engine="semi_analytic",
-        scene=question.scene,
+        scene=findings.scene or question.scene,
         record=record,
         work=work,
         settings=settings,

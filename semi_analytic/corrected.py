@@ -175,7 +175,7 @@ def notes_of_batch(effects: BodyEffects) -> Iterator[str]:
 
 # ---------------------------------------------------------------------------------- rows of a path
 @dataclass(frozen=True, eq=False)
-class _Rows:
+class PathRows:
     """The rows of a path that is followed by straight steps.
 
     Attributes
@@ -239,7 +239,7 @@ class _Route:
         cycle_start = end - len(self.path.cycles) * self.period
         return [cycle_start + k * self.period for k in range(3)]
 
-    def rows(self, time: Array) -> _Rows:
+    def rows(self, time: Array) -> PathRows:
         """Rows at instants (n,) and at the marks."""
         marks = self.marks
         length = marks[-1] - self.start
@@ -262,9 +262,9 @@ class _Route:
         if self.period is None:
             ends = ends[1:]
         pressing = np.maximum(normal_load, 0.0)
-        return _Rows(instants, pressing, tangential_load, ends, self.period)
+        return PathRows(instants, pressing, tangential_load, ends, self.period)
 
-    def first_rows(self, time: Array | None) -> _Rows:
+    def first_rows(self, time: Array | None) -> PathRows:
         """Rows at theory's own instants, in both cycles, and at those that are asked for."""
         instants = self.instants
         marks = self.marks
@@ -279,8 +279,8 @@ class _Route:
         return self.rows(instants)
 
     def with_turning_points(
-        self, rows: _Rows, friction: float, curvatures: Curvatures, parabola: float
-    ) -> _Rows:
+        self, rows: PathRows, friction: float, curvatures: Curvatures, parabola: float
+    ) -> PathRows:
         """Rows with the instants at which a bound B_s turns round, for some punches up to the
         largest, whose G is `parabola`: half-planes turn round at other instants.
         """
@@ -329,7 +329,7 @@ def _loads_of_series(series: LoadSeries, time: Array) -> tuple[Array, Array]:
 
 # ----------------------------------------------------------------------------------------- fields
 @dataclass(frozen=True, eq=False)
-class _Series:
+class PathSeries:
     """Half-widths, movements and work of a followed path at its rows.
 
     Attributes
@@ -340,12 +340,15 @@ class _Series:
         normal contact of half-planes, E*
     effects
         what the bodies add; None: nothing
+    way
+        (n,) how far the bodies slid as a whole or moved while apart; None: they never did
     """
 
     followed: Followed
     contact: SymmetricContact
     modulus: float
     effects: BodyEffects | None
+    way: Array | None = None
 
     @property
     def unit(self) -> float:
@@ -372,6 +375,8 @@ class _Series:
         """U, (n,)."""
         moments = self._moments
         displacement = self.unit * moments.shear_logarithm
+        if self.way is not None:
+            displacement = displacement + self.way
         if self.effects is None:
             return displacement
         bend = curvatures_of(self.effects)
@@ -431,7 +436,7 @@ class _Series:
         return self.unit * float(np.sum(self.followed.step_work[rows][1:]))
 
 
-class _PointFields:
+class PointFields:
     """Fields of a followed path at distances |x| (k,) from the middle.
 
     Parameters
@@ -442,8 +447,8 @@ class _PointFields:
         (k,)
     """
 
-    def __init__(self, series: _Series, x: Array) -> None:
-        self._series = series
+    def __init__(self, series: PathSeries, x: Array) -> None:
+        self.series = series
         self._followed = series.followed
         self._x = x
 
@@ -451,15 +456,15 @@ class _PointFields:
         """p, (n, k)."""
         followed = self._followed
         profile_load = followed.table.load(followed.edge[rows])[:, None]
-        of_profile = self._series.contact.pressure(self._x, profile_load)
+        of_profile = self.series.contact.pressure(self._x, profile_load)
         bend = followed.normal_curvature[rows, None]
-        return of_profile + bend * self._of_parabola(self._series.half_width[rows])
+        return of_profile + bend * self._of_parabola(self.series.half_width[rows])
 
     def shear(self, rows: Indices) -> Array:
         """q, (n, k)."""
         followed = self._followed
         bend = followed.tangential_curvature[rows, None]
-        following = bend * self._of_parabola(self._series.half_width[rows])
+        following = bend * self._of_parabola(self.series.half_width[rows])
         return self._shear_of_curves[followed.curve[rows]] + following
 
     def slip(self, rows: Indices) -> Array:
@@ -467,8 +472,11 @@ class _PointFields:
         followed = self._followed
         # Inside the contact what sticks follows the curvature of the faces; outside it does not.
         bend = followed.tangential_curvature[rows, None]
-        outside = self._outside_parabola(self._series.half_width[rows])
-        return self._slip_of_curves[followed.curve[rows]] + bend * (outside - self._x**2 / 2)
+        outside = self._outside_parabola(self.series.half_width[rows])
+        slip = self._slip_of_curves[followed.curve[rows]] + bend * (outside - self._x**2 / 2)
+        if self.series.way is not None:
+            slip = slip + self.series.way[rows, None]
+        return np.asarray(slip)
 
     def work(self, rows: slice) -> Array:
         """W(x) of the steps of a cycle, (k,)."""
@@ -477,7 +485,7 @@ class _PointFields:
         limit = np.where(np.isfinite(limit), limit, 0.0)
         mean_limit = (limit[1:] + limit[:-1]) / 2
         distance = np.abs(np.diff(self.slip(numbers), axis=0))
-        stick = np.nan_to_num(self._series.stick_half_width[numbers])
+        stick = np.nan_to_num(self.series.stick_half_width[numbers])
         least_stick = np.minimum(stick[1:], stick[:-1])[:, None]
         slips = self._followed.sense[numbers[1:], None] != 0
         is_rubbed = slips & (self._x >= least_stick)
@@ -488,7 +496,7 @@ class _PointFields:
         """Shear of each memory curve, (pieces, k)."""
         pieces = self._followed.pieces
         half = self._followed.table.half_width(pieces.top)
-        of_profile = self._series.contact.pressure_rise(self._x, pieces.load[:, None])
+        of_profile = self.series.contact.pressure_rise(self._x, pieces.load[:, None])
         return pieces.sums(of_profile, self._of_parabola(half))
 
     @cached_property
@@ -496,15 +504,15 @@ class _PointFields:
         """Slip of each memory curve, (pieces, k)."""
         pieces = self._followed.pieces
         half = self._followed.table.half_width(pieces.top)
-        unit = self._series.unit
-        of_profile = unit * self._series.contact.slip_integral(self._x, pieces.load[:, None])
+        unit = self.series.unit
+        of_profile = unit * self.series.contact.slip_integral(self._x, pieces.load[:, None])
         return pieces.sums(of_profile, self._outside_parabola(half))
 
     def _of_parabola(self, half_width: Array) -> Array:
         """Pressure of a parabola of curvature 1, (E*/2) sqrt(a^2 - x^2): (n, k)."""
         half = half_width[:, None]
         root = np.sqrt(np.maximum((half - self._x) * (half + self._x), 0.0))
-        return np.asarray(self._series.modulus / 2 * root)
+        return np.asarray(self.series.modulus / 2 * root)
 
     def _outside_parabola(self, half_width: Array) -> Array:
         """(A/pi) int arccosh(|x|/c) dG over c < min(a, |x|) = int c arccosh(|x|/c) dc: (n, k)."""
@@ -566,9 +574,9 @@ class _Paths:
     """
 
     question: Question
-    rows: _Rows
-    bodies: _Series
-    half_planes: _Series
+    rows: PathRows
+    bodies: PathSeries
+    half_planes: PathSeries
     steady_from: int | None
     covered: tuple[int, ...]
 
@@ -602,10 +610,10 @@ def with_effects(question: Question) -> Findings:
     if x is None:
         x = mirrored_points(1.05 * float(np.max(bodies.half_width)))
     distance, fold = folded(x)
-    time, numbers = _instants(paths)
-    points = _PointFields(bodies, distance)
-    grids = _grids(paths, points, distance, numbers)
-    series = _series_at(paths, numbers)
+    time, numbers = instants_of(question, paths.rows, paths.last_cycle)
+    points = PointFields(bodies, distance)
+    grids = grids_at(question, points, distance, numbers)
+    series = series_at(question, bodies, numbers)
     fields_done = clock.perf_counter()
 
     work = _work_of(paths, points, distance)
@@ -616,7 +624,7 @@ def with_effects(question: Question) -> Findings:
     values: dict[str, Any] = {
         **series,
         **{name: np.take(grid, fold, axis=1) for name, grid in grids.items()},
-        "permanent_stick_half_width": _permanent_stick(bodies, paths.last_cycle),
+        "permanent_stick_half_width": permanent_stick(bodies, paths.last_cycle),
         "dissipation": float(work.cycles[-1]),
         "loop_work": work.loop,
         "cycle_dissipation": work.cycles,
@@ -631,7 +639,7 @@ def with_effects(question: Question) -> Findings:
         message=message,
         notes=tuple(_notes_of(paths)),
         errors={name: error for name, error in errors.items() if error},
-        certificates=_certificates(bodies, grids, numbers),
+        certificates=certificates_of(bodies, grids, numbers),
         counts={
             "points_evaluated": len(distance),
             "rows": len(paths.rows.time),
@@ -653,7 +661,7 @@ def _followed(question: Question) -> _Paths:
     modulus = composite_modulus(scene.material)
     contact = contact_of(scene.profile, scene.material)
     curvatures = curvatures_of(effects)
-    table = _table_of(contact, modulus, rows, curvatures)
+    table = table_of(contact, modulus, rows, curvatures)
     friction = scene.friction.coefficient
     largest_parabola = float(table.parabola(table.last))
     rows = route.with_turning_points(rows, friction, curvatures, largest_parabola)
@@ -664,8 +672,8 @@ def _followed(question: Question) -> _Paths:
     return _Paths(
         question=question,
         rows=rows,
-        bodies=_Series(with_bodies, contact, modulus, effects),
-        half_planes=_Series(without, contact, modulus, None),
+        bodies=PathSeries(with_bodies, contact, modulus, effects),
+        half_planes=PathSeries(without, contact, modulus, None),
         steady_from=steady_from,
         covered=_covered(question, route, steady_from),
     )
@@ -685,8 +693,8 @@ def _require_symmetric(question: Question) -> None:
         )
 
 
-def _table_of(
-    contact: SymmetricContact, modulus: float, rows: _Rows, curvatures: Curvatures
+def table_of(
+    contact: SymmetricContact, modulus: float, rows: PathRows, curvatures: Curvatures
 ) -> PunchTable:
     """Punches up to the largest contact, with the bodies and without.
 
@@ -710,23 +718,24 @@ def _table_of(
             )
         largest *= _BEYOND
     else:
-        raise _splits()
+        raise splits()
     s = np.linspace(0.0, table.last, 200)
     least = min(float(np.min(bend)), 0.0)
     carried = table.load(s) + least * table.parabola(s)
     if np.any(np.diff(carried[s >= (1.0 if contact.least else 0.0)]) < 0):
-        raise _splits()
+        raise splits()
     return table
 
 
-def _splits() -> InputError:
+def splits() -> InputError:
+    """Of bodies that bend the faces away from each other."""
     return InputError(
         "effects: the normal curvature is negative and larger than that of the profile: the contact"
         " would split, which corrected theory does not take"
     )
 
 
-def _steady_from(followed: Followed, rows: _Rows, scene: Scene) -> int | None:
+def _steady_from(followed: Followed, rows: PathRows, scene: Scene) -> int | None:
     """The first cycle that ends in the state it started from: the first or the second."""
     if rows.period is None:
         return 0 if rows.normal_load[-1] <= 0 else None
@@ -753,13 +762,11 @@ def _covered(question: Question, route: _Route, steady_from: int | None) -> tupl
     return covered
 
 
-def _instants(paths: _Paths) -> tuple[Array, Indices]:
+def instants_of(question: Question, rows: PathRows, last_cycle: slice) -> tuple[Array, Indices]:
     """Instants of the answer and their rows, (n,) each."""
-    rows = paths.rows
-    question = paths.question
     if question.time is None:
-        begin = paths.last_cycle.start if question.wants_last_cycle_alone else 0
-        numbers = np.arange(begin, paths.last_cycle.stop)
+        begin = last_cycle.start if question.wants_last_cycle_alone else 0
+        numbers = np.arange(begin, last_cycle.stop)
         return rows.time[numbers], numbers
     inside, _ = within(question.time, float(rows.time[0]), float(rows.time[-1]), rows.period)
     after = np.clip(np.searchsorted(rows.time, inside), 1, len(rows.time) - 1)
@@ -767,10 +774,8 @@ def _instants(paths: _Paths) -> tuple[Array, Indices]:
     return question.time, after - is_before
 
 
-def _series_at(paths: _Paths, numbers: Indices) -> dict[str, Array]:
+def series_at(question: Question, bodies: PathSeries, numbers: Indices) -> dict[str, Array]:
     """Loads, half-widths, edges and movements at rows (n,)."""
-    bodies = paths.bodies
-    question = paths.question
     unknown = np.full(len(numbers), np.nan)
     displacement = unknown
     approach = unknown
@@ -782,8 +787,8 @@ def _series_at(paths: _Paths, numbers: Indices) -> dict[str, Array]:
     stick = bodies.stick_half_width[numbers]
     sides = np.array([-1.0, 1.0])
     return {
-        "normal_load": paths.rows.normal_load[numbers],
-        "tangential_load": paths.rows.tangential_load[numbers],
+        "normal_load": bodies.followed.normal_load[numbers],
+        "tangential_load": bodies.followed.tangential_load[numbers],
         "tangential_displacement": displacement,
         "normal_approach": approach,
         "contact_half_width": half,
@@ -793,11 +798,10 @@ def _series_at(paths: _Paths, numbers: Indices) -> dict[str, Array]:
     }
 
 
-def _grids(
-    paths: _Paths, points: _PointFields, distance: Array, numbers: Indices
+def grids_at(
+    question: Question, points: PointFields, distance: Array, numbers: Indices
 ) -> dict[str, NDArray[Any]]:
     """pressure, shear, slip, state: (n, k); NaN (open) what was not asked for."""
-    question = paths.question
     shape = (len(numbers), len(distance))
     grids: dict[str, NDArray[Any]] = {
         name: np.broadcast_to(np.nan, shape) for name in ("pressure", "shear", "slip")
@@ -806,17 +810,17 @@ def _grids(
     if question.wants("pressure"):
         grids["pressure"] = points.pressure(numbers)
         if np.any(grids["pressure"] < 0):
-            raise _splits()
+            raise splits()
     if question.wants("shear"):
         grids["shear"] = points.shear(numbers)
     if question.wants("slip"):
         grids["slip"] = points.slip(numbers)
     if question.wants("state"):
-        grids["state"] = _states(paths.bodies, distance, numbers)
+        grids["state"] = _states(points.series, distance, numbers)
     return grids
 
 
-def _states(bodies: _Series, distance: Array, numbers: Indices) -> NDArray[np.int8]:
+def _states(bodies: PathSeries, distance: Array, numbers: Indices) -> NDArray[np.int8]:
     """Open, stick or slip, (n, k)."""
     sides = np.array([-1.0, 1.0])
     half = bodies.half_width[numbers, None]
@@ -840,7 +844,7 @@ class _Work(NamedTuple):
     errors: dict[str, float]
 
 
-def _work_of(paths: _Paths, points: _PointFields, distance: Array) -> _Work:
+def _work_of(paths: _Paths, points: PointFields, distance: Array) -> _Work:
     """Exact theory's work plus what the bodies change, by the steps."""
     question = paths.question
     bodies = paths.bodies
@@ -872,7 +876,7 @@ def _work_of(paths: _Paths, points: _PointFields, distance: Array) -> _Work:
                 errors["loop_work"] = abs(half_planes.loop_work(last) / float(exact[-1]) - 1)
     if question.wants("dissipation_density"):
         exact_density = np.asarray(theory.values["dissipation_density"])
-        by_steps = _PointFields(half_planes, distance).work(last)
+        by_steps = PointFields(half_planes, distance).work(last)
         with_bodies = points.work(last)
         density = np.maximum(exact_density + with_bodies - by_steps, 0.0)
         density = np.where(with_bodies > 0, density, 0.0)
@@ -912,7 +916,7 @@ def _errors_of_steps(paths: _Paths) -> dict[str, float]:
     half = half_planes.half_width[numbers, None]
     stick = np.nan_to_num(half_planes.stick_half_width[numbers, None])
     is_away = (np.abs(x - half) > _NEAR * half) & (np.abs(x - stick) > _NEAR * half)
-    points = _PointFields(half_planes, x)
+    points = PointFields(half_planes, x)
     by_steps = {"shear": points.shear, "slip": points.slip}
     errors = {}
     for name in names:
@@ -924,7 +928,7 @@ def _errors_of_steps(paths: _Paths) -> dict[str, float]:
     return errors
 
 
-def _permanent_stick(bodies: _Series, rows: slice) -> float:
+def permanent_stick(bodies: PathSeries, rows: slice) -> float:
     """Half-width that sticks through a cycle; NaN if none does."""
     stick = np.minimum(bodies.stick_half_width[rows], bodies.half_width[rows])
     least = float(np.min(np.nan_to_num(stick)))
@@ -963,8 +967,8 @@ def _notes_of(paths: _Paths) -> Iterator[str]:
         )
 
 
-def _certificates(
-    bodies: _Series, grids: Mapping[str, NDArray[Any]], numbers: Indices
+def certificates_of(
+    bodies: PathSeries, grids: Mapping[str, NDArray[Any]], numbers: Indices
 ) -> dict[str, Array]:
     """|M(a) - Q| over f max P, and the largest |q| - f p over f max p where both are known."""
     followed = bodies.followed

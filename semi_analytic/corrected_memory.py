@@ -71,6 +71,15 @@ class PunchLoads(NamedTuple):
     parabola_rate: float
 
 
+class PunchSums(NamedTuple):
+    """Up to one punch: int ln(2 L/c) and c^2/2 over d eta, and over dG."""
+
+    logarithm: float
+    parabola_logarithm: float
+    second: float
+    parabola_second: float
+
+
 class PunchTable:
     """Loads and integrals of the flat punches up to half-width c, along a coordinate s of c.
 
@@ -109,6 +118,8 @@ class PunchTable:
         self._loads_of_cells: list[list[float]] = self._load.tolist()
         self._log_area = self._integral(with_parabola=False)
         self._log_moment = self._integral(with_parabola=True)
+        self._areas_of_cells: list[list[float]] = self._log_area.tolist()
+        self._moments_of_cells: list[list[float]] = self._log_moment.tolist()
 
     def _cubics(self, low: Array, high: Array, low_rate: Array, high_rate: Array) -> Array:
         """Coefficients (cells, 4) of cubics with these values and rates per sigma at the ends."""
@@ -127,10 +138,8 @@ class PunchTable:
         step = 1 / self._cells
 
         def integrand(s: Array) -> Array:
-            number = np.minimum(s.astype(int), int(self.last) - 1)
-            length = np.diff(self._ends)[number]
             half = self.half_width(s)
-            rate = 2 * length * (s - number)
+            rate = self.half_width_rate(s)
             value = self.load(s) * rate / np.where(half > 0, half, 1.0)
             return value * self.parabola(s) if with_parabola else value
 
@@ -156,6 +165,13 @@ class PunchTable:
         length = np.diff(self._ends)[number]
         return np.asarray(self._ends[number] + length * (place - number) ** 2)
 
+    def half_width_rate(self, s: ArrayLike) -> Array:
+        """dc/ds [length]."""
+        place = np.asarray(s, dtype=float)
+        number = np.minimum(place.astype(int), int(self.last) - 1)
+        length = np.diff(self._ends)[number]
+        return np.asarray(2 * length * (place - number))
+
     def load(self, s: ArrayLike) -> Array:
         """eta(c): load of the profile's punches up to c [force per thickness]."""
         return self._value(self._load, s)
@@ -180,6 +196,43 @@ class PunchTable:
             load_rate=(c1 + share * (2 * c2 + 3 * share * c3)) * self._cells,
             parabola_rate=2 * self.parabola_stiffness * half * half_rate,
         )
+
+    def sums_at(self, s: float, datum: float) -> PunchSums:
+        """Integrals up to one punch, L = `datum` [length], one by one faster than of arrays."""
+        place = s * self._cells
+        cell = min(int(place), len(self._loads_of_cells) - 1)
+        share = place - cell
+
+        def cubic(of_cells: list[list[float]]) -> float:
+            c0, c1, c2, c3 = of_cells[cell]
+            return c0 + share * (c1 + share * (c2 + share * c3))
+
+        number = min(int(s), len(self._lengths) - 1)
+        half = self._begins[number] + self._lengths[number] * (s - number) ** 2
+        square = half * half
+        load = cubic(self._loads_of_cells)
+        parabola = self.parabola_stiffness * square
+        least = _LEAST * float(self._ends[-1])
+        log_ratio = math.log(2 * datum / max(half, least))
+        return PunchSums(
+            logarithm=load * log_ratio + cubic(self._areas_of_cells),
+            parabola_logarithm=parabola * (log_ratio + 0.5),
+            second=square * load / 2 - cubic(self._moments_of_cells) / self.parabola_stiffness,
+            parabola_second=square * parabola / 4,
+        )
+
+    def contact_at(self, normal_load: float, curvature: float) -> float:
+        """s of the edge of contact of one load, P = eta(a) + kn G(a), as `contact` finds it."""
+        low = 0.0
+        high = self.last
+        for _ in range(_BISECTIONS):
+            middle = (low + high) / 2
+            punch = self.loads_at(middle)
+            if punch.load + curvature * punch.parabola <= normal_load:
+                low = middle
+            else:
+                high = middle
+        return (low + high) / 2
 
     def log_area(self, s: ArrayLike) -> Array:
         """int eta dc/c from 0 to c."""
@@ -224,7 +277,7 @@ class Curvatures(NamedTuple):
 
 
 @dataclass
-class _Pieces:
+class Pieces:
     """Pieces of all memory curves of a path, each above its parent.
 
     From the top of its parent to its own, F rises by `slope` d eta + `parabola_slope` dG. Piece 0
@@ -260,6 +313,19 @@ class _Pieces:
         self.parabola_slope.append(parabola_slope)
         return len(self.top) - 1
 
+    def forget_beyond(self, count: int) -> None:
+        """Keep the first `count` pieces: those of a trial that was rejected go."""
+        for of_pieces in (
+            self.parent,
+            self.top,
+            self.load,
+            self.parabola,
+            self.force,
+            self.slope,
+            self.parabola_slope,
+        ):
+            del of_pieces[count:]
+
     def slopes(self, piece: int) -> tuple[float, float]:
         """dF per d eta and per dG."""
         return self.slope[piece], self.parabola_slope[piece]
@@ -273,7 +339,7 @@ class _Bound(NamedTuple):
     slope: float
     parabola_slope: float
 
-    def excess(self, pieces: _Pieces, piece: int) -> float:
+    def excess(self, pieces: Pieces, piece: int) -> float:
         """How far F at the top of a piece is beyond the bound; it slips where this is positive."""
         at_top = self.constant + self.slope * pieces.load[piece]
         at_top += self.parabola_slope * pieces.parabola[piece]
@@ -451,68 +517,32 @@ def follow(
     >>> table.half_width(followed.front[-2:]).round(9).tolist()  # c = a sqrt(1 - Q/(f P))
     [0.632455532, 0.632455532]
     """
-    pieces = _Pieces()
+    pieces = Pieces()
     normal_curvature = curvatures.of_gap(normal_load, tangential_load)
     tangential_curvature = curvatures.of_faces(normal_load, tangential_load)
     edge = table.contact(normal_load, normal_curvature)
-    edge_load = table.load(edge)
-    edge_parabola = table.parabola(edge)
-    largest = float(np.max(normal_load))
-    round_off = _ROUNDING * friction * largest
-    front = edge.copy()
-    direction = np.zeros(len(edge), dtype=np.int64)
-    ring = np.zeros((len(edge), 2))
-    ring_direction = np.zeros(len(edge), dtype=np.int64)
-    curve = np.zeros(len(edge), dtype=np.int64)
-    columns = np.stack(
-        [
-            normal_load,
-            tangential_load,
-            normal_curvature,
-            tangential_curvature,
-            edge,
-            edge_load,
-            edge_parabola,
-        ]
-    )
-    top = 0
-    sense_before = 0
-    rows = columns.T.tolist()
-    for row, (load, force, gap_bend, face_bend, place, eta, parabola) in enumerate(rows):
-        if load <= _ROUNDING * largest:
-            top = 0
-            sense_before = 0
-            continue
-        loads = (eta, parabola)
-        force_at_edge = force - face_bend * parabola
-        if place > pieces.top[top]:
-            top = _grow(pieces, top, place, loads, force_at_edge)
-        else:
-            top = _cut(pieces, top, place, loads)
-        bounds = [
-            _Bound(
-                s, force - s * friction * load, s * friction, s * friction * gap_bend - face_bend
-            )
-            for s in (1, -1)
-        ]
-        bound = _slipping(pieces, top, bounds, round_off)
-        sense = 0
-        if bound is not None:
-            sense = bound.direction
-            top = _front(table, pieces, top, bound, round_off)
-            front[row] = pieces.top[top]
-            direction[row] = sense
-        if sense_before and sense != sense_before:
-            # Further in the stroke before may go on.
-            inner_bound = bounds[0] if sense_before > 0 else bounds[1]
-            top, *ends = _ring(table, pieces, top, inner_bound, round_off)
-            ring[row] = ends
-            if ends[1] > ends[0]:
-                ring_direction[row] = sense_before
-        if bound is not None:
-            top = pieces.add(top, place, loads, (bound.slope, bound.parabola_slope))
-        sense_before = int(ring_direction[row]) or sense
-        curve[row] = top
+    columns = [
+        normal_load,
+        tangential_load,
+        normal_curvature,
+        tangential_curvature,
+        edge,
+        table.load(edge),
+        table.parabola(edge),
+    ]
+    memory = MemoryCurve(table, friction, float(np.max(normal_load)), pieces)
+    state = UNLOADED
+    steps = []
+    for values in np.stack(columns, axis=1).tolist():
+        step = memory.step(state, Row(*values))
+        state = step.state
+        steps.append(step)
+    return followed_of(memory, np.stack(columns), steps)
+
+
+def followed_of(memory: MemoryCurve, columns: Array, steps: Sequence[Step]) -> Followed:
+    """The path of some steps whose rows are `columns` (7, n), in the order of a `Row`."""
+    pieces = memory.pieces
     of_pieces = PieceTable(
         np.array(pieces.parent),
         np.array(pieces.top),
@@ -522,25 +552,128 @@ def follow(
         np.array(pieces.slope),
         np.array(pieces.parabola_slope),
     )
+    normal_load, tangential_load, normal_curvature, tangential_curvature, edge, _, _ = columns
     return Followed(
-        table=table,
-        friction=friction,
+        table=memory.table,
+        friction=memory.friction,
         normal_load=normal_load,
         tangential_load=tangential_load,
         normal_curvature=normal_curvature,
         tangential_curvature=tangential_curvature,
         edge=edge,
-        front=front,
-        direction=direction,
-        ring=ring,
-        ring_direction=ring_direction,
-        curve=curve,
+        front=np.array([step.front for step in steps]),
+        direction=np.array([step.direction for step in steps], dtype=np.int64),
+        ring=np.array([step.ring for step in steps]),
+        ring_direction=np.array([step.ring_direction for step in steps], dtype=np.int64),
+        curve=np.array([step.state.curve for step in steps], dtype=np.int64),
         pieces=of_pieces,
     )
 
 
+class Row(NamedTuple):
+    """P, Q, kn, kt at the end of a step, and s, eta and G of the edge of contact there."""
+
+    normal_load: float
+    tangential_load: float
+    normal_curvature: float
+    tangential_curvature: float
+    edge: float
+    edge_load: float
+    edge_parabola: float
+
+
+class State(NamedTuple):
+    """What a contact remembers: the uppermost piece of its curve, the sense of its last slip."""
+
+    curve: int = 0
+    sense: int = 0
+
+
+UNLOADED = State()
+
+
+class Step(NamedTuple):
+    """What is found at the end of a step: the state, and the slip zones as in `Followed`."""
+
+    state: State
+    front: float
+    direction: int = 0
+    ring: tuple[float, float] = (0.0, 0.0)
+    ring_direction: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class MemoryCurve:
+    """The memory of a contact, straight step by straight step; a step leaves no trace in a state.
+
+    Attributes
+    ----------
+    table
+        the flat punches
+    friction
+        f
+    largest_load
+        largest P of the path, by which round-off is judged
+    pieces
+        of all curves, those of the states among them
+    """
+
+    table: PunchTable
+    friction: float
+    largest_load: float
+    pieces: Pieces
+
+    def is_unloaded(self, normal_load: float) -> bool:
+        """Whether P is 0 but for round-off: the bodies are apart, and nothing is remembered."""
+        return normal_load <= _ROUNDING * self.largest_load
+
+    def step(self, state: State, row: Row) -> Step:
+        """The state after a straight step from `state` to `row`."""
+        if self.is_unloaded(row.normal_load):
+            return Step(UNLOADED, front=row.edge)
+        pieces = self.pieces
+        round_off = _ROUNDING * self.friction * self.largest_load
+        top = state.curve
+        loads = (row.edge_load, row.edge_parabola)
+        if row.edge > pieces.top[top]:
+            force_at_edge = row.tangential_load - row.tangential_curvature * row.edge_parabola
+            top = _grow(pieces, top, row.edge, loads, force_at_edge)
+        else:
+            top = _cut(pieces, top, row.edge, loads)
+        bounds = [_bound(s, self.friction, row) for s in (1, -1)]
+        bound = _slipping(pieces, top, bounds, round_off)
+        front = row.edge
+        sense = 0
+        if bound is not None:
+            sense = bound.direction
+            top = _front(self.table, pieces, top, bound, round_off)
+            front = pieces.top[top]
+        ring = (0.0, 0.0)
+        ring_direction = 0
+        if state.sense and sense != state.sense:
+            # Further in the stroke before may go on.
+            inner_bound = bounds[0] if state.sense > 0 else bounds[1]
+            top, *ends = _ring(self.table, pieces, top, inner_bound, round_off)
+            ring = (ends[0], ends[1])
+            if ring[1] > ring[0]:
+                ring_direction = state.sense
+        if bound is not None:
+            top = pieces.add(top, row.edge, loads, (bound.slope, bound.parabola_slope))
+        return Step(State(top, ring_direction or sense), front, sense, ring, ring_direction)
+
+
+def _bound(direction: int, friction: float, row: Row) -> _Bound:
+    """B_s at the end of a step."""
+    return _Bound(
+        direction,
+        row.tangential_load - direction * friction * row.normal_load,
+        direction * friction,
+        direction * friction * row.normal_curvature - row.tangential_curvature,
+    )
+
+
 def _grow(
-    pieces: _Pieces, top: int, place: float, loads: tuple[float, float], force_at_edge: float
+    pieces: Pieces, top: int, place: float, loads: tuple[float, float], force_at_edge: float
 ) -> int:
     """The curve after growth in stick up to `place`, a chord."""
     load_rise = loads[0] - pieces.load[top]
@@ -552,7 +685,7 @@ def _grow(
     return pieces.add(top, place, loads, (0.0, rise / parabola_rise))
 
 
-def _cut(pieces: _Pieces, top: int, place: float, loads: tuple[float, float]) -> int:
+def _cut(pieces: Pieces, top: int, place: float, loads: tuple[float, float]) -> int:
     """The curve up to `place`."""
     while top and pieces.top[pieces.parent[top]] >= place:
         top = pieces.parent[top]
@@ -562,7 +695,7 @@ def _cut(pieces: _Pieces, top: int, place: float, loads: tuple[float, float]) ->
 
 
 def _slipping(
-    pieces: _Pieces, top: int, bounds: Sequence[_Bound], round_off: float
+    pieces: Pieces, top: int, bounds: Sequence[_Bound], round_off: float
 ) -> _Bound | None:
     """The bound that the outermost part of the curve is beyond; None in full stick."""
     for place in (top, pieces.parent[top]):
@@ -572,7 +705,7 @@ def _slipping(
     return None
 
 
-def _front(table: PunchTable, pieces: _Pieces, top: int, bound: _Bound, round_off: float) -> int:
+def _front(table: PunchTable, pieces: Pieces, top: int, bound: _Bound, round_off: float) -> int:
     """The curve below the line of slip, which begins at the top of `top`."""
     piece = top
     while piece and bound.excess(pieces, pieces.parent[piece]) > round_off:
@@ -587,7 +720,7 @@ def _front(table: PunchTable, pieces: _Pieces, top: int, bound: _Bound, round_of
 
 
 def _ring(
-    table: PunchTable, pieces: _Pieces, top: int, bound: _Bound, round_off: float
+    table: PunchTable, pieces: Pieces, top: int, bound: _Bound, round_off: float
 ) -> tuple[int, float, float]:
     """The curve with a line of slip inside it, where a stroke goes on while the edge rests; s of
     its two ends, the same where there is none.
@@ -610,7 +743,7 @@ def _ring(
 
 
 def _crossing(
-    table: PunchTable, pieces: _Pieces, piece: int, bound: _Bound, round_off: float
+    table: PunchTable, pieces: Pieces, piece: int, bound: _Bound, round_off: float
 ) -> tuple[float, PunchLoads]:
     """The punch of a piece at which F is that of a bound, beyond which it is at one end only."""
     below = pieces.parent[piece]

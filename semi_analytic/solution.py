@@ -27,6 +27,7 @@ from semi_analytic.answer import (
 )
 from semi_analytic.answer_by_memory import by_memory
 from semi_analytic.answer_in_phase import in_phase
+from semi_analytic.answer_of_rig import of_rig
 from semi_analytic.answer_on_grids import OF_WORK, GridAnswer
 from semi_analytic.bulk_and_tilt import leaning_profile, one_curve, steady_curve
 from semi_analytic.corrected import checked_effects, with_effects
@@ -119,6 +120,8 @@ def solve(
 def _findings(question: Question) -> Findings:
     """The answer by one memory curve, or else by the ways that do without."""
     scene = question.scene
+    if scene.load.is_driven:
+        return of_rig(question)
     if question.effects is not None:
         return with_effects(question)
     if not scene.unsymmetric:

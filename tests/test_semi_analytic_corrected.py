@@ -639,14 +639,14 @@ def test_brute_force_finds_a_planted_fault(method, fault, history, bend) -> None
 @pytest.mark.parametrize("moment", ["shear_second", "pressure_second"])
 def test_the_loop_finds_a_moment_that_is_dropped(moment: str) -> None:
     """T q_2/2 of U and of the approach, N p_2/2."""
-    moments = corrected._Series._moments.func
+    moments = corrected.PathSeries._moments.func
 
-    def without(series: corrected._Series) -> object:
+    def without(series: corrected.PathSeries) -> object:
         of_series = moments(series)
         return of_series._replace(**{moment: 0 * getattr(of_series, moment)})
 
     effects = ALL_BENDS if moment == "shear_second" else BENDS["normal under shear"]
-    with mock.patch.object(corrected._Series, "_moments", property(without)):
+    with mock.patch.object(corrected.PathSeries, "_moments", property(without)):
         solution = semi_analytic.solve(
             scene_of("paper"), cycles="steady", fields="dissipation", effects=effects
         )

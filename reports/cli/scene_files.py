@@ -134,7 +134,9 @@ def check(scene: str, options: Options) -> Answer:
     from reports.units import number
     from scenes import InputError, TimeSeriesLoad
 
-    problem = read(scene)
+    problem = read(scene, driven=True)
+    if problem.load.is_driven:
+        return _check_rig(problem, scene, options)
     loop_read = _loop_read(problem, options)
     rows = 0
     if isinstance(problem.load, TimeSeriesLoad):
@@ -198,6 +200,47 @@ def check(scene: str, options: Options) -> Answer:
     )
 
 
+def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
+    """What follows from the displacements that a scene prescribes: loads, sliding, dissipation."""
+    import semi_analytic
+    from reports.comparison.words import bodies_in_words, question
+    from reports.units import number
+    from scenes import InputError
+
+    if options.loop is not None:
+        raise InputError(
+            "--loop: it goes with given loads, and this scene prescribes U; leave it out"
+        )
+    load_engines(Stages(quiet=True))
+    effects = None
+    if not scene.bodies.half_planes:
+        import halfplane_fe
+
+        effects = halfplane_fe.body_effects(scene)
+    try:
+        solution = semi_analytic.solve(scene, x=[0.0], fields=("dissipation",), effects=effects)
+    except InputError as fault:
+        raise InputError(f"{source}: {fault}") from fault
+    force, length, _ = scene.unit_words
+    least = number(float(solution.tangential_load.min()))
+    largest = number(float(solution.tangential_load.max()))
+    last = (
+        f"{source}: the scene is well formed. Q goes from {least} to {largest} {force}/{length},"
+        f" and P up to {number(float(solution.normal_load.max()))}."
+        f" `halfplane exact {source}` writes the answer, and a scene with these loads."
+    )
+    notes = [question(scene), *filter(None, [bodies_in_words(scene)])]
+    notes += [f"{note[:1].upper()}{note[1:]}." for note in solution.record.notes]
+    content = {
+        "passed": True,
+        "sentence": last,
+        "notes": notes,
+        "dissipation": solution.dissipation,
+        "largest_half_width": float(solution.contact_half_width.max()),
+    }
+    return Answer(WITHIN, [*notes, last], lambda: content, scene.name)
+
+
 def _loop_read(scene: Scene, options: Options) -> dict[str, tuple[tuple[str, str], ...]]:
     """How the table of --loop was read, by its path; empty without one.
 
@@ -231,7 +274,7 @@ def show(name: str, options: Options) -> Answer:
             " the two out"
         )
     if name:
-        scene = read(name)
+        scene = read(name, driven=True)
         return Answer(WITHIN, _details(scene), lambda: {"scenes": [_record(scene)]}, scene.name)
     scenes = tagged(options.tag)
     return Answer(

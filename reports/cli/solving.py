@@ -29,18 +29,23 @@ if TYPE_CHECKING:
     from reports.comparison.budget import ErrorBudget
     from reports.comparison.laws import Finding
     from reports.report import Report
-    from scenes import ContactSolution, Scene
+    from scenes import BodyEffects, ContactSolution, Scene
 
 _STYLES = {"within": "bold green", "outside": "bold red", "undecided": "bold yellow"}
 
 
 # -------------------------------------------------------------- what every command that solves does
-def read(source: str) -> Scene:
-    """The scene of `source`, its load path checked; InputError in a sentence otherwise."""
+def read(source: str, *, driven: bool = False) -> Scene:
+    """The scene of `source`, its load path checked; InputError in a sentence otherwise, and for
+    prescribed displacements where the command does not take them (`driven` False).
+    """
     from reports.checking import require_admissible
-    from scenes import load_scene
+    from scenes import InputError, load_scene
+    from scenes.loads import DRIVEN
 
     scene = load_scene(source)
+    if scene.load.is_driven and not driven:
+        raise InputError(f"{source}: {DRIVEN}")
     require_admissible(scene, source)
     return scene
 
@@ -76,7 +81,7 @@ def at_work(work: Callable[[Job], Answer]) -> Callable[[str, Options], Answer]:
         from reports.folder import claim, default_folder
         from scenes import ConvergenceError, InputError, Interrupted
 
-        problem = read(scene)
+        problem = read(scene, driven=work.__name__ in ("exact", "run"))
         folder = claim(
             options.out or default_folder(problem.name), _written_by(work.__name__, problem)
         )
@@ -210,6 +215,21 @@ def _solve_half_plane(job: Job, **where: Any) -> ContactSolution:
         return semi_analytic.solve(job.scene, **where)
 
 
+def _effects_of_bodies(job: Job) -> BodyEffects:
+    """What the bodies add to half-planes."""
+    import halfplane_fe
+
+    with job.stages.stage("numbers of the bodies"):
+        return halfplane_fe.body_effects(job.scene)
+
+
+def _solve_rig(job: Job) -> ContactSolution:
+    """The answer of corrected theory to prescribed displacements; half-planes have no effects."""
+    if job.scene.bodies.half_planes:
+        return _solve_half_plane(job)
+    return _solve_half_plane(job, effects=_effects_of_bodies(job))
+
+
 # Rows of a record above which the uncertainty of real bodies is measured on request only: every row
 # is an increment of each of two coarser meshes too.
 _LONG_RECORD = 200
@@ -256,7 +276,7 @@ def run(job: Job) -> Answer:
             solution = solve_finite_elements(job)
             command = "fe"
         else:
-            solution = _solve_half_plane(job)
+            solution = _solve_rig(job) if job.scene.load.is_driven else _solve_half_plane(job)
             command = "exact"
         return replace(_answer_alone(job, solution, no_comparison), command=command)
     if options.third:
@@ -570,13 +590,11 @@ def exact(job: Job) -> Answer:
     where a law of contact or an expected number is violated.
     """
     load_engines(job.stages)
+    if job.scene.load.is_driven:
+        return _answer_alone(job, _solve_rig(job))
     if not job.options.corrected:
         return _answer_alone(job, _solve_half_plane(job))
-    import halfplane_fe
-
-    with job.stages.stage("numbers of the bodies"):
-        effects = halfplane_fe.body_effects(job.scene)
-    return _answer_alone(job, _solve_half_plane(job, effects=effects))
+    return _answer_alone(job, _solve_half_plane(job, effects=_effects_of_bodies(job)))
 
 
 @at_work

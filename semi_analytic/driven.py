@@ -1,0 +1,676 @@
+"""Displacement control: the loads P(t), Q(t) that follow from what the actuators of a rig do, on
+the memory curve of corrected theory.
+
+A rig prescribes the tangential displacement U_act of an actuator, and P or the approach d_act of
+another. Between actuator and contact is a spring, k_s and k_n [load per length, per thickness],
+infinite in a stiff rig::
+
+    U_act = U(Q) + Q/k_s + slide,        d_act = approach(P) + P/k_n
+
+U(Q) is that of `corrected`, of the state that a straight step to (P, Q) makes.
+
+Uniqueness. With c the half-width that sticks at the end of the step and G(c) as in
+`corrected_memory`::
+
+    dU/dQ + 1/k_s = (A/pi) ln(2 L/c) + c_t + T c^2/2 - T^2 G(c) c^2/8 + 1/k_s
+
+Where this is positive for all c up to the largest a, Q is the one root between -f P and f P. With
+half-planes of a short datum L it is not, and the path is refused: U would fall while Q grows.
+
+Exactness. A step in which P rests is as good as any number of steps. Where P varies, Q over P is
+not straight for a given U: the error falls with the square of the step, and is measured by steps
+that are twice as long.
+
+Gross sliding. Where U(f P) + f P/k_s is less than U_act, Q = f P (-f P in the other direction), and
+the rest of the way slides as a whole: it wears off f P times the slide. As long as it slides Q
+follows f P, also where P falls. In separation nothing is remembered, and U_act is free: what it
+moves while P = 0 rubs nowhere. Bodies touch again without shear.
+
+Work of slip beside the slide, step by step, over the punches c that slip::
+
+    W = (A/pi) int f [P - eta(c) - kn G(c)] |dF(c)| dc/c
+
+with the mean of the bracket over the part of the step in which the punch slips: exact at constant
+P, whatever the step.
+
+# notation: A = 2/E*, L datum length, f friction coefficient, c half-width of a punch, F, eta, G,
+#           kn, kt, T as in `corrected_memory`
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property, partial
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from scenes import InputError, LoadPath, LoadSegment, NotFoundError
+from scenes.array_types import Array
+from scenes.segments import NORMAL_LOAD, TANGENTIAL_LOAD
+from semi_analytic.corrected_memory import (
+    UNLOADED,
+    Curvatures,
+    Followed,
+    MemoryCurve,
+    Pieces,
+    PunchTable,
+    Row,
+    State,
+    Step,
+    followed_of,
+)
+from semi_analytic.profiles import SymmetricContact
+
+# Of the largest f P: to which Q of a step is found. Round-off of the memory curve is 1e-11.
+_FOUND = 1e-13
+# Newton's steps with a bracket: about five are taken; bisection alone would take 45.
+_MOST_STEPS = 200
+# Share of f P within which Q is at the limit of sliding.
+_AT_LIMIT = 1e-9
+# Share of a step within which sliding begins at one of its ends.
+_AT_END = 1e-9
+# Steps of a cycle at least, and between two turning points.
+_STEPS_A_CYCLE = 200
+_FEWEST_STEPS = 16
+# Steps that are followed at most: each takes about half a millisecond.
+_MOST_ROWS = 100_000
+# Two instants of this share of the path are one.
+_SAME = 1e-12
+# Half-widths at which dU/dQ is looked at.
+_PLACES = 400
+_BISECTIONS = 60
+# Share of the values at the ends of a bracket within which a function is 0.
+_ROUNDING_OF_ROOT = 1e-14
+# Share of the largest approach that is round-off.
+_ROUNDING = 1e-12
+_DOUBLINGS = 60
+# Gauss points between two tops of a memory curve: |dF| is a cubic in s there for Hertz.
+_GAUSS = np.polynomial.legendre.leggauss(8)
+
+
+class Compliance(NamedTuple):
+    """What moves the actuator beside slip.
+
+    Attributes
+    ----------
+    unit
+        A/pi [1 / stress]
+    datum_length
+        L [length]
+    normal, tangential
+        c_n, c_t of the bodies [1 / stress]
+    normal_spring, tangential_spring
+        1/k_n, 1/k_s of the rig [1 / stress]; 0 in a stiff rig
+    curvatures
+        N, T, N_Q, T_P of the bodies
+    """
+
+    unit: float
+    datum_length: float
+    normal: float = 0.0
+    tangential: float = 0.0
+    normal_spring: float = 0.0
+    tangential_spring: float = 0.0
+    curvatures: Curvatures = Curvatures()
+
+    def rate(self, half_width: Array | float) -> Array:
+        """d(U + Q/k_s)/dQ where a half-width sticks, without N_Q and T_P."""
+        half = np.asarray(half_width, dtype=float)
+        square = half**2
+        bend = self.curvatures.tangential
+        parabola = square / (2 * self.unit)  # G(c) = (pi E*/4) c^2 = c^2/(2 A/pi)
+        of_half_planes = self.unit * np.log(2 * self.datum_length / half)
+        of_bodies = self.tangential + bend * square / 2 - bend**2 * parabola * square / 8
+        return np.asarray(of_half_planes + of_bodies + self.tangential_spring)
+
+    def require_unique(self, largest_half_width: float) -> None:
+        """InputError where Q does not follow from U."""
+        half_width = largest_half_width * np.arange(1, _PLACES + 1) / _PLACES
+        rate = self.rate(half_width)
+        if np.all(rate > 0):
+            return
+        worst = float(half_width[np.argmin(rate)])
+        raise InputError(
+            "load.tangential_displacement: with the datum length"
+            f" {self.datum_length:.6g} and the half-width {worst:.4g} that sticks U falls while Q"
+            " grows, so that no Q follows from U: state a longer rig.datum_length, of some heights"
+            " of the bodies, or the bodies themselves"
+        )
+
+
+# --------------------------------------------------------------------------------- rows of the path
+class ActuatorRows(NamedTuple):
+    """Instants of a path of actuators, (n,) each: P or the approach, U_act; `ends` are the rows at
+    which the initial loading ends, and each cycle, the last row where there is no cycle.
+    """
+
+    time: Array
+    normal: Array
+    displacement: Array
+    ends: tuple[int, ...]
+
+
+def actuator_rows(
+    path: LoadPath, cycles: int, finer: int = 1, further: Array | None = None
+) -> ActuatorRows:
+    """Rows of the initial loading and some cycles: turning points, instants at which the bodies
+    part or meet, and equal steps between them.
+
+    Parameters
+    ----------
+    path
+        of the actuators, P or the approach and U_act in the place of P and Q
+    finer
+        how many times as many steps between two of these instants
+    further
+        (k,) instants that are rows too
+    """
+    legs = list(path.legs(cycles))
+    instants = [legs[0].start]
+    loops = max(cycles, 1) if path.period is not None else 1
+    for leg in legs:
+        turns = leg.turning_points(NORMAL_LOAD) + leg.turning_points(TANGENTIAL_LOAD)
+        monotone = sorted({leg.start, leg.end, *turns})
+        meets = [
+            _root(partial(_first_of, leg), begin, end)
+            for begin, end in pairwise(monotone)
+            if leg.loads(begin)[0] * leg.loads(end)[0] < 0
+        ]
+        instants += sorted({*monotone[1:], *meets})
+    count = max(math.ceil(_STEPS_A_CYCLE * loops / len(instants)), 1)
+    if len(instants) < _STEPS_A_CYCLE * loops / _FEWEST_STEPS:
+        count = max(count, _FEWEST_STEPS)
+    count *= finer
+    if count * len(instants) > _MOST_ROWS:
+        raise InputError(
+            f"load: the path of the actuators takes {count * len(instants):,} steps and"
+            f" {_MOST_ROWS:,} are followed at most: take a part of it, or fewer cycles"
+        )
+    bounds = np.array(instants)
+    share = np.arange(count) / count
+    time = (bounds[:-1, None] + np.diff(bounds)[:, None] * share).ravel()
+    time = np.append(time, bounds[-1])
+    if further is not None:
+        time = np.append(time, further[(further > bounds[0]) & (further < bounds[-1])])
+    time = np.unique(time)
+    length = bounds[-1] - bounds[0]
+    time = time[np.diff(time, prepend=-np.inf) > _SAME * length]
+    normal, displacement = path.at(time)
+    marks = [bounds[-1]]
+    if path.period is not None:
+        marks = [path.cycle_start + k * path.period for k in range(cycles + 1)]
+    ends = tuple(int(np.argmin(np.abs(time - mark))) for mark in marks)
+    return ActuatorRows(time, np.maximum(normal, 0.0), displacement, ends)
+
+
+def _first_of(leg: LoadSegment, time: float) -> float:
+    """P, or the approach."""
+    return float(leg.loads(time)[0])
+
+
+def _root(function: Callable[[float], float], low: float, high: float) -> float:
+    """Where a function of two signs at `low` and `high` is 0, by the rule of Illinois: false
+    position, with half the value of an end that stays.
+    """
+    at_low = function(low)
+    at_high = function(high)
+    size = max(abs(at_low), abs(at_high))
+    place = low
+    moved = 0  # which end moved last: -1 the lower, 1 the upper
+    for _ in range(_MOST_STEPS):
+        place = (low * at_high - high * at_low) / (at_high - at_low)
+        value = function(place)
+        if abs(value) <= _ROUNDING_OF_ROOT * size:
+            break
+        if (value > 0) == (at_high > 0):
+            high = place
+            at_high = value
+            at_low = at_low / 2 if moved == 1 else at_low
+            moved = 1
+        else:
+            low = place
+            at_low = value
+            at_high = at_high / 2 if moved == -1 else at_high
+            moved = -1
+    return place
+
+
+def loads_of_approach(
+    contact: SymmetricContact, modulus: float, compliance: Compliance, approach: Array
+) -> Array:
+    """P (n,) of approaches of the actuator (n,); 0 where it is not positive, the bodies being
+    apart.
+
+    With kn = N P each half-width a has its load P = eta(a)/(1 - N G(a)) and its approach, of which
+    a is the root. N_Q and T_P must be 0: P does not depend on Q then.
+
+    Raises
+    ------
+    InputError
+        For an approach beyond the profile, or numbers of bodies without a mirror line.
+    """
+    bend = compliance.curvatures
+    if bend.normal_under_shear or bend.tangential_under_pressure:
+        raise InputError(
+            "load.approach: it is followed for bodies that are mirrored at x = 0, and N_Q or T_P of"
+            " these are not 0: state the normal load"
+        )
+    largest = float(np.max(approach))
+    if not largest > 0:
+        raise InputError(
+            "load.approach: it is never positive, so that the bodies never touch: an approach is"
+            " positive where the bodies are pressed together"
+        )
+
+    def of_edges(table: PunchTable, s: Array) -> tuple[Array, Array]:
+        """P and approach of the actuator for contacts up to s (n,)."""
+        load = table.load(s) / (1 - bend.normal * table.parabola(s))
+        sums = [table.sums_at(place, compliance.datum_length) for place in s.tolist()]
+        logarithm, parabola_logarithm, second, parabola_second = np.array(sums).T
+        gap_bend = bend.normal * load
+        moment = second + gap_bend * parabola_second
+        of_profile = compliance.unit * (logarithm + gap_bend * parabola_logarithm)
+        of_load = (compliance.normal + compliance.normal_spring) * load
+        return load, of_profile + of_load + bend.normal * moment / 2
+
+    extent = contact.extent if math.isfinite(contact.extent) else math.inf
+    half_width = min(max(contact.least, 1e-6 * compliance.datum_length) * 1.01, extent)
+    for _ in range(_DOUBLINGS):
+        table = PunchTable(contact, modulus, half_width)
+        if of_edges(table, np.array([table.last]))[1][0] >= largest:
+            break
+        if half_width >= extent:
+            raise InputError(
+                f"load.approach: {largest:.6g} makes the contact wider than the profile,"
+                f" {extent:.6g}: state a wider profile or a smaller approach"
+            )
+        half_width = min(half_width * 1.5, extent)
+    else:
+        raise InputError(
+            f"load.approach: {largest:.6g} is more than the profile can be pressed in: check units"
+        )
+    s = np.linspace(0.0, table.last, 20 * 512 + 1)
+    of_samples = of_edges(table, s)[1]
+    if np.any(np.diff(of_samples) < -_ROUNDING * largest):
+        raise InputError(
+            "load.approach: with the datum length"
+            f" {compliance.datum_length:.6g} the approach falls while P grows, so that no P follows"
+            " from it: state a longer rig.datum_length, of some heights of the bodies, or the"
+            " bodies themselves"
+        )
+    low = np.zeros(len(approach))
+    high = np.full(len(approach), table.last)
+    for _ in range(_BISECTIONS):
+        middle = (low + high) / 2
+        is_within = of_edges(table, middle)[1] <= approach
+        low = np.where(is_within, middle, low)
+        high = np.where(is_within, high, middle)
+    return np.where(approach > 0, of_edges(table, (low + high) / 2)[0], 0.0)
+
+
+# ------------------------------------------------------------------------------------ step by step
+@dataclass(frozen=True, eq=False)
+class Driven:
+    """Loads and slides that follow from the way of the actuators.
+
+    Attributes
+    ----------
+    time
+        (n,) instants: those of the rows, and of the begin of each slide
+    followed
+        the memory curve under P(t) and Q(t), which are in it
+    compliance
+        of contact and rig
+    slide
+        (n,) way that the contact slides as a whole in the step that ends at the row, positive of
+        the upper body over the lower one along +x [length]
+    free
+        (n,) sum of all slides and of the way while the bodies were apart: U of the contact is U(Q)
+        plus this [length]
+    actuator
+        (n,) U_act [length]
+    ends
+        rows at which the initial loading ends, and each cycle
+    """
+
+    time: Array
+    followed: Followed
+    compliance: Compliance
+    slide: Array
+    free: Array
+    actuator: Array
+    ends: tuple[int, ...]
+
+    @property
+    def displacement(self) -> Array:
+        """U of the contact, without the spring: (n,)."""
+        spring = self.compliance.tangential_spring
+        return np.asarray(self.actuator - spring * self.followed.tangential_load)
+
+    @cached_property
+    def slide_work(self) -> Array:
+        """f P times the slide of the step that ends at each row, (n,) [energy / thickness]."""
+        load = self.followed.normal_load
+        mean_load = (load + np.concatenate([load[:1], load[:-1]])) / 2
+        return np.asarray(self.followed.friction * mean_load * np.abs(self.slide))
+
+    @cached_property
+    def slip_work(self) -> Array:
+        """Friction work of partial slip of the same steps, (n,) [energy / thickness]."""
+        work = np.zeros(len(self.time))
+        for row in range(1, len(self.time)):
+            work[row] = self.compliance.unit * _work_of_step(self.followed, row)
+        return work
+
+    def work(self, rows: slice) -> float:
+        """Friction work of a cycle or of the path, whose first row ends the step before it."""
+        return float(np.sum((self.slip_work + self.slide_work)[rows][1:]))
+
+    def loop_work(self, rows: slice) -> float:
+        """Closed integral of Q dU by straight steps: the second way to the work at constant P."""
+        load = self.followed.tangential_load[rows]
+        means = (load[1:] + load[:-1]) / 2
+        return float(np.sum(means * np.diff(self.displacement[rows])))
+
+
+def follow_actuator(
+    table: PunchTable,
+    friction: float,
+    compliance: Compliance,
+    rows: ActuatorRows,
+) -> Driven:
+    """Q(t) from U_act(t), step by step from rest; `rows.normal` are loads P.
+
+    >>> import numpy as np
+    >>> from semi_analytic.hertz import HertzContact
+    >>> contact = HertzContact(modulus=4 / np.pi, radius=1.0, datum_length=50.0)  # a^2 = P
+    >>> table = PunchTable(contact, contact.modulus, largest=1.2)
+    >>> rows = ActuatorRows(
+    ...     time=np.array([0.0, 1.0, 2.0, 3.0]),
+    ...     normal=np.array([0.0, 1.0, 1.0, 0.5]),
+    ...     displacement=np.array([0.0, 0.0, 10.0, 10.0]),
+    ...     ends=(3,),
+    ... )
+    >>> driven = follow_actuator(table, 0.4, Compliance(unit=0.5, datum_length=50.0), rows)
+    >>> driven.followed.tangential_load.tolist()  # at rest, at the begin of the slide, sliding
+    [0.0, 0.0, 0.4, 0.4, 0.2]
+    >>> bool(driven.slide[-1] > 0)  # P falls while U rests: the bodies slide on
+    True
+    """
+    largest_load = float(np.max(rows.normal))
+    memory = MemoryCurve(table, friction, largest_load, Pieces())
+    stepper = _Stepper(memory, compliance)
+    state = UNLOADED
+    begin = _Instant(float(rows.time[0]), 0.0, 0.0, float(rows.displacement[0]))
+    free = begin.actuator
+    times = [begin.time]
+    rows_of_memory = [stepper.row(0.0, 0.0)]
+    steps = [memory.step(state, rows_of_memory[0])]
+    slides = [0.0]
+    ways = [free]
+    actuator = [begin.actuator]
+    number = [0] * len(rows.time)
+    for k in range(1, len(rows.time)):
+        time, load, aim = (float(column[k]) for column in rows[:3])
+        end = _Instant(time, load, 0.0, aim)
+        for part in stepper.parts(state, begin, end, free):
+            found = stepper.step(state, part, begin.force, free)
+            slide = found.slide
+            free += slide + found.way_apart
+            times.append(part.time)
+            rows_of_memory.append(found.row)
+            steps.append(found.step)
+            slides.append(slide)
+            ways.append(free)
+            actuator.append(part.actuator)
+            state = found.step.state
+            begin = part._replace(force=found.row.tangential_load)
+        number[k] = len(times) - 1
+    return Driven(
+        time=np.array(times),
+        followed=followed_of(memory, np.array(rows_of_memory).T, steps),
+        compliance=compliance,
+        slide=np.array(slides),
+        free=np.array(ways),
+        actuator=np.array(actuator),
+        ends=tuple(number[end] for end in rows.ends),
+    )
+
+
+class _Instant(NamedTuple):
+    """Time, P, Q, U_act."""
+
+    time: float
+    load: float
+    force: float
+    actuator: float
+
+    def before(self, end: _Instant, share: float) -> _Instant:
+        """The instant at a share of the straight step from this one to `end`; its Q is unknown."""
+        return _Instant(
+            self.time + share * (end.time - self.time),
+            self.load + share * (end.load - self.load),
+            0.0,
+            self.actuator + share * (end.actuator - self.actuator),
+        )
+
+
+class _Found(NamedTuple):
+    """The end of a step: its row and state, what slides in it, what moves while the bodies are
+    apart.
+    """
+
+    row: Row
+    step: Step
+    slide: float = 0.0
+    way_apart: float = 0.0
+
+
+class _Stepper:
+    """One step after the other: Q from U_act."""
+
+    def __init__(self, memory: MemoryCurve, compliance: Compliance) -> None:
+        self._memory = memory
+        self._compliance = compliance
+        self._table = memory.table
+        # Sums over each memory curve of what its pieces add, with those of the tops.
+        self._tops = [self._table.sums_at(0.0, compliance.datum_length)]
+        self._logarithm = [0.0]
+        self._second = [0.0]
+
+    def row(self, load: float, force: float) -> Row:
+        """P and Q with the edge of contact."""
+        bend = self._compliance.curvatures
+        gap_bend = bend.normal * load + bend.normal_under_shear * force
+        face_bend = bend.tangential * force + bend.tangential_under_pressure * load
+        edge = self._edge(load, gap_bend)
+        punch = self._table.loads_at(edge)
+        return Row(load, force, gap_bend, face_bend, edge, punch.load, punch.parabola)
+
+    def parts(
+        self, state: State, begin: _Instant, end: _Instant, free: float
+    ) -> tuple[_Instant, ...]:
+        """The step, or its two parts where a slide begins between."""
+        memory = self._memory
+        if memory.is_unloaded(end.load) or memory.is_unloaded(begin.load):
+            return (end,)
+        count = len(memory.pieces.top)
+
+        def beyond(direction: int, share: float) -> float:
+            """U_act beyond that at the limit of sliding, in a direction."""
+            at = begin.before(end, share)
+            limit = direction * memory.friction * at.load
+            reached = self._reached(state, at.load, limit)[1]
+            self._forget(count)
+            return direction * (at.actuator - free - reached)
+
+        for direction in (1, -1):
+            at_limit = direction * begin.force >= memory.friction * begin.load * (1 - _AT_LIMIT)
+            if at_limit or beyond(direction, 1.0) <= 0 or beyond(direction, 0.0) >= 0:
+                continue
+            share = _root(partial(beyond, direction), 0.0, 1.0)
+            if _AT_END < share < 1 - _AT_END:
+                return begin.before(end, share), end
+        return (end,)
+
+    def step(self, state: State, end: _Instant, force_before: float, free: float) -> _Found:
+        """The step to `end`, from a state in which `free` of U_act is no elastic displacement."""
+        memory = self._memory
+        if memory.is_unloaded(end.load):
+            row = self.row(0.0, 0.0)
+            return _Found(row, memory.step(state, row), way_apart=end.actuator - free)
+        target = end.actuator - free
+        limit = memory.friction * end.load
+        count = len(memory.pieces.top)
+        force = min(max(force_before, -limit), limit)
+        step, reached = self._reached(state, end.load, force)
+        self._forget(count)
+        direction = 1 if reached <= target else -1
+        _, at_limit = self._reached(state, end.load, direction * limit)
+        self._forget(count)
+        if self._slides(direction, target - at_limit):
+            row = self.row(end.load, direction * limit)
+            step = memory.step(state, row)
+            self._add_up()
+            # The memory curve is at its bound all along, where nothing seems to slip.
+            sliding = Step(State(step.state.curve, direction), front=0.0, direction=direction)
+            return _Found(row, sliding, slide=target - at_limit)
+        low, high = sorted((force, direction * limit))
+        tolerance = _FOUND * memory.friction * memory.largest_load
+        for _ in range(_MOST_STEPS):
+            change = (target - reached) / self._rate(step)
+            is_inside = low <= force + change <= high
+            new_force = force + change if is_inside else (low + high) / 2
+            change = new_force - force
+            force = new_force
+            step, reached = self._reached(state, end.load, force)
+            if abs(change) <= tolerance or reached == target:
+                return _Found(self.row(end.load, force), step)
+            self._forget(count)
+            if reached < target:
+                low = force
+            else:
+                high = force
+        raise NotFoundError(
+            f"at time {end.time:.6g} no Q was found that moves the actuator by {end.actuator:.6g}"
+        )
+
+    @staticmethod
+    def _slides(direction: int, remainder: float) -> bool:
+        """Whether the actuator goes on in the direction of Q where Q is at its limit."""
+        return direction * remainder >= 0
+
+    def _reached(self, state: State, load: float, force: float) -> tuple[Step, float]:
+        """The state at (P, Q), and U + Q/k_s there; pieces of the curve are added."""
+        row = self.row(load, force)
+        step = self._memory.step(state, row)
+        self._add_up()
+        compliance = self._compliance
+        bend = compliance.curvatures
+        at_edge = self._table.sums_at(row.edge, compliance.datum_length)
+        curve = step.state.curve
+        face_bend = row.tangential_curvature
+        logarithm = self._logarithm[curve] + face_bend * at_edge.parabola_logarithm
+        second = self._second[curve] + face_bend * at_edge.parabola_second
+        pressure_second = at_edge.second + row.normal_curvature * at_edge.parabola_second
+        displacement = compliance.unit * logarithm
+        displacement += (compliance.tangential + compliance.tangential_spring) * force
+        displacement += bend.tangential * second / 2
+        displacement += bend.normal_under_shear * pressure_second / 2
+        return step, displacement
+
+    def _rate(self, step: Step) -> float:
+        """d(U + Q/k_s)/dQ at the end of a step."""
+        front = step.ring[0] if step.ring_direction else step.front
+        half_width = float(self._table.half_width(front))
+        smallest = 1e-9 * float(self._table.half_width(self._table.last))
+        return float(self._compliance.rate(max(half_width, smallest)))
+
+    def _edge(self, load: float, gap_bend: float) -> float:
+        """s of the edge of contact."""
+        if self._memory.is_unloaded(load):
+            return 0.0
+        return self._table.contact_at(load, gap_bend)
+
+    def _add_up(self) -> None:
+        """Sums of the pieces that are new."""
+        pieces = self._memory.pieces
+        for piece in range(len(self._tops), len(pieces.top)):
+            parent = pieces.parent[piece]
+            top = self._table.sums_at(pieces.top[piece], self._compliance.datum_length)
+            below = self._tops[parent]
+            slope, parabola_slope = pieces.slopes(piece)
+            logarithm = slope * (top.logarithm - below.logarithm)
+            logarithm += parabola_slope * (top.parabola_logarithm - below.parabola_logarithm)
+            second = slope * (top.second - below.second)
+            second += parabola_slope * (top.parabola_second - below.parabola_second)
+            self._tops.append(top)
+            self._logarithm.append(self._logarithm[parent] + logarithm)
+            self._second.append(self._second[parent] + second)
+
+    def _forget(self, count: int) -> None:
+        """Take back the pieces of a trial."""
+        self._memory.pieces.forget_beyond(count)
+        del self._tops[count:]
+        del self._logarithm[count:]
+        del self._second[count:]
+
+
+# ---------------------------------------------------------------------------------- work of a step
+def _work_of_step(followed: Followed, row: int) -> float:
+    """pi/A times the friction work of the slip zones in the step that ends at a row."""
+    work = 0.0
+    sense = int(followed.direction[row])
+    if sense:
+        work += _work_of_zone(followed, row, sense, followed.front[row], followed.edge[row])
+    ring_sense = int(followed.ring_direction[row])
+    if ring_sense:
+        begin, end = followed.ring[row]
+        work += _work_of_zone(followed, row, ring_sense, begin, end)
+    return work
+
+
+def _work_of_zone(followed: Followed, row: int, sense: int, begin: float, end: float) -> float:
+    """The same of one zone, s from `begin` to `end`, which slips in one sense."""
+    table = followed.table
+    friction = followed.friction
+    tops = [
+        followed.pieces.top[followed.pieces.chain(int(followed.curve[number]))]
+        for number in (row - 1, row)
+    ]
+    corners = np.arange(table.last)
+    places = np.concatenate([*tops, corners, [begin, end, followed.edge[row - 1]]])
+    places = np.unique(np.clip(places, begin, end))
+    nodes, weights = _GAUSS
+    length = np.diff(places)
+    s = (places[:-1, None] + length[:, None] * (nodes + 1) / 2).ravel()
+    weight = (length[:, None] / 2 * weights).ravel()
+
+    load = table.load(s)
+    parabola = table.parabola(s)
+    half_width = table.half_width(s)
+
+    def at(instant: int) -> tuple[Array, Array]:
+        """Load carried beyond the punches, and the bound B there."""
+        beyond = followed.normal_load[instant] - load
+        beyond = beyond - followed.normal_curvature[instant] * parabola
+        force = followed.tangential_load[instant]
+        force = force - followed.tangential_curvature[instant] * parabola
+        return beyond, force - sense * friction * beyond
+
+    beyond_before, bound_before = at(row - 1)
+    beyond, bound = at(row)
+    growth = np.abs(bound - bound_before)
+    is_old = beyond_before >= 0
+    change = np.abs(followed.frozen_force(row, s) - followed.frozen_force(row - 1, s))
+    share = np.minimum(change / np.where(growth > 0, growth, np.inf), 1.0)
+    since_touch = beyond / np.where(is_old, 1.0, beyond - beyond_before)
+    share = np.where(is_old, share, since_touch)
+    change = np.where(is_old, change, growth * since_touch)
+    mean = beyond - share * (beyond - beyond_before) / 2
+    integrand = friction * np.maximum(mean, 0.0) * change * table.half_width_rate(s) / half_width
+    return float(np.sum(integrand * weight))

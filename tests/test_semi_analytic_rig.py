@@ -1,0 +1,332 @@
+"""Rigs: loads that follow from prescribed displacements, gross sliding, springs, separation."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+from collections.abc import Callable, Iterator
+from unittest import mock
+
+import numpy as np
+import pytest
+
+import semi_analytic
+from scenes import BodyEffects, Estimate, InputError, PolygonLoad, Rig, Scene, load_scene
+from semi_analytic import driven
+from semi_analytic.corrected import curvatures_of
+from semi_analytic.corrected_memory import MemoryCurve, PunchTable, Step
+from semi_analytic.driven import (
+    ActuatorRows,
+    Compliance,
+    Driven,
+    actuator_rows,
+    follow_actuator,
+    loads_of_approach,
+)
+from semi_analytic.hertz import HertzContact
+
+# a^2 = P, A/pi = 1/2: at P = 1 the half-width is 1.
+MODULUS = 4 / math.pi
+UNIT = 0.5
+DATUM = 50.0
+FRICTION = 0.4
+CONTACT = HertzContact(modulus=MODULUS, radius=1.0, datum_length=DATUM)
+# U at Q = f P = f, and the loop of a cycle that just reaches it on both sides.
+AT_LIMIT = UNIT * FRICTION * (math.log(2 * DATUM) + 0.5)
+LIMIT_LOOP = UNIT * FRICTION**2
+
+EFFECTS = BodyEffects(
+    datum_length=1000.0,
+    normal_compliance=Estimate(3e-5),
+    tangential_compliance=Estimate(-1.5e-5),
+    normal_curvature=Estimate(8.5e-8),
+    tangential_curvature=Estimate(1.4e-7),
+)
+
+
+def followed(
+    points: list[tuple[float, float]], spring: float = 0.0, steps: int = 1, friction: float = 0.4
+) -> Driven:
+    """The path through points (P, U_act) from (0, 0), `steps` straight steps to each."""
+    corners = np.array([(0.0, 0.0), *points])
+    time = np.linspace(0.0, len(points), steps * len(points) + 1)
+    load, displacement = (
+        np.interp(time, np.arange(len(corners)), corners[:, column]) for column in (0, 1)
+    )
+    rows = ActuatorRows(time, load, displacement, (len(time) - 1,))
+    table = PunchTable(CONTACT, MODULUS, 1.02 * math.sqrt(max(load)))
+    compliance = Compliance(unit=UNIT, datum_length=DATUM, tangential_spring=spring)
+    return follow_actuator(table, friction, compliance, rows)
+
+
+def since(result: Driven, time: float) -> slice:
+    """The rows from an instant on."""
+    return slice(int(np.argmin(np.abs(result.time - time))), None)
+
+
+# ----------------------------------------------------------------------------------- closed forms
+def check_gross_cycle(spring: float) -> None:
+    """W = 4 f P (U_m - U_s) + limit loop, of the contact, whatever the spring."""
+    stroke = 3 * AT_LIMIT + spring * FRICTION
+    result = followed([(1.0, 0.0), (1.0, stroke), (1.0, -stroke), (1.0, stroke)], spring)
+    cycle = since(result, 2.0)
+    expected = 4 * FRICTION * 2 * AT_LIMIT + LIMIT_LOOP
+    assert result.work(cycle) == pytest.approx(expected, rel=1e-9)
+    assert np.ptp(result.displacement[cycle]) == pytest.approx(6 * AT_LIMIT, rel=1e-12)
+
+
+@pytest.mark.parametrize("spring", [0.0, 3.0])
+def test_work_of_a_gross_cycle_is_its_closed_form_and_has_no_spring_in_it(spring: float) -> None:
+    check_gross_cycle(spring)
+
+
+def test_a_spring_shears_the_loop_of_the_actuator_and_not_that_of_the_contact() -> None:
+    spring = 2.0
+    stiff = followed([(1.0, 0.0), (1.0, AT_LIMIT), (1.0, -AT_LIMIT), (1.0, AT_LIMIT)], steps=40)
+    moved = stiff.displacement + spring * stiff.followed.tangential_load
+    load = np.interp(stiff.time, [0, 1, 4], [0, 1, 1])
+    rows = ActuatorRows(stiff.time, load, moved, (len(moved) - 1,))
+    compliance = stiff.compliance._replace(tangential_spring=spring)
+    compliant = follow_actuator(stiff.followed.table, FRICTION, compliance, rows)
+    force = compliant.followed.tangential_load
+    assert force == pytest.approx(stiff.followed.tangential_load, abs=1e-12)
+    cycle = since(stiff, 2.0)
+    assert compliant.work(cycle) == pytest.approx(stiff.work(cycle), rel=1e-9)
+    assert np.ptp(compliant.actuator) > 1.3 * np.ptp(compliant.displacement)
+
+
+def test_first_loading_follows_cattaneo_and_mindlin() -> None:
+    force = np.linspace(0.0, 0.99, 12)[1:] * FRICTION
+    stick = np.sqrt(1 - force / FRICTION)
+    displacement = UNIT * (
+        FRICTION * (math.log(2 * DATUM) + 0.5)
+        - (FRICTION - force) * (np.log(2 * DATUM / stick) + 0.5)
+    )
+    result = followed([(1.0, 0.0), *((1.0, float(way)) for way in displacement)])
+    assert result.followed.tangential_load[2:] == pytest.approx(force, abs=1e-11)
+
+
+def test_one_step_at_constant_normal_load_is_as_good_as_forty() -> None:
+    points = [(1.0, 0.0), (1.0, 0.9 * AT_LIMIT), (1.0, -0.7 * AT_LIMIT), (1.0, 0.9 * AT_LIMIT)]
+    one = followed(points)
+    forty = followed(points, steps=40)
+    force = one.followed.tangential_load
+    assert force == pytest.approx(forty.followed.tangential_load[::40], abs=1e-11)
+    works = [result.work(since(result, 2.0)) for result in (one, forty)]
+    assert works[0] == pytest.approx(works[1], rel=1e-9)
+
+
+# ------------------------------------------------------------------------------ what P does besides
+def check_sliding_under_falling_load() -> None:
+    """Q follows f P, and the bodies slide on in the direction of Q while U rests."""
+    result = followed([(1.0, 0.0), (1.0, 2 * AT_LIMIT), (0.25, 2 * AT_LIMIT)], steps=10)
+    falling = since(result, 2.0)
+    load = result.followed.normal_load[falling]
+    assert result.followed.tangential_load[falling] == pytest.approx(FRICTION * load, rel=1e-12)
+    assert np.all(result.slide[falling] > 0)
+
+
+def test_the_slide_goes_on_while_the_normal_load_falls() -> None:
+    check_sliding_under_falling_load()
+
+
+def check_nothing_is_remembered_through_separation() -> None:
+    """Bodies that were sheared, parted and pressed together again carry no shear."""
+    result = followed(
+        [(1.0, 0.0), (1.0, 0.8 * AT_LIMIT), (0.0, 0.8 * AT_LIMIT), (0.0, -1.0), (1.0, -1.0)]
+    )
+    assert result.followed.tangential_load[-1] == pytest.approx(0.0, abs=1e-12)
+    again = followed([(1.0, 0.0), (1.0, 0.3 * AT_LIMIT)])
+    after = followed([(1.0, 0.5), (0.0, 0.0), (1.0, 0.0), (1.0, 0.3 * AT_LIMIT)])
+    expected = again.followed.tangential_load[-1]
+    assert after.followed.tangential_load[-1] == pytest.approx(expected, abs=1e-12)
+
+
+def test_separation_ends_the_memory() -> None:
+    check_nothing_is_remembered_through_separation()
+
+
+def check_energy_from_rest_to_rest() -> None:
+    """W is all work of P and Q, since no elastic energy is left in bodies that parted."""
+    points = [(1.0, 0.0), (0.7, 3 * AT_LIMIT), (1.2, 2 * AT_LIMIT), (0.5, -AT_LIMIT), (0.0, 0.0)]
+    result = followed(points, steps=100)
+    load = result.followed.normal_load
+    half_width = np.sqrt(load)
+    approach = UNIT * load * (np.log(2 * DATUM / np.where(load > 0, half_width, 1.0)) + 0.5)
+    mean = (load[1:] + load[:-1]) / 2
+    work_of_loads = float(np.sum(mean * np.diff(approach))) + result.loop_work(slice(0, None))
+    assert result.work(slice(0, None)) == pytest.approx(work_of_loads, rel=1e-4)
+    # At contact there is no energy, and none is left: the elastic work of P alone closes.
+    assert abs(float(np.sum(mean * np.diff(approach)))) < 1e-3 * work_of_loads
+
+
+def test_work_from_rest_to_rest_is_that_of_the_loads() -> None:
+    check_energy_from_rest_to_rest()
+
+
+def test_error_of_the_steps_falls_with_their_square_where_the_normal_load_varies() -> None:
+    def work(steps: int) -> float:
+        points = [(1.0, 0.0), (1.3, 0.8 * AT_LIMIT), (0.8, -0.5 * AT_LIMIT), (1.2, 0.0)]
+        return followed(points, steps=steps).work(slice(0, None))
+
+    coarse, middle, fine = (work(steps) for steps in (5, 10, 20))
+    assert (coarse - middle) / (middle - fine) == pytest.approx(4.0, abs=0.8)
+
+
+# ----------------------------------------------------------------------------------- planted faults
+@contextlib.contextmanager
+def _slide_not_counted() -> Iterator[None]:
+    with mock.patch.object(Driven, "slide_work", property(lambda self: np.zeros(len(self.time)))):
+        yield
+
+
+@contextlib.contextmanager
+def _spring_left_in() -> Iterator[None]:
+    with mock.patch.object(Driven, "displacement", property(lambda self: self.actuator)):
+        yield
+
+
+@contextlib.contextmanager
+def _limit_of_the_wrong_sign() -> Iterator[None]:
+    step = driven._Stepper.step
+
+    def fault(self: driven._Stepper, *arguments: object) -> driven._Found:
+        found = step(self, *arguments)  # type: ignore[arg-type]
+        return found._replace(slide=-found.slide)
+
+    with mock.patch.object(driven._Stepper, "step", fault):
+        yield
+
+
+@contextlib.contextmanager
+def _memory_kept() -> Iterator[None]:
+    step = MemoryCurve.step
+
+    def fault(self: MemoryCurve, state: object, row: object) -> Step:
+        found = step(self, state, row)  # type: ignore[arg-type]
+        if self.is_unloaded(row.normal_load):  # type: ignore[attr-defined]
+            return found._replace(state=state)  # type: ignore[arg-type]
+        return found
+
+    with mock.patch.object(MemoryCurve, "step", fault):
+        yield
+
+
+@pytest.mark.parametrize(
+    ("fault", "check"),
+    [
+        (_slide_not_counted, lambda: check_gross_cycle(0.0)),
+        (_slide_not_counted, check_energy_from_rest_to_rest),
+        (_spring_left_in, lambda: check_gross_cycle(3.0)),
+        (_limit_of_the_wrong_sign, check_sliding_under_falling_load),
+        (_memory_kept, check_nothing_is_remembered_through_separation),
+    ],
+)
+def test_planted_faults_are_seen(
+    fault: Callable[[], contextlib.AbstractContextManager[None]], check: Callable[[], None]
+) -> None:
+    with fault(), pytest.raises(AssertionError):
+        check()
+
+
+# ------------------------------------------------------------------------------- the round trip
+def test_displacements_of_corrected_theory_give_its_loads_back() -> None:
+    scene = load_scene("hertz-paper")
+    given = semi_analytic.solve(
+        scene, x=[0.0], fields=("tangential_displacement", "normal_approach"), effects=EFFECTS
+    )
+    modulus = MODULUS_OF_STEEL
+    contact = HertzContact(modulus=modulus, radius=1000.0, datum_length=1000.0)
+    compliance = Compliance(
+        unit=2 / (math.pi * modulus),
+        datum_length=1000.0,
+        normal=3e-5,
+        tangential=-1.5e-5,
+        tangential_spring=2e-5,
+        curvatures=curvatures_of(EFFECTS),
+    )
+    moved = given.tangential_displacement + 2e-5 * given.tangential_load
+    load = loads_of_approach(contact, modulus, compliance, given.normal_approach)
+    assert load == pytest.approx(given.normal_load, rel=1e-10)
+    rows = ActuatorRows(given.time, given.normal_load, moved, (len(moved) - 1,))
+    table = PunchTable(contact, modulus, 1.2)
+    result = follow_actuator(table, scene.friction.coefficient, compliance, rows)
+    assert len(result.time) == len(given.time)
+    largest = float(np.max(np.abs(given.tangential_load)))
+    assert result.followed.tangential_load == pytest.approx(
+        given.tangential_load, abs=1e-9 * largest
+    )
+
+
+MODULUS_OF_STEEL = 210e3 / (2 * (1 - 0.3**2))
+
+
+# ------------------------------------------------------------------------------------- whole scenes
+def rig_scene(load: PolygonLoad | dict[str, object] | None = None, **rig: float) -> Scene:
+    """Cattaneo-Mindlin's scene with a displacement prescribed."""
+    base = load_scene("cattaneo-mindlin").vary(expected=(), tolerances={})
+    if load is None:
+        load = PolygonLoad(
+            initial_loading=((90.0, 0.0),),
+            cycle=((90.0, 0.0008), (70.0, -0.0003)),
+            tangential_displacement=True,
+        )
+    return base.vary(load=load, rig=Rig(**{"datum_length": 50.0, **rig}))
+
+
+def test_half_plane_theory_has_the_same_work_under_the_loads_that_were_found() -> None:
+    solution = semi_analytic.solve(rig_scene(), x=[0.0], fields="dissipation")
+    exact = semi_analytic.solve(solution.scene, x=[0.0], fields="dissipation")
+    error = solution.record.errors["dissipation"]
+    assert 0 < error < 1e-3
+    assert solution.dissipation == pytest.approx(exact.dissipation, rel=error)
+    assert any("gross sliding: none" in note for note in solution.record.notes)
+
+
+def test_an_answer_states_how_far_the_bodies_slide() -> None:
+    load = PolygonLoad(
+        initial_loading=((90.0, 0.0),),
+        cycle=((90.0, 0.01), (90.0, -0.01)),
+        tangential_displacement=True,
+    )
+    solution = semi_analytic.solve(rig_scene(load, tangential_stiffness=2e4), time=[4.0, 5.0, 6.0])
+    assert solution.tangential_load[1:] == pytest.approx([45.0, -45.0], rel=1e-12)
+    sliding = [note for note in solution.record.notes if note.startswith("gross sliding: in")]
+    assert len(sliding) == 1
+    assert solution.loop_work == pytest.approx(solution.dissipation, rel=1e-3)
+    assert math.isnan(solution.permanent_stick_half_width)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"rig": {"datum_length": 0.4}}, "longer rig.datum_length"),
+        ({"rig": Rig()}, "needs bodies"),
+        ({"rig": {"normal_stiffness": 1.0}}, "goes with load.approach"),
+        ({"load": {"tangential_displacement": False}}, "rig goes with"),
+        ({"load": {"tilt": 1e-3}}, "tilt does not go with tangential_displacement"),
+        ({"load": {"tangential_displacement": False, "approach": True}}, "approach goes with"),
+        ({"load": {"times": (0.0, 1.0)}}, "are needed"),
+    ],
+)
+def test_what_has_no_answer_is_refused(change: dict[str, object], words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        semi_analytic.solve(rig_scene().vary(**change))
+
+
+def test_loads_of_a_driven_scene_are_not_read() -> None:
+    scene = rig_scene()
+    with pytest.raises(InputError, match="P and Q follow from the displacement"):
+        scene.load.path()
+    with pytest.raises(InputError, match="P and Q follow from the displacement"):
+        scene.smallest_friction  # noqa: B018
+
+
+def test_rows_have_turning_points_and_the_instants_of_contact() -> None:
+    load = PolygonLoad(
+        initial_loading=((2.0, 0.0),), cycle=((2.0, 1.0), (-1.0, 0.0)), tangential_displacement=True
+    )
+    rows = actuator_rows(load.path_of_actuators(), 1)
+    for time in (0.0, 1.0, 2.0, 2.0 + 2 / 3, 3.0 + 1 / 3, 4.0):
+        assert np.min(np.abs(rows.time - time)) < 1e-12
+    assert rows.normal.min() == 0.0
