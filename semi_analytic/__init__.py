@@ -48,6 +48,7 @@ From a request to an answer::
     driven.py               rigs: Q and P that follow from prescribed displacements, gross sliding,
                             the spring of the rig, separation
     answer_of_rig.py        the answer to a scene of a rig, under the loads that were found
+    regimes.py              fretting map: partial slip, mixed, gross sliding over stroke and P
     tilt_and_strain.py      what tilt and bulk strain of the bodies make of W: on grids
     subsurface.py           stress inside the bodies (McEwen), tension at the trailing edge
     largest_values.py       largest pressure, slip, W(x) and tension of a cycle, to 1e-9 of
@@ -69,6 +70,7 @@ from semi_analytic.batches import DissipationBatch, PeakBatch, Reason, dissipati
 from semi_analytic.bulk_and_tilt import Eccentricity, eccentricity
 from semi_analytic.damping import Hysteresis, compliance, hysteresis
 from semi_analytic.event_times import Event, event, events
+from semi_analytic.regimes import FrettingMap, Regime, fretting_map
 from semi_analytic.largest_values import Extremes, extremes
 from semi_analytic.measured_friction import FrictionBatch, NoFriction, friction_from
 from semi_analytic.solution import solve
@@ -81,11 +83,13 @@ __all__ = [
     "Eccentricity",
     "Event",
     "Extremes",
+    "FrettingMap",
     "FrictionBatch",
     "Hysteresis",
     "NoFriction",
     "PeakBatch",
     "Reason",
+    "Regime",
     "change_by_tilt_and_strain",
     "compliance",
     "dissipation",
@@ -94,6 +98,7 @@ __all__ = [
     "event",
     "events",
     "extremes",
+    "fretting_map",
     "friction_from",
     "hysteresis",
     "peak_dissipation",

@@ -80,8 +80,12 @@ class Rigged:
 
     def follow(self, cycles: int, finer: int, further: Array | None = None) -> Driven:
         """The path by steps, `finer` times as many as at least, with rows at `further` (k,)."""
+        path = self.scene.load.path_of_actuators()
+        return self.follow_rows(actuator_rows(path, cycles, finer, further))
+
+    def follow_rows(self, rows: ActuatorRows) -> Driven:
+        """The path by given steps."""
         scene = self.scene
-        rows = actuator_rows(scene.load.path_of_actuators(), cycles, finer, further)
         if scene.load.states_approach:
             loads = loads_of_approach(self.contact, self.modulus, self.compliance, rows.normal)
             rows = rows._replace(normal=loads)
@@ -252,7 +256,7 @@ def _followed(rig: Rigged, time: Array | None) -> tuple[Driven, Driven, int | No
         return rig.follow(0, 2, time), rig.follow(0, 1, time), None
     for cycles in range(2, max(rig.scene.cycles, 2) + 1):
         driven = rig.follow(cycles, 2, _within_cycles(rig.scene, time, cycles))
-        steady_from = _steady_from(driven)
+        steady_from = steady_cycle(driven)
         if steady_from is not None:
             break
     coarse = rig.follow(cycles, 1)
@@ -269,7 +273,7 @@ def _within_cycles(scene: Scene, time: Array | None, cycles: int) -> Array | Non
     return np.concatenate([time[time < path.cycle_start], in_cycles.ravel()])
 
 
-def _steady_from(driven: Driven) -> int | None:
+def steady_cycle(driven: Driven) -> int | None:
     """The first cycle that ends in the state it started from."""
     followed = driven.followed
     s = np.linspace(0.0, followed.table.last, _PLACES)

@@ -155,7 +155,12 @@ class ActuatorRows(NamedTuple):
 
 
 def actuator_rows(
-    path: LoadPath, cycles: int, finer: int = 1, further: Array | None = None
+    path: LoadPath,
+    cycles: int,
+    finer: int = 1,
+    further: Array | None = None,
+    *,
+    fewest: bool = False,
 ) -> ActuatorRows:
     """Rows of the initial loading and some cycles: turning points, instants at which the bodies
     part or meet, and equal steps between them.
@@ -168,6 +173,8 @@ def actuator_rows(
         how many times as many steps between two of these instants
     further
         (k,) instants that are rows too
+    fewest
+        whether one step is taken where P rests, which is exact
     """
     legs = list(path.legs(cycles))
     instants = [legs[0].start]
@@ -192,8 +199,12 @@ def actuator_rows(
         )
     bounds = np.array(instants)
     share = np.arange(count) / count
-    time = (bounds[:-1, None] + np.diff(bounds)[:, None] * share).ravel()
-    time = np.append(time, bounds[-1])
+    steps = bounds[:-1, None] + np.diff(bounds)[:, None] * share
+    if fewest:
+        normal = path.at(np.array([steps[:, 0], bounds[1:], (bounds[1:] + bounds[:-1]) / 2]))[0]
+        rests = np.ptp(normal, axis=0) <= _SAME * np.max(np.abs(normal))
+        steps[rests] = steps[rests, :1]
+    time = np.append(steps.ravel(), bounds[-1])
     if further is not None:
         time = np.append(time, further[(further > bounds[0]) & (further < bounds[-1])])
     time = np.unique(time)

@@ -330,3 +330,49 @@ def test_rows_have_turning_points_and_the_instants_of_contact() -> None:
     for time in (0.0, 1.0, 2.0, 2.0 + 2 / 3, 3.0 + 1 / 3, 4.0):
         assert np.min(np.abs(rows.time - time)) < 1e-12
     assert rows.normal.min() == 0.0
+
+
+# --------------------------------------------------------------------------------- fretting map
+def test_a_map_has_the_closed_form_on_either_side_of_gross_sliding() -> None:
+    """Partial below U_s, gross above it, and W of `solve` in both."""
+    load = PolygonLoad(
+        initial_loading=((90.0, 0.0),),
+        cycle=((90.0, 1e-3), (90.0, -1e-3)),
+        tangential_displacement=True,
+    )
+    scene = rig_scene(load)
+    at_limit = 2 / (math.pi * MODULUS_OF_STEEL) * 45.0 * (math.log(2 * 50.0 / 0.99655750) + 0.5)
+    factors = np.array([0.5, 0.999, 1.001, 3.0]) * at_limit / 1e-3
+    found = semi_analytic.fretting_map(scene, factors[:, None], [1.0, 4.0])
+    assert found.regime[:, 0].tolist() == [0, 0, 2, 2]
+    assert found.regime[:, 1].tolist() == [0, 0, 0, 0]
+    slide = 4 * (factors[3] * 1e-3 - at_limit)
+    assert found.slide[3, 0] == pytest.approx(slide, rel=1e-6)
+    assert found.largest_tangential_load[2:, 0] == pytest.approx([45.0, 45.0], rel=1e-12)
+    driven_load = {"cycle": ((90.0, 3 * at_limit), (90.0, -3 * at_limit))}
+    whole = semi_analytic.solve(scene.vary(load=driven_load), x=[0.0], fields="dissipation")
+    assert found.dissipation[3, 0] == pytest.approx(whole.dissipation, rel=1e-9)
+
+
+def test_a_first_stroke_beyond_the_others_is_the_mixed_regime() -> None:
+    load = PolygonLoad(
+        initial_loading=((90.0, 0.0), (90.0, 5e-3), (90.0, 0.0)),
+        cycle=((90.0, 4e-4),),
+        tangential_displacement=True,
+    )
+    found = semi_analytic.fretting_map(rig_scene(load), [0.1, 1.0])
+    assert found.regime.tolist() == [0, 1]
+    assert found.slide.tolist() == [0.0, 0.0]
+
+
+@pytest.mark.parametrize(
+    ("scene", "stroke", "words"),
+    [
+        (load_scene("cattaneo-mindlin"), 1.0, "states loads"),
+        (rig_scene(), 0.0, "factors are above 0"),
+        (rig_scene().vary(load={"cycle": ()}), 1.0, "does not repeat"),
+    ],
+)
+def test_a_map_of_something_else_is_refused(scene: Scene, stroke: float, words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        semi_analytic.fretting_map(scene, stroke)

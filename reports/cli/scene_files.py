@@ -202,8 +202,12 @@ def check(scene: str, options: Options) -> Answer:
 
 def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
     """What follows from the displacements that a scene prescribes: loads, sliding, dissipation."""
+    import numpy as np
+
     import semi_analytic
-    from reports.comparison.words import bodies_in_words, question
+    from reports.checking import engines_for
+    from reports.comparison.words import bodies_in_words, question, read_in_words
+    from reports.measured import read_in_pairs
     from reports.units import number
     from scenes import InputError
 
@@ -229,16 +233,29 @@ def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
         f" and P up to {number(float(solution.normal_load.max()))}."
         f" `halfplane exact {source}` writes the answer, and a scene with these loads."
     )
+    engines = engines_for(scene, source)
+    no_comparison = engines.in_words(source)
+    tables_read = read_in_pairs(scene)
     notes = [question(scene), *filter(None, [bodies_in_words(scene)])]
+    notes += [read_in_words(name, pairs) for name, pairs in tables_read.items()]
     notes += [f"{note[:1].upper()}{note[1:]}." for note in solution.record.notes]
     content = {
         "passed": True,
         "sentence": last,
         "notes": notes,
-        "dissipation": solution.dissipation,
-        "largest_half_width": float(solution.contact_half_width.max()),
+        "remarks": [f"{no_comparison}."],
+        "read_as": tables_read,
+        "engines": vars(engines),
+        "largest_contact": None,
+        "nearest_to_sliding": None,
+        "profile_fit": None,
+        "rig": {
+            "dissipation": solution.dissipation,
+            "largest_half_width": float(solution.contact_half_width.max()),
+            "largest_tangential_load": float(np.abs(solution.tangential_load).max()),
+        },
     }
-    return Answer(WITHIN, [*notes, last], lambda: content, scene.name)
+    return Answer(WITHIN, [*notes, f"Remark: {no_comparison}.", last], lambda: content, scene.name)
 
 
 def _loop_read(scene: Scene, options: Options) -> dict[str, tuple[tuple[str, str], ...]]:

@@ -31,6 +31,7 @@ from reports.comparison.datum import effects_between, lacks_datum
 from reports.comparison.metrics import METRICS
 from reports.units import energy_unit, units
 from scenes import (
+    BodyEffects,
     ContactSolution,
     ConvergenceError,
     EllipseLoad,
@@ -505,6 +506,15 @@ class Evaluated:
     stated: dict[str, float] = field(default_factory=dict)
 
 
+def _effects_of_rig(scene: Scene) -> BodyEffects | None:
+    """What bodies add to half-planes, where a displacement is prescribed between their bases."""
+    if not scene.load.is_driven or scene.bodies.half_planes:
+        return None
+    import halfplane_fe
+
+    return halfplane_fe.body_effects(scene)
+
+
 def evaluate(point: Question, fe: ContactSolution | None, *, polygon: bool = False) -> Evaluated:
     """Every figure that is asked for; against theory on the points and instants of `fe`, on the
     polygon of its steps if wanted.
@@ -521,7 +531,9 @@ def evaluate(point: Question, fe: ContactSolution | None, *, polygon: bool = Fal
             quantities = [QUANTITIES[name.partition(".")[2]] for name in point.figures]
             fields = sorted({field for quantity in quantities for field in quantity.fields})
         if fe is None:
-            evaluated.exact = semi_analytic.solve(point.scene, cycles="steady", fields=fields)
+            evaluated.exact = semi_analytic.solve(
+                point.scene, cycles="steady", fields=fields, effects=_effects_of_rig(point.scene)
+            )
         else:
             evaluated.exact = semi_analytic.solve(
                 point.scene, x=fe.x, time=fe.time, straight_steps=polygon, fields=fields

@@ -1,0 +1,145 @@
+"""Running-condition fretting map: partial slip, mixed regime and gross sliding over the stroke of
+the actuator and the normal load, with the dissipation of the steady cycle.
+
+Partial slip: the contact never slides as a whole. Mixed: it does before the steady cycle, and not
+in it. Gross sliding: it does in every cycle. Friction has one coefficient here: the maps of rigs
+whose friction grows from cycle to cycle (Vingsbo and Soderberg 1988) have a wider mixed regime.
+"""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from scenes import BodyEffects, InputError, Scene, freeze, scene_of
+from scenes.array_types import Array
+from scenes.arrays import real_numbers
+from semi_analytic.answer_of_rig import rigged, slides_of, steady_cycle
+from semi_analytic.corrected import checked_effects
+from semi_analytic.driven import actuator_rows
+
+
+class Regime(enum.IntEnum):
+    """What a contact does in a cycle."""
+
+    PARTIAL = 0
+    MIXED = 1
+    GROSS = 2
+
+
+@dataclass(frozen=True, eq=False)
+class FrettingMap:
+    """The regime of each member, arrays of one shape.
+
+    Attributes
+    ----------
+    regime
+        `Regime` as int8
+    dissipation
+        W of the steady cycle [energy / thickness]
+    slide
+        way that the contact slides as a whole in the steady cycle, forward and back [length]
+    largest_tangential_load
+        largest |Q| of the steady cycle [force / thickness]
+    """
+
+    regime: NDArray[np.int8]
+    dissipation: Array
+    slide: Array
+    largest_tangential_load: Array
+
+
+def fretting_map(
+    scene: Scene,
+    stroke: ArrayLike,
+    normal_load: ArrayLike = 1.0,
+    *,
+    effects: BodyEffects | None = None,
+) -> FrettingMap:
+    """The regime of a rig over stroke and normal load.
+
+    Parameters
+    ----------
+    scene
+        a cycle with a prescribed tangential displacement
+    stroke, normal_load
+        factors of the displacement and of P, or of the approach, of the scene; they broadcast
+    effects
+        of the bodies, `halfplane_fe.body_effects(scene)`; of half-planes None
+
+    Returns
+    -------
+    FrettingMap
+        At constant P without an error of the steps; else as with about 200 steps a cycle.
+
+    Raises
+    ------
+    InputError
+        For a scene of loads, or one that does not repeat; for factors that are not above 0; for a
+        cycle that is not steady after `scene.cycles`.
+
+    Examples
+    --------
+    >>> from scenes import PolygonLoad, load_scene
+    >>> load = PolygonLoad(
+    ...     initial_loading=[(90, 0)], cycle=[(90, 1e-3), (90, -1e-3)], tangential_displacement=True
+    ... )
+    >>> scene = load_scene("cattaneo-mindlin").vary(load=load, rig={"datum_length": 50.0})
+    >>> fretting_map(scene, stroke=[0.5, 1.0, 2.0]).regime.tolist()
+    [0, 0, 2]
+    """
+    scene = scene_of(scene)
+    if not scene.load.is_driven:
+        raise InputError(
+            "fretting_map: the scene states loads; a map needs load.tangential_displacement"
+        )
+    path = scene.load.path_of_actuators()
+    if path.period is None:
+        raise InputError("fretting_map: the path does not repeat; state a cycle")
+    factors = np.broadcast_arrays(
+        np.array(real_numbers(stroke, "stroke")), np.array(real_numbers(normal_load, "normal_load"))
+    )
+    for name, values in zip(("stroke", "normal_load"), factors, strict=True):
+        if not np.all(values > 0):
+            raise InputError(f"fretting_map: {name} has {values.min():.6g}: factors are above 0")
+    rig = rigged(scene, checked_effects(effects))
+    cycles = max(scene.cycles, 2)
+    rows = actuator_rows(path, cycles, fewest=True)
+    shape = factors[0].shape
+    regimes = np.empty(shape, dtype=np.int8)
+    dissipation = np.empty(shape)
+    slide = np.empty(shape)
+    largest = np.empty(shape)
+    for member in np.ndindex(shape):
+        of_stroke, of_load = (float(values[member]) for values in factors)
+        member_rows = rows._replace(
+            normal=of_load * rows.normal, displacement=of_stroke * rows.displacement
+        )
+        driven = rig.follow_rows(member_rows)
+        steady_from = steady_cycle(driven)
+        if steady_from is None:
+            raise InputError(
+                f"fretting_map: no steady cycle among the first {cycles} with stroke ="
+                f" {of_stroke:.6g}, normal_load = {of_load:.6g}: raise cycles of the scene"
+            )
+        begin = driven.ends[steady_from]
+        cycle = slice(begin, driven.ends[steady_from + 1] + 1)
+        slides = slides_of(driven, cycle)
+        regime = Regime.PARTIAL
+        if slides:
+            regime = Regime.GROSS
+        elif slides_of(driven, slice(0, begin + 1)):
+            regime = Regime.MIXED
+        regimes[member] = regime
+        dissipation[member] = driven.work(cycle)
+        slide[member] = sum(abs(part.way) for part in slides)
+        largest[member] = np.max(np.abs(driven.followed.tangential_load[cycle]))
+    return FrettingMap(
+        freeze(regimes, np.int8),
+        freeze(dissipation, float),
+        freeze(slide, float),
+        freeze(largest, float),
+    )
