@@ -70,9 +70,9 @@ from semi_analytic.batches import DissipationBatch, PeakBatch, Reason, dissipati
 from semi_analytic.bulk_and_tilt import Eccentricity, eccentricity
 from semi_analytic.damping import Hysteresis, compliance, hysteresis
 from semi_analytic.event_times import Event, event, events
-from semi_analytic.regimes import FrettingMap, Regime, fretting_map
 from semi_analytic.largest_values import Extremes, extremes
 from semi_analytic.measured_friction import FrictionBatch, NoFriction, friction_from
+from semi_analytic.regimes import FrettingMap, Regime, fretting_map
 from semi_analytic.solution import solve
 from semi_analytic.subsurface import edge_tension, stress
 from semi_analytic.tilt_and_strain import change_by_tilt_and_strain
