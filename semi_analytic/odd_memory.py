@@ -1,0 +1,440 @@
+"""What tilt and bulk strain of finite bodies, which follow the loads, make of the dissipation: to
+the second order, beside the memory curve of half-planes, without grids. For parabolas.
+
+With alpha = alpha_P P + alpha_Q Q the tilt and eps = e_P P + e_Q Q the bulk strain, a parabola of
+radius R touches about -alpha R. Stick and slip go as half-planes say; an odd memory goes beside
+M(eta). An index m says when the memory at a load eta was last set: at the end of the stroke that
+slipped there, or when the contact grew in stick to eta. With sigma = dM/d eta there, s the sense of
+slip, ::
+
+    N = f P - s Q,    a_s = f alpha - s eps,    mu = f - s sigma
+    v = -R (a_s - a_s,m)/mu
+    centre of contact  -alpha R,    centre of stick  -alpha_m R + v,    D their distance
+
+W gains, in units of R times numbers squared, over all slip of a cycle
+
+1. while both edges slip one way,  f (-N' D^2/(2R) - a_s' D (P - P_c)) dt;
+2. where the front passes memory that grew in stick,
+   -s f (P - P_c) (v^2 sigma'/(2R) + v (sigma alpha_m' - eps_m')) |dP_c|, ' by eta;
+3. where it passes a kink of M, from mu_o, centre d_o to mu_i, d_i,
+   f (P - P_c) (d_o - d_i)^2 mu_o mu_i/(2R (mu_o - mu_i));
+4. for each smooth end of a stroke, at P_e, what `stroke_end` finds to be left, T: over P_c < eta <
+   P_e the force R (a_s'^2/N'') T P_e/eta, which costs f times itself times (P_e - eta), and times
+   (P - eta) once more when the front of the next stroke passes eta.
+
+Each is a quadratic form of o = (alpha_P, alpha_Q, e_P, e_Q). Source: second order of the odd part
+of Coulomb's problem, derived here; held to grids, to closed cases, and to fronts of an earlier
+version.
+
+Declined, with the reason: a cycle in which slip comes back to an earlier limit and passes it (an
+inner loop that closes), contact that grows or shrinks along the limit of friction, gross sliding.
+
+# notation: A = 2/E*, eta load in [0, P], M(eta) memory curve, P_c load at the front of slip, a
+#           contact half-width, c stick half-width
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from scenes import NORMAL_LOAD, TANGENTIAL_LOAD
+from scenes.array_types import Array
+from semi_analytic.history import Span
+from semi_analytic.memory import (
+    Piece,
+    change_from,
+    flat,
+    front_time,
+    instant,
+    level,
+    level_on,
+    pieces,
+    value_on,
+)
+from semi_analytic.stroke_end import left_over
+
+# Points of Gauss on a span, and panels of what a smooth stroke end leaves: as many again, halved,
+# for the error.
+_POINTS = 24
+_PANELS = 80
+# A stroke ends smoothly where the level's rate is this share of its largest in the span.
+_AT_REST = 1e-6
+# Step of a derivative of rates, over the time of a leg.
+_STEP = 1e-4
+# Share of a load, or of f, within which two are one.
+_SAME = 1e-9
+# Below this c/a at the end of a stroke all but slides.
+_LEAST_STICK = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class OddWork:
+    """What the odd numbers add to the work of a cycle: o . matrix o.
+
+    Attributes
+    ----------
+    matrix
+        of (alpha_P, alpha_Q, e_P, e_Q), each per load, (4, 4) symmetric [work / number squared]
+    coarse
+        the same with half as many points: the difference is the error
+    declined
+        why there is no matrix; empty where there is one
+    """
+
+    matrix: Array
+    coarse: Array
+    declined: str = ""
+
+    def of(self, numbers: Sequence[float]) -> tuple[float, float]:
+        """Work that four numbers add, and the error of it."""
+        odd = np.asarray(numbers, dtype=float)
+        work = float(odd @ self.matrix @ odd)
+        return work, abs(work - float(odd @ self.coarse @ odd))
+
+
+class _Declined(Exception):
+    """The history is none that the second order holds for."""
+
+
+def odd_work(
+    spans: Sequence[Span], radius: float, before: Span | None, following: Span | None
+) -> OddWork:
+    """The second order of tilt and bulk strain in the work of a cycle, or of a whole path.
+
+    Parameters
+    ----------
+    spans
+        of the cycle, or of the path
+    radius
+        R of the parabola
+    before, following
+        the spans on both sides; of a steady cycle its own last and first
+    """
+    unknown = np.full((4, 4), np.nan)
+    strokes = _Strokes(tuple(spans), radius, before, following)
+    try:
+        strokes.require_no_limit_in_stick()
+        fine = strokes.matrix(_POINTS, _PANELS)
+        coarse = strokes.matrix(_POINTS // 2, _PANELS // 2)
+    except _Declined as reason:
+        return OddWork(unknown, unknown, str(reason))
+    return OddWork(fine, coarse)
+
+
+def centres(span: Span, radius: float, time: Array) -> tuple[Array, Array]:
+    """Centres of contact and of stick by the numbers, at times (n,) of a span's leg, (n, 4) each.
+
+    First order, of a parabola. The centre of stick is that of contact where all of it sticks, NaN
+    where none does.
+    """
+    normal, tangential = span.leg.loads(time)
+    of_contact = -radius * _tilt(normal, tangential)
+    if not span.direction:
+        return of_contact, of_contact
+    if span.active is None:
+        return of_contact, np.full(of_contact.shape, np.nan)
+    front = _front(span, span.active, time, span.slipped(time), radius)
+    return of_contact, of_contact + front.distance(radius)
+
+
+@dataclass(frozen=True, eq=False)
+class _Strokes:
+    """The spans of a cycle, and those on both sides of it."""
+
+    spans: tuple[Span, ...]
+    radius: float
+    before: Span | None
+    following: Span | None
+
+    def matrix(self, points: int, panels: int) -> Array:
+        """The form of work at a number of points a span and of panels."""
+        total = np.zeros((4, 4))
+        neighbours = (self.before, *self.spans, self.following)
+        for before, span, following in zip(
+            neighbours[:-2], self.spans, neighbours[2:], strict=True
+        ):
+            if not span.direction:
+                continue
+            if before is not None:
+                total += _of_kink(before, span, self.radius)
+            total += _of_span(span, self.radius, points)
+            total += _of_passed_end(span, self.radius, panels)
+            if following is None or following.direction != span.direction:
+                total += _of_stroke_end(span, self.radius, panels)
+        return total
+
+    def require_no_limit_in_stick(self) -> None:
+        """_Declined where contact grows or shrinks along the limit of friction: one side slips."""
+        for span in self.spans:
+            piece = span.active
+            if span.direction or piece is None or span.begin.normal == span.end.normal:
+                continue
+            if _is_slipped(piece, span.friction):
+                raise _Declined("P and Q go along the limit of friction, where one side slips")
+
+
+# ------------------------------------------------------------------------- numbers as row vectors
+def _tilt(normal: ArrayLike, tangential: ArrayLike) -> Array:
+    """Alpha by the numbers at loads (n,): (n, 4)."""
+    zero = np.zeros(np.shape(normal))
+    return np.stack([np.asarray(normal), np.asarray(tangential), zero, zero], axis=-1)
+
+
+def _strain(normal: ArrayLike, tangential: ArrayLike) -> Array:
+    """Eps by the numbers at loads (n,): (n, 4)."""
+    return np.roll(_tilt(normal, tangential), 2, axis=-1)
+
+
+def _drive(span: Span, normal: ArrayLike, tangential: ArrayLike) -> Array:
+    """a_s = f alpha - s eps by the numbers at loads (n,): (n, 4)."""
+    of_strain = _strain(normal, tangential)
+    return span.friction * _tilt(normal, tangential) - span.direction * of_strain
+
+
+def _products(weights: Array, first: Array, second: Array) -> Array:
+    """Sum of weights (n,) times the symmetric products of rows (n, 4): (4, 4)."""
+    form = np.einsum("n,ni,nj->ij", weights, first, second)
+    return np.asarray((form + form.T) / 2)
+
+
+# ------------------------------------------------------------------------------ a front in a span
+@dataclass(frozen=True, eq=False)
+class _Front:
+    """The front of slip in the uppermost piece of the memory, at some instants.
+
+    Attributes
+    ----------
+    slipped
+        P - P_c, (n,)
+    steepness
+        mu, (n,)
+    since_set
+        P and Q at the instant less P and Q when the memory at the front was set, (n,) each
+    shift
+        v by the numbers, (n, 4)
+    """
+
+    load: Array
+    slipped: Array
+    steepness: Array
+    since_set: tuple[Array, Array]
+    shift: Array
+
+    def distance(self, radius: float) -> Array:
+        """D, from the centre of contact to that of stick, by the numbers: (n, 4)."""
+        return np.asarray(radius * _tilt(*self.since_set) + self.shift)
+
+
+def _front(span: Span, piece: Piece, time: Array, slipped: Array, radius: float) -> _Front:
+    """The front at times (n,) of a span, where P - P_c = `slipped` (n,) lies on a piece."""
+    load = span.leg.loads(time)[0]
+    slope = piece.slope_at(load - slipped)
+    steepness = span.friction - span.direction * slope
+    if _is_slipped(piece, span.friction):
+        since_set = (
+            change_from(piece.anchor, span.leg, NORMAL_LOAD, time),
+            change_from(piece.anchor, span.leg, TANGENTIAL_LOAD, time),
+        )
+    else:
+        # s M - f eta is the same at the front now and at the edge: Q less M(P_c) is s f (P - P_c)
+        since_set = (slipped, span.direction * span.friction * slipped)
+    shift = -radius * _drive(span, *since_set) / steepness[:, None]
+    return _Front(load, slipped, steepness, since_set, shift)
+
+
+def _is_slipped(piece: Piece, friction: float) -> bool:
+    """Whether the memory was set by slip: the limit M' = f or -f up to the end of a stroke."""
+    return flat(piece, 1, friction) or flat(piece, -1, friction)
+
+
+def _set_loads(piece: Piece, friction: float, eta: Array) -> tuple[Array, Array]:
+    """P and Q when the memory at loads (n,) on a piece was set, (n,) each."""
+    if _is_slipped(piece, friction):
+        ones = np.ones(np.shape(eta))
+        return piece.anchor.normal * ones, piece.anchor.tangential * ones
+    return eta, value_on(piece, eta)
+
+
+def _slope_rate(piece: Piece, eta: Array) -> Array:
+    """d sigma/d eta at loads (n,) of a piece, (n,)."""
+    if piece.arc is None:
+        return np.full(np.shape(eta), 2 * piece.bend)
+    leg = piece.anchor.leg
+    time = front_time(piece, eta)
+    step = _STEP * (piece.arc[1] - piece.arc[0])
+    slopes = []
+    for moved in (time - step, time + step):
+        normal_rate, tangential_rate = leg.rates(moved)
+        slopes.append(tangential_rate / normal_rate)
+    return np.asarray((slopes[1] - slopes[0]) / (2 * step * leg.rates(time)[0]))
+
+
+# ---------------------------------------------------------------------------------- terms of work
+def _of_span(span: Span, radius: float, points: int) -> Array:
+    """Terms 1 and 2: both edges slip one way, through memory that grew in stick."""
+    nodes, weights = np.polynomial.legendre.leggauss(points)
+    half = (span.end.time - span.begin.time) / 2
+    time = span.begin.time + half * (1 + nodes)
+    slipped = span.slipped(time)
+    piece = span.active
+    if piece is None:
+        raise _Declined("the contact slides as a whole")
+    front = _front(span, piece, time, slipped, radius)
+    fall = np.asarray(span.leg.rate_of(level(span.direction, span.friction), time))  # -N'
+    drive_rate = _drive(span, *span.leg.rates(time))
+    distance = front.distance(radius)
+    measure = span.friction * half * weights
+    work = _products(measure * fall / (2 * radius), distance, distance)
+    work = work - _products(measure * slipped, drive_rate, distance)
+    if _is_slipped(piece, span.friction):
+        return work
+    eta = front.load - slipped
+    slope = piece.slope_at(eta)
+    ones = np.ones(np.shape(eta))
+    rotation = slope[:, None] * _tilt(ones, slope) - _strain(ones, slope)
+    passed = span.direction * measure * slipped * fall / front.steepness
+    of_bend = _products(passed * _slope_rate(piece, eta) / (2 * radius), front.shift, front.shift)
+    return work - of_bend - _products(passed, front.shift, rotation)
+
+
+def _of_kink(before: Span, span: Span, radius: float) -> Array:
+    """Term 3, where the front goes from the piece of the span before to that of this one."""
+    outer = before.active
+    inner = span.active
+    nothing = np.zeros((4, 4))
+    if before.direction != span.direction or outer is None or inner is None:
+        return nothing
+    tolerance = _SAME * outer.top
+    if inner.top > outer.bottom + tolerance:
+        return nothing  # the same piece goes on
+    for piece in pieces(outer.below):
+        if piece.bottom < inner.top - tolerance:
+            break
+        if piece.top - piece.bottom > tolerance and flat(piece, span.direction, span.friction):
+            _require_same_loads(piece, span, radius)
+    if inner.top - inner.bottom <= tolerance:
+        return nothing  # stands for a front that stays at the upper end of what is at the limit
+    # Of a kink that stands for several, those between are at the limit: only both ends count.
+    time = np.array([span.begin.time])
+    slipped = span.begin.normal - np.array([outer.bottom])
+    eta = np.array([outer.bottom])
+    centres = []
+    steepness = []
+    for piece in (outer, inner):
+        front = _front(span, piece, time, slipped, radius)
+        touch = -radius * _tilt(*_set_loads(piece, span.friction, eta))
+        centres.append(touch + front.shift)
+        steepness.append(float(front.steepness[0]))
+    product = steepness[0] * steepness[1]
+    if abs(steepness[0] - steepness[1]) <= _SAME * span.friction or product <= 0:
+        return nothing
+    jump = centres[0] - centres[1]
+    weight = span.friction * slipped * product / (2 * radius * (steepness[0] - steepness[1]))
+    return _products(weight, jump, jump)
+
+
+def _require_same_loads(piece: Piece, span: Span, radius: float) -> None:
+    """_Declined where slip in one sense comes back to where it ended under other loads: tilt and
+    strain are others too.
+    """
+    anchor = piece.anchor
+    begin = span.begin
+    allowed = _SAME * max(anchor.normal, begin.normal)
+    same_normal = abs(anchor.normal - begin.normal) <= allowed
+    same_tangential = abs(anchor.tangential - begin.tangential) <= span.friction * allowed
+    end = _end_of_piece(piece, span.direction, span.friction, radius)
+    if not (same_normal and same_tangential) or (end is not None and np.any(end.form)):
+        raise _Declined("slip comes back to an earlier limit and passes it: an inner loop")
+
+
+@dataclass(frozen=True, eq=False)
+class _SmoothEnd:
+    """The smooth end of a stroke.
+
+    Attributes
+    ----------
+    load, front
+        P and P_c there
+    form
+        R a_s'^2/N'' by the numbers, (4, 4)
+    """
+
+    load: float
+    front: float
+    form: Array
+
+    def left(self, panels: int) -> tuple[Array, Array]:
+        """Loads eta (n,) and what is left there, T P_e/eta d eta over R a_s'^2/N'', (n,)."""
+        ratio = float(np.sqrt(self.front / self.load))
+        if ratio < _LEAST_STICK:
+            raise _Declined("all but the middle of the contact slides")
+        left = left_over(ratio, panels)
+        eta = self.load * left.half_width**2
+        # d eta/eta is 2 dc'/c'
+        return eta, 2 * self.load * left.force * left.width / left.half_width
+
+
+def _smooth_end(span: Span, time: float, front: float, radius: float) -> _SmoothEnd | None:
+    """The end of a stroke at a time of the leg; None at a corner of the path."""
+    leg = span.leg
+    combination = level(span.direction, span.friction)
+    middle = (span.begin.time + span.end.time) / 2
+    rates = [abs(float(leg.rate_of(combination, at))) for at in (span.begin.time, middle, time)]
+    load = float(leg.loads(time)[0])
+    if rates[2] > _AT_REST * max(rates) or front >= load * (1 - _SAME):
+        return None
+    step = _STEP * (leg.end - leg.start)
+    after = float(leg.rate_of(combination, time + step))
+    before = float(leg.rate_of(combination, time - step))
+    bend = (before - after) / (2 * step)  # N''
+    if bend <= 0:
+        return None
+    normal_rate, tangential_rate = leg.rates(time)
+    drive_rate = _drive(span, float(normal_rate), float(tangential_rate))
+    return _SmoothEnd(load, front, radius / bend * np.outer(drive_rate, drive_rate))
+
+
+def _end_of_piece(
+    piece: Piece, direction: int, friction: float, radius: float
+) -> _SmoothEnd | None:
+    """The smooth end of the stroke that left a piece at the limit; None where it was a corner."""
+    anchor = piece.anchor
+    start = instant(anchor.leg, anchor.leg.start)
+    stroke = Span(start, anchor, 0.0, direction, None, friction)
+    return _smooth_end(stroke, anchor.time, piece.bottom, radius)
+
+
+def _of_stroke_end(span: Span, radius: float, panels: int) -> Array:
+    """Term 4 up to the end of a stroke, where it is smooth."""
+    front = span.end.normal - float(span.slipped(span.end.time))
+    end = _smooth_end(span, span.end.time, front, radius)
+    if end is None:
+        return np.zeros((4, 4))
+    eta, force = end.left(panels)
+    return np.asarray(span.friction * float(np.sum(force * (end.load - eta))) * end.form)
+
+
+def _of_passed_end(span: Span, radius: float, panels: int) -> Array:
+    """Term 4 where the front passes what the smooth end of an earlier stroke left."""
+    piece = span.active
+    if piece is None or not flat(piece, -span.direction, span.friction):
+        return np.zeros((4, 4))
+    end = _end_of_piece(piece, -span.direction, span.friction, radius)
+    if end is None:
+        return np.zeros((4, 4))
+    anchor = piece.anchor
+    eta, force = end.left(panels)
+    last = span.end.normal - float(span.slipped(span.end.time))
+    first = span.begin.normal - float(span.slipped(span.begin.time))
+    is_passed = (eta < first) & (eta >= last)
+    eta = eta[is_passed]
+    slip_level = level(span.direction, span.friction)
+    at_begin = float(change_from(anchor, span.leg, slip_level, span.begin.time))
+    rise = level_on(piece, span.direction, span.friction, eta) - at_begin
+    time = span.leg.time_of(slip_level, rise, span.begin.time, span.end.time)
+    load = span.leg.loads(time)[0]
+    return np.asarray(span.friction * float(np.sum(force[is_passed] * (load - eta))) * end.form)

@@ -1,0 +1,103 @@
+"""What the smooth end of a stroke leaves of shear where tilt or bulk strain goes on changing.
+
+Near the end of a stroke the level N = f P - s Q has a minimum, N = N''/2 t^2, while a_s = f alpha -
+s eps goes on changing. One side of the slip zone c < |x| < a then comes to rest before the other:
+rates of slip and of f p - s q >= 0 are a linear complementarity problem, with |x| < c in stick.
+With x over a and v = (A/pi) N'' t/(a a_s') it has one parameter, c/a::
+
+    int G(x, xi) rho(xi) d xi - v arccosh(|x|/c) + sgn(x) sqrt(x^2 - c^2) = rate of slip >= 0
+    rho >= 0, and rho = 0 where it slips
+
+G = ln |(1 - w w')/(w - w')|, w = sgn(x) e^(-arccosh(|x|/c)): the influence outside of a stretch
+that sticks. Points come to rest one after the other, from the edge -a to -c and from c to a, and
+stay at rest. In that order, with G = L L^T over panels, each joins at v_k = y_k/z_k (y = L^-1 of
+the root, z = L^-1 of arccosh) and all solutions are one formula, rho(v) = L^-T z (v - v_k)_+. What
+is left at the end, beyond what the same theory without a_s' leaves, is its integral over v; the
+even part in x is::
+
+    r = (pi/A)^2 a (a_s'^2/N'') R(x; c/a),  R = the even part of L^-T (y^2/z)/2
+
+and as a force of memory T(c') = 2 int_c'^a r x/sqrt(x^2 - c'^2) dx.
+
+# notation: A = 2/E*, a contact half-width, c stick half-width; s sense of slip, alpha tilt, eps
+#           strain of the lower face minus that of the upper one
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import cholesky, solve_triangular
+
+from scenes.array_types import Array
+
+
+class LeftOver(NamedTuple):
+    """T over (pi/A)^2 a^2 a_s'^2/N'' at punches c', with panels of c' about them.
+
+    Attributes
+    ----------
+    half_width
+        c'/a, (n,) ascending from c/a to 1
+    width
+        of the panels, (n,)
+    force
+        T, (n,)
+    """
+
+    half_width: Array
+    width: Array
+    force: Array
+
+
+@lru_cache(maxsize=256)
+def left_over(stick_ratio: float, panels: int) -> LeftOver:
+    """What the smooth end of a stroke leaves.
+
+    Parameters
+    ----------
+    stick_ratio
+        c/a, above 0 and below 1
+    panels
+        on each side, finer at both ends
+    """
+    angle = np.linspace(0.0, np.pi, panels + 1)
+    borders = stick_ratio + (1 - stick_ratio) * (1 - np.cos(angle)) / 2
+    low, high = borders[:-1], borders[1:]
+    # in the order in which panels come to rest
+    first = np.concatenate([-high[::-1], low])
+    last = np.concatenate([-low[::-1], high])
+    density = _density(stick_ratio, first, last)
+    even = (density[panels:] + density[:panels][::-1]) / 2
+    middle = (low + high) / 2
+    upper_root = np.sqrt(np.maximum(high**2 - middle[:, None] ** 2, 0.0))
+    lower_root = np.sqrt(np.maximum(low**2 - middle[:, None] ** 2, 0.0))
+    return LeftOver(middle, high - low, 2 * (upper_root - lower_root) @ even)
+
+
+def _density(stick_ratio: float, first: Array, last: Array) -> Array:
+    """L^-T (y^2/z)/2 on panels, (n,) in the order in which they come to rest."""
+    x = (first + last) / 2
+    width = last - first
+    arc = np.arccosh(np.abs(x) / stick_ratio)
+    root = np.sign(x) * np.sqrt(x**2 - stick_ratio**2)
+    image = np.sign(x) * np.exp(-arc)
+    # ln |w - w'| - ln |x - xi| is smooth; dw/dx on the diagonal
+    spread = np.abs(image[:, None] - image)
+    distance = np.abs(x[:, None] - x)
+    np.fill_diagonal(spread, np.abs(image / root))
+    np.fill_diagonal(distance, 1.0)
+    smooth = np.log1p(-np.outer(image, image)) - np.log(spread / distance)
+    of_panels = _log_primitive(x[:, None] - first) - _log_primitive(x[:, None] - last)
+    influence = (smooth * width - of_panels) * width[:, None]
+    factor = cholesky((influence + influence.T) / 2, lower=True)
+    of_root = solve_triangular(factor, root * width, lower=True)
+    of_arc = solve_triangular(factor, arc * width, lower=True)
+    return np.asarray(solve_triangular(factor, of_root**2 / of_arc / 2, lower=True, trans="T"))
+
+
+def _log_primitive(distance: Array) -> Array:
+    """Primitive of ln |t|."""
+    return np.asarray(distance * np.log(np.abs(distance)) - distance)
