@@ -7,14 +7,14 @@ and with that under Q alone gives the change of the dissipation and its parts::
 
     W(corrected)/W(theory) - 1 = part of N + part of T + both together
 
-Tilt and bulk strain, which follow the loads, are in theory on grids (`tilt_and_strain`): their part
-is added. So
+Tilt and bulk strain, which follow the loads, are in theory in the second order, or on grids
+(`tilt_and_strain`): their part is added. So
 
     change = part of N + part of T + both together + part of tilt and bulk strain
 
 Its uncertainty is the sum of
 
-- what the numbers themselves, the steps and the grids are uncertain by;
+- what the numbers themselves, the steps and the second order or the grids are uncertain by;
 - the next order of the bodies: 0.35 |N_4 a^2/N| of the part of N, likewise of T, and the larger
   of both of the part of tilt and bulk strain;
 - a quarter of |curvatures| |tilt and bulk strain|, the product of their parts, which are not
@@ -59,6 +59,8 @@ _CURVATURES = {
 # Of the product of the parts of curvatures and of tilt and bulk strain, what may be left: 0.09 of
 # it where it is above 1 % of W, on twelve bodies (benchmarks/bound.py, seed 1).
 _PRODUCT = 0.25
+# Of the half-width that always sticks, what edges of the first order leave: 0.4 % on grids.
+_LEFT_OF_STICK = 5e-3
 WORK = "dissipation"
 ODD = "tilt and bulk strain"
 
@@ -91,8 +93,8 @@ class Advice:
         the numbers of the bodies
     changes
         by the name of the quantity, all that is uncertain counted; "dissipation" is the first. NaN
-        where there is no estimate: of what always sticks, which tilt and bulk strain move in the
-        first order
+        where there is no estimate: of what always sticks where tilt and bulk strain, which move it
+        in the first order, are not known in that
     parts
         of the change of the dissipation, by what makes them: they add up to it
     left_out
@@ -162,7 +164,7 @@ def advise(scene: Scene, limit: float = 0.05, effects: BodyEffects | None = None
             f"{scene.name}: half-plane theory dissipates nothing: no error is relative to it"
         )
     corrected = semi_analytic.solve(
-        scene, x=theory.x, time=theory.time, effects=effects, fields=(WORK, "pressure")
+        scene, x=theory.x, time=theory.time, effects=_even(effects), fields=(WORK, "pressure")
     )
     largest = semi_analytic.extremes(theory)
     half_width = largest.half_width
@@ -196,9 +198,33 @@ def advise(scene: Scene, limit: float = 0.05, effects: BodyEffects | None = None
             uncertainty = sum(part.uncertainty for part in parts.values()) + left_out
         estimate = Estimate(change, uncertainty + _LEFT_OF_WORK)
         if has_odd_part and key == "permanent_stick":
-            estimate = Estimate(math.nan, math.nan)
+            estimate = _change_of_stick(scene, effects, before, uncertainty)
         changes[key] = Change(words, own_values.get(key, before), estimate)
     return Advice(scene, effects, changes, parts, left_out, limit)
+
+
+def _change_of_stick(
+    scene: Scene, effects: BodyEffects, before: float, uncertainty: float
+) -> Estimate:
+    """Change of the half-width that always sticks from `before`, tilt and bulk strain in the first
+    order; NaN where that does not hold.
+
+    Parameters
+    ----------
+    uncertainty
+        of the change by the curvatures
+    """
+    import semi_analytic
+    from semi_analytic.odd_memory import Declined, odd_answer
+
+    try:
+        odd_answer(scene, effects)
+    except Declined:
+        return Estimate(math.nan, math.nan)
+    corrected = semi_analytic.solve(
+        scene, x=0.0, cycles="steady", effects=effects, fields=WORK
+    ).permanent_stick_half_width
+    return Estimate(corrected / before - 1, uncertainty + _LEFT_OF_STICK)
 
 
 def split(comparison: JudgedPair, budget: ErrorBudget | None) -> Why:
@@ -271,13 +297,21 @@ def _parts(
 
 
 def _with_these_alone(effects: BodyEffects, *names: str) -> BodyEffects:
-    """The effects with all curvatures but these left out."""
+    """The effects with all curvatures but these left out, and with nothing odd."""
     others: dict[str, Any] = {}
     for pair in _CURVATURES.values():
         for name in pair:
             if name not in names:
                 others[name] = Estimate(0.0)
-    return replace(effects, **others)
+    return replace(_even(effects), **others)
+
+
+def _even(effects: BodyEffects) -> BodyEffects:
+    """The effects without tilt and bulk strain."""
+    from semi_analytic.odd_memory import ODD_NUMBERS
+
+    nothing: dict[str, Any] = dict.fromkeys(ODD_NUMBERS, Estimate(0.0))
+    return replace(effects, **nothing)
 
 
 def _relative_uncertainty(effects: BodyEffects, curvature: str, half_width: float) -> float:
@@ -303,8 +337,9 @@ def _next_orders(effects: BodyEffects, half_width: float) -> list[float]:
 
 def _size_of_odd_part(effects: BodyEffects, scene: Scene, half_width: float) -> float:
     """About what tilt and bulk strain make of the dissipation; they count by their squares."""
-    from semi_analytic.corrected import ODD_NUMBERS, odd_part
+    from semi_analytic.corrected import odd_part
     from semi_analytic.elasticity import composite_modulus
+    from semi_analytic.odd_memory import ODD_NUMBERS
 
     odd = odd_part(effects, half_width, composite_modulus(scene.material))
     sizes = {name: abs(size) for name, size in zip(ODD_NUMBERS, odd, strict=True)}

@@ -49,7 +49,10 @@ From a request to an answer::
                             the spring of the rig, separation
     answer_of_rig.py        the answer to a scene of a rig, under the loads that were found
     regimes.py              fretting map: partial slip, mixed, gross sliding over stroke and P
-    tilt_and_strain.py      what tilt and bulk strain of the bodies make of W: on grids
+    odd_memory.py           what tilt and bulk strain of the bodies add to W of a parabola, in the
+                            second order, beside the memory curve; centres of contact and stick
+    stroke_end.py           what the smooth end of a stroke leaves there
+    tilt_and_strain.py      the same of any profile: in the second order, or on grids
     subsurface.py           stress inside the bodies (McEwen), tension at the trailing edge
     largest_values.py       largest pressure, slip, W(x) and tension of a cycle, to 1e-9 of
                             themselves

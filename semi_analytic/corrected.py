@@ -11,10 +11,12 @@ the effects::
 
 The halves are those of reciprocity: a force at s moves x as a force at x moves s.
 
-Left out are the odd numbers o = (alpha_P, alpha_Q, e_P, e_Q) P0/(a0/R), tilt and bulk strain: of a
-symmetric profile they move dissipation, pressure and half-widths by the second order of o, the
-places of edges by the first. A note says how large they are. Of unlike materials (Dundurs' beta)
-they count in the first order.
+The odd numbers o = (alpha_P, alpha_Q, e_P, e_Q) P0/(a0/R), tilt and bulk strain, move dissipation,
+pressure and half-widths of a symmetric profile by the second order of o, the places of edges by the
+first. Of a parabola (`odd_memory`) both are in the dissipation, in the edges of contact and stick,
+and in the half-width that always sticks; in no field at points. A note says how large they are, and
+why they are left out where they are. Of unlike materials (Dundurs' beta) they count in the first
+order.
 
 A path is followed by straight steps, some 400 a cycle. What the same steps make of half-planes is
 compared with exact theory: W and W(x) are exact theory's plus the difference of two paths of these
@@ -39,6 +41,7 @@ from numpy.typing import NDArray
 from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, BodyEffects, Estimate, InputError, Scene
 from scenes.array_types import Array
 from scenes.arrays import LARGEST
+from scenes.body_effects import ZERO
 from semi_analytic.answer import (
     Findings,
     Question,
@@ -51,6 +54,7 @@ from semi_analytic.corrected_memory import Curvatures, Followed, PunchTable, fol
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.history import History, turns_of, within
 from semi_analytic.load_series import LoadSeries
+from semi_analytic.odd_memory import ODD_NUMBERS, Declined, OddAnswer, odd_answer
 from semi_analytic.profiles import SymmetricContact, contact_of
 
 Indices = NDArray[np.int64]
@@ -62,15 +66,9 @@ NUMBERS = (
     "tangential_curvature",
     "normal_curvature_under_shear",
     "tangential_curvature_under_pressure",
-    "tilt_under_pressure",
-    "tilt_under_shear",
-    "strain_under_pressure",
-    "strain_under_shear",
+    *ODD_NUMBERS,
 )
 """The numbers of `BodyEffects` that half-planes do not have."""
-
-ODD_NUMBERS = NUMBERS[-4:]
-"""Those that corrected theory leaves out."""
 
 _OF_WORK = frozenset(("dissipation", "dissipation_density"))
 # Rows that are followed at most: each takes some 30 us and two pieces of memory curve.
@@ -144,22 +142,63 @@ def odd_part(effects: BodyEffects, half_width: float, modulus: float) -> tuple[f
     return tuple(getattr(effects, name).value * unit for name in ODD_NUMBERS)
 
 
-def notes_of_effects(effects: BodyEffects, half_width: float, scene: Scene) -> Iterator[str]:
+class OddPart(NamedTuple):
+    """What tilt and bulk strain make of dissipation and edges.
+
+    Attributes
+    ----------
+    answer
+        of `odd_memory`; None where there is none
+    left_out
+        why there is none; empty where the effects have nothing odd
+    """
+
+    answer: OddAnswer | None = None
+    left_out: str = ""
+
+    def work(self, cycle: int) -> Estimate:
+        """Work that they add in a cycle that was followed."""
+        if self.answer is None:
+            return ZERO
+        works = self.answer.works
+        return works[min(cycle, len(works) - 1)]
+
+    def centres(self, time: Array) -> tuple[Array, Array]:
+        """Centres of contact and of stick at instants (n,), (n,) each."""
+        if self.answer is None:
+            return np.zeros(len(time)), np.zeros(len(time))
+        return self.answer.centres(time)
+
+
+def notes_of_effects(
+    effects: BodyEffects, half_width: float, modulus: float, odd: OddPart
+) -> Iterator[str]:
     """What of the effects is in the values, and what is not."""
     yield (
         "effects: the curvatures N, N_Q, T, T_P and the compliances c_n, c_t of the bodies are in"
         " these values"
     )
-    odd = odd_part(effects, half_width, composite_modulus(scene.material))
-    if not any(odd):
+    numbers = odd_part(effects, half_width, modulus)
+    if not any(numbers):
         return
-    values = ", ".join(f"{value:.3g}" for value in odd)
+    values = ", ".join(f"{value:.3g}" for value in numbers)
+    symbols = f"o = (alpha_P, alpha_Q, e_P, e_Q) P0/(a0/R) = ({values})"
+    if odd.answer is not None:
+        added = odd.answer.works[-1]
+        yield (
+            f"effects: tilt and bulk strain of the bodies, {symbols}, add {added.value:.3g}"
+            f" ± {added.uncertainty:.1g} to the dissipation, in the second order, and move edges of"
+            " contact and stick, in the first; fields at points, displacements, shear at edges and"
+            " edge tension are without them"
+        )
+        return
     consequence = "which change the dissipation in the second order"
     if effects.dundurs_beta:
         consequence = "which change the dissipation in the first order: the materials are unlike"
+    reason = f"; left out because {odd.left_out}" if odd.left_out else ""
     yield (
         "effects: tilt and bulk strain of the bodies are left out,"
-        f" o = (alpha_P, alpha_Q, e_P, e_Q) P0/(a0/R) = ({values}), {consequence}"
+        f" {symbols}, {consequence}{reason}"
     )
 
 
@@ -613,10 +652,14 @@ def with_effects(question: Question) -> Findings:
     time, numbers = instants_of(question, paths.rows, paths.last_cycle)
     points = PointFields(bodies, distance)
     grids = grids_at(question, points, distance, numbers)
+    odd = _odd_part(question)
     series = series_at(question, bodies, numbers)
+    of_contact, of_stick = odd.centres(paths.rows.time)
+    series["contact_edges"] = series["contact_edges"] + of_contact[numbers, None]
+    series["stick_edges"] = series["stick_edges"] + of_stick[numbers, None]
     fields_done = clock.perf_counter()
 
-    work = _work_of(paths, points, distance)
+    work = _work_of(paths, points, distance, odd)
     errors = work.errors | _errors_of_steps(paths)
     seconds = {"history": history_done - started, "fields": fields_done - history_done}
     seconds["dissipation"] = clock.perf_counter() - fields_done
@@ -624,7 +667,9 @@ def with_effects(question: Question) -> Findings:
     values: dict[str, Any] = {
         **series,
         **{name: np.take(grid, fold, axis=1) for name, grid in grids.items()},
-        "permanent_stick_half_width": permanent_stick(bodies, paths.last_cycle),
+        "permanent_stick_half_width": permanent_stick(
+            bodies, paths.last_cycle, of_stick[paths.last_cycle]
+        ),
         "dissipation": float(work.cycles[-1]),
         "loop_work": work.loop,
         "cycle_dissipation": work.cycles,
@@ -637,7 +682,7 @@ def with_effects(question: Question) -> Findings:
         values=values,
         termination=termination,
         message=message,
-        notes=tuple(_notes_of(paths)),
+        notes=tuple(_notes_of(paths, odd)),
         errors={name: error for name, error in errors.items() if error},
         certificates=certificates_of(bodies, grids, numbers),
         counts={
@@ -844,7 +889,7 @@ class _Work(NamedTuple):
     errors: dict[str, float]
 
 
-def _work_of(paths: _Paths, points: PointFields, distance: Array) -> _Work:
+def _work_of(paths: _Paths, points: PointFields, distance: Array, odd: OddPart) -> _Work:
     """Exact theory's work plus what the bodies change, by the steps."""
     question = paths.question
     bodies = paths.bodies
@@ -867,10 +912,12 @@ def _work_of(paths: _Paths, points: PointFields, distance: Array) -> _Work:
         by_steps = np.array([half_planes.work(paths.rows.cycles[k]) for k in paths.covered])
         with_bodies = np.array([bodies.work(paths.rows.cycles[k]) for k in paths.covered])
         change = with_bodies - by_steps
-        cycles = exact + change
+        added = [odd.work(k) for k in paths.covered]
+        cycles = exact + change + np.array([work.value for work in added])
         if exact[-1] > 0:
             errors["dissipation"] = _OF_STEPS * abs(float(by_steps[-1] / exact[-1]) - 1)
-        if paths.is_steady and paths.rows.period is not None:
+            errors["dissipation"] += added[-1].uncertainty / float(exact[-1])
+        if odd.answer is None and paths.is_steady and paths.rows.period is not None:
             loop = bodies.loop_work(last)
             if exact[-1] > 0:
                 errors["loop_work"] = abs(half_planes.loop_work(last) / float(exact[-1]) - 1)
@@ -885,6 +932,18 @@ def _work_of(paths: _Paths, points: PointFields, distance: Array) -> _Work:
             difference = np.abs(by_steps - exact_density)
             errors["dissipation_density"] = float(np.max(difference)) / largest
     return _Work(cycles, loop, density, errors)
+
+
+def _odd_part(question: Question) -> OddPart:
+    """What tilt and bulk strain of the effects make."""
+    effects = question.effects
+    assert effects is not None  # for the type checker
+    if not any(getattr(effects, name).value for name in ODD_NUMBERS):
+        return OddPart()
+    try:
+        return OddPart(odd_answer(question.scene, effects))
+    except Declined as reason:
+        return OddPart(left_out=str(reason))
 
 
 def _errors_of_steps(paths: _Paths) -> dict[str, float]:
@@ -928,11 +987,17 @@ def _errors_of_steps(paths: _Paths) -> dict[str, float]:
     return errors
 
 
-def permanent_stick(bodies: PathSeries, rows: slice) -> float:
-    """Half-width that sticks through a cycle; NaN if none does."""
-    stick = np.minimum(bodies.stick_half_width[rows], bodies.half_width[rows])
-    least = float(np.min(np.nan_to_num(stick)))
-    return least if least > 0 else math.nan
+def permanent_stick(bodies: PathSeries, rows: slice, centre: Array | float = 0.0) -> float:
+    """Half-width of what sticks all through a cycle; NaN if nothing does.
+
+    Parameters
+    ----------
+    centre
+        of the stick zone at these rows, (n,)
+    """
+    stick = np.nan_to_num(np.minimum(bodies.stick_half_width, bodies.half_width)[rows])
+    half_width = float(np.min(centre + stick) - np.max(centre - stick)) / 2
+    return half_width if half_width > 0 and np.all(stick > 0) else math.nan
 
 
 def _reference_load(scene: Scene, normal_load: Array) -> float:
@@ -951,7 +1016,7 @@ def _ending(paths: _Paths) -> tuple[str, str]:
     return "steady", f"cycle {paths.steady_from + 1} ends in the state it started from"
 
 
-def _notes_of(paths: _Paths) -> Iterator[str]:
+def _notes_of(paths: _Paths, odd: OddPart) -> Iterator[str]:
     """What a reader must not miss."""
     question = paths.question
     scene = question.scene
@@ -959,7 +1024,13 @@ def _notes_of(paths: _Paths) -> Iterator[str]:
     yield from neglected_coupling(scene.material)
     load = _reference_load(scene, paths.rows.normal_load[paths.last_cycle])
     half_width = float(paths.bodies.contact.half_width(load))
-    yield from notes_of_effects(question.effects, half_width, scene)
+    modulus = composite_modulus(scene.material)
+    yield from notes_of_effects(question.effects, half_width, modulus, odd)
+    if odd.answer is not None:
+        yield (
+            "no closed integral of Q dU to compare the dissipation with: displacements are without"
+            " tilt and bulk strain"
+        )
     if question.wants("dissipation") and paths.rows.period is not None and not paths.is_steady:
         yield (
             "the last cycle is not steady: no closed integral of Q dU to compare the dissipation"

@@ -42,9 +42,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scenes import NORMAL_LOAD, TANGENTIAL_LOAD, Estimate
+from scenes import NORMAL_LOAD, TANGENTIAL_LOAD, BodyEffects, Estimate, Hertz, Scene
 from scenes.array_types import Array
-from semi_analytic.history import Span
+from semi_analytic.elasticity import composite_modulus
+from semi_analytic.history import History, Span, history_of, within
 from semi_analytic.memory import (
     Piece,
     change_from,
@@ -58,6 +59,14 @@ from semi_analytic.memory import (
 )
 from semi_analytic.stroke_end import left_over
 
+ODD_NUMBERS = (
+    "tilt_under_pressure",
+    "tilt_under_shear",
+    "strain_under_pressure",
+    "strain_under_shear",
+)
+"""alpha_P, alpha_Q, e_P, e_Q among the fields of `BodyEffects`."""
+
 # Points of Gauss on a span, and panels of what a smooth stroke end leaves: as many again, halved,
 # for the error.
 _POINTS = 24
@@ -67,6 +76,8 @@ _AT_REST = 1e-6
 # Of the next order: see `OddWork.added`. Beyond the second, grids differ by up to several times W.
 _NEXT_ORDER = 0.5
 _MOST_ONE_SIDED = 0.8
+# Segments of a path at most: each takes a millisecond.
+_MOST_SEGMENTS = 1000
 # Step of a derivative of rates, over the time of a leg.
 _STEP = 1e-4
 # Share of a load, or of f, within which two are one.
@@ -97,7 +108,7 @@ class OddWork:
     one_sided: tuple[Array, ...] = ()
     declined: str = ""
 
-    def added(self, numbers: Sequence[float]) -> Estimate:
+    def added(self, numbers: ArrayLike) -> Estimate:
         """Work that four numbers add.
 
         Its uncertainty is that of the points, and of the next order: half of the sum of all |terms|
@@ -129,6 +140,93 @@ class OddWork:
 
 class Declined(Exception):
     """The second order does not hold for a history, or not for so large numbers."""
+
+
+@dataclass(frozen=True, eq=False)
+class OddAnswer:
+    """What tilt and bulk strain of the bodies make of half-planes along a path.
+
+    Attributes
+    ----------
+    history
+        of half-planes
+    radius
+        R of the parabola
+    numbers
+        alpha_P, alpha_Q, e_P, e_Q
+    works
+        work that they add in each cycle up to the steady one, or in a path without cycle; with the
+        uncertainty of `OddWork.added` and of the numbers
+    """
+
+    history: History
+    radius: float
+    numbers: Array
+    works: tuple[Estimate, ...]
+
+    def centres(self, time: Array) -> tuple[Array, Array]:
+        """Centres of contact and of stick at instants (n,), to the first order, (n,) each."""
+        spans = self.history.spans
+        ends = np.array([span.end.time + span.delay for span in spans])
+        start = spans[0].begin.time + spans[0].delay
+        path_time, slack = within(time, float(start), float(ends[-1]), self.history.period)
+        number = np.minimum(np.searchsorted(ends, path_time - slack, side="left"), len(spans) - 1)
+        of_contact = np.zeros(len(time))
+        of_stick = np.zeros(len(time))
+        for k in np.unique(number):
+            span = spans[k]
+            inside = number == k
+            of_leg = np.clip(path_time[inside] - span.delay, span.begin.time, span.end.time)
+            contact, stick = centres(span, self.radius, of_leg)
+            of_contact[inside] = contact @ self.numbers
+            of_stick[inside] = stick @ self.numbers
+        return of_contact, of_stick
+
+
+def odd_answer(scene: Scene, effects: BodyEffects) -> OddAnswer:
+    """What tilt and bulk strain of the bodies make of half-planes.
+
+    Raises
+    ------
+    Declined
+        For profiles other than a parabola, unlike materials, long paths; where the second order
+        does not hold.
+    """
+    profile = scene.profile
+    if not isinstance(profile, Hertz):
+        raise Declined("the second order is known of a parabola")
+    if effects.dundurs_beta:
+        raise Declined("the materials are unlike, and tilt and strain count in the first order")
+    path = scene.load.path()
+    segments = len(path.initial_loading) + len(path.cycle)
+    if segments > _MOST_SEGMENTS:
+        raise Declined(f"the path has {segments} segments, more than {_MOST_SEGMENTS}")
+    history = history_of(path, scene.friction.coefficient, max(scene.cycles, 2))
+    modulus = composite_modulus(scene.material)
+    estimates = [getattr(effects, name) for name in ODD_NUMBERS]
+    odd = np.array([float(estimate.value) for estimate in estimates])
+    spread = np.array([float(estimate.uncertainty) for estimate in estimates])
+    works = []
+    for spans, before, following in _cycles(history):
+        work = odd_work(spans, profile.radius, modulus, before, following)
+        added = work.added(odd)
+        of_numbers = 2 * float(np.abs(odd) @ np.abs(work.matrix) @ spread)
+        works.append(Estimate(added.value, added.uncertainty + of_numbers))
+    return OddAnswer(history, profile.radius, odd, tuple(works))
+
+
+def _cycles(history: History) -> Iterator[tuple[tuple[Span, ...], Span | None, Span | None]]:
+    """The spans of each cycle, or of the path, with the spans before and after them."""
+    earlier = history.loading
+    for number, spans in enumerate(history.cycles):
+        before = earlier[-1] if earlier else None
+        following = spans[0] if history.repeats else None
+        if history.repeats and number == history.steady_from:
+            before = spans[-1]
+        elif number + 1 < len(history.cycles):
+            following = history.cycles[number + 1][0]
+        yield spans, before, following
+        earlier = spans
 
 
 def odd_work(
@@ -223,7 +321,8 @@ def _tilt(normal: ArrayLike, tangential: ArrayLike) -> Array:
 
 def _strain(normal: ArrayLike, tangential: ArrayLike) -> Array:
     """Eps by the numbers at loads (n,): (n, 4)."""
-    return np.roll(_tilt(normal, tangential), 2, axis=-1)
+    zero = np.zeros(np.shape(normal))
+    return np.stack([zero, zero, np.asarray(normal), np.asarray(tangential)], axis=-1)
 
 
 def _drive(span: Span, normal: ArrayLike, tangential: ArrayLike) -> Array:

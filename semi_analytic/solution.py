@@ -74,7 +74,8 @@ def solve(
     effects
         what finite bodies add to half-planes, `halfplane_fe.body_effects(scene)`: theory then
         takes the curvatures that follow the loads and both compliances, see `corrected`. Tilt
-        and bulk strain of the bodies are left out and noted with their size. Numbers that are
+        and bulk strain of the bodies are in the dissipation of a parabola's cycles, to the
+        second order, or left out; a note says which, and how large they are. Numbers that are
         all 0 give the half-plane answer
 
     Returns

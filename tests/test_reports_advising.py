@@ -131,7 +131,9 @@ def test_bulk_strain_and_tilt_of_one_block_are_a_part_of_the_change() -> None:
     total = sum(of_cause.value for of_cause in advice.parts.values())
     assert advice.work.value == pytest.approx(total, rel=1e-12)
     assert advice.changes["dissipation"].change == advice.work
-    assert math.isnan(advice.changes["permanent_stick"].change.value)
+    stick = advice.changes["permanent_stick"].change
+    assert 0 < stick.uncertainty < 0.02
+    assert stick.value < 0  # the stick zone moves within a cycle
     assert "tilt and bulk strain +0.08" in sentence(advice)
 
 

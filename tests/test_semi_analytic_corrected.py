@@ -600,7 +600,9 @@ def test_without_odd_numbers_tilt_and_strain_change_nothing_and_what_is_no_scene
     with pytest.raises(InputError, match="beside bulk stress, tilt"):
         change(load_scene("nowell-hills"), strained)
     to_and_fro = {"cycle": [(LOAD, 1.0), (LOAD, -1.0)] * 31}
-    long_path = load_scene("cattaneo-mindlin").vary(load=to_and_fro)
+    long_path = load_scene("cattaneo-mindlin").vary(
+        load=to_and_fro, profile={"kind": "power_law", "exponent": 4.0, "length": 1.0, "rise": 1e-3}
+    )
     with pytest.raises(InputError, match="60 segments at most"):
         change(long_path, strained)
     with pytest.raises(InputError, match="effects: a BodyEffects is needed"):
