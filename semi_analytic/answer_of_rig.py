@@ -24,6 +24,7 @@ from scenes.array_types import Array
 from semi_analytic.answer import Findings, Question, mirrored_points, neglected_coupling
 from semi_analytic.answer_by_memory import folded
 from semi_analytic.corrected import (
+    OddPart,
     PathRows,
     PathSeries,
     PointFields,
@@ -373,7 +374,9 @@ def _notes(
             " implied"
         )
         half_width = float(rig.contact.half_width(np.max(driven.followed.normal_load)))
-        yield from notes_of_effects(rig.effects, half_width, scene)
+        odd = OddPart(left_out="the loads follow from displacements")
+        modulus = composite_modulus(scene.material)
+        yield from notes_of_effects(rig.effects, half_width, modulus, odd)
     spring = rig.compliance.tangential_spring
     if spring:
         actuator = float(np.ptp(driven.actuator[last_cycle]))
