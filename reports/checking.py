@@ -243,12 +243,6 @@ def _highest(leg: LoadSegment, value_at: Callable[[Array], Array]) -> tuple[floa
     return highest, time_of_highest
 
 
-FINITE_ELEMENTS_TAKE_LOADS = (
-    "they take loads, and load.tangential_displacement prescribes a displacement; the scene.json"
-    " that theory's answer writes states the loads, for `halfplane fe`"
-)
-
-
 @dataclass(frozen=True)
 class _Engines:
     """Why each engine does not take a scene; "" for one that does."""
@@ -257,11 +251,28 @@ class _Engines:
     finite_elements: str
     # how it was found out that bodies have room for the contact; "" where nothing was estimated
     room: str = ""
+    # whether each engine finds loads of its own, under a displacement that is prescribed
+    separate: bool = False
+
+    @property
+    def reasons(self) -> dict[str, str]:
+        """All but the last, by name."""
+        return {
+            "half_plane": self.half_plane,
+            "finite_elements": self.finite_elements,
+            "room": self.room,
+        }
 
     def in_words(self, source: str) -> str:
         """Which engine takes the scene, and which does not and why, with the command that works; ""
         where both do.
         """
+        if self.separate:
+            return (
+                "Under a prescribed displacement each engine finds loads of its own:"
+                f" `halfplane exact {source}` by corrected theory, `halfplane fe {source}` by"
+                " finite elements, where the bodies do not slide as a whole"
+            )
         if self.half_plane:
             return (
                 f"Finite elements alone take this scene, `halfplane fe {source}`; half-plane theory"
@@ -290,7 +301,7 @@ def engines_for(scene: Scene, source: str, *, finite_elements: bool = True) -> _
     from semi_analytic.solution import require_followable
 
     if scene.load.is_driven:
-        return _Engines("", FINITE_ELEMENTS_TAKE_LOADS)
+        return _Engines("", "", separate=True)
     reason_of_theory = ""
     reason_of_elements = ""
     room = ""

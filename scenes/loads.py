@@ -146,8 +146,8 @@ class LineOfAction(Frozen):
 
 DRIVEN = (
     "load.tangential_displacement: P and Q follow from the displacement that is prescribed, and"
-    " this takes loads. `halfplane exact` finds them by corrected half-plane theory; the scene.json"
-    " that it writes states them, without what slides as a whole"
+    " this takes loads. `halfplane exact` finds them by corrected half-plane theory, `halfplane fe`"
+    " by finite elements; the scene.json that they write states them, without slides of the whole"
 )
 """What is said where loads are needed and a displacement is prescribed."""
 

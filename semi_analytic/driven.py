@@ -161,6 +161,7 @@ def actuator_rows(
     further: Array | None = None,
     *,
     fewest: bool = False,
+    steps: int = _STEPS_A_CYCLE,
 ) -> ActuatorRows:
     """Rows of the initial loading and some cycles: turning points, instants at which the bodies
     part or meet, and equal steps between them.
@@ -175,6 +176,8 @@ def actuator_rows(
         (k,) instants that are rows too
     fewest
         whether one step is taken where P rests, which is exact
+    steps
+        of a cycle at least, turning points apart
     """
     legs = list(path.legs(cycles))
     instants = [legs[0].start]
@@ -188,8 +191,8 @@ def actuator_rows(
             if leg.loads(begin)[0] * leg.loads(end)[0] < 0
         ]
         instants += sorted({*monotone[1:], *meets})
-    count = max(math.ceil(_STEPS_A_CYCLE * loops / len(instants)), 1)
-    if len(instants) < _STEPS_A_CYCLE * loops / _FEWEST_STEPS:
+    count = max(math.ceil(steps * loops / len(instants)), 1)
+    if len(instants) < steps * loops / _FEWEST_STEPS:
         count = max(count, _FEWEST_STEPS)
     count *= finer
     if count * len(instants) > _MOST_ROWS:
@@ -199,12 +202,12 @@ def actuator_rows(
         )
     bounds = np.array(instants)
     share = np.arange(count) / count
-    steps = bounds[:-1, None] + np.diff(bounds)[:, None] * share
+    instants_of = bounds[:-1, None] + np.diff(bounds)[:, None] * share
     if fewest:
-        normal = path.at(np.array([steps[:, 0], bounds[1:], (bounds[1:] + bounds[:-1]) / 2]))[0]
+        normal = path.at(np.array([bounds[:-1], bounds[1:], (bounds[1:] + bounds[:-1]) / 2]))[0]
         rests = np.ptp(normal, axis=0) <= _SAME * np.max(np.abs(normal))
-        steps[rests] = steps[rests, :1]
-    time = np.append(steps.ravel(), bounds[-1])
+        instants_of[rests] = instants_of[rests, :1]
+    time = np.append(instants_of.ravel(), bounds[-1])
     if further is not None:
         time = np.append(time, further[(further > bounds[0]) & (further < bounds[-1])])
     time = np.unique(time)

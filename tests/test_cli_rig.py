@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from command_line import halfplane, json_of, refused
+from command_line import COARSE, halfplane, json_of, refused
 from scenes import load_scene
 from test_cli_commands import answer_of
 
@@ -75,6 +75,27 @@ def test_a_series_has_a_column_of_displacements_in_its_unit(folder: Path) -> Non
     assert "gross sliding: in the path" in " ".join(checked["notes"]).lower()
 
 
-@pytest.mark.parametrize("command", ["fe", "export", "advise", "fields"])
+@pytest.mark.parametrize("command", ["export", "advise", "fields"])
 def test_commands_that_need_loads_say_so(command: str, folder: Path) -> None:
     assert "P and Q follow from the displacement" in refused(folder, command, "rig.toml")
+
+
+def test_finite_elements_refuse_what_slides_as_a_whole(folder: Path) -> None:
+    assert (
+        "from time 1.35184 on the bodies slide as a whole"
+        in halfplane(folder, "fe", "rig.toml", "--quiet").stderr
+    )
+
+
+def test_finite_elements_find_the_loads_of_a_displacement(folder: Path) -> None:
+    """Their Q is that of corrected theory to the coarse mesh, their U what the spring leaves."""
+    text = RIG.replace("0.01]", "0.003]")
+    (folder / "partial.toml").write_text(text, encoding="utf-8")
+    code, solved = answer(folder, "fe", "partial.toml", "--out", "fe", *COARSE)
+    assert code == 0
+    assert any("rig: Q follows from the displacement" in note for note in solved["notes"])
+    code, theory = answer(folder, "exact", "partial.toml", "--out", "exact")
+    assert solved["dissipation"] == pytest.approx(theory["dissipation"], rel=0.1)
+    by_elements = load_scene(folder / "fe" / "scene.json").ranges_of_load()[1]
+    by_theory = load_scene(folder / "exact" / "scene.json").ranges_of_load()[1]
+    assert by_elements == pytest.approx(by_theory, rel=5e-3)

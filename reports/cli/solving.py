@@ -81,7 +81,7 @@ def at_work(work: Callable[[Job], Answer]) -> Callable[[str, Options], Answer]:
         from reports.folder import claim, default_folder
         from scenes import ConvergenceError, InputError, Interrupted
 
-        problem = read(scene, driven=work.__name__ in ("exact", "run"))
+        problem = read(scene, driven=work.__name__ in ("exact", "fe", "run"))
         folder = claim(
             options.out or default_folder(problem.name), _written_by(work.__name__, problem)
         )
@@ -201,6 +201,11 @@ def solve_finite_elements(job: Job) -> ContactSolution:
     import halfplane_fe
 
     mesh, settings = job.options.settings()
+    if job.scene.load.is_driven:
+        from reports.elements_of_rig import solve_rig
+
+        with job.stages.stage("finite elements, until they move as prescribed") as report:
+            return solve_rig(job.scene, mesh, settings, report).solution
     with job.stages.stage("finite elements") as report:
         return halfplane_fe.solve(job.scene, mesh=mesh, settings=settings, progress=report)
 
