@@ -29,7 +29,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import cholesky, solve_triangular
+import scipy
 
 from scenes.array_types import Array
 
@@ -92,10 +92,12 @@ def _density(stick_ratio: float, first: Array, last: Array) -> Array:
     smooth = np.log1p(-np.outer(image, image)) - np.log(spread / distance)
     of_panels = _log_primitive(x[:, None] - first) - _log_primitive(x[:, None] - last)
     influence = (smooth * width - of_panels) * width[:, None]
-    factor = cholesky((influence + influence.T) / 2, lower=True)
-    of_root = solve_triangular(factor, root * width, lower=True)
-    of_arc = solve_triangular(factor, arc * width, lower=True)
-    return np.asarray(solve_triangular(factor, of_root**2 / of_arc / 2, lower=True, trans="T"))
+    factor = scipy.linalg.cholesky((influence + influence.T) / 2, lower=True)
+    of_root = scipy.linalg.solve_triangular(factor, root * width, lower=True)
+    of_arc = scipy.linalg.solve_triangular(factor, arc * width, lower=True)
+    return np.asarray(
+        scipy.linalg.solve_triangular(factor, of_root**2 / of_arc / 2, lower=True, trans="T")
+    )
 
 
 def _log_primitive(distance: Array) -> Array:
