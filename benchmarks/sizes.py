@@ -8,6 +8,7 @@ A table to read, no gate: joining statements is no removal.
 from __future__ import annotations
 
 import ast
+import gc
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple
@@ -31,6 +32,17 @@ class Size(NamedTuple):
     files: int
     statements: int
     public_names: int
+
+
+def parsed(text: str) -> ast.Module:
+    """The syntax tree of a file; the search for garbage among its nodes while they are made would
+    take half of the time.
+    """
+    gc.disable()
+    try:
+        return ast.parse(text)
+    finally:
+        gc.enable()
 
 
 def statements(tree: ast.AST) -> int:
@@ -86,7 +98,7 @@ def size(part: str) -> Size:
 @cache
 def size_of_file(path: Path) -> Size:
     """The size of one file, which is parsed once in a process."""
-    tree = ast.parse(path.read_text(encoding="utf-8"))
+    tree = parsed(path.read_text(encoding="utf-8"))
     return Size(1, statements(tree), len(public_names(tree)))
 
 

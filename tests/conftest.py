@@ -15,6 +15,7 @@ from hypothesis import settings
 from hypothesis.configuration import set_hypothesis_home_dir
 
 from halfplane_fe.condensed_bodies import BODIES
+from shared_runs import share
 
 # A shell that starts the tests in the background has Ctrl-C ignored, here and in every process
 # started from here.
@@ -24,6 +25,7 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 # Work counts are asserted: no condensed body may come from an earlier test. The tests of the cache
 # have caches of their own.
 BODIES.bound_bytes = 0
+share()
 
 IN_CI = os.environ.get("CI", "").lower() in {"1", "true"}
 Report = TypeVar("Report", pytest.TestReport, pytest.CollectReport)

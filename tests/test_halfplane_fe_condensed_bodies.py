@@ -15,15 +15,17 @@ import pytest
 import skfem
 
 import halfplane_fe
-from halfplane_fe import SolverSettings, condensed_bodies
+from halfplane_fe import SolverSettings, condensed_bodies, elasticity
 from halfplane_fe.condensed_bodies import CACHED, CondensedBodies
 from halfplane_fe.elasticity import condense
 from meshes import BodyMesh, MeshSettings, SurfaceGrading, half_disc
-from scenes import Elastic, load_scene
+from scenes import Elastic, Hertz, Materials, Scene, load_scene
 from scenes.array_types import Array
+from shared_runs import SHARED, made_again
 
 Body = tuple[BodyMesh, Elastic, float]
 STEEL = Elastic(young_modulus=210e3, poisson_ratio=0.3)
+SOFTER = Elastic(young_modulus=70e3, poisson_ratio=0.33)
 MESH = MeshSettings(element_size=1 / 10, edge_element_size=1 / 20)
 LARGE = 10**9
 
@@ -52,9 +54,10 @@ def test_the_second_solve_condenses_nothing_states_it_and_answers_the_same_bits(
     monkeypatch.setattr(condensed_bodies.BODIES, "bound_bytes", LARGE)
     monkeypatch.setattr(condensed_bodies.BODIES, "_cached", type(condensed_bodies.BODIES._cached)())
     settings = SolverSettings(steps_per_cycle=8, step_tolerance=np.inf)
-    first, second = (
-        halfplane_fe.solve(load_scene("cattaneo-mindlin"), MESH, settings) for _ in range(2)
-    )
+    with made_again():
+        first, second = (
+            halfplane_fe.solve(load_scene("cattaneo-mindlin"), MESH, settings) for _ in range(2)
+        )
     assert (first.work.counts["condensations"], first.work.counts["coarse condensations"]) == (1, 1)
     assert second.work.counts["condensations"] == second.work.counts["sparse factorisations"] == 0
     assert second.work.counts[CACHED] == second.work.counts[f"coarse {CACHED}"] == 1
@@ -65,6 +68,32 @@ def test_the_second_solve_condenses_nothing_states_it_and_answers_the_same_bits(
     )
     for name in ("pressure", "shear", "slip", "dissipation_density"):
         assert getattr(first, name).tobytes() == getattr(second, name).tobytes()
+
+
+def hits(scene: Scene) -> list[int]:
+    """How many coarse runs, meshes and bodies a solve takes from those that the tests share."""
+    before = [function.hits for function in SHARED]
+    halfplane_fe.solve(scene, MESH, SolverSettings(steps_per_cycle=8, step_tolerance=np.inf))
+    return [function.hits - count for function, count in zip(SHARED, before, strict=True)]
+
+
+def test_what_tests_share_is_made_once_and_again_while_anything_is_replaced(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    scene = load_scene("hertz-normal")
+    hits(scene)
+    assert hits(scene.vary(name="by another name")) == [1, 1, 1]
+    # meshes follow the scales, which follow the radius; bodies follow Poisson's ratio
+    material = Materials(lower=SOFTER, upper=SOFTER)
+    assert hits(scene.vary(profile=Hertz(radius=1001.0), material=material)) == [0, 0, 0]
+    with made_again():
+        assert hits(scene) == [0, 0, 0]
+    for holder, name in ((elasticity, "split_lame"), (BodyMesh, "__repr__")):
+        with monkeypatch.context() as patch:
+            right = getattr(holder, name)
+            patch.setattr(holder, name, lambda *arguments, right=right: right(*arguments))
+            assert hits(scene) == [0, 0, 0], name
+    assert hits(scene) == [1, 1, 1]
 
 
 def test_a_cached_body_has_the_bits_of_a_condensed_one_and_the_mesh_that_was_given() -> None:

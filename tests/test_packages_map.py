@@ -20,6 +20,7 @@ from typing import Any
 import pytest
 
 from command_line import COARSE, ROOT
+from sizes import parsed
 
 BENCHMARKS = ROOT / "benchmarks"
 PACKAGES = ("scenes", "semi_analytic", "meshes", "halfplane_fe", "reports")
@@ -57,23 +58,24 @@ def test_tab_completion_of_a_scene_and_a_solution_shows_keys_and_methods_only() 
     ]
 
 
+# `from module import names` in one line or in parentheses, and `import module`; no file has two
+# statements in a line (ruff).
+IMPORT = re.compile(r"^[ \t]*(?:from ([\w.]+) import (\([^)]*\)|.+)|import ([\w.]+))", re.MULTILINE)
+COMMENT = re.compile(r"#.*")
+
+
 @cache
-def imports_and_calls(text: str) -> tuple[ast.Import | ast.ImportFrom | ast.Call, ...]:
-    """Every import and call of a file, wherever; each file is parsed once for all tests."""
-    kinds = (ast.Import, ast.ImportFrom, ast.Call)
-    return tuple(node for node in ast.walk(ast.parse(text)) if isinstance(node, kinds))
-
-
 def imports_of(text: str) -> list[tuple[str, str]]:
     """(module, name) of every `from ... import ...` in a file, wherever, for types alone too;
-    (module, "") of a plain import.
+    (module, "") of a plain import. By lines: to parse all files takes seconds.
     """
     pairs = []
-    for node in imports_and_calls(text):
-        if isinstance(node, ast.ImportFrom):
-            pairs += [(node.module or "", alias.name) for alias in node.names]
-        elif isinstance(node, ast.Import):
-            pairs += [(alias.name, "") for alias in node.names]
+    for home, names, module in IMPORT.findall(text):
+        if module:
+            pairs.append((module, ""))
+        else:
+            bare = COMMENT.sub("", names).strip("() \n").rstrip(", \n")
+            pairs += [(home, name.split()[0]) for name in bare.split(",")]
     return pairs
 
 
@@ -156,13 +158,16 @@ ORDER = {"scenes": 0, "meshes": 1, "semi_analytic": 2, "halfplane_fe": 2, "repor
 """The floor of each package: it may import those of lower floors, and itself."""
 
 
+BY_STRING = {"import_module", "__import__", "find_spec", "resolve_name"}
+
+
 def names_of_modules(node: ast.AST) -> list[str]:
     """Packages of ours that a call imports by a string; f-strings count by how they begin."""
     if not isinstance(node, ast.Call):
         return []
     function = node.func
     name = function.attr if isinstance(function, ast.Attribute) else getattr(function, "id", "")
-    if name not in {"import_module", "__import__", "find_spec", "resolve_name"}:
+    if name not in BY_STRING:
         return []
     strings = [
         part.value
@@ -175,7 +180,9 @@ def names_of_modules(node: ast.AST) -> list[str]:
 
 def upward_imports(package: str, text: str) -> list[str]:
     """Packages on a higher floor, or beside this one, that a module imports by a string."""
-    names = [name for node in imports_and_calls(text) for name in names_of_modules(node)]
+    names = []
+    if any(function in text for function in BY_STRING):
+        names = [name for node in ast.walk(parsed(text)) for name in names_of_modules(node)]
     return [name for name in names if name != package and ORDER[name] >= ORDER[package]]
 
 

@@ -8,7 +8,7 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
-from sizes import PARTS
+from sizes import PARTS, parsed
 
 ROOT = Path(__file__).parents[1]
 
@@ -61,7 +61,7 @@ def counts(text: str) -> Counter:
     """What a file counts towards each figure."""
     count: Counter = Counter()
     names = []
-    for node in ast.walk(ast.parse(text)):
+    for node in ast.walk(parsed(text)):
         if not isinstance(node, COUNTED) or isinstance(getattr(node, "ctx", None), ast.Load):
             continue
         count["statements"] += isinstance(node, ast.stmt)
