@@ -1,4 +1,5 @@
-"""Coarse runs, meshes and condensed bodies that many tests need, each made once in a test process.
+"""What many tests need, each made once in a test process: coarse runs, meshes, condensed bodies,
+numbers of bodies.
 
 They are functions of their arguments alone. While anything of the packages is replaced, as planted
 faults do, nothing is taken from here and nothing is added: a fault that is planted acts on all.
@@ -112,6 +113,15 @@ class Bodies(Cached):
         return replace(value, body=body)
 
 
+class Numbers(Cached):
+    """`body_numbers`: what a body adds to the compliance of a half-plane."""
+
+    def key(
+        self, name: str, shape: Any, profile: Profile, material: Elastic, datum_length: float
+    ) -> Hashable:
+        return name, repr(shape), profile.model_dump_json(), repr(material), datum_length
+
+
 def holders() -> Iterator[Mapping[str, Any]]:
     """Attributes of every module of the packages and of each class in them."""
     for package in PACKAGES:
@@ -164,6 +174,7 @@ def share() -> None:
             CoarseRuns(import_module("halfplane_fe.solve"), "find_scales", 10 * MOST),
             Meshes(import_module("halfplane_fe.interface"), "build"),
             Bodies(import_module("halfplane_fe.condensed_bodies"), "condense"),
+            Numbers(import_module("halfplane_fe.remainder"), "body_numbers"),
         ]
     )
     WHOLE.extend((now, dict(now)) for now in holders())

@@ -56,7 +56,7 @@ def few_calls(most: int) -> Iterator[None]:
 
 
 # Spoilt files for each door: in every test run, and under --slow.
-QUICK = 16
+QUICK = 8
 THOROUGH = 2000
 
 

@@ -72,9 +72,10 @@ def test_the_second_solve_condenses_nothing_states_it_and_answers_the_same_bits(
 
 def hits(scene: Scene) -> list[int]:
     """How many coarse runs, meshes and bodies a solve takes from those that the tests share."""
-    before = [function.hits for function in SHARED]
+    shared = SHARED[:3]
+    before = [function.hits for function in shared]
     halfplane_fe.solve(scene, MESH, SolverSettings(steps_per_cycle=8, step_tolerance=np.inf))
-    return [function.hits - count for function, count in zip(SHARED, before, strict=True)]
+    return [function.hits - count for function, count in zip(shared, before, strict=True)]
 
 
 def test_what_tests_share_is_made_once_and_again_while_anything_is_replaced(

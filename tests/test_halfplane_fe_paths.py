@@ -11,7 +11,7 @@ from importlib import import_module
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import halfplane_fe
@@ -129,6 +129,7 @@ def test_stretches_cut_at_the_turning_points_and_leave_nothing_out(phase, increm
     assert max(np.diff([leg.start, *ends])) <= TURN / increments * (1 + 1e-9)
 
 
+@settings(max_examples=30)
 @given(phase=st.floats(0, 360), number=st.integers(1, 40))
 def test_the_largest_load_is_where_it_turns_round_not_at_a_sample(phase, number):
     """P0 + P_k, of a single harmonic of the normal load with any phase."""

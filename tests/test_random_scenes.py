@@ -289,7 +289,7 @@ LONG = {
 }
 
 
-@settings(max_examples=10)
+@settings(max_examples=6)
 @given(drawn(CLOSED, ("ellipse", "polygon", "time_series")))
 def test_a_few_random_scenes_keep_every_law(drawing):
     keeps_every_law(drawing)

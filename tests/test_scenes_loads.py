@@ -98,7 +98,7 @@ def exact_loads(segment, moment):
 
 
 @EVERY
-@settings(max_examples=30)
+@settings(max_examples=15)
 @given(part=st.floats(0, 1), step=st.floats(-14, -0.1), ahead=st.booleans())
 def test_loads_are_the_definition_and_changes_free_of_cancellation(segment, part, step, ahead):
     """The relative error of a change stays at round-off however short the step is; a difference of
@@ -380,7 +380,7 @@ def test_the_phase_of_an_ellipse_in_radians_has_a_name_that_says_so():
         assert load.phase == load.phase_radians
 
 
-@settings(max_examples=60)
+@settings(max_examples=30)
 @given(phase=st.floats(-180, 180))
 @example(0.0)
 @example(180.0)
@@ -582,7 +582,7 @@ def test_a_series_starts_from_nothing():
 SWINGS = st.lists(st.integers(-6, 6), min_size=2, max_size=40)
 
 
-@settings(max_examples=200)
+@settings(max_examples=100)
 @given(values=SWINGS, threshold=st.sampled_from([0.0, 0.5, 1.0, 2.0, 5.0]))
 @example([0, 0, 3, 3, 1, 1, 4], 0.0)
 def test_turning_points_are_those_of_the_definition(values: list[int], threshold: float) -> None:

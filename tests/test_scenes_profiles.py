@@ -233,7 +233,7 @@ def test_a_flat_with_rounded_edges_is_the_best_of_a_search_through_all_its_numbe
     ) * (1 + 1e-9)
 
 
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=5, deadline=None)
 @given(
     st.integers(0, 2**32 - 1),
     st.sampled_from(KINDS),

@@ -49,7 +49,7 @@ def final_curve(points):
     return follow(straight_legs(points), [], FRICTION).states[0]
 
 
-@settings(max_examples=40)
+@settings(max_examples=20)
 @given(
     CORNERS, st.integers(0, 11), st.floats(0.01, 0.99), st.floats(0.02, 0.9), st.floats(-0.9, 0.9)
 )
@@ -86,7 +86,7 @@ def test_the_curve_is_what_stepping_leaves_whatever_the_steps(points, where, par
     assert all(piece.top <= low * normal * (1 + 1e-15) for piece in pieces(unloaded))
 
 
-@settings(max_examples=40)
+@settings(max_examples=20)
 @given(
     st.floats(1e-3, 0.95),
     st.floats(0.02, 0.98),
@@ -353,7 +353,7 @@ SHARES = st.lists(
 
 @pytest.mark.parametrize("repeats", [False, True])
 @given(shares=SHARES, flat=st.sampled_from([0.0, 0.5]))
-@settings(max_examples=12)
+@settings(max_examples=6)
 def test_rows_as_a_series_are_rows_as_a_curved_path(repeats, shares, flat):
     """The lean way and the general one: every field, at rows and between them."""
     loads = [(p, 0.7 * p * use) for p, use in shares]
