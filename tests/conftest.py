@@ -29,8 +29,8 @@ share()
 
 IN_CI = os.environ.get("CI", "").lower() in {"1", "true"}
 Report = TypeVar("Report", pytest.TestReport, pytest.CollectReport)
-# Cases of families of which others stay among the fast tests, and dear tests with cheaper ones beside
-# them: without them `make test` takes minutes less.
+# Cases of families of which others stay among the fast tests, and dear tests with cheaper ones
+# beside them: without them `make test` takes minutes less.
 COSTLY = frozenset(Path(__file__).with_name("costly.txt").read_text(encoding="utf-8").splitlines())
 BEGUN = pytest.StashKey[float]()  # when this process began to test [s]
 SLOW_REASON = "slow: run by make slow, --slow or -m slow"

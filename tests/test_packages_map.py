@@ -18,9 +18,9 @@ from pkgutil import resolve_name
 from typing import Any
 
 import pytest
+from sizes import parsed
 
 from command_line import COARSE, ROOT
-from sizes import parsed
 
 BENCHMARKS = ROOT / "benchmarks"
 PACKAGES = ("scenes", "semi_analytic", "meshes", "halfplane_fe", "reports")
