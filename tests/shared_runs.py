@@ -53,7 +53,8 @@ class Cached:
         """The value, as these arguments get it."""
         return value
 
-    def __call__(self, *arguments: Any) -> Any:
+    def __call__(self, *arguments: Any, **named: Any) -> Any:
+        arguments = (*arguments, *named.values())
         if not is_whole():
             return self.make(*arguments)
         try:
