@@ -9,11 +9,13 @@ to 20 half-widths. Each meets one of the load cycles in turn: the paper's, Catta
 and an ellipse at 40 degrees.
 
 Truth is finite elements on two meshes. What advice leaves, |finite elements/theory - 1 - change|,
-must not exceed the stated uncertainty plus the difference of the two meshes.
+must not exceed the stated uncertainty plus the difference of the two meshes. Where advice says that
+it gives a size alone (uncertainty above 1 %, tilt and bulk strain above 5 %) it is not held to
+that, and counts as declined.
 
 Constants of `reports.advising` were fixed on seed 1. benchmarks/bound.json has the cases of another
 seed, drawn after that, as many as were solved: docs/maps.md shows them. Exit code 1 where less than
-95 % are covered.
+95 % of those not declined are covered, or more than a third is declined.
 
 Solved cases are stored in .cache/bound by scene and mesh, so that the form of the bound can be
 changed without solving them again; delete the folder after a change of the finite elements.
@@ -43,6 +45,8 @@ COUNT = 26
 SEED = 1
 COVERED = 0.95
 """Share of the cases that the uncertainty must cover."""
+MOST_DECLINED = 1 / 3
+"""Share that may be declined or refused."""
 
 # Bases far from the contact have small elements too: they are what the bodies add.
 FINE = MeshSettings(element_size=1 / 16, edge_element_size=1 / 80, growth=0.1)
@@ -233,6 +237,7 @@ def judged(case: Case) -> dict[str, Any]:
         "mesh": abs(fine - coarse),
         "advised": advice.work.value,
         "bound": advice.work.uncertainty,
+        "declined": advice.declined,
         "left": fine - advice.work.value,
     }
 
@@ -243,22 +248,25 @@ def is_covered(row: dict[str, Any]) -> bool:
 
 
 def summary(rows: list[dict[str, Any]]) -> dict[str, float]:
-    """Share covered, medians of what is left and of the bound over it, share refused."""
-    solved = [row for row in rows if "left" in row]
-    left = np.array([abs(row["left"]) for row in solved])
-    bound = np.array([row["bound"] for row in solved])
+    """Share covered, medians of what is left and of the bound over it, of the cases that were not
+    declined; share declined, refusals among them.
+    """
+    held = [row for row in rows if "left" in row and not row["declined"]]
+    left = np.array([abs(row["left"]) for row in held])
+    bound = np.array([row["bound"] for row in held])
     return {
-        "cases": len(solved),
-        "covered": sum(map(is_covered, solved)) / len(solved),
+        "cases": len(rows),
+        "covered": sum(map(is_covered, held)) / len(held),
         "left": float(np.median(left)),
+        "most_left": float(np.max(left)),
         "bound_over_left": float(np.median(bound / left)),
-        "refused": 1 - len(solved) / len(rows),
+        "declined": 1 - len(held) / len(rows),
     }
 
 
 def write(seed: int, rows: list[dict[str, Any]]) -> None:
     """The cases that were solved so far, with their totals."""
-    if any("left" in row for row in rows):
+    if any("left" in row and not row["declined"] for row in rows):
         content = {"seed": seed, **summary(rows), "rows": rows}
         STORE.write_text(json.dumps(content, indent=1) + "\n", "utf-8")
 
@@ -279,10 +287,11 @@ def main(arguments: list[str]) -> int:
             continue
         shares = [row[name] for name in ("finite_elements", "mesh", "advised", "left", "bound")]
         numbers = " ".join(f"{100 * share:9.3f}" for share in shares)
-        print(words, numbers, "" if is_covered(row) else " NOT COVERED", flush=True)
+        verdict = "declined" if row["declined"] else "" if is_covered(row) else "NOT COVERED"
+        print(words, numbers, verdict, flush=True)
     totals = summary(rows)
     print(json.dumps(totals, indent=1))
-    return int(totals["covered"] < COVERED)
+    return int(totals["covered"] < COVERED or totals["declined"] > MOST_DECLINED)
 
 
 if __name__ == "__main__":

@@ -106,25 +106,41 @@ def bound_table() -> Iterator[str]:
     """
     content = json.loads(BOUND.read_text(encoding="utf-8"))
     rows = []
-    for row in content["rows"]:
-        cells = [row["bodies"], f"{row['height']:.1f}", row["load"]]
-        if "refused" in row:
-            rows.append([*cells, "refused", "–", "–", "–"])
+    for kind in dict.fromkeys(row["bodies"] for row in content["rows"]):
+        of_kind = [row for row in content["rows"] if row["bodies"] == kind]
+        held = [row for row in of_kind if "left" in row and not row["declined"]]
+        covered = sum(abs(row["left"]) <= row["bound"] + row["mesh"] for row in held)
+        cells = [
+            kind,
+            str(len(of_kind)),
+            str(len(of_kind) - len(held)),
+            f"{covered} of {len(held)}",
+        ]
+        if not held:
+            rows.append([*cells, "–", "–", "–"])
             continue
-        percents = [100 * row[key] for key in ("finite_elements", "advised", "left")]
-        signed = [f"{value:+.2f}".replace("-", "−") for value in percents]
-        rows.append([*cells, *signed, f"{100 * row['bound']:.2f}"])
+        errors = [abs(row["finite_elements"]) for row in held]
+        left = [abs(row["left"]) for row in held]
+        most = [100 * max(values) for values in (errors, left)]
+        rows.append([*cells, f"{most[0]:.1f}", f"{most[1]:.2f}", _heights(of_kind)])
     yield (
         f"{len(content['rows'])} cases of seed {content['seed']}, in per cent of W:"
         f" {100 * content['covered']:.0f} % covered, {100 * content['left']:.2f} left at the"
-        f" median, the uncertainty {content['bound_over_left']:.1f} times as much,"
-        f" {100 * content['refused']:.0f} % refused."
+        f" median, the uncertainty {content['bound_over_left']:.1f} times as much;"
+        f" {100 * content['declined']:.0f} % declined or refused."
     )
     yield ""
     yield from table(
-        "lower, upper body | least height/a | load | finite elements | advice | left | uncertainty",
+        "lower, upper body | cases | declined | covered | largest error of theory |"
+        " largest rest | least height/a",
         rows,
     )
+
+
+def _heights(rows: list[dict[str, Any]]) -> str:
+    """Range of the least heights over a."""
+    heights = [row["height"] for row in rows]
+    return f"{min(heights):.1f} to {max(heights):.1f}"
 
 
 def between(text: str, words: str, lines: Iterable[str]) -> str:

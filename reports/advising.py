@@ -61,6 +61,10 @@ _CURVATURES = {
 _PRODUCT = 0.25
 # Of the half-width that always sticks, what edges of the first order leave: 0.4 % on grids.
 _LEFT_OF_STICK = 5e-3
+# Above these the uncertainty is not held to finite elements: its own size, and what tilt and bulk
+# strain make.
+_MOST_UNCERTAIN = 0.01
+_MOST_ODD = 0.05
 WORK = "dissipation"
 ODD = "tilt and bulk strain"
 
@@ -127,9 +131,24 @@ class Advice:
         return self.changes[WORK].change
 
     @property
+    def declined(self) -> str:
+        """Why the numbers give no more than the size of the change; empty where they give it with
+        an uncertainty that was held to finite elements.
+        """
+        odd = max(abs(self.parts.get(ODD, Estimate(0.0)).value), self.left_out)
+        if odd > _MOST_ODD:
+            return f"tilt and bulk strain make more than {100 * _MOST_ODD:g} % of it"
+        if self.work.uncertainty > _MOST_UNCERTAIN:
+            return f"the uncertainty is above {100 * _MOST_UNCERTAIN:g} %"
+        return ""
+
+    @property
     def verdict(self) -> Verdict:
-        """Of the change of the dissipation on the limit."""
-        return verdict_on(self.work.value, self.limit, self.work.uncertainty)
+        """Of the change of the dissipation on the limit; never within where `declined`."""
+        verdict = verdict_on(self.work.value, self.limit, self.work.uncertainty)
+        if self.declined and verdict is Verdict.WITHIN:
+            return Verdict.UNDECIDED
+        return verdict
 
 
 def advise(scene: Scene, limit: float = 0.05, effects: BodyEffects | None = None) -> Advice:
@@ -365,6 +384,8 @@ def sentence(advice: Advice) -> str:
     if advice.left_out:
         size = in_percent(advice.left_out).lstrip("+")
         words += f"; tilt and bulk strain are left out, and counted as ± {size} %"
+    if advice.declined:
+        words += f". That is no more than its size: {advice.declined}"
     return f"{words}. {_what_to_do(advice)}"
 
 
@@ -373,10 +394,10 @@ def _what_to_do(advice: Advice) -> str:
     if advice.verdict is Verdict.WITHIN:
         return f"That is within {limit}: theory may be used."
     if advice.verdict is Verdict.UNDECIDED:
-        return f"Whether that is within {limit} is undecided: solve the scene (`halfplane run`)."
+        return f"Whether it is within {limit} is undecided: solve the scene (`halfplane run`)."
     odd = advice.parts.get(ODD, Estimate(0.0))
-    if max(advice.left_out, abs(odd.value)) > advice.limit / 2:
-        return f"That is outside {limit}: solve the scene (`halfplane run`)."
+    if advice.declined or max(advice.left_out, abs(odd.value)) > advice.limit / 2:
+        return f"It is outside {limit}: solve the scene (`halfplane run`)."
     return (
         f"That is outside {limit}: correct theory (`halfplane exact --corrected`), or solve the"
         " scene (`halfplane run`)."

@@ -3,6 +3,7 @@ and what is said where the numbers of the bodies say nothing.
 """
 
 import math
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
@@ -15,7 +16,7 @@ import semi_analytic
 from command_line import answer_of, halfplane
 from reports.advising import WORK, advise, sentence, split
 from reports.comparison.verdicts import Verdict
-from scenes import BodyEffects, InputError, Scene, load_scene
+from scenes import BodyEffects, Estimate, InputError, Scene, load_scene
 
 # Finite elements of the scene `blocks` over half-plane theory, minus 1: `halfplane run blocks`.
 PARTS_OF_BLOCKS = ["curvature under P", "curvature under Q"]
@@ -199,3 +200,13 @@ def test_corrected_theory_is_solved_from_the_command_line_and_judged_by_its_own_
     assert code_of_theory == 0
     change = corrected["dissipation"] / theory["dissipation"] - 1
     assert change == pytest.approx(-0.02748, abs=1e-4)
+
+
+def test_where_tilt_makes_much_of_the_change_its_size_alone_is_given() -> None:
+    effects = replace(effects_of_blocks(), tilt_under_shear=Estimate(8e-6))
+    advice = advise(load_scene("blocks"), effects=effects)
+    assert abs(advice.parts["tilt and bulk strain"].value) > 0.05
+    assert advice.declined.startswith("tilt and bulk strain make more than 5 %")
+    assert advice.verdict is not Verdict.WITHIN
+    assert "no more than its size" in sentence(advice)
+    assert not advise(load_scene("blocks"), effects=effects_of_blocks()).declined

@@ -158,6 +158,7 @@ def _numbers_content(advice: AdviceByNumbers) -> dict[str, Any]:
         "changes": changes,
         "parts": {words: pair(part) for words, part in advice.parts.items()},
         "left_out": advice.left_out,
+        "declined": advice.declined,
         "effects": asdict(advice.effects),
     }
 
