@@ -1,7 +1,7 @@
 """Does the uncertainty that `halfplane advise` states of its change of the dissipation hold, on
 random bodies, and how wide is it?
 
-    python benchmarks/bound.py [COUNT] [SEED]     (26 cases: a quarter of an hour)
+    python benchmarks/bound.py [COUNT] [SEED]     (60 cases: ten minutes)
 
 Drawn are flat bodies of like materials, one kind after the other: blocks, layers, T-shapes,
 unequal pairs; shouldered pads, whose faces are curved and which are refused. The least height is 3
@@ -13,8 +13,8 @@ must not exceed the stated uncertainty plus the difference of the two meshes. Wh
 it gives a size alone (uncertainty above 1 %, tilt and bulk strain above 5 %) it is not held to
 that, and counts as declined.
 
-Constants of `reports.advising` were fixed on seed 1. benchmarks/bound.json has the cases of another
-seed, drawn after that, as many as were solved: docs/maps.md shows them. Exit code 1 where less than
+Constants of `reports.advising` were fixed on seeds 49 and 50. benchmarks/bound.json has the cases of
+another seed, drawn after that, as many as were solved: docs/maps.md shows them. Exit code 1 where less than
 95 % of those not declined are covered, or more than a third is declined.
 
 Solved cases are stored in .cache/bound by scene and mesh, so that the form of the bound can be
@@ -42,11 +42,11 @@ ROOT = Path(__file__).parents[1]
 STORE = ROOT / "benchmarks" / "bound.json"
 SOLVED = ROOT / ".cache" / "bound"
 COUNT = 26
-SEED = 1
+SEED = 50
 COVERED = 0.95
 """Share of the cases that the uncertainty must cover."""
 MOST_DECLINED = 1 / 3
-"""Share that may be declined or refused."""
+"""Share that may be declined."""
 
 # Bases far from the contact have small elements too: they are what the bodies add.
 FINE = MeshSettings(element_size=1 / 16, edge_element_size=1 / 80, growth=0.1)
@@ -249,7 +249,7 @@ def is_covered(row: dict[str, Any]) -> bool:
 
 def summary(rows: list[dict[str, Any]]) -> dict[str, float]:
     """Share covered, medians of what is left and of the bound over it, of the cases that were not
-    declined; share declined, refusals among them.
+    declined; shares declined, and refused because faces are curved.
     """
     held = [row for row in rows if "left" in row and not row["declined"]]
     left = np.array([abs(row["left"]) for row in held])
@@ -260,7 +260,8 @@ def summary(rows: list[dict[str, Any]]) -> dict[str, float]:
         "left": float(np.median(left)),
         "most_left": float(np.max(left)),
         "bound_over_left": float(np.median(bound / left)),
-        "declined": 1 - len(held) / len(rows),
+        "declined": sum(bool(row.get("declined")) for row in rows) / len(rows),
+        "refused": sum("refused" in row for row in rows) / len(rows),
     }
 
 

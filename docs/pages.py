@@ -127,7 +127,8 @@ def bound_table() -> Iterator[str]:
         f"{len(content['rows'])} cases of seed {content['seed']}, in per cent of W:"
         f" {100 * content['covered']:.0f} % covered, {100 * content['left']:.2f} left at the"
         f" median, the uncertainty {content['bound_over_left']:.1f} times as much;"
-        f" {100 * content['declined']:.0f} % declined or refused."
+        f" {100 * content['declined']:.0f} % declined (a size alone is given),"
+        f" {100 * content['refused']:.0f} % refused (curved faces)."
     )
     yield ""
     yield from table(
