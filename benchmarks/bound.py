@@ -13,9 +13,9 @@ must not exceed the stated uncertainty plus the difference of the two meshes. Wh
 it gives a size alone (uncertainty above 1 %, tilt and bulk strain above 5 %) it is not held to
 that, and counts as declined.
 
-Constants of `reports.advising` were fixed on seeds 49 and 50. benchmarks/bound.json has the cases of
-another seed, drawn after that, as many as were solved: docs/maps.md shows them. Exit code 1 where less than
-95 % of those not declined are covered, or more than a third is declined.
+Constants of `reports.advising` were fixed on seeds 49 and 50. benchmarks/bound.json has the cases
+of another seed, drawn after that, as many as were solved: docs/maps.md shows them. Exit code 1
+where less than 95 % of those not declined are covered, or more than a third is declined.
 
 Solved cases are stored in .cache/bound by scene and mesh, so that the form of the bound can be
 changed without solving them again; delete the folder after a change of the finite elements.

@@ -41,7 +41,7 @@ def test_two_blocks_change_theory_as_finite_elements_do_and_the_parts_add_up() -
     assert advice.parts["curvature under Q"].value == pytest.approx(-0.0200, abs=2e-4)
     assert advice.left_out == 0
     assert advice.verdict is Verdict.WITHIN
-    assert "−2.75 ± 0.06 %" in sentence(advice)
+    assert "−2.75 ± 0.04 %" in sentence(advice)
     first_line, other_changes = repr(advice).splitlines()
     assert first_line == sentence(advice)
     assert "largest pressure +0.5" in other_changes
