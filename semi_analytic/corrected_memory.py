@@ -181,7 +181,7 @@ class PunchTable:
         return self.parabola_stiffness * np.square(self.half_width(s))
 
     def loads_at(self, s: float) -> PunchLoads:
-        """eta and G of one punch, and their rates per s."""
+        """eta and G of one punch, and their rates per s; no eta is negative by round-off."""
         place = s * self._cells
         cell = min(int(place), len(self._loads_of_cells) - 1)
         share = place - cell
@@ -191,7 +191,7 @@ class PunchTable:
         half = self._begins[number] + length * (s - number) ** 2
         half_rate = 2 * length * (s - number)
         return PunchLoads(
-            load=c0 + share * (c1 + share * (c2 + share * c3)),
+            load=max(c0 + share * (c1 + share * (c2 + share * c3)), 0.0),
             parabola=self.parabola_stiffness * half * half,
             load_rate=(c1 + share * (2 * c2 + 3 * share * c3)) * self._cells,
             parabola_rate=2 * self.parabola_stiffness * half * half_rate,
@@ -660,6 +660,15 @@ class MemoryCurve:
         if bound is not None:
             top = pieces.add(top, row.edge, loads, (bound.slope, bound.parabola_slope))
         return Step(State(top, ring_direction or sense), front, sense, ring, ring_direction)
+
+    def slide(self, row: Row, direction: int) -> Step:
+        """The state in which the contact slides as a whole, F at the bound of that direction all
+        along, whatever was before.
+        """
+        bound = _bound(direction, self.friction, row)
+        loads = (row.edge_load, row.edge_parabola)
+        curve = self.pieces.add(0, row.edge, loads, (bound.slope, bound.parabola_slope))
+        return Step(State(curve, direction), front=0.0, direction=direction)
 
 
 def _bound(direction: int, friction: float, row: Row) -> _Bound:

@@ -85,7 +85,7 @@ _PLACES = 400
 _BISECTIONS = 60
 # Share of the values at the ends of a bracket within which a function is 0.
 _ROUNDING_OF_ROOT = 1e-14
-# Share of the largest approach that is round-off.
+# Share of a displacement that is round-off.
 _ROUNDING = 1e-12
 _DOUBLINGS = 60
 # Gauss points between two tops of a memory curve: |dF| is a cubic in s there for Hertz.
@@ -431,7 +431,7 @@ def follow_actuator(
     for k in range(1, len(rows.time)):
         time, load, aim = (float(column[k]) for column in rows[:3])
         end = _Instant(time, load, 0.0, aim)
-        for part in stepper.parts(state, begin, end, free):
+        for part in stepper.parts(begin, end, free):
             found = stepper.step(state, part, begin.force, free)
             slide = found.slide
             free += slide + found.way_apart
@@ -505,9 +505,7 @@ class _Stepper:
         punch = self._table.loads_at(edge)
         return Row(load, force, gap_bend, face_bend, edge, punch.load, punch.parabola)
 
-    def parts(
-        self, state: State, begin: _Instant, end: _Instant, free: float
-    ) -> tuple[_Instant, ...]:
+    def parts(self, begin: _Instant, end: _Instant, free: float) -> tuple[_Instant, ...]:
         """The step, or its two parts where a slide begins between."""
         memory = self._memory
         if memory.is_unloaded(end.load) or memory.is_unloaded(begin.load):
@@ -517,14 +515,15 @@ class _Stepper:
         def beyond(direction: int, share: float) -> float:
             """U_act beyond that at the limit of sliding, in a direction."""
             at = begin.before(end, share)
-            limit = direction * memory.friction * at.load
-            reached = self._reached(state, at.load, limit)[1]
+            at_limit = self.row(at.load, direction * memory.friction * at.load)
+            reached = self._displacement(at_limit, memory.slide(at_limit, direction))
             self._forget(count)
             return direction * (at.actuator - free - reached)
 
         for direction in (1, -1):
-            at_limit = direction * begin.force >= memory.friction * begin.load * (1 - _AT_LIMIT)
-            if at_limit or beyond(direction, 1.0) <= 0 or beyond(direction, 0.0) >= 0:
+            limit = memory.friction * begin.load
+            slides_already = direction * begin.force >= limit * (1 - _AT_LIMIT)
+            if slides_already or beyond(direction, 1.0) <= 0 or beyond(direction, 0.0) >= 0:
                 continue
             share = _root(partial(beyond, direction), 0.0, 1.0)
             if _AT_END < share < 1 - _AT_END:
@@ -544,15 +543,13 @@ class _Stepper:
         step, reached = self._reached(state, end.load, force)
         self._forget(count)
         direction = 1 if reached <= target else -1
-        _, at_limit = self._reached(state, end.load, direction * limit)
+        at_limit = self.row(end.load, direction * limit)
+        sliding = memory.slide(at_limit, direction)
+        remainder = target - self._displacement(at_limit, sliding)
+        # At the begin of a slide nothing is left but round-off, of either sign.
+        if direction * remainder >= -_ROUNDING * abs(target):
+            return _Found(at_limit, sliding, slide=remainder)
         self._forget(count)
-        if self._slides(direction, target - at_limit):
-            row = self.row(end.load, direction * limit)
-            step = memory.step(state, row)
-            self._add_up()
-            # The memory curve is at its bound all along, where nothing seems to slip.
-            sliding = Step(State(step.state.curve, direction), front=0.0, direction=direction)
-            return _Found(row, sliding, slide=target - at_limit)
         low, high = sorted((force, direction * limit))
         tolerance = _FOUND * memory.friction * memory.largest_load
         for _ in range(_MOST_STEPS):
@@ -573,15 +570,14 @@ class _Stepper:
             f"at time {end.time:.6g} no Q was found that moves the actuator by {end.actuator:.6g}"
         )
 
-    @staticmethod
-    def _slides(direction: int, remainder: float) -> bool:
-        """Whether the actuator goes on in the direction of Q where Q is at its limit."""
-        return direction * remainder >= 0
-
     def _reached(self, state: State, load: float, force: float) -> tuple[Step, float]:
         """The state at (P, Q), and U + Q/k_s there; pieces of the curve are added."""
         row = self.row(load, force)
         step = self._memory.step(state, row)
+        return step, self._displacement(row, step)
+
+    def _displacement(self, row: Row, step: Step) -> float:
+        """U + Q/k_s of a state."""
         self._add_up()
         compliance = self._compliance
         bend = compliance.curvatures
@@ -592,10 +588,11 @@ class _Stepper:
         second = self._second[curve] + face_bend * at_edge.parabola_second
         pressure_second = at_edge.second + row.normal_curvature * at_edge.parabola_second
         displacement = compliance.unit * logarithm
-        displacement += (compliance.tangential + compliance.tangential_spring) * force
+        added = compliance.tangential + compliance.tangential_spring
+        displacement += added * row.tangential_load
         displacement += bend.tangential * second / 2
         displacement += bend.normal_under_shear * pressure_second / 2
-        return step, displacement
+        return displacement
 
     def _rate(self, step: Step) -> float:
         """d(U + Q/k_s)/dQ at the end of a step."""
@@ -678,10 +675,11 @@ def _work_of_zone(followed: Followed, row: int, sense: int, begin: float, end: f
 
     beyond_before, bound_before = at(row - 1)
     beyond, bound = at(row)
-    growth = np.abs(bound - bound_before)
+    # Of what slides as a whole, the curvature of the faces may move a punch against the slide.
+    growth = sense * (bound - bound_before)
     is_old = beyond_before >= 0
-    change = np.abs(followed.frozen_force(row, s) - followed.frozen_force(row - 1, s))
-    share = np.minimum(change / np.where(growth > 0, growth, np.inf), 1.0)
+    change = sense * (followed.frozen_force(row, s) - followed.frozen_force(row - 1, s))
+    share = np.clip(change / np.where(growth != 0, growth, np.inf), 0.0, 1.0)
     since_touch = beyond / np.where(is_old, 1.0, beyond - beyond_before)
     share = np.where(is_old, share, since_touch)
     change = np.where(is_old, change, growth * since_touch)

@@ -376,3 +376,24 @@ def test_a_first_stroke_beyond_the_others_is_the_mixed_regime() -> None:
 def test_a_map_of_something_else_is_refused(scene: Scene, stroke: float, words: str) -> None:
     with pytest.raises(InputError, match=words):
         semi_analytic.fretting_map(scene, stroke)
+
+
+def test_the_cone_is_met_where_bodies_slide_while_the_normal_load_grows() -> None:
+    """The curvature of the faces follows Q, and all of the contact slides nevertheless."""
+    scene = load_scene("blocks").vary(
+        expected=(),
+        tolerances={},
+        friction=0.1,
+        load={
+            "kind": "time_series",
+            "rows": [[0, 30, -1e-4], [1, 60, -8e-4], [2, 40, -4e-4], [3, 90, 4e-4]],
+            "tangential_displacement": True,
+        },
+    )
+    solution = semi_analytic.solve(scene, effects=EFFECTS)
+    assert np.max(solution.record.certificates["cone"]) < 1e-9
+    assert np.max(solution.record.certificates["tangential_balance"]) < 1e-9
+    slid = np.isnan(solution.stick_half_width) & (solution.normal_load > 0)
+    assert 20 < np.count_nonzero(slid) < len(slid) - 20
+    area = np.trapezoid(solution.dissipation_density, solution.x)
+    assert area == pytest.approx(solution.dissipation, rel=2e-3)
