@@ -10,6 +10,7 @@ PROGRAM := .venv/.installed
 STAMP := .venv/.installed-for-tests
 PEERS_STAMP := .peers/.installed
 PYTEST_ARGS ?=
+SPHINX ?=
 # The Pythons that all pins have wheels for, as pyproject.toml names them. PYTHON=python3.13 takes that one, otherwise python3 is tried first.
 PYTHONS := $(shell sed -n 's/.*"Programming Language :: Python :: \(3\.[0-9]*\)".*/\1/p' pyproject.toml)
 PYTHON ?=
@@ -54,7 +55,7 @@ test: lint contracts checks pytest ## everything that CI checks: lint, import co
 
 checks: $(STAMP) # types and pages take one core each: side by side
 	@$(MAKE) --no-print-directory types & types=$$!; \
-	pages=0; $(MAKE) --no-print-directory docs || pages=$$?; \
+	pages=0; $(MAKE) --no-print-directory docs SPHINX="-t check" || pages=$$?; \
 	wait $$types; exit $$pages
 
 lint: $(STAMP) ### ruff: rules and format
@@ -170,7 +171,7 @@ examples: $(STAMP) ### docs/examples/score made anew with CalculiX and Kratos (a
 docs: $(STAMP) ### the pages, into docs/_build/html
 	@echo "==> docs: sphinx"
 	@mkdir -p "$$TMPDIR" .cache/home
-	@$(HOME_HERE) $(ONE_THREAD) $(PY) -m sphinx -q -W --keep-going -b html -d .cache/doctrees docs docs/_build/html
+	@$(HOME_HERE) $(ONE_THREAD) $(PY) -m sphinx -q -W --keep-going $(SPHINX) -b html -d .cache/doctrees docs docs/_build/html
 	@echo "docs/_build/html/index.html"
 
 pages: $(STAMP) ## what pages take from files, engines and their own examples: outputs, pictures, numbers, verification manual

@@ -17,10 +17,12 @@ extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
-    "sphinx.ext.viewcode",
     # beside this file: formulas as MathML, signs in docstrings, published pages
     "sphinx_parts",
 ]
+# The source beside the reference: a quarter of the time, and nothing that a check looks at.
+if not tags.has("check"):  # noqa: F821 (Sphinx gives it)
+    extensions.append("sphinx.ext.viewcode")
 exclude_patterns = ["_build"]
 
 myst_enable_extensions = ["dollarmath", "amsmath", "deflist", "fieldlist", "colon_fence"]
