@@ -212,8 +212,14 @@ def of_rig(question: Question) -> Findings:
     if question.wants("dissipation_density"):
         density = points.work(last_cycle)
     wants_work = question.wants("dissipation")
+    series = series_at(question, bodies, numbers)
+    to_datum = _to_datum_of_answers(rig)
+    series["tangential_displacement"] = (
+        series["tangential_displacement"] + to_datum * series["tangential_load"]
+    )
+    series["normal_approach"] = series["normal_approach"] + to_datum * series["normal_load"]
     values: dict[str, Any] = {
-        **series_at(question, bodies, numbers),
+        **series,
         **{name: np.take(grid, fold, axis=1) for name, grid in grids.items()},
         "permanent_stick_half_width": permanent_stick(bodies, last_cycle),
         "dissipation": work if wants_work else math.nan,
@@ -242,6 +248,16 @@ def of_rig(question: Question) -> Findings:
         },
         scene=_scene_of_loads(question.scene, rows, last_cycle),
     )
+
+
+def _to_datum_of_answers(rig: Rigged) -> float:
+    """(A/pi) ln(L0/L) of half-planes: L0 is where every answer counts its displacements from, L
+    where the rig prescribes them [1 / stress]; 0 of bodies.
+    """
+    if not rig.scene.bodies.half_planes:
+        return 0.0
+    ratio = rig.scene.profile.datum_length / rig.compliance.datum_length
+    return rig.compliance.unit * math.log(ratio)
 
 
 def _series(rig: Rigged, driven: Driven) -> PathSeries:
@@ -366,7 +382,8 @@ def _notes(
     if scene.bodies.half_planes:
         yield (
             "rig: the displacements are prescribed at half-planes, in the distance"
-            f" {rig.effects.datum_length:.6g} {length} from the contact"
+            f" {rig.effects.datum_length:.6g} {length} from the contact; U and approach here count"
+            f" from {scene.profile.datum_length:.6g} {length}, as in every answer"
         )
     else:
         yield (
@@ -383,7 +400,7 @@ def _notes(
         contact = float(np.ptp(driven.displacement[last_cycle]))
         yield (
             f"rig: of the range {actuator:.6g} {length} of the actuator the contact takes"
-            f" {contact:.6g}, the spring the rest; U here is that of the contact"
+            f" {contact:.6g}, the spring the rest"
         )
     largest = float(np.max(np.abs(driven.followed.tangential_load)))
     yield (

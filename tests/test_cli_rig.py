@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from command_line import COARSE, halfplane, json_of, refused
+from reports.page.notebook import scene_html
 from scenes import load_scene
 from test_cli_commands import answer_of
 
@@ -99,3 +100,9 @@ def test_finite_elements_find_the_loads_of_a_displacement(folder: Path) -> None:
     by_elements = load_scene(folder / "fe" / "scene.json").ranges_of_load()[1]
     by_theory = load_scene(folder / "exact" / "scene.json").ranges_of_load()[1]
     assert by_elements == pytest.approx(by_theory, rel=5e-3)
+
+
+def test_a_notebook_shows_what_the_rig_prescribes(folder: Path) -> None:
+    shown = scene_html(load_scene(folder / "rig.toml"))
+    assert "U of the actuator" in shown
+    assert "-0.01 to 0.01" in shown

@@ -275,8 +275,13 @@ def rig_scene(load: PolygonLoad | dict[str, object] | None = None, **rig: float)
 
 
 def test_half_plane_theory_has_the_same_work_under_the_loads_that_were_found() -> None:
-    solution = semi_analytic.solve(rig_scene(), x=[0.0], fields="dissipation")
-    exact = semi_analytic.solve(solution.scene, x=[0.0], fields="dissipation")
+    fields = ("dissipation", "tangential_displacement")
+    solution = semi_analytic.solve(rig_scene(), x=[0.0], fields=fields)
+    exact = semi_analytic.solve(solution.scene, x=[0.0], time=solution.time, fields=fields)
+    displacement = exact.tangential_displacement
+    assert solution.tangential_displacement == pytest.approx(
+        displacement, abs=1e-3 * np.ptp(displacement)
+    )
     error = solution.record.errors["dissipation"]
     assert 0 < error < 1e-3
     assert solution.dissipation == pytest.approx(exact.dissipation, rel=error)

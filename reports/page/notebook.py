@@ -25,9 +25,9 @@ def scene_html(scene: Scene) -> str:
     """Name, bodies, material, profile, friction and loads of a scene."""
     upper = scene.material.upper
     lower = scene.material.lower
-    path = scene.load.path()
-    instants = np.concatenate([np.linspace(leg.start, leg.end, 65) for leg in path.legs(1)])
-    normal, tangential = path.at(instants)
+    normal, tangential = scene.ranges_of_load()
+    first = "approach of the actuator" if scene.load.states_approach else "P"
+    second = "U of the actuator" if scene.load.is_driven else "Q"
     bodies = f"upper {scene.bodies.upper.kind}, lower {scene.bodies.lower.kind}"
     rows = [
         ("name", scene.name or "–"),
@@ -37,8 +37,8 @@ def scene_html(scene: Scene) -> str:
         ("profile", scene.profile.kind.replace("_", " ")),
         ("friction coefficient", f"{scene.friction.coefficient:.4g}"),
         ("load", scene.load.kind.replace("_", " ")),
-        ("P", f"{np.min(normal):.6g} to {np.max(normal):.6g}"),
-        ("Q", f"{np.min(tangential):.6g} to {np.max(tangential):.6g}"),
+        (first, f"{normal[0]:.6g} to {normal[1]:.6g}"),
+        (second, f"{tangential[0]:.6g} to {tangential[1]:.6g}"),
     ]
     beside_forces = bulk_and_tilt(scene)
     if beside_forces:
