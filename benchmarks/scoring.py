@@ -24,7 +24,8 @@ from halfplane_fe import SolverSettings
 from meshes import MeshSettings
 from reports import Comparison, compare, score
 from reports.comparison.dimensionless import scales
-from reports.scoring.diagnosis import diagnose, stiffer, with_friction
+from reports.scoring.causes import stiffer, with_friction
+from reports.scoring.diagnosis import diagnose
 from reports.scoring.mapping import Mapping
 from reports.scoring.reading import read
 from reports.scoring.solution import friction_work, zones
@@ -91,6 +92,15 @@ def asked(
         )
 
     return plant
+
+
+def stretched(scene: Scene, factor: float) -> Comparison:
+    """Places times a factor."""
+    true = truth(scene.name)
+    changed_answer = semi_analytic.solve(scene, x=true.x / factor, time=true.time)
+    return compare(
+        true, replace(true, pressure=changed_answer.pressure, shear=changed_answer.shear)
+    )
 
 
 def moved(scene: Scene, distance: float) -> Comparison:
@@ -195,6 +205,7 @@ FAULTS = {
         (1.5, 1.1, 1.02), altered(lambda p, q, k: k * p, lambda p, q, k: k * q)
     ),
     "pressure_factor": Fault((1.5, 1.1, 1.01), altered(lambda p, q, k: k * p)),
+    "x_scale": Fault((1.1, 0.5, 1.02), stretched),
     "offset": Fault((0.3, 0.03, 0.01, 0.001), moved),
     "stiffness": Fault((2.0, 0.91, 0.97, 0.99, 0.998), asked(stiffer)),
     "half_model": Fault((0.5, 2.0), asked(lambda scene, k: stiffer(scene, 1 / k), lambda k: k)),

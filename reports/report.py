@@ -6,13 +6,14 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Protocol
 
 from reports.comparison import Comparison
-from reports.comparison.words import for_notebook, in_five_lines
+from reports.comparison.verdicts import Verdict
+from reports.comparison.words import for_notebook, headline, in_five_lines
 
 if TYPE_CHECKING:
     from reports.comparison.budget import ErrorBudget
     from reports.comparison.metrics import Metric
-    from reports.scoring.diagnosis import Diagnosis
     from reports.scoring.study import Study, UnscoredFile
+    from reports.scoring.traces import Diagnosis
 
 
 class ThirdAnswer(Protocol):
@@ -98,6 +99,23 @@ class Report:
             if self.budget is None
             else self.budget.honest
         )
+
+    @property
+    def opening(self) -> str:
+        """The first sentence: what differs and by how much; of a scored result also what agrees,
+        and why it differs, or that the reason was not found.
+        """
+        sentence = headline(self.comparison)
+        if not self.diagnoses:
+            return sentence
+        agreeing = [
+            metric.label.lower()
+            for metric in self.comparison.headlines
+            if metric.verdict is Verdict.WITHIN
+        ]
+        reasons = " and ".join(diagnosis.name for diagnosis in self.diagnoses)
+        agrees = f"; within tolerance: {', '.join(agreeing)}" if agreeing else ""
+        return f"{sentence.removesuffix('.')}{agrees}; cause: {reasons}."
 
     @property
     def passed(self) -> bool:

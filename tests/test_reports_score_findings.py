@@ -20,7 +20,8 @@ from reports.comparison import compare
 from reports.comparison.cycles import events
 from reports.comparison.words import lead, verdict
 from reports.scoring.against import diagnosed, score, score_file
-from reports.scoring.diagnosis import Hypothesis, discrepancy, sentence_of
+from reports.scoring.diagnosis import coupling_sentence
+from reports.scoring.discrepancy import discrepancy
 from reports.scoring.mapping import Mapping
 from reports.scoring.surface import spikes
 from scenes import ContactSolution, InputError, Materials, Scene, load_scene
@@ -329,13 +330,12 @@ def test_against_a_reference_that_has_the_coupling_its_lack_is_no_idealisation()
     comparison = compare(exact, exact)
     difference = discrepancy(comparison)
     assert difference is not None
-    coupling = Hypothesis("coupling", difference.found)
-    assert "no fault of the result" in sentence_of(coupling, difference)
+    assert "no fault of the result" in coupling_sentence(difference)
     against = replace(
         difference, comparison=replace(comparison, reference=replace(exact, engine="halfplane_fe"))
     )
-    assert "It is a fault of the result" in sentence_of(coupling, against)
-    assert "--against fe" not in sentence_of(coupling, against)
+    assert "It is a fault of the result" in coupling_sentence(against)
+    assert "--against fe" not in coupling_sentence(against)
 
 
 @pytest.mark.parametrize(("stiffness", "named"), [(3.0, True), (30.0, True), (1e5, False)])

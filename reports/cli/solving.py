@@ -508,12 +508,12 @@ def _answer_of_both(job: Job, report: Report) -> Answer:
 
 def verdict_shown(report: Report) -> Iterator[Part]:
     """The headline, the table of absolute values, and the verdict in a sentence."""
-    from reports.comparison.words import first_cells, headline, how_judged, lead, standing, verdict
+    from reports.comparison.words import first_cells, how_judged, lead, standing, verdict
 
     comparison = report.comparison
     scene = comparison.scene
     heads, rows = first_cells(comparison)
-    yield headline(comparison), "bold"
+    yield report.opening, "bold"
     yield Sheet(scene.title or scene.name, heads, rows, (1, 2, 3))
     if comparison.why is not None:
         yield comparison.why.sentence

@@ -8,7 +8,6 @@ from dataclasses import asdict
 from typing import Any
 
 from reports.charts.templating import in_template
-from reports.comparison import Comparison
 from reports.comparison.budget_words import budget_content, honest
 from reports.comparison.json_values import metric_content, solution_content, strict
 from reports.comparison.laws import derived, expected_content, expected_numbers
@@ -16,7 +15,6 @@ from reports.comparison.words import (
     beyond_theory,
     bodies_in_words,
     first_table,
-    headline,
     how_judged,
     question,
     unlike_materials,
@@ -40,11 +38,12 @@ def as_json(report: Report, command: str = "", seconds: Mapping[str, float] | No
     )
 
 
-def common_content(comparison: Comparison) -> dict[str, Any]:
+def common_content(report: Report) -> dict[str, Any]:
     """What the page and comparison.json say alike, by its name there."""
+    comparison = report.comparison
     scene = comparison.scene
     return {
-        "headline": headline(comparison),
+        "headline": report.opening,
         "table": first_table(comparison)[1],
         "claim": in_template("claim"),
         "question": question(scene),
@@ -70,7 +69,7 @@ def whole_content(report: Report, command: str, seconds: Mapping[str, float]) ->
     unscored = [metric.key for metric in comparison.unscored]
     return {
         "format": _FORMAT,
-        **common_content(comparison),
+        **common_content(report),
         "profile_fit": fit_content(comparison.scene),
         "verdict": {
             **verdicts,

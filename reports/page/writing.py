@@ -191,7 +191,7 @@ def render(
     """
     comparison = report.comparison
     scene = comparison.scene
-    sentences = common_content(comparison)
+    sentences = common_content(report)
     profile_findings = findings(scene)[0]
     bodies = [sentences["bodies"], sentences["unlike_materials"], *profile_findings]
     program, digest = script()

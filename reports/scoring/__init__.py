@@ -13,8 +13,10 @@ history.py         which instant is which on the scene's load path
 solution.py        units and signs that can't be; the result as a ContactSolution: states, edges,
                    friction work, by the same rule in the reference
 against.py         the score
-diagnosis.py       the discrepancy; which fault it is, as hypotheses that predict tractions, and in
-                   words
+discrepancy.py     what is to be explained, and how much of it is noise
+causes.py          the causes, one object each: theory with the fault in it
+traces.py          findings that rows show without theory: spikes, full slip, creep, scatter
+diagnosis.py       the order of evidence: fits, what is excluded, which cause is named
 loops.py           a rig's loop of Q over U: the f that fits it, its interval, the engines' loops
 loop_branches.py   turning points of Q, the branch of each row, area of the rows
 loop_fit.py        f by least squares: branches by Masing's rule, theory's whole loop where P varies

@@ -1,0 +1,641 @@
+"""The causes that `score` can name, one object each: what it changes, and in which sentence it is
+told.
+
+A cause acts on a `Variant`, half-plane theory of the scene told otherwise. A `Variant` is solved
+and transformed into the tractions that a result with just these faults has, so that two causes at
+once are one `Variant` as well.
+
+# notation: P, Q loads, p pressure, q shear, f friction coefficient, a half-width, E* modulus
+"""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+import semi_analytic
+from reports.scoring.discrepancy import (
+    PRESSURE,
+    SHEAR,
+    Discrepancy,
+    Tractions,
+    fraction_of_cycle,
+    pair,
+)
+from scenes import (
+    BodyEffects,
+    Estimate,
+    InputError,
+    LineOfAction,
+    Materials,
+    PolygonLoad,
+    Scene,
+    Wave,
+    WaveSum,
+)
+from scenes.array_types import Array
+from semi_analytic.bulk_and_tilt import one_curve
+from semi_analytic.profiles import contact_of
+
+# Revolution of the steady cycle on which delayed instants are looked up: after two all paths of the
+# library repeat.
+_STEADY = 2
+# Half-widths over which the points of a file lie where its nodes may be too coarse to show more
+# than nodal forces.
+_FINE_ELEMENTS = 12.0
+# Places between two nodes at which theory is averaged.
+_BETWEEN_NODES = 48
+# Height of the two blocks [a_ref] whose numbers, times their figure, are those of bodies too small:
+# curvatures go as one over the square of the height.
+_BLOCK = 5.0
+# Delays of a revolution that are tried first.
+_DELAYS = tuple((np.arange(16) - 7.5) / 16)
+# Logarithms of f that are tried first; those at which next to nothing slips: a mesh keeps the
+# infinite shear of bonded faces finite, as a large f does.
+_FRICTIONS = tuple(np.log([0.4, 0.6, 0.8, 1.25, 1.7, 3.0]))
+_NO_SLIP = tuple(np.log([15.0, 50.0, 300.0]))
+_BONDED = 7.0
+# Logarithm of the largest factor of units.
+_UNITS = 25.0
+# Loads that differ by less than this share of the largest P are one: those of one revolution and
+# the next differ by rounding.
+_SAME_LOAD = 1e-9
+# Longest cycle, in steps, whose steps may be too long as a solver takes them whose law holds at
+# their ends.
+_MOST_STEPS = 64
+# A moment of the pressures tells a factor to this; a search must not start at no change at all.
+_START = 0.02
+
+
+# ------------------------------------------------------------------------- theory, told otherwise
+@dataclass(frozen=True)
+class Variant:
+    """Half-plane theory of the scene with faults in it; as it stands, it has none.
+
+    Attributes
+    ----------
+    stiffness, friction
+        factors of E* and f
+    delay
+        share of a period by which the tractions are late
+    wrong_load
+        the key of a bulk stress or tilt that is turned or left out
+    history
+        "first revolution", "no memory", "straight steps", "end of steps": what is done to the
+        history of friction
+    small_body
+        share of the curvatures that two blocks of height `_BLOCK` a_ref add
+    on_mesh
+        whether tractions are nodal forces over the spacing
+    stretch, offset
+        x of the file is stretch x + offset a_ref
+    pressure_factor, shear_factor
+        of the tractions in the file
+    swapped
+        whether pressure and shear are exchanged
+    """
+
+    stiffness: float = 1.0
+    friction: float = 1.0
+    delay: float = 0.0
+    wrong_load: str = ""
+    history: str = ""
+    small_body: float = 0.0
+    on_mesh: bool = False
+    stretch: float = 1.0
+    offset: float = 0.0
+    pressure_factor: float = 1.0
+    shear_factor: float = 1.0
+    swapped: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Predictions:
+    """Tractions of variants at the points and instants of a discrepancy, each solved once."""
+
+    what: Discrepancy
+    solved: dict[tuple[Variant, bool], Tractions] = field(default_factory=dict)
+
+    def of(self, variant: Variant, *, sheared: bool = True) -> Tractions:
+        """(2, k, n): p and q that a result with these faults has; q is the expected one unless
+        `sheared`.
+
+        The pressure alone needs no history of friction, and is solved in a tenth of the time.
+
+        Raises
+        ------
+        InputError
+            Where there is no such solution: gross sliding, separation; and where it takes a grid,
+            whose seconds are too many for a search.
+        """
+        question = replace(variant, pressure_factor=1.0, shear_factor=1.0, swapped=False)
+        needs_shear = sheared or variant.swapped
+        if (question, needs_shear) not in self.solved:
+            self.solved[question, needs_shear] = self._solved(question, sheared=needs_shear)
+        tractions = self.solved[question, needs_shear]
+        if variant.swapped:
+            tractions = tractions[::-1]
+        return pair(variant.pressure_factor, variant.shear_factor) * tractions
+
+    def _solved(self, variant: Variant, *, sheared: bool) -> Tractions:
+        if variant == Variant():
+            return self.what.expected
+        x = (self.what.x - variant.offset * self.what.half_width) / variant.stretch
+        if variant.on_mesh:
+            fine, weights = _shape_functions(x)
+            tractions = self._theory(variant, fine, sheared=sheared) @ weights
+        else:
+            tractions = self._theory(variant, x, sheared=sheared)
+        if not self.what.exact:
+            theory = self._theory(Variant(), self.what.x, sheared=sheared)
+            tractions = tractions + (self.what.expected[: len(tractions)] - theory)
+        if not sheared:
+            tractions = np.array([tractions[PRESSURE], self.what.expected[SHEAR]])
+        return tractions
+
+    def _theory(self, variant: Variant, x: Array, *, sheared: bool) -> Tractions:
+        """p, and q if `sheared`, at x, before the file's own faults."""
+        what = self.what
+        scene = what.scene
+        if variant.wrong_load:
+            scene = scene.vary(load=wrong_loads(scene)[variant.wrong_load])
+        if variant.stiffness != 1.0:
+            scene = stiffer(scene, variant.stiffness)
+        if variant.friction != 1.0:
+            scene = with_friction(scene, variant.friction * scene.friction.coefficient)
+        path = scene.load.path()
+        time = what.time
+        if variant.delay:
+            assert path.period is not None
+            fraction = np.mod(what.fraction - variant.delay, 1.0)
+            time = path.cycle_start + (_STEADY + fraction) * path.period
+        match variant.history:
+            case "first revolution":
+                assert path.period is not None
+                later = np.where(what.fraction > 1, what.fraction - 1, what.fraction)
+                time = path.cycle_start + np.minimum(later, 1 - 1e-12) * path.period
+            case "no memory" if sheared:
+                return _without_memory(scene, x, time)
+            case "straight steps" | "end of steps" if sheared:
+                return _long_steps(what, scene, x, of_ends=variant.history == "end of steps")
+        effects = None
+        if variant.small_body < 0:
+            raise InputError("a body of negative height")
+        if variant.small_body:
+            effects = _of_blocks(what, scene, variant.small_body)
+        if not sheared:
+            return _tractions(scene, x, time, effects=effects, fields=("pressure",))[:1]
+        if scene.unsymmetric and one_curve(scene) is None:
+            raise InputError("its memory of friction is no one curve: not looked for")
+        return _tractions(scene, x, time, effects=effects)
+
+
+def _shape_functions(nodes: Array) -> tuple[Array, Array]:
+    """Places between nodes, (m,), and weights (m, n) of the values there in the nodal force of each
+    node over its length, for linear elements.
+    """
+    spacings = np.diff(nodes)
+    left = np.concatenate([spacings[:1], spacings])
+    right = np.concatenate([spacings, spacings[-1:]])
+    ends = np.concatenate([[nodes[0] - left[0]], nodes, [nodes[-1] + right[-1]]])
+    share = np.arange(_BETWEEN_NODES) / _BETWEEN_NODES
+    places = (ends[:-1, None] + np.diff(ends)[:, None] * share).ravel()
+    distance = places[:, None] - nodes
+    shape = np.maximum(1 - np.where(distance > 0, distance / right, -distance / left), 0.0)
+    lengths = np.repeat(np.diff(ends) / _BETWEEN_NODES, _BETWEEN_NODES)
+    return places, shape * lengths[:, None] / ((left + right) / 2)
+
+
+def _tractions(
+    scene: Scene,
+    x: Array,
+    time: Array,
+    *,
+    effects: BodyEffects | None = None,
+    straight: bool = False,
+    fields: tuple[str, ...] = ("pressure", "shear"),
+) -> Tractions:
+    """p and q of half-plane theory at x and at times in any order."""
+    times, places = np.unique(time, return_inverse=True)
+    answer = semi_analytic.solve(
+        scene,
+        x=x,
+        time=times,
+        fields=fields,
+        effects=effects,
+        straight_steps=straight,
+    )
+    return np.array([answer.pressure[places], answer.shear[places]])
+
+
+def _of_blocks(what: Discrepancy, scene: Scene, share: float) -> BodyEffects:
+    """Curvatures that two equal blocks add, times `share`.
+
+    Curvature of the gap per P, and of the tangential displacement per Q, of two blocks twice as
+    wide as high (H): `halfplane_fe.body_effects` gives 0.4918 and 0.8069 of A/H^2 for any H, with
+    A = 2/E* and nu = 0.3.
+    """
+    height = _BLOCK * what.half_width
+    unit = share * what.comparison.scales.compliance / height**2
+    return BodyEffects(
+        datum_length=scene.profile.datum_length,
+        normal_curvature=Estimate(_NORMAL_CURVATURE * unit),
+        tangential_curvature=Estimate(_TANGENTIAL_CURVATURE * unit),
+    )
+
+
+# See `_of_blocks`.
+_NORMAL_CURVATURE = 0.4918
+_TANGENTIAL_CURVATURE = 0.8069
+
+
+def _without_memory(scene: Scene, x: Array, time: Array) -> Tractions:
+    """Cattaneo's first loading at every instant: q = sign(Q) f [p(x, P) - p(x, P - |Q|/f)].
+
+    Raises
+    ------
+    InputError
+        Where the loads slide.
+    """
+    f = scene.friction.coefficient
+    normal, tangential = (np.asarray(load)[:, None] for load in scene.load.path().at(time))
+    stuck = normal - np.abs(tangential) / f
+    if not np.all(stuck > 0):
+        raise InputError("the loads slide")
+    contact = contact_of(scene.profile, scene.material)
+    pressure = contact.pressure(x, normal)
+    shear = np.sign(tangential) * f * (pressure - contact.pressure(x, stuck))
+    return np.array([pressure, shear])
+
+
+def _long_steps(what: Discrepancy, scene: Scene, x: Array, *, of_ends: bool) -> Tractions:
+    """The result's increments in place of the path: straight lines, or (`of_ends`) as a solver
+    takes them whose law holds at their ends.
+
+    While P rises such an increment is that of P first and then that of Q at the new pressure; while
+    P falls it is a straight line. Finite elements in steps that end on no event follow it to 0.983
+    of the discrepancy at 48 steps a cycle, to 0.9999 at 4.
+    """
+    path = scene.load.path()
+    assert path.period is not None
+    own = what.comparison.found
+    whole = what.comparison.result.time
+    times = whole[whole <= own.time[-1]]
+    wanted = what.time
+    if whole[0] > path.cycle_start:  # the cycle alone: twice, after the initial loading
+        fraction = fraction_of_cycle(what.comparison)
+        cycles = [path.cycle_start + (turn + fraction) * path.period for turn in (0, 1)]
+        times = np.concatenate([np.linspace(path.start, path.cycle_start, 9), *cycles])
+        wanted = path.cycle_start + (1 + what.fraction) * path.period
+    times = np.unique(times[times > path.start])
+    places = np.abs(times[:, None] - wanted).argmin(axis=0)
+    if not of_ends:
+        return _tractions(scene, x, times, straight=True)[:, places]
+    points = [(0.0, 0.0)]
+    ends = []
+    least = _SAME_LOAD * float(np.max(path.at(times)[0]))
+    for normal, tangential in np.transpose(path.at(times)).tolist():
+        corner = (normal, points[-1][1])
+        end = (normal, tangential)
+        for point in (corner, end) if normal > points[-1][0] else (end,):
+            if max(abs(point[0] - points[-1][0]), abs(point[1] - points[-1][1])) > least:
+                points.append(point)
+        ends.append(float(len(points) - 1))  # a polygon takes one unit of time a leg
+    stepped = scene.vary(load=PolygonLoad(initial_loading=tuple(points[1:])))
+    return _tractions(stepped, x, np.array(ends)[places])
+
+
+# ---------------------------------------------------------------------------- changes of a scene
+def stiffer(scene: Scene, factor: float) -> Scene:
+    """E* times `factor`."""
+    upper, lower = (
+        body.vary(young_modulus=factor * body.young_modulus)
+        for body in (scene.material.upper, scene.material.lower)
+    )
+    return scene.vary(material=Materials(upper=upper, lower=lower))
+
+
+def with_friction(scene: Scene, coefficient: float) -> Scene:
+    """The scene with another f."""
+    return scene.vary(friction=coefficient)
+
+
+def wrong_loads(scene: Scene) -> dict[str, dict[str, Any]]:
+    """Changes of the load: bulk stress, or tilt, of the other sign, and left out."""
+    changes = {}
+    for name, keys in (
+        ("bulk", ("bulk_stress_lower", "bulk_stress_upper")),
+        ("tilt", ("tilt", "moment", "line_of_action")),
+    ):
+        stated = {key: value for key in keys if (value := getattr(scene.load, key)) is not None}
+        if stated:
+            changes[f"{name}_sign"] = {key: _turned(value) for key, value in stated.items()}
+            changes[f"{name}_left_out"] = dict.fromkeys(stated)
+    return changes
+
+
+def _turned(value: Any) -> Any:
+    """A bulk stress, tilt or moment of the other sign, in the form that it was stated in.
+
+    >>> _turned(0.5), _turned((0.0, 2.0)), _turned(LineOfAction(x=1.0, height=3.0))
+    (-0.5, (-0.0, -2.0), LineOfAction(x=-1.0, height=-3.0))
+    """
+    match value:
+        case Wave():
+            phase = value.phase_degrees + (180 if value.phase_degrees <= 0 else -180)
+            return value.vary(
+                mean=-value.mean,
+                phase_degrees=phase,
+                initial_loading=_turned(value.initial_loading),
+            )
+        case WaveSum():
+            waves = tuple((amplitude, phase + 180) for amplitude, phase in value.harmonics)
+            return value.vary(
+                mean=-value.mean, harmonics=waves, initial_loading=_turned(value.initial_loading)
+            )
+        case LineOfAction():
+            return value.vary(x=-value.x, height=-value.height)
+        case tuple():
+            return tuple(-one for one in value)
+        case _ if callable(value):
+            return lambda time: -value(time)
+    return -value
+
+
+# ------------------------------------------------------------------------------------- the causes
+@dataclass(frozen=True)
+class Cause:
+    """A fault that a result may have.
+
+    Attributes
+    ----------
+    key
+        of its sentence in templates/faults.toml
+    change
+        the variant with the fault of this size in it
+    starts
+        sizes at which its search starts; none where the file can't have it. A fault without a size
+        has the one size 1
+    channel
+        0 where the pressure shows it, 1 where the shear alone does
+    group
+        causes of one group are not told apart where two of them meet
+    sized
+        whether its size is fitted
+    resultant
+        the factor by which it changes the sum of the pressures; None where it leaves it
+    largest
+        size that no search goes beyond
+    """
+
+    key: str
+    change: Callable[[Variant, float], Variant]
+    starts: Callable[[Discrepancy], Sequence[float]]
+    channel: int = PRESSURE
+    group: str = ""
+    sized: bool = True
+    resultant: Callable[[float], float] | None = None
+    largest: float = 3.5
+
+
+def _moments(what: Discrepancy) -> tuple[float, float, float]:
+    """Of the pressure found over that expected: factor of the sum, factor of the width, and the
+    distance of the centroids [length].
+    """
+    sums = []
+    for pressure in (what.found[PRESSURE], what.expected[PRESSURE]):
+        weight = what.weight * np.maximum(pressure, 0.0)
+        total = float(weight.sum())
+        if not total:
+            return 1.0, 1.0, 0.0
+        centre = float(np.sum(weight * what.x)) / total
+        width = float(np.sqrt(np.sum(weight * (what.x - centre) ** 2) / total))
+        sums.append((total, centre, width))
+    (total, centre, width), (total_expected, centre_expected, width_expected) = sums
+    wider = width / width_expected if width and width_expected else 1.0
+    return total / total_expected, wider, centre - centre_expected
+
+
+def _away_from_zero(value: float) -> float:
+    return value if abs(value) > _START else float(np.copysign(_START, value))
+
+
+def _of_stiffness(what: Discrepancy) -> Sequence[float]:
+    _, wider, _ = _moments(what)
+    return (_away_from_zero(-2 * np.log(wider)),)
+
+
+def _of_factor(what: Discrepancy) -> Sequence[float]:
+    ratio, _, _ = _moments(what)
+    return (_away_from_zero(np.log(ratio)),)
+
+
+def _of_pressure_alone(what: Discrepancy) -> Sequence[float]:
+    """Under a wrong factor of the pressure the shear is right."""
+    right = what.is_within(SHEAR) or what.residual(what.expected, SHEAR).is_noise
+    return _of_factor(what) if right and _slips(what) else ()
+
+
+def _of_stretch(what: Discrepancy) -> Sequence[float]:
+    _, wider, _ = _moments(what)
+    return (_away_from_zero(np.log(wider)),)
+
+
+def _of_offset(what: Discrepancy) -> Sequence[float]:
+    _, _, shift = _moments(what)
+    limit = 2 * what.half_width
+    return (float(np.clip(shift, -limit, limit)) / what.half_width or _START,)
+
+
+def _slips(what: Discrepancy) -> bool:
+    """Whether the file and the scene have a shear."""
+    return bool(what.sheared and what.scene.friction.coefficient and np.any(what.expected[SHEAR]))
+
+
+def _where_it_slips(*starts: float) -> Callable[[Discrepancy], Sequence[float]]:
+    return lambda what: starts if _slips(what) else ()
+
+
+def _of_delay(what: Discrepancy) -> Sequence[float]:
+    return _DELAYS if what.on_cycle and len(what.rows) >= 4 else ()
+
+
+def _of_cycle(what: Discrepancy) -> Sequence[float]:
+    return (1.0,) if _slips(what) and what.on_cycle else ()
+
+
+def _of_ends(what: Discrepancy) -> Sequence[float]:
+    short = len(what.comparison.found.time) - 1 <= _MOST_STEPS
+    return (1.0,) if _of_cycle(what) and short and not what.unsymmetric else ()
+
+
+def _of_mesh(what: Discrepancy) -> Sequence[float]:
+    return (1.0,) if what.elements < _FINE_ELEMENTS else ()
+
+
+def _of_body(what: Discrepancy) -> Sequence[float]:
+    return () if what.unsymmetric else (0.5,)
+
+
+def _of_wrong_load(key: str) -> Callable[[Discrepancy], Sequence[float]]:
+    def starts(what: Discrepancy) -> Sequence[float]:
+        with contextlib.suppress(InputError):
+            return (1.0,) if key in wrong_loads(what.scene) else ()
+        return ()
+
+    return starts
+
+
+def _scaled(variant: Variant, log_factor: float) -> Variant:
+    k = float(np.exp(log_factor))
+    return replace(
+        variant,
+        pressure_factor=k * variant.pressure_factor,
+        shear_factor=k * variant.shear_factor,
+    )
+
+
+def _loaded(variant: Variant, log_factor: float) -> Variant:
+    """Loads k times too large: bodies 1/k times as stiff, and every traction times k."""
+    scaled = _scaled(variant, log_factor)
+    return replace(scaled, stiffness=variant.stiffness * float(np.exp(-log_factor)))
+
+
+def _factor(size: float) -> float:
+    return float(np.exp(size))
+
+
+STIFFNESS = Cause(
+    "stiffness",
+    lambda variant, m: replace(variant, stiffness=variant.stiffness * float(np.exp(m))),
+    _of_stiffness,
+    group="size",
+)
+LOADS = Cause("loads", _loaded, _of_factor, group="size", resultant=_factor)
+TRACTION_FACTOR = Cause(
+    "traction_factor", _scaled, _of_factor, group="size", resultant=_factor, largest=_UNITS
+)
+PRESSURE_FACTOR = Cause(
+    "pressure_factor",
+    lambda variant, k: replace(variant, pressure_factor=float(np.exp(k)) * variant.pressure_factor),
+    _of_pressure_alone,
+    group="size",
+    resultant=_factor,
+)
+X_SCALE = Cause(
+    "x_scale",
+    lambda variant, k: replace(variant, stretch=float(np.exp(k))),
+    _of_stretch,
+    group="size",
+    resultant=_factor,
+)
+OFFSET = Cause("offset", lambda variant, d: replace(variant, offset=d), _of_offset)
+PRESSURE_SIGN = Cause(
+    "pressure_sign",
+    lambda variant, _: replace(variant, pressure_factor=-variant.pressure_factor),
+    lambda _: (1.0,),
+    sized=False,
+)
+SWAPPED = Cause(
+    "swapped",
+    lambda variant, _: replace(variant, swapped=True),
+    _where_it_slips(1.0),
+    sized=False,
+)
+COARSE_MESH = Cause(
+    "coarse_edge", lambda variant, _: replace(variant, on_mesh=True), _of_mesh, sized=False
+)
+SMALL_BODY = Cause(
+    "small_body", lambda variant, share: replace(variant, small_body=share), _of_body, group="size"
+)
+OTHER_TIMES = Cause(
+    "other_times", lambda variant, delay: replace(variant, delay=delay), _of_delay, group="history"
+)
+SHEAR_SIGN = Cause(
+    "shear_sign",
+    lambda variant, _: replace(variant, shear_factor=-variant.shear_factor),
+    _where_it_slips(1.0),
+    channel=SHEAR,
+    sized=False,
+)
+FRICTIONLESS = Cause(
+    "frictionless",
+    lambda variant, _: replace(variant, shear_factor=0.0),
+    _where_it_slips(1.0),
+    channel=SHEAR,
+    group="history",
+    sized=False,
+)
+FRICTION = Cause(
+    "friction",
+    lambda variant, k: replace(variant, friction=variant.friction * float(np.exp(k))),
+    _where_it_slips(*_FRICTIONS),
+    channel=SHEAR,
+    group="friction",
+    largest=_BONDED,
+)
+FULL_STICK = Cause(
+    "full_stick",
+    lambda variant, k: replace(variant, friction=float(np.exp(k))),
+    _where_it_slips(*_NO_SLIP),
+    channel=SHEAR,
+    group="friction",
+    sized=False,
+    largest=_BONDED,
+)
+
+
+def _of_history(key: str, history: str, starts: Callable[[Discrepancy], Sequence[float]]) -> Cause:
+    return Cause(
+        key,
+        lambda variant, _: replace(variant, history=history),
+        starts,
+        channel=SHEAR,
+        group="history",
+        sized=False,
+    )
+
+
+def _of_load(key: str) -> Cause:
+    return Cause(
+        key,
+        lambda variant, _: replace(variant, wrong_load=key),
+        _of_wrong_load(key),
+        channel=PRESSURE if key.startswith("tilt") else SHEAR,
+        sized=False,
+    )
+
+
+def _with_memory(what: Discrepancy) -> Sequence[float]:
+    return (1.0,) if _slips(what) and not what.unsymmetric else ()
+
+
+CAUSES = (
+    PRESSURE_SIGN,
+    SWAPPED,
+    STIFFNESS,
+    LOADS,
+    TRACTION_FACTOR,
+    PRESSURE_FACTOR,
+    X_SCALE,
+    OFFSET,
+    COARSE_MESH,
+    SMALL_BODY,
+    OTHER_TIMES,
+    _of_load("tilt_sign"),
+    _of_load("tilt_left_out"),
+    SHEAR_SIGN,
+    FRICTIONLESS,
+    FRICTION,
+    FULL_STICK,
+    _of_history("memoryless", "no memory", _with_memory),
+    _of_history("not_steady", "first revolution", _of_cycle),
+    _of_history("steps", "straight steps", _of_cycle),
+    _of_history("steps", "end of steps", _of_ends),
+    _of_load("bulk_sign"),
+    _of_load("bulk_left_out"),
+)

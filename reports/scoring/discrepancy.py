@@ -1,0 +1,336 @@
+"""The discrepancy of a result: what is to be explained, and how much of it is noise.
+
+# notation: p pressure, q shear, f friction coefficient, p_ref, a_ref scales of the comparison
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+import halfplane_fe
+import semi_analytic
+from reports.comparison import Comparison
+from reports.comparison.measures import norm, over, shares
+from reports.comparison.pairs import are_half_planes
+from reports.comparison.verdicts import Verdict, verdict_on
+from reports.scoring.surface import spikes
+from scenes import InputError, Scene
+from scenes.array_types import Array
+
+Tractions = Array
+"""(2, k, n): pressure and shear at instants and points [stress]."""
+
+Mask = NDArray[np.bool_]
+
+PRESSURE = 0
+SHEAR = 1
+# A steady cycle has some five turning points and ends of full stick; two instants to each tell
+# faults apart. Each instant costs time in every solve of theory.
+_MOST_INSTANTS = 10
+# Instants from which on neighbours in time tell noise from what is smooth; ratio of von Neumann
+# below which few pairs tell nothing.
+_FEWEST_INSTANTS = 3
+_LEAST_RATIO = 0.3
+# Of p_ref, above which a point counts as loaded.
+_LOADED = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class Discrepancy:
+    """What is to be explained: some instants of the last cycle, all points.
+
+    Attributes
+    ----------
+    comparison
+        the result beside its reference
+    rows
+        (k,), the instants taken, of the last cycle's
+    expected, found
+        tractions of the reference, and of the result; where it has no number, the reference's
+    weight
+        (k, n) of the squares, 0 where the result has no number; they add up to 1
+    missing
+        share of the result's tractions that are no numbers
+    exact
+        whether `expected` is half-plane theory of the scene
+    sheared
+        whether the file has a shear
+    has_bodies
+        whether `expected` is half-plane theory with the numbers of the scene's own finite bodies,
+        which the reference does not have
+    """
+
+    comparison: Comparison
+    rows: NDArray[np.intp]
+    expected: Tractions
+    found: Tractions
+    weight: Array
+    missing: float
+    exact: bool
+    sheared: bool = True
+    has_bodies: bool = False
+
+    @property
+    def scene(self) -> Scene:
+        """The question that `expected` answers."""
+        return self.comparison.scene
+
+    @property
+    def x(self) -> Array:
+        """(n,) [length]."""
+        return self.comparison.found.x
+
+    @property
+    def time(self) -> Array:
+        """(k,) of the load path."""
+        return self.comparison.found.time[self.rows]
+
+    @property
+    def fraction(self) -> Array:
+        """(k,) of the cycle of the load path, from its start."""
+        return fraction_of_cycle(self.comparison)[self.rows]
+
+    @property
+    def on_cycle(self) -> bool:
+        """Whether the path repeats, and every instant lies on its cycle."""
+        path = self.scene.load.path()
+        return path.period is not None and bool(self.comparison.found.time[0] >= path.cycle_start)
+
+    @property
+    def normal_load(self) -> Array:
+        """(k,) P of the reference [force / thickness]."""
+        return self.comparison.expected.normal_load[self.rows]
+
+    @property
+    def loaded(self) -> Mask:
+        """(k,) instants with more than a hundredth of the largest P."""
+        return self.normal_load > 0.01 * self.comparison.scales.normal_load
+
+    @property
+    def half_width(self) -> float:
+        """a_ref [length]."""
+        return self.comparison.scales.half_width
+
+    @cached_property
+    def resultant_ratio(self) -> float:
+        """Sum of the pressures found over P, in the mean of the loaded instants; NaN without one.
+
+        Of P and of the same sum over the pressures expected it takes the nearer one: nodal forces
+        over the elements add up to P on any mesh, pressures at points to the sum of theory's.
+        """
+        if not self.loaded.any():
+            return float("nan")
+        sums = np.trapezoid(self.found[PRESSURE], self.x, axis=1)[self.loaded]
+        sums_expected = np.trapezoid(self.expected[PRESSURE], self.x, axis=1)[self.loaded]
+        beside_load = float(np.median(sums / self.normal_load[self.loaded]))
+        beside_expected = float(np.sum(sums) / np.sum(sums_expected))
+        return min((beside_load, beside_expected), key=lambda ratio: abs(ratio - 1))
+
+    @property
+    def elements(self) -> float:
+        """Spacings of the points over a_ref, the median in and beside the contact."""
+        inside = self.x[np.abs(self.x) <= 1.5 * self.half_width]
+        spacing = float(np.median(np.diff(inside if len(inside) > 1 else self.x)))
+        return self.half_width / spacing
+
+    @property
+    def unsymmetric(self) -> bool:
+        """Whether bulk stress, tilt or unequal sides make tractions that are not even in x."""
+        return self.comparison.pulled or self.comparison.turned
+
+    @property
+    def units(self) -> Array:
+        """(2, 1, 1): p_ref and f p_ref."""
+        return pair(self.comparison.scales.pressure, self.comparison.scales.shear)
+
+    def in_contact(self, predicted: Tractions) -> Mask:
+        """(k, n) points with a pressure in the result or in the prediction, and with numbers."""
+        limit = _LOADED * self.comparison.scales.pressure
+        loaded = (np.abs(self.found[PRESSURE]) > limit) | (np.abs(predicted[PRESSURE]) > limit)
+        return loaded & (self.weight > 0)
+
+    def residual(self, predicted: Tractions, channel: int) -> Residual:
+        """What a prediction leaves of the pressure (0) or of the shear (1)."""
+        scaled = (self.found[channel] - predicted[channel]) / self.units[channel]
+        return Residual(scaled, self.weight, self.in_contact(predicted))
+
+    def residuals(self, predicted: Tractions) -> tuple[Residual, Residual]:
+        """Of pressure and shear."""
+        return self.residual(predicted, PRESSURE), self.residual(predicted, SHEAR)
+
+    def errors(self) -> tuple[float, float]:
+        """||p - p_ref||/||p_ref|| and ||q - q_ref||/(f ||p_ref||) at the worst of the instants."""
+        friction = self.comparison.scales.friction
+        sizes = norm(self.x, self.expected[0]) * pair(1, friction)[:, :, 0]
+        relative = over(norm(self.x, self.found - self.expected), sizes)
+        p, q = np.nanmax(relative, axis=1, initial=0.0).tolist()
+        return p, q
+
+    def is_within(self, channel: int) -> bool:
+        """Whether the error of the pressure or of the shear is within its tolerance."""
+        key = ("pressure", "shear")[channel]
+        limit = self.comparison.scene.tolerances.limit(key) or 0.0
+        return verdict_on(self.errors()[channel], limit) is Verdict.WITHIN
+
+    @property
+    def within(self) -> bool:
+        """Whether both errors are within their tolerances."""
+        return self.is_within(PRESSURE) and self.is_within(SHEAR)
+
+
+@dataclass(frozen=True, eq=False)
+class Residual:
+    """Found minus predicted of one traction, over its unit.
+
+    Attributes
+    ----------
+    values
+        (k, n)
+    weight
+        (k, n) of the squares
+    inside
+        (k, n), the points in contact
+    """
+
+    values: Array
+    weight: Array
+    inside: Mask
+
+    @property
+    def count(self) -> int:
+        """Points in contact, over all instants."""
+        return int(self.inside.sum())
+
+    @property
+    def square(self) -> float:
+        """Weighted mean of the squares in contact; infinite where the prediction holds a NaN."""
+        weight = np.where(self.inside, self.weight, 0.0)
+        total = float(weight.sum())
+        if not total:
+            return 0.0
+        value = float(np.sum(weight * np.where(self.inside, self.values, 0.0) ** 2)) / total
+        return value if np.isfinite(value) else float("inf")
+
+    @cached_property
+    def noise(self) -> float:
+        """Mean square of what neighbours do not share: half the squared difference of both.
+
+        Neighbours in x and, of three instants and more, in time: the smaller of the two. Of white
+        noise it is its variance; of anything smooth over points or instants it is far less.
+        """
+        return min(self._differences(axis)[0] for axis in self._axes)
+
+    @property
+    def _axes(self) -> tuple[int, ...]:
+        return (1, 0) if len(self.values) >= _FEWEST_INSTANTS else (1,)
+
+    def _differences(self, axis: int) -> tuple[float, int]:
+        """Half the mean squared difference of neighbours in contact, and how many pairs there are;
+        the mean square itself where there is none.
+        """
+        inside = np.moveaxis(self.inside, axis, -1)
+        weight = np.moveaxis(self.weight, axis, -1)
+        both = inside[..., 1:] & inside[..., :-1]
+        if not both.any():
+            return self.square, 0
+        steps = np.diff(np.moveaxis(self.values, axis, -1))
+        weight = np.where(both, weight[..., 1:] + weight[..., :-1], 0.0)
+        half_squares = np.where(both, steps, 0.0) ** 2 / 2
+        return float(np.sum(weight * half_squares) / weight.sum()), int(both.sum())
+
+    @property
+    def is_noise(self) -> bool:
+        """Whether nothing in it is smooth: the ratio of von Neumann, 1 for white noise.
+
+        It scatters by sqrt(1/n) for n pairs; three of these deviations are allowed for.
+        """
+        if not self.inside.any():
+            return False
+        for axis in self._axes:
+            noise, pairs = self._differences(axis)
+            lowest = max(1 - 3 / np.sqrt(max(pairs, 1)), _LEAST_RATIO)
+            if noise < lowest * self.square:
+                return False
+        return True
+
+
+def fraction_of_cycle(comparison: Comparison) -> Array:
+    """(k,) share of a period at each instant, from the start of the path's cycle.
+
+    From 0 to 1, or from somewhere between to one period later. Of instants that are no whole
+    cycle each counts from the start of its own revolution. The time itself where nothing repeats.
+    """
+    path = comparison.scene.load.path()
+    found = comparison.found
+    if path.period is None or found.whole:
+        return found.fraction
+    return np.asarray(np.mod((found.time - path.cycle_start) / path.period, 1.0))
+
+
+def pair(of_pressure: float, of_shear: float) -> Array:
+    """(2, 1, 1): a factor for each of the tractions."""
+    return np.array([of_pressure, of_shear], dtype=float)[:, None, None]
+
+
+def discrepancy(comparison: Comparison) -> Discrepancy | None:
+    """The discrepancy of `comparison`; None where the result has no instant with a contact or not
+    one number.
+    """
+    usable = np.flatnonzero(comparison.judged if comparison.judged.any() else comparison.touching)
+    if not len(usable):
+        return None
+    count = min(len(usable), _MOST_INSTANTS)
+    places = np.linspace(0, len(usable) - 1, count).round().astype(int)
+    rows = usable[np.unique(places)]
+    expected, found = (
+        np.array([side.pressure[rows], side.shear[rows]])
+        for side in (comparison.expected, comparison.found)
+    )
+    sheared = not np.isnan(found[SHEAR]).all()
+    if not sheared:  # a file without shear: it counts for nothing
+        found[SHEAR] = np.nan_to_num(expected[SHEAR])
+    known = np.isfinite(expected).all(axis=0) & np.isfinite(found).all(axis=0)
+    known &= ~(spikes(comparison.found.pressure) | spikes(comparison.found.shear))[rows]
+    if not known.any():
+        return None
+    bodies = _with_bodies(comparison, rows)
+    if bodies is not None:
+        expected = bodies
+        found = np.where(known, found, expected)
+    weight = known * shares(comparison.found.time[rows])[:, None] * shares(comparison.found.x)
+    expected = np.nan_to_num(expected)
+    return Discrepancy(
+        comparison,
+        rows,
+        expected,
+        np.where(known, found, expected),
+        weight / weight.sum(),
+        missing=float(1 - known.mean()),
+        exact=comparison.reference.engine == "semi_analytic" and bodies is None,
+        sheared=sheared,
+        has_bodies=bodies is not None,
+    )
+
+
+def _with_bodies(comparison: Comparison, rows: NDArray[np.intp]) -> Tractions | None:
+    """Theory with the numbers of the scene's finite bodies, at the points and instants of the
+    result; None where the reference has them, or they are not covered.
+    """
+    scene = comparison.scene
+    if comparison.reference.engine != "semi_analytic" or are_half_planes(scene):
+        return None
+    try:
+        answer = semi_analytic.solve(
+            scene,
+            x=comparison.found.x,
+            time=comparison.found.time[rows],
+            fields=("pressure", "shear"),
+            effects=halfplane_fe.body_effects(scene),
+        )
+    except InputError:  # curved faces, free sides: `body_effects` says which are covered
+        return None
+    return np.array([answer.pressure, answer.shear])
