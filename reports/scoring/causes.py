@@ -1,5 +1,4 @@
-"""The causes that `score` can name, one object each: what it changes, and in which sentence it is
-told.
+"""The causes that `score` can name, one object each: what it changes, and what shows it.
 
 A cause acts on a `Variant`, half-plane theory of the scene told otherwise. A `Variant` is solved
 and transformed into the tractions that a result with just these faults has, so that two causes at

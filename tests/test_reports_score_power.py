@@ -1,0 +1,47 @@
+"""Power of the causes that `score` names, on synthetic results with known faults
+(benchmarks/power.py).
+"""
+
+from __future__ import annotations
+
+import importlib
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+# The seed of the table in docs/score.md, drawn after the last change of the judgement.
+SEED = 14
+DRAWS = 300
+# Draws that are cheap: noise without a fault, a sign of the shear.
+CHEAP = {43: "none", 49: "right"}
+
+
+@pytest.fixture(scope="module")
+def power() -> ModuleType:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(str(Path(__file__).parent.parent / "benchmarks"))
+        return importlib.import_module("power")
+
+
+@pytest.mark.parametrize(("number", "verdict"), CHEAP.items())
+def test_a_drawn_fault_is_named_and_nothing_else(
+    power: ModuleType, number: int, verdict: str
+) -> None:
+    outcome = power.drawn(np.random.default_rng([SEED, number]))
+    assert outcome.verdict == verdict, outcome.words
+
+
+@pytest.mark.slow
+def test_nine_of_ten_faults_are_named_and_one_cause_of_a_hundred_is_wrong(
+    power: ModuleType,
+) -> None:
+    outcomes = power.measured(DRAWS, SEED)
+    without_fault = [outcome for outcome in outcomes if not outcome.planted]
+    above = [outcome for outcome in outcomes if outcome.above]
+    wrong = [outcome.words for outcome in outcomes if outcome.verdict == "wrong"]
+    right = sum(outcome.verdict == "right" for outcome in above)
+    assert not [outcome.words for outcome in without_fault if outcome.causes]
+    assert len(wrong) <= 0.01 * len(outcomes), wrong
+    assert right >= 0.9 * len(above)
