@@ -52,6 +52,9 @@ from semi_analytic.profiles import SymmetricContact, contact_of
 # Share of f P by which the memory curves of two cycles may differ and be the same state.
 _STEADY = 1e-9
 _PLACES = 200
+# Rows on the two steps around the end of a slide, and ends that have them.
+_ROWS_AT_END = 33
+_MOST_ENDS = 200
 # Slides of this share of the way of the actuator are round-off.
 _NO_SLIDE = 1e-9
 # Slides that a note names one by one.
@@ -268,22 +271,40 @@ def _followed(rig: Rigged, time: Array | None) -> tuple[Driven, Driven, int | No
     """The path until a cycle ends in the state that it started from, by steps and by steps twice as
     long; the index of that cycle, None where none does.
     """
-    path = rig.scene.load.path_of_actuators()
-    if path.period is None:
-        return rig.follow(0, 2, time), rig.follow(0, 1, time), None
-    for cycles in range(2, max(rig.scene.cycles, 2) + 1):
-        driven = rig.follow(cycles, 2, _within_cycles(rig.scene, time, cycles))
-        steady_from = steady_cycle(driven)
-        if steady_from is not None:
+    scene = rig.scene
+    repeats = scene.load.path_of_actuators().period is not None
+    most_cycles = max(scene.cycles, 2) if repeats else 0
+    for cycles in range(min(2, most_cycles), most_cycles + 1):
+        coarse = rig.follow(cycles, 1)
+        if steady_cycle(coarse) is not None:
             break
-    coarse = rig.follow(cycles, 1)
-    return driven, coarse, steady_from
+    near_ends = _near_ends_of_slides(coarse)
+    further = _within_cycles(scene, near_ends, cycles)
+    if len(near_ends):
+        coarse = rig.follow(cycles, 1, further)
+    if time is not None:
+        further = np.append(further, _within_cycles(scene, time, cycles))
+    driven = rig.follow(cycles, 2, further)
+    return driven, coarse, steady_cycle(driven) if repeats else None
 
 
-def _within_cycles(scene: Scene, time: Array | None, cycles: int) -> Array | None:
+def _near_ends_of_slides(driven: Driven) -> Array:
+    """Instants (k,) around those at which a slide ends while P varies: there the actuator turns
+    round against what the contact gives way, which no row of the path shows.
+    """
+    slides = driven.slide != 0
+    load = driven.followed.normal_load
+    last = np.flatnonzero(slides[1:-1] & ~slides[2:]) + 1
+    last = last[load[last + 1] != load[last]][:_MOST_ENDS]
+    begin = driven.time[last - 1]
+    share = np.linspace(0.0, 1.0, _ROWS_AT_END)[:, None]
+    return (begin + share * (driven.time[last + 1] - begin)).ravel()
+
+
+def _within_cycles(scene: Scene, time: Array, cycles: int) -> Array:
     """Instants (k,) of any cycle in each of those that are followed."""
     path = scene.load.path_of_actuators()
-    if time is None or path.period is None:
+    if path.period is None:
         return time
     share = np.mod(time - path.cycle_start, path.period)
     in_cycles = path.cycle_start + share + path.period * np.arange(cycles)[:, None]

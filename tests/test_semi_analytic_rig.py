@@ -11,8 +11,18 @@ import numpy as np
 import pytest
 
 import semi_analytic
-from scenes import BodyEffects, Estimate, InputError, PolygonLoad, Rig, Scene, load_scene
+from scenes import (
+    BodyEffects,
+    EllipseLoad,
+    Estimate,
+    InputError,
+    PolygonLoad,
+    Rig,
+    Scene,
+    load_scene,
+)
 from semi_analytic import driven
+from semi_analytic.answer_of_rig import rigged
 from semi_analytic.corrected import curvatures_of
 from semi_analytic.corrected_memory import MemoryCurve, PunchTable, Step
 from semi_analytic.driven import (
@@ -402,3 +412,23 @@ def test_the_cone_is_met_where_bodies_slide_while_the_normal_load_grows() -> Non
     assert 20 < np.count_nonzero(slid) < len(slid) - 20
     area = np.trapezoid(solution.dissipation_density, solution.x)
     assert area == pytest.approx(solution.dissipation, rel=2e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("amplitude", [4.8e-4, 3.3e-3])
+def test_the_stated_error_covers_that_of_the_steps(amplitude: float) -> None:
+    """Partial slip, and slides that end between two turning points of the path."""
+    load = EllipseLoad(
+        mean_normal_load=90.0,
+        normal_amplitude=45.0,
+        tangential_displacement={"amplitude": amplitude, "phase_degrees": 60.0},
+    )
+    scene = load_scene("cattaneo-mindlin").vary(
+        expected=(), tolerances={}, load=load, rig={"datum_length": 50.0}
+    )
+    solution = semi_analytic.solve(scene, x=[0.0], fields="dissipation")
+    fine = rigged(scene, None).follow(2, 12)
+    work = fine.work(slice(fine.ends[1], fine.ends[2] + 1))
+    error = solution.record.errors["dissipation"]
+    assert error < 2e-3
+    assert solution.dissipation == pytest.approx(work, rel=error)
