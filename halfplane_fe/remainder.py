@@ -17,7 +17,8 @@ which points out of the body), Q pulls along +x,
 By Betti's theorem k_nn and k_tt are symmetric and k_tn(x, s) = -k_nt(s, x). A body whose mirror
 line is x = 0, as all bodies of scenes have, has near x = s = 0
 
-    k_nn = c_n + N (x^2 + s^2)/2 + N_11 x s + N_4 (x^4 + s^4)/24 + ...       k_tt likewise
+    k_nn = c_n + N (x^2 + s^2)/2 + N_11 x s + N_4 (x^4 + s^4)/24 + N_22 x^2 s^2
+           + ...       k_tt likewise
     k_tn = e x - a s + ...
 
 What c_n and c_t are depends on the datum length L of the half-plane: u_F counts from no movement of
@@ -232,6 +233,8 @@ class BodyNumbers:
         a, slope of the outward displacement by Q = 1 [1 / (stress length)]
     normal_fourth, tangential_fourth
         N_4, T_4 [1 / (stress length^4)]
+    normal_mixed, tangential_mixed
+        N_22, T_22 [1 / (stress length^4)]
     unknowns, factorisations
         of the linear systems that were solved
     """
@@ -244,12 +247,10 @@ class BodyNumbers:
     slope_under_shear: Estimate
     normal_fourth: Estimate
     tangential_fourth: Estimate
+    normal_mixed: Estimate
+    tangential_mixed: Estimate
     unknowns: int
     factorisations: int
-
-
-_ZERO = Estimate(0.0)
-OF_HALF_PLANE = BodyNumbers(_ZERO, _ZERO, _ZERO, _ZERO, _ZERO, _ZERO, _ZERO, _ZERO, 0, 0)
 
 
 class FaceSeries(NamedTuple):
@@ -263,6 +264,14 @@ class FaceSeries(NamedTuple):
     slope_under_shear: float
     normal_fourth: float
     tangential_fourth: float
+    normal_mixed: float
+    tangential_mixed: float
+
+
+_ZERO = Estimate(0.0)
+OF_HALF_PLANE = BodyNumbers(
+    **dict.fromkeys(FaceSeries._fields, _ZERO), unknowns=0, factorisations=0
+)
 
 
 def face_series(kernels: RemainderKernels, degree: int = _DEGREE) -> FaceSeries:
@@ -282,6 +291,7 @@ def face_series(kernels: RemainderKernels, degree: int = _DEGREE) -> FaceSeries:
     compliance = 2 * coefficients[even.index((0, 0))]
     curvature = 2 * coefficients[even.index((0, 2))] / reach**2
     fourth = 24 * coefficients[even.index((0, 4))] / reach**4
+    mixed = 2 * coefficients[even.index((2, 2))] / reach**4
 
     odd = _exponents(range(1, degree, 2))
     by_pressure = np.stack([(x**i * s**j).ravel() for i, j in odd], axis=1)
@@ -297,6 +307,8 @@ def face_series(kernels: RemainderKernels, degree: int = _DEGREE) -> FaceSeries:
         slope_under_shear=-float(slopes[odd.index((0, 1))]),
         normal_fourth=float(fourth[0]),
         tangential_fourth=float(fourth[1]),
+        normal_mixed=float(mixed[0]),
+        tangential_mixed=float(mixed[1]),
     )
 
 
@@ -443,6 +455,8 @@ def combined(lower: BodyNumbers, upper: BodyNumbers, scene: Scene) -> BodyEffect
         strain_under_pressure=_difference(lower.strain_under_pressure, upper.strain_under_pressure),
         normal_fourth=_sum(lower.normal_fourth, upper.normal_fourth),
         tangential_fourth=_sum(lower.tangential_fourth, upper.tangential_fourth),
+        normal_mixed=_sum(lower.normal_mixed, upper.normal_mixed),
+        tangential_mixed=_sum(lower.tangential_mixed, upper.tangential_mixed),
         dundurs_beta=dundurs(scene.material).beta,
         unknowns=lower.unknowns + upper.unknowns,
         factorisations=lower.factorisations + upper.factorisations,

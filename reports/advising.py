@@ -54,8 +54,18 @@ _STRAIN_BY_TILT = 4.4
 _TILT_SQUARED = 3.5
 _LEAST_ODD_PART = 1e-4
 _CURVATURES = {
-    "curvature under P": ("normal_curvature", "tangential_curvature_under_pressure"),
-    "curvature under Q": ("tangential_curvature", "normal_curvature_under_shear"),
+    "curvature under P": (
+        "normal_curvature",
+        "tangential_curvature_under_pressure",
+        "normal_fourth",
+        "normal_mixed",
+    ),
+    "curvature under Q": (
+        "tangential_curvature",
+        "normal_curvature_under_shear",
+        "tangential_fourth",
+        "tangential_mixed",
+    ),
 }
 # Of the product of the parts of curvatures and of tilt and bulk strain, what may be left: 0.09 of
 # it where it is above 1 % of W, on twelve bodies.
@@ -191,7 +201,7 @@ def advise(scene: Scene, limit: float = 0.05, effects: BodyEffects | None = None
     own_values = {"peak_pressure": largest.pressure, "half_width": half_width}
     uncertainties = {
         words: _relative_uncertainty(effects, leading, half_width)
-        for words, (leading, _) in _CURVATURES.items()
+        for words, (leading, *_) in _CURVATURES.items()
     }
     parts = _parts(effects, theory, corrected, uncertainties)
     even = sum(part.value for part in parts.values())
@@ -319,8 +329,8 @@ def _parts(
 def _with_these_alone(effects: BodyEffects, *names: str) -> BodyEffects:
     """The effects with all curvatures but these left out, and with nothing odd."""
     others: dict[str, Any] = {}
-    for pair in _CURVATURES.values():
-        for name in pair:
+    for numbers in _CURVATURES.values():
+        for name in numbers:
             if name not in names:
                 others[name] = Estimate(0.0)
     return replace(_even(effects), **others)
@@ -347,7 +357,7 @@ def _relative_uncertainty(effects: BodyEffects, curvature: str, half_width: floa
 def _next_orders(effects: BodyEffects, half_width: float) -> list[float]:
     """What the next order of the body makes of the part of each curvature, relative to it."""
     shares = [0.0]
-    for curvature, _ in _CURVATURES.values():
+    for curvature, *_ in _CURVATURES.values():
         estimate: Estimate = getattr(effects, curvature)
         fourth: Estimate = getattr(effects, curvature.replace("curvature", "fourth"))
         if estimate.value:

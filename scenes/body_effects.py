@@ -56,8 +56,10 @@ class BodyEffects:
         e_P, e_Q: strain of the lower face minus that of the upper one, per load
         [1 / (stress length)].
     normal_fourth, tangential_fourth
-        N_4, T_4: the coefficients of x^4 / 24 beside N and T, the size of the next order
-        [1 / (stress length^4)].
+        N_4, T_4: the next order, coefficients of (x^4 + s^4) / 24 of the kernels beside N and T, s
+        the place of a force [1 / (stress length^4)].
+    normal_mixed, tangential_mixed
+        N_22, T_22: those of x^2 s^2 [1 / (stress length^4)].
     dundurs_beta
         beta of the two materials, the upper body being the first. The odd numbers have effects of
         first order where it is not 0, which the formulas above do not say.
@@ -78,17 +80,20 @@ class BodyEffects:
     strain_under_shear: Estimate = ZERO
     normal_fourth: Estimate = ZERO
     tangential_fourth: Estimate = ZERO
+    normal_mixed: Estimate = ZERO
+    tangential_mixed: Estimate = ZERO
     dundurs_beta: float = 0.0
     unknowns: int = 0
     factorisations: int = 0
 
     def __repr__(self) -> str:
-        """Five lines, without uncertainties.
+        """Six lines, without uncertainties.
 
         >>> BodyEffects(datum_length=1000.0, normal_curvature=Estimate(8.5e-8, 1e-12))
         BodyEffects: what the bodies add to half-planes with a datum length of 1000
           compliance: c_n = 0, c_t = 0
-          curvature: N = 8.5e-08, T = 0, N_Q = 0, T_P = 0; next order N_4 = 0, T_4 = 0
+          curvature: N = 8.5e-08, T = 0, N_Q = 0, T_P = 0
+          next order: N_4 = 0, T_4 = 0, N_22 = 0, T_22 = 0
           tilt: alpha_P = 0, alpha_Q = 0; bulk strain: e_P = 0, e_Q = 0
           Dundurs' beta = 0; 0 unknowns, 0 factorisations
         """
@@ -103,7 +108,15 @@ class BodyEffects:
                     "T_P": self.tangential_curvature_under_pressure,
                 },
             ),
-            ("; next order ", {"N_4": self.normal_fourth, "T_4": self.tangential_fourth}),
+            (
+                "next order: ",
+                {
+                    "N_4": self.normal_fourth,
+                    "T_4": self.tangential_fourth,
+                    "N_22": self.normal_mixed,
+                    "T_22": self.tangential_mixed,
+                },
+            ),
             ("tilt: ", {"alpha_P": self.tilt_under_pressure, "alpha_Q": self.tilt_under_shear}),
             (
                 "; bulk strain: ",

@@ -49,6 +49,7 @@ From a request to an answer::
                             the spring of the rig, separation
     answer_of_rig.py        the answer to a scene of a rig, under the loads that were found
     regimes.py              fretting map: partial slip, mixed, gross sliding over stroke and P
+    next_order.py           what the order after the curvatures adds to W
     odd_memory.py           what tilt and bulk strain of the bodies add to W of a parabola, in the
                             second order, beside the memory curve; centres of contact and stick
     stroke_end.py           what the smooth end of a stroke leaves there

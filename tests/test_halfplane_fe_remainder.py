@@ -412,7 +412,7 @@ def test_numbers_follow_units_and_datum():
         Elastic(young_modulus=0.091, poisson_ratio=0.3),
         datum_length=2000.0,
     )
-    powers = {"curvature": -2, "under": -1, "fourth": -4, "compliance": 0}
+    powers = {"curvature": -2, "under": -1, "fourth": -4, "mixed": -4, "compliance": 0}
     moved = 2 / np.pi * np.log(2.0)
     for field in dataclasses.fields(BodyNumbers):
         value = getattr(one, field.name)
