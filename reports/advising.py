@@ -44,8 +44,9 @@ if TYPE_CHECKING:
 
 # With r = |N_4 a^2/N|: of the part of a curvature, what the order after the next leaves, in r and
 # r^2; of tilt and bulk strain, whose next order is not known, in r; of the product of both; and of
-# W in any case. Of other values, which have no next order: r again. Fitted to 133 random bodies under six load cycles (benchmarks/bound.py, seeds 49 to 51):
-# 98 % are covered of those not declined, at 3.9 times what is left.
+# W in any case. Of other values, which have no next order: r again. Fitted to 133 random bodies
+# under six load cycles (benchmarks/bound.py, seeds 49 to 51): of those that are not declined 98 %
+# are covered, at 3.9 times what is left.
 _AFTER_NEXT = (0.02, 0.1)
 _NEXT_OF_ODD = 0.6
 _NEXT_OF_OTHERS = 0.28

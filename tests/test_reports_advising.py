@@ -41,11 +41,11 @@ def test_two_blocks_change_theory_as_finite_elements_do_and_the_parts_add_up() -
     assert advice.parts["curvature under Q"].value == pytest.approx(-0.0200, abs=2e-4)
     assert advice.left_out == 0
     assert advice.verdict is Verdict.WITHIN
-    assert "−2.75 ± 0.04 %" in sentence(advice)
+    assert "−2.73 ± 0.01 %" in sentence(advice)
     first_line, other_changes = repr(advice).splitlines()
     assert first_line == sentence(advice)
     assert "largest pressure +0.5" in other_changes
-    assert len(repr(advice.effects).splitlines()) == 5
+    assert len(repr(advice.effects).splitlines()) == 6
 
 
 @cache
@@ -117,7 +117,8 @@ def test_at_constant_normal_load_the_curvature_under_it_moves_no_work() -> None:
     scene = load_scene("blocks").vary(expected=[], load=load)
     advice = advise(scene)
     parts = advice.parts
-    assert abs(parts["curvature under P"].value) < 1e-6
+    # the next order alone does: the contact is no parabola's any more
+    assert 1e-6 < abs(parts["curvature under P"].value) < 1e-4
     assert "curvature under P 0.00," in sentence(advice)
     assert parts["curvature under Q"].value < -1e-3
 
@@ -199,7 +200,7 @@ def test_corrected_theory_is_solved_from_the_command_line_and_judged_by_its_own_
     code_of_theory, theory = answer(tmp_path, "exact", "blocks")
     assert code_of_theory == 0
     change = corrected["dissipation"] / theory["dissipation"] - 1
-    assert change == pytest.approx(-0.02748, abs=1e-4)
+    assert change == pytest.approx(-0.02733, abs=1e-4)
 
 
 def test_where_tilt_makes_much_of_the_change_its_size_alone_is_given() -> None:
