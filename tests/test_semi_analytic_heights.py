@@ -58,7 +58,8 @@ def test_a_height_carries_what_its_slope_does(name):
     np.testing.assert_allclose(
         of_height.stiffness(HALF_WIDTHS), of_slope.stiffness(HALF_WIDTHS), rtol=of_height.noise
     )
-    assert 1e-11 <= of_height.noise < 3e-11
+    # 1.1e-11 to 2.3e-11, of log cosh 4.6e-11 where a library rounds log and cosh less well
+    assert 1e-11 <= of_height.noise < 1e-10
 
 
 @pytest.mark.parametrize("radius", [10.0, 1e3, 1e5])
