@@ -325,10 +325,9 @@ def _strain(normal: ArrayLike, tangential: ArrayLike) -> Array:
     return np.stack([zero, zero, np.asarray(normal), np.asarray(tangential)], axis=-1)
 
 
-def _drive(span: Span, normal: ArrayLike, tangential: ArrayLike) -> Array:
+def _drive(friction: float, sense: int, normal: ArrayLike, tangential: ArrayLike) -> Array:
     """a_s = f alpha - s eps by the numbers at loads (n,): (n, 4)."""
-    of_strain = _strain(normal, tangential)
-    return span.friction * _tilt(normal, tangential) - span.direction * of_strain
+    return friction * _tilt(normal, tangential) - sense * _strain(normal, tangential)
 
 
 def _products(weights: Array, first: Array, second: Array) -> Array:
@@ -378,7 +377,7 @@ def _front(span: Span, piece: Piece, time: Array, slipped: Array, radius: float)
     else:
         # s M - f eta is the same at the front now and at the edge: Q less M(P_c) is s f (P - P_c)
         since_set = (slipped, span.direction * span.friction * slipped)
-    shift = -radius * _drive(span, *since_set) / steepness[:, None]
+    shift = -radius * _drive(span.friction, span.direction, *since_set) / steepness[:, None]
     return _Front(load, slipped, steepness, since_set, shift)
 
 
@@ -410,20 +409,25 @@ def _slope_rate(piece: Piece, eta: Array) -> Array:
 
 
 # ---------------------------------------------------------------------------------- terms of work
-def _of_span(span: Span, radius: float, points: int) -> Array:
-    """Terms 1 and 2: both edges slip one way, through memory that grew in stick."""
+def _instants(span: Span, points: int) -> tuple[Array, Array]:
+    """Gauss' times in a span, and their weights in time, (points,) each."""
     nodes, weights = np.polynomial.legendre.leggauss(points)
     half = (span.end.time - span.begin.time) / 2
-    time = span.begin.time + half * (1 + nodes)
-    slipped = span.slipped(time)
+    return span.begin.time + half * (1 + nodes), half * weights
+
+
+def _of_span(span: Span, radius: float, points: int) -> Array:
+    """Terms 1 and 2: both edges slip one way, through memory that grew in stick."""
     piece = span.active
     if piece is None:
         raise Declined("the contact slides as a whole")
+    time, weights = _instants(span, points)
+    slipped = span.slipped(time)
     front = _front(span, piece, time, slipped, radius)
     fall = np.asarray(span.leg.rate_of(level(span.direction, span.friction), time))  # -N'
-    drive_rate = _drive(span, *span.leg.rates(time))
+    drive_rate = _drive(span.friction, span.direction, *span.leg.rates(time))
     distance = front.distance(radius)
-    measure = span.friction * half * weights
+    measure = span.friction * weights
     work = _products(measure * fall / (2 * radius), distance, distance)
     work = work - _products(measure * slipped, drive_rate, distance)
     if _is_slipped(piece, span.friction):
@@ -532,8 +536,7 @@ def _smooth_end(span: Span, time: float, front: float, radius: float) -> _Smooth
     bend = (before - after) / (2 * step)  # N''
     if bend <= 0:
         return None
-    normal_rate, tangential_rate = leg.rates(time)
-    drive_rate = _drive(span, float(normal_rate), float(tangential_rate))
+    drive_rate = _drive(span.friction, span.direction, *leg.rates(time))
     return _SmoothEnd(load, front, radius / bend * np.outer(drive_rate, drive_rate))
 
 
@@ -586,25 +589,22 @@ def _one_sided(span: Span, radius: float, modulus: float) -> Iterator[Array]:
     Rates: of N alone the edges would slip by (A/pi) N' arccosh(a/c), of a_s alone by a_s' sqrt(a^2
     - c^2), in stick with a in place of both functions. Places: D over the width of the slip zone.
     """
-    nodes, _ = np.polynomial.legendre.leggauss(_POINTS // 2)
-    half = (span.end.time - span.begin.time) / 2
-    time = span.begin.time + half * (1 + nodes)
+    time, _ = _instants(span, _POINTS // 2)
     load = span.leg.loads(time)[0]
-    normal_rate, tangential_rate = span.leg.rates(time)
-    half_width = np.sqrt(4 * load * radius / (np.pi * modulus))
-    of_edges = half_width
-    senses = [span.direction] if span.direction else [1, -1]
-    if not span.direction and np.all(normal_rate <= 0):
+    rates = span.leg.rates(time)
+    if not span.direction and np.all(rates[0] <= 0):
         return  # at rest, or unloaded along the memory itself
-    if span.direction:
-        ratio = np.sqrt(np.clip(1 - span.slipped(time) / load, _LEAST_STICK**2, 1 - _SAME))
+    half_width = np.sqrt(4 * load * radius / (np.pi * modulus))
+    senses = (span.direction,) if span.direction else (1, -1)
+    of_edges = half_width
+    if span.active is not None and span.direction:
+        slipped = span.slipped(time)
+        ratio = np.sqrt(np.clip(1 - slipped / load, _LEAST_STICK**2, 1 - _SAME))
         of_edges = half_width * np.sqrt(1 - ratio**2) / np.arccosh(1 / ratio)
-        _, of_stick = centres(span, radius, time)
-        distance = of_stick + radius * _tilt(*span.leg.loads(time))
+        distance = _front(span, span.active, time, slipped, radius).distance(radius)
         yield distance / (half_width * (1 - ratio))[:, None]
     for sense in senses:
-        drive = span.friction * _tilt(normal_rate, tangential_rate)
-        drive = drive - sense * _strain(normal_rate, tangential_rate)
         change = np.abs(span.leg.rate_of(level(sense, span.friction), time))
-        least = np.finfo(float).tiny
-        yield np.pi * modulus / 2 * (of_edges / np.maximum(change, least))[:, None] * drive
+        share = of_edges / np.maximum(change, np.finfo(float).tiny)
+        drive_rate = _drive(span.friction, sense, *rates)
+        yield np.pi * modulus / 2 * share[:, None] * drive_rate
