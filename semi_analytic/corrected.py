@@ -53,7 +53,7 @@ from semi_analytic.answer import (
     neglected_coupling,
 )
 from semi_analytic.answer_by_memory import by_memory, folded, path_of_question
-from semi_analytic.corrected_memory import Curvatures, Followed, PunchTable, follow
+from semi_analytic.corrected_memory import Curvatures, Followed, PunchTable, area_of_loop, follow
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.history import History, turns_of, within
 from semi_analytic.load_series import LoadSeries
@@ -472,14 +472,11 @@ class PathSeries:
 
     def loop_work(self, rows: slice) -> float:
         """Closed integral of Q dU + P d(approach) over a cycle."""
-        total = 0.0
-        for load, movement in (
-            (self.followed.tangential_load, self.tangential_displacement),
-            (self.followed.normal_load, self.normal_approach),
-        ):
-            means = (load[rows][1:] + load[rows][:-1]) / 2
-            total += float(np.sum(means * np.diff(movement[rows])))
-        return total
+        followed = self.followed
+        tangential = area_of_loop(
+            followed.tangential_load[rows], self.tangential_displacement[rows]
+        )
+        return tangential + area_of_loop(followed.normal_load[rows], self.normal_approach[rows])
 
     def work(self, rows: slice) -> float:
         """Friction work of the steps of a cycle, or of the path."""
@@ -634,6 +631,11 @@ class _Paths:
     def last_cycle(self) -> slice:
         """Rows of the last covered cycle."""
         return self.rows.cycles[self.covered[-1]]
+
+    @property
+    def is_short(self) -> bool:
+        """Whether the path has few enough rows for the next order of the bodies."""
+        return len(self.rows.time) <= MOST_ROWS
 
     @property
     def is_steady(self) -> bool:
@@ -903,14 +905,13 @@ class _Work(NamedTuple):
 def _work_of(paths: _Paths, points: PointFields, distance: Array, odd: OddPart) -> _Work:
     """Exact theory's work plus what the bodies change, by the steps."""
     question = paths.question
-    bodies = paths.bodies
     half_planes = paths.half_planes
     last = paths.last_cycle
     cycles = np.full(len(paths.covered), np.nan)
     loop = math.nan
     density = np.full(len(distance), np.nan)
-    errors: dict[str, float] = {}
     wanted = question.fields & _OF_WORK
+    errors: dict[str, float] = {}
     if not wanted:
         return _Work(cycles, loop, density, errors)
     ends = paths.rows.time[list(paths.rows.ends)]
@@ -918,22 +919,9 @@ def _work_of(paths: _Paths, points: PointFields, distance: Array, odd: OddPart) 
         replace(question, effects=None, fields=wanted, x=distance, time=ends, cycles="all"), None
     )
     if question.wants("dissipation"):
-        works_of_theory = np.asarray(theory.values["cycle_dissipation"])
-        exact = works_of_theory[np.minimum(paths.covered, len(works_of_theory) - 1)]
-        by_steps = np.array([half_planes.work(paths.rows.cycles[k]) for k in paths.covered])
-        with_bodies = np.array([bodies.work(paths.rows.cycles[k]) for k in paths.covered])
-        change = with_bodies - by_steps
-        added = [odd.work(k) for k in paths.covered]
-        of_next_order = _next_order(paths)
-        cycles = exact + change + of_next_order + np.array([work.value for work in added])
-        if exact[-1] > 0:
-            errors["dissipation"] = _OF_STEPS * abs(float(by_steps[-1] / exact[-1]) - 1)
-            left = added[-1].uncertainty + _OF_NEXT_ORDER * abs(float(of_next_order[-1]))
-            errors["dissipation"] += left / float(exact[-1])
-        if odd.answer is None and paths.is_steady and paths.rows.period is not None:
-            loop = bodies.loop_work(last)
-            if exact[-1] > 0:
-                errors["loop_work"] = abs(half_planes.loop_work(last) / float(exact[-1]) - 1)
+        of_theory = np.asarray(theory.values["cycle_dissipation"])
+        exact = of_theory[np.minimum(paths.covered, len(of_theory) - 1)]
+        cycles, loop, errors = _works_of_cycles(paths, exact, odd)
     if question.wants("dissipation_density"):
         exact_density = np.asarray(theory.values["dissipation_density"])
         by_steps = PointFields(half_planes, distance).work(last)
@@ -947,13 +935,49 @@ def _work_of(paths: _Paths, points: PointFields, distance: Array, odd: OddPart) 
     return _Work(cycles, loop, density, errors)
 
 
+def _works_of_cycles(
+    paths: _Paths, exact: Array, odd: OddPart
+) -> tuple[Array, float, dict[str, float]]:
+    """Friction work of the covered cycles (c,), closed integral of the last, relative errors.
+
+    Parameters
+    ----------
+    exact
+        work of these cycles by exact theory of half-planes, (c,)
+    """
+    half_planes = paths.half_planes
+    bodies = paths.bodies
+    cycles = [paths.rows.cycles[k] for k in paths.covered]
+    by_steps = np.array([half_planes.work(rows) for rows in cycles])
+    with_bodies = np.array([bodies.work(rows) for rows in cycles])
+    of_next_order = _next_order(paths)
+    of_odd_numbers = [odd.work(k) for k in paths.covered]
+    works = exact + (with_bodies - by_steps) + of_next_order
+    works = works + np.array([work.value for work in of_odd_numbers])
+
+    # displacements have neither the next order nor tilt and bulk strain
+    has_loop = odd.answer is None and paths.is_steady and paths.rows.period is not None
+    loop = bodies.loop_work(paths.last_cycle) if has_loop else math.nan
+    work = float(exact[-1])
+    if work <= 0:
+        return works, loop, {}
+    next_order = abs(float(of_next_order[-1])) / work
+    of_steps = _OF_STEPS * abs(float(by_steps[-1]) / work - 1)
+    of_odd = of_odd_numbers[-1].uncertainty / work
+    errors = {"dissipation": of_steps + of_odd + _OF_NEXT_ORDER * next_order}
+    if has_loop:
+        by_loop = half_planes.loop_work(paths.last_cycle)
+        errors["loop_work"] = abs(by_loop / work - 1) + next_order
+    return works, loop, errors
+
+
 def _next_order(paths: _Paths) -> Array:
     """Work that the next order of the bodies adds in each covered cycle, (c,); 0 where it is left
     out.
     """
     effects = paths.question.effects
     assert effects is not None  # for the type checker
-    if not _has_next_order(effects) or len(paths.rows.time) > MOST_ROWS:
+    if not (_has_next_order(effects) and paths.is_short):
         return np.zeros(len(paths.covered))
     bodies = paths.bodies
     works = next_order_works(
@@ -1065,16 +1089,11 @@ def _notes_of(paths: _Paths, odd: OddPart) -> Iterator[str]:
     half_width = float(paths.bodies.contact.half_width(load))
     modulus = composite_modulus(scene.material)
     if _has_next_order(question.effects):
-        if len(paths.rows.time) > MOST_ROWS:
-            yield (
-                f"effects: the next order of the bodies is left out: the path has more than"
-                f" {MOST_ROWS:,} rows"
-            )
+        what = "effects: the next order of the bodies, N_4, T_4, N_22 and T_22, is"
+        if paths.is_short:
+            yield f"{what} in the dissipation, and in no other value"
         else:
-            yield (
-                "effects: the next order of the bodies, N_4, T_4, N_22 and T_22, is in the"
-                " dissipation, and in no other value"
-            )
+            yield f"{what} left out: the path has more than {MOST_ROWS:,} rows"
     yield from notes_of_effects(question.effects, half_width, modulus, odd)
     if odd.answer is not None:
         yield (

@@ -61,6 +61,12 @@ _LEAST = 1e-9
 _GAUSS = np.polynomial.legendre.leggauss(3)
 
 
+def area_of_loop(load: Array, movement: Array) -> float:
+    """Integral of a load over its movement, (n,) each, by straight steps; of a cycle its loop."""
+    means = (load[1:] + load[:-1]) / 2
+    return float(np.sum(means * np.diff(movement)))
+
+
 # ---------------------------------------------------------------------------------- flat punches
 class PunchLoads(NamedTuple):
     """eta and G of one punch, and their rates per s."""

@@ -61,6 +61,7 @@ from semi_analytic.corrected_memory import (
     Row,
     State,
     Step,
+    area_of_loop,
     followed_of,
 )
 from semi_analytic.profiles import SymmetricContact
@@ -386,9 +387,7 @@ class Driven:
 
     def loop_work(self, rows: slice) -> float:
         """Closed integral of Q dU by straight steps: the second way to the work at constant P."""
-        load = self.followed.tangential_load[rows]
-        means = (load[1:] + load[:-1]) / 2
-        return float(np.sum(means * np.diff(self.displacement[rows])))
+        return area_of_loop(self.followed.tangential_load[rows], self.displacement[rows])
 
 
 def follow_actuator(
