@@ -232,19 +232,17 @@ def judged(case: Case) -> dict[str, Any]:
         coarse = dissipation(case.scene, COARSE) / theory - 1
     except ConvergenceError as failure:
         return row | {"refused": f"finite elements: {failure}"}
+    left = fine - advice.work.value
+    mesh = abs(fine - coarse)
     return row | {
         "finite_elements": fine,
-        "mesh": abs(fine - coarse),
+        "mesh": mesh,
         "advised": advice.work.value,
         "bound": advice.work.uncertainty,
         "declined": advice.declined,
-        "left": fine - advice.work.value,
+        "left": left,
+        "covered": bool(abs(left) <= advice.work.uncertainty + mesh),
     }
-
-
-def is_covered(row: dict[str, Any]) -> bool:
-    """Whether what is left is within the stated uncertainty and that of the finite elements."""
-    return bool(abs(row["left"]) <= row["bound"] + row["mesh"])
 
 
 def summary(rows: list[dict[str, Any]]) -> dict[str, float]:
@@ -256,7 +254,7 @@ def summary(rows: list[dict[str, Any]]) -> dict[str, float]:
     bound = np.array([row["bound"] for row in held])
     return {
         "cases": len(rows),
-        "covered": sum(map(is_covered, held)) / len(held),
+        "covered": sum(row["covered"] for row in held) / len(held),
         "left": float(np.median(left)),
         "most_left": float(np.max(left)),
         "bound_over_left": float(np.median(bound / left)),
@@ -288,7 +286,7 @@ def main(arguments: list[str]) -> int:
             continue
         shares = [row[name] for name in ("finite_elements", "mesh", "advised", "left", "bound")]
         numbers = " ".join(f"{100 * share:9.3f}" for share in shares)
-        verdict = "declined" if row["declined"] else "" if is_covered(row) else "NOT COVERED"
+        verdict = "declined" if row["declined"] else "" if row["covered"] else "NOT COVERED"
         print(words, numbers, verdict, flush=True)
     totals = summary(rows)
     print(json.dumps(totals, indent=1))

@@ -109,7 +109,7 @@ def bound_table() -> Iterator[str]:
     for kind in dict.fromkeys(row["bodies"] for row in content["rows"]):
         of_kind = [row for row in content["rows"] if row["bodies"] == kind]
         held = [row for row in of_kind if "left" in row and not row["declined"]]
-        covered = sum(abs(row["left"]) <= row["bound"] + row["mesh"] for row in held)
+        covered = sum(row["covered"] for row in held)
         cells = [
             kind,
             str(len(of_kind)),

@@ -254,8 +254,9 @@ def _change_of_stick(
         odd_answer(scene, effects)
     except Declined:
         return Estimate(math.nan, math.nan)
+    # edges alone: no work is followed again
     corrected = semi_analytic.solve(
-        scene, x=0.0, cycles="steady", effects=effects, fields=WORK
+        scene, x=0.0, cycles="steady", effects=effects, fields="pressure"
     ).permanent_stick_half_width
     return Estimate(corrected / before - 1, uncertainty + _LEFT_OF_STICK)
 
