@@ -207,19 +207,14 @@ def advise(scene: Scene, limit: float = 0.05, effects: BodyEffects | None = None
     }
     ratio = max(_next_order(effects, leading, half_width) for leading, *_ in _CURVATURES.values())
     parts = _parts(effects, theory, corrected, uncertainties)
-    even = sum(part.value for part in parts.values())
     left_out = _size_of_odd_part(effects, scene, half_width)
     has_odd_part = left_out > 0
     if left_out > _LEAST_ODD_PART:
-        try:
-            odd = semi_analytic.change_by_tilt_and_strain(scene, effects)
-        except InputError:
-            pass  # the profile is none that grids take: the size stays, and the sentence says it
-        else:
+        even = sum(part.value for part in parts.values())
+        odd = _odd_part_of_work(effects, scene, even, ratio)
+        if odd is not None:
+            parts[ODD] = odd
             left_out = 0.0
-            next_order = _NEXT_OF_ODD * ratio * abs(odd.value)
-            product = _PRODUCT * abs(even * odd.value)
-            parts[ODD] = Estimate(odd.value, odd.uncertainty + next_order + product)
     changes = {}
     for key, (name, words) in _VALUES.items():
         before = QUANTITIES[name].of(theory)
@@ -234,6 +229,30 @@ def advise(scene: Scene, limit: float = 0.05, effects: BodyEffects | None = None
             estimate = _change_of_stick(scene, effects, before, uncertainty)
         changes[key] = Change(words, own_values.get(key, before), estimate)
     return Advice(scene, effects, changes, parts, left_out, limit)
+
+
+def _odd_part_of_work(
+    effects: BodyEffects, scene: Scene, even: float, ratio: float
+) -> Estimate | None:
+    """What tilt and bulk strain make of the dissipation; None where neither the second order nor
+    grids take the scene: then their size stays, and the sentence says it.
+
+    Parameters
+    ----------
+    even
+        change by the curvatures
+    ratio
+        of the next order of the bodies
+    """
+    import semi_analytic
+
+    try:
+        odd = semi_analytic.change_by_tilt_and_strain(scene, effects)
+    except InputError:
+        return None
+    next_order = _NEXT_OF_ODD * ratio * abs(odd.value)
+    product = _PRODUCT * abs(even * odd.value)
+    return Estimate(odd.value, odd.uncertainty + next_order + product)
 
 
 def _change_of_stick(
