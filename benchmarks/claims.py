@@ -184,8 +184,10 @@ def measure(
 
 
 def commit() -> str:
-    """The commit that is measured, with a plus sign where files were changed since."""
-    return code_commit().replace(", with changes", "+")
+    """The commit that is measured, with a plus sign where the code was changed since; a section
+    that has just been stored is no change of the code.
+    """
+    return code_commit("*.py").replace(", with changes", "+")
 
 
 # -------------------------------------------------------------------------------------------- files
