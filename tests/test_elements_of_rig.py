@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -9,7 +10,7 @@ import numpy as np
 import pytest
 
 import halfplane_fe
-from halfplane_fe import SolverSettings
+from halfplane_fe import FiniteElementSolution, SolverSettings
 from halfplane_fe.settings import Method
 from meshes import MeshSettings
 from reports.elements_of_rig import solve_rig
@@ -18,6 +19,7 @@ from scenes import (
     EllipseLoad,
     HalfPlane,
     InputError,
+    Pad,
     PolygonLoad,
     Rig,
     Scene,
@@ -137,3 +139,56 @@ def test_theory_finds_the_loads_of_the_finite_elements_by_their_displacements(
     assert np.max(np.abs(force - expected)) < 2e-3 * np.ptp(expected)
     work = driven.work(slice(driven.ends[0], driven.ends[1] + 1))
     assert work == pytest.approx(found.dissipation, rel=5e-3)
+
+
+# ------------------------------------------- published: approach of a cylinder and of a half-plane
+MATERIAL = {"young_modulus": 206e3, "poisson_ratio": 0.3}
+COMPLIANCE = (1 - 0.3**2) / (math.pi * 206e3)
+RADIUS = 254.0
+
+
+def pressed(half_width: float, upper: Any) -> tuple[FiniteElementSolution, float]:
+    """A cylinder on a half-plane without friction, and its load P."""
+    load = half_width**2 / (8 * COMPLIANCE * RADIUS)
+    scene = load_scene("hertz-normal").vary(
+        material=MATERIAL,
+        profile={"kind": "hertz", "radius": RADIUS},
+        bodies={"lower": HalfPlane(), "upper": upper},
+        load=PolygonLoad(initial_loading=((load, 0.0),)),
+        expected=(),
+        tolerances={},
+    )
+    return halfplane_fe.solve(scene), load
+
+
+@pytest.mark.slow
+def test_a_cylinder_is_compressed_as_johnson_states() -> None:
+    """Johnson (1985), section 5.6: from the axis to the contact, on a cut that stays plane and is
+    free to slide, as in the Hertz problem of the Abaqus Benchmarks Guide. Measured: 7e-5.
+    """
+    half_width = 0.05 * RADIUS
+    pad = Pad(width=1.8 * RADIUS, height=RADIUS, base="rollers")
+    found, load = pressed(half_width, pad)
+    datum = found.scene.profile.datum_length
+    of_half_plane = load * COMPLIANCE * (2 * math.log(2 * datum / half_width) + 1)
+    of_cylinder = found.normal_approach[-1] - of_half_plane
+    johnson = load * COMPLIANCE * (2 * math.log(4 * RADIUS / half_width) - 1)
+    assert of_cylinder == pytest.approx(johnson, rel=2e-4)
+
+
+@pytest.mark.slow
+def test_a_half_plane_is_compressed_as_johnson_states() -> None:
+    """The same section, from the contact to a point in the depth d; the rest falls with (a/d)^2.
+    Measured at d = 10 a: 1.1e-3.
+    """
+    half_width = 1.0
+    found, load = pressed(half_width, HalfPlane())
+    lower = halfplane_fe.fields(found, [float(found.time[-1])])[0].bodies[0]
+    on_axis = np.flatnonzero(np.abs(lower.points[:, 0]) < 1e-9)
+    depth = -lower.points[on_axis, 1]
+    sunk = -lower.displacement[on_axis, 1]
+    compression = sunk[np.argmin(depth)] - sunk
+    far = np.argmax(depth)
+    assert depth[far] > 9 * half_width
+    johnson = load * COMPLIANCE * (2 * math.log(2 * depth[far] / half_width) - 0.3 / 0.7)
+    assert compression[far] == pytest.approx(johnson, rel=0.2 * (half_width / depth[far]) ** 2)

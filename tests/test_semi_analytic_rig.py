@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import math
 from collections.abc import Callable, Iterator
+from typing import NamedTuple
 from unittest import mock
 
 import numpy as np
@@ -181,6 +182,70 @@ def test_error_of_the_steps_falls_with_their_square_where_the_normal_load_varies
 
     coarse, middle, fine = (work(steps) for steps in (5, 10, 20))
     assert (coarse - middle) / (middle - fine) == pytest.approx(4.0, abs=0.8)
+
+
+# ------------------------------------------------------------- published: approach under a load
+class Pressed(NamedTuple):
+    """Young's modulus and Poisson's ratio of a body, and where its displacement is prescribed."""
+
+    young_modulus: float
+    poisson_ratio: float
+    distance: float
+    is_cylinder: bool
+
+    @property
+    def compliance(self) -> float:
+        """(1 - nu^2)/E."""
+        return (1 - self.poisson_ratio**2) / self.young_modulus
+
+    def approach(self, load: float, half_width: float) -> float:
+        """Johnson (1985), Contact Mechanics, section 5.6: of a cylinder its axis to the contact, of
+        a half-plane a point in the depth d.
+        """
+        if self.is_cylinder:
+            bracket = 2 * math.log(4 * self.distance / half_width) - 1
+        else:
+            ratio = self.poisson_ratio / (1 - self.poisson_ratio)
+            bracket = 2 * math.log(2 * self.distance / half_width) - ratio
+        return load * self.compliance / math.pi * bracket
+
+    @property
+    def datum_length(self) -> float:
+        """L of the same approach of a half-plane, as docs/displacement-control.md states it."""
+        if self.is_cylinder:
+            return 2 * self.distance / math.e
+        return self.distance * math.exp(-1 / (2 * (1 - self.poisson_ratio)))
+
+
+PRESSED = {
+    # Abaqus Benchmarks Guide, "The Hertz contact problem": cut displaced by 10.16 mm.
+    "cylinders": ((Pressed(206e3, 0.3, 254.0, True), Pressed(206e3, 0.3, 254.0, True)), 127.0),
+    # Ansys Mechanical APDL Verification Manual, VM191: E/(1 - nu^2) is 32 GPa in both.
+    "unlike": ((Pressed(30e3, 0.25, 10.0, True), Pressed(29120.0, 0.3, 13.0, True)), 130 / 23),
+    "roller": ((Pressed(210e3, 0.3, 50.0, True), Pressed(210e3, 0.3, 80.0, False)), 50.0),
+}
+
+
+@pytest.mark.parametrize(("bodies", "radius"), PRESSED.values(), ids=PRESSED)
+def test_the_load_of_an_approach_is_that_of_published_formulas(
+    bodies: tuple[Pressed, Pressed], radius: float
+) -> None:
+    modulus = 1 / sum(body.compliance for body in bodies)
+    half_width = np.array([0.02, 0.1, 0.17]) * radius
+    load = math.pi * modulus * half_width**2 / (4 * radius)
+    approach = np.array(
+        [
+            sum(body.approach(*pair) for body in bodies)
+            for pair in zip(load.tolist(), half_width.tolist(), strict=True)
+        ]
+    )
+    shares = [body.compliance * modulus for body in bodies]
+    lengths = [body.datum_length for body in bodies]
+    datum_length = math.exp(float(np.dot(shares, np.log(lengths))))
+    contact = HertzContact(modulus=modulus, radius=radius, datum_length=datum_length)
+    compliance = Compliance(unit=2 / (math.pi * modulus), datum_length=datum_length)
+    found = loads_of_approach(contact, modulus, compliance, approach)
+    assert found == pytest.approx(load, rel=1e-9)
 
 
 # ----------------------------------------------------------------------------------- planted faults
