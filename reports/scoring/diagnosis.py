@@ -76,8 +76,12 @@ _SAME_RESULTANT = 0.05
 _LEAST_SIZE = 0.005
 # Calls of one search by Levenberg and Marquardt; a size is found in ten to twenty.
 _MOST_CALLS = 40
+# Of a size, to which it is found: mistakes of a table are larger.
+_CLOSE = 1e-6
 # Of the difference, where a prediction has no solution.
 _NO_SOLUTION = 1e20
+# Share of the difference that a cause alone must not exceed for pairs with it to be tried.
+_NO_HELP = 0.98
 # Values in contact of which neighbours do not tell noise from what two causes at once make.
 _FEW_VALUES = 40
 # Explanations of the pressure that the shear decides between.
@@ -224,6 +228,7 @@ class Search:
             [sizes[place] for place in fitted],
             method="lm",
             diff_step=1e-5,
+            xtol=_CLOSE,
             x_scale=np.full(len(fitted), 0.1),
             max_nfev=_MOST_CALLS,
         )
@@ -410,12 +415,22 @@ class Judge:
         few = without.count(channels) < _FEW_VALUES
         if not singles and without.is_noise(channels) and not few:
             return [without]
-        pairs = self._explanations(_pairs(quick), without, channels)
+        helpful = [cause for cause in quick if self._helps(cause)]
+        pairs = self._explanations(_pairs(helpful), without, channels)
         pairs += self._explanations(self._of_small_bodies(pairs), without, channels)
         if singles:
             pairs = [fit for fit in pairs if self._better(fit, singles[0], channels)]
         found = sorted(pairs or singles, key=lambda fit: fit.square(channels))
         return self._near(found, channels) or [without]
+
+    def _helps(self, cause: Cause) -> bool:
+        """Whether a cause alone leaves less of the pressure than none, so that pairs with it are
+        worth their time; nodal forces do not where another fault is larger.
+        """
+        fit = self.search.fit((cause,), (PRESSURE,))
+        if fit is None or cause.key == "coarse_edge":
+            return fit is not None
+        return _share_left(fit, self.without, (PRESSURE,)) < _NO_HELP
 
     def _of_small_bodies(self, fits: Sequence[Fit]) -> list[tuple[Cause, ...]]:
         """Bodies too small in place of the factor of E*, loads or x that does best: a base that is
