@@ -41,6 +41,17 @@ COARSE = (
     "--steps-per-cycle",
     "8",
 )
+# A scene up to its load: half-planes of steel in the library's units.
+HERTZ_SCENE = """
+[material]
+young_modulus = 210e3
+poisson_ratio = 0.3
+[profile]
+kind = "hertz"
+radius = 1000.0
+[friction]
+coefficient = 0.5
+"""
 
 
 @dataclass(frozen=True)

@@ -21,6 +21,7 @@ import pytest
 import semi_analytic
 from command_line import (
     COARSE,
+    HERTZ_SCENE,
     ROOT,
     Done,
     answer_of,
@@ -61,21 +62,15 @@ COMMANDS = {
 }
 NAMES = [name for name in app if not name.startswith("-")]
 ABAQUS = ROOT / "docs" / "examples" / "score" / "abaqus"
-GOOD = """
-[material]
-young_modulus = 210e3
-poisson_ratio = 0.3
-[profile]
-kind = "hertz"
-radius = 1000.0
-[friction]
-coefficient = 0.5
-[load]
+GOOD = (
+    HERTZ_SCENE
+    + """[load]
 kind = "ellipse"
 mean_normal_load = 90.0
 normal_amplitude = 30.0
 tangential_amplitude = 20.0
 """
+)
 STUDY = """
 title = "Friction"
 scene = "hertz-paper"

@@ -2,27 +2,31 @@
 
 from __future__ import annotations
 
+import csv
+import json
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from command_line import COARSE, halfplane, json_of, refused
+from command_line import (
+    COARSE,
+    HERTZ_SCENE,
+    answer_of,
+    halfplane,
+    json_of,
+    refused,
+    require_schema,
+)
 from reports.page.notebook import scene_html
+from reports.page.rig import Motion, RigMotion
 from scenes import load_scene
-from test_cli_commands import answer_of
 
-RIG = """
-[material]
-young_modulus = 210e3
-poisson_ratio = 0.3
-[profile]
-kind = "hertz"
-radius = 1000.0
-[friction]
-coefficient = 0.5
-[load]
+RIG = (
+    HERTZ_SCENE
+    + """[load]
 kind = "polygon"
 initial_loading = [[90.0, 0.0]]
 cycle = [[90.0, 0.01], [90.0, -0.01]]
@@ -31,6 +35,7 @@ tangential_displacement = true
 datum_length = 50.0
 tangential_stiffness = 20000.0
 """
+)
 SERIES = RIG.replace(
     """kind = "polygon"
 initial_loading = [[90.0, 0.0]]
@@ -55,17 +60,73 @@ def answer(folder: Path, *words: str) -> tuple[int, dict[str, Any]]:
     return answer_of(halfplane(folder, *words, "--json"), *words)
 
 
-def test_check_and_exact_say_how_far_the_bodies_slide(folder: Path) -> None:
+def test_check_and_run_say_how_far_the_bodies_slide(folder: Path) -> None:
     code, checked = answer(folder, "check", "rig.toml")
     assert code == 0
     slides = [note for note in checked["notes"] if "slide as a whole by" in note]
     assert len(slides) == 1
-    code, solved = answer(folder, "exact", "rig.toml", "--out", "out")
-    assert code == 0
+    ran = json.loads(halfplane(folder, "run", "rig.toml", "--out", "out", "--json").stdout)
+    require_schema(ran)
+    assert (ran["command"], ran["exit_code"]) == ("exact", 0)
+    solved = ran["result"]
     assert solved["dissipation"] == pytest.approx(checked["rig"]["dissipation"], rel=1e-12)
     found = load_scene(folder / "out" / "scene.json").load
     assert np.abs(np.array(found.cycle)[:, 1]).max() == pytest.approx(45.0, rel=1e-12)
     assert json_of(folder / "out" / "semi_analytic.json")["notes"] == solved["notes"]
+    way = float(slides[0].split("slide as a whole by ")[1].split()[0])
+    page = (folder / "out" / "report.html").read_text(encoding="utf-8")
+    assert f"The bodies slide as a whole by {way:.6g} mm in the last cycle." in page
+    assert page.count("<figure") == 2
+    assert "P and Q follow from the displacements" in page
+    assert Path(solved["page"]).name == "report.html"
+    # The figures' table: it slides there and back, by the same way, and Q rests meanwhile.
+    with (folder / "out" / "figures" / "rig_over_time.csv").open(encoding="utf-8") as lines:
+        rows = list(csv.DictReader(lines))
+    slip = [float(row["way that the bodies slide [mm]"]) for row in rows]
+    for motion, force in (("slides forward", 45.0), ("slides back", -45.0)):
+        sliding = [
+            number
+            for number, row in enumerate(rows)
+            if number and row["motion in the step before"].startswith(motion)
+        ]
+        assert {round(float(rows[number]["Q [N/mm]"]), 9) for number in sliding} == {force}
+        distance = sum(abs(slip[number] - slip[number - 1]) for number in sliding)
+        assert distance == pytest.approx(way / 2, rel=1e-5)
+
+
+def test_a_page_that_fails_leaves_the_answer(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fault(*_arguments: object, **_named: object) -> None:
+        raise RuntimeError("no page")
+
+    monkeypatch.setattr("reports.page.rig.write", fault)
+    halfplane(folder, "run", "series.toml", "--out", "out")
+    assert json_of(folder / "out" / "semi_analytic.json")["dissipation"] > 0
+    assert not (folder / "out" / "report.html").exists()
+
+
+SLIDING = {
+    "normal_load": [1.0, 1.0, 1.0, 1.0, 1.0, 0.0, 1.0],
+    "tangential_load": [0.0, 0.1, 0.5, 0.5, -0.5, 0.0, 0.0],
+    "contact_half_width": [1.0, 1.0, 1.0, 1.0, 1.0, 0.0, 1.0],
+    "stick_half_width": [1.0, 0.9, np.nan, np.nan, np.nan, np.nan, 1.0],
+}
+
+
+def test_a_motion_is_that_of_a_step_between_two_instants() -> None:
+    """What begins or ends to slide within a step does not slide as a whole in it."""
+    solution = SimpleNamespace(
+        last_cycle=np.arange(7), **{name: np.array(values) for name, values in SLIDING.items()}
+    )
+    scene = SimpleNamespace(friction=SimpleNamespace(coefficient=0.5))
+    motions = RigMotion(scene, solution).motions[1:]  # type: ignore[arg-type]
+    assert [Motion(int(motion)).name for motion in motions] == [
+        "PARTIAL",
+        "PARTIAL",
+        "FORWARD",
+        "PARTIAL",
+        "APART",
+        "APART",
+    ]
 
 
 def test_a_series_has_a_column_of_displacements_in_its_unit(folder: Path) -> None:

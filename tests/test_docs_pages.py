@@ -30,7 +30,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from command_line import COARSE, halfplane
+from command_line import COARSE, HERTZ_SCENE, halfplane
 from fuzzing import DOORS
 from reports.cli.application import app
 from scenes import Scene, Tolerances, scene_names, scene_text
@@ -594,20 +594,14 @@ def test_every_key_of_the_library_is_in_its_table() -> None:
 
 # ---------------------------------------------------------------------------------- troubleshooting
 TROUBLE = TEXTS["troubleshooting.md"].replace("\\|", "|")
-SCENE = """
-[material]
-young_modulus = 210e3
-poisson_ratio = 0.3
-[profile]
-kind = "hertz"
-radius = 1000.0
-[friction]
-coefficient = 0.5
-[load]
+SCENE = (
+    HERTZ_SCENE
+    + """[load]
 kind = "polygon"
 initial_loading = [[90.0, 0.0]]
 cycle = [[90.0, 27.0], [90.0, -27.0]]
 """
+)
 BLOCK = '[bodies.lower]\nkind = "block"\nwidth = 20.0\nheight = 5.0\n'
 RECORD = (
     '"polygon"\ninitial_loading = [[90.0, 0.0]]\ncycle = [[90.0, 27.0], [90.0, -27.0]]',

@@ -277,11 +277,13 @@ def run(job: Job) -> Answer:
     if no_comparison := engines.in_words(job.source):
         _require_no_option_of_both(job, no_comparison)
         complain(f"halfplane: {job.scene.name}: no comparison. {no_comparison}")
+        if job.scene.load.is_driven:
+            return _answer_of_rig(job, no_comparison)
         if engines.half_plane:  # the reason why theory does not take it
             solution = solve_finite_elements(job)
             command = "fe"
         else:
-            solution = _solve_rig(job) if job.scene.load.is_driven else _solve_half_plane(job)
+            solution = _solve_half_plane(job)
             command = "exact"
         return replace(_answer_alone(job, solution, no_comparison), command=command)
     if options.third:
@@ -669,6 +671,23 @@ def _answer_alone(job: Job, solution: ContactSolution, note: str = "") -> Answer
         }
 
     return Answer(code, parts(), content, scene.name)
+
+
+def _answer_of_rig(job: Job, no_comparison: str) -> Answer:
+    """The answer of theory to prescribed displacements, saved first, and its page."""
+    solution = _solve_rig(job)
+    answer = _answer_alone(job, solution, no_comparison)
+    with job.stages.stage("report"):
+        from reports.page.rig import RigMotion, write
+
+        rig = RigMotion(job.scene, solution)
+        page = write(rig, job.folder, job.command("run"), no_comparison)
+
+    def content() -> dict[str, Any]:
+        assert answer.content is not None  # for the type checker: an engine's answer has JSON
+        return {**answer.content(), "page": str(page)}
+
+    return replace(answer, parts=(*answer.parts, str(page)), content=content, command="exact")
 
 
 _INSTANTS = (

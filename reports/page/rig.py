@@ -1,0 +1,304 @@
+"""The page of a scene whose rig prescribes a displacement: the loop at the contact and at the
+actuator, what the contact does over time, and how far the bodies slide as a whole.
+
+All of it is of one answer, by either engine; its loads follow from the displacement.
+"""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from reports.charts.plate import Axis, Block, Curve, Key, Mark, Panel, Plate, Rule, limits, worded
+from reports.charts.templating import Table, script, template
+from reports.comparison.words import summary_rows
+from reports.folder import filled
+from reports.units import energy_unit, load_unit, minus, units
+from scenes import ContactSolution, Scene
+from scenes.array_types import Array, Indices
+
+_WIDTH = 900.0
+# Share of f P from which on the contact counts as sliding as a whole, where P varies within a step.
+_AT_LIMIT = 1e-6
+# Share of a half-width within which two are the same.
+_SAME = 1e-9
+
+
+class Motion(enum.IntEnum):
+    """What a contact does between two instants."""
+
+    APART = 0
+    STICK = 1
+    PARTIAL = 2
+    FORWARD = 3
+    BACK = 4
+
+
+_MOTIONS = {
+    Motion.APART: ("state-0", "apart"),
+    Motion.STICK: ("state-1", "sticks"),
+    Motion.PARTIAL: ("pale-stick", "partial slip"),
+    Motion.FORWARD: ("pale-forward", "slides forward as a whole"),
+    Motion.BACK: ("pale-reverse", "slides back as a whole"),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class RigMotion:
+    """What a rig and its contact do in the last cycle, or on the path where there is none.
+
+    Attributes
+    ----------
+    scene
+        as stated, with displacements
+    solution
+        under the loads that follow from them
+    """
+
+    scene: Scene
+    solution: ContactSolution
+
+    @property
+    def noun(self) -> str:
+        """What is shown."""
+        return "path" if self.solution.scene.load.path().period is None else "last cycle"
+
+    @cached_property
+    def rows(self) -> Indices:
+        """(k,) steps that are shown."""
+        return self.solution.last_cycle
+
+    @property
+    def time(self) -> Array:
+        """(k,) instants."""
+        return self.solution.time[self.rows]
+
+    @property
+    def normal_load(self) -> Array:
+        """P, (k,)."""
+        return self.solution.normal_load[self.rows]
+
+    @property
+    def tangential_load(self) -> Array:
+        """Q, (k,)."""
+        return self.solution.tangential_load[self.rows]
+
+    @property
+    def actuator(self) -> Array:
+        """U_act, (k,) [length]."""
+        return np.asarray(self.scene.load.path_of_actuators().at(self.time)[1])
+
+    @property
+    def contact(self) -> Array:
+        """U of the contact, (k,) [length]: that of the actuator without the spring."""
+        stiffness = self.scene.rig.tangential_stiffness
+        if stiffness is None:
+            return self.actuator
+        return np.asarray(self.actuator - self.tangential_load / stiffness)
+
+    @cached_property
+    def motions(self) -> Indices:
+        """`Motion` of the step that ends at each instant, (k,); that of the first one is of no
+        step.
+        """
+        load = self.normal_load
+        force = self.tangential_load
+        stick = self.solution.stick_half_width[self.rows]
+        contact = self.solution.contact_half_width[self.rows]
+        is_apart = load <= 0
+        limit = self.scene.friction.coefficient * load * (1 - _AT_LIMIT)
+        sense = np.where(~is_apart & np.isnan(stick) & (np.abs(force) >= limit), np.sign(force), 0)
+        sticks = stick >= contact * (1 - _SAME)
+        motions = np.full(len(load), Motion.PARTIAL, dtype=np.int64)
+        before = np.maximum(np.arange(len(load)) - 1, 0)
+        motions[sticks & (sense[before] == 0)] = Motion.STICK
+        motions[(sense > 0) & (sense[before] > 0)] = Motion.FORWARD
+        motions[(sense < 0) & (sense[before] < 0)] = Motion.BACK
+        motions[is_apart | is_apart[before]] = Motion.APART
+        return motions
+
+    @cached_property
+    def way(self) -> Array:
+        """Slip of the middle of the contact since the first instant, (k,) [length]: where it moves,
+        the bodies slide as a whole.
+        """
+        middle = int(np.argmin(np.abs(self.solution.x)))
+        slip = self.solution.slip[self.rows, middle]
+        return np.asarray(slip - slip[0])
+
+    def share(self, motion: Motion) -> float:
+        """Share of the time with that motion."""
+        duration = np.diff(self.time)
+        return float(np.sum(duration[self.motions[1:] == motion]) / np.sum(duration))
+
+    def distance(self, motion: Motion) -> float:
+        """Way of the middle of the contact in that motion, whatever its sign [length]."""
+        steps = np.abs(np.diff(self.way))
+        return float(np.sum(steps[self.motions[1:] == motion]))
+
+    def stretches(self) -> Iterator[tuple[Motion, float, float]]:
+        """Each motion with the instants between which it lasts."""
+        motions = self.motions[1:]
+        changes = np.flatnonzero(np.diff(motions)) + 1
+        begins = [0, *changes.tolist()]
+        ends = [*changes.tolist(), len(motions)]
+        for begin, end in zip(begins, ends, strict=True):
+            yield Motion(int(motions[begin])), float(self.time[begin]), float(self.time[end])
+
+
+# ------------------------------------------------------------------------------------------ figures
+def _loop(rig: RigMotion) -> Plate:
+    """Q over the displacement of the contact, and of the actuator where a spring is between."""
+    length = units(rig.scene)[1]
+    load = load_unit(rig.scene)
+    columns = {
+        "time": rig.time,
+        f"P [{load}]": rig.normal_load,
+        f"Q [{load}]": rig.tangential_load,
+        f"U of the contact [{length}]": rig.contact,
+        f"U of the actuator [{length}]": rig.actuator,
+    }
+    curves = [Curve(rig.contact, rig.tangential_load, "c0 bold", "contact")]
+    if rig.scene.rig.tangential_stiffness is not None:
+        curves.append(Curve(rig.actuator, rig.tangential_load, "c1 dash", "actuator"))
+    across = limits(*(curve.x for curve in curves))
+    panel = Panel(
+        "rig-loop",
+        Axis(*across, f"displacement U  [{length}]"),
+        Axis(*limits(rig.tangential_load), f"Q  [{load}]"),
+        [Rule(0.0, "zero"), *curves],
+        "Loop of the tangential load over the displacement",
+        _WIDTH,
+        380.0,
+        css="broad",
+    )
+    keys = [Key(curve.css, curve.label) for curve in curves]
+    return worded(
+        "rig_loop", [panel], columns, keys, columns=1, noun=rig.noun, has_spring=len(curves) > 1
+    )
+
+
+def _over_time(rig: RigMotion) -> Plate:
+    """Q between the limits of friction over time, above what the contact does; beneath, the
+    displacement of actuator and contact, and the way that the bodies slide.
+    """
+    length = units(rig.scene)[1]
+    load = load_unit(rig.scene)
+    limit = rig.scene.friction.coefficient * rig.normal_load
+    force_range = limits(limit, -limit)
+    force_marks: list[Mark] = [
+        Block((begin, end), force_range, _MOTIONS[motion][0])
+        for motion, begin, end in rig.stretches()
+    ]
+    force_marks += [
+        Curve(rig.time, limit, "cone", "f P"),
+        Curve(rig.time, -limit, "cone", "−f P"),
+        Curve(rig.time, rig.tangential_load, "c5 bold", "Q"),
+    ]
+    moved = [
+        Curve(rig.time, rig.actuator, "c1 dash", "U of the actuator"),
+        Curve(rig.time, rig.contact, "c0", "U of the contact"),
+        Curve(rig.time, rig.way, "c2 bold", "way that the bodies slide"),
+    ]
+    time = Axis(float(rig.time[0]), float(rig.time[-1]), "time")
+
+    def panel(name: str, up: Axis, marks: Sequence[Mark], alt: str) -> Panel:
+        return Panel(name, time, up, marks, alt, _WIDTH, 300.0, css="broad", time="x")
+
+    panels = [
+        panel("rig-force", Axis(*force_range, f"Q  [{load}]"), force_marks, "Q over time"),
+        panel(
+            "rig-way",
+            Axis(*limits(*(curve.y for curve in moved)), f"displacement  [{length}]"),
+            [Rule(0.0, "zero"), *moved],
+            "Displacements over time",
+        ),
+    ]
+    keys = [Key("c5 bold", "Q"), Key("cone", "±f P")]
+    keys += [Key(curve.css, curve.label) for curve in moved]
+    shown = {motion for motion, _, _ in rig.stretches()}
+    keys += [Key(*_MOTIONS[motion], patch=True) for motion in Motion if motion in shown]
+    columns: Table = {
+        "time": rig.time,
+        f"Q [{load}]": rig.tangential_load,
+        f"f P [{load}]": limit,
+        f"way that the bodies slide [{length}]": rig.way,
+        "motion in the step before": [_MOTIONS[Motion(k)][1] for k in rig.motions.tolist()],
+    }
+    return worded("rig_over_time", panels, columns, keys, columns=1, noun=rig.noun)
+
+
+# ------------------------------------------------------------------------------------------ numbers
+def rows_of(rig: RigMotion) -> list[tuple[str, str]]:
+    """The first table: strokes, loads, dissipation, motions."""
+    length = units(rig.scene)[1]
+    load = load_unit(rig.scene)
+    work = rig.solution.dissipation
+    least_load = float(np.min(rig.normal_load))
+    largest_load = float(np.max(rig.normal_load))
+    loads = f"{least_load:.6g} to {largest_load:.6g}"
+    rows = [
+        (f"stroke of the actuator [{length}]", f"{np.ptp(rig.actuator):.6g}"),
+        (f"stroke of the contact [{length}]", f"{np.ptp(rig.contact):.6g}"),
+        (f"P [{load}]", f"{largest_load:.6g}" if least_load == largest_load else loads),
+        (
+            f"Q [{load}]",
+            minus(f"{np.min(rig.tangential_load):.6g} to {np.max(rig.tangential_load):.6g}"),
+        ),
+        (f"dissipation W of the {rig.noun} [{energy_unit(rig.scene)}]", f"{work:.6g}"),
+    ]
+    for motion in Motion:
+        share = rig.share(motion)
+        if not share:
+            continue
+        words = f"{100 * share:.3g} % of the time"
+        if motion in (Motion.FORWARD, Motion.BACK):
+            words += f", over {rig.distance(motion):.6g} {length}"
+        rows.append((_MOTIONS[motion][1], words))
+    return rows
+
+
+def _sentence(rig: RigMotion) -> str:
+    """What matters first."""
+    length = units(rig.scene)[1]
+    way = rig.distance(Motion.FORWARD) + rig.distance(Motion.BACK)
+    if way:
+        first = f"The bodies slide as a whole by {way:.6g} {length} in the {rig.noun}."
+    else:
+        first = f"Nothing slides as a whole in the {rig.noun}."
+    return f"{first} W = {rig.solution.dissipation:.6g} {energy_unit(rig.scene)}."
+
+
+def write(rig: RigMotion, out: str | Path, command: str, no_comparison: str) -> Path:
+    """The page and the CSV of each figure, beside the solution that is saved there; returns the
+    path of the page.
+
+    `no_comparison` is the sentence on what the other engine was not asked.
+    """
+    program, digest = script()
+    drawings = (_loop(rig), _over_time(rig))
+    summary = summary_rows(rig.solution)
+    with filled(out, fresh=("report.html", "figures/")) as folder:
+        (folder / "figures").mkdir()
+        for drawing in drawings:
+            path = folder / "figures" / f"{drawing.name}.csv"
+            path.write_text(drawing.csv(), encoding="utf-8")
+        page = template("rig.html").render(
+            title=rig.scene.title or rig.scene.name,
+            scene=rig.scene,
+            sentence=_sentence(rig),
+            rows=rows_of(rig),
+            summary=[row for row in summary if row[0] != "note"],
+            notes=(*rig.solution.record.notes, no_comparison),
+            drawings=drawings,
+            command=command,
+            script=program,
+            script_hash=digest,
+        )
+        (folder / "report.html").write_text(page, encoding="utf-8")
+    return Path(out) / "report.html"
