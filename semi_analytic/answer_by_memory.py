@@ -320,8 +320,8 @@ class PathResult:
         largest (P - P_c)/P of all that was followed
     works
         (n_cycles,) friction work of the covered cycles, NaN where it was not wanted
-    work_error
-        largest relative error of these
+    work_errors
+        (n_cycles,) their relative errors
     density
         (k,) W(x) of the last cycle, NaN where it was not wanted
     density_error
@@ -343,7 +343,7 @@ class PathResult:
     least_front: float
     slipped_share: float
     works: Array
-    work_error: float
+    work_errors: Array
     density: Array
     density_error: float
     loop: LoopWork | None
@@ -526,7 +526,7 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
         least_front=sums.least_front,
         slipped_share=float(np.max(sums.shares)),
         works=sums.works[covered] if wants_work else np.full(len(covered), math.nan),
-        work_error=float(np.max(errors[covered])) if wants_work else 0.0,
+        work_errors=errors[covered] if wants_work else np.zeros(len(covered)),
         density=sums.density if wants_density else np.full(len(sums.density), math.nan),
         density_error=rounding[last_part] if wants_density else 0.0,
         loop=loop.value if loop is not None else None,
@@ -589,7 +589,7 @@ def _result_of_history(history: History, request: Request) -> PathResult:
         least_front=least_front,
         slipped_share=slipped_share(history.spans),
         works=np.array([works[k].work if works else math.nan for k in history.covered]),
-        work_error=max((cycle.error for cycle in works.values()), default=0.0),
+        work_errors=np.array([works[k].error if works else 0.0 for k in history.covered]),
         density=density,
         density_error=density_error,
         loop=loop,
@@ -815,7 +815,8 @@ def _errors(
     loop_work: float,
 ) -> dict[str, float]:
     """Estimated errors of what was asked for over the largest p, f p, s, U, W(x) or W, where closed
-    forms promise less. `arc_errors` are those of integrals over arcs.
+    forms promise less. "cycle_dissipation" is that of the worst cycle, where it is above that of
+    the last. `arc_errors` are those of integrals over arcs.
 
     Raises
     ------
@@ -836,7 +837,11 @@ def _errors(
     if request.wants("dissipation"):
         errors["loop_work"], errors["dissipation"] = _errors_of_work(request, answer, loop_work)
         errors["dissipation_density"] += errors["dissipation"]
-    names = (*request.fields, "loop_work", *(f"{name} at the edge" for name in request.fields))
+        of_worst_cycle = float(np.max(answer.work_errors))
+        if of_worst_cycle > errors["dissipation"]:
+            errors["cycle_dissipation"] = of_worst_cycle
+    of_work = ("loop_work", "cycle_dissipation")
+    names = (*request.fields, *of_work, *(f"{name} at the edge" for name in request.fields))
     return {name: error for name, error in errors.items() if error and name in names}
 
 
@@ -924,17 +929,18 @@ def _error_at_edges(
 def _errors_of_work(request: Request, answer: PathResult, loop_work: float) -> tuple[float, float]:
     """Relative errors of the closed integral of Q dU and of W.
 
-    Of the two routes W keeps more digits where slip is tiny: what they differ by is the error of
-    the other one.
+    Both are of the last cycle: the cycles before it may slip so little that W keeps few digits
+    there. Of the two routes W keeps more digits where slip is tiny: what they differ by is the
+    error of the other one.
     """
     work = float(answer.works[-1])
+    of_work = float(answer.work_errors[-1])
     difference = 0.0
     if math.isfinite(loop_work) and work > 0:
         difference = abs(loop_work / work - 1)
-    of_loop = answer.work_error + difference
+    of_loop = of_work + difference
     if of_loop <= PROMISED:
         of_loop = 0.0
-    of_work = answer.work_error
     if work > 0 and not request.contact.closed_form:
         # What the last digits of U leave in the loop says nothing of W.
         rounding = _OF_LOOP * answer.loop.rounding / work if answer.loop is not None else 0.0
@@ -996,7 +1002,11 @@ def _notes_of_errors(errors: Mapping[str, float]) -> Iterator[str]:
     """A sentence for each error that is large."""
     for name, error in errors.items():
         if error > _DOUBTFUL and "edge" not in name:
-            size = "it" if name in ("dissipation", "loop_work") else "the largest value"
+            size = "the largest value"
+            if name in ("dissipation", "loop_work"):
+                size = "it"
+            elif name == "cycle_dissipation":
+                size = "W of a cycle before the last"
             error_words = f"an error of {error:.1e} of {size}"
             yield f"{name}: quadratures and rounding may have left {error_words}"
 

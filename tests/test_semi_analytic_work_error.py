@@ -294,6 +294,18 @@ def test_so_it_is_of_random_loops(seed):
         assert stated <= ABOVE * max(error, ROUNDING), loop
 
 
+def test_the_error_of_the_first_cycle_is_none_of_the_last():
+    """With cycles="all" W of the last cycle stated 2e-4, which the first cycle alone has."""
+    _, friction, mean, amplitude, tangential, phase = LOOPS["next to no slip, nearly unloads"]
+    scene = make_scene(ellipse(mean, amplitude, 0.0, tangential, phase), friction)
+    answer = solve(scene, x=[0.0], fields=("dissipation",))
+    errors = answer.record.errors
+    steady = solve(scene, x=[0.0], fields=("dissipation",), cycles="steady")
+    assert errors.get("dissipation", 0.0) <= ABOVE * ROUNDING
+    assert answer.dissipation == pytest.approx(steady.dissipation, rel=ROUNDING)
+    assert 1e-6 < errors["cycle_dissipation"] < 1e-2
+
+
 def test_what_the_kernel_loses_is_stated(monkeypatch):
     """Of the slip area by a rule of two nodes, not twelve: the two routes to W differ, and that
     counts.
