@@ -143,7 +143,8 @@ class RunValues:
     tangential_displacement, normal_approach
         (k,) [length]
     largest_slip
-        largest range of the slip of a node while it is in contact [length]
+        largest range of the slip of a node while it is in contact [length]; 0 where that is round-off
+        error of the slip
     largest_dissipation_density
         largest W(x) [energy / area]
     number, repeats
@@ -190,12 +191,15 @@ def run_values(
     time = np.array([state.time for state in states])
     slip = np.array([state.slip for state in states])
     closed = np.array([state.closed for state in states])
+    largest_slip = float(range_of_slip(slip, closed).max())
+    if largest_slip <= _ROUND_OFF * float(np.max(np.abs(slip))):
+        largest_slip = 0.0
     density = run.cycle_density[-1] if run.cycle_density else np.zeros_like(weights)
     return RunValues(
         since_start=time - time[0],
         tangential_displacement=np.array([state.shift for state in states]) * displacement_unit,
         normal_approach=np.array([state.approach for state in states]) * displacement_unit,
-        largest_slip=float(range_of_slip(slip, closed).max()) * displacement_unit,
+        largest_slip=largest_slip * displacement_unit,
         largest_dissipation_density=float(np.max(density / weights))
         * displacement_unit
         * stress_unit,

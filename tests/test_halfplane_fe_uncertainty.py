@@ -181,6 +181,21 @@ def test_without_a_second_mesh_there_is_no_estimate(paper: FiniteElementSolution
     assert pressed.uncertainties["largest_slip"] == 0
 
 
+def test_slip_that_is_round_off_is_not_resolved() -> None:
+    """Q is 1e-3 of what slides: an increment releases nodes that then stick. Their slip of 1e-16 µm
+    was stated to 1e-16, and as -100 % of theory's 6e-6 µm to 4e-9 %.
+    """
+    load = {"mean_tangential_load": 0.0, "tangential_amplitude": 0.03}
+    scene = load_scene("hertz-paper").vary(load=load, tolerances={})
+    answer = halfplane_fe.solve(scene, COARSE, SolverSettings(steps_per_cycle=24))
+    assert math.isnan(answer.uncertainties["largest_slip"])
+    theory = semi_analytic.solve(scene, x=answer.x, time=answer.time)
+    metric = compare(theory, answer).metric("largest_slip")
+    assert metric.value is None
+    assert "narrower than an element" in metric.note
+    assert metric.amounts[1] < 1e-15 < metric.amounts[0]
+
+
 @pytest.mark.parametrize(("share_of_sliding", "is_known"), [(0.06, False), (0.2, True)])
 def test_where_hardly_anything_slips_the_largest_density_has_no_estimate(
     share_of_sliding: float, is_known: bool

@@ -38,10 +38,16 @@ _NOTHING = 1e-12
 _UNRESOLVED = 0.1
 # Of the same share: below, both are the same to the digits of a table.
 _SAME_DIGITS = 1e-6
+# Of the finite elements, over their largest slip: their compliances are factorised.
+_ROUND_OFF_OF_SLIP = 1e-11
 # Over a_ref: stick edges this close to the contact edges are those.
 _SAME_EDGE = 1e-9
 
 _NOT_IN_CONTACT = "no instant has points in contact in both"
+_NO_SLIP_RESOLVED = (
+    "no node of the finite elements slips by more than round-off while it is in contact: what"
+    " slips is narrower than an element; make edge_element_size smaller"
+)
 _NO_LOOP = "the path is not periodic: no loop"
 _NO_DATUM = "no datum: c_t of these bodies is not known"
 _WITH_COMPLIANCES = "with c_t, c_n of these bodies"
@@ -365,6 +371,10 @@ def largest_slip(pair: Pair) -> Measured:
     largest = float(range_in_result.max())
     measured = _beside_theory(pair, "slip", common, largest, pair.scales.slip)
     measured = _with_stated(pair, measured, "largest_slip", "slip")
+    if pair.result.engine == "halfplane_fe" and measured.amounts is not None:
+        round_off = _ROUND_OFF_OF_SLIP * float(np.max(np.abs(pair.found.slip)))
+        if largest <= round_off < measured.amounts[0]:
+            return replace(measured, value=None, note=_NO_SLIP_RESOLVED)
     return replace(measured, place=_place_of_largest(pair, range_in_result))
 
 
