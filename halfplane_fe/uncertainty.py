@@ -143,8 +143,8 @@ class RunValues:
     tangential_displacement, normal_approach
         (k,) [length]
     largest_slip
-        largest range of the slip of a node while it is in contact [length]; 0 where that is round-off
-        error of the slip
+        largest range of the slip of a node while it is in contact [length]; 0 where that is
+        round-off error of the slip
     largest_dissipation_density
         largest W(x) [energy / area]
     number, repeats

@@ -200,6 +200,12 @@ def _score_shown(report: Report, page: str) -> Iterator[Part]:
     """Guesses, verdict, likely causes, and the mesh study where it is one."""
     yield from (f"Assumed: {sentence}." for sentence in report.guesses)
     yield from verdict_shown(report)
+    on_points = [m.label for m in report.comparison.headlines if m.is_on_points_of_result]
+    if on_points:
+        yield (
+            f"Differences at the points and instants of the result: {'; '.join(on_points)}. There"
+            " the reference has other values than its own in the table."
+        )
     # headlines without a value, those with one reason in one line
     reasons: dict[str, list[str]] = {}
     for metric in report.comparison.headlines:

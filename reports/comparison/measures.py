@@ -114,6 +114,21 @@ class Measured(PythonNumbers):
         """That of the reference."""
         return self._in_its_unit(self.stated[0])
 
+    @property
+    def is_on_points_of_result(self) -> bool:
+        """Whether the value is no difference of the two amounts: it is taken at the points and
+        instants of the result, where the reference has another value than its own.
+
+        >>> Measured(value=0.0, amounts=(4.0, 3.9), denominator=3.9).is_on_points_of_result
+        True
+        """
+        if self.value is None or self.amounts is None or self.denominator is None:
+            return False
+        of_reference, of_result = self.amounts
+        difference = self.value * self.denominator
+        missed = abs(of_result - of_reference - difference)
+        return missed > _SAME_DIGITS * max(abs(of_reference), abs(of_result))
+
     def _in_its_unit(self, uncertainty: float | None) -> float | None:
         if uncertainty is None or not math.isfinite(uncertainty) or self.denominator is None:
             return None
