@@ -24,11 +24,14 @@ import architecture
 import quoting
 import reference
 
+import halfplane_fe
+import semi_analytic
 from reports.comparison.metrics import markdown
+from reports.page.rig import RigMotion, loops
 from reports.studies.paper.cases import Paper, paper
 from reports.studies.paper.page import misprints
 from reports.studies.paper.tables import proven_in_words
-from scenes import Scene, load_scene, scene_names
+from scenes import Scene, load_scene, rig_names, scene_names
 
 FOLDER = Path(__file__).parent
 ROOT = FOLDER.parent
@@ -37,6 +40,7 @@ sys.path.append(str(ROOT / "benchmarks"))  # the table of cases
 WRITTEN = "<!-- written by `make pages` -->"
 THIRD = ROOT / "benchmarks" / "third.json"
 BOUND = ROOT / "benchmarks" / "bound.json"
+LOOPS = "figures/rigs.svg"
 ROUNDING = re.compile(r"(?<![\w.])(?:0|\d(?:\.\d+)?e-1[3-9])(?!\w|\.\d)")
 
 
@@ -56,7 +60,7 @@ def made(examples: Paper | None = None) -> dict[str, str]:
         "verification.md": "\n".join(verification()) + "\n",
         "gallery.md": "\n".join(gallery()) + "\n",
         "misprints.md": "\n".join(misprint_page(examples)) + "\n",
-        "scenes.md": between(written["scenes.md"], "the library", library()),
+        "scenes.md": scenes_page(written["scenes.md"]),
         "expected.csv": expected(),
         "third.md": third_solver(written["third.md"]),
         "maps.md": between(written["maps.md"], "the bound", bound_table()),
@@ -279,10 +283,16 @@ SYMBOLS = {
 }
 
 
-def library() -> Iterator[str]:
+def scenes_page(text: str) -> str:
+    """The page of scenes with its tables: scenes of given loads, and rigs."""
+    with_scenes = between(text, "the library", library(scene_names()))
+    return between(with_scenes, "the rigs", library(rig_names()))
+
+
+def library(names: Iterable[str]) -> Iterator[str]:
     """The table of scenes: a row a scene."""
     rows = []
-    for scene in map(load_scene, scene_names()):
+    for scene in map(load_scene, names):
         purpose = f"{scene.title}. {scene.purpose[0].upper()}{scene.purpose[1:]}."
         of_theory = numbers(scene, "half-plane theory", 9)
         of_elements = numbers(scene, "finite elements", 6)
@@ -308,7 +318,7 @@ def expected() -> str:
     written = io.StringIO()
     rows = csv.writer(written, lineterminator="\n")
     rows.writerow(["scene", "quantity", "value", "tolerance", "engine", "source"])
-    for scene in map(load_scene, scene_names()):
+    for scene in map(load_scene, (*scene_names(), *rig_names())):
         for entry in scene.expected:
             rows.writerow(
                 [
@@ -347,6 +357,26 @@ def gallery() -> Iterator[str]:
             "",
         )
         yield f"![Both engines on {name}](../reports/published/{name}.svg)"
+    yield from (
+        "",
+        "## Rigs",
+        "",
+        "Loops of the [scenes that prescribe a displacement](scenes.md#rigs), by theory:",
+        "`halfplane run NAME` makes the page of one. No page lays both engines over each other",
+        "here: each finds loads of its own.",
+        "",
+        f"![Loops of {', '.join(rig_names())}]({LOOPS})",
+    )
+
+
+def loops_of_rigs() -> str:
+    """The picture of the loops of all rigs of the library, by theory."""
+    motions = []
+    for scene in map(load_scene, rig_names()):
+        effects = None if scene.bodies.half_planes else halfplane_fe.body_effects(scene)
+        solution = semi_analytic.solve(scene, x=[0.0], fields=("dissipation",), effects=effects)
+        motions.append(RigMotion(scene, solution))
+    return loops(motions).svg() + "\n"
 
 
 def misprint_page(examples: Paper) -> Iterator[str]:
@@ -378,7 +408,7 @@ def prose(text: str) -> str:
 
 def main() -> int:
     """Write what is not as the files and engines say."""
-    for name, text in made().items():
+    for name, text in (made() | {LOOPS: loops_of_rigs()}).items():
         path = FOLDER / name
         before = path.read_text(encoding="utf-8") if path.is_file() else ""
         stale = without_rounding(before) != without_rounding(text)

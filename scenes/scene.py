@@ -8,6 +8,7 @@ import json
 import os
 from collections.abc import Mapping
 from importlib import resources
+from importlib.resources.abc import Traversable
 from numbers import Real
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self, get_args
@@ -33,8 +34,8 @@ Origin = Literal["paper", "benchmark", "made-up-record"]
 ProfileTag = Literal["hertz", "flat", "compound", "wedge", "profile"]
 BodyTag = Literal["half-planes", "bodies", "block", "pad", "cylinder", "unlike"]
 LoadKind = Literal["ellipse", "polygon", "harmonics", "time-series"]
-LoadTag = Literal["line", "constant-load", "normal-only", "bulk", "tilt", "unloading"]
-Happens = Literal["partial-slip", "full-stick", "near-sliding", "frictionless"]
+LoadTag = Literal["rig", "line", "constant-load", "normal-only", "bulk", "tilt", "unloading"]
+Happens = Literal["partial-slip", "full-stick", "near-sliding", "gross-sliding", "frictionless"]
 Tag = Literal[Origin, ProfileTag, BodyTag, LoadKind, LoadTag, Happens, "closed-form"]
 """The last: what its expected numbers rest on."""
 
@@ -447,36 +448,59 @@ _LIBRARY = resources.files("scenes") / "library"
 
 
 def scene_names() -> tuple[str, ...]:
-    """Names of the scenes in the library, in alphabetical order.
+    """Names of the scenes of given loads in the library, in alphabetical order: those that both
+    engines take, and that have a published page.
 
     >>> "hertz-paper" in scene_names()
     True
     """
-    return tuple(
-        sorted(
-            entry.name.removesuffix(".toml")
-            for entry in _LIBRARY.iterdir()
-            if entry.name.endswith(".toml")
-        )
-    )
+    return _names_in(_LIBRARY)
+
+
+def rig_names() -> tuple[str, ...]:
+    """Names of the library's scenes whose rig prescribes a displacement, in alphabetical order.
+
+    >>> "rig-gross-slip" in rig_names()
+    True
+    """
+    return _names_in(_LIBRARY / "rigs")
+
+
+def _names_in(folder: Traversable) -> tuple[str, ...]:
+    """Names of the scene files of a folder, in alphabetical order."""
+    files = [entry.name for entry in folder.iterdir() if entry.name.endswith(".toml")]
+    return tuple(sorted(name.removesuffix(".toml") for name in files))
+
+
+def _folder_of(name: str) -> Traversable | None:
+    """The folder of a library scene; None for an unknown name."""
+    for folder in (_LIBRARY, _LIBRARY / "rigs"):
+        if name in _names_in(folder):
+            return folder
+    return None
 
 
 def scene_text(name: str) -> str:
     """The text of a library scene, to start an own one from; InputError for an unknown name."""
-    if name not in scene_names():
+    folder = _folder_of(name)
+    if folder is None:
         raise InputError(_unknown_scene(name))
-    return (_LIBRARY / f"{name}.toml").read_text(encoding="utf-8")
+    return (folder / f"{name}.toml").read_text(encoding="utf-8")
 
 
 def scene_companions(name: str) -> dict[str, str]:
-    """File name and text of what a library scene reads besides its own file.
+    """File name and text of what a library scene reads besides its own file; nothing of another
+    name.
 
     >>> list(scene_companions("time-series"))
     ['time-series.csv']
     """
+    folder = _folder_of(name)
+    if folder is None:
+        return {}
     files = [
         entry
-        for entry in _LIBRARY.iterdir()
+        for entry in folder.iterdir()
         if entry.name.startswith(f"{name}.") and not entry.name.endswith(".toml")
     ]
     return {entry.name: entry.read_text(encoding="utf-8") for entry in files}
@@ -502,9 +526,10 @@ def load_scene(source: str | Path) -> Scene:
     """
     path = Path(source)
     name = str(source)
-    if name in scene_names():
+    library_folder = _folder_of(name)
+    if library_folder is not None:
         keys = parsed_toml(scene_text(name))
-        folder = Path(str(_LIBRARY))
+        folder = Path(str(library_folder))
     elif not path.suffix and not os.path.exists(
         path
     ):  # False for a name that is longer than a path may be
@@ -551,7 +576,8 @@ def scene_of(scene: Scene | str | Path) -> Scene:
 
 
 def _unknown_scene(name: str) -> str:
-    hint = did_you_mean(name, scene_names()) or f" the library has {', '.join(scene_names())};"
+    names = (*scene_names(), *rig_names())
+    hint = did_you_mean(name, names) or f" the library has {', '.join(names)};"
     return (
         f"{name}: no such scene or file;{hint} `halfplane init FILE.toml` writes one to start from"
     )

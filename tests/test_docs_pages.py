@@ -33,7 +33,7 @@ from PIL import Image
 from command_line import COARSE, HERTZ_SCENE, halfplane
 from fuzzing import DOORS
 from reports.cli.application import app
-from scenes import Scene, Tolerances, scene_names, scene_text
+from scenes import Scene, Tolerances, rig_names, scene_names, scene_text
 from scenes.loads import KEYS
 
 ROOT = Path(__file__).parents[1]
@@ -86,6 +86,12 @@ def test_a_page_says_what_its_blocks_print(name: str, tmp_path: Path) -> None:
             f"docs/figures/{picture.name} is stale: {RENEW}"
         )
         assert f"figures/{picture.name}" in TEXTS[name]
+
+
+@pytest.mark.slow
+def test_loops_of_rigs_are_those_of_theory() -> None:
+    stored = (DOCS / pages.LOOPS).read_text(encoding="utf-8")
+    assert same_drawing(stored, pages.loops_of_rigs()), f"docs/{pages.LOOPS} is stale: {RENEW}"
 
 
 def test_how_tos_have_examples_and_every_picture_and_figure_is_shown() -> None:
@@ -577,7 +583,7 @@ def test_every_key_of_the_library_is_in_its_table() -> None:
     """From the files, not from the models: a key that the schema hides would be missed
     otherwise.
     """
-    for name in scene_names():
+    for name in (*scene_names(), *rig_names()):
         scene = tomllib.loads(scene_text(name))
         tables = [scene["profile"], scene["load"], *scene.get("bodies", {}).values()]
         missing = []

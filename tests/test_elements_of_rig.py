@@ -14,6 +14,7 @@ from halfplane_fe import FiniteElementSolution, SolverSettings
 from halfplane_fe.settings import Method
 from meshes import MeshSettings
 from reports import elements_of_rig
+from reports.comparison.laws import expected_numbers
 from reports.elements_of_rig import solve_rig
 from scenes import (
     Block,
@@ -25,6 +26,7 @@ from scenes import (
     Rig,
     Scene,
     load_scene,
+    rig_names,
 )
 from semi_analytic.answer_of_rig import rigged
 from semi_analytic.driven import ActuatorRows, actuator_rows
@@ -164,6 +166,28 @@ def test_theory_finds_the_loads_of_the_finite_elements_by_their_displacements(
     assert np.max(np.abs(force - expected)) < 2e-3 * np.ptp(expected)
     work = driven.work(slice(driven.ends[0], driven.ends[1] + 1))
     assert work == pytest.approx(found.dissipation, rel=5e-3)
+
+
+# ----------------------------------------------------------------------------- rigs of the library
+# What finite elements do not take: bodies that slide as a whole, a prescribed approach.
+REFUSED = {"rig-gross-slip": "slide as a whole", "rig-cylinders": "load.approach"}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", rig_names())
+def test_finite_elements_meet_what_rigs_of_the_library_expect(name: str) -> None:
+    """Measured: W to 1.1e-4 of the closed form, or of corrected theory."""
+    scene = load_scene(name)
+    if name in REFUSED:
+        with pytest.raises(InputError, match=REFUSED[name]):
+            solve_rig(scene)
+        return
+    solution = solve_rig(scene).solution
+    findings = list(expected_numbers(scene, [solution]))
+    assert findings
+    assert all(finding.met for finding in findings)
+    expected = findings[0].expected.value
+    assert abs(solution.dissipation - expected) < solution.dissipation_uncertainty
 
 
 # ------------------------------------------- published: approach of a cylinder and of a half-plane

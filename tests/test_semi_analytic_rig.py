@@ -11,7 +11,9 @@ from unittest import mock
 import numpy as np
 import pytest
 
+import halfplane_fe
 import semi_analytic
+from reports.comparison.laws import expected_numbers
 from scenes import (
     BodyEffects,
     EllipseLoad,
@@ -21,6 +23,7 @@ from scenes import (
     Rig,
     Scene,
     load_scene,
+    rig_names,
 )
 from semi_analytic import driven
 from semi_analytic.answer_of_rig import rigged
@@ -410,6 +413,25 @@ def test_rows_have_turning_points_and_the_instants_of_contact() -> None:
     for time in (0.0, 1.0, 2.0, 2.0 + 2 / 3, 3.0 + 1 / 3, 4.0):
         assert np.min(np.abs(rows.time - time)) < 1e-12
     assert rows.normal.min() == 0.0
+
+
+# ----------------------------------------------------------------------------- rigs of the library
+@pytest.mark.parametrize("name", rig_names())
+def test_theory_meets_what_rigs_of_the_library_expect(name: str) -> None:
+    """Of bodies to the goal of the finite elements, 5e-3; slides are counted or there are none."""
+    scene = load_scene(name)
+    effects = None if scene.bodies.half_planes else halfplane_fe.body_effects(scene)
+    fields = ("dissipation",)
+    solution = semi_analytic.solve(scene, x=[0.0], fields=fields, effects=effects)
+    findings = list(expected_numbers(scene, [solution]))
+    if effects is None:
+        assert len(findings) >= 2
+        assert all(finding.met for finding in findings)
+    else:
+        expected = [entry.value for entry in scene.expected if entry.quantity == "dissipation"]
+        assert solution.dissipation == pytest.approx(expected[0], rel=5e-3)
+    slides = [note for note in solution.record.notes if "slide as a whole by" in note]
+    assert len(slides) == ("gross-sliding" in scene.tags)
 
 
 # --------------------------------------------------------------------------------- fretting map

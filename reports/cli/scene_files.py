@@ -301,12 +301,12 @@ def show(name: str, options: Options) -> Answer:
 
 def tagged(chosen: Sequence[str]) -> list[Scene]:
     """The scenes of the library that have all these tags; InputError for a word that is no tag."""
-    from scenes import InputError, load_scene, scene_names, tags
+    from scenes import InputError, load_scene, rig_names, scene_names, tags
 
     for tag in chosen:
         if tag not in tags():
             raise InputError(f"--tag {tag}: there is no such tag; there are {', '.join(tags())}")
-    scenes = [load_scene(name) for name in scene_names()]
+    scenes = [load_scene(name) for name in (*scene_names(), *rig_names())]
     return [scene for scene in scenes if set(chosen) <= set(scene.tags)]
 
 
@@ -357,9 +357,9 @@ def _details(scene: Scene) -> Iterator[str]:
 
 def _companions(scene: Scene) -> list[str]:
     """What a scene of the library reads besides its own file."""
-    from scenes import scene_companions, scene_names
+    from scenes import scene_companions
 
-    return list(scene_companions(scene.name)) if scene.name in scene_names() else []
+    return list(scene_companions(scene.name))
 
 
 def _record(scene: Scene) -> dict[str, Any]:

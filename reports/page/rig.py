@@ -11,6 +11,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -163,24 +164,48 @@ def _loop(rig: RigMotion) -> Plate:
         f"U of the contact [{length}]": rig.contact,
         f"U of the actuator [{length}]": rig.actuator,
     }
-    curves = [Curve(rig.contact, rig.tangential_load, "c0 bold", "contact")]
+    has_spring = rig.scene.rig.tangential_stiffness is not None
+    keys = _KEYS_OF_LOOP if has_spring else _KEYS_OF_LOOP[:1]
+    panel = _loop_panel(rig, "rig-loop", _WIDTH, 380.0)
+    return worded(
+        "rig_loop", [panel], columns, keys, columns=1, noun=rig.noun, has_spring=has_spring
+    )
+
+
+_KEYS_OF_LOOP = (Key("c0 bold", "contact"), Key("c1 dash", "actuator"))
+
+
+def _loop_panel(rig: RigMotion, name: str, width: float, height: float, title: str = "") -> Panel:
+    """The loop of a rig; that of the actuator too where a spring is between."""
+    of_contact, of_actuator = _KEYS_OF_LOOP
+    curves = [Curve(rig.contact, rig.tangential_load, of_contact.css, of_contact.text)]
     if rig.scene.rig.tangential_stiffness is not None:
-        curves.append(Curve(rig.actuator, rig.tangential_load, "c1 dash", "actuator"))
+        curves.append(Curve(rig.actuator, rig.tangential_load, of_actuator.css, of_actuator.text))
     across = limits(*(curve.x for curve in curves))
-    panel = Panel(
-        "rig-loop",
-        Axis(*across, f"displacement U  [{length}]"),
-        Axis(*limits(rig.tangential_load), f"Q  [{load}]"),
+    return Panel(
+        name,
+        Axis(*across, f"displacement U  [{units(rig.scene)[1]}]"),
+        Axis(*limits(rig.tangential_load), f"Q  [{load_unit(rig.scene)}]"),
         [Rule(0.0, "zero"), *curves],
         "Loop of the tangential load over the displacement",
-        _WIDTH,
-        380.0,
+        width,
+        height,
+        title=title,
         css="broad",
     )
-    keys = [Key(curve.css, curve.label) for curve in curves]
-    return worded(
-        "rig_loop", [panel], columns, keys, columns=1, noun=rig.noun, has_spring=len(curves) > 1
-    )
+
+
+def loops(rigs: Sequence[RigMotion]) -> Plate:
+    """Loops of several rigs, two beside each other."""
+    panels = [
+        _loop_panel(rig, f"loop-{rig.scene.name}", 440.0, 300.0, rig.scene.name) for rig in rigs
+    ]
+    columns: dict[str, list[Any]] = {"scene": [], "U of the contact": [], "Q": []}
+    for rig in rigs:
+        columns["scene"] += [rig.scene.name] * len(rig.time)
+        columns["U of the contact"] += rig.contact.tolist()
+        columns["Q"] += rig.tangential_load.tolist()
+    return worded("rig_loops", panels, columns, _KEYS_OF_LOOP)
 
 
 def _over_time(rig: RigMotion) -> Plate:
