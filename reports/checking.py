@@ -271,7 +271,7 @@ class _Engines:
             return (
                 "Under a prescribed displacement each engine finds loads of its own:"
                 f" `halfplane exact {source}` by corrected theory, `halfplane fe {source}` by"
-                " finite elements, where the bodies do not slide as a whole"
+                " finite elements, where the bodies do not part"
             )
         if self.half_plane:
             return (

@@ -398,7 +398,6 @@ def _notes(
     """What a reader must not miss."""
     scene = rig.scene
     force, length, _ = scene.unit_words
-    energy = f"{force}·{length}/{length}"
     yield from neglected_coupling(scene.material)
     if scene.bodies.half_planes:
         yield (
@@ -429,6 +428,17 @@ def _notes(
         f" here Q is uncertain by {errors.get('tangential_load', 0.0) * largest:.2g} of at most"
         f" {largest:.6g} {force}/{length}"
     )
+    yield from notes_of_slides(scene, driven, last_cycle)
+    if np.any(driven.followed.normal_load[1:] <= 0):
+        yield "separation: the bodies part, and nothing is remembered after it"
+
+
+def notes_of_slides(scene: Scene, driven: Driven, last_cycle: slice) -> Iterator[str]:
+    """When the bodies slide as a whole and how far, in the last cycle and before it, or on the
+    path.
+    """
+    force, length, _ = scene.unit_words
+    energy = f"{force}·{length}/{length}"
     what = "the last cycle" if last_cycle.start else "the path"
     slides = slides_of(driven, last_cycle)
     before = slides_of(driven, slice(0, last_cycle.start + 1)) if last_cycle.start else []
@@ -445,8 +455,6 @@ def _notes(
         )
     if before:
         yield f"gross sliding: before it {'; '.join(_in_words(s, length) for s in before[:2])}"
-    if np.any(driven.followed.normal_load[1:] <= 0):
-        yield "separation: the bodies part, and nothing is remembered after it"
 
 
 def _in_words(slide: _Slide, length: str) -> str:

@@ -142,22 +142,14 @@ def test_commands_that_need_loads_say_so(command: str, folder: Path) -> None:
     assert "P and Q follow from the displacement" in refused(folder, command, "rig.toml")
 
 
-def test_finite_elements_refuse_what_slides_as_a_whole(folder: Path) -> None:
-    assert (
-        "from time 1.35184 on the bodies slide as a whole"
-        in halfplane(folder, "fe", "rig.toml", "--quiet").stderr
-    )
-
-
 def test_finite_elements_find_the_loads_of_a_displacement(folder: Path) -> None:
     """Their Q is that of corrected theory to the coarse mesh, their U what the spring leaves."""
-    text = RIG.replace("0.01]", "0.003]")
-    (folder / "partial.toml").write_text(text, encoding="utf-8")
-    code, solved = answer(folder, "fe", "partial.toml", "--out", "fe", *COARSE)
+    code, solved = answer(folder, "fe", "rig.toml", "--out", "fe", *COARSE)
     assert code == 0
-    assert any("rig: Q follows from the displacement" in note for note in solved["notes"])
-    code, theory = answer(folder, "exact", "partial.toml", "--out", "exact")
-    assert solved["dissipation"] == pytest.approx(theory["dissipation"], rel=0.1)
+    for words in ("rig: Q follows from the displacement", "slide as a whole by"):
+        assert any(words in note for note in solved["notes"])
+    code, theory = answer(folder, "exact", "rig.toml", "--out", "exact")
+    assert solved["dissipation"] == pytest.approx(theory["dissipation"], rel=5e-3)
     by_elements = load_scene(folder / "fe" / "scene.json").ranges_of_load()[1]
     by_theory = load_scene(folder / "exact" / "scene.json").ranges_of_load()[1]
     assert by_elements == pytest.approx(by_theory, rel=5e-3)
