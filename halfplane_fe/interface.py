@@ -508,9 +508,9 @@ def bulk_stress_notes(
             continue
         if body.base == "rollers" and tangential_load > 0:
             yield (
-                f"the bulk stress of the {name} body is the mean of its two ends, which hold Q by"
-                f" halves: across the contact it jumps by Q/H, {tangential_load / body.height:.3g}"
-                " at the largest Q"
+                f"each end of the {name} body carries Q/2, and its stated bulk stress is the mean"
+                " of both ends: across the contact it jumps by Q/H,"
+                f" {tangential_load / body.height:.3g} at the largest Q"
             )
         elif body.base == "fixed":
             middle = np.abs(compliant.x) <= np.abs(compliant.x).max() / 2

@@ -20,6 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from meshes import MeshSettings
 from scenes import Profile
 from scenes.array_types import Array
 
@@ -54,6 +55,8 @@ _FLOOR = 0.04
 # cycle has 0.4 % at 3.4 elements, 3 % at 1.6, 34 % at 0.7, and is seven times too large or nothing
 # at 0.2.
 _FEW = 2.0
+# Elements that a note asks for in a slip zone: twice as many.
+_ENOUGH_IN_SLIP = 4.0
 
 
 def tip_power(profile: Profile, distance: float) -> float:
@@ -173,7 +176,7 @@ def flanks(profile: Profile, half_width: float, element: float) -> Iterator[Flan
 
 
 def resolution_notes(
-    profile: Profile, revolution: Revolution, element: float, order: int
+    profile: Profile, revolution: Revolution, element: float, mesh: MeshSettings
 ) -> Iterator[str]:
     """One sentence for whatever in a revolution is too narrow for the surface elements.
 
@@ -184,17 +187,17 @@ def resolution_notes(
     ----------
     element
         at the edges of contact and stick, of the coarser side [length]
-    order
-        of the elements
+    mesh
+        its settings: what a note asks for is a finer one
     """
-    expected = _ExpectedErrors(_LINEAR if order == 1 else 1.0, revolution.sheared)
+    expected = _ExpectedErrors(_LINEAR if mesh.order == 1 else 1.0, revolution.sheared)
+    enough = expected.enough_elements()
     least = revolution.least_contact() / element
     if expected.matter(least):
         yield (
             f"the contact is {least:.2g} elements from its middle to its edge where it is smallest"
             f" (loads above {_LOADED:g} of the largest), {element:.3g} each on the coarser side:"
-            f" {expected.words(least)}; make edge_element_size of that side less than"
-            f" 1/{expected.enough_elements():.0f} of the half-width there"
+            f" {expected.words(least)}; {_finer(mesh, least / enough)}"
         )
     exponent = tip_power(profile, element / 2**_MOST_HALVINGS)
     if exponent < _SHARP:
@@ -208,11 +211,10 @@ def resolution_notes(
             yield (
                 f"the contact ends {max(flank.width, 0.0):.2g} elements, {element:.3g} each, beyond"
                 f" x = {flank.kink:.6g}, where the pressure is steep: it is not resolved there,"
-                f" {expected.words(flank.resolved_by)}; make edge_element_size"
-                f" {expected.enough_elements():.0f} times less than that distance"
+                f" {expected.words(flank.resolved_by)}; {_finer(mesh, flank.resolved_by / enough)}"
             )
     if revolution.sheared:
-        yield from _slip_notes(revolution, element)
+        yield from _slip_notes(revolution, element, mesh)
 
 
 @dataclass(frozen=True)
@@ -259,7 +261,22 @@ class _ExpectedErrors:
         return f"expect an error {of_shear}of {pressure:.0%} in the pressure (L2)"
 
 
-def _slip_notes(revolution: Revolution, element: float) -> Iterator[str]:
+def _finer(mesh: MeshSettings, share: float) -> str:
+    """What to do: the setting that makes the elements a share of what they are, rounded down to two
+    digits.
+
+    >>> _finer(MeshSettings(edge_element_size=0.01), 0.2469), _finer(MeshSettings(), 1e-9)
+    ('use edge_element_size = 0.0024', 'no edge_element_size resolves it')
+    """
+    size = mesh.edge_element_size * share
+    digit = 10.0 ** (math.floor(math.log10(size)) - 1) if size > 0 else 1.0
+    size = math.floor(size / digit) * digit
+    if size < MeshSettings.LEAST_SIZE:
+        return "no edge_element_size resolves it"
+    return f"use edge_element_size = {size:.2g}"
+
+
+def _slip_notes(revolution: Revolution, element: float, mesh: MeshSettings) -> Iterator[str]:
     """Slip zones of few elements, and dissipation that the mesh alone may have made."""
     dissipation = revolution.dissipation
     slip_zone = revolution.widest_slip_zone() / element
@@ -274,8 +291,7 @@ def _slip_notes(revolution: Revolution, element: float) -> Iterator[str]:
         error = "some per cent or more" if slip_zone > 1 else "a factor, up or down"
         yield (
             f"slip zones are {slip_zone:.2g} elements wide at most, {element:.3g} each: the error"
-            f" of the dissipation is {error}; make edge_element_size several times less than their"
-            " width"
+            f" of the dissipation is {error}; {_finer(mesh, slip_zone / _ENOUGH_IN_SLIP)}"
         )
     elif made_by_mesh > _TOLD * dissipation:
         yield (

@@ -465,7 +465,7 @@ def _solution(
         *uncertainty_note(
             arrays["dissipation"],
             dissipation_uncertainty,
-            scene.tolerances.limit("dissipation") or 0.0,
+            scene.tolerances,
             scales.dissipation,
         ),
     ]
@@ -627,7 +627,7 @@ def _notes(task: _Task, run: PathRun, arrays: Mapping[str, Any]) -> tuple[str, .
         return ()
     element = task.element * task.scales.half_width
     revolution = _revolution(task, run, arrays)
-    of_mesh = resolution_notes(task.scene.profile, revolution, element, task.mesh.order)
+    of_mesh = resolution_notes(task.scene.profile, revolution, element, task.mesh)
     return (*_drift_notes(run, task.scales), *_thinned_notes(run), *of_mesh)
 
 
@@ -680,9 +680,9 @@ def _drift_notes(run: PathRun, scales: Scales) -> Iterator[str]:
         )
     if np.isfinite(trend.limit) and trend.left and last_work > 0:
         yield (
-            f"shakedown: the dissipation of the revolutions goes to {trend.limit * work_unit:.6g},"
-            f" {trend.left / last_work:+.1e} of itself from that of revolution {len(works)}"
-            f" ({trend.kind} trend); this is in its uncertainty"
+            f"shakedown: W of the revolutions tends to {trend.limit * work_unit:.6g}"
+            f" ({trend.kind} trend). That of revolution {len(works)} still differs from it by"
+            f" {abs(trend.left) / last_work:.1e} of W, which is in the uncertainty"
         )
     elif run.steady_from is not None and trend.left and last_work > 0:
         yield (

@@ -27,7 +27,7 @@ import numpy as np
 from halfplane_fe.resolution import SMOOTH_TIP, flanks, tip_power
 from halfplane_fe.run import PathRun
 from meshes import MeshSettings, SurfaceGrading
-from scenes import Profile, Scene
+from scenes import Profile, Scene, Tolerances
 from scenes.array_types import Array, Indices
 from scenes.solution import range_of_slip
 
@@ -496,11 +496,14 @@ def peak_uncertainty(
 
 
 def uncertainty_note(
-    dissipation: float, uncertainty: float, tolerance: float, coarse: float
+    dissipation: float, uncertainty: float, tolerances: Tolerances, coarse: float
 ) -> Iterator[str]:
     """That W is uncertain by more than its tolerance, or by an unknown amount; `coarse` is that of
-    the coarse run, or NaN.
+    the coarse run, or NaN. Where the scene has no tolerance, that of the project's own checks
+    counts.
     """
+    tolerance = tolerances.limit("dissipation") or 0.0
+    whose = "that of the project's own checks" if tolerances.dissipation is None else "the scene's"
     if np.isnan(dissipation):
         return
     if np.isnan(uncertainty):
@@ -511,7 +514,8 @@ def uncertainty_note(
     elif uncertainty > tolerance * dissipation and uncertainty > 0:
         share = ""
         if dissipation:
-            share = f" ({uncertainty / dissipation:.2%}, for a tolerance of {tolerance:.2%})"
+            percent = 100 * uncertainty / dissipation
+            share = f" ({percent:.3g} %; the tolerance, {whose}, is {100 * tolerance:.3g} %)"
         yield (
             f"the dissipation is uncertain by {uncertainty:.3g}{share}: make edge_element_size or"
             " step_tolerance smaller"

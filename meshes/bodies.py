@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 import skfem
@@ -49,6 +49,8 @@ class MeshSettings:
     10.0
     """
 
+    LEAST_SIZE: ClassVar[float] = 1e-4  # of both element sizes
+
     element_size: float = 1 / 24
     edge_element_size: float = 1 / 160
     upper_ratio: float = 1.0
@@ -59,10 +61,10 @@ class MeshSettings:
 
     def __post_init__(self) -> None:
         for name in ("element_size", "edge_element_size"):
-            if not 1e-4 <= getattr(self, name) <= 0.25:
+            if not self.LEAST_SIZE <= getattr(self, name) <= 0.25:
                 raise InputError(
-                    f"mesh: {name} = {getattr(self, name)!r} is refused: it lies in [0.0001, 0.25],"
-                    " in half-widths"
+                    f"mesh: {name} = {getattr(self, name)!r} is refused: it lies in"
+                    f" [{self.LEAST_SIZE:g}, 0.25], in half-widths"
                 )
         if self.edge_element_size > self.element_size:
             raise InputError(

@@ -194,7 +194,7 @@ class Deck:
 
     def end_stresses(self, body: int) -> tuple[Array, Array] | None:
         """(n + 1,) stress along x at the left and at the right end of a block that is pulled: on
-        rollers they hold Q by halves.
+        rollers each end carries Q/2.
 
         None of other bodies, and where it is 0 throughout.
         """
