@@ -316,7 +316,7 @@ _VALUES = {
     WORK: ("dissipation", "dissipation"),
     "peak_pressure": ("largest_pressure", "largest pressure"),
     "half_width": ("largest_half_width", "largest contact half-width"),
-    "permanent_stick": ("permanent_stick_half_width", "half-width that always sticks"),
+    "permanent_stick": ("permanent_stick_half_width", "permanent stick half-width"),
 }
 
 

@@ -17,7 +17,7 @@ The next order of the bodies, x^4 and x^2 s^2 of their kernels, is in the dissip
 The odd numbers o = (alpha_P, alpha_Q, e_P, e_Q) P0/(a0/R), tilt and bulk strain, move dissipation,
 pressure and half-widths of a symmetric profile by the second order of o, the places of edges by the
 first. Of a parabola (`odd_memory`) both are in the dissipation, in the edges of contact and stick,
-and in the half-width that always sticks; in no field at points. A note says how large they are, and
+and in the permanent stick half-width; in no field at points. A note says how large they are, and
 why they are left out where they are. Of unlike materials (Dundurs' beta) they count in the first
 order.
 
