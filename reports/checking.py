@@ -243,8 +243,14 @@ def _highest(leg: LoadSegment, value_at: Callable[[Array], Array]) -> tuple[floa
     return highest, time_of_highest
 
 
+_NO_THEORY_OF_CURVED_FACES = (
+    "how far a pad or a cylinder moves under its loads is known to finite elements alone; a block"
+    " or a t_shape has theory"
+)
+
+
 @dataclass(frozen=True)
-class _Engines:
+class Engines:
     """Why each engine does not take a scene; "" for one that does."""
 
     half_plane: str
@@ -286,7 +292,7 @@ class _Engines:
         return ""
 
 
-def engines_for(scene: Scene, source: str, *, finite_elements: bool = True) -> _Engines:
+def engines_for(scene: Scene, source: str, *, finite_elements: bool = True) -> Engines:
     """Which engines take a scene whose load path is admissible; finite elements can be asked where
     theory refuses alone.
 
@@ -301,7 +307,9 @@ def engines_for(scene: Scene, source: str, *, finite_elements: bool = True) -> _
     from semi_analytic.solution import require_followable
 
     if scene.load.is_driven:
-        return _Engines("", "", separate=True)
+        if scene.bodies.faces_are_true:
+            return Engines(_NO_THEORY_OF_CURVED_FACES, "")
+        return Engines("", "", separate=True)
     reason_of_theory = ""
     reason_of_elements = ""
     room = ""
@@ -334,7 +342,7 @@ def engines_for(scene: Scene, source: str, *, finite_elements: bool = True) -> _
                     f"{source}: {fault}; `halfplane exact {source}` gives half-plane theory's"
                     " answer, which knows no bodies"
                 ) from fault
-    return _Engines(reason_of_theory, reason_of_elements, room)
+    return Engines(reason_of_theory, reason_of_elements, room)
 
 
 def _require_room(scene: Scene, source: str) -> None:

@@ -126,13 +126,11 @@ def solve_rig(
     elements = replace(settings, steps_per_cycle=_INCREMENTS)
     missing = _Missing.nothing(rows)
     residuals: list[float] = []
-    scales = None
     for _ in range(_MOST_RUNS):
         driven = rig.follow_rows(missing.taken_off(rows))
         of_loads = scene_of_loads(scene, driven, steady_from)
-        solution = halfplane_fe.solve(of_loads, mesh, elements, progress, scales=scales)
-        # Loads that follow from an approach change the contact from run to run.
-        scales = None if scene.load.states_approach else solution.scales
+        # Scales of another run's loads would make W uncertain by what the loads differ.
+        solution = halfplane_fe.solve(of_loads, mesh, elements, progress)
         residual = _residual(rig, rows, driven, solution)
         residuals.append(residual.largest(rows))
         if residuals[-1] <= _TOLERANCE:

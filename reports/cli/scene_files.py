@@ -19,7 +19,7 @@ from reports.cli.solving import load_engines, read
 from reports.console import Stages, width
 
 if TYPE_CHECKING:
-    from scenes import Scene
+    from scenes import ContactSolution, Scene
 
 # Rows of a load series up to which `check` asks the finite elements too: 10,000 take them a second
 # to look at, and hours to solve.
@@ -204,7 +204,6 @@ def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
     """What follows from the displacements that a scene prescribes: loads, sliding, dissipation."""
     import numpy as np
 
-    import semi_analytic
     from reports.checking import engines_for
     from reports.comparison.words import bodies_in_words, question, read_in_words
     from reports.measured import read_in_pairs
@@ -216,46 +215,56 @@ def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
             "--loop: it goes with given loads, and this scene prescribes U; leave it out"
         )
     load_engines(Stages(quiet=True))
-    effects = None
-    if not scene.bodies.half_planes:
-        import halfplane_fe
-
-        effects = halfplane_fe.body_effects(scene)
-    try:
-        solution = semi_analytic.solve(scene, x=[0.0], fields=("dissipation",), effects=effects)
-    except InputError as fault:
-        raise InputError(f"{source}: {fault}") from fault
-    force, length, _ = scene.unit_words
-    least = number(float(solution.tangential_load.min()))
-    largest = number(float(solution.tangential_load.max()))
-    last = (
-        f"{source}: the scene is well formed. Q goes from {least} to {largest} {force}/{length},"
-        f" and P up to {number(float(solution.normal_load.max()))}."
-        f" `halfplane exact {source}` writes the answer, and a scene with these loads."
-    )
     engines = engines_for(scene, source)
     no_comparison = engines.in_words(source)
     tables_read = read_in_pairs(scene)
     notes = [question(scene), *filter(None, [bodies_in_words(scene)])]
     notes += [read_in_words(name, pairs) for name, pairs in tables_read.items()]
-    notes += [f"{note[:1].upper()}{note[1:]}." for note in solution.record.notes]
     content = {
         "passed": True,
-        "sentence": last,
-        "notes": notes,
         "remarks": [f"{no_comparison}."],
         "read_as": tables_read,
         "engines": engines.reasons,
         "largest_contact": None,
         "nearest_to_sliding": None,
         "profile_fit": None,
-        "rig": {
+    }
+    if engines.half_plane:
+        last = f"{source}: the scene is well formed. `halfplane fe {source}` finds its loads."
+    else:
+        solution = _answer_of_theory(scene, source)
+        force, length, _ = scene.unit_words
+        least = number(float(solution.tangential_load.min()))
+        largest = number(float(solution.tangential_load.max()))
+        last = (
+            f"{source}: the scene is well formed. Q goes from {least} to {largest}"
+            f" {force}/{length}, and P up to {number(float(solution.normal_load.max()))}."
+            f" `halfplane exact {source}` writes the answer, and a scene with these loads."
+        )
+        notes += [f"{note[:1].upper()}{note[1:]}." for note in solution.record.notes]
+        content["rig"] = {
             "dissipation": solution.dissipation,
             "largest_half_width": float(solution.contact_half_width.max()),
             "largest_tangential_load": float(np.abs(solution.tangential_load).max()),
-        },
-    }
+        }
+    content |= {"sentence": last, "notes": notes}
     return Answer(WITHIN, [*notes, f"Remark: {no_comparison}.", last], lambda: content, scene.name)
+
+
+def _answer_of_theory(scene: Scene, source: str) -> ContactSolution:
+    """Dissipation and loads that follow from the displacements of a scene."""
+    import semi_analytic
+    from scenes import InputError
+
+    effects = None
+    if not scene.bodies.half_planes:
+        import halfplane_fe
+
+        effects = halfplane_fe.body_effects(scene)
+    try:
+        return semi_analytic.solve(scene, x=[0.0], fields=("dissipation",), effects=effects)
+    except InputError as fault:
+        raise InputError(f"{source}: {fault}") from fault
 
 
 def _loop_read(scene: Scene, options: Options) -> dict[str, tuple[tuple[str, str], ...]]:

@@ -25,6 +25,7 @@ from reports.console import Part, Sheet, Stages, complain
 
 # All else is heavy, and imported in the functions: `halfplane run --help` waits for nothing.
 if TYPE_CHECKING:
+    from reports.checking import Engines
     from reports.comparison import Comparison
     from reports.comparison.budget import ErrorBudget
     from reports.comparison.laws import Finding
@@ -278,7 +279,7 @@ def run(job: Job) -> Answer:
         _require_no_option_of_both(job, no_comparison)
         complain(f"halfplane: {job.scene.name}: no comparison. {no_comparison}")
         if job.scene.load.is_driven:
-            return _answer_of_rig(job, no_comparison)
+            return _answer_of_rig(job, engines, no_comparison)
         if engines.half_plane:  # the reason why theory does not take it
             solution = solve_finite_elements(job)
             command = "fe"
@@ -673,9 +674,16 @@ def _answer_alone(job: Job, solution: ContactSolution, note: str = "") -> Answer
     return Answer(code, parts(), content, scene.name)
 
 
-def _answer_of_rig(job: Job, no_comparison: str) -> Answer:
-    """The answer of theory to prescribed displacements, saved first, and its page."""
-    solution = _solve_rig(job)
+def _answer_of_rig(job: Job, engines: Engines, no_comparison: str) -> Answer:
+    """The answer to prescribed displacements, of theory where it takes the bodies, saved first, and
+    its page.
+    """
+    if engines.half_plane:
+        solution = solve_finite_elements(job)
+        command = "fe"
+    else:
+        solution = _solve_rig(job)
+        command = "exact"
     answer = _answer_alone(job, solution, no_comparison)
     with job.stages.stage("report"):
         from reports.page.rig import RigMotion, write
@@ -687,7 +695,7 @@ def _answer_of_rig(job: Job, no_comparison: str) -> Answer:
         assert answer.content is not None  # for the type checker: an engine's answer has JSON
         return {**answer.content(), "page": str(page)}
 
-    return replace(answer, parts=(*answer.parts, str(page)), content=content, command="exact")
+    return replace(answer, parts=(*answer.parts, str(page)), content=content, command=command)
 
 
 _INSTANTS = (
