@@ -220,7 +220,8 @@ def show_table(
         justify: Literal["right", "left"] = "right" if number in right else "left"
         table.add_column(column, justify=justify, overflow="fold", width=cells)
     for row in lines:
-        table.add_row(*map(_coloured, row))
+        cells_of_row = map(_wrapped, row, widths)
+        table.add_row(*map(_coloured, cells_of_row))
     console.print(table)
 
 
@@ -255,9 +256,38 @@ def _width_of(cell: str) -> int:
 
 
 def _longest_word(column: Iterable[str]) -> int:
-    """Cells of the terminal that the longest word of a column takes."""
-    words = " ".join(map(_printable, column)).split()
+    """Cells of the terminal that the longest word of a column takes, "12 %" being one word."""
+    words = [word for cell in column for word in _words(_printable(cell))]
     return max(map(cell_len, words), default=0)
+
+
+def _words(cell: str) -> list[str]:
+    """Words of a cell, a number with its per cent sign being one.
+
+    >>> _words("-56 ± 74 % of a")
+    ['-56', '±', '74 %', 'of', 'a']
+    """
+    words = cell.replace(" %", "\N{NO-BREAK SPACE}%").split(" ")
+    return [word.replace("\N{NO-BREAK SPACE}", " ") for word in words]
+
+
+def _wrapped(cell: str, width: int | None) -> str:
+    """The cell in lines of at most `width`, broken between its words; as it is where no width is
+    known.
+
+    >>> _wrapped("-56 ± 74 %", 8)
+    '-56 ±\\n74 %'
+    """
+    if width is None or "\n" in cell or _width_of(cell) <= width:
+        return cell
+    lines = [""]
+    for word in _words(cell):
+        longer = f"{lines[-1]} {word}".lstrip()
+        if cell_len(longer) <= width:
+            lines[-1] = longer
+        else:
+            lines.append(word)
+    return "\n".join(lines).lstrip("\n")
 
 
 def _coloured(cell: str) -> Text:
