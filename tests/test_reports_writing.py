@@ -567,7 +567,7 @@ def test_every_plot_of_a_difference_carries_its_number() -> None:
     assert "they differ" in plates["state_map"].panels[2].title  # type: ignore[union-attr]
 
 
-def test_errors_of_real_bodies_without_a_tolerance_are_drawn_in_per_cent() -> None:
+def test_errors_of_real_bodies_without_a_tolerance_are_drawn_in_per_cent(tmp_path: Path) -> None:
     blocks = TRUTH.scene.vary(bodies=load_scene("blocks").bodies, tolerances={})
     comparison = compare(
         with_fields(TRUTH, scene=blocks),
@@ -577,3 +577,7 @@ def test_errors_of_real_bodies_without_a_tolerance_are_drawn_in_per_cent() -> No
     (plate,) = (drawing for drawing in draw(Report(comparison)) if drawing.name == "errors")
     assert {"peak_pressure", "pressure", "contact_edge"} <= set(plate.table)
     assert "Peak pressure, worst instant: 2 % at" in " ".join(key.text for key in plate.keys)
+    write(comparison, tmp_path)
+    words = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "no metric has a tolerance here" in words
+    assert "0 of 0 metrics" not in words
