@@ -256,18 +256,19 @@ def _width_of(cell: str) -> int:
 
 
 def _longest_word(column: Iterable[str]) -> int:
-    """Cells of the terminal that the longest word of a column takes, "12 %" being one word."""
+    """Cells of the terminal that the longest word of a column takes, "± 12 %" being one word."""
     words = [word for cell in column for word in _words(_printable(cell))]
     return max(map(cell_len, words), default=0)
 
 
 def _words(cell: str) -> list[str]:
-    """Words of a cell, a number with its per cent sign being one.
+    """Words of a cell, an uncertainty with its signs being one.
 
     >>> _words("-56 ± 74 % of a")
-    ['-56', '±', '74 %', 'of', 'a']
+    ['-56', '± 74 %', 'of', 'a']
     """
-    words = cell.replace(" %", "\N{NO-BREAK SPACE}%").split(" ")
+    joined = cell.replace(" %", "\N{NO-BREAK SPACE}%").replace("± ", "±\N{NO-BREAK SPACE}")
+    words = joined.split(" ")
     return [word.replace("\N{NO-BREAK SPACE}", " ") for word in words]
 
 
@@ -276,7 +277,7 @@ def _wrapped(cell: str, width: int | None) -> str:
     known.
 
     >>> _wrapped("-56 ± 74 %", 8)
-    '-56 ±\\n74 %'
+    '-56\\n± 74 %'
     """
     if width is None or "\n" in cell or _width_of(cell) <= width:
         return cell
