@@ -48,6 +48,7 @@ From a request to an answer::
     driven.py               rigs: Q and P that follow from prescribed displacements, gross sliding,
                             the spring of the rig, separation
     answer_of_rig.py        the answer to a scene of a rig, under the loads that were found
+    odd_part_of_rig.py      what tilt and bulk strain of the bodies add to W there
     regimes.py              fretting map: partial slip, mixed, gross sliding over stroke and P
     next_order.py           what the order after the curvatures adds to W
     odd_memory.py           what tilt and bulk strain of the bodies add to W of a parabola, in the

@@ -19,11 +19,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from scenes import BodyEffects, InputError, PolygonLoad, Rig, Scene
+from scenes import BodyEffects, Hertz, InputError, PolygonLoad, Rig, Scene
 from scenes.array_types import Array
 from semi_analytic.answer import Findings, Question, mirrored_points, neglected_coupling
 from semi_analytic.answer_by_memory import folded
 from semi_analytic.corrected import (
+    OF_NEXT_ORDER,
+    OF_RIG,
     OddPart,
     PathRows,
     PathSeries,
@@ -31,7 +33,9 @@ from semi_analytic.corrected import (
     certificates_of,
     curvatures_of,
     grids_at,
+    has_next_order,
     instants_of,
+    note_of_next_order,
     notes_of_effects,
     permanent_stick,
     series_at,
@@ -47,6 +51,9 @@ from semi_analytic.driven import (
     loads_of_approach,
 )
 from semi_analytic.elasticity import composite_modulus
+from semi_analytic.next_order import MOST_ROWS, next_order_works
+from semi_analytic.odd_memory import ODD_NUMBERS, Declined
+from semi_analytic.odd_part_of_rig import odd_part_of_rig
 from semi_analytic.profiles import SymmetricContact, contact_of
 
 # Share of f P by which the memory curves of two cycles may differ and be the same state.
@@ -57,6 +64,8 @@ _ROWS_AT_END = 33
 _MOST_ENDS = 200
 # Slides of this share of the way of the actuator are round-off.
 _NO_SLIDE = 1e-9
+# Of a path that `odd_part_of_rig` states anew: the second cycle is steady, if not the first.
+_STEADY_CYCLE = 1
 # Slides that a note names one by one.
 _MOST_NAMED = 4
 
@@ -94,7 +103,8 @@ class Rigged:
             loads = loads_of_approach(self.contact, self.modulus, self.compliance, rows.normal)
             rows = rows._replace(normal=loads)
         table = self._table(rows)
-        self.compliance.require_unique(float(table.half_width(table.last)))
+        largest_load = float(np.max(rows.normal))
+        self.compliance.require_unique(float(table.half_width(table.last)), largest_load)
         return follow_actuator(table, scene.friction.coefficient, self.compliance, rows)
 
     def _table(self, rows: ActuatorRows) -> PunchTable:
@@ -136,9 +146,22 @@ def rigged(scene: Scene, effects: BodyEffects | None) -> Rigged:
         normal_spring=1 / (rig.normal_stiffness or math.inf),
         tangential_spring=1 / (rig.tangential_stiffness or math.inf),
         curvatures=curvatures_of(effects),
+        tilts=_tilts_of(scene, effects),
     )
     contact = contact_of(scene.profile, scene.material)
     return Rigged(scene, contact, modulus, effects, compliance)
+
+
+def _tilts_of(scene: Scene, effects: BodyEffects) -> tuple[float, float]:
+    """R alpha_P alpha_Q and R alpha_Q^2 [1 / (stress load)]; 0 where the profile is no parabola, of
+    which alone the moment under a tilt is known.
+    """
+    if not isinstance(scene.profile, Hertz):
+        return 0.0, 0.0
+    under_shear = effects.tilt_under_shear.value
+    under_pressure = effects.tilt_under_pressure.value
+    radius = scene.profile.radius
+    return radius * under_pressure * under_shear, radius * under_shear**2
 
 
 class _Slide(NamedTuple):
@@ -203,10 +226,19 @@ def of_rig(question: Question) -> Findings:
     time, numbers = instants_of(question, rows, last_cycle)
     points = PointFields(bodies, distance)
     grids = grids_at(question, points, distance, numbers)
-    work = driven.work(last_cycle)
+    odd = _odd_part(rig, driven, last_cycle, steady_from)
+    of_odd_numbers = odd.work(_STEADY_CYCLE)
+    next_order = 0.0
+    if has_next_order(rig.effects) and not _no_next_order(driven, last_cycle):
+        next_order = _next_order(rig, driven, last_cycle)
+    work = driven.work(last_cycle) + of_odd_numbers.value + next_order
     errors = _errors(driven, coarse, steady_from)
+    if work > 0:
+        of_bodies = of_odd_numbers.uncertainty + OF_NEXT_ORDER * abs(next_order)
+        errors["dissipation"] = errors.get("dissipation", 0.0) + of_bodies / work
     loop = math.nan
-    if steady_from is not None and rows.period is not None:
+    # The displacement has the moment of the tilt, and not what makes the work in the second order.
+    if steady_from is not None and rows.period is not None and odd == OddPart():
         loop = bodies.loop_work(last_cycle)
         coarse_cycle, _ = _rows_of(coarse, question.scene, steady_from)
         if loop > 0:
@@ -217,8 +249,9 @@ def of_rig(question: Question) -> Findings:
     wants_work = question.wants("dissipation")
     series = series_at(question, bodies, numbers)
     to_datum = _to_datum_of_answers(rig)
+    of_tilt = rig.compliance.of_tilt(series["normal_load"], series["tangential_load"])
     series["tangential_displacement"] = (
-        series["tangential_displacement"] + to_datum * series["tangential_load"]
+        series["tangential_displacement"] + of_tilt + to_datum * series["tangential_load"]
     )
     series["normal_approach"] = series["normal_approach"] + to_datum * series["normal_load"]
     values: dict[str, Any] = {
@@ -237,7 +270,7 @@ def of_rig(question: Question) -> Findings:
         values=values,
         termination="end of path" if steady_from is None else "steady",
         message=_message(steady_from, question.scene),
-        notes=tuple(_notes(rig, driven, last_cycle, errors)),
+        notes=tuple(_notes(rig, driven, last_cycle, errors, odd)),
         errors={name: error for name, error in errors.items() if error},
         certificates=certificates_of(bodies, grids, numbers),
         counts={
@@ -251,6 +284,42 @@ def of_rig(question: Question) -> Findings:
         },
         scene=_scene_of_loads(question.scene, rows, last_cycle),
     )
+
+
+def _odd_part(rig: Rigged, driven: Driven, last_cycle: slice, steady_from: int | None) -> OddPart:
+    """What tilt and bulk strain of the bodies make of the dissipation of the steady cycle."""
+    if not any(getattr(rig.effects, name).value for name in ODD_NUMBERS):
+        return OddPart()
+    if steady_from is None:
+        return OddPart(left_out="no cycle is steady")
+    try:
+        return OddPart(odd_part_of_rig(rig.scene, rig.effects, driven, last_cycle))
+    except Declined as reason:
+        return OddPart(left_out=str(reason))
+
+
+def _no_next_order(driven: Driven, last_cycle: slice) -> str:
+    """Why the next order of the bodies is left out; empty where it is not."""
+    if len(driven.time) > MOST_ROWS:
+        return f"the path has more than {MOST_ROWS:,} rows"
+    if np.any(driven.slide[last_cycle][1:] != 0):
+        return "the bodies slide as a whole"
+    return ""
+
+
+def _next_order(rig: Rigged, driven: Driven, last_cycle: slice) -> float:
+    """Work that the next order of the bodies adds in a cycle."""
+    followed = driven.followed
+    (work,) = next_order_works(
+        followed.normal_load,
+        followed.tangential_load,
+        [last_cycle],
+        rig.contact,
+        rig.modulus,
+        followed.friction,
+        rig.effects,
+    )
+    return work
 
 
 def _to_datum_of_answers(rig: Rigged) -> float:
@@ -393,7 +462,7 @@ def _message(steady_from: int | None, scene: Scene) -> str:
 
 # ---------------------------------------------------------------------------------------- the words
 def _notes(
-    rig: Rigged, driven: Driven, last_cycle: slice, errors: dict[str, float]
+    rig: Rigged, driven: Driven, last_cycle: slice, errors: dict[str, float], odd: OddPart
 ) -> Iterator[str]:
     """What a reader must not miss."""
     scene = rig.scene
@@ -411,9 +480,10 @@ def _notes(
             " implied"
         )
         half_width = float(rig.contact.half_width(np.max(driven.followed.normal_load)))
-        odd = OddPart(left_out="the loads follow from displacements")
         modulus = composite_modulus(scene.material)
-        yield from notes_of_effects(rig.effects, half_width, modulus, odd)
+        if has_next_order(rig.effects):
+            yield note_of_next_order(_no_next_order(driven, last_cycle))
+        yield from notes_of_effects(rig.effects, half_width, modulus, odd, OF_RIG)
     spring = rig.compliance.tangential_spring
     if spring:
         actuator = float(np.ptp(driven.actuator[last_cycle]))

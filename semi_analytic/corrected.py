@@ -96,7 +96,7 @@ _STEADY = 1e-9
 _OF_STEPS = 3.0
 # Of the work that the next order adds, what the order after it may be: 0.12 at most of even bodies
 # 3 to 20 half-widths high, beside finite elements.
-_OF_NEXT_ORDER = 0.25
+OF_NEXT_ORDER = 0.25
 # Instants and places at which the error of the steps is looked at, and the share of a half-width
 # within which a point is at an edge.
 _INSTANTS = 9
@@ -181,8 +181,37 @@ class OddPart(NamedTuple):
         return self.answer.centres(time)
 
 
+class OddInAnswer(NamedTuple):
+    """Where tilt and bulk strain of the bodies count beside the dissipation, in words: where they
+    are covered, and where they are not.
+    """
+
+    covered: str
+    left_out: str
+
+
+OF_LOADS = OddInAnswer(
+    covered=(
+        "move edges of contact and stick, in the first; fields at points, displacements, shear at"
+        " edges and edge tension are without them"
+    ),
+    left_out="are left out",
+)
+OF_RIG = OddInAnswer(
+    covered=(
+        "change U by the moment of the pressure, of a parabola; edges, fields at points and the"
+        " approach are without them"
+    ),
+    left_out="are left out, but for the moment of the pressure in U, of a parabola",
+)
+
+
 def notes_of_effects(
-    effects: BodyEffects, half_width: float, modulus: float, odd: OddPart
+    effects: BodyEffects,
+    half_width: float,
+    modulus: float,
+    odd: OddPart,
+    in_answer: OddInAnswer = OF_LOADS,
 ) -> Iterator[str]:
     """What of the effects is in the values, and what is not."""
     yield (
@@ -198,9 +227,8 @@ def notes_of_effects(
         added = odd.answer.works[-1]
         yield (
             f"effects: tilt and bulk strain of the bodies, {symbols}, add {added.value:.3g}"
-            f" ± {added.uncertainty:.1g} to the dissipation, in the second order, and move edges of"
-            " contact and stick, in the first; fields at points, displacements, shear at edges and"
-            " edge tension are without them"
+            f" ± {added.uncertainty:.1g} to the dissipation, in the second order, and"
+            f" {in_answer.covered}"
         )
         return
     consequence = "which change the dissipation in the second order"
@@ -208,7 +236,7 @@ def notes_of_effects(
         consequence = "which change the dissipation in the first order: the materials are unlike"
     reason = f"; left out because {odd.left_out}" if odd.left_out else ""
     yield (
-        "effects: tilt and bulk strain of the bodies are left out,"
+        f"effects: tilt and bulk strain of the bodies {in_answer.left_out},"
         f" {symbols}, {consequence}{reason}"
     )
 
@@ -964,7 +992,7 @@ def _works_of_cycles(
     next_order = abs(float(of_next_order[-1])) / work
     of_steps = _OF_STEPS * abs(float(by_steps[-1]) / work - 1)
     of_odd = of_odd_numbers[-1].uncertainty / work
-    errors = {"dissipation": of_steps + of_odd + _OF_NEXT_ORDER * next_order}
+    errors = {"dissipation": of_steps + of_odd + OF_NEXT_ORDER * next_order}
     if has_loop:
         by_loop = half_planes.loop_work(paths.last_cycle)
         errors["loop_work"] = abs(by_loop / work - 1) + next_order
@@ -977,7 +1005,7 @@ def _next_order(paths: _Paths) -> Array:
     """
     effects = paths.question.effects
     assert effects is not None  # for the type checker
-    if not (_has_next_order(effects) and paths.is_short):
+    if not (has_next_order(effects) and paths.is_short):
         return np.zeros(len(paths.covered))
     bodies = paths.bodies
     works = next_order_works(
@@ -992,7 +1020,7 @@ def _next_order(paths: _Paths) -> Array:
     return np.array([works[k] for k in paths.covered])
 
 
-def _has_next_order(effects: BodyEffects) -> bool:
+def has_next_order(effects: BodyEffects) -> bool:
     """Whether a number of the next order is not 0."""
     return any(getattr(effects, name).value for name in NEXT_ORDER)
 
@@ -1079,6 +1107,17 @@ def _ending(paths: _Paths) -> tuple[str, str]:
     return "steady", f"cycle {paths.steady_from + 1} ends in the state it started from"
 
 
+_LONG = f"the path has more than {MOST_ROWS:,} rows"
+
+
+def note_of_next_order(left_out: str) -> str:
+    """Where the next order of the bodies counts, or why it does not."""
+    what = "effects: the next order of the bodies, N_4, T_4, N_22 and T_22, is"
+    if left_out:
+        return f"{what} left out: {left_out}"
+    return f"{what} in the dissipation, and in no other value"
+
+
 def _notes_of(paths: _Paths, odd: OddPart) -> Iterator[str]:
     """What a reader must not miss."""
     question = paths.question
@@ -1088,12 +1127,8 @@ def _notes_of(paths: _Paths, odd: OddPart) -> Iterator[str]:
     load = _reference_load(scene, paths.rows.normal_load[paths.last_cycle])
     half_width = float(paths.bodies.contact.half_width(load))
     modulus = composite_modulus(scene.material)
-    if _has_next_order(question.effects):
-        what = "effects: the next order of the bodies, N_4, T_4, N_22 and T_22, is"
-        if paths.is_short:
-            yield f"{what} in the dissipation, and in no other value"
-        else:
-            yield f"{what} left out: the path has more than {MOST_ROWS:,} rows"
+    if has_next_order(question.effects):
+        yield note_of_next_order("" if paths.is_short else _LONG)
     yield from notes_of_effects(question.effects, half_width, modulus, odd)
     if odd.answer is not None:
         yield (

@@ -12,7 +12,7 @@ U(Q) is that of `corrected`, of the state that a straight step to (P, Q) makes.
 Uniqueness. With c the half-width that sticks at the end of the step and G(c) as in
 `corrected_memory`::
 
-    dU/dQ + 1/k_s = (A/pi) ln(2 L/c) + c_t + T c^2/2 - T^2 G(c) c^2/8 + 1/k_s
+    dU/dQ + 1/k_s = (A/pi) ln(2 L/c) + c_t + T c^2/2 - T^2 G(c) c^2/8 - R alpha_Q^2 P + 1/k_s
 
 Where this is positive for all c up to the largest a, Q is the one root between -f P and f P. With
 half-planes of a short datum L it is not, and the path is refused: U would fall while Q grows.
@@ -42,7 +42,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property, lru_cache, partial
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -70,6 +70,8 @@ from semi_analytic.profiles import SymmetricContact
 _FOUND = 1e-13
 # Newton's steps with a bracket: about five are taken; bisection alone would take 45.
 _MOST_STEPS = 200
+# Edges of contact that are kept.
+_EDGES = 8
 # Share of f P within which Q is at the limit of sliding.
 _AT_LIMIT = 1e-9
 # Share of a step within which sliding begins at one of its ends.
@@ -111,6 +113,9 @@ class Compliance(NamedTuple):
         1/k_n, 1/k_s of the rig [1 / stress]; 0 in a stiff rig
     curvatures
         N, T, N_Q, T_P of the bodies
+    tilts
+        R alpha_P alpha_Q and R alpha_Q^2 of a parabola: the moment of the pressure, which sits
+        beside x = 0 by the tilt, moves the bodies along x by alpha_Q M = -tilts . (P^2, P Q)
     """
 
     unit: float
@@ -120,21 +125,29 @@ class Compliance(NamedTuple):
     normal_spring: float = 0.0
     tangential_spring: float = 0.0
     curvatures: Curvatures = Curvatures()
+    tilts: tuple[float, float] = (0.0, 0.0)
 
-    def rate(self, half_width: Array | float) -> Array:
-        """d(U + Q/k_s)/dQ where a half-width sticks, without N_Q and T_P."""
+    def of_tilt(self, normal_load: Array | float, tangential_load: Array | float) -> Array:
+        """alpha_Q M, what the tilt adds to U [length]."""
+        of_pressure, of_shear = self.tilts
+        load = np.asarray(normal_load)
+        return np.asarray(-load * (of_pressure * load + of_shear * np.asarray(tangential_load)))
+
+    def rate(self, half_width: Array | float, normal_load: Array | float) -> Array:
+        """d(U + Q/k_s)/dQ where a half-width sticks under P, without N_Q and T_P."""
         half = np.asarray(half_width, dtype=float)
         square = half**2
         bend = self.curvatures.tangential
         parabola = square / (2 * self.unit)  # G(c) = (pi E*/4) c^2 = c^2/(2 A/pi)
         of_half_planes = self.unit * np.log(2 * self.datum_length / half)
         of_bodies = self.tangential + bend * square / 2 - bend**2 * parabola * square / 8
-        return np.asarray(of_half_planes + of_bodies + self.tangential_spring)
+        of_tilt = self.tilts[1] * np.asarray(normal_load)
+        return np.asarray(of_half_planes + of_bodies + self.tangential_spring - of_tilt)
 
-    def require_unique(self, largest_half_width: float) -> None:
+    def require_unique(self, largest_half_width: float, largest_load: float) -> None:
         """InputError where Q does not follow from U."""
         half_width = largest_half_width * np.arange(1, _PLACES + 1) / _PLACES
-        rate = self.rate(half_width)
+        rate = self.rate(half_width, largest_load)
         if np.all(rate > 0):
             return
         worst = float(half_width[np.argmin(rate)])
@@ -494,6 +507,8 @@ class _Stepper:
         self._memory = memory
         self._compliance = compliance
         self._table = memory.table
+        # Trials of a step have one P, and where N_Q is 0 one edge.
+        self._contact_at = lru_cache(maxsize=_EDGES)(memory.table.contact_at)
         # Sums over each memory curve of what its pieces add, with those of the tops.
         self._tops = [self._table.sums_at(0.0, compliance.datum_length)]
         self._logarithm = [0.0]
@@ -556,7 +571,7 @@ class _Stepper:
         low, high = sorted((force, direction * limit))
         tolerance = _FOUND * memory.friction * memory.largest_load
         for _ in range(_MOST_STEPS):
-            change = (target - reached) / self._rate(step)
+            change = (target - reached) / self._rate(step, end.load)
             is_inside = low <= force + change <= high
             new_force = force + change if is_inside else (low + high) / 2
             change = new_force - force
@@ -595,20 +610,20 @@ class _Stepper:
         displacement += added * row.tangential_load
         displacement += bend.tangential * second / 2
         displacement += bend.normal_under_shear * pressure_second / 2
-        return displacement
+        return displacement + float(compliance.of_tilt(row.normal_load, row.tangential_load))
 
-    def _rate(self, step: Step) -> float:
+    def _rate(self, step: Step, load: float) -> float:
         """d(U + Q/k_s)/dQ at the end of a step."""
         front = step.ring[0] if step.ring_direction else step.front
         half_width = float(self._table.half_width(front))
         smallest = 1e-9 * float(self._table.half_width(self._table.last))
-        return float(self._compliance.rate(max(half_width, smallest)))
+        return float(self._compliance.rate(max(half_width, smallest), load))
 
     def _edge(self, load: float, gap_bend: float) -> float:
         """s of the edge of contact."""
         if self._memory.is_unloaded(load):
             return 0.0
-        return self._table.contact_at(load, gap_bend)
+        return self._contact_at(load, gap_bend)
 
     def _add_up(self) -> None:
         """Sums of the pieces that are new."""

@@ -73,7 +73,8 @@ def fretting_map(
     Returns
     -------
     FrettingMap
-        At constant P without an error of the steps; else as with about 200 steps a cycle.
+        At constant P without an error of the steps; else as with about 200 steps a cycle. The
+        dissipation is without what tilt, bulk strain and the next order of bodies add.
 
     Raises
     ------

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import math
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import NamedTuple
 from unittest import mock
 
@@ -15,9 +16,11 @@ import halfplane_fe
 import semi_analytic
 from reports.comparison.laws import expected_numbers
 from scenes import (
+    Block,
     BodyEffects,
     EllipseLoad,
     Estimate,
+    HarmonicLoad,
     InputError,
     PolygonLoad,
     Rig,
@@ -25,6 +28,7 @@ from scenes import (
     load_scene,
     rig_names,
 )
+from scenes.body_effects import ZERO
 from semi_analytic import driven
 from semi_analytic.answer_of_rig import rigged
 from semi_analytic.corrected import curvatures_of
@@ -413,6 +417,119 @@ def test_rows_have_turning_points_and_the_instants_of_contact() -> None:
     for time in (0.0, 1.0, 2.0, 2.0 + 2 / 3, 3.0 + 1 / 3, 4.0):
         assert np.min(np.abs(rows.time - time)) < 1e-12
     assert rows.normal.min() == 0.0
+
+
+# ------------------------------------------------------------------------- tilt and bulk strain
+TILTED = BodyEffects(
+    datum_length=1000.0,
+    tangential_compliance=Estimate(2e-5),
+    tangential_curvature=Estimate(1.4e-7),
+    tangential_fourth=Estimate(-1e-8),
+    tilt_under_shear=Estimate(-1e-6),
+    strain_under_pressure=Estimate(-1.5e-7),
+)
+
+
+def tilting(load: PolygonLoad | EllipseLoad, rig: Rig) -> Scene:
+    """A block on a half-plane, whose effects are stated beside it."""
+    return load_scene("cattaneo-mindlin").vary(
+        expected=(),
+        tolerances={},
+        bodies={"upper": Block(width=24.0, height=20.0)},
+        load=load,
+        rig=rig,
+    )
+
+
+def test_the_moment_of_a_tilted_pressure_moves_the_bodies() -> None:
+    """U = U(Q) - R alpha_Q^2 P Q: the displacement of Q without tilt, and this, give Q back."""
+    contact = HertzContact(modulus=MODULUS_OF_STEEL, radius=1000.0, datum_length=1000.0)
+    table = PunchTable(contact, MODULUS_OF_STEEL, 1.2)
+    stiff = Compliance(unit=2 / (math.pi * MODULUS_OF_STEEL), datum_length=1000.0)
+    time = np.arange(5.0)
+    load = np.array([0.0, 90.0, 90.0, 90.0, 90.0])
+    displacement = np.array([0.0, 0.0, 6e-4, -4e-4, 6e-4])
+    rows = ActuatorRows(time, load, displacement, (4,))
+    straight = follow_actuator(table, 0.5, stiff, rows)
+    force = straight.followed.tangential_load
+    by_tilt = -1000.0 * 1e-12 * load * force
+    tilted = stiff._replace(tilts=(0.0, 1000.0 * 1e-12))
+    again = follow_actuator(table, 0.5, tilted, rows._replace(displacement=displacement + by_tilt))
+    assert again.followed.tangential_load == pytest.approx(force, abs=1e-10 * 45.0)
+    assert np.max(np.abs(by_tilt)) > 1e-3 * 6e-4
+
+
+@pytest.mark.parametrize(
+    ("load", "tolerance"),
+    [
+        (
+            PolygonLoad(
+                initial_loading=((90.0, 0.0),),
+                cycle=((90.0, 1.5e-3), (90.0, -1.5e-3)),
+                tangential_displacement=True,
+            ),
+            1e-5,
+        ),
+        pytest.param(
+            EllipseLoad(
+                mean_normal_load=90.0,
+                normal_amplitude=30.0,
+                tangential_displacement={"amplitude": 1.5e-3, "phase_degrees": 60.0},
+            ),
+            1e-3,
+            marks=pytest.mark.slow,
+        ),
+    ],
+)
+def test_tilt_and_strain_add_to_the_work_what_they_do_under_the_loads_found(
+    load: PolygonLoad | EllipseLoad, tolerance: float
+) -> None:
+    scene = tilting(load, Rig())
+    solution = semi_analytic.solve(scene, x=[0.0], effects=TILTED, fields="dissipation")
+    force = solution.tangential_load[solution.last_cycle]
+    time = solution.time[solution.last_cycle]
+    if isinstance(load, PolygonLoad):
+        largest = float(np.max(force))
+        points = ((90.0, largest), (90.0, -largest))
+        of_loads: PolygonLoad | HarmonicLoad = PolygonLoad(
+            initial_loading=((90.0, 0.0),), cycle=points
+        )
+    else:
+        angle = np.linspace(0.0, 2 * np.pi, 65)[:-1]
+        normal = solution.normal_load[solution.last_cycle]
+        waves = []
+        for values in (normal, force):
+            series = np.fft.rfft(np.interp(time[0] + angle, time, values)) / 64
+            waves.append([(2 * abs(w), -math.degrees(np.angle(w))) for w in series[1:20]])
+        of_loads = HarmonicLoad(
+            mean_normal_load=90.0,
+            normal_harmonics=tuple(waves[0][:1]),
+            mean_tangential_load=float(np.mean(np.interp(time[0] + angle, time, force))),
+            tangential_harmonics=tuple(waves[1]),
+        )
+    given = semi_analytic.solve(
+        scene.vary(load=of_loads, rig=Rig()), x=[0.0], effects=TILTED, fields="dissipation"
+    )
+    assert solution.dissipation == pytest.approx(given.dissipation, rel=tolerance)
+    without = replace(TILTED, tilt_under_shear=ZERO, strain_under_pressure=ZERO)
+    even = semi_analytic.solve(given.scene, x=[0.0], effects=without, fields="dissipation")
+    assert abs(even.dissipation / given.dissipation - 1) > 3 * tolerance
+    assert math.isnan(solution.loop_work)
+    assert any("change U by the moment" in note for note in solution.record.notes)
+
+
+def test_where_the_bodies_slide_tilt_is_left_out_of_the_work_and_said() -> None:
+    load = PolygonLoad(
+        initial_loading=((90.0, 0.0),),
+        cycle=((90.0, 6e-3), (90.0, -6e-3)),
+        tangential_displacement=True,
+    )
+    fields = ("dissipation",)
+    scene = tilting(load, Rig())
+    solution = semi_analytic.solve(scene, x=[0.0], effects=TILTED, fields=fields)
+    left_out = [note for note in solution.record.notes if "left out" in note]
+    assert len(left_out) == 2
+    assert all("the bodies slide as a whole" in note for note in left_out)
 
 
 # ----------------------------------------------------------------------------- rigs of the library

@@ -1,0 +1,108 @@
+"""What tilt and bulk strain of the bodies add to the dissipation of a rig's steady cycle.
+
+The memory of `odd_memory` follows paths of few segments with smooth ends of strokes, and the loads
+that follow from displacements are known step by step. So the steady cycle is stated anew:
+
+- where P rests, by its turning points: between them only the order counts;
+- on an ellipse or harmonics, by harmonics of Q, for P is one of them;
+- on other cycles, by straight steps between fewer rows. Their strokes end at vertices of the path.
+
+The initial loading does not count in a steady cycle.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from scenes import (
+    BodyEffects,
+    EllipseLoad,
+    HarmonicLoad,
+    PolygonLoad,
+    Rig,
+    Scene,
+)
+from scenes.array_types import Array
+from semi_analytic.driven import Driven
+from semi_analytic.odd_memory import Declined, OddAnswer, odd_answer
+
+# Instants of a cycle at which Q is taken for its harmonics, and these: twice as many change the
+# work that they add by less than 1e-3 of itself.
+_INSTANTS = 256
+_HARMONICS = 24
+# Steps of a cycle of neither kind.
+_STEPS = 200
+# Share of a load within which two are one.
+_SAME = 1e-9
+# Amplitudes below this share of the largest are none.
+_NO_WAVE = 1e-7
+
+
+def odd_part_of_rig(
+    scene: Scene, effects: BodyEffects, driven: Driven, last_cycle: slice
+) -> OddAnswer:
+    """What tilt and bulk strain make of the dissipation of the steady cycle that `last_cycle`, from
+    its first row to its last, is.
+
+    Raises
+    ------
+    Declined
+        As `odd_answer`; where the bodies slide as a whole, or part.
+    """
+    load = driven.followed.normal_load[last_cycle]
+    force = driven.followed.tangential_load[last_cycle]
+    if np.any(load <= 0):
+        raise Declined("the bodies part")
+    if np.any(driven.slide[last_cycle][1:] != 0):
+        raise Declined("the bodies slide as a whole")
+    time = driven.time[last_cycle]
+    found: HarmonicLoad | PolygonLoad
+    if np.ptp(load) <= _SAME * float(np.max(load)):
+        found = _turning_points(load, force)
+    elif isinstance(scene.load, EllipseLoad | HarmonicLoad):
+        found = _harmonics(time, load, force)
+    else:
+        found = _steps(load, force)
+    return odd_answer(scene.vary(load=found, rig=Rig(), cycles=2), effects)
+
+
+def _turning_points(load: Array, force: Array) -> PolygonLoad:
+    """The cycle as straight steps between the turning points of Q, from the largest Q on."""
+    rise = np.diff(force)
+    moves = np.flatnonzero(rise)
+    ends = moves[np.sign(rise[moves]) != np.sign(rise[np.roll(moves, -1)])] + 1
+    if len(ends) < 2:
+        raise Declined("Q rests")
+    turns = force[ends]
+    turns = np.roll(turns, -int(np.argmax(turns)))
+    points = [(float(load[0]), float(turn)) for turn in turns]
+    return PolygonLoad(initial_loading=(points[0],), cycle=tuple(points[1:]))
+
+
+def _harmonics(time: Array, load: Array, force: Array) -> HarmonicLoad:
+    """The cycle by harmonics of P and Q."""
+    instants = time[0] + (time[-1] - time[0]) * np.arange(_INSTANTS) / _INSTANTS
+
+    def waves(values: Array) -> tuple[float, tuple[tuple[float, float], ...]]:
+        """Mean, amplitudes and phases in degrees."""
+        series = np.fft.rfft(np.interp(instants, time, values)) / _INSTANTS
+        amplitudes = 2 * np.abs(series[1 : _HARMONICS + 1])
+        phases = -np.degrees(np.angle(series[1 : _HARMONICS + 1]))
+        amplitudes[amplitudes < _NO_WAVE * np.max(amplitudes)] = 0.0
+        return float(series[0].real), tuple(zip(amplitudes.tolist(), phases.tolist(), strict=True))
+
+    mean_load, normal = waves(load)
+    mean_force, tangential = waves(force)
+    return HarmonicLoad(
+        mean_normal_load=mean_load,
+        normal_harmonics=normal,
+        mean_tangential_load=mean_force,
+        tangential_harmonics=tangential,
+    )
+
+
+def _steps(load: Array, force: Array) -> PolygonLoad:
+    """The cycle by straight steps between some of its rows."""
+    rows = np.unique(np.linspace(0, len(load) - 1, _STEPS + 1).astype(int))
+    points = list(zip(load[rows].tolist(), force[rows].tolist(), strict=True))
+    return PolygonLoad(initial_loading=(points[0],), cycle=tuple(points[1:-1]))
