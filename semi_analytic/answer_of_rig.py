@@ -64,7 +64,7 @@ _ROWS_AT_END = 33
 _MOST_ENDS = 200
 # Slides of this share of the way of the actuator are round-off.
 _NO_SLIDE = 1e-9
-# Of a path that `odd_part_of_rig` states anew: the second cycle is steady, if not the first.
+# Of a path that `odd_part_of_rig` states again: the second cycle is steady, if not the first.
 _STEADY_CYCLE = 1
 # Slides that a note names one by one.
 _MOST_NAMED = 4

@@ -1,7 +1,7 @@
 """What tilt and bulk strain of the bodies add to the dissipation of a rig's steady cycle.
 
 The memory of `odd_memory` follows paths of few segments with smooth ends of strokes, and the loads
-that follow from displacements are known step by step. So the steady cycle is stated anew:
+that follow from displacements are known step by step. So the steady cycle is stated again:
 
 - where P rests, by its turning points: between them only the order counts;
 - on an ellipse or harmonics, by harmonics of Q, for P is one of them;
