@@ -249,9 +249,8 @@ def of_rig(question: Question) -> Findings:
     wants_work = question.wants("dissipation")
     series = series_at(question, bodies, numbers)
     to_datum = _to_datum_of_answers(rig)
-    of_tilt = rig.compliance.of_tilt(series["normal_load"], series["tangential_load"])
     series["tangential_displacement"] = (
-        series["tangential_displacement"] + of_tilt + to_datum * series["tangential_load"]
+        series["tangential_displacement"] + to_datum * series["tangential_load"]
     )
     series["normal_approach"] = series["normal_approach"] + to_datum * series["normal_load"]
     values: dict[str, Any] = {

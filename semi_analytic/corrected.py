@@ -55,6 +55,7 @@ from semi_analytic.answer import (
 from semi_analytic.answer_by_memory import by_memory, folded, path_of_question
 from semi_analytic.corrected_memory import Curvatures, Followed, PunchTable, area_of_loop, follow
 from semi_analytic.elasticity import composite_modulus
+from semi_analytic.hertz import HertzContact
 from semi_analytic.history import History, turns_of, within
 from semi_analytic.load_series import LoadSeries
 from semi_analytic.next_order import MOST_ROWS, next_order_works
@@ -192,17 +193,18 @@ class OddInAnswer(NamedTuple):
 
 OF_LOADS = OddInAnswer(
     covered=(
-        "move edges of contact and stick, in the first; fields at points, displacements, shear at"
-        " edges and edge tension are without them"
+        "move edges of contact and stick, in the first, and U and the approach of a parabola by the"
+        " moment of the pressure; fields at points, shear at edges and edge tension are without"
+        " them"
     ),
-    left_out="are left out",
+    left_out="are left out, but for the moment of the pressure in U and approach of a parabola",
 )
 OF_RIG = OddInAnswer(
     covered=(
-        "change U by the moment of the pressure, of a parabola; edges, fields at points and the"
-        " approach are without them"
+        "change U of a parabola by the moment of the pressure; edges, fields at points, and P where"
+        " the approach is prescribed, are without them"
     ),
-    left_out="are left out, but for the moment of the pressure in U, of a parabola",
+    left_out="are left out, but for the moment of the pressure in U of a parabola",
 )
 
 
@@ -461,7 +463,8 @@ class PathSeries:
         of_moments = bend.tangential * moments.shear_second
         of_moments = of_moments + bend.normal_under_shear * moments.pressure_second
         of_load = self.effects.tangential_compliance.value * self.followed.tangential_load
-        return np.asarray(displacement + of_load + of_moments / 2)
+        of_tilt, _ = self._moved_by_tilt
+        return np.asarray(displacement + of_load + of_moments / 2 + of_tilt)
 
     @cached_property
     def normal_approach(self) -> Array:
@@ -474,7 +477,27 @@ class PathSeries:
         of_moments = bend.normal * moments.pressure_second
         of_moments = of_moments + bend.tangential_under_pressure * moments.shear_second
         of_load = self.effects.normal_compliance.value * self.followed.normal_load
-        return np.asarray(approach + of_load + of_moments / 2)
+        _, of_tilt = self._moved_by_tilt
+        return np.asarray(approach + of_load + of_moments / 2 + of_tilt)
+
+    @cached_property
+    def _moved_by_tilt(self) -> tuple[Array, Array]:
+        """What the tilt of a parabola adds to U and the approach, (n,) each; 0 of other profiles.
+
+        Tilted by alpha = alpha_P P + alpha_Q Q the contact sits about -alpha R, so that the moment
+        of the pressure is M = -R alpha P; by reciprocity it moves the bodies by alpha_Q M and
+        alpha_P M, and a tilted parabola is pressed in by R alpha^2/2 less.
+        """
+        load = self.followed.normal_load
+        none = np.zeros(len(load))
+        if self.effects is None or not isinstance(self.contact, HertzContact):
+            return none, none
+        under_pressure = self.effects.tilt_under_pressure.value
+        under_shear = self.effects.tilt_under_shear.value
+        tilt = under_pressure * load + under_shear * self.followed.tangential_load
+        moment = -self.contact.radius * tilt * load
+        pressed_less = self.contact.radius * tilt**2 / 2
+        return under_shear * moment, under_pressure * moment - pressed_less
 
     @cached_property
     def _moments(self) -> _Moments:
@@ -1133,7 +1156,7 @@ def _notes_of(paths: _Paths, odd: OddPart) -> Iterator[str]:
     if odd.answer is not None:
         yield (
             "no closed integral of Q dU to compare the dissipation with: displacements are without"
-            " tilt and bulk strain"
+            " what tilt and bulk strain do to slip"
         )
     if question.wants("dissipation") and paths.rows.period is not None and not paths.is_steady:
         yield (

@@ -271,6 +271,17 @@ def test_theory_finds_the_loads_of_a_body_that_tilts(friction: float) -> None:
     force = np.interp(found.time, driven.time, driven.followed.tangential_load)[cycle]
     expected = found.tangential_load[cycle]
     assert np.max(np.abs(force - expected)) < 2e-3 * np.ptp(expected)
+    theory = semi_analytic.solve(
+        scene,
+        x=[0.0],
+        time=found.time,
+        fields=("tangential_displacement", "normal_approach"),
+        effects=effects,
+    )
+    for name in ("tangential_displacement", "normal_approach"):
+        of_elements = getattr(found, name)[cycle]
+        difference = of_elements - getattr(theory, name)[cycle]
+        assert np.ptp(difference) < 3e-3 * np.ptp(of_elements)
 
 
 @pytest.mark.slow

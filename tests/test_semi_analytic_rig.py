@@ -6,7 +6,7 @@ import contextlib
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 from unittest import mock
 
 import numpy as np
@@ -32,7 +32,7 @@ from scenes.body_effects import ZERO
 from semi_analytic import driven
 from semi_analytic.answer_of_rig import rigged
 from semi_analytic.corrected import curvatures_of
-from semi_analytic.corrected_memory import MemoryCurve, PunchTable, Step
+from semi_analytic.corrected_memory import MemoryCurve, PunchTable, Step, area_of_loop
 from semi_analytic.driven import (
     ActuatorRows,
     Compliance,
@@ -430,7 +430,7 @@ TILTED = BodyEffects(
 )
 
 
-def tilting(load: PolygonLoad | EllipseLoad, rig: Rig) -> Scene:
+def tilting(load: Any, rig: Rig) -> Scene:
     """A block on a half-plane, whose effects are stated beside it."""
     return load_scene("cattaneo-mindlin").vary(
         expected=(),
@@ -457,6 +457,24 @@ def test_the_moment_of_a_tilted_pressure_moves_the_bodies() -> None:
     again = follow_actuator(table, 0.5, tilted, rows._replace(displacement=displacement + by_tilt))
     assert again.followed.tangential_load == pytest.approx(force, abs=1e-10 * 45.0)
     assert np.max(np.abs(by_tilt)) > 1e-3 * 6e-4
+
+
+def test_the_moment_is_in_the_movements_under_given_loads() -> None:
+    """U - R alpha_Q^2 P Q and the approach - R (alpha_Q Q)^2/2: together no work in a cycle."""
+    scene = tilting(load_scene("hertz-paper").load, Rig()).vary(friction=1.0)
+    fields = ("tangential_displacement", "normal_approach")
+    tilted = semi_analytic.solve(scene, x=[0.0], effects=TILTED, fields=fields)
+    level = replace(TILTED, tilt_under_shear=ZERO)
+    straight = semi_analytic.solve(scene, x=[0.0], effects=level, fields=fields)
+    load = tilted.normal_load
+    force = tilted.tangential_load
+    moved = tilted.tangential_displacement - straight.tangential_displacement
+    pressed = tilted.normal_approach - straight.normal_approach
+    assert moved == pytest.approx(-1e-9 * load * force, abs=1e-12)
+    assert pressed == pytest.approx(-0.5e-9 * force**2, abs=1e-12)
+    cycle = tilted.last_cycle
+    work = area_of_loop(force[cycle], moved[cycle]) + area_of_loop(load[cycle], pressed[cycle])
+    assert abs(work) < 1e-3 * abs(area_of_loop(force[cycle], moved[cycle]))
 
 
 @pytest.mark.parametrize(
@@ -515,7 +533,7 @@ def test_tilt_and_strain_add_to_the_work_what_they_do_under_the_loads_found(
     even = semi_analytic.solve(given.scene, x=[0.0], effects=without, fields="dissipation")
     assert abs(even.dissipation / given.dissipation - 1) > 3 * tolerance
     assert math.isnan(solution.loop_work)
-    assert any("change U by the moment" in note for note in solution.record.notes)
+    assert any("change U of a parabola by the moment" in note for note in solution.record.notes)
 
 
 def test_where_the_bodies_slide_tilt_is_left_out_of_the_work_and_said() -> None:
