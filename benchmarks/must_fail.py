@@ -1,5 +1,5 @@
-"""Faults planted in the FE model, and the checks that catch each: a check that nothing trips proves
-nothing.
+"""Faults planted in the FE model, and in theory of rigs, and the checks that catch each: a check
+that nothing trips proves nothing.
 
 Each fault is planted by argument or by replacing one function, the paper's cycle is solved with it,
 and every check that the project has for an answer is asked: errors against half-plane theory, the
@@ -30,6 +30,10 @@ from halfplane_fe.run import PathRun
 from halfplane_fe.stepping import Increment
 from meshes import MeshSettings
 from scenes import ConvergenceError, InputError, load_scene
+from semi_analytic import driven
+from semi_analytic.corrected_memory import MemoryCurve, Row, State
+from semi_analytic.corrected_memory import Step as MemoryStep
+from semi_analytic.driven import Driven
 
 SOLVE = import_module("halfplane_fe.solve")
 EQUILIBRIUM = ContactProblem.equilibrium
@@ -220,6 +224,50 @@ FAULTS = (
     Fault("pressure of sliding nodes 1 % short", ("laws of contact", "energy balance"), sticky),
     Fault("far field by halves", ("normal approach", "tangential displacement"), half_far_field),
 )
+
+
+# ---------------------------------------------------------------------------------- faults of rigs
+def slide_not_counted() -> Planted:
+    """The work of gross sliding is left out."""
+    nothing = property(lambda self: np.zeros(len(self.time)))
+    return mock.patch.object(Driven, "slide_work", nothing)
+
+
+def spring_left_in() -> Planted:
+    """U of the contact is taken for that of the actuator."""
+    return mock.patch.object(Driven, "displacement", property(lambda self: self.actuator))
+
+
+def limit_of_the_wrong_sign() -> Planted:
+    """What slides as a whole slides against Q."""
+    step = driven._Stepper.step
+
+    def planted(self: driven._Stepper, *arguments: Any) -> driven._Found:
+        found = step(self, *arguments)
+        return found._replace(slide=-found.slide)
+
+    return mock.patch.object(driven._Stepper, "step", planted)
+
+
+def memory_kept() -> Planted:
+    """Bodies that part remember their shear."""
+    step = MemoryCurve.step
+
+    def planted(self: MemoryCurve, state: State, row: Row) -> MemoryStep:
+        found = step(self, state, row)
+        return found._replace(state=state) if self.is_unloaded(row.normal_load) else found
+
+    return mock.patch.object(MemoryCurve, "step", planted)
+
+
+# Of prescribed displacements, which half-plane theory follows: tests/test_semi_analytic_rig.py
+# holds each to its closed forms.
+FAULTS_OF_RIGS: dict[str, Callable[[], Planted]] = {
+    "slide not counted": slide_not_counted,
+    "spring left in the loop": spring_left_in,
+    "sliding limit of the wrong sign": limit_of_the_wrong_sign,
+    "memory kept through separation": memory_kept,
+}
 
 
 # --------------------------------------------------------------------------------------- the checks

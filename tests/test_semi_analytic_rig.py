@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import contextlib
 import math
-from collections.abc import Callable, Iterator
+import sys
 from dataclasses import replace
+from pathlib import Path
 from typing import Any, NamedTuple
-from unittest import mock
 
 import numpy as np
 import pytest
@@ -29,10 +28,9 @@ from scenes import (
     rig_names,
 )
 from scenes.body_effects import ZERO
-from semi_analytic import driven
 from semi_analytic.answer_of_rig import rigged
 from semi_analytic.corrected import curvatures_of
-from semi_analytic.corrected_memory import MemoryCurve, PunchTable, Step, area_of_loop
+from semi_analytic.corrected_memory import PunchTable, area_of_loop
 from semi_analytic.driven import (
     ActuatorRows,
     Compliance,
@@ -42,6 +40,12 @@ from semi_analytic.driven import (
     loads_of_approach,
 )
 from semi_analytic.hertz import HertzContact
+
+BENCHMARKS = Path(__file__).parent.parent / "benchmarks"
+sys.path.insert(0, str(BENCHMARKS))
+import must_fail  # noqa: E402
+
+sys.path.remove(str(BENCHMARKS))
 
 # a^2 = P, A/pi = 1/2: at P = 1 the half-width is 1.
 MODULUS = 4 / math.pi
@@ -256,59 +260,25 @@ def test_the_load_of_an_approach_is_that_of_published_formulas(
 
 
 # ----------------------------------------------------------------------------------- planted faults
-@contextlib.contextmanager
-def _slide_not_counted() -> Iterator[None]:
-    with mock.patch.object(Driven, "slide_work", property(lambda self: np.zeros(len(self.time)))):
-        yield
+# The faults of benchmarks/must_fail.py by name, and the checks that see each.
+CHECKS = {
+    "slide not counted": [lambda: check_gross_cycle(0.0), check_energy_from_rest_to_rest],
+    "spring left in the loop": [lambda: check_gross_cycle(3.0)],
+    "sliding limit of the wrong sign": [check_sliding_under_falling_load],
+    "memory kept through separation": [check_nothing_is_remembered_through_separation],
+}
 
 
-@contextlib.contextmanager
-def _spring_left_in() -> Iterator[None]:
-    with mock.patch.object(Driven, "displacement", property(lambda self: self.actuator)):
-        yield
+def test_every_planted_fault_has_a_check() -> None:
+    assert set(CHECKS) == set(must_fail.FAULTS_OF_RIGS)
 
 
-@contextlib.contextmanager
-def _limit_of_the_wrong_sign() -> Iterator[None]:
-    step = driven._Stepper.step
-
-    def fault(self: driven._Stepper, *arguments: object) -> driven._Found:
-        found = step(self, *arguments)  # type: ignore[arg-type]
-        return found._replace(slide=-found.slide)
-
-    with mock.patch.object(driven._Stepper, "step", fault):
-        yield
-
-
-@contextlib.contextmanager
-def _memory_kept() -> Iterator[None]:
-    step = MemoryCurve.step
-
-    def fault(self: MemoryCurve, state: object, row: object) -> Step:
-        found = step(self, state, row)  # type: ignore[arg-type]
-        if self.is_unloaded(row.normal_load):  # type: ignore[attr-defined]
-            return found._replace(state=state)  # type: ignore[arg-type]
-        return found
-
-    with mock.patch.object(MemoryCurve, "step", fault):
-        yield
-
-
-@pytest.mark.parametrize(
-    ("fault", "check"),
-    [
-        (_slide_not_counted, lambda: check_gross_cycle(0.0)),
-        (_slide_not_counted, check_energy_from_rest_to_rest),
-        (_spring_left_in, lambda: check_gross_cycle(3.0)),
-        (_limit_of_the_wrong_sign, check_sliding_under_falling_load),
-        (_memory_kept, check_nothing_is_remembered_through_separation),
-    ],
-)
-def test_planted_faults_are_seen(
-    fault: Callable[[], contextlib.AbstractContextManager[None]], check: Callable[[], None]
-) -> None:
-    with fault(), pytest.raises(AssertionError):
+@pytest.mark.parametrize("name", CHECKS)
+def test_planted_faults_are_seen(name: str) -> None:
+    for check in CHECKS[name]:
         check()
+        with must_fail.FAULTS_OF_RIGS[name](), pytest.raises(AssertionError):
+            check()
 
 
 # ------------------------------------------------------------------------------- the round trip
