@@ -87,7 +87,7 @@ class Diagnosis:
 
 
 def outliers(comparison: Comparison) -> list[Diagnosis]:
-    """Single values that stand out of all others, the largest with its place."""
+    """Single values that stand out of all others, the first with its place."""
     found = comparison.found
     traces = [(name, spikes(getattr(found, name))) for name in ("pressure", "shear", "slip")]
     words = [
