@@ -36,22 +36,30 @@ from semi_analytic.driven import ActuatorRows, actuator_rows
 
 MESH = MeshSettings.coarse()
 SPRING = 4e-5
+T_SHAPE = {
+    "lower": HalfPlane(),
+    "upper": TShape(width=20.0, flange_height=6.0, stem_width=12.0, height=18.0),
+}
 LOADS = [(60.0, 0.0), (90.0, 0.0), (90.0, 20.0), (75.0, 5.0), (90.0, -25.0), (100.0, 0.0)]
 
 
-def blocks(load: PolygonLoad, rig: Rig) -> Scene:
-    return load_scene("blocks").vary(
-        load=load, rig=rig, friction=0.5, cycles=1, expected=(), tolerances={}
-    )
+def rubbing(name: str) -> Scene:
+    """A scene of the library with f = 0.5, whose loads will be others."""
+    return load_scene(name).vary(friction=0.5, cycles=1, expected=(), tolerances={})
 
 
-def check_round_trip(method: Method, *, approach: bool) -> None:
+def check_round_trip(
+    method: Method, *, approach: bool, base: Scene | None = None, tolerance: float = 1e-8
+) -> None:
     """Their own displacements give their own loads back; the rows of P as loads, or as approach."""
+    base = rubbing("blocks") if base is None else base
+    path = base.load.path()
+    unit = float(path.at(path.cycle_start)[0]) / 90.0
+    loads = tuple((unit * normal, unit * tangential) for normal, tangential in LOADS)
     settings = SolverSettings(method=method, steps_per_cycle=4)
-    times = tuple(float(k) for k in range(len(LOADS) + 1))
-    given = halfplane_fe.solve(
-        blocks(PolygonLoad(initial_loading=tuple(LOADS), times=times), Rig()), MESH, settings
-    )
+    times = tuple(float(k) for k in range(len(loads) + 1))
+    of_loads = PolygonLoad(initial_loading=loads, times=times)
+    given = halfplane_fe.solve(base.vary(load=of_loads), MESH, settings)
     at_rows = np.searchsorted(given.time, np.array(times) - 1e-9)
     load = given.normal_load[at_rows]
     force = given.tangential_load[at_rows]
@@ -66,15 +74,38 @@ def check_round_trip(method: Method, *, approach: bool) -> None:
     driven = PolygonLoad(
         initial_loading=points[1:], tangential_displacement=True, approach=approach
     )
-    found = solve_rig(blocks(driven, rig), MESH, settings, rows=rows)
+    found = solve_rig(base.vary(load=driven, rig=rig), MESH, settings, rows=rows)
     assert len(found.residuals) < 8
     again = found.solution
     of_rows = np.searchsorted(again.time, np.array(times) - 1e-9)
     largest = float(np.max(np.abs(force)))
-    assert again.normal_load[of_rows] == pytest.approx(load, abs=1e-8 * float(np.max(load)))
-    assert again.tangential_load[of_rows] == pytest.approx(force, abs=1e-8 * largest)
-    # W is a hundredth of Q U, which is met to 1e-9; of an approach P is met so too.
-    assert again.dissipation == pytest.approx(given.dissipation, rel=5e-7 if approach else 1e-7)
+    assert again.normal_load[of_rows] == pytest.approx(load, abs=tolerance * float(np.max(load)))
+    assert again.tangential_load[of_rows] == pytest.approx(force, abs=tolerance * largest)
+    # W is a hundredth of Q U.
+    share = 50 if approach else 10
+    assert again.dissipation == pytest.approx(given.dissipation, rel=share * tolerance)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("bodies", "approach", "tolerance"),
+    [
+        ("pad-on-block", False, 1e-7),
+        ("pad-on-block", True, 1e-6),
+        ("two-cylinders", False, 1e-7),
+        ("two-cylinders", True, 1e-6),
+        ("flat-pad-on-block", False, 1e-7),
+        ("flat-pad-on-block", True, 1e-6),
+        ("T", False, 1e-7),
+        ("T", True, 2e-6),
+    ],
+)
+def test_they_do_so_for_every_body(bodies: str, approach: bool, tolerance: float) -> None:
+    """U of each is met to 1e-9. Of an approach the mesh is that of P as it was at 1e-5, which moves
+    U by 2e-7. Measured: 5e-8 of Q, and of an approach 1.1e-6.
+    """
+    base = rubbing("blocks").vary(bodies=T_SHAPE) if bodies == "T" else rubbing(bodies)
+    check_round_trip("active_set", approach=approach, base=base, tolerance=tolerance)
 
 
 @pytest.mark.parametrize("approach", [False, True])
@@ -242,12 +273,6 @@ def test_theory_finds_the_loads_of_the_finite_elements_by_their_displacements(
     assert np.max(np.abs(force - expected)) < 2e-3 * np.ptp(expected)
     work = driven.work(slice(driven.ends[0], driven.ends[1] + 1))
     assert work == pytest.approx(found.dissipation, rel=5e-3)
-
-
-T_SHAPE = {
-    "lower": HalfPlane(),
-    "upper": TShape(width=20.0, flange_height=6.0, stem_width=12.0, height=18.0),
-}
 
 
 @pytest.mark.slow
