@@ -52,7 +52,8 @@ def check_round_trip(
     method: Method, *, approach: bool, base: Scene | None = None, tolerance: float = 1e-8
 ) -> None:
     """Their own displacements give their own loads back; the rows of P as loads, or as approach."""
-    base = rubbing("blocks") if base is None else base
+    is_blocks = base is None
+    base = base or rubbing("blocks")
     path = base.load.path()
     unit = float(path.at(path.cycle_start)[0]) / 90.0
     loads = tuple((unit * normal, unit * tangential) for normal, tangential in LOADS)
@@ -81,8 +82,8 @@ def check_round_trip(
     largest = float(np.max(np.abs(force)))
     assert again.normal_load[of_rows] == pytest.approx(load, abs=tolerance * float(np.max(load)))
     assert again.tangential_load[of_rows] == pytest.approx(force, abs=tolerance * largest)
-    # W is a hundredth of Q U.
-    share = 50 if approach else 10
+    # W is a hundredth of Q U, and of pads the spring takes most of U.
+    share = 10 if is_blocks and not approach else 50
     assert again.dissipation == pytest.approx(given.dissipation, rel=share * tolerance)
 
 
