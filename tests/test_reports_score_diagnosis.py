@@ -201,8 +201,9 @@ def test_a_fault_of_the_model_is_named_first(table: ModuleType, key: str, scene:
         # mesh that stay locked in.
         slow("steps", "hertz-paper", 48.0),
         slow("coupling", "cattaneo-mindlin", 0.2),
-        slow("elastic_slip", "hertz-paper", 240.0),
-        slow("coarse_edge", "hertz-paper", 1 / 12),
+        # At 240 E*/a the creep is 0.1 % of the largest step, and the mesh errs as much.
+        slow("elastic_slip", "hertz-paper", 72.0),
+        slow("coarse_edge", "hertz-paper", 1 / 8),
     ],
 )
 def test_and_on_other_scenes_and_mild_ones(
@@ -287,7 +288,7 @@ def test_a_smooth_wave_is_no_known_pattern(table: ModuleType) -> None:
         compare(true, replace(true, pressure=true.pressure + wave, shear=true.shear - wave))
     )
     assert (diagnosis.fault, diagnosis.strength) == (UNKNOWN, 0.0)
-    assert "no known pattern" in diagnosis.sentence
+    assert "Cause not found" in diagnosis.sentence
 
 
 def test_a_result_of_tractions_alone_with_holes_or_of_few_instants_is_judged_all_the_same(

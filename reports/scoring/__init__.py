@@ -15,6 +15,7 @@ solution.py        units and signs that can't be; the result as a ContactSolutio
 against.py         the score
 discrepancy.py     what is to be explained, and how much of it is noise
 causes.py          the causes, one object each: theory with the fault in it
+cells.py           contact on cells: faces with a layer between them, bodies that are not alike
 traces.py          findings that rows show without theory: spikes, full slip, creep, scatter
 diagnosis.py       the order of evidence: fits, what is excluded, which cause is named
 loops.py           a rig's loop of Q over U: the f that fits it, its interval, the engines' loops

@@ -15,8 +15,10 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 import semi_analytic
+from reports.scoring.cells import pressure_on_layer, shear_by_coupling
 from reports.scoring.discrepancy import (
     PRESSURE,
     SHEAR,
@@ -38,6 +40,7 @@ from scenes import (
 )
 from scenes.array_types import Array
 from semi_analytic.bulk_and_tilt import one_curve
+from semi_analytic.elasticity import composite_modulus
 from semi_analytic.profiles import contact_of
 
 # Revolution of the steady cycle on which delayed instants are looked up: after two all paths of the
@@ -51,6 +54,15 @@ _BETWEEN_NODES = 48
 # Height of the two blocks [a_ref] whose numbers, times their figure, are those of bodies too small:
 # curvatures go as one over the square of the height.
 _BLOCK = 5.0
+# Largest share of them: blocks of height 1.8 a_ref, no higher than the contact is wide.
+_NEAREST_BODY = 8.0
+# Steps of a revolution that cells follow: legs of two, three or four a cycle end on them.
+_STEPS_A_CYCLE = 24
+# Dundurs' constants that are tried first: 0.5 is the largest of all.
+_BETAS = (-0.15, 0.15)
+_LARGEST_BETA = 0.5
+# Compliance of a layer that is tried first [a_ref/E*].
+_LAYERS = (0.02, 0.1)
 # Delays of a revolution that are tried first.
 _DELAYS = tuple((np.arange(16) - 7.5) / 16)
 # Logarithms of f that are tried first; those at which next to nothing slips: a mesh keeps the
@@ -58,6 +70,10 @@ _DELAYS = tuple((np.arange(16) - 7.5) / 16)
 _FRICTIONS = tuple(np.log([0.4, 0.6, 0.8, 1.25, 1.7, 3.0]))
 _NO_SLIP = tuple(np.log([15.0, 50.0, 300.0]))
 _BONDED = 7.0
+# A factor counts as the power of ten that it is near to: a mesh does not move a resultant by more.
+# A factor of a hundred or more is one of units even farther off.
+_NEAR = 0.02
+_NEAR_OF_UNITS = 0.25
 # Logarithm of the largest factor of units.
 _UNITS = 25.0
 # Loads that differ by less than this share of the largest P are one: those of one revolution and
@@ -88,6 +104,13 @@ class Variant:
         history of friction
     small_body
         share of the curvatures that two blocks of height `_BLOCK` a_ref add
+    soft_normal
+        compliance of a layer that the faces sink into by p/k, 1/k over a_ref/E*; it acts on the
+        pressure, and the shear stays that of theory
+    beta
+        Dundurs' constant of the bodies
+    odd
+        whether all is changed that is odd in x
     on_mesh
         whether tractions are nodal forces over the spacing
     stretch, offset
@@ -104,6 +127,9 @@ class Variant:
     wrong_load: str = ""
     history: str = ""
     small_body: float = 0.0
+    soft_normal: float = 0.0
+    beta: float = 0.0
+    odd: bool = False
     on_mesh: bool = False
     stretch: float = 1.0
     offset: float = 0.0
@@ -131,14 +157,27 @@ class Predictions:
             Where there is no such solution: gross sliding, separation; and where it takes a grid,
             whose seconds are too many for a search.
         """
-        question = replace(variant, pressure_factor=1.0, shear_factor=1.0, swapped=False)
+        question = replace(variant, pressure_factor=1.0, shear_factor=1.0, swapped=False, odd=False)
         needs_shear = sheared or variant.swapped
         if (question, needs_shear) not in self.solved:
             self.solved[question, needs_shear] = self._solved(question, sheared=needs_shear)
         tractions = self.solved[question, needs_shear]
         if variant.swapped:
             tractions = tractions[::-1]
-        return pair(variant.pressure_factor, variant.shear_factor) * tractions
+        tractions = pair(variant.pressure_factor, variant.shear_factor) * tractions
+        if variant.odd:
+            tractions = tractions + self._odd_part(self.what.found - tractions, variant.offset)
+        return tractions
+
+    def _odd_part(self, difference: Tractions, offset: float) -> Tractions:
+        """Half of a difference minus its mirror image about the centre of the contact.
+
+        Between like, symmetric bodies nothing is odd, whatever the loads and the history.
+        """
+        x = self.what.x
+        mirrored_x = 2 * offset * self.what.half_width - x
+        mirrored = np.apply_along_axis(lambda row: np.interp(mirrored_x, x, row), 2, difference)
+        return (difference - mirrored) / 2
 
     def _solved(self, variant: Variant, *, sheared: bool) -> Tractions:
         if variant == Variant():
@@ -182,15 +221,37 @@ class Predictions:
             case "straight steps" | "end of steps" if sheared:
                 return _long_steps(what, scene, x, of_ends=variant.history == "end of steps")
         effects = None
-        if variant.small_body < 0:
-            raise InputError("a body of negative height")
+        if variant.small_body < 0 or variant.soft_normal < 0:
+            raise InputError("a body of negative height, a layer of negative compliance")
         if variant.small_body:
             effects = _of_blocks(what, scene, variant.small_body)
         if not sheared:
-            return _tractions(scene, x, time, effects=effects, fields=("pressure",))[:1]
+            layer = variant.soft_normal * what.half_width / composite_modulus(what.scene.material)
+            return self._pressure(scene, x, time, effects, layer)[None]
+        if variant.soft_normal:
+            pressure = self._theory(variant, x, sheared=False)[PRESSURE]
+            return np.array(
+                [pressure, self._theory(replace(variant, soft_normal=0.0), x, sheared=True)[SHEAR]]
+            )
         if scene.unsymmetric and one_curve(scene) is None:
             raise InputError("its memory of friction is no one curve: not looked for")
-        return _tractions(scene, x, time, effects=effects)
+        tractions = _tractions(scene, x, time, effects=effects)
+        if variant.beta:
+            loads, rows = _steps(scene, time)
+            tractions[SHEAR] += shear_by_coupling(scene, x, loads, rows, variant.beta)
+        return tractions
+
+    def _pressure(
+        self, scene: Scene, x: Array, time: Array, effects: BodyEffects | None, layer: float
+    ) -> Array:
+        """(k, n) p at instants, which depends on P alone where nothing tilts the contact."""
+        if effects is not None or scene.load.is_driven or self.what.comparison.turned:
+            return _tractions(scene, x, time, effects=effects, fields=("pressure",))[PRESSURE]
+        normal_load = np.asarray(scene.load.path().at(time)[0])
+        contact = contact_of(scene.profile, scene.material)
+        if layer:
+            return pressure_on_layer(scene, x, normal_load, layer)
+        return contact.pressure(x, normal_load[:, None])
 
 
 def _shape_functions(nodes: Array) -> tuple[Array, Array]:
@@ -229,6 +290,28 @@ def _tractions(
         straight_steps=straight,
     )
     return np.array([answer.pressure[places], answer.shear[places]])
+
+
+def _steps(scene: Scene, time: Array) -> tuple[Array, NDArray[np.intp]]:
+    """P and Q (n, 2) of steps along the path, its second revolution the last, and the (k,) rows of
+    the instants.
+    """
+    path = scene.load.path()
+    if path.period is None:
+        wanted = time
+        times = np.linspace(path.start, time.max(), 2 * _STEPS_A_CYCLE)
+    else:
+        wanted = path.cycle_start + path.period * (
+            1 + np.mod((time - path.cycle_start) / path.period, 1.0)
+        )
+        times = np.concatenate(
+            [
+                np.linspace(path.start, path.cycle_start, _STEPS_A_CYCLE // 3 + 1),
+                path.cycle_start + path.period * np.linspace(0, 2, 2 * _STEPS_A_CYCLE + 1),
+            ]
+        )
+    times = np.unique(np.concatenate([times[times > path.start], wanted]))
+    return np.transpose(path.at(times)), np.searchsorted(times, wanted)
 
 
 def _of_blocks(what: Discrepancy, scene: Scene, share: float) -> BodyEffects:
@@ -433,6 +516,24 @@ def _of_factor(what: Discrepancy) -> Sequence[float]:
     return (_away_from_zero(np.log(ratio)),)
 
 
+def _of_units(what: Discrepancy) -> Sequence[float]:
+    """The power of ten that the sum of the pressures is near to."""
+    ratio, _, _ = _moments(what)
+    power = round_power(ratio)
+    return () if power is None else (float(np.log(power)),)
+
+
+def round_power(factor: float) -> float | None:
+    """The power of ten that a factor is near to; None where it is near to none."""
+    if factor <= 0:
+        return None
+    order = round(np.log10(factor))
+    nearness = _NEAR_OF_UNITS if abs(order) >= 2 else _NEAR
+    if order == 0 or abs(factor / 10.0**order - 1) >= nearness:
+        return None
+    return float(10.0**order)
+
+
 def _of_pressure_alone(what: Discrepancy) -> Sequence[float]:
     """Under a wrong factor of the pressure the shear is right."""
     right = what.is_within(SHEAR) or what.residual(what.expected, SHEAR).is_noise
@@ -480,6 +581,18 @@ def _of_body(what: Discrepancy) -> Sequence[float]:
     return () if what.unsymmetric else (0.5,)
 
 
+def _of_layer(what: Discrepancy) -> Sequence[float]:
+    """Of a contact that is wider than theory's, by both moments."""
+    _, wider, _ = _moments(what)
+    return _LAYERS if wider > 1 and not what.unsymmetric else ()
+
+
+def _of_coupling(what: Discrepancy) -> Sequence[float]:
+    shear = what.sheared and bool(what.scene.friction.coefficient)
+    possible = shear and not what.unsymmetric and not what.scene.load.is_driven
+    return _BETAS if possible and bool(np.any(what.found[SHEAR])) else ()
+
+
 def _of_wrong_load(key: str) -> Callable[[Discrepancy], Sequence[float]]:
     def starts(what: Discrepancy) -> Sequence[float]:
         with contextlib.suppress(InputError):
@@ -518,6 +631,7 @@ LOADS = Cause("loads", _loaded, _of_factor, group="size", resultant=_factor)
 TRACTION_FACTOR = Cause(
     "traction_factor", _scaled, _of_factor, group="size", resultant=_factor, largest=_UNITS
 )
+UNITS = Cause("units", _scaled, _of_units, sized=False, resultant=_factor, largest=_UNITS)
 PRESSURE_FACTOR = Cause(
     "pressure_factor",
     lambda variant, k: replace(variant, pressure_factor=float(np.exp(k)) * variant.pressure_factor),
@@ -549,7 +663,31 @@ COARSE_MESH = Cause(
     "coarse_edge", lambda variant, _: replace(variant, on_mesh=True), _of_mesh, sized=False
 )
 SMALL_BODY = Cause(
-    "small_body", lambda variant, share: replace(variant, small_body=share), _of_body, group="size"
+    "small_body",
+    lambda variant, share: replace(variant, small_body=share),
+    _of_body,
+    group="size",
+    largest=_NEAREST_BODY,
+)
+SOFT_NORMAL = Cause(
+    "soft_normal",
+    lambda variant, compliance: replace(variant, soft_normal=compliance),
+    _of_layer,
+    group="size",
+)
+COUPLING = Cause(
+    "coupling",
+    lambda variant, beta: replace(variant, beta=beta),
+    _of_coupling,
+    channel=SHEAR,
+    largest=_LARGEST_BETA,
+)
+ODD_PART = Cause(
+    "coupling",
+    lambda variant, _: replace(variant, odd=True),
+    lambda what: (1.0,) if _of_coupling(what) else (),
+    channel=SHEAR,
+    sized=False,
 )
 OTHER_TIMES = Cause(
     "other_times", lambda variant, delay: replace(variant, delay=delay), _of_delay, group="history"
@@ -616,6 +754,7 @@ def _with_memory(what: Discrepancy) -> Sequence[float]:
 CAUSES = (
     PRESSURE_SIGN,
     SWAPPED,
+    UNITS,
     STIFFNESS,
     LOADS,
     TRACTION_FACTOR,
@@ -624,6 +763,7 @@ CAUSES = (
     OFFSET,
     COARSE_MESH,
     SMALL_BODY,
+    SOFT_NORMAL,
     OTHER_TIMES,
     _of_load("tilt_sign"),
     _of_load("tilt_left_out"),
@@ -637,4 +777,6 @@ CAUSES = (
     _of_history("steps", "end of steps", _of_ends),
     _of_load("bulk_sign"),
     _of_load("bulk_left_out"),
+    COUPLING,
+    ODD_PART,
 )

@@ -27,7 +27,17 @@ import numpy as np
 
 from halfplane_fe.dundurs import dundurs
 from reports.comparison import Comparison
-from reports.scoring.causes import CAUSES, SMALL_BODY, Cause, Predictions, Variant
+from reports.scoring.causes import (
+    CAUSES,
+    COUPLING,
+    ODD_PART,
+    SMALL_BODY,
+    SOFT_NORMAL,
+    Cause,
+    Predictions,
+    Variant,
+    round_power,
+)
 from reports.scoring.discrepancy import (
     PRESSURE,
     SHEAR,
@@ -76,25 +86,33 @@ _SAME_RESULTANT = 0.05
 _LEAST_SIZE = 0.005
 # Calls of one search by Levenberg and Marquardt; a size is found in ten to twenty.
 _MOST_CALLS = 40
-# Of a size, to which it is found: mistakes of a table are larger.
+# Of a size, to which it is found: mistakes of a table are larger; and to which it is found first.
 _CLOSE = 1e-6
+_ROUGH = 1e-2
+# Of the norm of the difference, noise and all: a first search that leaves more is not refined.
+_HOPELESS = 0.8
+# Of the sizes at which the search for a cause alone starts, every third one beside another cause.
+_STRIDE = 3
 # Of the difference, where a prediction has no solution.
 _NO_SOLUTION = 1e20
 # Share of the difference that a cause alone must not exceed for pairs with it to be tried.
 _NO_HELP = 0.98
 # Values in contact of which neighbours do not tell noise from what two causes at once make.
 _FEW_VALUES = 40
+# Causes whose theory takes longest.
+_OF_MODEL = (SMALL_BODY, SOFT_NORMAL)
+# Of the square of the difference, what a cause leaves that is exact.
+_EXACT = 1e-6
 # Explanations of the pressure that the shear decides between.
 _MOST_OF_PRESSURE = 5
-# A fitted factor counts as the round one that it is near: a mesh does not move a resultant by more.
-# A factor of a hundred or more is one of units even farther off.
-_NEAR = 0.02
-_NEAR_OF_UNITS = 0.25
 _HALF = 0.03
 # Elements over the half-width that an engineer should take.
 _ENOUGH_ELEMENTS = 10
-# Share of the odd part that unlike bodies must leave nothing smooth beside.
+# Dundurs' beta of like bodies, but for round-off.
 _NO_COUPLING = 1e-9
+# What the odd part of the difference may leave of it where bodies couple: 0.09 to 0.53 of the norm
+# was measured for nu = 0.45 and 0.2 beside 0.3.
+_MOST_LEFT_OF_ODD = 0.6
 # Standard deviation of the noise of the shear over that of the pressure, at most: few points may
 # look like noise by chance.
 _NOISIER = 5.0
@@ -115,12 +133,15 @@ class Fit:
         tractions of a result with just these faults
     residuals
         what they leave of pressure and shear
+    noisier
+        most that the noise of the shear is of that of the pressure, each over its scale
     """
 
     causes: tuple[Cause, ...]
     sizes: tuple[float, ...]
     predicted: Tractions
     residuals: tuple[Residual, Residual]
+    noisier: float = np.inf
 
     @property
     def keys(self) -> frozenset[str]:
@@ -129,17 +150,23 @@ class Fit:
 
     @property
     def parameters(self) -> int:
-        """Sizes that were fitted."""
-        return sum(cause.sized for cause in self.causes)
+        """Sizes that were fitted; an odd part takes half of the values as it finds them."""
+        sizes = sum(cause.sized for cause in self.causes)
+        return sizes + (self.count((SHEAR,)) // 2 if ODD_PART in self.causes else 0)
 
     def square(self, channels: Sequence[int]) -> float:
         """R over some channels, the sum of their means."""
         return sum(self.residuals[channel].square for channel in channels)
 
     def noise(self, channels: Sequence[int]) -> float:
-        """N over some channels."""
-        parts = [self.residuals[channel] for channel in channels]
-        return sum(min(part.noise, part.square) for part in parts)
+        """N over some channels; that of the shear is of the size of that of the pressure, both over
+        the largest pressure.
+        """
+        most = (np.inf, max(self.square((PRESSURE,)), _ROUND_OFF) * self.noisier**2)
+        return sum(
+            min(self.residuals[channel].noise, self.square((channel,)), most[channel])
+            for channel in channels
+        )
 
     def is_noise(self, channels: Sequence[int]) -> bool:
         """Whether it leaves nothing smooth."""
@@ -192,7 +219,20 @@ class Search:
             place for place, cause in enumerate(causes) if cause.sized and place >= len(known)
         ]
         if fitted:
-            sizes = self._searched(causes, sizes, fitted, channels)
+            sizes = self._searched(causes, sizes, fitted, channels, _ROUGH)
+            rough = float(np.sum(self._left(causes, sizes, channels) ** 2))
+            without = self._left((), (), channels)
+            if rough <= _HOPELESS**2 * float(np.sum(without**2)):
+                sizes = self._searched(causes, sizes, fitted, channels, _CLOSE)
+        return self._made(causes, sizes, channels)
+
+    def refined(
+        self, causes: tuple[Cause, ...], sizes: tuple[float, ...], channels: tuple[int, ...]
+    ) -> Fit | None:
+        """All sizes fitted at once, from these on."""
+        fitted = [place for place, cause in enumerate(causes) if cause.sized]
+        if fitted:
+            sizes = self._searched(causes, sizes, fitted, channels, _CLOSE)
         return self._made(causes, sizes, channels)
 
     def _starts(
@@ -200,11 +240,13 @@ class Search:
     ) -> tuple[float, ...]:
         """Sizes at which a search starts: beside another cause, the size fitted alone as well."""
         starts = tuple(cause.starts(self.what))
-        if len(searched) == 1 or not starts or not cause.sized or SHEAR in channels:
+        if len(searched) == 1 or not starts or not cause.sized:
             return starts
         alone = self.fit((cause,), channels)
         if alone is None:
             return starts[:1]
+        if SHEAR in channels:
+            return (*starts[::_STRIDE], alone.sizes[0])
         return (alone.sizes[0],) if len(starts) > 1 else (*starts, alone.sizes[0])
 
     def _searched(
@@ -213,8 +255,9 @@ class Search:
         sizes: tuple[float, ...],
         fitted: Sequence[int],
         channels: tuple[int, ...],
+        tolerance: float,
     ) -> tuple[float, ...]:
-        """Least squares from these sizes on."""
+        """Least squares from these sizes on, to so much of a size."""
         from scipy.optimize import least_squares
 
         def completed(values: Array) -> tuple[float, ...]:
@@ -228,7 +271,8 @@ class Search:
             [sizes[place] for place in fitted],
             method="lm",
             diff_step=1e-5,
-            xtol=_CLOSE,
+            xtol=tolerance,
+            ftol=tolerance,
             x_scale=np.full(len(fitted), 0.1),
             max_nfev=_MOST_CALLS,
         )
@@ -267,7 +311,9 @@ class Search:
             predicted = self._predicted(causes, sizes, channels)
         except InputError:
             return None
-        return Fit(causes, sizes, predicted, self.what.residuals(predicted))
+        friction = self.what.comparison.scales.friction
+        noisier = _NOISIER / friction if friction else np.inf
+        return Fit(causes, sizes, predicted, self.what.residuals(predicted), noisier)
 
 
 # ------------------------------------------------------------------------------------- judgement
@@ -303,18 +349,17 @@ def _by_chance(fit: Fit, before: Fit, channels: Sequence[int]) -> float:
     return float(f_distribution.sf(gain / parameters / (left / freedom), parameters, freedom))
 
 
-def _explains(fit: Fit | None, before: Fit, channels: Sequence[int]) -> bool:
+def _explains(
+    fit: Fit | None,
+    before: Fit,
+    channels: Sequence[int],
+) -> bool:
     """Whether a fit leaves less than a third of the difference, and not by chance."""
     return (
         fit is not None
         and _share_left(fit, before, channels) < _MOST_LEFT
         and _by_chance(fit, before, channels) < _CHANCE
     )
-
-
-def _is_complete(fit: Fit, before: Fit, channels: Sequence[int]) -> bool:
-    """Whether nothing else needs to be looked for beside it."""
-    return fit.is_noise(channels) or _share_left(fit, before, channels) <= _COMPLETE
 
 
 @dataclass(frozen=True, eq=False)
@@ -372,6 +417,7 @@ class Judge:
             others = tuple(cause for cause in stiffer[0].causes if cause.group != "size")
             for start in self._explanations([(SMALL_BODY, *others)], self.without, (PRESSURE,)):
                 whole += self._with_shear(start)[0]
+        whole += self._jointly(of_pressure, whole)
         candidates = whole or [fit for fit in partly if fit.causes]
         if not candidates:
             return Verdict(None, unexplained=True)
@@ -388,6 +434,36 @@ class Judge:
         )
         pressure_left = not self.is_right(best, PRESSURE) and not whole
         return Verdict(best, rivals, unexplained=not whole or pressure_left)
+
+    def _jointly(self, of_pressure: Sequence[Fit], whole: Sequence[Fit]) -> list[Fit]:
+        """The best explanation, and the same with each other explanation of the pressure in it,
+        their sizes fitted to both tractions at once.
+
+        Sizes that a noisy pressure has given may be too far off for the shear to decide fairly.
+        """
+        if not whole or len(of_pressure) < 2 or not self.what.sheared:
+            return []
+        best = min(whole, key=lambda fit: fit.square(self.channels))
+        if best.square(self.channels) <= _EXACT * self.without.square(self.channels):
+            return []
+        of_best = [start for start in of_pressure if start.keys <= best.keys]
+        if not of_best:
+            return []
+        count = len(of_best[0].causes)
+        fits = []
+        for start in of_pressure:
+            causes = (*start.causes, *best.causes[count:])
+            sizes = (*start.sizes, *best.sizes[count:])
+            if _may_meet(causes):
+                fits.append(self.search.refined(causes, sizes, self.channels))
+        return [
+            fit
+            for fit in fits
+            if fit is not None
+            and not self._contradicted(fit)
+            and not _is_no_change(fit)
+            and _explains(fit, self.without, self.channels)
+        ]
 
     def _rank(self, fit: Fit, least: Fit) -> tuple[bool, int, int, float]:
         """For sorting: what does as well as the best first, of these the fewest causes, then the
@@ -406,20 +482,30 @@ class Judge:
         if self.is_right(without, PRESSURE) and self.what.is_within(PRESSURE):
             return [without]
         causes = [cause for cause in CAUSES if cause.channel == PRESSURE]
-        quick = [cause for cause in causes if cause is not SMALL_BODY]
+        quick = [cause for cause in causes if cause not in _OF_MODEL]
         singles = self._explanations([(cause,) for cause in quick], without, channels)
-        singles += self._explanations(self._of_small_bodies(singles), without, channels)
+        singles += self._explanations(self._of_model(singles), without, channels)
         singles.sort(key=lambda fit: fit.square(channels))
-        if singles and _is_complete(singles[0], without, channels):
+        if singles and self.is_right(singles[0], PRESSURE):
             return self._near(singles, channels)
         few = without.count(channels) < _FEW_VALUES
         if not singles and without.is_noise(channels) and not few:
             return [without]
         helpful = [cause for cause in quick if self._helps(cause)]
-        pairs = self._explanations(_pairs(helpful), without, channels)
-        pairs += self._explanations(self._of_small_bodies(pairs), without, channels)
-        if singles:
-            pairs = [fit for fit in pairs if self._better(fit, singles[0], channels)]
+        choices = _pairs(helpful)
+        # Behind a sign, a swap or a unit no other cause helps alone.
+        for fit in singles:
+            if not fit.causes[0].sized:
+                choices += [(fit.causes[0], cause) for cause in quick if cause.sized]
+        choices = [both for both in dict.fromkeys(choices) if _may_meet(both)]
+        pairs = self._explanations(choices, without, channels)
+        pairs += self._explanations(self._of_model(pairs), without, channels)
+        # Few values may not show more than chance, and a pair is no way around that.
+        alone = [fit for fit in map(self._alone, quick) if fit is not None]
+        alone = [fit for fit in alone if _share_left(fit, without, channels) < _MOST_LEFT]
+        if alone:
+            least = min(alone, key=lambda fit: fit.square(channels))
+            pairs = [fit for fit in pairs if self._better(fit, least, channels)]
         found = sorted(pairs or singles, key=lambda fit: fit.square(channels))
         return self._near(found, channels) or [without]
 
@@ -432,20 +518,26 @@ class Judge:
             return fit is not None
         return _share_left(fit, self.without, (PRESSURE,)) < _NO_HELP
 
-    def _of_small_bodies(self, fits: Sequence[Fit]) -> list[tuple[Cause, ...]]:
-        """Bodies too small in place of the factor of E*, loads or x that does best: a base that is
-        near changes widths as these do. None where that is exact.
+    def _alone(self, cause: Cause) -> Fit | None:
+        """Of one cause to the pressure."""
+        fit = self.search.fit((cause,), (PRESSURE,))
+        return None if fit is None or self._contradicted(fit) else fit
+
+    def _of_model(self, fits: Sequence[Fit]) -> list[tuple[Cause, ...]]:
+        """Bodies too small, or faces that sink into each other, in place of the factor of E*, loads
+        or x that does best: both change widths as these do. None where that is exact.
         """
         sized = [fit for fit in fits if any(cause.group == "size" for cause in fit.causes)]
         if not sized and len(fits) == 0:
-            return [(SMALL_BODY,)] if not self.without.is_noise((PRESSURE,)) else []
+            noise = self.without.is_noise((PRESSURE,))
+            return [] if noise else [(cause,) for cause in _OF_MODEL]
         if not sized:
             return []
         best = min(sized, key=lambda fit: fit.square((PRESSURE,)))
-        if best.square((PRESSURE,)) <= 1e-6 * self.without.square((PRESSURE,)):
+        if best.square((PRESSURE,)) <= _EXACT * self.without.square((PRESSURE,)):
             return []
         others = tuple(cause for cause in best.causes if cause.group != "size")
-        return [(SMALL_BODY, *others)]
+        return [(cause, *others) for cause in _OF_MODEL]
 
     def _near(self, fits: list[Fit], channels: Sequence[int]) -> list[Fit]:
         """Those that the pressure does not tell apart from the best."""
@@ -476,6 +568,8 @@ class Judge:
             for cause, size in zip(fit.causes, fit.sizes, strict=True)
             if cause.resultant is not None
         ]
+        if "other_times" in fit.keys:  # where P is another one
+            return False
         ratio = self.what.resultant_ratio
         if "coarse_edge" in fit.keys and not factors and abs(ratio - 1) > _SAME_RESULTANT:
             self.excluded["coarse_edge"] = f"the sum of the pressures is {ratio:.4g} P"
@@ -507,10 +601,15 @@ class Judge:
         of_shear = [
             cause
             for cause in CAUSES
-            if cause.channel == SHEAR or cause.key in ("other_times", "coarse_edge")
+            if (cause.channel == SHEAR and cause.key != COUPLING.key)
+            or cause.key in ("other_times", "coarse_edge")
         ]
         found: list[Fit] = []
-        for count in range(1, 3 - len(start.causes)):
+        # Friction follows the pressure: where that has no cause, no pair is looked for.
+        most = 2 - len(start.causes)
+        if not start.causes and not self.is_right(start, PRESSURE):
+            most = 1
+        for count in range(1, most + 1):
             choices = [
                 (*start.causes, *chosen) for chosen in itertools.combinations(of_shear, count)
             ]
@@ -520,10 +619,29 @@ class Judge:
             found = sorted(fits or found, key=lambda fit: fit.square((SHEAR,)))
             if found and self.is_right(found[0], SHEAR):
                 break
+            if count == 1 and len(start.causes) < 2:
+                coupled = self._coupled(found[0] if found else before)
+                if coupled is not None:
+                    return [coupled], None
         if found:
             return found, None
         left = _share_left(start, self.without, (PRESSURE,))
         return [], before if start.causes and left <= _ALONE else None
+
+    def _coupled(self, before: Fit) -> Fit | None:
+        """Unlike bodies beside the causes of `before`, where most of what these leave is odd in x.
+
+        Theory is known to lack what the scene's own materials make: there the odd part is enough.
+        """
+        if len(before.causes) > 1:
+            return None
+        odd = self.search.fit((*before.causes, ODD_PART), self.channels, known=before.sizes)
+        if odd is None or _share_left(odd, before, (SHEAR,)) > _MOST_LEFT_OF_ODD:
+            return None
+        if abs(dundurs(self.what.comparison.scene.material).beta) > _NO_COUPLING:
+            return odd if _by_chance(odd, before, (SHEAR,)) < _CHANCE else None
+        fits = self._explanations_of_shear([(*before.causes, COUPLING)], before)
+        return fits[0] if fits else None
 
     def _explanations_of_shear(
         self, choices: Iterable[tuple[Cause, ...]], before: Fit
@@ -541,20 +659,20 @@ class Judge:
 
     # -------------------------------------------------------------------------------- comparison
     def is_right(self, fit: Fit, channel: int) -> bool:
-        """Whether a fit leaves nothing of a traction but noise, or what its tolerance allows.
-
-        Noise of the shear is of the size of that of the pressure, both over the largest pressure.
-        """
+        """Whether a fit leaves nothing of a traction but noise, or what its tolerance allows."""
         if fit.is_noise((channel,)):
             if channel == PRESSURE:
                 return True
-            friction = self.what.comparison.scales.friction
-            noise = max(fit.square((PRESSURE,)), _ROUND_OFF) * (_NOISIER / friction) ** 2
-            if fit.square((SHEAR,)) <= noise:
+            if fit.square((SHEAR,)) <= max(fit.square((PRESSURE,)), _ROUND_OFF) * fit.noisier**2:
                 return True
         if not fit.causes:
             return self.what.is_within(channel)
-        return _share_left(fit, self.without, (channel,)) <= _COMPLETE
+        # Behind a factor of units the difference is far larger than the tractions.
+        left = fit.square((channel,)) - fit.noise((channel,))
+        size = self.what.residual(0 * fit.predicted, channel).square
+        return (
+            _share_left(fit, self.without, (channel,)) <= _COMPLETE and left <= _COMPLETE**2 * size
+        )
 
     def _better(self, fit: Fit, than: Fit, channels: Sequence[int] | None = None) -> bool:
         """Whether more causes leave so much less that they are called for."""
@@ -610,8 +728,6 @@ def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
     judge = Judge(what, Search(what, Predictions(what)))
     verdict = judge.verdict()
     causes = list(_named(judge, verdict, is_traced=bool(traces)))
-    if not traces:
-        causes += _coupling(judge, verdict.fit or judge.without)
     if not causes and not traces:
         causes = [*_own_bodies(judge), *_mesh_at_edges(judge), *scatter(what)][:1]
     if not causes and not traces and not cells and not what.within:
@@ -630,7 +746,9 @@ def _named(judge: Judge, verdict: Verdict, *, is_traced: bool) -> Iterator[Diagn
         if cause.key not in shared or (is_traced and cause.channel == SHEAR):
             continue
         before = _without_cause(judge, fit, cause)
-        left = _share_left(fit, before, judge.channels)
+        # a layer's effect on the shear is not predicted
+        channels = (PRESSURE,) if cause is SOFT_NORMAL else judge.channels
+        left = _share_left(fit, before, channels)
         yield Diagnosis(
             _label(cause, fit.sizes[place]),
             _sentence(judge.what, cause, fit.sizes[place], fit),
@@ -647,26 +765,17 @@ def _without_cause(judge: Judge, fit: Fit, cause: Cause) -> Fit:
 
 def _label(cause: Cause, size: float) -> str:
     """The key of the sentence: round factors have their own."""
-    factor = float(np.exp(size)) if cause.sized else 1.0
+    factor = float(np.exp(size))
     if cause.key == "loads" and min(abs(factor / 2 - 1), abs(2 * factor - 1)) < _HALF:
         return "half_model"
-    if cause.key == "traction_factor" and _round_factor(factor) is not None:
+    if cause.key == "traction_factor" and round_power(factor) is not None:
         return "units"
     return cause.key
 
 
-def _round_factor(factor: float) -> float | None:
-    """The power of ten that a factor is near to; None where it is near to none."""
-    order = round(np.log10(factor))
-    nearness = _NEAR_OF_UNITS if abs(order) >= 2 else _NEAR
-    if order == 0 or abs(factor / 10.0**order - 1) >= nearness:
-        return None
-    return float(10.0**order)
-
-
 def _sentence(what: Discrepancy, cause: Cause, size: float, fit: Fit) -> str:
     """The cause, and what to do."""
-    factor = float(np.exp(size)) if cause.sized else 1.0
+    factor = float(np.exp(size))
     figures = {
         "factor": factor,
         "distance": size,
@@ -676,11 +785,13 @@ def _sentence(what: Discrepancy, cause: Cause, size: float, fit: Fit) -> str:
         "spacing": 1 / what.elements,
         "likely": "",
     }
+    if cause.key == COUPLING.key:
+        return coupling_sentence(what)
     if cause.key == "coarse_edge":
         return _of_mesh(what, alone=len(fit.causes) == 1)
     label = _label(cause, size)
-    if label == "units":
-        figures["factor"] = _round_factor(factor) or factor
+    if label == "units" and cause.sized:
+        figures["factor"] = round_power(factor) or factor
     if cause.key == "stiffness":
         return FAULTS[label].format(**figures | {"likely": _likely_stiffness(what, factor)})
     return FAULTS[label].format(**figures)
@@ -728,7 +839,8 @@ def _evidence(judge: Judge, fit: Fit, left: float) -> Iterator[str]:
         f"{fit.count((PRESSURE,))} values in contact; noise from point to point {noise:.2g} of the"
         " scales"
     )
-    yield f"a result with just this fault leaves {max(left, 0.0):.1%} of the difference"
+    of_which = " of the pressure" if SOFT_NORMAL in fit.causes else ""
+    yield f"a result with just this fault leaves {max(left, 0.0):.1%} of the difference{of_which}"
     pressure, shear = what.errors()
     after = replace(what, expected=fit.predicted).errors()
     yield (
@@ -745,38 +857,6 @@ def _evidence(judge: Judge, fit: Fit, left: float) -> Iterator[str]:
         )
 
 
-def _coupling(judge: Judge, named: Fit) -> Iterator[Diagnosis]:
-    """Of p and q of like, symmetric bodies nothing is odd in x, whatever else is wrong.
-
-    Looked for in the shear that the causes named leave; noise is half odd and half even.
-    """
-    what = judge.what
-    friction = what.comparison.scene.friction.coefficient
-    if not friction or not what.sheared or what.unsymmetric or not np.any(what.found[SHEAR]):
-        return
-    before = named
-    if len(named.causes) > 1 or judge.is_right(before, SHEAR):
-        return
-    middle = sum(
-        size * what.half_width
-        for cause, size in zip(before.causes, before.sizes, strict=True)
-        if cause.key == "offset"
-    )
-    difference = what.found - before.predicted
-    mirrored = np.apply_along_axis(
-        lambda row: np.interp(2 * middle - what.x, what.x, row), 2, difference
-    )
-    odd = before.predicted + (difference - mirrored) / 2
-    even = before.predicted + (difference + mirrored) / 2
-    fit = Fit((), (), odd, what.residuals(odd))
-    left = _share_left(fit, before, (SHEAR,))
-    if left > _MOST_OF_ODD or what.residual(even, SHEAR).is_noise:
-        return
-    yield Diagnosis(
-        "coupling", coupling_sentence(what), tuple(_evidence(judge, fit, left)), 1 - left
-    )
-
-
 def coupling_sentence(what: Discrepancy) -> str:
     """What a difference that is odd in x means: a fault of the result, unless its scene has unlike
     materials and the reference does not have their coupling.
@@ -789,17 +869,21 @@ def coupling_sentence(what: Discrepancy) -> str:
     return str(WORDS["others"][key].format(own=beta))
 
 
-# Unlike materials change 0.73 to 0.99 of the square of their difference oddly (planted faults).
-_MOST_OF_ODD = 0.52
-
-
 def _own_bodies(judge: Judge) -> Iterator[Diagnosis]:
-    """The idealisation: theory with the numbers of the scene's own bodies leaves nothing."""
-    if not judge.what.has_bodies:
+    """The idealisation: theory with the numbers of the scene's own bodies leaves less than a third
+    of what half-plane theory leaves.
+    """
+    what = judge.what
+    if not what.has_bodies:
         return
-    if all(judge.is_right(judge.without, channel) for channel in judge.channels):
-        evidence = tuple(_evidence(judge, judge.without, 0.0))
-        yield Diagnosis(OWN_BODIES, WORDS["others"][OWN_BODIES], evidence, 1.0)
+    reference = what.comparison.expected
+    half_planes = np.array([reference.pressure[what.rows], reference.shear[what.rows]])
+    half_planes = np.where(np.isfinite(half_planes), half_planes, what.expected)
+    before = Fit((), (), half_planes, what.residuals(half_planes))
+    left = _share_left(judge.without, before, judge.channels)
+    if left < _MOST_LEFT:
+        evidence = tuple(_evidence(judge, judge.without, left))
+        yield Diagnosis(OWN_BODIES, WORDS["others"][OWN_BODIES], evidence, 1 - left)
 
 
 def _mesh_at_edges(judge: Judge) -> Iterator[Diagnosis]:
@@ -838,6 +922,25 @@ def _not_found(judge: Judge, verdict: Verdict) -> Diagnosis:
         words = " or ".join(" with ".join(sorted(fit.keys)) for fit in choices)
         lines.insert(0, f"the file does not tell these apart: {words}")
     if judge.excluded:
-        words = "; ".join(f"{key}: {reason}" for key, reason in judge.excluded.items())
+        words = "; ".join(
+            f"{WORDS['names'][key]}: {reason}" for key, reason in judge.excluded.items()
+        )
         lines.append(f"excluded: {words}")
+    lines += _left_by_each(judge)
     return Diagnosis(UNKNOWN, WORDS["others"][UNKNOWN], tuple(lines), 0.0)
+
+
+def _left_by_each(judge: Judge) -> Iterator[str]:
+    """What each cause that was tried alone leaves, the least first."""
+    least: dict[str, float] = {}
+    for fit in judge.search.done.values():
+        if fit is None or len(fit.causes) != 1:
+            continue
+        (cause,) = fit.causes
+        left = _share_left(fit, judge.without, (cause.channel,))
+        if left < 1:
+            least[cause.key] = min(left, least.get(cause.key, 1.0))
+    ranked = sorted(least.items(), key=lambda item: item[1])
+    words = ", ".join(f"{WORDS['names'][key]} {left:.0%}" for key, left in ranked)
+    if words:
+        yield f"each alone leaves of the difference (pressure, or shear): {words}; all others all"

@@ -1,0 +1,164 @@
+"""Contact on cells of constant traction, for the two causes that half-plane theory of like, bare
+bodies does not have: a layer between the faces, and bodies that are not alike.
+
+    u(x_i) = sum_j A_ij t_j,  A_ij the integral over cell j of -2/(pi E*) ln|x_i - xi|
+
+is the relative displacement by either traction t (Johnson 1985, 2.4).
+
+# notation: p pressure, q shear, f friction coefficient, P and Q loads, h width of a cell, beta
+Dundurs' constant
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes import InputError, Scene
+from scenes.array_types import Array
+from semi_analytic.elasticity import composite_modulus
+from semi_analytic.profiles import contact_of
+
+# Cells over the contact: the error of a difference between two results on the same cells is far
+# below the third of it that a cause may leave.
+_CELLS = 120
+_CELLS_OF_SHEAR = 80
+# Half-widths of theory's contact that are covered: a layer of a_ref/(10 E*) makes a contact wider
+# by a tenth, the widest one of a search by three quarters.
+_REACH_OF_LAYER = 1.8
+_REACH_OF_SHEAR = 1.02
+# States of stick and slip that one step tries with all cells that break a law changed at once; of
+# the Coulomb limit and of a displacement, below which it is kept.
+_MOST_STATES = 10
+_ROUND_OFF = 1e-9
+
+
+def cells(reach: float, count: int) -> tuple[Array, float]:
+    """Middles (count,) and width of equal cells between -reach and reach [length]."""
+    edges = np.linspace(-reach, reach, count + 1)
+    return (edges[1:] + edges[:-1]) / 2, float(edges[1] - edges[0])
+
+
+def influence(scene: Scene, middle: Array, width: float) -> Array:
+    """(n, n) A_ij [length/stress]."""
+    distance = middle[:, None] - middle[None, :]
+    right = distance + width / 2
+    left = distance - width / 2
+    integral = right * (np.log(np.abs(right)) - 1) - left * (np.log(np.abs(left)) - 1)
+    return np.asarray(-2 / (np.pi * composite_modulus(scene.material)) * integral)
+
+
+def pressure_on_layer(scene: Scene, x: Array, normal_load: Array, layer: float) -> Array:
+    """(k, n) pressure under P (k,) of half-planes whose faces sink into each other by p times
+    `layer` [length/stress].
+
+    A p + layer p = approach - gap in the cells that are closed, where p adds up to P; cells that
+    pull are opened until none does.
+    """
+    contact = contact_of(scene.profile, scene.material)
+    reach = _REACH_OF_LAYER * float(contact.half_width(normal_load.max()))
+    middle, width = cells(reach, _CELLS)
+    matrix = influence(scene, middle, width) + layer * np.eye(_CELLS)
+    gap = np.asarray(scene.profile.height(middle))
+    pressures = np.zeros((len(normal_load), _CELLS))
+    for place, load in enumerate(normal_load):
+        closed = np.full(_CELLS, load > 0)
+        while closed.any():  # each pass opens a cell, or is the last
+            pressure, _ = _bordered(matrix, closed, -gap[closed], width, float(load))
+            if np.all(pressure >= 0):
+                pressures[place, closed] = pressure
+                break
+            closed[closed] = pressure > 0
+    return np.array([np.interp(x, middle, row, left=0.0, right=0.0) for row in pressures])
+
+
+def shear_by_coupling(
+    scene: Scene, x: Array, loads: Array, rows: NDArray[np.intp], beta: float
+) -> Array:
+    """(k, n) shear of bodies with Dundurs' `beta` minus that of like ones, at `rows` (k,) of the
+    steps.
+
+    The pressure moves the faces along x, with the slope 2 beta p/E*; what the shear adds to the
+    pressure is neglected (Goodman's approximation). Steps in which the Coulomb law holds at the
+    end.
+
+    Parameters
+    ----------
+    loads
+        (n_steps, 2): P and Q at the ends of the steps [force / thickness]
+    """
+    contact = contact_of(scene.profile, scene.material)
+    reach = _REACH_OF_SHEAR * float(contact.half_width(loads[:, 0].max()))
+    middle, width = cells(reach, _CELLS_OF_SHEAR)
+    matrix = influence(scene, middle, width)
+    pressure = contact.pressure(middle, loads[:, :1])
+    slope = 2 * beta / composite_modulus(scene.material)
+    pushed = slope * width * (np.cumsum(pressure, axis=1) - pressure / 2)
+    limit = scene.friction.coefficient * pressure
+    change = np.array(_followed(matrix, width, limit, loads[:, 1], pushed)) - np.array(
+        _followed(matrix, width, limit, loads[:, 1], 0 * pushed)
+    )
+    return np.array([np.interp(x, middle, row, left=0.0, right=0.0) for row in change[rows]])
+
+
+def _followed(
+    matrix: Array, width: float, limit: Array, tangential_load: Array, pushed: Array
+) -> list[Array]:
+    """Shear after each step; `pushed` (n_steps, n) is the displacement by the pressure."""
+    slip = np.zeros(len(matrix))
+    shears = []
+    for step, force in enumerate(tangential_load):
+        shear, shift = _sheared(matrix, width, limit[step], slip - pushed[step], float(force))
+        slip = shift - matrix @ shear + pushed[step]
+        shears.append(shear)
+    return shears
+
+
+def _sheared(
+    matrix: Array, width: float, limit: Array, held: Array, force: float
+) -> tuple[Array, float]:
+    """q of cells with |q| <= limit that add up to `force`, and the relative displacement U.
+
+    Cells that stick have U - A q = held; the others have slipped in the sense of their shear.
+
+    Raises
+    ------
+    InputError
+        Where all cells slip, or no state is found.
+    """
+    pressed = limit > 1e-9 * limit.max(initial=0.0)
+    scale = max(float(limit.max(initial=0.0)), 1e-300)
+    slip_scale = scale * float(np.abs(np.diag(matrix)).max())
+    sense = np.zeros(len(limit))  # of slip: 0 for stick
+    for attempt in range(_MOST_STATES + 2 * len(limit)):
+        stick = pressed & (sense == 0)
+        if not stick.any():
+            break
+        shear = np.where(pressed, sense * limit, 0.0)
+        rest = force - width * float(shear.sum())
+        right = -held[stick] - matrix[stick] @ shear
+        shear[stick], shift = _bordered(matrix, stick, right, width, rest)
+        slip = shift - matrix @ shear - held
+        beyond = np.where(stick, (np.abs(shear) - limit) / scale, 0.0)
+        back = np.where(pressed & (sense != 0), -slip * sense / slip_scale, 0.0)
+        wrong = np.maximum(beyond, back)
+        changed = wrong > _ROUND_OFF
+        if not changed.any():
+            return shear, shift
+        if attempt >= _MOST_STATES:  # one cell at a time, which ends where all at once do not
+            changed = wrong == wrong.max()
+        sense = np.where(changed, np.where(stick, np.sign(shear), 0.0), sense)
+    raise InputError("no state of stick and slip on cells")
+
+
+def _bordered(
+    matrix: Array, chosen: Array, right: Array, width: float, total: float
+) -> tuple[Array, float]:
+    """Tractions of the chosen cells, A t - shift = right, that add up to `total`, and the shift."""
+    count = int(chosen.sum())
+    system = np.zeros((count + 1, count + 1))
+    system[:-1, :-1] = matrix[np.ix_(chosen, chosen)]
+    system[:-1, -1] = -1.0
+    system[-1, :-1] = width
+    solution = np.linalg.solve(system, np.append(right, total))
+    return solution[:-1], float(solution[-1])
