@@ -29,6 +29,7 @@ from reports.scoring.diagnosis import diagnose
 from reports.scoring.mapping import Mapping
 from reports.scoring.reading import read
 from reports.scoring.solution import friction_work, zones
+from reports.scoring.traces import NOISE, UNKNOWN
 from scenes import Bodies, ContactSolution, EllipseLoad, Materials, Scene, load_scene
 
 SCENES = ("hertz-paper", "cattaneo-mindlin", "flat-rounded-paper")
@@ -235,28 +236,34 @@ FAULTS = {
 
 def confusion() -> Iterator[Row]:
     """The share of results out of tolerance whose first diagnosis is another fault than the planted
-    one.
+    one; those of which no cause is found are counted apart.
     """
     n_seen = 0
     wrong = []
+    silent = []
     for key, fault in FAULTS.items():
         for name, severity in (
             (name, severity) for name in SCENES for severity in fault.severities
         ):
             causes = diagnose(fault.plant(load_scene(name), severity))
-            n_seen += bool(causes)
-            wrong += (
-                [f"{key} of {severity:g}, {name}: {causes[0].fault}"]
-                if causes and causes[0].fault != key
-                else []
-            )
+            if not causes:
+                continue
+            n_seen += 1
+            first = causes[0].fault
+            words = f"{key} of {severity:g}, {name}"
+            if first in (UNKNOWN, NOISE):
+                silent.append(words)
+            elif first != key:
+                wrong.append(f"{words}: {first}")
     how = (
         f"{n_seen} results out of tolerance of {len(FAULTS)} faults;"
-        f" {'; '.join(wrong) or 'none wrong'}"
+        f" {'; '.join(wrong) or 'none wrong'}; cause not found of {len(silent)}:"
+        f" {'; '.join(silent) or 'none'}"
     )
     yield Row(
         "first diagnosis wrong, all faults, scenes and severities", len(wrong) / n_seen, 0.05, how
     )
+    yield Row("cause not found, the same", len(silent) / n_seen, 0.1, how)
 
 
 # -------------------------------------------------------------------------------- rules and readers
