@@ -44,6 +44,8 @@ _UNSEEN = 2.0
 # Nodes inside the stick zone that the two fits take, counted from its last one, which the
 # singularity spoils.
 _FITTED = (7, 4)
+# Distances of nodes that a stick edge moves in one increment above which it jumps.
+_JUMP = 8.0
 # Elements by which two fits of a stick edge may differ.
 _AGREE = 0.1
 
@@ -468,6 +470,30 @@ def stick_uncertainty(
     of_unseen_slip_zone = np.where(edges == contact, _UNSEEN * spacing, 0.0)
     of_edge = share * spacing + difference
     return np.maximum(np.maximum(of_edge, of_narrow_slip_zone), of_unseen_slip_zone)
+
+
+def uncertainty_at_jumps(edges: Array, step_index: Indices, spacing: float) -> Array:
+    """(k, 2) by how much an edge may be wrong because an increment is wrong about when it jumps.
+
+    Where a slip zone reaches an older edge of stick, the edge jumps. The mesh may see that one
+    increment too early or too late: so the edge of an instant may be that of the instant before or
+    after it. Moves of a few nodes are none.
+
+    Parameters
+    ----------
+    edges
+        (k, 2) stick edges; NaN where nothing sticks
+    step_index
+        (k,) index of the instants in the run: of instants between which others were dropped nothing
+        is known
+    spacing
+        of the nodes at the edges of contact [length]
+    """
+    moves = np.abs(np.diff(edges, axis=0))
+    is_jump = (np.diff(step_index) == 1)[:, None] & (moves > _JUMP * spacing)
+    jumps = np.where(is_jump, moves, 0.0)
+    nothing = np.zeros((1, 2))
+    return np.maximum(np.concatenate([nothing, jumps]), np.concatenate([jumps, nothing]))
 
 
 class _Side(NamedTuple):

@@ -113,6 +113,10 @@ _OTHER_FITS = (
 _UNSHORTENED_FIT = RootFit(most_rough=math.inf)
 # The error of the tension over the largest difference of these: 1.6 to 2.5 on 22 profiles.
 _BY_OTHERS = 2.5
+# The same of a tabulated profile, whose curvature bends at every point of the table: up to 4.2.
+_BY_OTHERS_OF_TABLE = 4.5
+# Share of the tension, times the nodes in contact, where these are too few to find the edges.
+_BY_FEW_NODES = 2.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -234,6 +238,8 @@ class Nodal:
     kinks
         (k, 2) x at which the curvature of the profile jumps, and E* times its jump from left to
         right [length, stress/length]
+    tabulated
+        whether the profile is a curve through points
     """
 
     x: Array
@@ -245,6 +251,7 @@ class Nodal:
     tangential_load: float
     growing: bool
     kinks: Array = field(default_factory=lambda: np.empty((0, 2)))
+    tabulated: bool = False
 
     def slips(self, nodes: int) -> bool:
         """Whether slip zones at both edges, of so many nodes at least, enclose a stick zone."""
@@ -418,9 +425,12 @@ def tractions_with_uncertainty(nodal: Nodal) -> TractionsAndUncertainty:
     spacing_ratio = spacing / series.half_width
     least_ratio = min(_LEAST_COARSE * math.sqrt(spacing_ratio), _LEAST_FINE * spacing_ratio)
     uncertainty = np.full(2, least_ratio * nodal.friction * float(nodal.pressure.max()))
+    by_others = _BY_OTHERS_OF_TABLE if nodal.tabulated else _BY_OTHERS
     for fit in _OTHER_FITS:
         difference = np.abs(sampled_tractions(nodal, fit).edge_tension() - tension)
-        uncertainty = np.maximum(uncertainty, _BY_OTHERS * difference)
+        uncertainty = np.maximum(uncertainty, by_others * difference)
+    if series.rough:
+        uncertainty = np.maximum(uncertainty, _BY_FEW_NODES / len(nodal.x) * np.abs(tension))
     unshortened = sampled_tractions(nodal, _UNSHORTENED_FIT)
     difference = np.abs(unshortened.edge_tension() - tension)
     uncertainty = np.maximum(uncertainty, difference)

@@ -7,6 +7,7 @@ in blocks.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
@@ -39,7 +40,7 @@ from halfplane_fe.face_stress import (
 from halfplane_fe.interface import body_forces
 from halfplane_fe.scales import contact_modulus
 from halfplane_fe.solve import FiniteElementSolution
-from scenes import ContactSolution, Elastic, HalfPlane, InputError, Scene
+from scenes import ContactSolution, Elastic, HalfPlane, InputError, Scene, Tabulated
 from scenes.array_types import Array, Indices
 from scenes.bodies import Shape, face_of
 
@@ -248,8 +249,9 @@ def edge_tension(solution: ContactSolution, steps: Sequence[int]) -> tuple[Array
     Returns
     -------
     values, uncertainties
-        (n_steps, 2, 2) by body (lower, upper) and edge (left, right); 0 out of contact; NaN in
-        a body so thin that what its size adds is not known
+        (n_steps, 2, 2) by body (lower, upper) and edge (left, right); 0 out of contact; NaN
+        where fewer than three nodes touch, and in a body so thin that what its size adds is not
+        known
 
     Raises
     ------
@@ -328,6 +330,9 @@ def _edge_tension(solution: ContactSolution, steps: Sequence[int]) -> _EdgeTensi
             values[k] = np.outer([1.0, -1.0], at_step.series.edge_tension())
             uncertainties[k] = at_step.tension_uncertainty
             of_unseen_slip[k] = at_step.of_unseen_slip
+        elif solution.normal_load[step] > 0:
+            values[k] = math.nan
+            uncertainties[k] = math.nan
     if not in_contact:
         return _EdgeTension(values, uncertainties, of_unseen_slip)
     rows = list(in_contact)
@@ -588,6 +593,7 @@ def _nodal(solution: ContactSolution, step: int) -> Nodal:
         # the uncertainty larger, not smaller.
         growing=rise_of_p > 0 and abs(rise_of_q) <= friction * rise_of_p and solution.tilt is None,
         kinks=profile_kinks(solution.scene),
+        tabulated=isinstance(solution.scene.profile, Tabulated),
     )
 
 

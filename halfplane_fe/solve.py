@@ -20,6 +20,7 @@ from halfplane_fe.answer import PenaltyAudit, answer_arrays, penalty_audit, reco
 from halfplane_fe.condensed_bodies import CACHED
 from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.dundurs import dundurs
+from halfplane_fe.edges import uncertainty_at_jumps
 from halfplane_fe.elasticity import CondensedBody
 from halfplane_fe.interface import (
     Interface,
@@ -456,6 +457,18 @@ def _solution(
             scene.profile, revolution.least_contact(), task.element * scales.half_width
         ) + share_of_shapes(scene, revolution.load, task.element)
         dissipation_uncertainty += arrays["dissipation"] * share_of_mesh
+    uncertainties_of_values = _uncertainties(task, problem, run, arrays)
+    # After that of permanent stick, which ends where no edge jumps to.
+    arrays["stick_edge_uncertainty"] = freeze(
+        np.maximum(
+            arrays["stick_edge_uncertainty"],
+            uncertainty_at_jumps(
+                arrays["stick_edges"],
+                np.asarray(run.stored),
+                spacing=task.element * scales.half_width / task.mesh.order,
+            ),
+        )
+    )
     states = tuple(run.states[index] for index in run.stored)
     audit = penalty_audit(scene, problem, states, arrays, scales)
     largest_tangential_load = float(np.abs(arrays["tangential_load"]).max())
@@ -479,7 +492,7 @@ def _solution(
         scene=scene,
         record=record_of(run, scales, audit, notes),
         dissipation_uncertainty=dissipation_uncertainty,
-        uncertainties=_uncertainties(task, problem, run, arrays),
+        uncertainties=uncertainties_of_values,
         work=_work(scene, problem, run, condensed, seconds),
         settings={
             "mesh": asdict(task.mesh),
