@@ -287,6 +287,27 @@ def test_tension_of_flat_bottoms_is_covered_where_the_nodes_have_exact_tractions
     assert np.all(uncertain < 3 * error + 6e-3 * np.abs(true))
 
 
+@pytest.mark.slow
+def test_the_tension_of_a_few_nodes_is_covered_and_of_fewer_than_three_not_stated():
+    """|x|^3.68 at its first instants, under 1e-7 and 1e-5 of its largest load."""
+    scene = load_scene("hertz-paper").vary(
+        profile={"kind": "power_law", "exponent": 3.68, "length": 1.0, "rise": 5e-4},
+        load={
+            "kind": "polygon",
+            "initial_loading": [[30.0, 6.0]],
+            "cycle": [[20.0, -4.0], [35.0, 4.0]],
+        },
+        tolerances={},
+    )
+    answer = halfplane_fe.solve(scene, COARSE)
+    tension, uncertain = edge_tension(answer, [1, 2])
+    assert np.isnan(tension[0]).all()
+    assert np.isnan(uncertain[0]).all()
+    true, _ = semi_analytic.edge_tension(answer.scene, answer.time[[2]])
+    error = np.abs(tension[1] - true[0])
+    assert np.all(error <= uncertain[1])
+
+
 FLAT_BOTTOMS = {
     "hertz": {"kind": "hertz", "radius": 1000.0},
     **{
