@@ -332,14 +332,15 @@ _BY_SHAPES = 0.06
 # Safety factor of a difference whose order is known (Roache 1994).
 _SAFETY = 1.25
 # Share of p0 h^2/(a d), d from the peak to the edge, that edges between nodes move it by: up to 0.6
-# for Hertz, 0.4 for x^5.
-_PEAK_BY_EDGES = 0.8
+# for Hertz, 0.9 for x^4, 0.4 for x^5.
+_PEAK_BY_EDGES = 1.0
 # Share of p0 (H/a)^2 (b/a)^4 that the elements H of the middle leave where they reach to b, near
 # the edge: 0.07 at b = 0.8 a.
 _PEAK_BY_MIDDLE = 0.15
 # Share of p0 (H/t)^2 that they leave in a body t thin: 0.0035 at most on pairs of layers of 0.17 to
-# 0.4 a with H = a/12 and a/24, of which the terms above cover a part.
-_PEAK_BY_DEPTH = 0.003
+# 0.4 a with H = a/12 and a/24, of which the terms above cover a part; 0.0036 of layers of 0.27 a on
+# the default mesh.
+_PEAK_BY_DEPTH = 0.0045
 # Share of p0 over the fourth power of the growth of elements away from the edges, as of W: 2.7e-6
 # of Hertz at 0.12 in all.
 _PEAK_GROWN = 0.005

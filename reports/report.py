@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from reports.comparison import Comparison
 from reports.comparison.verdicts import Verdict
 from reports.comparison.words import for_notebook, headline, in_five_lines
+from scenes.measured import ReadAs
 
 if TYPE_CHECKING:
     from reports.comparison.budget import ErrorBudget
@@ -90,6 +91,14 @@ class Report:
     def __repr__(self) -> str:
         """Five lines, as those of its comparison."""
         return in_five_lines(self.comparison, "Report")
+
+    @property
+    def read_as(self) -> ReadAs:
+        """How the file of somebody else's result was read, where it is a text table: its layout,
+        then what became of each column.
+        """
+        pairs = self.comparison.result.settings.get("read_as", ())
+        return tuple((name, words) for name, words in pairs)
 
     @property
     def honest(self) -> str:

@@ -31,6 +31,7 @@ from reports.cli.results import _score_shown
 from reports.comparison.metrics import missing
 from reports.console import Stages
 from reports.field_output.files import write_fields
+from reports.page.content import whole_content
 from reports.report import Report
 from reports.scoring import loops
 from reports.scoring.against import score_file, score_surface
@@ -1042,3 +1043,29 @@ def test_units_of_the_headings_and_a_mapping_turn_a_loop_into_the_units_of_the_s
         np.testing.assert_allclose(loop.shift, u, rtol=1e-7, atol=1e-12)
         np.testing.assert_allclose(loop.load, q, rtol=1e-7, atol=1e-6)
     assert loops.content(score_loop(mapped, WIDE))["kind"] == "loop"
+
+
+@pytest.mark.usefixtures("undiagnosed")
+def test_a_table_of_another_program_says_what_became_of_each_column(tmp_path: Path) -> None:
+    """By `columns` of a mapping; in the terminal, on the page and in the JSON."""
+    table = tmp_path / "contact.csv"
+    names = ("place", "time", "contact stress", "traction", "temperature")
+    values = np.column_stack(
+        [X, np.full_like(X, HERTZ.time[1]), -HERTZ.pressure[1], HERTZ.shear[1], X * 0 + 20.0]
+    )
+    lines = [",".join(map(repr, row)) for row in values.tolist()]
+    table.write_text("\n".join([",".join(names), *lines]), encoding="utf-8")
+    mapping = Mapping.model_validate(
+        {
+            "columns": {"x": "place", "pressure": "contact stress", "shear": "traction"},
+            "signs": {"pressure": "compression negative"},
+        }
+    )
+    report = score_file(table, mapping, HERTZ.scene)
+    read_as = dict(report.read_as)
+    assert read_as["column contact stress"] == "pressure, sign turned"
+    assert read_as["column traction"] == "shear"
+    assert read_as["column time"] == "time"
+    assert read_as["column temperature"] == "not read"
+    assert next(iter(_score_shown(report, "page"))).startswith("contact.csv, as it was read:")
+    assert whole_content(report, "", {})["read_as"] == report.read_as

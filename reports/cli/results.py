@@ -198,7 +198,11 @@ def _scored_loop(
 
 def _score_shown(report: Report, page: str) -> Iterator[Part]:
     """Guesses, verdict, likely causes, and the mesh study where it is one."""
+    from reports.comparison.words import read_in_words
+
     yield from (f"Assumed: {sentence}." for sentence in report.guesses)
+    if report.read_as:
+        yield read_in_words(report.comparison.result.engine, report.read_as)
     yield from verdict_shown(report)
     on_points = [m.label for m in report.comparison.headlines if m.is_on_points_of_result]
     if on_points:

@@ -105,6 +105,7 @@ def whole_content(report: Report, command: str, seconds: Mapping[str, float]) ->
         "interpolation": comparison.expected.interpolation,
         "notes": comparison.notes,
         "guesses": report.guesses,
+        "read_as": report.read_as,
         "diagnoses": [asdict(diagnosis) for diagnosis in report.diagnoses],
         "study": report.study.content() if report.study else None,
         "seconds": seconds,

@@ -214,6 +214,30 @@ def converted(mapping: Mapping, quantity: Quantity, values: Array) -> Array:
         return np.asarray(scaled / mapping.thickness if kind is None else scaled)
 
 
+def conversion_in_words(mapping: Mapping, quantity: Quantity) -> str:
+    """What a column is, and what `converted` does to its figures, if anything.
+
+    >>> conversion_in_words(Mapping(thickness=2.0), "normal_load")
+    'normal load, divided by the thickness 2'
+    >>> conversion_in_words(Mapping(), "slip")
+    'slip'
+    """
+    factor = converted(mapping, quantity, np.ones(1)) - converted(mapping, quantity, np.zeros(1))
+    is_load = quantity in ("normal_load", "tangential_load")
+    thickness = mapping.thickness if is_load else 1.0
+    steps = []
+    if abs(factor[0]) * thickness != 1:
+        steps.append(f"times {abs(factor[0]) * thickness:g}")
+    if factor[0] < 0:
+        steps.append("sign turned")
+    if thickness != 1:
+        steps.append(f"divided by the thickness {thickness:g}")
+    offset = {"x": mapping.x_offset, "y": mapping.y_offset}.get(quantity, 0.0)
+    if offset:
+        steps.append(f"less {offset:g}")
+    return ", ".join([quantity.replace("_", " "), *steps])
+
+
 def stated_times(source: str, mapping: Mapping, count: int, what: str = "instants") -> Array:
     """The times that the mapping states, one for each of `what` the file has; InputError where the
     file has another count.

@@ -5,6 +5,7 @@ beside each other.
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
@@ -14,10 +15,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reports.scoring.abaqus import is_field_report, read_field_report
-from reports.scoring.mapping import Mapping, Quantity, converted, find_column, stated_times
+from reports.scoring.mapping import (
+    Mapping,
+    Quantity,
+    conversion_in_words,
+    converted,
+    find_column,
+    stated_times,
+)
 from reports.scoring.surface import SurfaceResult, surface_result
 from scenes import InputError
 from scenes.array_types import Array
+from scenes.measured import layout_in_words
 from scenes.text_tables import ALIASES, TableKind, TextTable, plain, text_table
 
 _TABLES = (".csv", ".txt", ".rpt")
@@ -102,15 +111,35 @@ def read_table(path: Path, mapping: Mapping) -> SurfaceResult:
     frames = _frames(source, table, mapping)
     if frames is not None:
         columns, notes = frames
-        return _placed(_rows(source, mapping, columns, notes), table, mapping)
+        quantities = [_head(name, mapping).quantity for name in table.names]
+        surface = _rows(source, mapping, columns, notes)
+        return _placed(_described(surface, table, mapping, quantities), table, mapping)
     columns = {}
+    quantity_of: dict[str, Quantity] = {}
     for quantity in _ROWS:
         name = find_column(
             mapping, quantity, table.names, source, needed=quantity in ("x", "pressure")
         )
         if name is not None:
             columns[quantity] = converted(mapping, quantity, table.column(name))
-    return _placed(_rows(source, mapping, columns, []), table, mapping)
+            quantity_of[name] = quantity
+    surface = _rows(source, mapping, columns, [])
+    quantities = [quantity_of.get(name) for name in table.names]
+    return _placed(_described(surface, table, mapping, quantities), table, mapping)
+
+
+def _described(
+    surface: SurfaceResult,
+    table: TextTable,
+    mapping: Mapping,
+    quantities: Sequence[Quantity | None],
+) -> SurfaceResult:
+    """The result with what became of every column of its table, None of one that was not read."""
+    read_as = layout_in_words(Path(surface.source), table)
+    for name, quantity in zip(table.names, quantities, strict=True):
+        words = "not read" if quantity is None else conversion_in_words(mapping, quantity)
+        read_as.append((f"column {name}", words))
+    return replace(surface, read_as=tuple(read_as))
 
 
 def _placed(surface: SurfaceResult, table: TextTable, mapping: Mapping) -> SurfaceResult:

@@ -124,6 +124,8 @@ def contact_solution(
         "source": surface.source,
         DERIVED: ["state", "contact_edges", "stick_edges", *names_of_scene],
     }
+    if surface.read_as:
+        settings["read_as"] = [list(pair) for pair in surface.read_as]
     if mapping.element_size:
         settings["element_size"] = mapping.element_size
     bare_solution = ContactSolution(

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from scenes import InputError, freeze
 from scenes.array_types import Array
 from scenes.arrays import LARGEST
+from scenes.measured import ReadAs
 
 Integers = NDArray[np.int64]
 Mask = NDArray[np.bool_]
@@ -116,6 +117,8 @@ class SurfaceResult:
     # what a reader must not miss: factors guessed, signs turned, frames left out
     notes: tuple[str, ...] = ()
     outliers: tuple[Outlier, ...] = ()
+    # how a text table was read: its layout, then what became of each column
+    read_as: ReadAs = ()
 
     @property
     def sheared(self) -> bool:
@@ -199,7 +202,13 @@ def surface_result(
     sorted_x = freeze(places[order])
     outliers = tuple(_outliers(arrays, sorted_x))
     return SurfaceResult(
-        source, code, sorted_x, notes=tuple(all_notes), outliers=outliers, **arrays
+        source,
+        code,
+        sorted_x,
+        notes=tuple(all_notes),
+        outliers=outliers,
+        read_as=(),
+        **arrays,
     )
 
 
