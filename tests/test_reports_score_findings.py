@@ -142,7 +142,7 @@ def test_what_has_a_tolerance_and_no_value_is_said_beside_the_verdict_and_ends_w
         "not scored, though a tolerance judges it: dissipation: exit code 1"
         in capsys.readouterr().err
     )
-    assert lead(report.comparison) == "Within tolerance as far as it was scored."
+    assert lead(report.comparison) == "Partly scored: within tolerance where it was."
     assert "Not scored, though a tolerance judges it: dissipation." in verdict(report.comparison)
     left_out = score_file(
         part, Mapping(), CATTANEO, tolerances=requested_tolerances(["dissipation=none"])
