@@ -11,7 +11,7 @@ import pytest
 
 import halfplane_fe
 import semi_analytic
-from halfplane_fe import SolverSettings
+from halfplane_fe import FiniteElementSolution, SolverSettings
 from halfplane_fe.settings import Method
 from meshes import MeshSettings
 from reports import elements_of_rig
@@ -31,8 +31,8 @@ from scenes import (
     load_scene,
     rig_names,
 )
-from semi_analytic.answer_of_rig import rigged
-from semi_analytic.driven import ActuatorRows, actuator_rows
+from semi_analytic.answer_of_rig import Rigged, rigged
+from semi_analytic.driven import ActuatorRows, Driven, actuator_rows
 
 MESH = MeshSettings.coarse()
 SPRING = 4e-5
@@ -237,6 +237,20 @@ OUT_OF_PHASE = EllipseLoad(
 )
 
 
+def driven_as(found: FiniteElementSolution, contact: Rigged) -> Driven:
+    """Theory under the displacements and normal loads that finite elements found; its Q is theirs,
+    to 2e-3 of the range in the last cycle.
+    """
+    cycle = found.last_cycle
+    ends = (int(cycle[0]), int(cycle[-1]))
+    rows = ActuatorRows(found.time, found.normal_load, found.tangential_displacement, ends)
+    driven = contact.follow_rows(rows)
+    force = np.interp(found.time, driven.time, driven.followed.tangential_load)[cycle]
+    expected = found.tangential_load[cycle]
+    assert np.max(np.abs(force - expected)) < 2e-3 * np.ptp(expected)
+    return driven
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("bodies", "load", "friction"),
@@ -265,13 +279,7 @@ def test_theory_finds_the_loads_of_the_finite_elements_by_their_displacements(
     effects = None if half_planes else halfplane_fe.body_effects(scene)
     prescribed = PolygonLoad(initial_loading=((MEAN, 1e-3),), tangential_displacement=True)
     contact = rigged(scene.vary(load=prescribed, rig=rig), effects)
-    cycle = found.last_cycle
-    ends = (int(cycle[0]), int(cycle[-1]))
-    rows = ActuatorRows(found.time, found.normal_load, found.tangential_displacement, ends)
-    driven = contact.follow_rows(rows)
-    force = np.interp(found.time, driven.time, driven.followed.tangential_load)[cycle]
-    expected = found.tangential_load[cycle]
-    assert np.max(np.abs(force - expected)) < 2e-3 * np.ptp(expected)
+    driven = driven_as(found, contact)
     work = driven.work(slice(driven.ends[0], driven.ends[1] + 1))
     assert work == pytest.approx(found.dissipation, rel=5e-3)
 
@@ -290,13 +298,8 @@ def test_theory_finds_the_loads_of_a_body_that_tilts(friction: float) -> None:
     prescribed = PolygonLoad(initial_loading=((MEAN, 1e-3),), tangential_displacement=True)
     effects = halfplane_fe.body_effects(scene)
     contact = rigged(scene.vary(load=prescribed, rig=Rig()), effects)
+    driven_as(found, contact)
     cycle = found.last_cycle
-    ends = (int(cycle[0]), int(cycle[-1]))
-    rows = ActuatorRows(found.time, found.normal_load, found.tangential_displacement, ends)
-    driven = contact.follow_rows(rows)
-    force = np.interp(found.time, driven.time, driven.followed.tangential_load)[cycle]
-    expected = found.tangential_load[cycle]
-    assert np.max(np.abs(force - expected)) < 2e-3 * np.ptp(expected)
     theory = semi_analytic.solve(
         scene,
         x=[0.0],

@@ -13,6 +13,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from html import escape
+from pathlib import Path
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -997,3 +998,13 @@ def _for_the_script(panel: Panel, frame: Frame) -> dict[str, object]:
     if (panel.x.count, panel.y.count) != (5, 5):
         attributes["data_counts"] = f"{panel.x.count} {panel.y.count}"
     return attributes
+
+
+def write_tables(drawings: Sequence[Plate], folder: Path) -> dict[str, str]:
+    """The CSV of each figure, written to `figures/NAME.csv` of a folder; returns them by name."""
+    figures = folder / "figures"
+    figures.mkdir()
+    tables = {drawing.name: drawing.csv() for drawing in drawings}
+    for name, text in tables.items():
+        (figures / f"{name}.csv").write_text(text, encoding="utf-8")
+    return tables

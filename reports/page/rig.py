@@ -15,7 +15,19 @@ from typing import Any
 
 import numpy as np
 
-from reports.charts.plate import Axis, Block, Curve, Key, Mark, Panel, Plate, Rule, limits, worded
+from reports.charts.plate import (
+    Axis,
+    Block,
+    Curve,
+    Key,
+    Mark,
+    Panel,
+    Plate,
+    Rule,
+    limits,
+    worded,
+    write_tables,
+)
 from reports.charts.templating import Table, script, template
 from reports.comparison.words import summary_rows
 from reports.folder import filled
@@ -309,10 +321,7 @@ def write(rig: RigMotion, out: str | Path, command: str, no_comparison: str) -> 
     drawings = (_loop(rig), _over_time(rig))
     summary = summary_rows(rig.solution)
     with filled(out, fresh=("report.html", "figures/")) as folder:
-        (folder / "figures").mkdir()
-        for drawing in drawings:
-            path = folder / "figures" / f"{drawing.name}.csv"
-            path.write_text(drawing.csv(), encoding="utf-8")
+        write_tables(drawings, folder)
         page = template("rig.html").render(
             title=rig.scene.title or rig.scene.name,
             scene=rig.scene,

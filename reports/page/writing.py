@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.charts.plate import STATE_KEYS, Plate
+from reports.charts.plate import STATE_KEYS, Plate, write_tables
 from reports.charts.templating import script, template
 from reports.comparison import Comparison, budget_words, words
 from reports.comparison.cycles import last_cycle
@@ -118,10 +118,7 @@ def write(
         drawings = draw(report)
         if stress_instants:
             drawings += (_stress(comparison, stress_instants),)
-        tables = {drawing.name: drawing.csv() for drawing in drawings}
-        (folder / "figures").mkdir()
-        for name, text in tables.items():
-            (folder / "figures" / f"{name}.csv").write_text(text, encoding="utf-8")
+        tables = write_tables(drawings, folder)
         scene_text = comparison.scene.model_dump_json(indent=1) + "\n"
         (folder / "scene.json").write_text(scene_text, encoding="utf-8")
         comparison_text = as_json(report, command, seconds) + "\n"

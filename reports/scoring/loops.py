@@ -35,7 +35,19 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 import semi_analytic
-from reports.charts.plate import Axis, Curve, Dot, Key, Mark, Panel, Plate, Rule, limits, worded
+from reports.charts.plate import (
+    Axis,
+    Curve,
+    Dot,
+    Key,
+    Mark,
+    Panel,
+    Plate,
+    Rule,
+    limits,
+    worded,
+    write_tables,
+)
 from reports.charts.templating import script, template
 from reports.checking import nearest_to_sliding
 from reports.comparison.words import question
@@ -1052,9 +1064,7 @@ def write(found: LoopScore, out: str | Path, command: str) -> Path:
     drawings = _plates(found)
     heads, rows = table(found)
     with filled(out) as folder:
-        (folder / "figures").mkdir()
-        for drawing in drawings:
-            (folder / "figures" / f"{drawing.name}.csv").write_text(drawing.csv(), encoding="utf-8")
+        write_tables(drawings, folder)
         whole = strict(content(found)) | {"command": command}
         (folder / "loop.json").write_text(
             json.dumps(whole, indent=1, ensure_ascii=False) + "\n", encoding="utf-8"
