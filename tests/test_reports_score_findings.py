@@ -18,12 +18,12 @@ from reports.cli.results import _folder_of
 from reports.cli.solving import exit_code
 from reports.comparison import compare
 from reports.comparison.cycles import events
+from reports.comparison.isolated import spikes
 from reports.comparison.words import lead, verdict
 from reports.scoring.against import diagnosed, score, score_file
 from reports.scoring.diagnosis import coupling_sentence
 from reports.scoring.discrepancy import discrepancy
 from reports.scoring.mapping import Mapping
-from reports.scoring.surface import spikes
 from scenes import ContactSolution, InputError, Materials, Scene, load_scene
 from scenes.solution import last_whole_cycle
 
@@ -226,6 +226,36 @@ def test_a_cell_that_stands_out_is_named_with_its_line_and_column_and_hides_noth
     assert report.comparison.verdict == "outside"  # it is scored as it is
     (diagnosis,) = diagnosed(report).diagnoses
     assert diagnosis.fault == "outlier"
+    assert "obey the laws" not in verdict(report.comparison)
+
+
+@pytest.mark.parametrize("factor", [2.0, 0.5, 0.0])
+def test_a_value_that_no_neighbour_supports_is_named_with_its_instant_and_place(
+    factor: float,
+) -> None:
+    """Twice the right value was "cause not found", beside "both answers obey the laws"."""
+    solution = cycle_from(0.0, steps=12)
+    pressure = solution.pressure.copy()
+    middle = len(solution.x) // 2
+    pressure[4, middle] *= factor
+    report = score(solution.x, pressure, solution.shear, scene=CATTANEO, time=solution.time)
+    (diagnosis,) = report.diagnoses
+    assert diagnosis.fault == "outlier"
+    assert f"instant 5 of the last cycle (time {solution.time[4]:.6g})" in diagnosis.sentence
+    assert f"x = {solution.x[middle]:.6g}" in diagnosis.sentence
+    assert "obey the laws" not in verdict(report.comparison)
+
+
+def test_noise_and_the_node_at_an_edge_support_each_other() -> None:
+    solution = cycle_from(0.0, steps=12)
+    random = np.random.default_rng(0)
+    noise = 0.05 * solution.pressure.max() * random.standard_normal(solution.pressure.shape)
+    noisy = np.where(solution.pressure > 0, solution.pressure + noise, 0.0)
+    at_edge = solution.pressure.copy()
+    at_edge[4, np.flatnonzero(at_edge[4])[0]] *= 3
+    for pressure in (noisy, at_edge):
+        report = score(solution.x, pressure, solution.shear, scene=CATTANEO, time=solution.time)
+        assert "outlier" not in [diagnosis.fault for diagnosis in report.diagnoses]
 
 
 def test_frames_beside_each_other_name_the_column_of_the_cell(tmp_path: Path) -> None:

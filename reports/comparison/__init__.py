@@ -8,6 +8,7 @@ Offered to the rest of reports, `Comparison` `compare` first; each file imports 
     dimensionless.py the scales: `scales` `Scales` `compliance` `energy_scale`
     datum.py        what displacements count from, c_t and c_n of finite bodies:
                     `effects_between` `lacks_datum` `from_supports`
+    isolated.py     single values that no neighbour supports: `spikes` `without_spikes`
     pairs.py        reference and result on common points: `Pair` `are_half_planes` `coupled`
                     `name_of`
     work_of_loads.py closed integrals of Q dU, P dV and the bulk term: `loop_work` `bulk_work`

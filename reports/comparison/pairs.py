@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from reports.comparison.cycles import Cycle
 from reports.comparison.dimensionless import Scales
+from reports.comparison.isolated import isolated_values
 from scenes import BodyEffects, ContactSolution, Scene
 
 if TYPE_CHECKING:
@@ -115,6 +116,11 @@ class Pair:
     def judged(self) -> Mask:
         """(k,) instants that a verdict is taken from."""
         return self.touching & (self.expected.normal_load >= LIGHT * self.scales.normal_load)
+
+    @cached_property
+    def isolated(self) -> dict[str, Mask]:
+        """(k, n) of pressure, shear and slip: values of the result that no neighbour supports."""
+        return isolated_values(self.found, self.expected)
 
     @cached_property
     def periodic(self) -> bool:

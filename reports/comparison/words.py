@@ -412,6 +412,7 @@ def verdict(comparison: JudgedPair) -> str:
     work = comparison.metric("dissipation")
     work_in_words = None if work.value is None else value_of(work)
     has_no_shear = np.isnan(comparison.result.shear).all()
+    isolated_count = sum(int(mask.sum()) for mask in comparison.isolated.values())
     verdicts = in_template(
         "verdict",
         _names(comparison),
@@ -420,6 +421,7 @@ def verdict(comparison: JudgedPair) -> str:
         work_in_words,
         violated_laws,
         has_no_shear,
+        isolated_count,
     )
     return f"{verdicts} {not_scored(comparison)}".strip()
 

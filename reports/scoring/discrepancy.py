@@ -17,7 +17,6 @@ from reports.comparison import Comparison
 from reports.comparison.measures import norm, over, shares
 from reports.comparison.pairs import are_half_planes
 from reports.comparison.verdicts import Verdict, verdict_on
-from reports.scoring.surface import spikes
 from scenes import InputError, Scene
 from scenes.array_types import Array
 
@@ -294,7 +293,8 @@ def discrepancy(comparison: Comparison) -> Discrepancy | None:
     if not sheared:  # a file without shear: it counts for nothing
         found[SHEAR] = np.nan_to_num(expected[SHEAR])
     known = np.isfinite(expected).all(axis=0) & np.isfinite(found).all(axis=0)
-    known &= ~(spikes(comparison.found.pressure) | spikes(comparison.found.shear))[rows]
+    isolated = comparison.isolated
+    known &= ~(isolated["pressure"] | isolated["shear"])[rows]
     if not known.any():
         return None
     bodies = _with_bodies(comparison, rows)

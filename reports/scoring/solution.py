@@ -16,11 +16,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from reports.comparison.isolated import without_spikes
 from reports.comparison.laws import DERIVED, derived
 from reports.comparison.metrics import WHOLE_CYCLE, missing
 from reports.scoring.history import History, matched, resultants
 from reports.scoring.mapping import Mapping
-from reports.scoring.surface import TOUCHES, SurfaceResult, without_spikes
+from reports.scoring.surface import TOUCHES, SurfaceResult
 from scenes import (
     OPEN,
     SLIP_FORWARD,

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from reports.comparison.isolated import spikes
 from scenes import InputError, freeze
 from scenes.array_types import Array
 from scenes.arrays import LARGEST
@@ -26,50 +27,6 @@ _SAME_PLACE = 0.1
 # Places that differ by less than this share of the mesh's extent are one: text files carry six
 # digits.
 SAME = 1e-6
-
-
-# A spike is so many times as large as its neighbours in x and in time, and so many times as large
-# as all other values of its field: a traction may be singular at an edge, but not at one point of
-# one instant alone.
-_OVER_NEIGHBOURS = 5.0
-_OVER_ALL = 3.0
-# Points with a value at the instant of a spike: of a contact of fewer a mesh knows no form.
-_FEWEST_BESIDE = 6
-
-
-def spikes(values: Array) -> Mask:
-    """Where single values of a field stand out of all others: (n_steps, n_points) -> mask.
-
-    >>> field = np.full((1, 9), 2.0)
-    >>> field[0, 4] = 900.0
-    >>> np.flatnonzero(spikes(field)[0]).tolist()
-    [4]
-    """
-    size = np.abs(np.nan_to_num(values))
-    padded = np.pad(size, 1)
-    left = padded[1:-1, :-2]
-    right = padded[1:-1, 2:]
-    before = padded[:-2, 1:-1]
-    after = padded[2:, 1:-1]
-    largest_neighbour = np.maximum.reduce([left, right, before, after])
-    stands_out = (size > 0) & (size > _OVER_NEIGHBOURS * largest_neighbour)
-    stands_out &= np.sum(size > 0, axis=1, keepdims=True) > _FEWEST_BESIDE
-    largest_of_rest = float(np.max(size, where=~stands_out, initial=0.0))
-    return np.asarray(stands_out & (size > _OVER_ALL * largest_of_rest))
-
-
-def without_spikes(values: Array) -> Array:
-    """`values`, (n_steps, n_points), with the mean of both neighbours in x in place of a spike."""
-    mask = spikes(values)
-    if not mask.any():
-        return values
-    mended = values.copy()
-    for row, column in np.argwhere(mask):
-        neighbours = [
-            k for k in (column - 1, column + 1) if 0 <= k < values.shape[1] and not mask[row, k]
-        ]
-        mended[row, column] = np.mean(values[row, neighbours]) if neighbours else 0.0
-    return freeze(mended)
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from reports.comparison import Comparison
 from reports.scoring.discrepancy import PRESSURE, SHEAR, Discrepancy, Tractions, pair
-from reports.scoring.surface import spikes
 from scenes import STICK
 
 NOISE = "noise"
@@ -89,10 +88,10 @@ class Diagnosis:
 def outliers(comparison: Comparison) -> list[Diagnosis]:
     """Single values that stand out of all others, the first with its place."""
     found = comparison.found
-    traces = [(name, spikes(getattr(found, name))) for name in ("pressure", "shear", "slip")]
     words = [
-        f"{name} {getattr(found, name)[k, i]:.6g} at time {found.time[k]:.6g}, x = {found.x[i]:.6g}"
-        for name, mask in traces
+        f"{name} {getattr(found, name)[k, i]:.6g} at instant {k + 1} of the last cycle (time"
+        f" {found.time[k]:.6g}), x = {found.x[i]:.6g}"
+        for name, mask in comparison.isolated.items()
         for k, i in np.argwhere(mask)
     ]
     if not words:
@@ -147,7 +146,7 @@ def elastic_slip(what: Discrepancy) -> Iterator[Diagnosis]:
         return
     if not (np.isfinite(found.slip).all() and np.isfinite(expected.slip).all()):
         return
-    pressed = comparison.judged[:, None] & ~spikes(found.shear)
+    pressed = comparison.judged[:, None] & ~comparison.isolated["shear"]
     for side in (found, expected):
         pressed &= side.pressure > 0.01 * comparison.scales.pressure
         pressed &= np.abs(side.shear) < _STICKS * friction * side.pressure

@@ -1,0 +1,110 @@
+"""Single values of a result that none of their neighbours supports: a mistyped cell, a node that is
+wrong.
+
+# notation: p_ref largest value of a field of the reference
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reports.comparison.cycles import Cycle
+from scenes import freeze
+from scenes.array_types import Array
+
+Mask = NDArray[np.bool_]
+
+# A spike is so many times as large as its neighbours in x and in time, and so many times as large
+# as all other values of its field: a traction may be singular at an edge, but not at one point of
+# one instant alone.
+_OVER_NEIGHBOURS = 5.0
+_OVER_ALL = 3.0
+# Points with a value at the instant of a spike: of a contact of fewer a mesh knows no form.
+_FEWEST_BESIDE = 6
+# The same of differences from the reference, of which noise has large ones by chance: so many times
+# as large as all others, and at least this share of p_ref.
+_DIFFERENCE_OVER_ALL = 5.0
+_LEAST_DIFFERENCE = 0.1
+# Spacings to each side of an edge of contact or stick: there a mesh errs at one node alone.
+_NEAR_EDGE = 2.0
+
+
+def spikes(values: Array) -> Mask:
+    """Where single values of a field stand out of all others: (n_steps, n_points) -> mask.
+
+    >>> field = np.full((1, 9), 2.0)
+    >>> field[0, 4] = 900.0
+    >>> np.flatnonzero(spikes(field)[0]).tolist()
+    [4]
+    """
+    return _stands_out(values, _OVER_ALL) & _has_form(values)
+
+
+def _stands_out(values: Array, over_all: float) -> Mask:
+    """Values larger than their neighbours, and so many times larger than all others."""
+    size = np.abs(np.nan_to_num(values))
+    padded = np.pad(size, 1)
+    left = padded[1:-1, :-2]
+    right = padded[1:-1, 2:]
+    before = padded[:-2, 1:-1]
+    after = padded[2:, 1:-1]
+    largest_neighbour = np.maximum.reduce([left, right, before, after])
+    stands_out = (size > 0) & (size > _OVER_NEIGHBOURS * largest_neighbour)
+    largest_of_rest = float(np.max(size, where=~stands_out, initial=0.0))
+    return np.asarray(stands_out & (size > over_all * largest_of_rest))
+
+
+def _has_form(values: Array) -> Mask:
+    """(n_steps, 1) instants with enough values that are not 0."""
+    count = np.sum(np.nan_to_num(values) != 0, axis=1, keepdims=True)
+    return np.asarray(count > _FEWEST_BESIDE)
+
+
+def without_spikes(values: Array) -> Array:
+    """`values`, (n_steps, n_points), with the mean of both neighbours in x in place of a spike."""
+    mask = spikes(values)
+    if not mask.any():
+        return values
+    mended = values.copy()
+    for row, column in np.argwhere(mask):
+        neighbours = [
+            k for k in (column - 1, column + 1) if 0 <= k < values.shape[1] and not mask[row, k]
+        ]
+        mended[row, column] = np.mean(values[row, neighbours]) if neighbours else 0.0
+    return freeze(mended)
+
+
+def isolated_values(found: Cycle, expected: Cycle) -> dict[str, Mask]:
+    """Of each field the values (k, n) that stand alone: spikes, and pressures and shears whose
+    difference from the reference is a spike away from all edges.
+
+    The slip counts from a datum of its own, so that its difference from the reference says nothing.
+    """
+    edges = {
+        "pressure": [expected.contact_edges],
+        "shear": [expected.contact_edges, expected.stick_edges],
+    }
+    masks = {name: spikes(getattr(found, name)) for name in ("pressure", "shear", "slip")}
+    for name, edges_of_field in edges.items():
+        reference = np.nan_to_num(getattr(expected, name))
+        difference = getattr(found, name) - reference
+        difference[_near(edges_of_field, expected)] = 0.0
+        is_large = np.abs(difference) > _LEAST_DIFFERENCE * np.max(np.abs(reference), initial=0.0)
+        stands_alone = is_large & _stands_out(difference, _DIFFERENCE_OVER_ALL)
+        masks[name] = masks[name] | (stands_alone & _has_form(found.pressure))
+    return masks
+
+
+def _near(edges: Sequence[Array], cycle: Cycle) -> Mask:
+    """(k, n) points within two spacings of one of the edges (k, 2) at their instant."""
+    steps = np.diff(cycle.x)
+    spacing = np.maximum(np.append(steps, steps[-1]), np.insert(steps, 0, steps[0]))
+    near = np.zeros(cycle.pressure.shape, dtype=bool)
+    with np.errstate(invalid="ignore"):
+        for left_and_right in edges:
+            for edge in left_and_right.T:
+                near |= np.abs(cycle.x - edge[:, None]) <= _NEAR_EDGE * spacing
+    return near
