@@ -20,8 +20,9 @@ from reports import compare
 from reports.comparison import Comparison
 from reports.scoring.against import score, score_surface
 from reports.scoring.causes import SHEAR_SIGN, Predictions, stiffer, with_friction
-from reports.scoring.diagnosis import Search, coupling_sentence, diagnose
+from reports.scoring.diagnosis import coupling_sentence, diagnose
 from reports.scoring.discrepancy import PRESSURE, SHEAR, discrepancy
+from reports.scoring.fits import Search
 from reports.scoring.mapping import Mapping
 from reports.scoring.surface import surface_result
 from reports.scoring.traces import FAULTS, NOISE, UNKNOWN, Diagnosis, scatter

@@ -16,8 +16,10 @@ against.py         the score
 discrepancy.py     what is to be explained, and how much of it is noise
 causes.py          the causes, one object each: theory with the fault in it
 cells.py           contact on cells: faces with a layer between them, bodies that are not alike
-traces.py          findings that rows show without theory: spikes, full slip, creep, scatter
-diagnosis.py       the order of evidence: fits, what is excluded, which cause is named
+traces.py          findings that rows show without theory: full slip, creep, scatter
+fits.py            sizes of causes by least squares, what they leave, whether by chance
+judgement.py       the order of evidence: pressure, then shear; which causes explain both
+diagnosis.py       the findings in sentences, with their evidence and what is excluded
 loops.py           a rig's loop of Q over U: the f that fits it, its interval, the engines' loops
 loop_branches.py   turning points of Q, the branch of each row, area of the rows
 loop_fit.py        f by least squares: branches by Masing's rule, theory's whole loop where P varies

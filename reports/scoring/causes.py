@@ -53,7 +53,7 @@ _FINE_ELEMENTS = 12.0
 _BETWEEN_NODES = 48
 # Height of the two blocks [a_ref] whose numbers, times their figure, are those of bodies too small:
 # curvatures go as one over the square of the height.
-_BLOCK = 5.0
+BLOCK_HEIGHT = 5.0
 # Largest share of them: blocks of height 1.8 a_ref, no higher than the contact is wide.
 _NEAREST_BODY = 8.0
 # Steps of a revolution that cells follow: legs of two, three or four a cycle end on them.
@@ -103,7 +103,7 @@ class Variant:
         "first revolution", "no memory", "straight steps", "end of steps": what is done to the
         history of friction
     small_body
-        share of the curvatures that two blocks of height `_BLOCK` a_ref add
+        share of the curvatures that two blocks of height `BLOCK_HEIGHT` a_ref add
     soft_normal
         compliance of a layer that the faces sink into by p/k, 1/k over a_ref/E*; it acts on the
         pressure, and the shear stays that of theory
@@ -321,7 +321,7 @@ def _of_blocks(what: Discrepancy, scene: Scene, share: float) -> BodyEffects:
     wide as high (H): `halfplane_fe.body_effects` gives 0.4918 and 0.8069 of A/H^2 for any H, with
     A = 2/E* and nu = 0.3.
     """
-    height = _BLOCK * what.half_width
+    height = BLOCK_HEIGHT * what.half_width
     unit = share * what.comparison.scales.compliance / height**2
     return BodyEffects(
         datum_length=scene.profile.datum_length,

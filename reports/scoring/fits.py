@@ -1,0 +1,282 @@
+"""Fits of causes to a discrepancy: sizes by least squares, what they leave, and whether chance
+alone would gain as much.
+
+# notation: p pressure, q shear; mean squares: R of what a fit leaves, D of the difference, N of the
+noise
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from reports.scoring.causes import CAUSES, ODD_PART, Cause, Predictions, Variant
+from reports.scoring.discrepancy import PRESSURE, SHEAR, Discrepancy, Residual, Tractions
+from scenes import InputError
+from scenes.array_types import Array
+
+# Of the norm of the difference, what a cause may leave.
+MOST_LEFT = 1 / 3
+# Probability that chance alone gives the gain of a fit: some thirty causes and forty pairs are
+# tried for one file, and one file in a thousand may be named by chance.
+CHANCE = 1e-6
+_WITHOUT_SIZE = 1e-2
+# Of the round-off of one traction over its scale, squared: less is no difference.
+ROUND_OFF = 1e-20
+# Calls of one search by Levenberg and Marquardt; a size is found in ten to twenty.
+_MOST_CALLS = 40
+# Of a size, to which it is found: mistakes of a table are larger; and to which it is found first.
+_CLOSE = 1e-6
+_ROUGH = 1e-2
+# Of the norm of the difference, noise and all: a first search that leaves more is not refined.
+_HOPELESS = 0.8
+# Of the sizes at which the search for a cause alone starts, every third one beside another cause.
+_STRIDE = 3
+# Of the difference, where a prediction has no solution.
+_NO_SOLUTION = 1e20
+# Standard deviation of the noise of the shear over that of the pressure, at most: few points may
+# look like noise by chance.
+_NOISIER = 5.0
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """Causes, fitted together.
+
+    Attributes
+    ----------
+    causes, sizes
+        one size each
+    predicted
+        tractions of a result with just these faults
+    residuals
+        what they leave of pressure and shear
+    noisier
+        most that the noise of the shear is of that of the pressure, each over its scale
+    """
+
+    causes: tuple[Cause, ...]
+    sizes: tuple[float, ...]
+    predicted: Tractions
+    residuals: tuple[Residual, Residual]
+    noisier: float = np.inf
+
+    @property
+    def keys(self) -> frozenset[str]:
+        """Of the causes."""
+        return frozenset(cause.key for cause in self.causes)
+
+    @property
+    def parameters(self) -> int:
+        """Sizes that were fitted; an odd part takes half of the values as it finds them."""
+        sizes = sum(cause.sized for cause in self.causes)
+        return sizes + (self.count((SHEAR,)) // 2 if ODD_PART in self.causes else 0)
+
+    def square(self, channels: Sequence[int]) -> float:
+        """R over some channels, the sum of their means."""
+        return sum(self.residuals[channel].square for channel in channels)
+
+    def noise(self, channels: Sequence[int]) -> float:
+        """N over some channels; that of the shear is of the size of that of the pressure, both over
+        the largest pressure.
+        """
+        most = (np.inf, max(self.square((PRESSURE,)), ROUND_OFF) * self.noisier**2)
+        return sum(
+            min(self.residuals[channel].noise, self.square((channel,)), most[channel])
+            for channel in channels
+        )
+
+    def is_noise(self, channels: Sequence[int]) -> bool:
+        """Whether it leaves nothing smooth."""
+        parts = [self.residuals[channel] for channel in channels]
+        return all(part.is_noise or part.square <= ROUND_OFF for part in parts)
+
+    def count(self, channels: Sequence[int]) -> int:
+        """Values in contact."""
+        return sum(self.residuals[channel].count for channel in channels)
+
+
+@dataclass(frozen=True, eq=False)
+class Search:
+    """Fits of causes to a discrepancy, each done once."""
+
+    what: Discrepancy
+    predictions: Predictions
+    done: dict[object, Fit | None] = field(default_factory=dict)
+
+    def fit(
+        self,
+        causes: tuple[Cause, ...],
+        channels: tuple[int, ...],
+        known: tuple[float, ...] = (),
+    ) -> Fit | None:
+        """The sizes that leave least in these channels; None where the file can't have the causes,
+        or theory has no solution for them.
+
+        `known` are the sizes of the first causes, found before, which are kept.
+        """
+        key = tuple(CAUSES.index(cause) for cause in causes), channels, known
+        if key not in self.done:
+            self.done[key] = self._fitted(causes, channels, known)
+        return self.done[key]
+
+    def _fitted(
+        self, causes: tuple[Cause, ...], channels: tuple[int, ...], known: tuple[float, ...]
+    ) -> Fit | None:
+        searched = causes[len(known) :]
+        starts: list[tuple[float, ...]] = [(size,) for size in known]
+        starts += [self._starts(cause, searched, channels) for cause in searched]
+        if not all(starts):
+            return None
+        trials = list(itertools.product(*starts))
+        squares = [float(np.sum(self._left(causes, sizes, channels) ** 2)) for sizes in trials]
+        sizes = trials[int(np.argmin(squares))]
+        if min(squares) >= _NO_SOLUTION**2:
+            return None
+        fitted = [
+            place for place, cause in enumerate(causes) if cause.sized and place >= len(known)
+        ]
+        if fitted:
+            sizes = self._searched(causes, sizes, fitted, channels, _ROUGH)
+            rough = float(np.sum(self._left(causes, sizes, channels) ** 2))
+            without = self._left((), (), channels)
+            if rough <= _HOPELESS**2 * float(np.sum(without**2)):
+                sizes = self._searched(causes, sizes, fitted, channels, _CLOSE)
+        return self._made(causes, sizes, channels)
+
+    def refined(
+        self, causes: tuple[Cause, ...], sizes: tuple[float, ...], channels: tuple[int, ...]
+    ) -> Fit | None:
+        """All sizes fitted at once, from these on."""
+        fitted = [place for place, cause in enumerate(causes) if cause.sized]
+        if fitted:
+            sizes = self._searched(causes, sizes, fitted, channels, _CLOSE)
+        return self._made(causes, sizes, channels)
+
+    def _starts(
+        self, cause: Cause, searched: tuple[Cause, ...], channels: tuple[int, ...]
+    ) -> tuple[float, ...]:
+        """Sizes at which a search starts: beside another cause, the size fitted alone as well."""
+        starts = tuple(cause.starts(self.what))
+        if len(searched) == 1 or not starts or not cause.sized:
+            return starts
+        alone = self.fit((cause,), channels)
+        if alone is None:
+            return starts[:1]
+        if SHEAR in channels:
+            return (*starts[::_STRIDE], alone.sizes[0])
+        return (alone.sizes[0],) if len(starts) > 1 else (*starts, alone.sizes[0])
+
+    def _searched(
+        self,
+        causes: tuple[Cause, ...],
+        sizes: tuple[float, ...],
+        fitted: Sequence[int],
+        channels: tuple[int, ...],
+        tolerance: float,
+    ) -> tuple[float, ...]:
+        """Least squares from these sizes on, to so much of a size."""
+        from scipy.optimize import least_squares
+
+        def completed(values: Array) -> tuple[float, ...]:
+            trial = list(sizes)
+            for place, value in zip(fitted, values, strict=True):
+                trial[place] = float(value)
+            return tuple(trial)
+
+        found = least_squares(
+            lambda values: self._left(causes, completed(values), channels),
+            [sizes[place] for place in fitted],
+            method="lm",
+            diff_step=1e-5,
+            xtol=tolerance,
+            ftol=tolerance,
+            x_scale=np.full(len(fitted), 0.1),
+            max_nfev=_MOST_CALLS,
+        )
+        return completed(found.x)
+
+    def _left(
+        self, causes: tuple[Cause, ...], sizes: tuple[float, ...], channels: tuple[int, ...]
+    ) -> Array:
+        """Weighted residuals, flat; large where there is no solution."""
+        size = self.what.weight.size
+        try:
+            predicted = self._predicted(causes, sizes, channels)
+        except InputError:  # gross sliding, separation, a size that means nothing
+            return np.full(size * len(channels), _NO_SOLUTION)
+        weight = np.sqrt(self.what.weight)
+        parts = [
+            weight * (self.what.found[channel] - predicted[channel]) / self.what.units[channel]
+            for channel in channels
+        ]
+        return np.nan_to_num(np.concatenate([part.ravel() for part in parts]), nan=_NO_SOLUTION)
+
+    def _predicted(
+        self, causes: tuple[Cause, ...], sizes: tuple[float, ...], channels: tuple[int, ...]
+    ) -> Tractions:
+        variant = Variant()
+        for cause, size in zip(causes, sizes, strict=True):
+            if abs(size) > cause.largest:
+                raise InputError("beyond the range of the search")
+            variant = cause.change(variant, size)
+        return self.predictions.of(variant, sheared=SHEAR in channels)
+
+    def _made(
+        self, causes: tuple[Cause, ...], sizes: tuple[float, ...], channels: tuple[int, ...]
+    ) -> Fit | None:
+        try:
+            predicted = self._predicted(causes, sizes, channels)
+        except InputError:
+            return None
+        friction = self.what.comparison.scales.friction
+        noisier = _NOISIER / friction if friction else np.inf
+        return Fit(causes, sizes, predicted, self.what.residuals(predicted), noisier)
+
+
+def share_left(fit: Fit, before: Fit, channels: Sequence[int]) -> float:
+    """Norm of what a fit leaves over that of the difference before it, the noise set aside."""
+    noise = fit.noise(channels)
+    difference = before.square(channels) - noise
+    if difference <= 0:
+        return 1.0
+    return float(np.sqrt((fit.square(channels) - noise) / difference))
+
+
+def by_chance(fit: Fit, before: Fit, channels: Sequence[int]) -> float:
+    """Probability that noise alone lets a fit gain so much.
+
+    Of sizes that were fitted by the F test. A prediction without a size leaves the share e of the
+    squares of n values by chance with a probability of about e^(n/2); there are some ten of them,
+    so that it is counted a hundredfold less severely.
+    """
+    from scipy.stats import f as f_distribution
+
+    parameters = fit.parameters - before.parameters
+    count = fit.count(channels)
+    gain = before.square(channels) - fit.square(channels)
+    if gain <= 0:
+        return 1.0
+    left = max(fit.square(channels), 1e-300)
+    if parameters < 1:
+        return float((left / before.square(channels)) ** (count / 2)) * _WITHOUT_SIZE
+    freedom = count - fit.parameters
+    if freedom < 1:
+        return 1.0
+    return float(f_distribution.sf(gain / parameters / (left / freedom), parameters, freedom))
+
+
+def explains(
+    fit: Fit | None,
+    before: Fit,
+    channels: Sequence[int],
+) -> bool:
+    """Whether a fit leaves less than a third of the difference, and not by chance."""
+    return (
+        fit is not None
+        and share_left(fit, before, channels) < MOST_LEFT
+        and by_chance(fit, before, channels) < CHANCE
+    )
