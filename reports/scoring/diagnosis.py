@@ -128,7 +128,7 @@ def _sentence(what: Discrepancy, cause: Cause, size: float, fit: Fit) -> str:
 
 
 def _height(share: float) -> float:
-    """Height [a_ref] of two equal blocks that add this share of what those of `BLOCK_HEIGHT` add."""
+    """Height [a_ref] of two equal blocks that add this share of what `BLOCK_HEIGHT` adds."""
     return BLOCK_HEIGHT / max(abs(share), 1e-12) ** 0.5
 
 
