@@ -91,10 +91,10 @@ def isolated_values(found: Cycle, expected: Cycle) -> dict[str, Mask]:
     for name, edges_of_field in edges.items():
         reference = np.nan_to_num(getattr(expected, name))
         difference = getattr(found, name) - reference
-        difference[_near(edges_of_field, expected)] = 0.0
         is_large = np.abs(difference) > _LEAST_DIFFERENCE * np.max(np.abs(reference), initial=0.0)
-        stands_alone = is_large & _stands_out(difference, _DIFFERENCE_OVER_ALL)
-        masks[name] = masks[name] | (stands_alone & _has_form(found.pressure))
+        stands_alone = _stands_out(difference, _DIFFERENCE_OVER_ALL) & _has_form(found.pressure)
+        is_near_edge = _near(edges_of_field, expected)
+        masks[name] = masks[name] | (stands_alone & is_large & ~is_near_edge)
     return masks
 
 
