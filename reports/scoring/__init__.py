@@ -17,6 +17,7 @@ discrepancy.py     what is to be explained, and how much of it is noise
 causes.py          the causes, one object each: theory with the fault in it
 cells.py           contact on cells: faces with a layer between them, bodies that are not alike
 traces.py          findings that rows show without theory: full slip, creep, scatter
+other_problems.py  tractions of problems that the suite does not solve: signatures in the rows
 fits.py            sizes of causes by least squares, what they leave, whether by chance
 judgement.py       the order of evidence: pressure, then shear; which causes explain both
 diagnosis.py       the findings in sentences, with their evidence and what is excluded

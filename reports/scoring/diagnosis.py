@@ -24,6 +24,7 @@ from reports.scoring.causes import (
 from reports.scoring.discrepancy import PRESSURE, SHEAR, Discrepancy, discrepancy
 from reports.scoring.fits import CHANCE, MOST_LEFT, ROUND_OFF, Fit, Search, share_left
 from reports.scoring.judgement import NO_COUPLING, Judge, Verdict
+from reports.scoring.other_problems import other_problems
 from reports.scoring.traces import (
     FAULTS,
     OWN_BODIES,
@@ -58,6 +59,8 @@ def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
     judge = Judge(what, Search(what, Predictions(what)))
     verdict = judge.verdict()
     causes = list(_named(judge, verdict, is_traced=bool(traces)))
+    if not traces and not (verdict.fit is not None and judge.is_whole(verdict.fit)):
+        causes = list(other_problems(what, verdict.fit)) or causes
     if not causes and not traces:
         causes = [*_own_bodies(judge), *_mesh_at_edges(judge), *scatter(what)][:1]
     if not causes and not traces and not cells and not what.within:

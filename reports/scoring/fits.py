@@ -26,6 +26,10 @@ CHANCE = 1e-6
 _WITHOUT_SIZE = 1e-2
 # Of the round-off of one traction over its scale, squared: less is no difference.
 ROUND_OFF = 1e-20
+# Difference of the sums of squares, over the variance of the noise, below which two causes are not
+# told apart: four standard deviations. Without noise: the ratio of both sums.
+_APART = 16.0
+_APART_EXACT = 4.0
 # Calls of one search by Levenberg and Marquardt; a size is found in ten to twenty.
 _MOST_CALLS = 40
 # Of a size, to which it is found: mistakes of a table are larger; and to which it is found first.
@@ -239,15 +243,32 @@ class Search:
 
 def share_left(fit: Fit, before: Fit, channels: Sequence[int]) -> float:
     """Norm of what a fit leaves over that of the difference before it, the noise set aside."""
-    noise = fit.noise(channels)
-    difference = before.square(channels) - noise
+    return share_of_norm(fit.square(channels), before.square(channels), fit.noise(channels))
+
+
+def share_of_norm(left: float, before: float, noise: float) -> float:
+    """The same of three mean squares: what is left, the difference, the noise in both."""
+    difference = before - noise
     if difference <= 0:
         return 1.0
-    return float(np.sqrt((fit.square(channels) - noise) / difference))
+    return float(np.sqrt(max(left - noise, 0.0) / difference))
 
 
 def by_chance(fit: Fit, before: Fit, channels: Sequence[int]) -> float:
-    """Probability that noise alone lets a fit gain so much.
+    """Probability that noise alone lets a fit gain so much."""
+    return gain_by_chance(
+        fit.square(channels),
+        before.square(channels),
+        fit.count(channels),
+        sizes=fit.parameters,
+        sizes_before=before.parameters,
+    )
+
+
+def gain_by_chance(
+    left: float, before: float, count: int, *, sizes: int, sizes_before: int = 0
+) -> float:
+    """Probability that noise alone leaves so little of the mean square `before` of `count` values.
 
     Of sizes that were fitted by the F test. A prediction without a size leaves the share e of the
     squares of n values by chance with a probability of about e^(n/2); there are some ten of them,
@@ -255,18 +276,29 @@ def by_chance(fit: Fit, before: Fit, channels: Sequence[int]) -> float:
     """
     from scipy.stats import f as f_distribution
 
-    parameters = fit.parameters - before.parameters
-    count = fit.count(channels)
-    gain = before.square(channels) - fit.square(channels)
+    gain = before - left
     if gain <= 0:
         return 1.0
-    left = max(fit.square(channels), 1e-300)
-    if parameters < 1:
-        return float((left / before.square(channels)) ** (count / 2)) * _WITHOUT_SIZE
-    freedom = count - fit.parameters
+    left = max(left, 1e-300)
+    fitted = sizes - sizes_before
+    if fitted < 1:
+        return float((left / before) ** (count / 2)) * _WITHOUT_SIZE
+    freedom = count - sizes
     if freedom < 1:
         return 1.0
-    return float(f_distribution.sf(gain / parameters / (left / freedom), parameters, freedom))
+    return float(f_distribution.sf(gain / fitted / (left / freedom), fitted, freedom))
+
+
+def are_apart(left: float, least: float, count: int, *, is_noise: bool) -> bool:
+    """Whether one fit leaves so much more than another that it is out.
+
+    `is_noise`: whether the other one leaves noise alone, which tells how far both may differ by
+    chance.
+    """
+    least = max(least, ROUND_OFF)
+    if is_noise:
+        return (left - least) / least * count > _APART
+    return left > _APART_EXACT * least
 
 
 def explains(

@@ -38,6 +38,7 @@ from reports.scoring.fits import (
     ROUND_OFF,
     Fit,
     Search,
+    are_apart,
     by_chance,
     explains,
     share_left,
@@ -50,10 +51,6 @@ _COMPLETE = 0.03
 _ALONE = 0.1
 # Squares of the norm by which a pair must leave less than a single cause.
 _PAIR_GAIN = 1 / 4
-# Difference of the sums of squares, over the variance of the noise, below which two causes are not
-# told apart: four standard deviations. Without noise: the ratio of both sums.
-_APART = 16.0
-_APART_EXACT = 4.0
 # Share by which the sum of the pressures must follow a factor of the loads.
 _UNMOVED = 1 / 3
 # Over P, by which nodal forces may differ from it: they add up to P on any mesh, but for noise.
@@ -389,6 +386,10 @@ class Judge:
             share_left(fit, self.without, (channel,)) <= _COMPLETE and left <= _COMPLETE**2 * size
         )
 
+    def is_whole(self, fit: Fit) -> bool:
+        """Whether a fit leaves nothing of either traction but noise."""
+        return all(self.is_right(fit, channel) for channel in self.channels)
+
     def _better(self, fit: Fit, than: Fit, channels: Sequence[int] | None = None) -> bool:
         """Whether more causes leave so much less that they are called for."""
         over = self.channels if channels is None else channels
@@ -401,11 +402,9 @@ class Judge:
     def _told_apart(self, fit: Fit, best: Fit, channels: Sequence[int] | None = None) -> bool:
         """Whether `fit` leaves so much more than `best` that it is out."""
         over = self.channels if channels is None else channels
-        least = max(best.square(over), ROUND_OFF)
-        if best.is_noise(over):
-            variances = (fit.square(over) - least) / least * best.count(over)
-            return variances > _APART
-        return fit.square(over) > _APART_EXACT * least
+        return are_apart(
+            fit.square(over), best.square(over), best.count(over), is_noise=best.is_noise(over)
+        )
 
 
 def _pairs(causes: Sequence[Cause]) -> list[tuple[Cause, ...]]:
