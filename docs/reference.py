@@ -33,6 +33,18 @@ TABLES = {
     "DrivenWave": "table {mean, amplitude, phase_degrees}",
     "DrivenWaveSum": "table {mean, harmonics}",
     "RecordRow": "table {row}",
+    "OfShape": "table of keys: see `[uncertainty.profile]`",
+    "OfMaterials": "table of keys: see `[uncertainty.material]`",
+    "OfElastic": "table {young_modulus, poisson_ratio}",
+    "OfPairOfBodies": "table of keys: see `[uncertainty.bodies.lower]`",
+    "OfRig": "table of keys: see `[uncertainty.rig]`",
+}
+# Tables within `[uncertainty]`, which have the keys of the scene's own.
+OF_UNCERTAINTY = {
+    "`[uncertainty.profile]`": "OfShape",
+    "`[uncertainty.material]`": "OfMaterials",
+    "`[uncertainty.bodies.lower]`, `[uncertainty.bodies.upper]`": "OfBody",
+    "`[uncertainty.rig]`": "OfRig",
 }
 # Keys that every load has stand once; how their values vary with time, by the kind of load.
 VARYING = {
@@ -123,6 +135,9 @@ def tables(schema: Mapping[str, Any]) -> Iterator[str]:
             )
         if name == "profile":
             yield from section("`profile.fit`", keys(models["ProfileFit"]))
+        if name == "uncertainty":
+            for title, model in OF_UNCERTAINTY.items():
+                yield from section(title, keys(models[model]))
 
 
 def kind_of(model: Mapping[str, Any]) -> str:
@@ -197,8 +212,9 @@ def admitted(entry: Mapping[str, Any]) -> str:
 
 def admitted_list(entry: Mapping[str, Any]) -> str:
     """A list in words, by the schema of its entries."""
+    entries_of_a_row = {2: "pairs", 3: "triples"}
     plurals = {
-        "array": "pairs" if "prefixItems" in entry else "rows",
+        "array": entries_of_a_row.get(len(entry.get("prefixItems", ())), "rows"),
         "number": "numbers",
         "string": "words",
     }

@@ -15,6 +15,8 @@ The question::
     loads.py        load paths: ellipse, harmonics, polygon, measured rows, Python functions; bulk
                     stress and tilt beside P and Q
     rig.py          springs between the actuators of a rig and the contact
+    uncertainty.py  standard uncertainties of the inputs and their correlations; the scene with its
+                    inputs moved
     segments.py     load segments, of which paths consist: straight lines, harmonics, Chebyshev
                     series
     chebyshev.py    piecewise Chebyshev series that stand for functions
@@ -122,6 +124,7 @@ from scenes.solution import (
     Work,
     freeze,
 )
+from scenes.uncertainty import Input, Uncertainty
 
 __all__ = [
     "NORMAL_LOAD",
@@ -157,6 +160,7 @@ __all__ = [
     "Hertz",
     "InadmissibleLoadError",
     "InputError",
+    "Input",
     "Interrupted",
     "LineOfAction",
     "LoadedInstant",
@@ -180,6 +184,7 @@ __all__ = [
     "Tabulated",
     "TimeSeriesLoad",
     "Tolerances",
+    "Uncertainty",
     "Wave",
     "WaveSum",
     "Wedge",

@@ -28,6 +28,7 @@ from scenes.notebook_forms import registered_forms
 from scenes.profiles import Profile
 from scenes.rig import Rig
 from scenes.segments import NORMAL_LOAD, TANGENTIAL_LOAD, largest_ratio, largest_ratio_of
+from scenes.uncertainty import Input, Uncertainty, inputs_of, moved
 from scenes.unit_words import inconsistent
 
 Origin = Literal["paper", "benchmark", "made-up-record"]
@@ -105,7 +106,17 @@ Load = Annotated[
 
 
 # Keys that say what a scene is and what is demanded of an answer: they move no figure of it.
-WORDS = ("name", "title", "purpose", "source", "tags", "units", "tolerances", "expected")
+WORDS = (
+    "name",
+    "title",
+    "purpose",
+    "source",
+    "tags",
+    "units",
+    "tolerances",
+    "expected",
+    "uncertainty",
+)
 
 
 class Friction(Frozen):
@@ -204,6 +215,9 @@ class Scene(Frozen):
     bodies: Bodies = Bodies()
     rig: Rig = Rig()
     tolerances: Tolerances = Tolerances()
+    uncertainty: Uncertainty | None = Field(
+        None, description="standard uncertainties of the inputs; none stated, none assumed"
+    )
     expected: tuple[Expected, ...] = Field(
         (), description="known numbers, checked by `halfplane run`"
     )
@@ -218,7 +232,8 @@ class Scene(Frozen):
         none.
 
         Tolerances stated for half-planes are left out once a body is none, unless `changes` gives
-        some.
+        some. Standard uncertainties are left out where the scene has not all of their inputs any
+        more.
 
         >>> from scenes import Block, load_scene
         >>> scene = load_scene("hertz-normal")
@@ -229,6 +244,12 @@ class Scene(Frozen):
         """
         if changes.get("tolerances") == {}:
             changes["tolerances"] = Tolerances()
+        if self.uncertainty is not None and "uncertainty" not in changes:
+            changed = self.vary(**changes, uncertainty=None)
+            try:
+                return changed.vary(uncertainty=self.uncertainty)
+            except InputError:  # of an input that the changed scene does not have
+                return changed
         changed = super().vary(**changes)
         gains_a_body = self.bodies.half_planes and not changed.bodies.half_planes
         if gains_a_body and "tolerances" not in changes:
@@ -275,6 +296,7 @@ class Scene(Frozen):
                     f"bodies.{name}.width = {body.width:g} goes past the end of the pad's arcs, at"
                     f" {2 * sum(arcs):g}: make it less"
                 )
+        inputs_of(self)
         return self
 
     def _check_rig(self) -> None:
@@ -346,6 +368,23 @@ class Scene(Frozen):
             return largest_ratio_of(rows[:, 1], rows[:, 2])
         path = self.load.path()
         return largest_ratio((*path.initial_loading, *path.cycle))
+
+    @property
+    def inputs(self) -> tuple[Input, ...]:
+        """The inputs whose standard uncertainty is stated; none where none is.
+
+        >>> from scenes import load_scene
+        >>> scene = load_scene("hertz-paper").vary(uncertainty={"friction": "5 %"})
+        >>> [(entry.words, entry.standard) for entry in scene.inputs]
+        [('friction', 0.05)]
+        """
+        return inputs_of(self)
+
+    def moved(self, changes: Mapping[str, float]) -> Self:
+        """The scene with inputs moved by shares of their values, the phase by degrees:
+        `uncertainty.moved`.
+        """
+        return moved(self, changes)
 
     def __repr__(self) -> str:
         """Five lines: its name, bodies, profile and friction, loads, units.

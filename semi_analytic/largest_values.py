@@ -17,7 +17,7 @@ points and instants that `solve` takes by itself, and `Extremes.sampled` states 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
@@ -88,7 +88,11 @@ class Extremes:
     sampled: str = ""
 
 
-def extremes(answer: ContactSolution) -> Extremes:
+SEARCHED = ("slip", "dissipation_density", "edge_tension")
+"""What is looked for over x or time; all else is there at once."""
+
+
+def extremes(answer: ContactSolution, searched: Sequence[str] = SEARCHED) -> Extremes:
     """The largest values of the theory that an answer is of, to 1e-9 of themselves; the answer's
     points play no part.
 
@@ -97,6 +101,8 @@ def extremes(answer: ContactSolution) -> Extremes:
     answer
         by `solve`, of a scene or of straight steps between its instants; its instants say which
         cycle is the last
+    searched
+        which of `SEARCHED` are looked for; the others are NaN where one memory curve is followed
 
     Returns
     -------
@@ -121,10 +127,10 @@ def extremes(answer: ContactSolution) -> Extremes:
     (1.0, 1.0)
     """
     with histories_kept():
-        return _extremes(answer)
+        return _extremes(answer, tuple(searched))
 
 
-def _extremes(answer: ContactSolution) -> Extremes:
+def _extremes(answer: ContactSolution, searched: tuple[str, ...]) -> Extremes:
     """`extremes`: of theory of the answer's scene, by the way that its memory has."""
     scene = answer.scene
     contact = _contact(scene)
@@ -133,21 +139,21 @@ def _extremes(answer: ContactSolution) -> Extremes:
     rows = answer.last_cycle
     has_cycle = "whole_cycle" not in answer.work.skipped and len(rows) > 1
     if not has_cycle or answer.settings.get("straight_steps"):
-        return _Search(answer, contact, has_cycle).extremes()
+        return _Search(answer, contact, has_cycle).extremes(searched)
     path = scene.load.path()
     # A path that does not repeat begins unloaded, wherever the first increment of a solver ends.
     start = float(path.start if path.period is None else answer.time[rows[0]])
     end = float(answer.time[rows[-1]])
-    return _of_cycle(scene, start, end)
+    return _of_cycle(scene, start, end, searched)
 
 
 @lru_cache(maxsize=32)
-def _of_cycle(scene: Scene, start: float, end: float) -> Extremes:
+def _of_cycle(scene: Scene, start: float, end: float, searched: tuple[str, ...]) -> Extremes:
     """The largest values between two instants of the scene's own path."""
     contact = _contact(scene)
     assert contact is not None
     ends = solve(scene, x=0.0, time=[start, end], fields=())
-    return _Search(ends, contact, has_cycle=True).extremes()
+    return _Search(ends, contact, has_cycle=True).extremes(searched)
 
 
 def _contact(scene: Scene) -> Contact | None:
@@ -189,13 +195,15 @@ class _Search:
             inside = inside[inside >= 0]  # the other side is its mirror image
         self.marks = np.unique(inside)
 
-    def extremes(self) -> Extremes:
-        """Every maximum; NaN for what needs a whole cycle where there is none."""
+    def extremes(self, searched: tuple[str, ...]) -> Extremes:
+        """Every maximum that is asked for; NaN for what needs a whole cycle where there is none."""
         pressure, pressure_place, half_width = self.pressure()
         slip = slip_place = density = density_place = tension = uncertainty = math.nan
-        if self.has_cycle:
+        if self.has_cycle and "slip" in searched:
             slip, slip_place = self.slip()
+        if self.has_cycle and "dissipation_density" in searched:
             density, density_place = self.dissipation_density()
+        if self.has_cycle and "edge_tension" in searched:
             tension, uncertainty = self.edge_tension()
         return Extremes(
             pressure=pressure,

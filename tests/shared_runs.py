@@ -26,7 +26,17 @@ from scenes import Elastic, Profile, Scene
 
 PACKAGES = ("halfplane_fe", "meshes", "scenes")
 # Of a scene, what no coarse run depends on.
-WORDS = {"name", "title", "purpose", "source", "tags", "units", "tolerances", "expected"}
+WORDS = {
+    "name",
+    "title",
+    "purpose",
+    "source",
+    "tags",
+    "units",
+    "tolerances",
+    "expected",
+    "uncertainty",
+}
 # Bodies and meshes that are cached: 2 MB each, as the tests make them.
 MOST = 100
 

@@ -128,6 +128,7 @@ def check(scene: str, options: Options) -> Answer:
         read_in_words,
         unlike_materials,
     )
+    from reports.inputs import stated_content, stated_in_words
     from reports.measured import check_record, read_in_pairs, record_in_words
     from reports.profile_fit import content as fit_content
     from reports.profile_fit import findings, fit_warnings
@@ -169,6 +170,7 @@ def check(scene: str, options: Options) -> Answer:
                 notes.append(sentence)
     doubts += fit_warnings(problem, largest.half_width if largest else 0.0)
     notes += [sentence for sentence in findings(problem)[0] if sentence not in doubts]
+    notes += filter(None, [stated_in_words(problem)])
     last = (
         f"{scene}: the scene is well formed and its load path admissible. |Q|/(f P) is at most"
         f" {nearest.ratio:.4g}, in the {nearest.part} at time {number(nearest.time)} (P ="
@@ -191,6 +193,7 @@ def check(scene: str, options: Options) -> Answer:
         "largest_contact": vars(largest) if largest else None,
         "nearest_to_sliding": vars(nearest),
         "profile_fit": fit_content(problem),
+        "uncertainty_of_inputs": stated_content(problem),
     }
     if bulk:
         content["bulk_and_tilt"] = vars(bulk)
@@ -206,6 +209,7 @@ def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
 
     from reports.checking import engines_for
     from reports.comparison.words import bodies_in_words, question, read_in_words
+    from reports.inputs import stated_content, stated_in_words
     from reports.measured import read_in_pairs
     from reports.units import number
     from scenes import InputError
@@ -218,7 +222,7 @@ def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
     engines = engines_for(scene, source)
     no_comparison = engines.in_words(source)
     tables_read = read_in_pairs(scene)
-    notes = [question(scene), *filter(None, [bodies_in_words(scene)])]
+    notes = [question(scene), *filter(None, [bodies_in_words(scene), stated_in_words(scene)])]
     notes += [read_in_words(name, pairs) for name, pairs in tables_read.items()]
     content = {
         "passed": True,
@@ -228,6 +232,7 @@ def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
         "largest_contact": None,
         "nearest_to_sliding": None,
         "profile_fit": None,
+        "uncertainty_of_inputs": stated_content(scene),
     }
     if engines.half_plane:
         last = f"{source}: the scene is well formed. `halfplane fe {source}` finds its loads."

@@ -1,0 +1,967 @@
+"""What the inputs of a scene make of its answer: the standard uncertainties stated under
+`[uncertainty]`, propagated to half-plane theory's values, and apart to the difference of theory and
+finite elements.
+
+A value V(x_1, x_2, ...) moves by c_i for one standard uncertainty of the input i. With the
+correlations r_ij of the inputs its standard uncertainty is (GUM 5.2.2; ASME V&V 20, section 4)::
+
+    u^2 = sum over i, j of c_i r_ij c_j
+
+The c_i are central differences, c_i = (V(x_i + u_i) - V(x_i - u_i))/2, the step being one standard
+uncertainty. Their error is estimated by the term of the second order, (V(x_i + u_i) + V(x_i - u_i)
+- 2 V)/2, which bounds that of the third where such differences mean anything. Where it does not, or
+where loads come near gross sliding, W is taken from random draws as well.
+
+Of half-planes under given P and Q four scaling laws are exact, and give most derivatives from those
+for Q and the phase. With D_x = x dV/dx, and w, p, l, s exponents of the value::
+
+    unit of stress     D_E + D_P + D_Q = w V       E* in the place of E
+    size of the shear  D_f + D_Q = s V
+    unit of heights    -D_R + D_P + D_Q = p V      of a parabola x^2/(2 R)
+    unit of x          2 D_R = l V                 of a parabola
+
+**The difference** of two models at the same inputs, E = W(corrected)/W(theory) - 1, has an input
+term of its own. The inputs are common to both models, so most of what they do cancels::
+
+    c_i(E) = (E(x_i + u_i) - E(x_i - u_i))/2
+
+It is taken from theory corrected by what the bodies add to half-planes
+(`halfplane_fe.body_effects`), and is never mixed with the uncertainty of W itself, nor that with
+the difference.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from reports.checking import nearest_to_sliding
+from reports.comparison.pairs import coupled
+from scenes import (
+    NORMAL_LOAD,
+    BodyEffects,
+    Compound,
+    Cylinder,
+    EllipseLoad,
+    Estimate,
+    Hertz,
+    InadmissibleLoadError,
+    Input,
+    InputError,
+    Scene,
+    TimeSeriesLoad,
+    sampled,
+)
+from scenes.array_types import Array
+
+if TYPE_CHECKING:
+    pass
+
+WORK = "dissipation"
+PEAK = "peak_pressure"
+# Shares of a standard uncertainty by which an input is moved: the first that leaves the loads below
+# gross sliding on both sides.
+_STEPS = (1.0, 0.25, 0.0625)
+# Standard uncertainties between the loads and gross sliding, below which draws are taken: beyond,
+# fewer than 2 draws in 1,000 slide.
+_NEAR_SLIDING = 3.0
+# Of the uncertainty: what the second order may be for derivatives to be enough.
+_NEARLY_LINEAR = 0.1
+# Share of P or Q by which it is moved where no uncertainty of it is stated, but that of an input
+# whose derivative follows from it.
+_STEP_OF_LOAD = 0.01
+DRAWS = 100_000
+# Where each draw is a solve of its own, or has a profile of its own shape.
+FEW_DRAWS = 200
+_SEED = 20_2009  # of V&V 20-2009: any number, but the same in each run
+# Rows of a record above which slip and edge tension, which are searched for, are left out.
+_LONG_RECORD = 2_000
+
+_Values = dict[str, float]
+
+
+class Quantity(NamedTuple):
+    """A value of theory: its words, symbol and unit, and its exponents in the scaling laws."""
+
+    words: str
+    unit: str
+    of_stress: int
+    of_shear: int
+    of_heights: int
+    of_lengths: int
+
+
+QUANTITIES_OF_THEORY = {
+    WORK: Quantity("dissipation W", "energy", 1, 2, 2, 0),
+    PEAK: Quantity("largest pressure", "stress", 1, 0, 1, -1),
+    "half_width": Quantity("largest contact half-width", "length", 0, 0, 0, 1),
+    "permanent_stick": Quantity("permanent stick half-width", "length", 0, 0, 0, 1),
+    "slip": Quantity("largest slip", "length", 0, 1, 1, 0),
+    "edge_tension": Quantity("largest edge tension", "stress", 1, 1, 1, -1),
+}
+"""Of the last cycle, or of the whole path where nothing repeats."""
+OF_DRIVEN = {
+    WORK: QUANTITIES_OF_THEORY[WORK],
+    PEAK: QUANTITIES_OF_THEORY[PEAK],
+    "half_width": QUANTITIES_OF_THEORY["half_width"],
+    "permanent_stick": QUANTITIES_OF_THEORY["permanent_stick"],
+    "largest_tangential_load": Quantity("largest tangential load", "load", 1, 1, 1, 0),
+}
+"""Where a displacement is prescribed in the place of Q."""
+
+
+@dataclass(frozen=True)
+class Propagated:
+    """A value, and what the inputs make of it.
+
+    Attributes
+    ----------
+    words, unit
+        what it is, and the kind of its unit; "share" of a difference
+    value
+        at the inputs as stated; NaN where there is none
+    changes
+        key of an input -> change of the value for one standard uncertainty, with its error
+    second_order
+        root of the summed squares of the second order
+    uncertainty
+        standard uncertainty, correlations counted
+    """
+
+    words: str
+    unit: str
+    value: float
+    changes: Mapping[str, Estimate]
+    second_order: float
+    uncertainty: float
+
+    @property
+    def relative(self) -> float:
+        """Standard uncertainty over the value; NaN of 0."""
+        return self.uncertainty / abs(self.value) if self.value else math.nan
+
+    @property
+    def is_nearly_linear(self) -> bool:
+        """Whether derivatives are enough."""
+        return self.second_order <= _NEARLY_LINEAR * self.uncertainty
+
+    @property
+    def ranking(self) -> list[str]:
+        """Keys of the inputs that change the value, that with the largest change first."""
+        sizes = {key: abs(change.value) for key, change in self.changes.items()}
+        moving = [key for key, size in sizes.items() if size > 0]
+        return sorted(moving, key=lambda key: -sizes[key])
+
+
+@dataclass(frozen=True)
+class Draws:
+    """Random draws of the inputs, W of each.
+
+    Attributes
+    ----------
+    count
+        how many were drawn
+    sliding
+        share of them whose loads slide as a whole: they have no W
+    impossible
+        share that no scene can have, a negative load for one
+    mean, uncertainty
+        of W, and its standard deviation, over the other draws
+    low, high
+        between which 95 % of these lie
+    reason
+        why they were taken
+    """
+
+    count: int
+    sliding: float
+    impossible: float
+    mean: float
+    uncertainty: float
+    low: float
+    high: float
+    reason: str
+
+
+@dataclass(frozen=True)
+class InputEffects:
+    """What the stated uncertainties of the inputs make of a scene's answer.
+
+    Attributes
+    ----------
+    inputs
+        as stated
+    correlations
+        as stated
+    values
+        of half-plane theory: what a measurement with these inputs is uncertain by
+    difference
+        of finite bodies and half-planes, at the same inputs: W and the largest pressure; empty
+        where it is not known
+    no_difference
+        why it is not known, in a sentence; empty where it is
+    draws
+        of W, where derivatives are not enough; else None
+    notes
+        what is left out, in sentences
+    """
+
+    inputs: tuple[Input, ...]
+    correlations: tuple[tuple[str, str, float], ...]
+    values: Mapping[str, Propagated]
+    difference: Mapping[str, Propagated] = field(default_factory=dict)
+    no_difference: str = ""
+    draws: Draws | None = None
+    notes: tuple[str, ...] = ()
+
+    @property
+    def work_uncertainty(self) -> float:
+        """Standard uncertainty of W over W, of the draws where there are any."""
+        work = self.values[WORK]
+        if self.draws is not None and math.isfinite(self.draws.uncertainty) and work.value:
+            return self.draws.uncertainty / abs(work.value)
+        return work.relative
+
+
+def propagated(
+    quantity: Quantity, value: float, moves: Sequence[_Move], key: str, correlation: Array
+) -> Propagated:
+    """A value with the uncertainty that inputs give it, in the order of `moves`.
+
+    Parameters
+    ----------
+    correlation
+        of the inputs, (n, n)
+    """
+    changes = {move.key: move.changes[key] for move in moves}
+    sizes = np.array([change.value for change in changes.values()])
+    second_order = math.hypot(*(change.uncertainty for change in changes.values()))
+    # a correlation of -1 may leave a negative sum of squares by round-off
+    variance = max(float(sizes @ correlation @ sizes), 0.0)
+    if not np.all(np.isfinite(sizes)):
+        variance = math.nan
+    return Propagated(
+        quantity.words, quantity.unit, value, changes, second_order, math.sqrt(variance)
+    )
+
+
+# ------------------------------------------------------------------------------- one scene's values
+def values_of_theory(scene: Scene, effects: BodyEffects | None = None) -> _Values:
+    """Values of half-plane theory of the last cycle, by the names of `QUANTITIES_OF_THEORY`; where
+    a displacement is prescribed those of `OF_DRIVEN`, with the effects of the bodies.
+
+    Raises
+    ------
+    InputError
+        As `semi_analytic.solve`.
+    """
+    import semi_analytic
+
+    if scene.load.is_driven:
+        answer = semi_analytic.solve(scene, x=0.0, effects=effects, fields=(WORK, "pressure"))
+        rows = answer.last_cycle
+        return {
+            WORK: answer.dissipation,
+            PEAK: float(answer.pressure[rows].max()),
+            "half_width": float(np.max(answer.contact_half_width[rows])),
+            "permanent_stick": answer.permanent_stick_half_width,
+            "largest_tangential_load": float(np.max(np.abs(answer.tangential_load[rows]))),
+        }
+    answer = semi_analytic.solve(scene, x=0.0, fields=(WORK,))
+    if _is_long(scene):
+        return {
+            WORK: answer.dissipation,
+            "half_width": float(np.max(answer.contact_half_width[answer.last_cycle])),
+            "permanent_stick": answer.permanent_stick_half_width,
+        }
+    largest = semi_analytic.extremes(answer, searched=("slip", "edge_tension"))
+    return {
+        WORK: answer.dissipation,
+        PEAK: largest.pressure,
+        "half_width": largest.half_width,
+        "permanent_stick": answer.permanent_stick_half_width,
+        "slip": largest.slip,
+        "edge_tension": largest.edge_tension,
+    }
+
+
+def _is_long(scene: Scene) -> bool:
+    load = scene.load
+    return isinstance(load, TimeSeriesLoad) and len(load.kept_rows()) > _LONG_RECORD
+
+
+class _Move(NamedTuple):
+    """An input moved by its standard uncertainty: by value, the change and the second order."""
+
+    key: str
+    changes: Mapping[str, Estimate]
+
+
+def central_differences(
+    values_at: Callable[[Scene], _Values], scene: Scene, entry: Input, middle: _Values
+) -> _Move:
+    """Central differences for one input. Where one standard uncertainty makes the loads slide, a
+    smaller step.
+
+    Raises
+    ------
+    InputError
+        Where the smallest step slides.
+    """
+    for share in _STEPS:
+        step = share * entry.standard
+        try:
+            above = values_at(scene.moved({entry.key: step}))
+            below = values_at(scene.moved({entry.key: -step}))
+        except InadmissibleLoadError:
+            if share == _STEPS[-1]:
+                raise
+            continue
+        return _Move(entry.key, _differences(middle, above, below, share))
+    raise AssertionError  # the last step returns or raises
+
+
+def _differences(
+    middle: _Values, above: _Values, below: _Values, share: float
+) -> dict[str, Estimate]:
+    """Change for one standard uncertainty and the second order of it, from values at a share of it
+    on both sides.
+    """
+    changes = {}
+    for key, value in middle.items():
+        change = (above[key] - below[key]) / (2 * share)
+        second_order = abs(above[key] + below[key] - 2 * value) / (2 * share**2)
+        changes[key] = Estimate(change, second_order)
+    return changes
+
+
+def _change_of_modulus(scene: Scene, entry: Input) -> float:
+    """Share by which E* changes for one standard uncertainty of a constant of a material."""
+    from semi_analytic.elasticity import composite_modulus
+
+    above = composite_modulus(scene.moved({entry.key: entry.standard}).material)
+    below = composite_modulus(scene.moved({entry.key: -entry.standard}).material)
+    return (above - below) / (2 * composite_modulus(scene.material))
+
+
+# ----------------------------------------------------------------------------------- theory's moves
+def moves_of_theory(
+    scene: Scene, middle: _Values, effects: Callable[[Scene], BodyEffects | None]
+) -> list[_Move]:
+    """What each input changes: by the scaling laws where they hold, by central differences
+    elsewhere.
+    """
+
+    def values_at(moved: Scene) -> _Values:
+        return values_of_theory(moved, effects(moved))
+
+    laws_hold = not (scene.load.is_driven or scene.unsymmetric)
+    if not laws_hold:
+        return [central_differences(values_at, scene, entry, middle) for entry in scene.inputs]
+    laws = _ScalingLaws(scene, middle, values_at)
+    return [_by_laws(laws, scene, entry, middle, values_at) for entry in scene.inputs]
+
+
+def _by_laws(
+    laws: _ScalingLaws,
+    scene: Scene,
+    entry: Input,
+    middle: _Values,
+    values_at: Callable[[Scene], _Values],
+) -> _Move:
+    """What one input changes, by the scaling laws where they give it."""
+    key = entry.key
+    if key.startswith("bodies.") and not key.endswith(".radius"):
+        # half-plane theory has no bodies
+        return _Move(key, dict.fromkeys(middle, Estimate(0.0)))
+    if key == "friction":
+        return laws.move(key, entry.standard, laws.of_friction())
+    if key.startswith("material."):
+        return laws.move(key, _change_of_modulus(scene, entry), laws.of_modulus())
+    is_parabola = isinstance(scene.profile, Hertz)
+    if key == "profile.radius" and is_parabola:
+        return laws.move(key, entry.standard, laws.of_radius())
+    if key == "normal_load" and is_parabola:
+        return laws.move(key, entry.standard, laws.of_normal_load())
+    if key in ("normal_load", "tangential_load"):
+        return laws.by_differences(key)
+    return central_differences(values_at, scene, entry, middle)
+
+
+class _ScalingLaws:
+    """D_x = x dV/dx of half-plane theory by its scaling laws, from D_Q, and D_P of other profiles
+    than a parabola, which are central differences taken once.
+    """
+
+    def __init__(
+        self, scene: Scene, middle: _Values, values_at: Callable[[Scene], _Values]
+    ) -> None:
+        self.scene = scene
+        self.middle = middle
+        self.values_at = values_at
+        self._measured: dict[str, _Move] = {}
+        self._derivatives: dict[str, _Values] = {}
+
+    def move(self, key: str, share: float, derivatives: _Values) -> _Move:
+        """Changes by a share of the input. Powers of one input: the second order of x^n is about
+        half of the first squared over the value.
+        """
+        changes = {}
+        for name, derivative in derivatives.items():
+            value = self.middle[name]
+            change = share * derivative
+            second_order = abs(change * (change - share * value) / (2 * value)) if value else 0.0
+            changes[name] = Estimate(change, second_order)
+        return _Move(key, changes)
+
+    def of_tangential_load(self) -> _Values:
+        return self.derivative("tangential_load")
+
+    def of_normal_load(self) -> _Values:
+        if not isinstance(self.scene.profile, Hertz):
+            return self.derivative("normal_load")
+        heights = self._exponents("of_heights")
+        radius = self.of_radius()
+        tangential = self.of_tangential_load()
+        return {key: heights[key] + radius[key] - tangential[key] for key in self.middle}
+
+    def of_radius(self) -> _Values:
+        """Of a parabola."""
+        return {key: law / 2 for key, law in self._exponents("of_lengths").items()}
+
+    def of_friction(self) -> _Values:
+        shear = self._exponents("of_shear")
+        tangential = self.of_tangential_load()
+        return {key: shear[key] - tangential[key] for key in self.middle}
+
+    def of_modulus(self) -> _Values:
+        """Of E*."""
+        stress = self._exponents("of_stress")
+        normal = self.of_normal_load()
+        tangential = self.of_tangential_load()
+        return {key: stress[key] - normal[key] - tangential[key] for key in self.middle}
+
+    def _exponents(self, law: str) -> _Values:
+        """Exponent of each value in a law, times the value."""
+        return {
+            key: getattr(QUANTITIES_OF_THEORY[key], law) * value
+            for key, value in self.middle.items()
+        }
+
+    def by_differences(self, key: str) -> _Move:
+        """Central differences for P or Q, by its standard uncertainty where one is stated."""
+        if key not in self._measured:
+            stated = [entry for entry in self.scene.inputs if entry.key == key]
+            entry = stated[0] if stated else Input(key, "", "", None, _STEP_OF_LOAD)
+            move = central_differences(self.values_at, self.scene, entry, self.middle)
+            self._measured[key] = move
+            self._derivatives[key] = {
+                name: change.value / entry.standard for name, change in move.changes.items()
+            }
+        return self._measured[key]
+
+    def derivative(self, key: str) -> _Values:
+        self.by_differences(key)
+        return self._derivatives[key]
+
+
+# --------------------------------------------------------------------------------- the difference
+def _no_difference(scene: Scene) -> str:
+    """Why the input term of the difference is not known; empty where it can be found."""
+    if scene.load.is_driven:
+        return (
+            "under a prescribed displacement each engine finds loads of its own, and nothing is"
+            " compared"
+        )
+    if scene.bodies.half_planes:
+        return "both bodies are half-planes: theory is exact for them, whatever the inputs are"
+    if coupled(scene):
+        return (
+            "the materials are unlike (Dundurs' beta is not 0), and corrected theory does not"
+            " follow that"
+        )
+    return ""
+
+
+def moves_of_difference(scene: Scene, effects: BodyEffects) -> tuple[_Values, list[_Move]]:
+    """E of W and of the largest pressure by corrected theory, and what each input changes in them,
+    the inputs common to both models.
+
+    Parameters
+    ----------
+    effects
+        what the bodies of the scene add to half-planes
+
+    Raises
+    ------
+    InputError
+        Where the effects of moved bodies are not known.
+    """
+    import halfplane_fe
+
+    def values_at(moved: Scene) -> _Values:
+        of_moved = effects
+        if moved.bodies != scene.bodies or moved.material != scene.material:
+            of_moved = halfplane_fe.body_effects(moved)
+        return difference_at(moved, of_moved, by_batch=by_batch)
+
+    by_batch = takes_batch(scene, effects)
+    middle = difference_at(scene, effects, by_batch=by_batch)
+    laws = _LawOfModulus(scene, middle, values_at)
+    moves = []
+    for entry in scene.inputs:
+        if entry.key.endswith("young_modulus"):
+            moves.append(laws.move(entry))
+        elif entry.key in ("normal_load", "tangential_load"):
+            moves.append(laws.by_differences(entry.key))
+        else:
+            moves.append(central_differences(values_at, scene, entry, middle))
+    return middle, moves
+
+
+class _LawOfModulus:
+    """D_E + D_P + D_Q = 0 of a difference, a number without a unit: what bodies add to half-planes
+    goes as 1/E, as half-planes do.
+    """
+
+    def __init__(
+        self, scene: Scene, middle: _Values, values_at: Callable[[Scene], _Values]
+    ) -> None:
+        self.loads = _ScalingLaws(scene, middle, values_at)
+
+    def by_differences(self, key: str) -> _Move:
+        return self.loads.by_differences(key)
+
+    def move(self, entry: Input) -> _Move:
+        """Of Young's modulus of both bodies, which are of one material."""
+        normal = self.loads.derivative("normal_load")
+        tangential = self.loads.derivative("tangential_load")
+        changes = {}
+        for key in normal:
+            change = -entry.standard * (normal[key] + tangential[key])
+            # E is linear in small 1/E: the second order is the first times the share
+            changes[key] = Estimate(change, abs(change) * entry.standard)
+        return _Move(entry.key, changes)
+
+
+def takes_batch(scene: Scene, effects: BodyEffects) -> bool:
+    """Whether `semi_analytic.dissipation` has the difference of W at the scene's inputs and where
+    they are moved: of an ellipse between bodies without tilt and strain, which stay alike.
+    """
+    from semi_analytic.odd_memory import ODD_NUMBERS
+
+    has_odd_part = any(getattr(effects, name).value for name in ODD_NUMBERS)
+    stay_alike = not any(entry.key.startswith("bodies.") for entry in scene.inputs)
+    is_ellipse = isinstance(scene.load, EllipseLoad) and not scene.unsymmetric
+    return is_ellipse and stay_alike and not has_odd_part
+
+
+def difference_at(scene: Scene, effects: BodyEffects, *, by_batch: bool) -> _Values:
+    """W and the largest pressure of finite bodies over those of half-planes, minus 1, by corrected
+    theory.
+
+    Parameters
+    ----------
+    by_batch
+        whether W is taken from the curvatures alone, in a fifth of the time; else with the next
+        order of the bodies, tilt and strain
+    """
+    return {
+        WORK: _difference_of_work(scene, effects, by_batch),
+        PEAK: _difference_of_peak(scene, effects),
+    }
+
+
+def _difference_of_work(scene: Scene, effects: BodyEffects, by_batch: bool) -> float:
+    """NaN where nothing is dissipated."""
+    works = _works_by_batch if by_batch else _works_by_solving
+    theory, corrected = works(scene, effects)
+    return corrected / theory - 1 if theory else math.nan
+
+
+def _works_by_batch(scene: Scene, effects: BodyEffects) -> tuple[float, float]:
+    """W of half-planes and of finite bodies."""
+    import semi_analytic
+
+    load = scene.load
+    assert isinstance(load, EllipseLoad)  # for the type checker: see `takes_batch`
+
+    def work(with_effects: BodyEffects | None) -> float:
+        batch = semi_analytic.dissipation(
+            profile=scene.profile,
+            material=scene.material,
+            friction_coefficient=scene.friction.coefficient,
+            mean_normal_load=load.mean_normal_load,
+            normal_amplitude=load.normal_amplitude,
+            mean_tangential_load=load.mean_tangential_load,
+            tangential_amplitude=load.tangential_amplitude,
+            phase_degrees=load.phase_degrees,
+            effects=with_effects,
+        )
+        return float(batch.value)
+
+    theory = work(None)
+    if math.isnan(theory):
+        semi_analytic.solve(scene, x=0.0, fields=(WORK,))  # raises the sentence that says why
+    return theory, work(effects)
+
+
+def _works_by_solving(scene: Scene, effects: BodyEffects) -> tuple[float, float]:
+    """The same."""
+    import semi_analytic
+
+    theory = semi_analytic.solve(scene, x=0.0, fields=(WORK,))
+    corrected = semi_analytic.solve(scene, x=0.0, effects=effects, fields=(WORK,))
+    return theory.dissipation, corrected.dissipation
+
+
+def _difference_of_peak(scene: Scene, effects: BodyEffects) -> float:
+    """Of the largest pressure of a parabola, p0 = sqrt(P E* (1/R + N P + N_Q Q)/pi); NaN of other
+    profiles.
+    """
+    profile = scene.profile
+    if not isinstance(profile, Hertz):
+        return math.nan
+    normal, tangential = _loads_of_last_cycle(scene)
+    bend = effects.normal_curvature.value * normal
+    bend = bend + effects.normal_curvature_under_shear.value * tangential
+    squared = normal * (1 + profile.radius * bend)
+    return math.sqrt(float(np.max(squared) / np.max(normal))) - 1
+
+
+def _loads_of_last_cycle(scene: Scene) -> tuple[Array, Array]:
+    """P and Q, of the whole path where nothing repeats: at rows, or at turning points of P and
+    between them.
+    """
+    if isinstance(scene.load, TimeSeriesLoad):
+        rows = scene.load.series()
+        return rows[:, 1], rows[:, 2]
+    path = scene.load.path()
+    loads = []
+    for leg in path.cycle or path.initial_loading:
+        times = np.union1d(sampled(leg, 129), leg.turning_points(NORMAL_LOAD))
+        loads.append(np.array(leg.loads(times)))
+    normal, tangential = np.concatenate(loads, axis=1)
+    return normal, tangential
+
+
+# ------------------------------------------------------------------------------------------- draws
+def draws_of_work(scene: Scene, reason: str) -> Draws | None:
+    """W of random inputs: normal, with the stated correlations, the same in each run. None of long
+    records and prescribed displacements, whose draws take too long.
+    """
+    entries = scene.inputs
+    if scene.load.is_driven or _is_long(scene):
+        return None
+    takes_batch = isinstance(scene.load, EllipseLoad) and not scene.unsymmetric
+    has_own_shapes = isinstance(scene.profile, Compound) and any(
+        entry.key.startswith("profile.") for entry in entries
+    )
+    count = DRAWS if takes_batch and not has_own_shapes else FEW_DRAWS
+    samples = samples_of(scene, count)
+    if takes_batch:
+        works, slides = works_of_ellipses(scene, samples)
+    else:
+        works, slides = works_one_by_one(scene, samples)
+    possible = works[np.isfinite(works)]
+    low, high = (math.nan, math.nan)
+    if len(possible) > 1:
+        low, high = np.quantile(possible, (0.025, 0.975)).tolist()
+    sliding = float(np.mean(slides))
+    return Draws(
+        count=count,
+        sliding=sliding,
+        impossible=float(np.mean(~np.isfinite(works))) - sliding,
+        mean=float(possible.mean()) if len(possible) else math.nan,
+        uncertainty=float(possible.std(ddof=1)) if len(possible) > 1 else math.nan,
+        low=low,
+        high=high,
+        reason=reason,
+    )
+
+
+def samples_of(scene: Scene, count: int) -> dict[str, Array]:
+    """Changes of the inputs, (count,) each, by key."""
+    assert scene.uncertainty is not None  # there are inputs
+    entries = scene.inputs
+    values, vectors = np.linalg.eigh(scene.uncertainty.correlation_matrix())
+    root = vectors * np.sqrt(np.maximum(values, 0.0))
+    independent = np.random.default_rng(_SEED).standard_normal((len(entries), count))
+    samples = root @ independent
+    return {entry.key: entry.standard * row for entry, row in zip(entries, samples, strict=True)}
+
+
+def works_of_ellipses(scene: Scene, samples: Mapping[str, Array]) -> tuple[Array, Array]:
+    """W of draws (n,), NaN where there is none, and whether they slide, (n,), in one batch.
+
+    W of E*, P and Q is W of E*_0, P E*_0/E* and Q E*_0/E*, times E*/E*_0.
+    """
+    import semi_analytic
+    from semi_analytic.elasticity import composite_modulus
+
+    count = len(next(iter(samples.values())))
+    ones = np.ones(count)
+
+    def factor(key: str) -> Array:
+        return 1 + samples[key] if key in samples else ones
+
+    modulus = ones
+    if any(key.startswith("material.") for key in samples):
+        modulus = _moduli(scene, samples) / composite_modulus(scene.material)
+    load = scene.load
+    assert isinstance(load, EllipseLoad)  # for the type checker: others take no batch
+    normal = factor("normal_load") / modulus
+    tangential = factor("tangential_load") / modulus
+    profile: Any = scene.profile
+    if any(key.startswith("profile.") or key.endswith(".radius") for key in samples):
+        profile = _profiles(scene, samples)
+    batch = semi_analytic.dissipation(
+        profile=profile,
+        material=scene.material,
+        friction_coefficient=scene.friction.coefficient * factor("friction"),
+        mean_normal_load=load.mean_normal_load * normal,
+        normal_amplitude=load.normal_amplitude * normal,
+        mean_tangential_load=load.mean_tangential_load * tangential,
+        tangential_amplitude=load.tangential_amplitude * tangential,
+        phase_degrees=load.phase_degrees + samples.get("phase_degrees", 0.0),
+    )
+    return batch.value * modulus, batch.reason == semi_analytic.Reason.SLIDING
+
+
+def _moduli(scene: Scene, samples: Mapping[str, Array]) -> Array:
+    """E* of draws, (n,), 1/E* = (1 - nu_l^2)/E_l + (1 - nu_u^2)/E_u; NaN where nu is none."""
+    compliance: Array = np.zeros(len(next(iter(samples.values()))))
+    for body in ("lower", "upper"):
+        material = getattr(scene.material, body)
+        constants: dict[str, Array] = {}
+        for name in ("young_modulus", "poisson_ratio"):
+            of_this_body = samples.get(f"material.{body}.{name}", np.zeros(()))
+            change = samples.get(f"material.{name}", of_this_body)
+            constants[name] = getattr(material, name) * (1 + change)
+        nu = np.where(np.abs(constants["poisson_ratio"]) < 0.5, constants["poisson_ratio"], np.nan)
+        compliance = compliance + (1 - nu**2) / constants["young_modulus"]
+    return np.asarray(1 / compliance)
+
+
+def _profiles(scene: Scene, samples: Mapping[str, Array]) -> dict[str, Any]:
+    """The profile's keys with an array for each that is uncertain."""
+    keys = scene.profile.model_dump()
+    for key, change in samples.items():
+        if key.startswith("profile."):
+            name = key.removeprefix("profile.")
+            keys[name] = keys[name] * (1 + change)
+    curvature: Any = 0.0
+    for body in ("lower", "upper"):
+        shape = getattr(scene.bodies, body)
+        if isinstance(shape, Cylinder):
+            change = samples.get(f"bodies.{body}.radius", np.zeros(()))
+            curvature = curvature + 1 / (shape.radius * (1 + change))
+    if scene.bodies.relative_radius() is not None:
+        keys["radius"] = 1 / curvature
+    return {name: value for name, value in keys.items() if value is not None}
+
+
+def works_one_by_one(scene: Scene, samples: Mapping[str, Array]) -> tuple[Array, Array]:
+    """The same, a solve for each draw."""
+    import semi_analytic
+
+    count = len(next(iter(samples.values())))
+    works = np.full(count, np.nan)
+    slides = np.zeros(count, dtype=bool)
+    for k in range(count):
+        try:
+            moved = scene.moved({key: float(row[k]) for key, row in samples.items()})
+            works[k] = semi_analytic.solve(moved, x=0.0, fields=(WORK,)).dissipation
+        except InadmissibleLoadError:
+            slides[k] = True
+        except InputError:  # no scene can have these inputs: counted by its NaN
+            continue
+    return works, slides
+
+
+# --------------------------------------------------------------------------------------- in words
+def stated_in_words(scene: Scene) -> str:
+    """The standard uncertainties as they were read; empty where none is stated.
+
+    >>> from scenes import load_scene
+    >>> stated_in_words(load_scene("hertz-paper").vary(uncertainty={"friction": "5 %"}))
+    'Standard uncertainties of the inputs, as stated: friction 1 ± 5 %; independent of each other.'
+    """
+    if not scene.inputs:
+        return ""
+    assert scene.uncertainty is not None
+    stated = ", ".join(entry.in_words for entry in scene.inputs)
+    pairs = [
+        f"{first} and {second} {coefficient:g}"
+        for first, second, coefficient in scene.uncertainty.correlations
+    ]
+    together = f"correlated: {', '.join(pairs)}" if pairs else "independent of each other"
+    return f"Standard uncertainties of the inputs, as stated: {stated}; {together}."
+
+
+def stated_content(scene: Scene) -> list[dict[str, Any]] | None:
+    """The same as JSON: key, value, what is stated, share (degrees of the phase); None where none
+    is stated.
+    """
+    rows = [
+        {
+            "key": entry.key,
+            "value": entry.value,
+            "stated": entry.stated,
+            "standard_uncertainty": entry.standard,
+            "of": "degrees" if entry.key == "phase_degrees" else "share",
+        }
+        for entry in scene.inputs
+    ]
+    return rows or None
+
+
+# ---------------------------------------------------------------------------------- the whole of it
+def input_effects(scene: Scene, effects: BodyEffects | None = None) -> InputEffects | None:
+    """What the stated uncertainties of the inputs make of a scene's answer; None where none is
+    stated.
+
+    Parameters
+    ----------
+    effects
+        what the bodies add to half-planes, where it is known already
+
+    Raises
+    ------
+    InputError
+        As `semi_analytic.solve` for the scene itself.
+
+    Examples
+    --------
+    >>> from scenes import load_scene
+    >>> known = {"friction": "5 %", "tangential_load": "2 %"}
+    >>> found = input_effects(load_scene("cattaneo-mindlin").vary(uncertainty=known))
+    >>> round(
+    ...     100
+    ...     * found.values["dissipation"].changes["tangential_load"].value
+    ...     / found.values["dissipation"].value,
+    ...     1,
+    ... )
+    7.1
+    """
+    if not scene.inputs:
+        return None
+    assert scene.uncertainty is not None
+    correlation = scene.uncertainty.correlation_matrix()
+    notes = []
+    quantities = OF_DRIVEN if scene.load.is_driven else QUANTITIES_OF_THEORY
+
+    def effects_of(moved: Scene) -> BodyEffects | None:
+        return _effects_of_driven(moved, scene, effects)
+
+    middle = values_of_theory(scene, effects_of(scene))
+    values = {}
+    reason = ""
+    try:
+        moves = moves_of_theory(scene, middle, effects_of)
+    except InadmissibleLoadError:
+        moves = [_unknown(entry, middle) for entry in scene.inputs]
+        reason = "a sixteenth of a standard uncertainty makes the loads slide"
+    for key, value in middle.items():
+        values[key] = propagated(quantities[key], value, moves, key, correlation)
+    if _is_long(scene):
+        notes.append(
+            f"of a record of more than {_LONG_RECORD:,} rows the largest pressure, the slip and the"
+            " edge tension are left out"
+        )
+    reason = reason or _reason_for_draws(scene, values)
+    draws = draws_of_work(scene, reason) if reason else None
+    if reason and draws is None:
+        notes.append(f"derivatives may not be enough: {reason}; draws of this load take too long")
+    difference: dict[str, Propagated] = {}
+    no_difference = _no_difference(scene)
+    if not no_difference:
+        try:
+            difference = _difference(scene, effects, correlation)
+        except InputError as fault:
+            no_difference = str(fault)
+    return InputEffects(
+        inputs=scene.inputs,
+        correlations=scene.uncertainty.correlations,
+        values=values,
+        difference=difference,
+        no_difference=no_difference,
+        draws=draws,
+        notes=tuple(notes),
+    )
+
+
+def _unknown(entry: Input, middle: _Values) -> _Move:
+    return _Move(entry.key, dict.fromkeys(middle, Estimate(math.nan, math.nan)))
+
+
+def _effects_of_driven(
+    moved: Scene, scene: Scene, effects: BodyEffects | None
+) -> BodyEffects | None:
+    """What theory of a prescribed displacement needs of the bodies; None of given loads."""
+    if not moved.load.is_driven or moved.bodies.half_planes:
+        return None
+    import halfplane_fe
+
+    is_same = moved.bodies == scene.bodies and moved.material == scene.material
+    if effects is not None and is_same:
+        return effects
+    return halfplane_fe.body_effects(moved)
+
+
+def _difference(
+    scene: Scene, effects: BodyEffects | None, correlation: Array
+) -> dict[str, Propagated]:
+    import halfplane_fe
+
+    if effects is None:
+        effects = halfplane_fe.body_effects(scene)
+    middle, moves = moves_of_difference(scene, effects)
+    found = {}
+    for key, value in middle.items():
+        if math.isfinite(value):
+            words = f"difference of the {QUANTITIES_OF_THEORY[key].words}"
+            quantity = QUANTITIES_OF_THEORY[key]._replace(words=words, unit="share")
+            found[key] = propagated(quantity, value, moves, key, correlation)
+    return found
+
+
+def _reason_for_draws(scene: Scene, values: Mapping[str, Propagated]) -> str:
+    """Why derivatives are not enough for W; empty where they are."""
+    distance = _distance_to_sliding(scene)
+    if distance < _NEAR_SLIDING:
+        return f"gross sliding is {distance:.2g} standard uncertainties of |Q|/(f P) away"
+    work = values[WORK]
+    if work.uncertainty and not work.is_nearly_linear:
+        share = 100 * work.second_order / work.uncertainty
+        return f"the second order is {share:.0f} % of the uncertainty of W"
+    return ""
+
+
+def _distance_to_sliding(scene: Scene) -> float:
+    """Standard uncertainties of |Q|/(f P) between its largest value and 1; infinite where no input
+    moves it.
+    """
+    if scene.load.is_driven or not scene.friction.coefficient:
+        return math.inf
+    assert scene.uncertainty is not None
+    ratio = nearest_to_sliding(scene).ratio
+    changes = []
+    for entry in scene.inputs:
+        change = 0.0
+        if entry.key in ("friction", "normal_load"):
+            change = -ratio * entry.standard
+        elif entry.key == "tangential_load":
+            change = ratio * entry.standard
+        elif entry.key == "phase_degrees":
+            above = nearest_to_sliding(scene.moved({entry.key: entry.standard})).ratio
+            below = nearest_to_sliding(scene.moved({entry.key: -entry.standard})).ratio
+            change = (above - below) / 2
+        changes.append(change)
+    moves = np.array(changes)
+    variance = float(moves @ scene.uncertainty.correlation_matrix() @ moves)
+    return (1 - ratio) / math.sqrt(variance) if variance > 0 else math.inf

@@ -1,0 +1,671 @@
+"""How well the numbers of a scene are known: standard uncertainties of its inputs, their
+correlations, and the scene with its inputs moved. None stated, none assumed.
+
+A standard uncertainty is one standard deviation. It is stated as a share of the value ("5 %") or as
+an amount with its unit ("0.1 mm"); the phase, of which no share makes sense, in degrees. A bare
+number is refused elsewhere: 0.05 may be a share or an amount.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
+from typing import Annotated, Any, Literal, NamedTuple, Protocol, Self, TypeVar
+
+import numpy as np
+from pydantic import BeforeValidator, Field, field_validator, model_validator
+
+from scenes.array_types import Array
+from scenes.bodies import Bodies, Cylinder, Materials
+from scenes.errors import shown
+from scenes.frozen import Frozen
+from scenes.loads import (
+    CallableLoad,
+    EllipseLoad,
+    HarmonicLoad,
+    PolygonLoad,
+    TimeSeriesLoad,
+)
+from scenes.rig import Rig
+from scenes.unit_words import Kind, unit_factor
+
+# Beyond it the value is of unknown size: neither a derivative nor a normal distribution says
+# anything of it.
+_LARGEST_SHARE = 0.5
+_LARGEST_ANGLE = 45.0
+# Of the least eigenvalue of a correlation matrix: below minus this it is none.
+_ROUNDING = 1e-9
+_QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S.*?)?\s*")
+_PERCENT = ("%", "percent", "per cent")
+_EXAMPLES = {
+    "share": '"5 %"',
+    "length": '"1 %" or "0.1 mm"',
+    "stress": '"1 %" or "2 GPa"',
+}
+
+AmountKind = Literal["share", "length", "stress"]
+
+
+class _Amount(NamedTuple):
+    """A number above 0 and its unit; "%" for a share."""
+
+    number: float
+    unit: str
+
+
+def _parsed(text: str) -> _Amount | None:
+    """A number with what stands behind it; None where no number begins the text.
+
+    >>> _parsed("5 %"), _parsed("0.1mm"), _parsed("about 3")
+    (_Amount(number=5.0, unit='%'), _Amount(number=0.1, unit='mm'), None)
+    """
+    match = _QUANTITY.fullmatch(text)
+    if match is None:
+        return None
+    unit = match[2] or ""
+    return _Amount(float(match[1]), "%" if unit.lower() in _PERCENT else unit)
+
+
+def _require_amount(kind: AmountKind, value: Any) -> str:
+    """The text of a standard uncertainty as it is; ValueError where it is no share in per cent and
+    no amount of this kind.
+    """
+    what_to_write = f"write {_EXAMPLES[kind]}, in quotation marks"
+    if not isinstance(value, str):
+        raise ValueError(
+            f"{shown(value)} is a bare number, which may be a share or an amount; {what_to_write}"
+        )
+    amount = _parsed(value)
+    if amount is None:
+        raise ValueError(f"{shown(value)} does not begin with a number; {what_to_write}")
+    if not amount.unit:
+        raise ValueError(
+            f"{shown(value)} has no unit: it may be a share or an amount; {what_to_write}"
+        )
+    if not 0 < amount.number < math.inf:
+        raise ValueError(
+            f"{shown(value)} is not above 0; leave the key out for an input that is known exactly"
+        )
+    if amount.unit == "%":
+        _require_small(amount.number / 100, value)
+    elif kind == "share":
+        raise ValueError(f"{shown(value)} is not in per cent; {what_to_write}")
+    return value.strip()
+
+
+def _require_small(share: float, value: Any) -> None:
+    if share > _LARGEST_SHARE:
+        raise ValueError(
+            f"{shown(value)} is {100 * share:g} % of the value, and at most"
+            f" {100 * _LARGEST_SHARE:g} % is taken: of an input that is known so badly no"
+            " uncertainty of the answer can be stated"
+        )
+
+
+def _in_degrees(value: Any) -> Any:
+    """Degrees of a text with an angle; any other value as it is."""
+    if not isinstance(value, str):
+        return value
+    amount = _parsed(value)
+    rule = 'write degrees as a number, such as 3.0, or "0.05 rad"'
+    if amount is None or not amount.unit:
+        raise ValueError(f"{shown(value)} is no angle with its unit; {rule}")
+    if amount.unit == "%":
+        raise ValueError(f"{shown(value)}: no share of a phase is taken; {rule}")
+    try:
+        factor, _ = unit_factor(amount.unit, "angle", "")
+    except ValueError as reason:
+        raise ValueError(f"{shown(value)}: {reason}; {rule}") from reason
+    return math.degrees(amount.number * factor)
+
+
+_SHARE = 'standard uncertainty of {}, a share as text, such as "5 %"'
+_SHARE_OR_LENGTH = 'standard uncertainty, as text: "1 %" or "0.1 mm"'
+_SHARE_OR_STRESS = 'standard uncertainty, as text: "1 %" or "2 GPa"'
+Share = Annotated[str, BeforeValidator(partial(_require_amount, "share"))]
+Length = Annotated[str, BeforeValidator(partial(_require_amount, "length"))]
+Stress = Annotated[str, BeforeValidator(partial(_require_amount, "stress"))]
+Degrees = Annotated[float, BeforeValidator(_in_degrees), Field(gt=0, le=_LARGEST_ANGLE)]
+
+
+class OfShape(Frozen):
+    """Standard uncertainties of the lengths of a profile."""
+
+    radius: Length | None = Field(None, description=_SHARE_OR_LENGTH)
+    flat_half_length: Length | None = Field(None, description=_SHARE_OR_LENGTH)
+    inner_radius: Length | None = Field(None, description=_SHARE_OR_LENGTH)
+    outer_radius: Length | None = Field(None, description=_SHARE_OR_LENGTH)
+    inner_half_length: Length | None = Field(None, description=_SHARE_OR_LENGTH)
+    tip_radius: Length | None = Field(None, description=_SHARE_OR_LENGTH)
+    tip_half_length: Length | None = Field(None, description=_SHARE_OR_LENGTH)
+
+
+class OfElastic(Frozen):
+    """Standard uncertainties of the constants of one material."""
+
+    young_modulus: Stress | None = Field(None, description=_SHARE_OR_STRESS)
+    poisson_ratio: Share | None = Field(None, description=_SHARE.format("Poisson's ratio"))
+
+
+class OfMaterials(OfElastic):
+    """The same: of one material for both bodies, which then is one input; `upper` and `lower` are
+    two.
+    """
+
+    upper: OfElastic | None = Field(None, description="of the upper body alone")
+    lower: OfElastic | None = Field(None, description="of the lower body alone")
+
+
+class OfBody(Frozen):
+    """Standard uncertainties of the lengths of one body."""
+
+    height: Length | None = Field(None, description=_SHARE_OR_LENGTH)
+    width: Length | None = Field(None, description=_SHARE_OR_LENGTH)
+    radius: Length | None = Field(
+        None, description=f"of a cylinder, and so of the profile; {_SHARE_OR_LENGTH}"
+    )
+    flange_height: Length | None = Field(None, description=_SHARE_OR_LENGTH)
+    stem_width: Length | None = Field(None, description=_SHARE_OR_LENGTH)
+    shoulder_depth: Length | None = Field(None, description=_SHARE_OR_LENGTH)
+    shoulder_width: Length | None = Field(None, description=_SHARE_OR_LENGTH)
+
+
+class OfPairOfBodies(Frozen):
+    """Those of both bodies, each an input of its own."""
+
+    upper: OfBody | None = Field(None, description="of the upper body")
+    lower: OfBody | None = Field(None, description="of the lower body")
+
+
+class OfRig(Frozen):
+    """Standard uncertainties of the springs of a rig."""
+
+    tangential_stiffness: Share | None = Field(None, description=_SHARE.format("k_s"))
+    normal_stiffness: Share | None = Field(None, description=_SHARE.format("k_n"))
+
+
+class Uncertainty(Frozen):
+    """Standard uncertainties of the inputs of a scene, independent of each other but for the stated
+    correlations; the nested tables have the keys of the scene's.
+
+    >>> Uncertainty(friction="5 %", phase_degrees="0.05 rad").phase_degrees
+    2.864788975654116
+    """
+
+    friction: Share | None = Field(None, description=_SHARE.format("the coefficient"))
+    normal_load: Share | None = Field(
+        None, description=_SHARE.format("P, one scale of all its values")
+    )
+    tangential_load: Share | None = Field(
+        None, description=_SHARE.format("Q, one scale of all its values")
+    )
+    approach: Share | None = Field(
+        None, description=_SHARE.format("the approach that is prescribed in the place of P")
+    )
+    tangential_displacement: Share | None = Field(
+        None, description=_SHARE.format("U that is prescribed in the place of Q")
+    )
+    phase_degrees: Degrees | None = Field(
+        None,
+        description=(
+            "standard uncertainty of the lag behind P, of an ellipse and of harmonics: a number in"
+            ' degrees, or text such as "0.05 rad"'
+        ),
+    )
+    profile: OfShape = OfShape()
+    material: OfMaterials = OfMaterials()
+    bodies: OfPairOfBodies = OfPairOfBodies()
+    rig: OfRig = OfRig()
+    correlations: tuple[tuple[str, str, float], ...] = Field(
+        (),
+        description=(
+            "[key, key, coefficient] of two inputs that err together, such as"
+            ' ["normal_load", "tangential_load", 0.9] of one load cell'
+        ),
+    )
+
+    @field_validator("correlations")
+    @classmethod
+    def _are_coefficients(
+        cls, correlations: tuple[tuple[str, str, float], ...]
+    ) -> tuple[tuple[str, str, float], ...]:
+        for first, second, coefficient in correlations:
+            if not -1 <= coefficient <= 1:
+                raise ValueError(
+                    f"{coefficient:g}, that of {first} and {second}, is no coefficient of"
+                    " correlation: it lies between -1 and 1"
+                )
+        return correlations
+
+    @model_validator(mode="after")
+    def _correlates_what_is_stated(self) -> Uncertainty:
+        keys = [key for key, _ in self.stated()]
+        pairs = set()
+        for first, second, _ in self.correlations:
+            for key in (first, second):
+                if key not in keys:
+                    raise ValueError(
+                        f"correlations: {shown(key)} has no standard uncertainty here; stated are"
+                        f" {', '.join(keys) or 'none'}"
+                    )
+            if first == second:
+                raise ValueError(
+                    f"correlations: {first} stands there twice in one entry: name two inputs"
+                )
+            pair = frozenset((first, second))
+            if pair in pairs:
+                raise ValueError(
+                    f"correlations: {first} and {second} have two entries: leave one out"
+                )
+            pairs.add(pair)
+        if np.linalg.eigvalsh(self.correlation_matrix())[0] < -_ROUNDING if keys else False:
+            raise ValueError(
+                "correlations: no inputs can have these together (their matrix has a negative"
+                " eigenvalue); state smaller ones"
+            )
+        return self
+
+    def stated(self) -> Iterator[tuple[str, str | float]]:
+        """Dotted key and value of each input that has a standard uncertainty, in the order of the
+        tables.
+
+        >>> table = Uncertainty(friction="5 %", profile=OfShape(radius="1 %"))
+        >>> list(table.stated())
+        [('friction', '5 %'), ('profile.radius', '1 %')]
+        """
+        yield from _stated(self, "")
+
+    def correlation_matrix(self) -> Array:
+        """Of the inputs in the order of `stated`, (n, n); 1 on the diagonal."""
+        keys = [key for key, _ in self.stated()]
+        matrix = np.eye(len(keys))
+        for first, second, coefficient in self.correlations:
+            row = keys.index(first)
+            column = keys.index(second)
+            matrix[row, column] = coefficient
+            matrix[column, row] = coefficient
+        return matrix
+
+
+def _stated(table: Frozen, prefix: str) -> Iterator[tuple[str, str | float]]:
+    for name, value in table:
+        if isinstance(value, Frozen):
+            yield from _stated(value, f"{prefix}{name}.")
+        elif name != "correlations" and value is not None:
+            yield f"{prefix}{name}", value
+
+
+# ------------------------------------------------------------------------- the inputs of one scene
+class Input(NamedTuple):
+    """An input of a scene whose standard uncertainty is stated.
+
+    Attributes
+    ----------
+    key
+        dotted, as in the table
+    words
+        what it is, in a sentence
+    stated
+        as it stands in the scene file
+    value
+        of the scene, in its units; None of the scale of a load
+    standard
+        standard uncertainty: a share of the value, of the phase in degrees
+    """
+
+    key: str
+    words: str
+    stated: str
+    value: float | None
+    standard: float
+
+    @property
+    def in_words(self) -> str:
+        """Key, value and standard uncertainty."""
+        at = "" if self.value is None else f" {self.value:.6g}"
+        return f"{self.key}{at} ± {self.stated}"
+
+
+_WORDS = {
+    "friction": "friction",
+    "normal_load": "P",
+    "tangential_load": "Q",
+    "approach": "the approach",
+    "tangential_displacement": "U of the actuator",
+    "phase_degrees": "the phase",
+    "material.young_modulus": "Young's modulus",
+    "material.poisson_ratio": "Poisson's ratio",
+    "rig.tangential_stiffness": "the tangential stiffness of the rig",
+    "rig.normal_stiffness": "the normal stiffness of the rig",
+}
+
+
+def _words_of(key: str) -> str:
+    """What an input is, in a sentence.
+
+    >>> _words_of("bodies.lower.height"), _words_of("profile.flat_half_length")
+    ('the height of the lower body', 'the flat half length')
+    """
+    if key in _WORDS:
+        return _WORDS[key]
+    table, *middle, name = key.split(".")
+    thing = _WORDS.get(f"{table}.{name}", f"the {name.replace('_', ' ')}")
+    return f"{thing} of the {middle[0]} body" if middle else thing
+
+
+class _Friction(Protocol):
+    @property
+    def coefficient(self) -> float: ...
+
+
+class HasInputs(Protocol):
+    """What of a scene is asked here; `Scene` itself imports this module."""
+
+    @property
+    def friction(self) -> _Friction: ...
+    @property
+    def load(self) -> Any: ...
+    @property
+    def profile(self) -> Any: ...
+    @property
+    def material(self) -> Materials: ...
+    @property
+    def bodies(self) -> Bodies: ...
+    @property
+    def rig(self) -> Rig: ...
+    @property
+    def units(self) -> str: ...
+    @property
+    def uncertainty(self) -> Uncertainty | None: ...
+
+    def vary(self, /, **changes: Any) -> Self:
+        """A checked copy with other values."""
+        ...
+
+
+S = TypeVar("S", bound=HasInputs)
+
+
+def inputs_of(scene: HasInputs) -> tuple[Input, ...]:
+    """The inputs of a scene whose standard uncertainty is stated; none where none is.
+
+    Raises
+    ------
+    ValueError
+        One sentence: for an input that the scene does not have, for an amount in a unit that is not
+        known, for one above half of the value.
+    """
+    if scene.uncertainty is None:
+        return ()
+    inputs = []
+    for key, stated in scene.uncertainty.stated():
+        value = _value_of(scene, key)
+        if isinstance(stated, str):
+            standard = _share_of(key, stated, value, scene.units)
+            words = stated
+        else:
+            standard = stated
+            words = f"{stated:.4g}°"
+        inputs.append(Input(key, _words_of(key), words, value, standard))
+    return tuple(inputs)
+
+
+def _share_of(key: str, stated: str, value: float | None, units: str) -> float:
+    """Standard uncertainty over the value."""
+    amount = _parsed(stated)
+    assert amount is not None  # the table was checked
+    if amount.unit == "%":
+        return amount.number / 100
+    kind: Kind = "stress" if key.endswith("young_modulus") else "length"
+    try:
+        factor, _ = unit_factor(amount.unit, kind, units)
+    except ValueError as reason:
+        sentence = str(reason).removesuffix("; use scale")
+        raise ValueError(
+            f"uncertainty.{key} = {shown(stated)} is refused: {sentence}; write a share, such as"
+            ' "1 %"'
+        ) from reason
+    assert value is not None  # only scales have none, and they are shares
+    share = amount.number * factor / value
+    try:
+        _require_small(share, stated)
+    except ValueError as reason:
+        raise ValueError(f"uncertainty.{key} is refused: {reason}") from reason
+    return share
+
+
+def _value_of(scene: HasInputs, key: str) -> float | None:
+    """The value that a key is about, None of a scale; ValueError where the scene has no such
+    input.
+    """
+    if "." not in key:
+        return _value_of_load(scene, key)
+    table, *middle, name = key.split(".")
+    reason = ""
+    source: Any = getattr(scene, table)
+    if table == "material":
+        alike = scene.material.alike
+        if not middle and not alike:
+            reason = "the bodies are of two materials; state it under upper and lower"
+        elif middle and alike:
+            reason = "both bodies are of one material; state it without upper and lower"
+        source = getattr(source, middle[0] if middle else "upper")
+    elif middle:
+        source = getattr(source, middle[0])
+    if table == "profile" and scene.bodies.relative_radius() is not None:
+        reason = "the profile follows from the cylinders; state the radius of the bodies"
+    value = getattr(source, name, None)
+    if not reason and value is None:
+        kind = getattr(source, "kind", "")
+        reason = f"{table}{f' of kind {kind!r}' if kind else ''} has no {name} here; leave it out"
+    if reason:
+        raise ValueError(f"uncertainty.{key} is refused: {reason}")
+    assert value is not None
+    return float(value)
+
+
+def _value_of_load(scene: HasInputs, key: str) -> float | None:
+    """Of friction and the keys of loads."""
+    load = scene.load
+    reason = ""
+    value: float | None = None
+    if key == "friction":
+        value = scene.friction.coefficient
+        if not value:
+            reason = "the contact is frictionless; leave it out"
+    elif key == "phase_degrees":
+        wave = getattr(load, "tangential_displacement", None) or load
+        value = getattr(wave, "phase_degrees", None)
+        if not isinstance(load, EllipseLoad | HarmonicLoad):
+            reason = (
+                "an ellipse and harmonics have a phase, and the load of this scene is a"
+                f" {load.kind.replace('_', ' ')}; leave it out"
+            )
+    elif key == "approach" and not load.states_approach:
+        reason = "P is given here; state normal_load"
+    elif key == "normal_load" and load.states_approach:
+        reason = "the approach is prescribed in the place of P; state approach"
+    elif key == "tangential_displacement" and not load.is_driven:
+        reason = "Q is given here; state tangential_load"
+    elif key == "tangential_load" and load.is_driven:
+        reason = "U is prescribed in the place of Q; state tangential_displacement"
+    if reason:
+        raise ValueError(f"uncertainty.{key} is refused: {reason}")
+    return value
+
+
+# --------------------------------------------------------------------- the scene with moved inputs
+def moved(scene: S, changes: Mapping[str, float]) -> S:
+    """The scene with inputs moved: by shares of their values, the phase by degrees. It states no
+    uncertainty.
+
+    Parameters
+    ----------
+    changes
+        key of an input -> change
+
+    Raises
+    ------
+    InputError
+        Where a moved value is none that a scene admits.
+
+    Examples
+    --------
+    >>> from scenes import load_scene
+    >>> scene = moved(load_scene("hertz-paper"), {"friction": 0.1, "phase_degrees": 3.0})
+    >>> round(scene.friction.coefficient, 12), scene.load.phase_degrees
+    (1.1, 93.0)
+    """
+    varied: dict[str, Any] = {"uncertainty": None, "expected": ()}
+    of_load: dict[str, float] = {}
+    for key, change in changes.items():
+        if key == "friction":
+            varied["friction"] = scene.friction.coefficient * (1 + change)
+        elif "." not in key:
+            of_load[key] = change
+        else:
+            table, keys = _moved_table(scene, key, change)
+            varied[table] = _merged(varied.get(table, {}), keys)
+    if of_load:
+        varied["load"] = _moved_load(scene, of_load)
+    if _moves_a_cylinder(scene, varied):
+        bodies = scene.bodies.vary(**varied["bodies"])
+        varied["profile"] = {"radius": bodies.relative_radius()}
+    return scene.vary(**varied)
+
+
+def _moved_table(scene: HasInputs, key: str, change: float) -> tuple[str, dict[str, Any]]:
+    """Name of a table of the scene, and what is to change in it."""
+    table, *middle, name = key.split(".")
+    source: Any = getattr(scene, table)
+    if table == "material" and not middle:
+        source = source.upper
+    for place in middle:
+        source = getattr(source, place)
+    keys: dict[str, Any] = {name: getattr(source, name) * (1 + change)}
+    for place in middle:
+        keys = {place: keys}
+    return table, keys
+
+
+def _merged(first: dict[str, Any], second: dict[str, Any]) -> dict[str, Any]:
+    """Both mappings, nested ones merged."""
+    merged = dict(first)
+    for key, value in second.items():
+        if isinstance(value, dict) and isinstance(merged.get(key), dict):
+            merged[key] = _merged(merged[key], value)
+        else:
+            merged[key] = value
+    return merged
+
+
+def _moves_a_cylinder(scene: HasInputs, varied: Mapping[str, Any]) -> bool:
+    moved_bodies = varied.get("bodies", {})
+    return any(
+        isinstance(getattr(scene.bodies, name), Cylinder) and "radius" in keys
+        for name, keys in moved_bodies.items()
+    )
+
+
+def _moved_load(scene: HasInputs, changes: Mapping[str, float]) -> Any:
+    """The load with scales of P and Q, or of what is prescribed in their place, and the lag."""
+    load = scene.load
+    normal = 1 + changes.get("normal_load", changes.get("approach", 0.0))
+    displaced = changes.get("tangential_displacement", 0.0)
+    tangential = 1 + changes.get("tangential_load", displaced)
+    lag = changes.get("phase_degrees", 0.0)
+    initial = getattr(load, "initial_loading", ())
+    if isinstance(initial, tuple):
+        initial = [(normal * first, tangential * second) for first, second in initial]
+    if isinstance(load, EllipseLoad):
+        return _moved_ellipse(load, normal, tangential, lag) | {"initial_loading": initial}
+    if isinstance(load, HarmonicLoad):
+        return _moved_harmonics(load, normal, tangential, lag) | {"initial_loading": initial}
+    if isinstance(load, PolygonLoad):
+        cycle = [(normal * first, tangential * second) for first, second in load.cycle]
+        return {"initial_loading": initial, "cycle": cycle}
+    if isinstance(load, TimeSeriesLoad):
+        return _moved_record(load, normal, tangential)
+    return _moved_functions(load, normal, tangential) | {"initial_loading": initial}
+
+
+def _moved_ellipse(
+    load: EllipseLoad, normal: float, tangential: float, lag: float
+) -> dict[str, Any]:
+    keys: dict[str, Any] = {
+        "mean_normal_load": normal * load.mean_normal_load,
+        "normal_amplitude": normal * load.normal_amplitude,
+    }
+    if load.tangential_displacement is not None:
+        wave = load.tangential_displacement
+        keys["tangential_displacement"] = {
+            "mean": tangential * wave.mean,
+            "amplitude": tangential * wave.amplitude,
+            "phase_degrees": _turned(wave.phase_degrees + lag),
+        }
+        return keys
+    return keys | {
+        "mean_tangential_load": tangential * load.mean_tangential_load,
+        "tangential_amplitude": tangential * load.tangential_amplitude,
+        "phase_degrees": _turned(load.phase_degrees + lag),
+    }
+
+
+def _turned(degrees: float) -> float:
+    """The same angle between -180 and 180 degrees.
+
+    >>> _turned(183.0), _turned(90.0)
+    (-177.0, 90.0)
+    """
+    return degrees if -180 <= degrees <= 180 else (degrees + 180) % 360 - 180
+
+
+def _moved_harmonics(
+    load: HarmonicLoad, normal: float, tangential: float, lag: float
+) -> dict[str, Any]:
+    keys: dict[str, Any] = {
+        "mean_normal_load": normal * load.mean_normal_load,
+        "normal_harmonics": [
+            (normal * amplitude, phase) for amplitude, phase in load.normal_harmonics
+        ],
+    }
+    wave = load.tangential_displacement
+    harmonics = load.tangential_harmonics if wave is None else wave.harmonics
+    # the k-th harmonic lags by k times as much
+    later = [
+        (tangential * amplitude, phase + number * lag)
+        for number, (amplitude, phase) in enumerate(harmonics, 1)
+    ]
+    if wave is not None:
+        keys["tangential_displacement"] = {"mean": tangential * wave.mean, "harmonics": later}
+        return keys
+    mean = tangential * load.mean_tangential_load
+    return keys | {"mean_tangential_load": mean, "tangential_harmonics": later}
+
+
+def _moved_record(load: TimeSeriesLoad, normal: float, tangential: float) -> dict[str, Any]:
+    """The rows that the path goes through, scaled: rows that a threshold leaves out stay out."""
+    factors = np.array([1.0, normal, tangential])
+    if load.has_bulk_or_tilt:  # lists with an entry for each row go with all rows
+        return {"rows": load.rows.values * factors}
+    return {
+        "rows": load.kept_rows() * factors,
+        "start": None,
+        "end": None,
+        "average": 1,
+        "reduce": None,
+        "threshold": None,
+        "least_normal_load": None,
+    }
+
+
+def _moved_functions(load: CallableLoad, normal: float, tangential: float) -> dict[str, Any]:
+    def scaled(function: Callable[[Any], Any], factor: float) -> Callable[[Any], Any]:
+        return lambda time: factor * function(time)
+
+    return {
+        "normal_load": scaled(load.normal_load, normal),
+        "tangential_load": scaled(load.tangential_load, tangential),
+    }

@@ -1,0 +1,482 @@
+"""What inputs make of an answer: derivatives against closed ones and draws of closed formulas,
+scaling laws against differences, covariance, draws near sliding, the difference apart.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+
+import halfplane_fe
+from reports import inputs
+from reports.inputs import InputEffects, difference_at, draws_of_work, input_effects
+from scenes import Block, Bodies, Estimate, FlatRounded, PowerLaw, Scene, load_scene
+
+WORK = "dissipation"
+ALL = {
+    "friction": "5 %",
+    "normal_load": "2 %",
+    "tangential_load": "2 %",
+    "profile": {"radius": "1 %"},
+    "material": {"young_modulus": "1 %", "poisson_ratio": "3 %"},
+}
+MINDLIN = load_scene("cattaneo-mindlin")
+BLOCKS = load_scene("blocks")
+
+
+def effects_of(scene: Scene, stated: dict[str, Any]) -> InputEffects:
+    found = input_effects(scene.vary(uncertainty=stated))
+    assert found is not None
+    return found
+
+
+# --------------------------------------------------------------------------------- closed formulas
+Factors = dict[str, Any]
+"""Key of an input -> factor of it, number or array; 1 where it is left out."""
+
+
+def of(factors: Factors, key: str) -> Any:
+    return factors.get(key, 1.0)
+
+
+def modulus(factors: Factors) -> Any:
+    """E* of steel on steel."""
+    poisson = 0.3 * of(factors, "material.poisson_ratio")
+    return 210e3 * of(factors, "material.young_modulus") / (2 * (1 - poisson**2))
+
+
+def load(factors: Factors) -> Any:
+    return 90.62286500739786 * of(factors, "normal_load")
+
+
+def radius(factors: Factors) -> Any:
+    return 1000.0 * of(factors, "profile.radius")
+
+
+def peak(factors: Factors) -> Any:
+    """Hertz."""
+    return np.sqrt(load(factors) * modulus(factors) / (math.pi * radius(factors)))
+
+
+def half_width(factors: Factors) -> Any:
+    return np.sqrt(4 * load(factors) * radius(factors) / (math.pi * modulus(factors)))
+
+
+def ratio(factors: Factors) -> Any:
+    """Q/(f P) of the cycle."""
+    return (
+        0.6 * of(factors, "tangential_load") / of(factors, "normal_load") / of(factors, "friction")
+    )
+
+
+def stick(factors: Factors) -> Any:
+    """Cattaneo and Mindlin."""
+    return half_width(factors) * np.sqrt(1 - ratio(factors))
+
+
+def work(factors: Factors) -> Any:
+    """Masing's loop over the curve U(Q) = (A f P/2 pi) ((1 - y) ln(1 - y) + y), y = Q/(f P)."""
+    y = ratio(factors)
+    rest = np.log(1 - y)
+    displacement = (1 - y) * rest + y
+    area = -((1 - y) ** 2) / 2 * rest + ((1 - y) ** 2 - 1) / 4 + y**2 / 2
+    limit = 0.5 * of(factors, "friction") * load(factors)
+    return limit**2 / (math.pi * modulus(factors)) * (4 * y * displacement - 8 * area)
+
+
+def edge_tension(factors: Factors) -> Any:
+    """2 f p0 sqrt(Q/(f P)), of q by Cattaneo and Mindlin."""
+    friction = 0.5 * of(factors, "friction")
+    return 2 * friction * peak(factors) * np.sqrt(ratio(factors))
+
+
+def half_width_of_cylinders(factors: Factors) -> Any:
+    scene = load_scene("two-cylinders")
+    curvature = sum(
+        1 / (getattr(scene.bodies, name).radius * of(factors, f"bodies.{name}.radius"))
+        for name in ("lower", "upper")
+    )
+    return 1 / np.sqrt(curvature)  # in units of its own
+
+
+def half_width_of_unlike(factors: Factors) -> Any:
+    """By 1/E* of both materials, in units of its own."""
+    scene = load_scene("unlike-beta-fifth")
+    compliance = 0.0
+    for name in ("lower", "upper"):
+        material = getattr(scene.material, name)
+        poisson = material.poisson_ratio * of(factors, f"material.{name}.poisson_ratio")
+        stiffness = material.young_modulus * of(factors, f"material.{name}.young_modulus")
+        compliance = compliance + (1 - poisson**2) / stiffness
+    return np.sqrt(compliance)
+
+
+def half_width_of_power(factors: Factors) -> Any:
+    """h ~ |x|^4: P ~ E* a^4."""
+    return (of(factors, "normal_load") / of(factors, "material.young_modulus")) ** 0.25
+
+
+FLAT_PROFILE = FlatRounded(radius=800.0, flat_half_length=0.5)
+
+
+def half_width_of_flat(factors: Factors) -> Any:
+    """Flat and rounded: P = E* a^2/(2 R) (pi/2 - phi - sin phi cos phi), sin phi = b/a; by
+    bisection.
+    """
+    flat = FLAT_PROFILE.flat_half_length * of(factors, "profile.flat_half_length")
+    arc = FLAT_PROFILE.radius * of(factors, "profile.radius")
+    pressed = load(factors)
+    pressed, flat, arc = np.broadcast_arrays(pressed, flat, arc)
+    low = flat.astype(float)
+    high = 5.0 * low
+    for _ in range(50):
+        middle = (low + high) / 2
+        angle = np.arcsin(flat / middle)
+        by_theory = modulus({}) * middle**2 / (2 * arc)
+        by_theory = by_theory * (math.pi / 2 - angle - np.sin(angle) * np.cos(angle))
+        too_wide = by_theory > pressed
+        high = np.where(too_wide, middle, high)
+        low = np.where(too_wide, low, middle)
+    return (low + high) / 2
+
+
+class Closed(NamedTuple):
+    """A value of a scene in closed form, up to a factor that no input changes."""
+
+    scene: Scene
+    stated: dict[str, Any]
+    key: str
+    formula: Callable[[Factors], Any]
+
+
+POWER = MINDLIN.vary(profile=PowerLaw(exponent=4.0, length=1.0, rise=5e-4), expected=())
+TOGETHER = {"correlations": [["normal_load", "tangential_load", 0.9]]}
+CYLINDERS = {"lower": {"radius": "2 %"}, "upper": {"radius": "1 %"}}
+TWO = {"upper": {"young_modulus": "2 %", "poisson_ratio": "5 %"}, "lower": {"young_modulus": "3 %"}}
+FLAT = {"flat_half_length": "2 %", "radius": "3 %"}
+CASES = {
+    "largest pressure": Closed(MINDLIN, ALL, "peak_pressure", peak),
+    "half-width": Closed(MINDLIN, ALL, "half_width", half_width),
+    "permanent stick": Closed(MINDLIN, ALL | {"friction": "2 %"}, "permanent_stick", stick),
+    "W": Closed(MINDLIN, ALL | {"friction": "2 %"}, WORK, work),
+    "edge tension": Closed(MINDLIN, ALL, "edge_tension", edge_tension),
+    "W, P and Q of one cell": Closed(MINDLIN, ALL | {"friction": "2 %"} | TOGETHER, WORK, work),
+    "stick, P and Q of one cell": Closed(
+        MINDLIN, ALL | {"friction": "2 %"} | TOGETHER, "permanent_stick", stick
+    ),
+    "cylinders": Closed(
+        load_scene("two-cylinders"), {"bodies": CYLINDERS}, "half_width", half_width_of_cylinders
+    ),
+    "two materials": Closed(
+        load_scene("unlike-beta-fifth"), {"material": TWO}, "half_width", half_width_of_unlike
+    ),
+    "fourth power": Closed(
+        POWER,
+        {"normal_load": "2 %", "material": {"young_modulus": "1 %"}},
+        "half_width",
+        half_width_of_power,
+    ),
+    "flat and rounded": Closed(
+        MINDLIN.vary(profile=FLAT_PROFILE, expected=()),
+        {"normal_load": "2 %", "profile": FLAT},
+        "half_width",
+        half_width_of_flat,
+    ),
+}
+
+
+def factors_of(scene: Scene, count: int) -> Factors:
+    """Normal factors of the inputs (count,), correlated as stated."""
+    assert scene.uncertainty is not None
+    root = np.linalg.cholesky(scene.uncertainty.correlation_matrix())
+    independent = np.random.default_rng(7).standard_normal((len(root), count))
+    rows = root @ independent
+    return {
+        entry.key: 1 + entry.standard * row for entry, row in zip(scene.inputs, rows, strict=True)
+    }
+
+
+@pytest.mark.parametrize("count", [50_000, pytest.param(1_000_000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("case", CASES.values(), ids=CASES)
+def test_derivatives_and_uncertainty_are_those_of_closed_formulas(case: Closed, count: int) -> None:
+    """Each derivative within its stated error; mean and uncertainty of draws within 2 %."""
+    scene = case.scene.vary(uncertainty=case.stated)
+    value = effects_of(case.scene, case.stated).values[case.key]
+    scale = value.value / case.formula({})
+    step = 1e-5
+    for entry in scene.inputs:
+        closed = case.formula({entry.key: 1 + step}) - case.formula({entry.key: 1 - step})
+        expected = scale * closed / (2 * step) * entry.standard
+        change = value.changes[entry.key]
+        assert abs(change.value - expected) <= change.uncertainty + 1e-6 * abs(value.value)
+    drawn = scale * case.formula(factors_of(scene, count))
+    assert np.mean(drawn) == pytest.approx(value.value, rel=0.02)
+    assert np.std(drawn) == pytest.approx(value.uncertainty, rel=0.02)
+
+
+def test_the_closed_values_are_those_of_theory() -> None:
+    values = effects_of(MINDLIN, {"friction": "1 %"}).values
+    closed = (
+        (WORK, work),
+        ("peak_pressure", peak),
+        ("half_width", half_width),
+        ("permanent_stick", stick),
+        ("edge_tension", edge_tension),
+    )
+    for key, formula in closed:
+        assert values[key].value == pytest.approx(formula({}), rel=1e-8)
+
+
+# ---------------------------------------------------------------------------- laws and differences
+def by_differences(scene: Scene) -> dict[str, dict[str, Estimate]]:
+    """Input -> value -> change, all of them by central differences of theory."""
+    middle = inputs.values_of_theory(scene)
+    moves = [
+        inputs.central_differences(inputs.values_of_theory, scene, entry, middle)
+        for entry in scene.inputs
+    ]
+    return {move.key: dict(move.changes) for move in moves}
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "cattaneo-mindlin",
+        pytest.param("blocks", marks=pytest.mark.slow),
+        pytest.param("flat-rounded-paper", marks=pytest.mark.slow),
+        pytest.param("time-series", marks=pytest.mark.slow),
+    ],
+)
+def test_the_scaling_laws_give_what_differences_give(name: str) -> None:
+    scene = load_scene(name).vary(uncertainty=ALL)
+    values = effects_of(scene, ALL).values
+    measured = by_differences(scene)
+    for entry in scene.inputs:
+        for key, value in values.items():
+            law = value.changes[entry.key]
+            difference = measured[entry.key][key]
+            if math.isfinite(value.value):
+                room = law.uncertainty + difference.uncertainty + 1e-5 * abs(value.value)
+                assert law.value == pytest.approx(difference.value, abs=room)
+
+
+def test_inputs_that_err_together_are_not_independent() -> None:
+    """P and Q of one cell scale W as their square: 2 x 2 %. Opposite ones make more of it."""
+    stated = {"normal_load": "2 %", "tangential_load": "2 %"}
+
+    def relative(coefficient: float) -> float:
+        correlations = [["normal_load", "tangential_load", coefficient]]
+        found = effects_of(MINDLIN, stated | {"correlations": correlations})
+        return found.values[WORK].relative
+
+    independent = effects_of(MINDLIN, stated).values[WORK].relative
+    assert relative(1.0) == pytest.approx(0.04, rel=1e-4)
+    assert relative(-1.0) > independent > relative(1.0)
+    assert relative(0.0) == independent
+
+
+# ------------------------------------------------------------------------------- the paper's cycle
+PAPERS = ALL | {"phase_degrees": "0.05 rad", "material": {"young_modulus": "1 %"}}
+
+
+@cache
+def paper_effects() -> InputEffects:
+    return effects_of(BLOCKS, PAPERS)
+
+
+def test_the_paper_cycle_between_blocks_has_the_shares_that_were_derived() -> None:
+    """W by 4.9 % (Q 4.0, phase 2.6, E 1.0, f 0.06); its error by 0.08 points, 60 times less."""
+    found = paper_effects()
+    work_of_theory = found.values[WORK]
+    shares = {
+        key: abs(change.value) / work_of_theory.value
+        for key, change in work_of_theory.changes.items()
+    }
+    assert work_of_theory.ranking[:2] == ["tangential_load", "phase_degrees"]
+    assert found.values["peak_pressure"].ranking[0] == "normal_load"
+    assert work_of_theory.relative == pytest.approx(0.0487, abs=3e-4)
+    assert shares["tangential_load"] == pytest.approx(0.0403, abs=2e-4)
+    assert shares["phase_degrees"] == pytest.approx(0.0256, abs=2e-4)
+    assert shares["material.young_modulus"] == pytest.approx(0.01, abs=1e-6)
+    assert shares["friction"] == pytest.approx(6e-4, abs=1e-4)
+    difference = found.difference[WORK]
+    assert difference.value == pytest.approx(-0.0275, abs=3e-4)
+    assert difference.uncertainty == pytest.approx(8e-4, rel=0.07)
+    assert found.difference["peak_pressure"].uncertainty == pytest.approx(1.3e-4, rel=0.05)
+    assert difference.uncertainty < work_of_theory.relative / 50
+
+
+def test_heights_move_the_difference_and_not_theory() -> None:
+    """A higher block is nearer to a half-plane: less of an error, which is negative."""
+    stated = {"bodies": {"lower": {"height": "2 %"}}}
+    found = effects_of(BLOCKS, stated)
+    assert found.values[WORK].uncertainty == 0.0
+    change = found.difference[WORK].changes["bodies.lower.height"]
+    higher = BLOCKS.moved({"bodies.lower.height": 0.02})
+    effects = halfplane_fe.body_effects(higher)
+    of_higher = difference_at(higher, effects, by_batch=False)[WORK]
+    middle = found.difference[WORK].value
+    assert change.value == pytest.approx(of_higher - middle, rel=0.1)
+    assert change.value > 0
+    assert change.uncertainty < 0.1 * change.value
+
+
+def test_the_law_of_the_modulus_holds_for_the_difference() -> None:
+    stated = PAPERS | {"material": {"young_modulus": "3 %"}}
+    scene = BLOCKS.vary(uncertainty=stated)
+    law = effects_of(BLOCKS, stated).difference[WORK].changes["material.young_modulus"].value
+    ends = []
+    for change in (0.03, -0.03):
+        moved = scene.moved({"material.young_modulus": change})
+        ends.append(difference_at(moved, halfplane_fe.body_effects(moved), by_batch=True)[WORK])
+    assert law == pytest.approx((ends[0] - ends[1]) / 2, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("scene", "words"),
+    [
+        (MINDLIN, "half-planes"),
+        (load_scene("pad-on-block"), "curved"),
+        (load_scene("unlike-beta-fifth").vary(bodies=BLOCKS.bodies), "unlike"),
+    ],
+    ids=["half-planes", "a pad", "unlike materials"],
+)
+def test_an_unknown_term_of_the_difference_is_said(scene: Scene, words: str) -> None:
+    found = effects_of(scene, {"normal_load": "2 %"})
+    assert not found.difference
+    assert words in found.no_difference
+
+
+# ------------------------------------------------------------------------------------------- draws
+NEAR = {"friction": "2 %", "tangential_load": "1 %"}
+
+
+def test_near_sliding_draws_state_how_many_slide() -> None:
+    """f P1 is exceeded where f/Q falls by 1 %: the share of a normal distribution."""
+    found = effects_of(load_scene("near-sliding"), NEAR)
+    draws = found.draws
+    assert draws is not None
+    assert "gross sliding is 0.4" in draws.reason
+    spread = math.hypot(0.02, 0.01)
+    expected = (1 - math.erf(-math.log(0.99) / spread / math.sqrt(2))) / 2
+    assert draws.sliding == pytest.approx(expected, abs=0.005)
+    assert draws.impossible == 0.0
+    assert all(math.isfinite(value) for value in (draws.mean, draws.uncertainty, draws.low))
+    assert draws.low < draws.mean < draws.high
+
+
+def test_draws_that_slide_are_in_no_mean() -> None:
+    """By a tenth of the draws one by one: mean and spread are those of the others."""
+    scene = load_scene("near-sliding").vary(uncertainty=NEAR)
+    samples = inputs.samples_of(scene, 40)
+    works, slides = inputs.works_one_by_one(scene, samples)
+    in_one_call, slide_in_one_call = inputs.works_of_ellipses(scene, samples)
+    assert slides.any()
+    assert np.array_equal(slides, np.isnan(works))
+    assert np.array_equal(slides, slide_in_one_call)
+    assert in_one_call == pytest.approx(works, rel=1e-8, nan_ok=True)
+
+
+def test_draws_of_shapes_and_materials_are_those_one_by_one() -> None:
+    """Moduli and lengths go into the batch by a scaling law and as arrays."""
+    stated = {
+        "normal_load": "2 %",
+        "phase_degrees": 3.0,
+        "profile": {"radius": "5 %", "flat_half_length": "3 %"},
+        "material": {"young_modulus": "4 %", "poisson_ratio": "10 %"},
+    }
+    scene = load_scene("flat-rounded-paper").vary(uncertainty=stated)
+    samples = inputs.samples_of(scene, 5)
+    works, _ = inputs.works_one_by_one(scene, samples)
+    in_one_call, _ = inputs.works_of_ellipses(scene, samples)
+    assert in_one_call == pytest.approx(works, rel=1e-7)
+
+
+def test_a_draw_that_no_scene_can_have_is_counted_apart() -> None:
+    stated = {"normal_load": "45 %"}
+    scene = load_scene("hertz-paper").vary(uncertainty=stated)
+    draws = draws_of_work(scene, "asked for")
+    assert draws is not None
+    assert draws.impossible > 0.005
+    assert draws.sliding > 0.1
+    assert math.isfinite(draws.mean)
+
+
+def test_far_from_sliding_derivatives_are_enough() -> None:
+    by_derivatives = paper_effects().values[WORK]
+    assert paper_effects().draws is None
+    scene = BLOCKS.vary(uncertainty=PAPERS)
+    draws = draws_of_work(scene, "asked for")
+    assert draws is not None
+    assert draws.uncertainty == pytest.approx(by_derivatives.uncertainty, rel=0.02)
+    assert draws.mean == pytest.approx(by_derivatives.value, rel=0.02)
+
+
+def test_where_the_second_order_is_large_it_is_said() -> None:
+    found = effects_of(load_scene("hertz-paper"), {"tangential_load": "10 %"})
+    assert found.draws is not None
+    assert "second order" in found.draws.reason or "sliding" in found.draws.reason
+
+
+# ------------------------------------------------------------------------- records and actuators
+def test_a_record_has_the_uncertainty_of_its_scales() -> None:
+    found = effects_of(load_scene("time-series"), {"normal_load": "2 %", "tangential_load": "2 %"})
+    assert found.values["peak_pressure"].relative == pytest.approx(0.01, rel=1e-3)
+    assert found.values[WORK].relative > 0.04
+
+
+def test_a_long_record_says_what_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(inputs, "_LONG_RECORD", 3)
+    found = effects_of(load_scene("time-series"), {"tangential_load": "2 %"})
+    assert set(found.values) == {WORK, "half_width", "permanent_stick"}
+    assert any("left out" in note for note in found.notes)
+
+
+@pytest.mark.slow
+def test_gross_sliding_under_displacement_control_in_closed_form() -> None:
+    """Beyond full slip dW/dU = 4 f P for the amplitude U; its scale moves W by that, and the
+    stiffness of nothing but the contact moves it the other way.
+    """
+    scene = load_scene("rig-gross-slip")
+    found = effects_of(scene, {"tangential_displacement": "1 %", "friction": "1 %"})
+    amplitude = scene.ranges_of_load()[1][1]
+    limit = scene.friction.coefficient * scene.ranges_of_load()[0][1]
+    change = found.values[WORK].changes["tangential_displacement"]
+    assert change.value == pytest.approx(0.01 * 4 * limit * amplitude, rel=1e-3)
+    assert found.values["largest_tangential_load"].relative == pytest.approx(0.01, rel=1e-6)
+    assert "prescribed displacement" in found.no_difference
+
+
+# ----------------------------------------------------------------------------------------- effort
+def seconds(work_to_do: Callable[[], object]) -> float:
+    start = time.process_time()
+    work_to_do()
+    return time.process_time() - start
+
+
+@pytest.mark.slow
+def test_draws_of_an_ellipse_and_derivatives_within_a_run_take_a_second() -> None:
+    scene = BLOCKS.vary(uncertainty=PAPERS)
+    effects = halfplane_fe.body_effects(scene)
+    input_effects(scene, effects)
+    assert inputs.DRAWS == 100_000
+    assert min(seconds(lambda: draws_of_work(scene, "asked for")) for _ in range(3)) < 1
+    others = [scene.vary(friction=0.99 + 0.001 * k) for k in range(3)]
+    assert min(seconds(lambda s=s: input_effects(s, effects)) for s in others) < 1
+
+
+def single_block() -> Scene:
+    return MINDLIN.vary(bodies=Bodies(lower=Block(width=20.0, height=10.0)))
+
+
+@pytest.mark.slow
+def test_bodies_with_tilt_and_strain_have_a_term_too() -> None:
+    found = effects_of(single_block(), {"normal_load": "2 %", "friction": "5 %"})
+    assert found.difference[WORK].value == pytest.approx(-0.0127, abs=3e-4)
+    assert 0 < found.difference[WORK].uncertainty < 0.002
