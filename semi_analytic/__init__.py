@@ -45,6 +45,7 @@ From a request to an answer::
     corrected.py            theory with what finite bodies add to the compliance of half-planes:
                             curvatures that follow the loads, c_n and c_t
     corrected_memory.py     its memory curve: clipped between two bounds that follow the loads
+    inner_slip.py           slip zones inside the contact, where that curve breaks Coulomb's law
     driven.py               rigs: Q and P that follow from prescribed displacements, gross sliding,
                             the spring of the rig, separation
     answer_of_rig.py        the answer to a scene of a rig, under the loads that were found

@@ -11,6 +11,10 @@ the effects::
 
 The halves are those of reciprocity: a force at s moves x as a force at x moves s.
 
+Where a slip zone does not reach the edge, q of the memory curve is beyond f p by the second order;
+points slip further there until it is not (`inner_slip`). This is in shear, slip and state, and in
+neither U nor W.
+
 The next order of the bodies, x^4 and x^2 s^2 of their kernels, is in the dissipation
 (`next_order`).
 
@@ -57,6 +61,7 @@ from semi_analytic.corrected_memory import Curvatures, Followed, PunchTable, are
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.hertz import HertzContact
 from semi_analytic.history import History, turns_of, within
+from semi_analytic.inner_slip import InnerSlip, inner_slip
 from semi_analytic.load_series import LoadSeries
 from semi_analytic.next_order import MOST_ROWS, next_order_works
 from semi_analytic.odd_memory import ODD_NUMBERS, Declined, OddAnswer, odd_answer
@@ -103,6 +108,11 @@ OF_NEXT_ORDER = 0.25
 _INSTANTS = 9
 _PLACES = 36
 _NEAR = 0.01
+# Places at which |q| is compared with f p, and the share of the largest f p by which it is beyond.
+_LOOKED_AT = 100
+_BEYOND_LIMIT = 1e-8
+# Rows of which this is done at once: 2 MB.
+_AT_ONCE = 2000
 
 
 # ------------------------------------------------------------------------------------- the effects
@@ -521,6 +531,58 @@ class PathSeries:
             * (second_of_curves[followed.curve] + face_bend * edges.parabola_second),
         )
 
+    @cached_property
+    def _inner_senses(self) -> Indices:
+        """Sense of slip, (n,), at rows at which |q| of the memory curve is beyond f p; else 0."""
+        followed = self.followed
+        senses = np.zeros(len(followed.edge), dtype=np.int64)
+        if not (np.any(followed.normal_curvature) or np.any(followed.tangential_curvature)):
+            return senses
+        shares = np.sin(np.linspace(0.0, math.pi / 2, _LOOKED_AT))
+        points = PointFields(self, float(np.max(self.half_width)) * shares)
+        largest_load = int(np.argmax(followed.normal_load))
+        pressure = points.pressure(np.array([largest_load]))
+        allowed = _BEYOND_LIMIT * followed.friction * float(np.nanmax(pressure))
+        for begin in range(0, len(senses), _AT_ONCE):
+            rows = np.arange(begin, min(begin + _AT_ONCE, len(senses)))
+            shear = points.shear_of_memory(rows)
+            excess = np.nan_to_num(np.abs(shear) - followed.friction * points.pressure(rows))
+            place = np.argmax(excess, axis=1)[:, None]
+            is_beyond = np.take_along_axis(excess, place, axis=1)[:, 0] > allowed
+            sense = np.sign(np.take_along_axis(shear, place, axis=1)[:, 0])
+            senses[rows] = np.where(is_beyond, sense, 0)
+        return senses
+
+    @cached_property
+    def _inner_slips(self) -> dict[int, InnerSlip]:
+        """What was worked out at rows."""
+        return {}
+
+    def inner_slips(self, rows: Indices) -> Iterator[tuple[int, InnerSlip]]:
+        """What slips further at those of some rows at which |q| of the memory curve is beyond f p,
+        with the number of the row among them.
+        """
+        for number in np.flatnonzero(self._inner_senses[rows]).tolist():
+            row = int(rows[number])
+            if row not in self._inner_slips:
+                self._inner_slips[row] = self._inner_slip(row)
+            yield number, self._inner_slips[row]
+
+    def _inner_slip(self, row: int) -> InnerSlip:
+        """What slips further at a row."""
+        followed = self.followed
+
+        def tractions(x: Array) -> tuple[Array, Array]:
+            points = PointFields(self, x)
+            return points.shear_at(row), followed.friction * points.pressure(np.array([row]))[0]
+
+        half_width = float(self.half_width[row])
+        front, *ring = followed.table.half_width([followed.front[row], *followed.ring[row]])
+        edge_of_stick = front if followed.direction[row] else half_width
+        ends = np.array([front, *ring])
+        sense = int(self._inner_senses[row])
+        return inner_slip(tractions, sense, half_width, ends, edge_of_stick, self.modulus)
+
     def loop_work(self, rows: slice) -> float:
         """Closed integral of Q dU + P d(approach) over a cycle."""
         followed = self.followed
@@ -560,10 +622,28 @@ class PointFields:
 
     def shear(self, rows: Indices) -> Array:
         """q, (n, k)."""
+        shear = self.shear_of_memory(rows)
+        for number, further in self.series.inner_slips(rows):
+            shear[number] += further.at(self._x)[0]
+        return shear
+
+    def shear_of_memory(self, rows: Indices) -> Array:
+        """q without what slips further inside the contact, (n, k)."""
         followed = self._followed
         bend = followed.tangential_curvature[rows, None]
         following = bend * self._of_parabola(self.series.half_width[rows])
         return self._shear_of_curves[followed.curve[rows]] + following
+
+    def shear_at(self, row: int) -> Array:
+        """The same at one row, (k,): of its memory curve alone."""
+        pieces = self._followed.pieces
+        chain = pieces.chain(int(self._followed.curve[row]))
+        of_profile = self.series.contact.pressure_rise(self._x, pieces.load[chain, None])
+        of_parabola = self._of_parabola(self._followed.table.half_width(pieces.top[chain]))
+        shear = pieces.slope[chain[1:]] @ np.diff(of_profile, axis=0)
+        shear = shear + pieces.parabola_slope[chain[1:]] @ np.diff(of_parabola, axis=0)
+        bend = float(self._followed.tangential_curvature[row])
+        return np.asarray(shear + bend * self._of_parabola(self.series.half_width[[row]])[0])
 
     def slip(self, rows: Indices) -> Array:
         """s, (n, k)."""
@@ -574,6 +654,8 @@ class PointFields:
         slip = self._slip_of_curves[followed.curve[rows]] + bend * (outside - self._x**2 / 2)
         if self.series.way is not None:
             slip = slip + self.series.way[rows, None]
+        for number, further in self.series.inner_slips(rows):
+            slip[number] += further.at(self._x)[1]
         return np.asarray(slip)
 
     def work(self, rows: slice) -> Array:
@@ -930,16 +1012,29 @@ def grids_at(
 
 
 def _states(bodies: PathSeries, distance: Array, numbers: Indices) -> NDArray[np.int8]:
-    """Open, stick or slip, (n, k)."""
+    """Open, stick or slip, (n, k): of slip the zone at the edge, and one further in, which may slip
+    in the other sense or while the edge rests.
+    """
+    followed = bodies.followed
     sides = np.array([-1.0, 1.0])
     half = bodies.half_width[numbers, None]
-    stick = bodies.stick_half_width[numbers, None]
-    by_direction = np.array((SLIP_REVERSE, STICK, SLIP_FORWARD), dtype=np.int8)
-    sliding = by_direction[bodies.followed.sense[numbers, None] + 1]
-    is_pressed = bodies.followed.normal_load[numbers, None] > 0
-    in_contact = np.where(between(stick * sides, distance), np.int8(STICK), sliding)
+    front = followed.table.half_width(followed.front[numbers])[:, None]
+    ring = followed.table.half_width(followed.ring[numbers])
+    by_sense = np.array((SLIP_REVERSE, STICK, SLIP_FORWARD), dtype=np.int8)
+    at_edge = by_sense[followed.direction[numbers, None] + 1]
+    in_ring = by_sense[followed.ring_direction[numbers, None] + 1]
+    # Of full slip only the middle is within the front, and it slips.
+    is_within_front = between(front * sides, distance) & (front > 0)
+    states = np.where(is_within_front, np.int8(STICK), at_edge)
+    is_in_ring = (distance > ring[:, [0]]) & (distance < ring[:, [1]])
+    states = np.where(is_in_ring, in_ring, states)
+    for number, further in bodies.inner_slips(numbers):
+        of_row = np.where(is_within_front[number], np.int8(STICK), at_edge[number])
+        slips = further.at(distance)[2]
+        states[number] = np.where(slips, by_sense[further.sense + 1], of_row)
+    is_pressed = followed.normal_load[numbers, None] > 0
     touches = between(half * sides, distance) & is_pressed
-    return np.where(touches, in_contact, np.int8(OPEN))
+    return np.where(touches, states, np.int8(OPEN))
 
 
 class _Work(NamedTuple):

@@ -25,7 +25,8 @@ Exact are P(a), the pressure, and any history in which the slip zone reaches the
 Two things are not: growth in stick is a chord between two instants of the path, and where a stroke
 of slip ends smoothly, points next to the edge may come to rest before points further in. For a
 moment the slip zone is a ring, in which q = f p is met by its resultant only: |q| - f p is of
-second order in kn and kt there. Tilt and strain of the bodies are not in here.
+second order in kn and kt there, which `inner_slip` takes away in the fields. Tilt and strain of the
+bodies are not in here.
 
 # notation: c half-width of a punch, a that of the contact, f friction coefficient, s = +1 forward,
 #           -1 reverse slip, P - eta - kn G load carried beyond c
