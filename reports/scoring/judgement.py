@@ -173,7 +173,7 @@ class Judge:
             for fit in fits
             if fit is not None
             and not self._contradicted(fit)
-            and not _is_no_change(fit)
+            and not _is_no_change(fit, self.without, self.channels)
             and explains(fit, self.without, self.channels)
         ]
 
@@ -267,7 +267,7 @@ class Judge:
         explanations = []
         for causes in choices:
             fit = self.search.fit(causes, channels)
-            if fit is None or self._contradicted(fit) or _is_no_change(fit):
+            if fit is None or self._contradicted(fit) or _is_no_change(fit, before, channels):
                 continue
             if explains(fit, before, channels):
                 explanations.append(fit)
@@ -362,7 +362,7 @@ class Judge:
         explanations = []
         for causes in choices:
             fit = self.search.fit(causes, (PRESSURE, SHEAR), known=before.sizes)
-            if fit is None or _is_no_change(fit) or self._contradicted(fit):
+            if fit is None or _is_no_change(fit, before, (SHEAR,)) or self._contradicted(fit):
                 continue
             keeps = fit.square((PRESSURE,)) <= 2 * before.square((PRESSURE,)) + ROUND_OFF
             if keeps and explains(fit, before, (SHEAR,)):
@@ -418,10 +418,13 @@ def _may_meet(causes: tuple[Cause, ...]) -> bool:
     return len(set(groups)) == len(groups) and len(set(keys)) == len(keys)
 
 
-def _is_no_change(fit: Fit) -> bool:
-    """Whether a fitted size is none: what is left then is the error of a mesh."""
-    return any(
+def _is_no_change(fit: Fit, before: Fit, channels: Sequence[int]) -> bool:
+    """Whether a fitted size is next to none: what is left then is the error of a mesh, unless the
+    fit leaves nothing of the difference.
+    """
+    is_small = any(
         cause.sized and abs(size) < _LEAST_SIZE
         for cause, size in zip(fit.causes, fit.sizes, strict=True)
         if cause.key not in ("other_times", "offset")
     )
+    return is_small and share_left(fit, before, channels) > _COMPLETE
