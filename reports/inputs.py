@@ -45,6 +45,7 @@ from scenes import (
     NORMAL_LOAD,
     BodyEffects,
     Compound,
+    ConvergenceError,
     Cylinder,
     EllipseLoad,
     Estimate,
@@ -208,19 +209,26 @@ class InputEffects:
         of W, where derivatives are not enough; else None
     notes
         what is left out, in sentences
+    unknown
+        why nothing of it is known, in a sentence; empty where `values` has entries
     """
 
     inputs: tuple[Input, ...]
     correlations: tuple[tuple[str, str, float], ...]
-    values: Mapping[str, Propagated]
+    values: Mapping[str, Propagated] = field(default_factory=dict)
     difference: Mapping[str, Propagated] = field(default_factory=dict)
     no_difference: str = ""
     draws: Draws | None = None
     notes: tuple[str, ...] = ()
+    unknown: str = ""
 
     @property
     def work_uncertainty(self) -> float:
-        """Standard uncertainty of W over W, of the draws where there are any."""
+        """Standard uncertainty of W over W, of the draws where there are any; NaN where it is not
+        known.
+        """
+        if WORK not in self.values:
+            return math.nan
         work = self.values[WORK]
         if self.draws is not None and math.isfinite(self.draws.uncertainty) and work.value:
             return self.draws.uncertainty / abs(work.value)
@@ -783,57 +791,15 @@ def works_one_by_one(scene: Scene, samples: Mapping[str, Array]) -> tuple[Array,
     return works, slides
 
 
-# --------------------------------------------------------------------------------------- in words
-def stated_in_words(scene: Scene) -> str:
-    """The standard uncertainties as they were read; empty where none is stated.
-
-    >>> from scenes import load_scene
-    >>> stated_in_words(load_scene("hertz-paper").vary(uncertainty={"friction": "5 %"}))
-    'Standard uncertainties of the inputs, as stated: friction 1 ± 5 %; independent of each other.'
-    """
-    if not scene.inputs:
-        return ""
-    assert scene.uncertainty is not None
-    stated = ", ".join(entry.in_words for entry in scene.inputs)
-    pairs = [
-        f"{first} and {second} {coefficient:g}"
-        for first, second, coefficient in scene.uncertainty.correlations
-    ]
-    together = f"correlated: {', '.join(pairs)}" if pairs else "independent of each other"
-    return f"Standard uncertainties of the inputs, as stated: {stated}; {together}."
-
-
-def stated_content(scene: Scene) -> list[dict[str, Any]] | None:
-    """The same as JSON: key, value, what is stated, share (degrees of the phase); None where none
-    is stated.
-    """
-    rows = [
-        {
-            "key": entry.key,
-            "value": entry.value,
-            "stated": entry.stated,
-            "standard_uncertainty": entry.standard,
-            "of": "degrees" if entry.key == "phase_degrees" else "share",
-        }
-        for entry in scene.inputs
-    ]
-    return rows or None
-
-
 # ---------------------------------------------------------------------------------- the whole of it
 def input_effects(scene: Scene, effects: BodyEffects | None = None) -> InputEffects | None:
     """What the stated uncertainties of the inputs make of a scene's answer; None where none is
-    stated.
+    stated. Where theory does not take the scene it says why.
 
     Parameters
     ----------
     effects
         what the bodies add to half-planes, where it is known already
-
-    Raises
-    ------
-    InputError
-        As `semi_analytic.solve` for the scene itself.
 
     Examples
     --------
@@ -850,6 +816,22 @@ def input_effects(scene: Scene, effects: BodyEffects | None = None) -> InputEffe
     """
     if not scene.inputs:
         return None
+    assert scene.uncertainty is not None
+    try:
+        return _input_effects(scene, effects)
+    except (InputError, ConvergenceError) as fault:
+        correlations = scene.uncertainty.correlations
+        return InputEffects(scene.inputs, correlations, unknown=str(fault))
+
+
+def _input_effects(scene: Scene, effects: BodyEffects | None) -> InputEffects:
+    """The same.
+
+    Raises
+    ------
+    InputError, ConvergenceError
+        As `semi_analytic.solve` for the scene itself.
+    """
     assert scene.uncertainty is not None
     correlation = scene.uncertainty.correlation_matrix()
     notes = []

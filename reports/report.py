@@ -13,6 +13,7 @@ from scenes.measured import ReadAs
 if TYPE_CHECKING:
     from reports.comparison.budget import ErrorBudget
     from reports.comparison.metrics import Metric
+    from reports.inputs import InputEffects
     from reports.scoring.study import Study, UnscoredFile
     from reports.scoring.traces import Diagnosis
 
@@ -78,6 +79,9 @@ class Report:
         the answer of another code to the same scene
     unscored
         files of the folder of results that could not be scored
+    inputs
+        what the stated uncertainties of the inputs make of theory and of the difference; None where
+        none is stated
     """
 
     comparison: Comparison
@@ -87,6 +91,7 @@ class Report:
     study: Study | None = None
     third: ThirdAnswer | None = None
     unscored: tuple[UnscoredFile, ...] = ()
+    inputs: InputEffects | None = None
 
     def __repr__(self) -> str:
         """Five lines, as those of its comparison."""

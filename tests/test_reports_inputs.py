@@ -8,15 +8,18 @@ import math
 import time
 from collections.abc import Callable
 from functools import cache
+from pathlib import Path
 from typing import Any, NamedTuple
+from unittest import mock
 
 import numpy as np
 import pytest
 
 import halfplane_fe
-from reports import inputs
+from command_line import COARSE, answer_of, halfplane, json_of
+from reports import input_words, inputs
 from reports.inputs import InputEffects, difference_at, draws_of_work, input_effects
-from scenes import Block, Bodies, Estimate, FlatRounded, PowerLaw, Scene, load_scene
+from scenes import Block, Bodies, Estimate, FlatRounded, InputError, PowerLaw, Scene, load_scene
 
 WORK = "dissipation"
 ALL = {
@@ -451,6 +454,81 @@ def test_gross_sliding_under_displacement_control_in_closed_form() -> None:
     assert change.value == pytest.approx(0.01 * 4 * limit * amplitude, rel=1e-3)
     assert found.values["largest_tangential_load"].relative == pytest.approx(0.01, rel=1e-6)
     assert "prescribed displacement" in found.no_difference
+
+
+# --------------------------------------------------------------------------------------- in words
+def test_the_two_claims_stand_apart() -> None:
+    """The difference has its own term; the uncertainty of a measurement is not in it."""
+    said = input_words.sentences(paper_effects(), BLOCKS)
+    assert said == [
+        "With these inputs the difference of W by corrected theory is −2.75 ± 0.08 %.",
+        "A measurement of W with these inputs has ± 4.9 % and cannot see it.",
+        "Q matters most, then the phase.",
+    ]
+
+
+def test_a_measurement_with_better_inputs_can_see_it() -> None:
+    found = effects_of(BLOCKS, {"normal_load": "0.5 %", "material": {"young_modulus": "0.5 %"}})
+    said = input_words.sentences(found, BLOCKS)
+    assert said[1] == (
+        "A measurement of W with these inputs has ± 0.50 % and can see it, if it adds less of its"
+        " own."
+    )
+    assert said[2] == "Young's modulus matters most."
+
+
+def test_the_table_has_a_row_for_each_input_and_their_sum() -> None:
+    rows = {row[0]: row[1:] for row in input_words.rows_of_inputs(paper_effects())}
+    assert rows["Q"] == ("± 2 %", "+4.0", "+0.0073")
+    assert rows["radius"][1] == "0"
+    assert rows["all inputs"][1:] == ("± 4.9", "± 0.075")
+    values = {row[0]: row for row in input_words.rows(paper_effects(), BLOCKS)}
+    assert values["dissipation W [N·mm/mm]"][2:4] == ("0.00010", "4.9")
+    assert values["largest slip [mm]"][4].startswith("Q 2.8 %, friction 2.0 %, the phase")
+
+
+def test_what_draws_found_is_said() -> None:
+    scene = load_scene("near-sliding")
+    said = " ".join(input_words.sentences(effects_of(scene, NEAR), scene))
+    assert "100,000 random draws" in said
+    assert "of the draws slide as a whole, have no W, and are in neither mean" in said
+    assert "Rough, by derivatives that are not enough: permanent stick half-width" in said
+
+
+def test_a_scene_that_theory_does_not_take_says_why() -> None:
+    scene = MINDLIN.vary(uncertainty={"friction": "1 %"})
+    with mock.patch.object(inputs, "values_of_theory", side_effect=InputError("no such contact")):
+        found = input_effects(scene)
+    assert found is not None
+    expected = ["What the inputs make of the answer is not known: no such contact."]
+    assert input_words.sentences(found, scene) == expected
+
+
+def test_page_terminal_and_json_say_it(tmp_path: Path) -> None:
+    """By `run` of half-planes on a coarse mesh: no difference is idealisation, and it says so."""
+    stated = {"tangential_load": "2 %", "friction": "2 %"}
+    MINDLIN.vary(uncertainty=stated).save(tmp_path / "scene.toml")
+    words = ("run", "scene.toml", "--out", "out", *COARSE)
+    text = halfplane(tmp_path, *words).stdout
+    assert "A measurement of W with these inputs has ± " in text
+    assert "both bodies are half-planes" in text
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert "Q matters most, then friction." in page
+    assert "validated" not in page
+    stored = json_of(tmp_path / "out" / "comparison.json")["inputs"]
+    assert stored["values"][WORK]["ranking"] == ["tangential_load", "friction"]
+    assert stored["difference"] == {}
+    assert "half-planes" in stored["no_difference"]
+
+
+def test_exact_gives_it_as_json_and_nothing_where_none_is_stated(tmp_path: Path) -> None:
+    words = ("exact", "cattaneo-mindlin", "--out", "out", "--json")
+    assert answer_of(halfplane(tmp_path, *words), *words)[1]["inputs"] is None
+    MINDLIN.vary(uncertainty={"friction": "2 %"}).save(tmp_path / "scene.toml")
+    words = ("exact", "scene.toml", "--out", "out", "--json")
+    found = answer_of(halfplane(tmp_path, *words), *words)[1]["inputs"]
+    assert found["stated"][0]["key"] == "friction"
+    assert found["values"]["half_width"]["standard_uncertainty"] == 0.0
 
 
 # ----------------------------------------------------------------------------------------- effort

@@ -128,7 +128,7 @@ def check(scene: str, options: Options) -> Answer:
         read_in_words,
         unlike_materials,
     )
-    from reports.inputs import stated_content, stated_in_words
+    from reports.input_words import stated_content, stated_in_words
     from reports.measured import check_record, read_in_pairs, record_in_words
     from reports.profile_fit import content as fit_content
     from reports.profile_fit import findings, fit_warnings
@@ -209,7 +209,7 @@ def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
 
     from reports.checking import engines_for
     from reports.comparison.words import bodies_in_words, question, read_in_words
-    from reports.inputs import stated_content, stated_in_words
+    from reports.input_words import stated_content, stated_in_words
     from reports.measured import read_in_pairs
     from reports.units import number
     from scenes import InputError

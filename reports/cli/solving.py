@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from reports.comparison import Comparison
     from reports.comparison.budget import ErrorBudget
     from reports.comparison.laws import Finding
+    from reports.inputs import InputEffects
     from reports.report import Report
     from scenes import BodyEffects, ContactSolution, Scene
 
@@ -338,6 +339,8 @@ def _compared(job: Job, tolerances: dict[str, float]) -> Report:
                 note = f"{reason_for_none[:1].upper()}{reason_for_none[1:]}."
                 comparison = replace(comparison, notes=(*comparison.notes, note))
             report = _measured(job, comparison, begun if wants_budget else None)
+            inputs = _effects_of_inputs(job, comparison.effects)
+            report = replace(report, inputs=inputs)
             if job.options.third:
                 third = _third_solver(job.options.third).answer(job, fe)
                 report = replace(report, third=third)
@@ -396,6 +399,33 @@ def _measured(job: Job, comparison: Comparison, begun: float | None) -> Report:
 
         why = split(report.comparison, report.budget)
     return replace(report, comparison=replace(report.comparison, why=why))
+
+
+def _effects_of_inputs(job: Job, effects: BodyEffects | None = None) -> InputEffects | None:
+    """What the stated uncertainties of the inputs make of the answer; None where none is stated."""
+    if not job.scene.inputs:
+        return None
+    from reports.inputs import input_effects
+
+    with job.stages.stage("uncertainty of the inputs"):
+        return input_effects(job.scene, effects)
+
+
+def _inputs_shown(
+    inputs: InputEffects | None, scene: Scene, comparison: Comparison | None = None
+) -> Iterator[Part]:
+    """What the inputs make of the answer: the sentences, and the tables."""
+    from reports import input_words
+
+    if inputs is None:
+        return
+    yield " ".join(input_words.sentences(inputs, scene, comparison))
+    if inputs.values:
+        rows = input_words.rows_of_inputs(inputs)
+        title = "Standard uncertainties of the inputs"
+        yield Sheet(title, input_words.HEADS_OF_INPUTS, rows, (1, 2, 3))
+        heads = input_words.HEADS
+        yield Sheet("What they make of theory", heads, input_words.rows(inputs, scene), (1, 2, 3))
 
 
 def _write_page(job: Job, report: Report) -> None:
@@ -474,6 +504,7 @@ def _answer_of_both(job: Job, report: Report) -> Answer:
 
     def parts() -> Iterator[Part]:
         yield from verdict_shown(report)
+        yield from _inputs_shown(report.inputs, scene, comparison)
         yield from _notes_shown(report)
         if report.budget is not None and (verbose or job.options.budget):
             yield from _budget_shown(report, report.budget)
@@ -501,6 +532,7 @@ def _answer_of_both(job: Job, report: Report) -> Answer:
             "lead": lead(comparison),
             "metrics": metrics,
             "why": of_report["why"],
+            "inputs": of_report["inputs"],
             **{name: of_fe[name] for name in work},
             **{name: of_report[name] for name in last},
             "page": str(page),
@@ -636,12 +668,17 @@ _OF_ONE_ENGINE = (
 )
 
 
-def _answer_alone(job: Job, solution: ContactSolution, note: str = "") -> Answer:
-    """Files and summary of one engine's answer; `note` is kept with the answer."""
+def _answer_alone(
+    job: Job, solution: ContactSolution, note: str = "", inputs: InputEffects | None = None
+) -> Answer:
+    """Files and summary of one engine's answer; `note` is kept with the answer, `inputs` are found
+    here where they are not given.
+    """
     from reports import profile_fit
     from reports.comparison.json_values import solution_content
     from reports.comparison.laws import certificates, expected_content, expected_numbers
     from reports.comparison.words import summary_rows
+    from reports.input_words import content as input_content
 
     if note:
         record = replace(solution.record, notes=(*solution.record.notes, note))
@@ -649,12 +686,15 @@ def _answer_alone(job: Job, solution: ContactSolution, note: str = "") -> Answer
     scene = solution.scene
     path = str(write_solution(solution, job.folder))
     findings = list(expected_numbers(scene, (solution,)))
+    if inputs is None:
+        inputs = _effects_of_inputs(job)
     laws = certificates(solution)
     admissible = solution.record.converged and all(law.holds for law in laws)
     code = WITHIN if admissible and all(finding.met for finding in findings) else OUTSIDE
 
     def parts() -> Iterator[Part]:
         yield Sheet(scene.title or scene.name, ("quantity", "value"), summary_rows(solution))
+        yield from _inputs_shown(inputs, job.scene)
         yield from profile_fit.findings(scene)[0]
         yield from _expected_shown(findings)
         yield path
@@ -669,6 +709,7 @@ def _answer_alone(job: Job, solution: ContactSolution, note: str = "") -> Answer
             "file": path,
             "seconds": job.stages.seconds,
             "profile_fit": profile_fit.content(scene),
+            "inputs": input_content(inputs, job.scene),
         }
 
     return Answer(code, parts(), content, scene.name)
@@ -684,11 +725,12 @@ def _answer_of_rig(job: Job, engines: Engines, no_comparison: str) -> Answer:
     else:
         solution = _solve_rig(job)
         command = "exact"
-    answer = _answer_alone(job, solution, no_comparison)
+    inputs = _effects_of_inputs(job)
+    answer = _answer_alone(job, solution, no_comparison, inputs)
     with job.stages.stage("report"):
         from reports.page.rig import RigMotion, write
 
-        rig = RigMotion(job.scene, solution)
+        rig = RigMotion(job.scene, solution, inputs)
         page = write(rig, job.folder, job.command("run"), no_comparison)
 
     def content() -> dict[str, Any]:

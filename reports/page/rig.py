@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from reports import input_words
 from reports.charts.plate import (
     Axis,
     Block,
@@ -31,6 +32,7 @@ from reports.charts.plate import (
 from reports.charts.templating import Table, script, template
 from reports.comparison.words import summary_rows
 from reports.folder import filled
+from reports.inputs import InputEffects
 from reports.units import energy_unit, load_unit, minus, units
 from scenes import ContactSolution, Scene
 from scenes.array_types import Array, Indices
@@ -71,10 +73,13 @@ class RigMotion:
         as stated, with displacements
     solution
         under the loads that follow from them
+    inputs
+        what the stated uncertainties of the inputs make of the answer; None where none is stated
     """
 
     scene: Scene
     solution: ContactSolution
+    inputs: InputEffects | None = None
 
     @property
     def noun(self) -> str:
@@ -330,6 +335,8 @@ def write(rig: RigMotion, out: str | Path, command: str, no_comparison: str) -> 
             summary=[row for row in summary if row[0] != "note"],
             notes=(*rig.solution.record.notes, no_comparison),
             drawings=drawings,
+            inputs=rig.inputs,
+            input_words=input_words,
             command=command,
             script=program,
             script_hash=digest,

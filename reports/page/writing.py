@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from reports import input_words
 from reports.charts.plate import STATE_KEYS, Plate, write_tables
 from reports.charts.templating import script, template
 from reports.comparison import Comparison, budget_words, words
@@ -201,6 +202,7 @@ def render(
         in_words=words,
         budget_words=budget_words,
         units=import_module("reports.units"),
+        input_words=input_words,
         budget=budget_words.budget_table(report.budget) if report.budget else None,
         notes=_notes(comparison),
         dissipations=list(_dissipations(comparison)),

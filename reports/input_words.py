@@ -1,0 +1,308 @@
+"""What inputs make of an answer, in sentences, rows of tables and JSON; `reports.inputs` has the
+numbers.
+
+Two claims stand apart: by how much the inputs move the *difference* of the two models, and by how
+much a *measurement* with these inputs is uncertain. Neither is added to the other.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+from reports.comparison.judged import JudgedPair
+from reports.comparison.words import with_uncertainty
+from reports.inputs import PEAK, WORK, Draws, InputEffects, Propagated
+from reports.units import energy_unit, load_unit, minus, units
+from scenes import Estimate, Scene
+
+# A measurement sees a difference of at least this many of its standard uncertainties: 95 %.
+_SEEN = 2.0
+# A second input is named where it makes at least this share of what the first makes; a third
+# likewise of the second.
+_NAMED = 0.25
+_SYMBOLS = {WORK: "W", PEAK: "the largest pressure"}
+
+
+def stated_in_words(scene: Scene) -> str:
+    """The standard uncertainties as they were read; empty where none is stated.
+
+    >>> from scenes import load_scene
+    >>> stated_in_words(load_scene("hertz-paper").vary(uncertainty={"friction": "5 %"}))
+    'Standard uncertainties of the inputs, as stated: friction 1 ± 5 %; independent of each other.'
+    """
+    if not scene.inputs:
+        return ""
+    assert scene.uncertainty is not None
+    stated = ", ".join(entry.in_words for entry in scene.inputs)
+    pairs = [
+        f"{first} and {second} {coefficient:g}"
+        for first, second, coefficient in scene.uncertainty.correlations
+    ]
+    together = f"correlated: {', '.join(pairs)}" if pairs else "independent of each other"
+    return f"Standard uncertainties of the inputs, as stated: {stated}; {together}."
+
+
+def stated_content(scene: Scene) -> list[dict[str, Any]] | None:
+    """The same as JSON: key, value, what is stated, share (degrees of the phase); None where none
+    is stated.
+    """
+    rows = [
+        {
+            "key": entry.key,
+            "value": entry.value,
+            "stated": entry.stated,
+            "standard_uncertainty": entry.standard,
+            "of": "degrees" if entry.key == "phase_degrees" else "share",
+        }
+        for entry in scene.inputs
+    ]
+    return rows or None
+
+
+# ------------------------------------------------------------------------------------ in sentences
+def sentences(
+    effects: InputEffects, scene: Scene, comparison: JudgedPair | None = None
+) -> list[str]:
+    """The difference with its input term, what a measurement could see, which input matters most;
+    then what was drawn, and what is left out.
+
+    Parameters
+    ----------
+    comparison
+        of finite elements with theory; without it the difference is that of corrected theory
+    """
+    if effects.unknown:
+        return [f"What the inputs make of the answer is not known: {_ended(effects.unknown)}"]
+    said = [*_of_difference(effects, comparison), *_of_measurement(effects, comparison)]
+    said += [_matters_most(effects)]
+    if effects.draws is not None:
+        said.append(_drawn(effects.draws, scene))
+    rough = [
+        value.words
+        for key, value in effects.values.items()
+        if value.uncertainty and not value.is_nearly_linear and not (key == WORK and effects.draws)
+    ]
+    if rough:
+        said.append(
+            f"Rough, by derivatives that are not enough: {', '.join(rough)}. There the second order"
+            " is above a tenth of the uncertainty."
+        )
+    said += [f"{note[:1].upper()}{_ended(note[1:])}" for note in effects.notes]
+    return [sentence for sentence in said if sentence]
+
+
+def _ended(sentence: str) -> str:
+    return f"{sentence.rstrip('.')}."
+
+
+def _of_difference(effects: InputEffects, comparison: JudgedPair | None) -> Iterator[str]:
+    if effects.no_difference:
+        yield (
+            "How far the inputs move the difference of the two models is not stated:"
+            f" {_ended(effects.no_difference)}"
+        )
+        return
+    if WORK not in effects.difference:
+        return
+    term = effects.difference[WORK]
+    share, source = _difference_of_work(term, comparison)
+    amount = with_uncertainty(100 * share, 100 * term.uncertainty)
+    yield f"With these inputs the difference of W{source} is {amount} %."
+
+
+def _difference_of_work(term: Propagated, comparison: JudgedPair | None) -> tuple[float, str]:
+    """E of W, and what it is by where that is not the finite elements."""
+    if comparison is not None:
+        metric = comparison.metric(WORK)
+        if metric.value is not None and not metric.absolute and math.isfinite(metric.value):
+            return float(metric.value), ""
+    return term.value, " by corrected theory"
+
+
+def _of_measurement(effects: InputEffects, comparison: JudgedPair | None) -> Iterator[str]:
+    """What a measurement of W with these inputs is uncertain by, and whether it could see the
+    difference.
+    """
+    relative = effects.work_uncertainty
+    if not math.isfinite(relative):
+        return
+    amount = f"A measurement of W with these inputs has ± {_digits(100 * relative, 2)} %"
+    if WORK not in effects.difference:
+        yield f"{amount}."
+        return
+    share, _ = _difference_of_work(effects.difference[WORK], comparison)
+    if abs(share) >= _SEEN * relative:
+        yield f"{amount} and can see it, if it adds less of its own."
+    else:
+        yield f"{amount} and cannot see it."
+
+
+def _matters_most(effects: InputEffects) -> str:
+    """Which input moves W most, or the largest pressure where nothing is dissipated."""
+    for key in (WORK, PEAK):
+        value = effects.values.get(key)
+        if value is None or not value.ranking:
+            continue
+        words = {entry.key: entry.words for entry in effects.inputs}
+        first, *others = value.ranking
+        sizes = {name: abs(change.value) for name, change in value.changes.items()}
+        named = f"{words[first][:1].upper()}{words[first][1:]} matters most"
+        if key != WORK:
+            named = f"For {_SYMBOLS[key]} {words[first]} matters most"
+        if others and sizes[others[0]] >= _NAMED * sizes[first]:
+            named += f", then {words[others[0]]}"
+        return f"{named}."
+    return ""
+
+
+def _drawn(draws: Draws, scene: Scene) -> str:
+    unit = energy_unit(scene)
+    kept = with_uncertainty(draws.mean, draws.uncertainty)
+    said = (
+        f"W is by {draws.count:,} random draws of the inputs, for {draws.reason}: {kept} {unit},"
+        f" 95 % of them from {draws.low:.4g} to {draws.high:.4g}."
+    )
+    if draws.sliding:
+        said += (
+            f" {100 * draws.sliding:.2g} % of the draws slide as a whole, have no W, and are in"
+            " neither mean nor deviation."
+        )
+    if draws.impossible > 0:
+        said += f" {100 * draws.impossible:.2g} % are of inputs that no scene can have."
+    return minus(said)
+
+
+MODELS_ALONE = (
+    "Both models have the same inputs, so most of what these do cancels in the difference. What a"
+    " measurement is uncertain by is no part of it. Models that agree are not thereby right of a"
+    " real contact."
+)
+"""What must stand beside the two claims."""
+
+
+# ---------------------------------------------------------------------------------------- in tables
+HEADS = ("Value of theory", "value", "u", "u in %", "most of it")
+
+
+def rows(effects: InputEffects, scene: Scene) -> list[tuple[str, ...]]:
+    """Each value of theory with its standard uncertainty by the inputs, and which make it."""
+    words = {entry.key: entry.words for entry in effects.inputs}
+    table: list[tuple[str, ...]] = []
+    for value in effects.values.values():
+        unit = _unit(value, scene)
+        relative = value.relative
+        shares = [
+            f"{words[key]} {_in_percent(value.changes[key], value.value)}"
+            for key in value.ranking[:3]
+        ]
+        table.append(
+            (
+                f"{value.words} [{unit}]",
+                _digits(value.value, 6),
+                _digits(value.uncertainty, 2),
+                _digits(100 * relative, 2),
+                ", ".join(shares) or "–",
+            )
+        )
+    if effects.draws is not None:
+        draws = effects.draws
+        unit = energy_unit(scene)
+        name = f"dissipation W, {draws.count:,} draws [{unit}]"
+        relative = draws.uncertainty / draws.mean if draws.mean else math.nan
+        cells = (_digits(draws.mean, 6), _digits(draws.uncertainty, 2), _digits(100 * relative, 2))
+        table.insert(1, (name, *cells, "all"))
+    return table
+
+
+HEADS_OF_INPUTS = ("Input", "as stated", "moves W by %", "moves the difference by points")
+
+
+def rows_of_inputs(effects: InputEffects) -> list[tuple[str, ...]]:
+    """Each input with its standard uncertainty, and what that makes of W of theory and of the
+    difference of W; the sums below, correlations counted.
+    """
+    work = effects.values.get(WORK)
+    difference = effects.difference.get(WORK)
+    table = []
+    for entry in effects.inputs:
+        moved = "–" if work is None else _signed(100 * work.changes[entry.key].value, work.value)
+        points = "–"
+        if difference is not None:
+            points = _signed(100 * difference.changes[entry.key].value, 1.0)
+        name = entry.words.removeprefix("the ")
+        table.append((name, f"± {entry.stated}", moved, points))
+    total = "–" if work is None else f"± {_digits(100 * work.relative, 2)}"
+    of_difference = "–"
+    if difference is not None:
+        of_difference = f"± {_digits(100 * difference.uncertainty, 2)}"
+    return [*table, ("all inputs", "", total, of_difference)]
+
+
+def _unit(value: Propagated, scene: Scene) -> str:
+    _, length, stress = units(scene)
+    return {
+        "energy": energy_unit(scene),
+        "stress": stress,
+        "length": length,
+        "load": load_unit(scene),
+    }[value.unit]
+
+
+def _digits(number: float, count: int) -> str:
+    """Significant digits, zeros at the end among them; a dash for what is no number."""
+    if not math.isfinite(number):
+        return "–"
+    keeps_zeros = 0 < abs(number) < 10 ** (count - 1)
+    return minus(f"{number:{'#' if keeps_zeros else ''}.{count}g}")
+
+
+def _signed(change: float, value: float) -> str:
+    """A change of a value, as a share of it."""
+    if not value or not math.isfinite(change):
+        return "–"
+    share = change / value
+    return f"{'+' if share > 0 else ''}{_digits(share, 2)}" if share else "0"
+
+
+def _in_percent(change: Estimate, value: float) -> str:
+    share = abs(change.value / value) if value else math.nan
+    return f"{_digits(100 * share, 2)} %"
+
+
+# ------------------------------------------------------------------------------------------ as JSON
+def content(
+    effects: InputEffects | None, scene: Scene, comparison: JudgedPair | None = None
+) -> dict[str, Any] | None:
+    """All of it by names; None where no uncertainty is stated. Numbers may be not finite."""
+    if effects is None:
+        return None
+    draws = None if effects.draws is None else vars(effects.draws)
+    return {
+        "stated": stated_content(scene),
+        "correlations": [list(entry) for entry in effects.correlations],
+        "sentences": sentences(effects, scene, comparison),
+        "values": {key: _content(value) for key, value in effects.values.items()},
+        "difference": {key: _content(value) for key, value in effects.difference.items()},
+        "no_difference": effects.no_difference or None,
+        "draws": draws,
+        "notes": list(effects.notes),
+        "unknown": effects.unknown or None,
+    }
+
+
+def _content(value: Propagated) -> dict[str, Any]:
+    changes = {
+        key: {"value": change.value, "error": change.uncertainty}
+        for key, change in value.changes.items()
+    }
+    return {
+        "value": value.value,
+        "standard_uncertainty": value.uncertainty,
+        "relative": None if value.unit == "share" else value.relative,
+        "changes": changes,
+        "second_order": value.second_order,
+        "nearly_linear": value.is_nearly_linear,
+        "ranking": value.ranking,
+    }
