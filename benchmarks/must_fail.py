@@ -1,5 +1,5 @@
-"""Faults planted in the FE model, and in theory of rigs, and the checks that catch each: a check
-that nothing trips proves nothing.
+"""Faults planted in the FE model, in theory of rigs and in what inputs make of an answer, and the
+checks that catch each: a check that nothing trips proves nothing.
 
 Each fault is planted by argument or by replacing one function, the paper's cycle is solved with it,
 and every check that the project has for an answer is asked: errors against half-plane theory, the
@@ -29,7 +29,16 @@ from halfplane_fe.law import slip_sign
 from halfplane_fe.run import PathRun
 from halfplane_fe.stepping import Increment
 from meshes import MeshSettings
-from scenes import ConvergenceError, InputError, load_scene
+from reports import inputs
+from scenes import (
+    BodyEffects,
+    ConvergenceError,
+    InputError,
+    Scene,
+    Uncertainty,
+    load_scene,
+    uncertainty,
+)
 from semi_analytic import driven
 from semi_analytic.corrected_memory import MemoryCurve, Row, State
 from semi_analytic.corrected_memory import Step as MemoryStep
@@ -267,6 +276,49 @@ FAULTS_OF_RIGS: dict[str, Callable[[], Planted]] = {
     "spring left in the loop": spring_left_in,
     "sliding limit of the wrong sign": limit_of_the_wrong_sign,
     "memory kept through separation": memory_kept,
+}
+
+
+# -------------------------------------------------------------------------------- faults of inputs
+def inputs_of_their_own() -> Planted:
+    """Theory keeps the inputs that it had at first while those of the bodies are moved, as if each
+    model had inputs of its own.
+    """
+    works = inputs._works_by_batch
+    first: list[float] = []
+
+    def planted(scene: Scene, effects: BodyEffects) -> tuple[float, float]:
+        theory, corrected = works(scene, effects)
+        first.append(theory)
+        return first[0], corrected
+
+    return mock.patch.object(inputs, "_works_by_batch", planted)
+
+
+def covariance_ignored() -> Planted:
+    """Every input errs on its own, whatever correlations are stated."""
+
+    def planted(self: Uncertainty) -> np.ndarray:
+        return np.eye(len(list(self.stated())))
+
+    return mock.patch.object(Uncertainty, "correlation_matrix", planted)
+
+
+def percent_read_as_a_share() -> Planted:
+    """5 % counts as 5 times the value."""
+    share = uncertainty._share_of
+
+    def planted(key: str, stated: str, *rest: Any) -> float:
+        return share(key, stated, *rest) * (100 if "%" in stated else 1)
+
+    return mock.patch.object(uncertainty, "_share_of", planted)
+
+
+# tests/test_reports_inputs.py holds each to what two scenes, one load cell and the text say.
+FAULTS_OF_INPUTS: dict[str, Callable[[], Planted]] = {
+    "inputs of their own in the difference": inputs_of_their_own,
+    "covariance ignored": covariance_ignored,
+    "per cent read as a share": percent_read_as_a_share,
 }
 
 
