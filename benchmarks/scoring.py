@@ -24,12 +24,12 @@ from halfplane_fe import SolverSettings
 from meshes import MeshSettings
 from reports import Comparison, compare, score
 from reports.comparison.dimensionless import scales
-from reports.scoring.causes import stiffer, with_friction
 from reports.scoring.diagnosis import diagnose
 from reports.scoring.mapping import Mapping
 from reports.scoring.reading import read
 from reports.scoring.solution import friction_work, zones
 from reports.scoring.traces import NOISE, UNKNOWN
+from reports.scoring.variants import stiffer, with_friction
 from scenes import Bodies, ContactSolution, EllipseLoad, Materials, Scene, load_scene
 
 SCENES = ("hertz-paper", "cattaneo-mindlin", "flat-rounded-paper")

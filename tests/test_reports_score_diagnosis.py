@@ -19,13 +19,15 @@ from meshes import MeshSettings
 from reports import compare
 from reports.comparison import Comparison
 from reports.scoring.against import score, score_surface
-from reports.scoring.causes import SHEAR_SIGN, Predictions, stiffer, with_friction
-from reports.scoring.diagnosis import coupling_sentence, diagnose
-from reports.scoring.discrepancy import PRESSURE, SHEAR, discrepancy
+from reports.scoring.causes import SHEAR_SIGN
+from reports.scoring.causes_in_words import coupling_sentence
+from reports.scoring.diagnosis import diagnose
+from reports.scoring.discrepancy import PRESSURE, SHEAR, discrepancy_of
 from reports.scoring.fits import Search
 from reports.scoring.mapping import Mapping
 from reports.scoring.surface import surface_result
 from reports.scoring.traces import FAULTS, NOISE, UNKNOWN, Diagnosis, scatter
+from reports.scoring.variants import Predictions, stiffer, with_friction
 from scenes import Materials, Scene, load_scene
 from semi_analytic.elasticity import coupling_constant
 
@@ -363,7 +365,7 @@ def test_the_work_alone_tells_steps_too_long_where_tractions_hide_them(table: Mo
 
 # --------------------------------------------------------------------- what the hypotheses stand on
 def test_a_fit_of_the_fault_leaves_nothing_of_what_no_cause_leaves(table: ModuleType) -> None:
-    difference = discrepancy(planted(table, "shear_sign", "cattaneo-mindlin"))
+    difference = discrepancy_of(planted(table, "shear_sign", "cattaneo-mindlin"))
     assert difference is not None
     search = Search(difference, Predictions(difference))
     without, turned = (search.fit(causes, (PRESSURE, SHEAR)) for causes in ((), (SHEAR_SIGN,)))
@@ -378,7 +380,7 @@ def test_a_fit_of_the_fault_leaves_nothing_of_what_no_cause_leaves(table: Module
 def test_the_scenes_own_coupling_is_no_fault_of_the_result(table: ModuleType) -> None:
     """Theory leaves it out; it was told as bodies that are "not the scene's"."""
     comparison = planted(table, "shear_sign", "cattaneo-mindlin")
-    difference = discrepancy(comparison)
+    difference = discrepancy_of(comparison)
     assert difference is not None
     assert "not the scene's" in coupling_sentence(difference)
     material = comparison.scene.material
@@ -418,7 +420,7 @@ def judged(
     comparison = score_surface(
         surface_result("arrays", "", x, fields, {"time": time}), Mapping(), scene
     ).comparison
-    difference = discrepancy(comparison)
+    difference = discrepancy_of(comparison)
     assert difference is not None
     return comparison, list(scatter(difference))
 

@@ -21,8 +21,8 @@ from reports.comparison.cycles import events
 from reports.comparison.isolated import spikes
 from reports.comparison.words import lead, verdict
 from reports.scoring.against import diagnosed, score, score_file
-from reports.scoring.diagnosis import coupling_sentence
-from reports.scoring.discrepancy import discrepancy
+from reports.scoring.causes_in_words import coupling_sentence
+from reports.scoring.discrepancy import discrepancy_of
 from reports.scoring.mapping import Mapping
 from scenes import ContactSolution, InputError, Materials, Scene, load_scene
 from scenes.solution import last_whole_cycle
@@ -358,7 +358,7 @@ def test_against_a_reference_that_has_the_coupling_its_lack_is_no_idealisation()
     scene = CATTANEO.vary(material=Materials.model_validate(unlike))
     exact = semi_analytic.solve(scene, x=np.linspace(-12, 12, 121), time=np.linspace(4, 7, 13))
     comparison = compare(exact, exact)
-    difference = discrepancy(comparison)
+    difference = discrepancy_of(comparison)
     assert difference is not None
     assert "no fault of the result" in coupling_sentence(difference)
     against = replace(

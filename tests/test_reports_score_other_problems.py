@@ -12,12 +12,12 @@ import pytest
 import semi_analytic
 from reports import score
 from reports.scoring.against import score_surface
-from reports.scoring.causes import stiffer
-from reports.scoring.discrepancy import discrepancy
+from reports.scoring.discrepancy import discrepancy_of
 from reports.scoring.mapping import Mapping
 from reports.scoring.other_problems import other_problems
 from reports.scoring.surface import surface_result
 from reports.scoring.traces import WORDS, Diagnosis
+from reports.scoring.variants import stiffer
 from scenes import SLIP_FORWARD, SLIP_REVERSE, load_scene
 from semi_analytic.profiles import contact_of
 
@@ -144,9 +144,9 @@ def shown(p: np.ndarray, q: np.ndarray) -> list[Diagnosis]:
     """The problems that rows show, where no cause of the suite is known."""
     fields = {"pressure": p, "shear": q}
     surface = surface_result("arrays", "", X, fields, {"time": TIME})
-    what = discrepancy(score_surface(surface, Mapping(), CATTANEO).comparison)
-    assert what is not None
-    return list(other_problems(what, None))
+    discrepancy = discrepancy_of(score_surface(surface, Mapping(), CATTANEO).comparison)
+    assert discrepancy is not None
+    return list(other_problems(discrepancy, None))
 
 
 @pytest.mark.parametrize("noise", [0.0, 0.02])

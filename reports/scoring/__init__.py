@@ -14,12 +14,14 @@ solution.py        units and signs that can't be; the result as a ContactSolutio
                    friction work, by the same rule in the reference
 against.py         the score
 discrepancy.py     what is to be explained, and how much of it is noise
-causes.py          the causes, one object each: theory with the fault in it
+variants.py        half-plane theory with faults in it: tractions of a result with just these
+causes.py          the causes, one object each: what it changes in theory, where its search starts
 cells.py           contact on cells: faces with a layer between them, bodies that are not alike
 traces.py          findings that rows show without theory: full slip, creep, scatter
 other_problems.py  tractions of problems that the suite does not solve: signatures in the rows
 fits.py            sizes of causes by least squares, what they leave, whether by chance
 judgement.py       the order of evidence: pressure, then shear; which causes explain both
+causes_in_words.py a cause in a sentence: what it is, how large, what to do
 diagnosis.py       the findings in sentences, with their evidence and what is excluded
 loops.py           a rig's loop of Q over U: the f that fits it, its interval, the engines' loops
 loop_branches.py   turning points of Q, the branch of each row, area of the rows

@@ -1,8 +1,5 @@
-"""The causes that `score` can name, one object each: what it changes, and what shows it.
-
-A cause acts on a `Variant`, half-plane theory of the scene told otherwise. A `Variant` is solved
-and transformed into the tractions that a result with just these faults has, so that two causes at
-once are one `Variant` as well.
+"""The causes that `score` can name, one object each: what it changes in a `Variant` of theory, and
+from which sizes its search starts.
 
 # notation: P, Q loads, p pressure, q shear, f friction coefficient, a half-width, E* modulus
 """
@@ -11,53 +8,20 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-import semi_analytic
-from reports.scoring.cells import pressure_on_layer, shear_by_coupling
-from reports.scoring.discrepancy import (
-    PRESSURE,
-    SHEAR,
-    Discrepancy,
-    Tractions,
-    fraction_of_cycle,
-    pair,
-)
-from scenes import (
-    BodyEffects,
-    Estimate,
-    InputError,
-    LineOfAction,
-    Materials,
-    PolygonLoad,
-    Scene,
-    Wave,
-    WaveSum,
-)
-from scenes.array_types import Array
-from semi_analytic.bulk_and_tilt import one_curve
-from semi_analytic.elasticity import composite_modulus
-from semi_analytic.profiles import contact_of
+from reports.scoring.discrepancy import PRESSURE, SHEAR, Discrepancy
+from reports.scoring.variants import Variant, wrong_loads
+from scenes import InputError
 
-# Revolution of the steady cycle on which delayed instants are looked up: after two all paths of the
-# library repeat.
-_STEADY = 2
 # Half-widths over which the points of a file lie where its nodes may be too coarse to show more
 # than nodal forces.
 _FINE_ELEMENTS = 12.0
-# Places between two nodes at which theory is averaged.
-_BETWEEN_NODES = 48
-# Height of the two blocks [a_ref] whose numbers, times their figure, are those of bodies too small:
-# curvatures go as one over the square of the height.
-BLOCK_HEIGHT = 5.0
-# Largest share of them: blocks of height 1.8 a_ref, no higher than the contact is wide.
+# Largest share of what blocks of `BLOCK_HEIGHT` add: blocks of height 1.8 a_ref, no higher than the
+# contact is wide.
 _NEAREST_BODY = 8.0
-# Steps of a revolution that cells follow: legs of two, three or four a cycle end on them.
-_STEPS_A_CYCLE = 24
 # Dundurs' constants that are tried first: 0.5 is the largest of all.
 _BETAS = (-0.15, 0.15)
 _LARGEST_BETA = 0.5
@@ -76,9 +40,6 @@ _NEAR = 0.02
 _NEAR_OF_UNITS = 0.25
 # Logarithm of the largest factor of units.
 _UNITS = 25.0
-# Loads that differ by less than this share of the largest P are one: those of one revolution and
-# the next differ by rounding.
-_SAME_LOAD = 1e-9
 # Longest cycle, in steps, whose steps may be too long as a solver takes them whose law holds at
 # their ends.
 _MOST_STEPS = 64
@@ -86,369 +47,6 @@ _MOST_STEPS = 64
 _START = 0.02
 
 
-# ------------------------------------------------------------------------- theory, told otherwise
-@dataclass(frozen=True)
-class Variant:
-    """Half-plane theory of the scene with faults in it; as it stands, it has none.
-
-    Attributes
-    ----------
-    stiffness, friction
-        factors of E* and f
-    delay
-        share of a period by which the tractions are late
-    wrong_load
-        the key of a bulk stress or tilt that is turned or left out
-    history
-        "first revolution", "no memory", "straight steps", "end of steps": what is done to the
-        history of friction
-    small_body
-        share of the curvatures that two blocks of height `BLOCK_HEIGHT` a_ref add
-    soft_normal
-        compliance of a layer that the faces sink into by p/k, 1/k over a_ref/E*; it acts on the
-        pressure, and the shear stays that of theory
-    beta
-        Dundurs' constant of the bodies
-    odd
-        whether all is changed that is odd in x
-    on_mesh
-        whether tractions are nodal forces over the spacing
-    stretch, offset
-        x of the file is stretch x + offset a_ref
-    pressure_factor, shear_factor
-        of the tractions in the file
-    swapped
-        whether pressure and shear are exchanged
-    """
-
-    stiffness: float = 1.0
-    friction: float = 1.0
-    delay: float = 0.0
-    wrong_load: str = ""
-    history: str = ""
-    small_body: float = 0.0
-    soft_normal: float = 0.0
-    beta: float = 0.0
-    odd: bool = False
-    on_mesh: bool = False
-    stretch: float = 1.0
-    offset: float = 0.0
-    pressure_factor: float = 1.0
-    shear_factor: float = 1.0
-    swapped: bool = False
-
-
-@dataclass(frozen=True, eq=False)
-class Predictions:
-    """Tractions of variants at the points and instants of a discrepancy, each solved once."""
-
-    what: Discrepancy
-    solved: dict[tuple[Variant, bool], Tractions] = field(default_factory=dict)
-
-    def of(self, variant: Variant, *, sheared: bool = True) -> Tractions:
-        """(2, k, n): p and q that a result with these faults has; q is the expected one unless
-        `sheared`.
-
-        The pressure alone needs no history of friction, and is solved in a tenth of the time.
-
-        Raises
-        ------
-        InputError
-            Where there is no such solution: gross sliding, separation; and where it takes a grid,
-            whose seconds are too many for a search.
-        """
-        question = replace(variant, pressure_factor=1.0, shear_factor=1.0, swapped=False, odd=False)
-        needs_shear = sheared or variant.swapped
-        if (question, needs_shear) not in self.solved:
-            self.solved[question, needs_shear] = self._solved(question, sheared=needs_shear)
-        tractions = self.solved[question, needs_shear]
-        if variant.swapped:
-            tractions = tractions[::-1]
-        tractions = pair(variant.pressure_factor, variant.shear_factor) * tractions
-        if variant.odd:
-            tractions = tractions + self._odd_part(self.what.found - tractions, variant.offset)
-        return tractions
-
-    def _odd_part(self, difference: Tractions, offset: float) -> Tractions:
-        """Half of a difference minus its mirror image about the centre of the contact.
-
-        Between like, symmetric bodies nothing is odd, whatever the loads and the history.
-        """
-        x = self.what.x
-        mirrored_x = 2 * offset * self.what.half_width - x
-        mirrored = np.apply_along_axis(lambda row: np.interp(mirrored_x, x, row), 2, difference)
-        return (difference - mirrored) / 2
-
-    def _solved(self, variant: Variant, *, sheared: bool) -> Tractions:
-        if variant == Variant():
-            return self.what.expected
-        x = (self.what.x - variant.offset * self.what.half_width) / variant.stretch
-        if variant.on_mesh:
-            fine, weights = _shape_functions(x)
-            tractions = self._theory(variant, fine, sheared=sheared) @ weights
-        else:
-            tractions = self._theory(variant, x, sheared=sheared)
-        if not self.what.exact:
-            theory = self._theory(Variant(), self.what.x, sheared=sheared)
-            tractions = tractions + (self.what.expected[: len(tractions)] - theory)
-        if not sheared:
-            tractions = np.array([tractions[PRESSURE], self.what.expected[SHEAR]])
-        return tractions
-
-    def _theory(self, variant: Variant, x: Array, *, sheared: bool) -> Tractions:
-        """p, and q if `sheared`, at x, before the file's own faults."""
-        what = self.what
-        scene = what.scene
-        if variant.wrong_load:
-            scene = scene.vary(load=wrong_loads(scene)[variant.wrong_load])
-        if variant.stiffness != 1.0:
-            scene = stiffer(scene, variant.stiffness)
-        if variant.friction != 1.0:
-            scene = with_friction(scene, variant.friction * scene.friction.coefficient)
-        path = scene.load.path()
-        time = what.time
-        if variant.delay:
-            assert path.period is not None
-            fraction = np.mod(what.fraction - variant.delay, 1.0)
-            time = path.cycle_start + (_STEADY + fraction) * path.period
-        match variant.history:
-            case "first revolution":
-                assert path.period is not None
-                later = np.where(what.fraction > 1, what.fraction - 1, what.fraction)
-                time = path.cycle_start + np.minimum(later, 1 - 1e-12) * path.period
-            case "no memory" if sheared:
-                return _without_memory(scene, x, time)
-            case "straight steps" | "end of steps" if sheared:
-                return _long_steps(what, scene, x, of_ends=variant.history == "end of steps")
-        effects = None
-        if variant.small_body < 0 or variant.soft_normal < 0:
-            raise InputError("a body of negative height, a layer of negative compliance")
-        if variant.small_body:
-            effects = _of_blocks(what, scene, variant.small_body)
-        if not sheared:
-            layer = variant.soft_normal * what.half_width / composite_modulus(what.scene.material)
-            return self._pressure(scene, x, time, effects, layer)[None]
-        if variant.soft_normal:
-            pressure = self._theory(variant, x, sheared=False)[PRESSURE]
-            return np.array(
-                [pressure, self._theory(replace(variant, soft_normal=0.0), x, sheared=True)[SHEAR]]
-            )
-        if scene.unsymmetric and one_curve(scene) is None:
-            raise InputError("its memory of friction is no one curve: not looked for")
-        tractions = _tractions(scene, x, time, effects=effects)
-        if variant.beta:
-            loads, rows = _steps(scene, time)
-            tractions[SHEAR] += shear_by_coupling(scene, x, loads, rows, variant.beta)
-        return tractions
-
-    def _pressure(
-        self, scene: Scene, x: Array, time: Array, effects: BodyEffects | None, layer: float
-    ) -> Array:
-        """(k, n) p at instants, which depends on P alone where nothing tilts the contact."""
-        if effects is not None or scene.load.is_driven or self.what.comparison.turned:
-            return _tractions(scene, x, time, effects=effects, fields=("pressure",))[PRESSURE]
-        normal_load = np.asarray(scene.load.path().at(time)[0])
-        contact = contact_of(scene.profile, scene.material)
-        if layer:
-            return pressure_on_layer(scene, x, normal_load, layer)
-        return contact.pressure(x, normal_load[:, None])
-
-
-def _shape_functions(nodes: Array) -> tuple[Array, Array]:
-    """Places between nodes, (m,), and weights (m, n) of the values there in the nodal force of each
-    node over its length, for linear elements.
-    """
-    spacings = np.diff(nodes)
-    left = np.concatenate([spacings[:1], spacings])
-    right = np.concatenate([spacings, spacings[-1:]])
-    ends = np.concatenate([[nodes[0] - left[0]], nodes, [nodes[-1] + right[-1]]])
-    share = np.arange(_BETWEEN_NODES) / _BETWEEN_NODES
-    places = (ends[:-1, None] + np.diff(ends)[:, None] * share).ravel()
-    distance = places[:, None] - nodes
-    shape = np.maximum(1 - np.where(distance > 0, distance / right, -distance / left), 0.0)
-    lengths = np.repeat(np.diff(ends) / _BETWEEN_NODES, _BETWEEN_NODES)
-    return places, shape * lengths[:, None] / ((left + right) / 2)
-
-
-def _tractions(
-    scene: Scene,
-    x: Array,
-    time: Array,
-    *,
-    effects: BodyEffects | None = None,
-    straight: bool = False,
-    fields: tuple[str, ...] = ("pressure", "shear"),
-) -> Tractions:
-    """p and q of half-plane theory at x and at times in any order."""
-    times, places = np.unique(time, return_inverse=True)
-    answer = semi_analytic.solve(
-        scene,
-        x=x,
-        time=times,
-        fields=fields,
-        effects=effects,
-        straight_steps=straight,
-    )
-    return np.array([answer.pressure[places], answer.shear[places]])
-
-
-def _steps(scene: Scene, time: Array) -> tuple[Array, NDArray[np.intp]]:
-    """P and Q (n, 2) of steps along the path, its second revolution the last, and the (k,) rows of
-    the instants.
-    """
-    path = scene.load.path()
-    if path.period is None:
-        wanted = time
-        times = np.linspace(path.start, time.max(), 2 * _STEPS_A_CYCLE)
-    else:
-        wanted = path.cycle_start + path.period * (
-            1 + np.mod((time - path.cycle_start) / path.period, 1.0)
-        )
-        times = np.concatenate(
-            [
-                np.linspace(path.start, path.cycle_start, _STEPS_A_CYCLE // 3 + 1),
-                path.cycle_start + path.period * np.linspace(0, 2, 2 * _STEPS_A_CYCLE + 1),
-            ]
-        )
-    times = np.unique(np.concatenate([times[times > path.start], wanted]))
-    return np.transpose(path.at(times)), np.searchsorted(times, wanted)
-
-
-def _of_blocks(what: Discrepancy, scene: Scene, share: float) -> BodyEffects:
-    """Curvatures that two equal blocks add, times `share`.
-
-    Curvature of the gap per P, and of the tangential displacement per Q, of two blocks twice as
-    wide as high (H): `halfplane_fe.body_effects` gives 0.4918 and 0.8069 of A/H^2 for any H, with
-    A = 2/E* and nu = 0.3.
-    """
-    height = BLOCK_HEIGHT * what.half_width
-    unit = share * what.comparison.scales.compliance / height**2
-    return BodyEffects(
-        datum_length=scene.profile.datum_length,
-        normal_curvature=Estimate(_NORMAL_CURVATURE * unit),
-        tangential_curvature=Estimate(_TANGENTIAL_CURVATURE * unit),
-    )
-
-
-# See `_of_blocks`.
-_NORMAL_CURVATURE = 0.4918
-_TANGENTIAL_CURVATURE = 0.8069
-
-
-def _without_memory(scene: Scene, x: Array, time: Array) -> Tractions:
-    """Cattaneo's first loading at every instant: q = sign(Q) f [p(x, P) - p(x, P - |Q|/f)].
-
-    Raises
-    ------
-    InputError
-        Where the loads slide.
-    """
-    f = scene.friction.coefficient
-    normal, tangential = (np.asarray(load)[:, None] for load in scene.load.path().at(time))
-    stuck = normal - np.abs(tangential) / f
-    if not np.all(stuck > 0):
-        raise InputError("the loads slide")
-    contact = contact_of(scene.profile, scene.material)
-    pressure = contact.pressure(x, normal)
-    shear = np.sign(tangential) * f * (pressure - contact.pressure(x, stuck))
-    return np.array([pressure, shear])
-
-
-def _long_steps(what: Discrepancy, scene: Scene, x: Array, *, of_ends: bool) -> Tractions:
-    """The result's increments in place of the path: straight lines, or (`of_ends`) as a solver
-    takes them whose law holds at their ends.
-
-    While P rises such an increment is that of P first and then that of Q at the new pressure; while
-    P falls it is a straight line. Finite elements in steps that end on no event follow it to 0.983
-    of the discrepancy at 48 steps a cycle, to 0.9999 at 4.
-    """
-    path = scene.load.path()
-    assert path.period is not None
-    own = what.comparison.found
-    whole = what.comparison.result.time
-    times = whole[whole <= own.time[-1]]
-    wanted = what.time
-    if whole[0] > path.cycle_start:  # the cycle alone: twice, after the initial loading
-        fraction = fraction_of_cycle(what.comparison)
-        cycles = [path.cycle_start + (turn + fraction) * path.period for turn in (0, 1)]
-        times = np.concatenate([np.linspace(path.start, path.cycle_start, 9), *cycles])
-        wanted = path.cycle_start + (1 + what.fraction) * path.period
-    times = np.unique(times[times > path.start])
-    places = np.abs(times[:, None] - wanted).argmin(axis=0)
-    if not of_ends:
-        return _tractions(scene, x, times, straight=True)[:, places]
-    points = [(0.0, 0.0)]
-    ends = []
-    least = _SAME_LOAD * float(np.max(path.at(times)[0]))
-    for normal, tangential in np.transpose(path.at(times)).tolist():
-        corner = (normal, points[-1][1])
-        end = (normal, tangential)
-        for point in (corner, end) if normal > points[-1][0] else (end,):
-            if max(abs(point[0] - points[-1][0]), abs(point[1] - points[-1][1])) > least:
-                points.append(point)
-        ends.append(float(len(points) - 1))  # a polygon takes one unit of time a leg
-    stepped = scene.vary(load=PolygonLoad(initial_loading=tuple(points[1:])))
-    return _tractions(stepped, x, np.array(ends)[places])
-
-
-# ---------------------------------------------------------------------------- changes of a scene
-def stiffer(scene: Scene, factor: float) -> Scene:
-    """E* times `factor`."""
-    upper, lower = (
-        body.vary(young_modulus=factor * body.young_modulus)
-        for body in (scene.material.upper, scene.material.lower)
-    )
-    return scene.vary(material=Materials(upper=upper, lower=lower))
-
-
-def with_friction(scene: Scene, coefficient: float) -> Scene:
-    """The scene with another f."""
-    return scene.vary(friction=coefficient)
-
-
-def wrong_loads(scene: Scene) -> dict[str, dict[str, Any]]:
-    """Changes of the load: bulk stress, or tilt, of the other sign, and left out."""
-    changes = {}
-    for name, keys in (
-        ("bulk", ("bulk_stress_lower", "bulk_stress_upper")),
-        ("tilt", ("tilt", "moment", "line_of_action")),
-    ):
-        stated = {key: value for key in keys if (value := getattr(scene.load, key)) is not None}
-        if stated:
-            changes[f"{name}_sign"] = {key: _turned(value) for key, value in stated.items()}
-            changes[f"{name}_left_out"] = dict.fromkeys(stated)
-    return changes
-
-
-def _turned(value: Any) -> Any:
-    """A bulk stress, tilt or moment of the other sign, in the form that it was stated in.
-
-    >>> _turned(0.5), _turned((0.0, 2.0)), _turned(LineOfAction(x=1.0, height=3.0))
-    (-0.5, (-0.0, -2.0), LineOfAction(x=-1.0, height=-3.0))
-    """
-    match value:
-        case Wave():
-            phase = value.phase_degrees + (180 if value.phase_degrees <= 0 else -180)
-            return value.vary(
-                mean=-value.mean,
-                phase_degrees=phase,
-                initial_loading=_turned(value.initial_loading),
-            )
-        case WaveSum():
-            waves = tuple((amplitude, phase + 180) for amplitude, phase in value.harmonics)
-            return value.vary(
-                mean=-value.mean, harmonics=waves, initial_loading=_turned(value.initial_loading)
-            )
-        case LineOfAction():
-            return value.vary(x=-value.x, height=-value.height)
-        case tuple():
-            return tuple(-one for one in value)
-        case _ if callable(value):
-            return lambda time: -value(time)
-    return -value
-
-
-# ------------------------------------------------------------------------------------- the causes
 @dataclass(frozen=True)
 class Cause:
     """A fault that a result may have.
@@ -484,18 +82,18 @@ class Cause:
     largest: float = 3.5
 
 
-def _moments(what: Discrepancy) -> tuple[float, float, float]:
+def _moments(discrepancy: Discrepancy) -> tuple[float, float, float]:
     """Of the pressure found over that expected: factor of the sum, factor of the width, and the
     distance of the centroids [length].
     """
     sums = []
-    for pressure in (what.found[PRESSURE], what.expected[PRESSURE]):
-        weight = what.weight * np.maximum(pressure, 0.0)
+    for pressure in (discrepancy.found[PRESSURE], discrepancy.expected[PRESSURE]):
+        weight = discrepancy.weight * np.maximum(pressure, 0.0)
         total = float(weight.sum())
         if not total:
             return 1.0, 1.0, 0.0
-        centre = float(np.sum(weight * what.x)) / total
-        width = float(np.sqrt(np.sum(weight * (what.x - centre) ** 2) / total))
+        centre = float(np.sum(weight * discrepancy.x)) / total
+        width = float(np.sqrt(np.sum(weight * (discrepancy.x - centre) ** 2) / total))
         sums.append((total, centre, width))
     (total, centre, width), (total_expected, centre_expected, width_expected) = sums
     wider = width / width_expected if width and width_expected else 1.0
@@ -506,19 +104,19 @@ def _away_from_zero(value: float) -> float:
     return value if abs(value) > _START else float(np.copysign(_START, value))
 
 
-def _of_stiffness(what: Discrepancy) -> Sequence[float]:
-    _, wider, _ = _moments(what)
+def _of_stiffness(discrepancy: Discrepancy) -> Sequence[float]:
+    _, wider, _ = _moments(discrepancy)
     return (_away_from_zero(-2 * np.log(wider)),)
 
 
-def _of_factor(what: Discrepancy) -> Sequence[float]:
-    ratio, _, _ = _moments(what)
+def _of_factor(discrepancy: Discrepancy) -> Sequence[float]:
+    ratio, _, _ = _moments(discrepancy)
     return (_away_from_zero(np.log(ratio)),)
 
 
-def _of_units(what: Discrepancy) -> Sequence[float]:
+def _of_units(discrepancy: Discrepancy) -> Sequence[float]:
     """The power of ten that the sum of the pressures is near to."""
-    ratio, _, _ = _moments(what)
+    ratio, _, _ = _moments(discrepancy)
     power = round_power(ratio)
     return () if power is None else (float(np.log(power)),)
 
@@ -534,69 +132,75 @@ def round_power(factor: float) -> float | None:
     return float(10.0**order)
 
 
-def _of_pressure_alone(what: Discrepancy) -> Sequence[float]:
+def _of_pressure_alone(discrepancy: Discrepancy) -> Sequence[float]:
     """Under a wrong factor of the pressure the shear is right."""
-    right = what.is_within(SHEAR) or what.residual(what.expected, SHEAR).is_noise
-    return _of_factor(what) if right and _slips(what) else ()
+    right = (
+        discrepancy.is_within(SHEAR) or discrepancy.residual(discrepancy.expected, SHEAR).is_noise
+    )
+    return _of_factor(discrepancy) if right and _slips(discrepancy) else ()
 
 
-def _of_stretch(what: Discrepancy) -> Sequence[float]:
-    _, wider, _ = _moments(what)
+def _of_stretch(discrepancy: Discrepancy) -> Sequence[float]:
+    _, wider, _ = _moments(discrepancy)
     return (_away_from_zero(np.log(wider)),)
 
 
-def _of_offset(what: Discrepancy) -> Sequence[float]:
-    _, _, shift = _moments(what)
-    limit = 2 * what.half_width
-    return (float(np.clip(shift, -limit, limit)) / what.half_width or _START,)
+def _of_offset(discrepancy: Discrepancy) -> Sequence[float]:
+    _, _, shift = _moments(discrepancy)
+    limit = 2 * discrepancy.half_width
+    return (float(np.clip(shift, -limit, limit)) / discrepancy.half_width or _START,)
 
 
-def _slips(what: Discrepancy) -> bool:
+def _slips(discrepancy: Discrepancy) -> bool:
     """Whether the file and the scene have a shear."""
-    return bool(what.sheared and what.scene.friction.coefficient and np.any(what.expected[SHEAR]))
+    return bool(
+        discrepancy.sheared
+        and discrepancy.scene.friction.coefficient
+        and np.any(discrepancy.expected[SHEAR])
+    )
 
 
 def _where_it_slips(*starts: float) -> Callable[[Discrepancy], Sequence[float]]:
-    return lambda what: starts if _slips(what) else ()
+    return lambda discrepancy: starts if _slips(discrepancy) else ()
 
 
-def _of_delay(what: Discrepancy) -> Sequence[float]:
-    return _DELAYS if what.on_cycle and len(what.rows) >= 4 else ()
+def _of_delay(discrepancy: Discrepancy) -> Sequence[float]:
+    return _DELAYS if discrepancy.on_cycle and len(discrepancy.rows) >= 4 else ()
 
 
-def _of_cycle(what: Discrepancy) -> Sequence[float]:
-    return (1.0,) if _slips(what) and what.on_cycle else ()
+def _of_cycle(discrepancy: Discrepancy) -> Sequence[float]:
+    return (1.0,) if _slips(discrepancy) and discrepancy.on_cycle else ()
 
 
-def _of_ends(what: Discrepancy) -> Sequence[float]:
-    short = len(what.comparison.found.time) - 1 <= _MOST_STEPS
-    return (1.0,) if _of_cycle(what) and short and not what.unsymmetric else ()
+def _of_ends(discrepancy: Discrepancy) -> Sequence[float]:
+    short = len(discrepancy.comparison.found.time) - 1 <= _MOST_STEPS
+    return (1.0,) if _of_cycle(discrepancy) and short and not discrepancy.unsymmetric else ()
 
 
-def _of_mesh(what: Discrepancy) -> Sequence[float]:
-    return (1.0,) if what.elements < _FINE_ELEMENTS else ()
+def _of_mesh(discrepancy: Discrepancy) -> Sequence[float]:
+    return (1.0,) if discrepancy.elements < _FINE_ELEMENTS else ()
 
 
-def _of_body(what: Discrepancy) -> Sequence[float]:
-    return () if what.unsymmetric else (0.5,)
+def _of_body(discrepancy: Discrepancy) -> Sequence[float]:
+    return () if discrepancy.unsymmetric else (0.5,)
 
 
-def _of_layer(what: Discrepancy) -> Sequence[float]:
+def _of_layer(discrepancy: Discrepancy) -> Sequence[float]:
     """Of a contact that is wider than theory's, by both moments."""
-    _, wider, _ = _moments(what)
-    return _LAYERS if wider > 1 and not what.unsymmetric else ()
+    _, wider, _ = _moments(discrepancy)
+    return _LAYERS if wider > 1 and not discrepancy.unsymmetric else ()
 
 
-def _of_coupling(what: Discrepancy) -> Sequence[float]:
-    shear = what.sheared and bool(what.scene.friction.coefficient)
-    possible = shear and not what.unsymmetric and not what.scene.load.is_driven
-    return _BETAS if possible and bool(np.any(what.found[SHEAR])) else ()
+def _of_coupling(discrepancy: Discrepancy) -> Sequence[float]:
+    shear = discrepancy.sheared and bool(discrepancy.scene.friction.coefficient)
+    possible = shear and not discrepancy.unsymmetric and not discrepancy.scene.load.is_driven
+    return _BETAS if possible and bool(np.any(discrepancy.found[SHEAR])) else ()
 
 
 def _of_wrong_load(key: str) -> Callable[[Discrepancy], Sequence[float]]:
-    def starts(what: Discrepancy) -> Sequence[float]:
+    def starts(discrepancy: Discrepancy) -> Sequence[float]:
         with contextlib.suppress(InputError):
-            return (1.0,) if key in wrong_loads(what.scene) else ()
+            return (1.0,) if key in wrong_loads(discrepancy.scene) else ()
         return ()
 
     return starts
@@ -685,7 +289,7 @@ COUPLING = Cause(
 ODD_PART = Cause(
     "coupling",
     lambda variant, _: replace(variant, odd=True),
-    lambda what: (1.0,) if _of_coupling(what) else (),
+    lambda discrepancy: (1.0,) if _of_coupling(discrepancy) else (),
     channel=SHEAR,
     sized=False,
 )
@@ -747,8 +351,8 @@ def _of_load(key: str) -> Cause:
     )
 
 
-def _with_memory(what: Discrepancy) -> Sequence[float]:
-    return (1.0,) if _slips(what) and not what.unsymmetric else ()
+def _with_memory(discrepancy: Discrepancy) -> Sequence[float]:
+    return (1.0,) if _slips(discrepancy) and not discrepancy.unsymmetric else ()
 
 
 CAUSES = (

@@ -275,7 +275,7 @@ def pair(of_pressure: float, of_shear: float) -> Array:
     return np.array([of_pressure, of_shear], dtype=float)[:, None, None]
 
 
-def discrepancy(comparison: Comparison) -> Discrepancy | None:
+def discrepancy_of(comparison: Comparison) -> Discrepancy | None:
     """The discrepancy of `comparison`; None where the result has no instant with a contact or not
     one number.
     """

@@ -13,8 +13,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from reports.scoring.causes import CAUSES, ODD_PART, Cause, Predictions, Variant
+from reports.scoring.causes import CAUSES, ODD_PART, Cause
 from reports.scoring.discrepancy import PRESSURE, SHEAR, Discrepancy, Residual, Tractions
+from reports.scoring.variants import Predictions, Variant
 from scenes import InputError
 from scenes.array_types import Array
 
@@ -107,7 +108,7 @@ class Fit:
 class Search:
     """Fits of causes to a discrepancy, each done once."""
 
-    what: Discrepancy
+    discrepancy: Discrepancy
     predictions: Predictions
     done: dict[object, Fit | None] = field(default_factory=dict)
 
@@ -130,13 +131,16 @@ class Search:
     def _fitted(
         self, causes: tuple[Cause, ...], channels: tuple[int, ...], known: tuple[float, ...]
     ) -> Fit | None:
+        """The best of all starts, from which least squares go on in two searches: a rough one, and
+        a close one where the rough one is worth it.
+        """
         searched = causes[len(known) :]
         starts: list[tuple[float, ...]] = [(size,) for size in known]
         starts += [self._starts(cause, searched, channels) for cause in searched]
         if not all(starts):
             return None
         trials = list(itertools.product(*starts))
-        squares = [float(np.sum(self._left(causes, sizes, channels) ** 2)) for sizes in trials]
+        squares = [float(np.sum(self._residuals(causes, sizes, channels) ** 2)) for sizes in trials]
         sizes = trials[int(np.argmin(squares))]
         if min(squares) >= _NO_SOLUTION**2:
             return None
@@ -144,12 +148,12 @@ class Search:
             place for place, cause in enumerate(causes) if cause.sized and place >= len(known)
         ]
         if fitted:
-            sizes = self._searched(causes, sizes, fitted, channels, _ROUGH)
-            rough = float(np.sum(self._left(causes, sizes, channels) ** 2))
-            without = self._left((), (), channels)
+            sizes = self._least_squares(causes, sizes, fitted, channels, _ROUGH)
+            rough = float(np.sum(self._residuals(causes, sizes, channels) ** 2))
+            without = self._residuals((), (), channels)
             if rough <= _HOPELESS**2 * float(np.sum(without**2)):
-                sizes = self._searched(causes, sizes, fitted, channels, _CLOSE)
-        return self._made(causes, sizes, channels)
+                sizes = self._least_squares(causes, sizes, fitted, channels, _CLOSE)
+        return self._fit_of(causes, sizes, channels)
 
     def refined(
         self, causes: tuple[Cause, ...], sizes: tuple[float, ...], channels: tuple[int, ...]
@@ -157,14 +161,14 @@ class Search:
         """All sizes fitted at once, from these on."""
         fitted = [place for place, cause in enumerate(causes) if cause.sized]
         if fitted:
-            sizes = self._searched(causes, sizes, fitted, channels, _CLOSE)
-        return self._made(causes, sizes, channels)
+            sizes = self._least_squares(causes, sizes, fitted, channels, _CLOSE)
+        return self._fit_of(causes, sizes, channels)
 
     def _starts(
         self, cause: Cause, searched: tuple[Cause, ...], channels: tuple[int, ...]
     ) -> tuple[float, ...]:
         """Sizes at which a search starts: beside another cause, the size fitted alone as well."""
-        starts = tuple(cause.starts(self.what))
+        starts = tuple(cause.starts(self.discrepancy))
         if len(searched) == 1 or not starts or not cause.sized:
             return starts
         alone = self.fit((cause,), channels)
@@ -174,7 +178,7 @@ class Search:
             return (*starts[::_STRIDE], alone.sizes[0])
         return (alone.sizes[0],) if len(starts) > 1 else (*starts, alone.sizes[0])
 
-    def _searched(
+    def _least_squares(
         self,
         causes: tuple[Cause, ...],
         sizes: tuple[float, ...],
@@ -191,8 +195,8 @@ class Search:
                 trial[place] = float(value)
             return tuple(trial)
 
-        found = least_squares(
-            lambda values: self._left(causes, completed(values), channels),
+        solution = least_squares(
+            lambda values: self._residuals(causes, completed(values), channels),
             [sizes[place] for place in fitted],
             method="lm",
             diff_step=1e-5,
@@ -201,20 +205,22 @@ class Search:
             x_scale=np.full(len(fitted), 0.1),
             max_nfev=_MOST_CALLS,
         )
-        return completed(found.x)
+        return completed(solution.x)
 
-    def _left(
+    def _residuals(
         self, causes: tuple[Cause, ...], sizes: tuple[float, ...], channels: tuple[int, ...]
     ) -> Array:
         """Weighted residuals, flat; large where there is no solution."""
-        size = self.what.weight.size
+        size = self.discrepancy.weight.size
         try:
             predicted = self._predicted(causes, sizes, channels)
         except InputError:  # gross sliding, separation, a size that means nothing
             return np.full(size * len(channels), _NO_SOLUTION)
-        weight = np.sqrt(self.what.weight)
+        weight = np.sqrt(self.discrepancy.weight)
         parts = [
-            weight * (self.what.found[channel] - predicted[channel]) / self.what.units[channel]
+            weight
+            * (self.discrepancy.found[channel] - predicted[channel])
+            / self.discrepancy.units[channel]
             for channel in channels
         ]
         return np.nan_to_num(np.concatenate([part.ravel() for part in parts]), nan=_NO_SOLUTION)
@@ -229,16 +235,16 @@ class Search:
             variant = cause.change(variant, size)
         return self.predictions.of(variant, sheared=SHEAR in channels)
 
-    def _made(
+    def _fit_of(
         self, causes: tuple[Cause, ...], sizes: tuple[float, ...], channels: tuple[int, ...]
     ) -> Fit | None:
         try:
             predicted = self._predicted(causes, sizes, channels)
         except InputError:
             return None
-        friction = self.what.comparison.scales.friction
+        friction = self.discrepancy.comparison.scales.friction
         noisier = _NOISIER / friction if friction else np.inf
-        return Fit(causes, sizes, predicted, self.what.residuals(predicted), noisier)
+        return Fit(causes, sizes, predicted, self.discrepancy.residuals(predicted), noisier)
 
 
 def share_left(fit: Fit, before: Fit, channels: Sequence[int]) -> float:

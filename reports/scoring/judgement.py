@@ -84,55 +84,61 @@ class Verdict:
         the causes that are named; None if none is
     rivals
         other explanations that the file does not tell apart from it
-    unexplained
-        whether part of the difference has no cause yet
+    is_shear_left
+        whether the causes explain the pressure alone, and the shear differs for another reason
     """
 
     fit: Fit | None
     rivals: tuple[Fit, ...] = ()
-    unexplained: bool = False
+    is_shear_left: bool = False
 
 
 @dataclass(frozen=True, eq=False)
-class Judge:
-    """The order of evidence, on one discrepancy."""
+class Judgement:
+    """The order of evidence, on one discrepancy.
 
-    what: Discrepancy
+    Attributes
+    ----------
+    discrepancy
+        what is to be explained
+    search
+        the fits of causes to it
+    excluded
+        key of a cause -> what in the rows excludes it, filled while causes are tried
+    """
+
+    discrepancy: Discrepancy
     search: Search
     excluded: dict[str, str] = field(default_factory=dict)
 
     @property
     def channels(self) -> tuple[int, ...]:
         """Pressure, and shear where the file has one."""
-        return (PRESSURE, SHEAR) if self.what.sheared else (PRESSURE,)
+        return (PRESSURE, SHEAR) if self.discrepancy.sheared else (PRESSURE,)
 
     @property
-    def without(self) -> Fit:
-        """No cause."""
-        nothing = self.search.fit((), self.channels)
-        assert nothing is not None
-        return nothing
+    def no_cause(self) -> Fit:
+        """The fit of no cause: it leaves the whole difference."""
+        fit = self.search.fit((), self.channels)
+        assert fit is not None
+        return fit
 
     def verdict(self) -> Verdict:
         """Pressure first, then shear; of several explanations the one that leaves least."""
-        of_pressure = self._of_pressure()
-        whole: list[Fit] = []
-        partly: list[Fit] = []
-        for start in of_pressure:
-            explained, rest = self._with_shear(start)
-            whole += explained
-            if rest is not None:
-                partly.append(rest)
-        stiffer = [fit for fit in partly if "stiffness" in fit.keys]
-        if not whole and stiffer:
-            # Under a constant P a base that is near moves the pressure as another radius does.
-            others = tuple(cause for cause in stiffer[0].causes if cause.group != "size")
-            for start in self._explanations([(SMALL_BODY, *others)], self.without, (PRESSURE,)):
-                whole += self._with_shear(start)[0]
-        whole += self._jointly(of_pressure, whole)
-        candidates = whole or [fit for fit in partly if fit.causes]
+        pressure_fits = self._fits_of_pressure()
+        explanations: list[Fit] = []
+        of_pressure_alone: list[Fit] = []
+        for pressure_fit in pressure_fits:
+            of_both = self._with_shear(pressure_fit)
+            explanations += of_both
+            if not of_both:
+                of_pressure_alone += self._named_alone(pressure_fit)
+        if not explanations:
+            explanations += self._with_small_body(of_pressure_alone)
+        explanations += self._fitted_jointly(pressure_fits, explanations)
+        candidates = explanations or of_pressure_alone
         if not candidates:
-            return Verdict(None, unexplained=True)
+            return Verdict(None)
         # A cause that needs a size to do what another does without is no rival: a tilt of a
         # parabola is an offset of just that size, half a cycle late is the other sign of Q.
         least = min(candidates, key=lambda fit: fit.square(self.channels))
@@ -144,38 +150,7 @@ class Judge:
             and not self._told_apart(fit, best)
             and fit.parameters <= best.parameters
         )
-        pressure_left = not self.is_right(best, PRESSURE) and not whole
-        return Verdict(best, rivals, unexplained=not whole or pressure_left)
-
-    def _jointly(self, of_pressure: Sequence[Fit], whole: Sequence[Fit]) -> list[Fit]:
-        """The best explanation, and the same with each other explanation of the pressure in it,
-        their sizes fitted to both tractions at once.
-
-        Sizes that a noisy pressure has given may be too far off for the shear to decide fairly.
-        """
-        if not whole or len(of_pressure) < 2 or not self.what.sheared:
-            return []
-        best = min(whole, key=lambda fit: fit.square(self.channels))
-        if best.square(self.channels) <= _EXACT * self.without.square(self.channels):
-            return []
-        of_best = [start for start in of_pressure if start.keys <= best.keys]
-        if not of_best:
-            return []
-        count = len(of_best[0].causes)
-        fits = []
-        for start in of_pressure:
-            causes = (*start.causes, *best.causes[count:])
-            sizes = (*start.sizes, *best.sizes[count:])
-            if _may_meet(causes):
-                fits.append(self.search.refined(causes, sizes, self.channels))
-        return [
-            fit
-            for fit in fits
-            if fit is not None
-            and not self._contradicted(fit)
-            and not _is_no_change(fit, self.without, self.channels)
-            and explains(fit, self.without, self.channels)
-        ]
+        return Verdict(best, rivals, is_shear_left=not explanations)
 
     def _rank(self, fit: Fit, least: Fit) -> tuple[bool, int, int, float]:
         """For sorting: what does as well as the best first, of these the fewest causes, then the
@@ -184,42 +159,105 @@ class Judge:
         told_apart = self._told_apart(fit, least)
         return told_apart, len(fit.causes), fit.parameters, fit.square(self.channels)
 
+    def _named_alone(self, pressure_fit: Fit) -> list[Fit]:
+        """Causes of the pressure, with what they make of the shear, that are named though the shear
+        differs for a reason that is not found; none where they leave much of the pressure.
+        """
+        if not pressure_fit.causes:
+            return []
+        fit = self.search.fit(pressure_fit.causes, self.channels, known=pressure_fit.sizes)
+        if fit is None:  # with these causes the contact slides: the shear has no theory
+            return [pressure_fit]
+        left = share_left(pressure_fit, self.no_cause, (PRESSURE,))
+        return [fit] if left <= _ALONE else []
+
+    def _with_small_body(self, pressure_fits: Sequence[Fit]) -> list[Fit]:
+        """Bodies too small in place of a factor of E* that leaves the shear unexplained: under a
+        constant P a base that is near moves the pressure as another radius does.
+        """
+        explanations = []
+        for fit in pressure_fits:
+            if "stiffness" not in fit.keys:
+                continue
+            causes = (SMALL_BODY, *_without_size(fit))
+            for small_body in self._explanations([causes], self.no_cause, (PRESSURE,)):
+                explanations += self._with_shear(small_body)
+            break
+        return explanations
+
+    def _fitted_jointly(
+        self, pressure_fits: Sequence[Fit], explanations: Sequence[Fit]
+    ) -> list[Fit]:
+        """The best explanation, and the same with each other explanation of the pressure in it,
+        their sizes fitted to both tractions at once.
+
+        Sizes that a noisy pressure has given may be too far off for the shear to decide fairly.
+        """
+        if not explanations or len(pressure_fits) < 2 or not self.discrepancy.sheared:
+            return []
+        best = min(explanations, key=lambda fit: fit.square(self.channels))
+        if best.square(self.channels) <= _EXACT * self.no_cause.square(self.channels):
+            return []
+        starts_of_best = [fit for fit in pressure_fits if fit.keys <= best.keys]
+        if not starts_of_best:
+            return []
+        count = len(starts_of_best[0].causes)
+        joint_fits = []
+        for pressure_fit in pressure_fits:
+            causes = (*pressure_fit.causes, *best.causes[count:])
+            sizes = (*pressure_fit.sizes, *best.sizes[count:])
+            if not _may_meet(causes):
+                continue
+            fit = self.search.refined(causes, sizes, self.channels)
+            if fit is None or not self._is_possible(fit, self.no_cause, self.channels):
+                continue
+            if explains(fit, self.no_cause, self.channels):
+                joint_fits.append(fit)
+        return joint_fits
+
     # ------------------------------------------------------------------------------ the pressure
-    def _of_pressure(self) -> list[Fit]:
+    def _fits_of_pressure(self) -> list[Fit]:
         """Explanations of the pressure, the best first; no cause where it is right, or where
         nothing explains it.
         """
-        channels = (PRESSURE,)
-        without = self.without
-        if self.is_right(without, PRESSURE) and self.what.is_within(PRESSURE):
-            return [without]
+        no_cause = self.no_cause
+        if self.is_right(no_cause, PRESSURE) and self.discrepancy.is_within(PRESSURE):
+            return [no_cause]
         causes = [cause for cause in CAUSES if cause.channel == PRESSURE]
-        quick = [cause for cause in causes if cause not in _OF_MODEL]
-        singles = self._explanations([(cause,) for cause in quick], without, channels)
-        singles += self._explanations(self._of_model(singles), without, channels)
-        singles.sort(key=lambda fit: fit.square(channels))
+        quick_causes = [cause for cause in causes if cause not in _OF_MODEL]
+        singles = self._explanations_of_pressure([(cause,) for cause in quick_causes])
         if singles and self.is_right(singles[0], PRESSURE):
-            return self._near(singles, channels)
-        few = without.count(channels) < _FEW_VALUES
-        if not singles and without.is_noise(channels) and not few:
-            return [without]
-        helpful = [cause for cause in quick if self._helps(cause)]
-        choices = _pairs(helpful)
-        # Behind a sign, a swap or a unit no other cause helps alone.
+            return self._near_the_best(singles)
+        is_noise = no_cause.is_noise((PRESSURE,)) and no_cause.count((PRESSURE,)) >= _FEW_VALUES
+        if not singles and is_noise:
+            return [no_cause]
+        pairs = self._explanations_of_pressure(self._pairs_worth_trying(singles, quick_causes))
+        # Few values may not show more than chance, and a pair is no way around that.
+        best_single = self._best_single(quick_causes)
+        if best_single is not None:
+            pairs = [fit for fit in pairs if self._better(fit, best_single, (PRESSURE,))]
+        return self._near_the_best(pairs or singles) or [no_cause]
+
+    def _explanations_of_pressure(self, choices: Sequence[tuple[Cause, ...]]) -> list[Fit]:
+        """Fits that explain the pressure, the best first; those of bodies and layers beside the
+        best factor.
+        """
+        fits = self._explanations(choices, self.no_cause, (PRESSURE,))
+        fits += self._explanations(self._of_model(fits), self.no_cause, (PRESSURE,))
+        return sorted(fits, key=lambda fit: fit.square((PRESSURE,)))
+
+    def _pairs_worth_trying(
+        self, singles: Sequence[Fit], quick_causes: Sequence[Cause]
+    ) -> list[tuple[Cause, ...]]:
+        """Pairs of causes that help alone; and of a cause without a size with any other, since
+        behind a sign, a swap or a unit no other one helps alone.
+        """
+        helpful = [cause for cause in quick_causes if self._helps(cause)]
+        pairs = list(itertools.combinations(helpful, 2))
         for fit in singles:
             if not fit.causes[0].sized:
-                choices += [(fit.causes[0], cause) for cause in quick if cause.sized]
-        choices = [both for both in dict.fromkeys(choices) if _may_meet(both)]
-        pairs = self._explanations(choices, without, channels)
-        pairs += self._explanations(self._of_model(pairs), without, channels)
-        # Few values may not show more than chance, and a pair is no way around that.
-        alone = [fit for fit in map(self._alone, quick) if fit is not None]
-        alone = [fit for fit in alone if share_left(fit, without, channels) < MOST_LEFT]
-        if alone:
-            least = min(alone, key=lambda fit: fit.square(channels))
-            pairs = [fit for fit in pairs if self._better(fit, least, channels)]
-        found = sorted(pairs or singles, key=lambda fit: fit.square(channels))
-        return self._near(found, channels) or [without]
+                pairs += [(fit.causes[0], cause) for cause in quick_causes if cause.sized]
+        return [pair for pair in dict.fromkeys(pairs) if _may_meet(pair)]
 
     def _helps(self, cause: Cause) -> bool:
         """Whether a cause alone leaves less of the pressure than none, so that pairs with it are
@@ -228,34 +266,40 @@ class Judge:
         fit = self.search.fit((cause,), (PRESSURE,))
         if fit is None or cause.key == "coarse_edge":
             return fit is not None
-        return share_left(fit, self.without, (PRESSURE,)) < _NO_HELP
+        return share_left(fit, self.no_cause, (PRESSURE,)) < _NO_HELP
 
-    def _alone(self, cause: Cause) -> Fit | None:
-        """Of one cause to the pressure."""
-        fit = self.search.fit((cause,), (PRESSURE,))
-        return None if fit is None or self._contradicted(fit) else fit
+    def _best_single(self, causes: Sequence[Cause]) -> Fit | None:
+        """The single cause that leaves least of the pressure, by chance or not; None where each
+        leaves a third or more.
+        """
+        possible = []
+        for cause in causes:
+            fit = self.search.fit((cause,), (PRESSURE,))
+            if fit is None or self._contradicted(fit):
+                continue
+            if share_left(fit, self.no_cause, (PRESSURE,)) < MOST_LEFT:
+                possible.append(fit)
+        return min(possible, key=lambda fit: fit.square((PRESSURE,)), default=None)
 
     def _of_model(self, fits: Sequence[Fit]) -> list[tuple[Cause, ...]]:
         """Bodies too small, or faces that sink into each other, in place of the factor of E*, loads
         or x that does best: both change widths as these do. None where that is exact.
         """
+        if not fits:
+            is_noise = self.no_cause.is_noise((PRESSURE,))
+            return [] if is_noise else [(cause,) for cause in _OF_MODEL]
         sized = [fit for fit in fits if any(cause.group == "size" for cause in fit.causes)]
-        if not sized and len(fits) == 0:
-            noise = self.without.is_noise((PRESSURE,))
-            return [] if noise else [(cause,) for cause in _OF_MODEL]
         if not sized:
             return []
         best = min(sized, key=lambda fit: fit.square((PRESSURE,)))
-        if best.square((PRESSURE,)) <= _EXACT * self.without.square((PRESSURE,)):
+        if best.square((PRESSURE,)) <= _EXACT * self.no_cause.square((PRESSURE,)):
             return []
-        others = tuple(cause for cause in best.causes if cause.group != "size")
-        return [(cause, *others) for cause in _OF_MODEL]
+        return [(cause, *_without_size(best)) for cause in _OF_MODEL]
 
-    def _near(self, fits: list[Fit], channels: Sequence[int]) -> list[Fit]:
-        """Those that the pressure does not tell apart from the best."""
-        return [fit for fit in fits if not self._told_apart(fit, fits[0], channels)][
-            :_MOST_OF_PRESSURE
-        ]
+    def _near_the_best(self, fits: Sequence[Fit]) -> list[Fit]:
+        """Those that the pressure does not tell apart from the first."""
+        near = [fit for fit in fits if not self._told_apart(fit, fits[0], (PRESSURE,))]
+        return near[:_MOST_OF_PRESSURE]
 
     def _explanations(
         self,
@@ -267,11 +311,16 @@ class Judge:
         explanations = []
         for causes in choices:
             fit = self.search.fit(causes, channels)
-            if fit is None or self._contradicted(fit) or _is_no_change(fit, before, channels):
+            if fit is None or not self._is_possible(fit, before, channels):
                 continue
             if explains(fit, before, channels):
                 explanations.append(fit)
         return explanations
+
+    # ------------------------------------------------------------------------- what rows exclude
+    def _is_possible(self, fit: Fit, before: Fit, channels: Sequence[int]) -> bool:
+        """Whether the rows do not speak against it, and its sizes are those of a fault."""
+        return not self._contradicted(fit) and not _is_no_change(fit, before, channels)
 
     def _contradicted(self, fit: Fit) -> bool:
         """Whether the sum of the pressures speaks against a factor of loads, traction or x."""
@@ -282,63 +331,65 @@ class Judge:
         ]
         if "other_times" in fit.keys:  # where P is another one
             return False
-        ratio = self.what.resultant_ratio
+        ratio = self.discrepancy.resultant_ratio
+        reason = f"the sum of the pressures is {ratio:.4g} P"
         if "coarse_edge" in fit.keys and not factors and abs(ratio - 1) > _SAME_RESULTANT:
-            self.excluded["coarse_edge"] = f"the sum of the pressures is {ratio:.4g} P"
+            self.excluded["coarse_edge"] = reason
             return True
         if len(factors) != 1 or not np.isfinite(ratio):
             return False
         if abs(ratio - 1) > _UNMOVED * abs(factors[0] - 1):
             return False
         if len(fit.causes) == 1:
-            words = f"the sum of the pressures is {ratio:.4g} P"
-            self.excluded[fit.causes[0].key] = words
+            self.excluded[fit.causes[0].key] = reason
         return True
 
     # --------------------------------------------------------------------------------- the shear
-    def _with_shear(self, start: Fit) -> tuple[list[Fit], Fit | None]:
-        """Explanations of pressure and shear that begin with `start`; and `start` itself where it
-        explains the pressure and the shear still has a difference without a cause.
+    def _with_shear(self, pressure_fit: Fit) -> list[Fit]:
+        """Explanations of pressure and shear that begin with that of the pressure, the best first.
 
         The sizes that the pressure has given are kept.
         """
-        if not self.what.sheared:
-            return ([start] if start.causes else []), None
-        channels = (PRESSURE, SHEAR)
-        before = self.search.fit(start.causes, channels, known=start.sizes)
+        if not self.discrepancy.sheared:
+            return [pressure_fit] if pressure_fit.causes else []
+        before = self.search.fit(pressure_fit.causes, (PRESSURE, SHEAR), known=pressure_fit.sizes)
         if before is None:
-            return [], start
+            return []
         if self.is_right(before, SHEAR):
-            return ([before] if before.causes else []), None
-        of_shear = [
+            return [before] if before.causes else []
+        explanations = self._causes_of_shear(before, 1)
+        if self._is_shear_explained(explanations):
+            return explanations
+        if len(before.causes) < 2:
+            coupled = self._coupled(explanations[0] if explanations else before)
+            if coupled is not None:
+                return [coupled]
+        # Friction follows the pressure: where that has no cause, no pair is looked for.
+        if not before.causes and self.is_right(pressure_fit, PRESSURE):
+            pairs = self._causes_of_shear(before, 2)
+            if explanations:
+                pairs = [fit for fit in pairs if self._better(fit, explanations[0], (SHEAR,))]
+            explanations = pairs or explanations
+        return explanations
+
+    def _is_shear_explained(self, explanations: Sequence[Fit]) -> bool:
+        """Whether the best of them leaves noise alone."""
+        return bool(explanations) and self.is_right(explanations[0], SHEAR)
+
+    def _causes_of_shear(self, before: Fit, count: int) -> list[Fit]:
+        """So many causes of the shear beside those of the pressure, two in all at most; the best
+        first.
+        """
+        if len(before.causes) + count > 2:
+            return []
+        causes = [
             cause
             for cause in CAUSES
             if (cause.channel == SHEAR and cause.key != COUPLING.key)
             or cause.key in ("other_times", "coarse_edge")
         ]
-        found: list[Fit] = []
-        # Friction follows the pressure: where that has no cause, no pair is looked for.
-        most = 2 - len(start.causes)
-        if not start.causes and not self.is_right(start, PRESSURE):
-            most = 1
-        for count in range(1, most + 1):
-            choices = [
-                (*start.causes, *chosen) for chosen in itertools.combinations(of_shear, count)
-            ]
-            fits = self._explanations_of_shear(filter(_may_meet, choices), before)
-            if found:
-                fits = [fit for fit in fits if self._better(fit, found[0], (SHEAR,))]
-            found = sorted(fits or found, key=lambda fit: fit.square((SHEAR,)))
-            if found and self.is_right(found[0], SHEAR):
-                break
-            if count == 1 and len(start.causes) < 2:
-                coupled = self._coupled(found[0] if found else before)
-                if coupled is not None:
-                    return [coupled], None
-        if found:
-            return found, None
-        left = share_left(start, self.without, (PRESSURE,))
-        return [], before if start.causes and left <= _ALONE else None
+        choices = [(*before.causes, *chosen) for chosen in itertools.combinations(causes, count)]
+        return self._explanations_of_shear(filter(_may_meet, choices), before)
 
     def _coupled(self, before: Fit) -> Fit | None:
         """Unlike bodies beside the causes of `before`, where most of what these leave is odd in x.
@@ -350,7 +401,7 @@ class Judge:
         odd = self.search.fit((*before.causes, ODD_PART), self.channels, known=before.sizes)
         if odd is None or share_left(odd, before, (SHEAR,)) > _MOST_LEFT_OF_ODD:
             return None
-        if abs(dundurs(self.what.comparison.scene.material).beta) > NO_COUPLING:
+        if abs(dundurs(self.discrepancy.comparison.scene.material).beta) > NO_COUPLING:
             return odd if by_chance(odd, before, (SHEAR,)) < CHANCE else None
         fits = self._explanations_of_shear([(*before.causes, COUPLING)], before)
         return fits[0] if fits else None
@@ -358,16 +409,18 @@ class Judge:
     def _explanations_of_shear(
         self, choices: Iterable[tuple[Cause, ...]], before: Fit
     ) -> list[Fit]:
-        """Fits that explain the shear that `before` leaves, and leave no more of the pressure."""
+        """Fits that explain the shear that `before` leaves, and leave no more of the pressure; the
+        best first.
+        """
         explanations = []
         for causes in choices:
             fit = self.search.fit(causes, (PRESSURE, SHEAR), known=before.sizes)
-            if fit is None or _is_no_change(fit, before, (SHEAR,)) or self._contradicted(fit):
+            if fit is None or not self._is_possible(fit, before, (SHEAR,)):
                 continue
             keeps = fit.square((PRESSURE,)) <= 2 * before.square((PRESSURE,)) + ROUND_OFF
             if keeps and explains(fit, before, (SHEAR,)):
                 explanations.append(fit)
-        return explanations
+        return sorted(explanations, key=lambda fit: fit.square((SHEAR,)))
 
     # -------------------------------------------------------------------------------- comparison
     def is_right(self, fit: Fit, channel: int) -> bool:
@@ -378,12 +431,12 @@ class Judge:
             if fit.square((SHEAR,)) <= max(fit.square((PRESSURE,)), ROUND_OFF) * fit.noisier**2:
                 return True
         if not fit.causes:
-            return self.what.is_within(channel)
+            return self.discrepancy.is_within(channel)
         # Behind a factor of units the difference is far larger than the tractions.
         left = fit.square((channel,)) - fit.noise((channel,))
-        size = self.what.residual(0 * fit.predicted, channel).square
+        size = self.discrepancy.residual(0 * fit.predicted, channel).square
         return (
-            share_left(fit, self.without, (channel,)) <= _COMPLETE and left <= _COMPLETE**2 * size
+            share_left(fit, self.no_cause, (channel,)) <= _COMPLETE and left <= _COMPLETE**2 * size
         )
 
     def is_whole(self, fit: Fit) -> bool:
@@ -407,8 +460,9 @@ class Judge:
         )
 
 
-def _pairs(causes: Sequence[Cause]) -> list[tuple[Cause, ...]]:
-    return [both for both in itertools.combinations(causes, 2) if _may_meet(both)]
+def _without_size(fit: Fit) -> tuple[Cause, ...]:
+    """The causes of a fit but for those that change widths."""
+    return tuple(cause for cause in fit.causes if cause.group != "size")
 
 
 def _may_meet(causes: tuple[Cause, ...]) -> bool:

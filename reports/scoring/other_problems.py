@@ -112,34 +112,34 @@ class OtherProblem:
     channel: int
     shown: Callable[[Discrepancy], Shown | None]
 
-    def residual(self, what: Discrepancy, tractions: Tractions, shown: Shown) -> Residual:
+    def residual(self, discrepancy: Discrepancy, tractions: Tractions, shown: Shown) -> Residual:
         """What tractions leave where the problem is judged."""
-        whole = what.residual(tractions, self.channel)
-        return replace(whole, inside=shown.where & (what.weight > 0))
+        whole = discrepancy.residual(tractions, self.channel)
+        return replace(whole, inside=shown.where & (discrepancy.weight > 0))
 
 
 # ------------------------------------------------------------------------- closed forms of pressure
-def _in_contact(what: Discrepancy, pressure: Array) -> Mask:
+def _in_contact(discrepancy: Discrepancy, pressure: Array) -> Mask:
     """(k, n) points that carry in the result, in the reference or in a problem."""
-    predicted = _with(what, PRESSURE, pressure)
-    return what.in_contact(predicted) | what.in_contact(what.expected)
+    predicted = _with(discrepancy, PRESSURE, pressure)
+    return discrepancy.in_contact(predicted) | discrepancy.in_contact(discrepancy.expected)
 
 
-def _with(what: Discrepancy, channel: int, traction: Array) -> Tractions:
+def _with(discrepancy: Discrepancy, channel: int, traction: Array) -> Tractions:
     """The tractions expected with another pressure or shear."""
-    tractions = what.expected.copy()
+    tractions = discrepancy.expected.copy()
     tractions[channel] = traction
     return tractions
 
 
-def _carrying(what: Discrepancy) -> Mask:
+def _carrying(discrepancy: Discrepancy) -> Mask:
     """(k, n) points with a pressure or a tension in the result."""
-    size = np.abs(what.found[PRESSURE])
+    size = np.abs(discrepancy.found[PRESSURE])
     return np.asarray(size > _OPEN * size.max(axis=1, keepdims=True))
 
 
 def _closed_form(
-    what: Discrepancy, basis: Callable[[Array], Array], *, positive: bool = True
+    discrepancy: Discrepancy, basis: Callable[[Array], Array], *, positive: bool = True
 ) -> tuple[Array, Array, Array] | None:
     """Of each instant the sum of functions of xi that leaves least of the pressure.
 
@@ -162,20 +162,20 @@ def _closed_form(
     factors = []
     half_widths = []
     for pressure, carrying, weight in zip(
-        what.found[PRESSURE], _carrying(what), what.weight, strict=True
+        discrepancy.found[PRESSURE], _carrying(discrepancy), discrepancy.weight, strict=True
     ):
         places = np.flatnonzero(carrying)
         if len(places) < 3:
             return None
         first, last = places[0], places[-1]
-        before = what.x[first] - what.x[max(first - 1, 0)]
-        after = what.x[min(last + 1, len(what.x) - 1)] - what.x[last]
-        centre = (what.x[first] + what.x[last]) / 2
-        half = (what.x[last] - what.x[first]) / 2
-        spacing = max(before, after, np.diff(what.x).min())
+        before = discrepancy.x[first] - discrepancy.x[max(first - 1, 0)]
+        after = discrepancy.x[min(last + 1, len(discrepancy.x) - 1)] - discrepancy.x[last]
+        centre = (discrepancy.x[first] + discrepancy.x[last]) / 2
+        half = (discrepancy.x[last] - discrepancy.x[first]) / 2
+        spacing = max(before, after, np.diff(discrepancy.x).min())
         best = None
         for a in half + spacing * (np.arange(_EDGES_TRIED) + 0.5) / _EDGES_TRIED:
-            xi = (what.x - centre) / a
+            xi = (discrepancy.x - centre) / a
             inside = np.abs(xi) < 1
             columns = np.zeros((len(xi), basis(np.zeros(1)).shape[1]))
             columns[inside] = basis(xi[inside])
@@ -194,11 +194,11 @@ def _closed_form(
     return np.array(fields), np.array(factors), np.array(half_widths)
 
 
-def _adhesion(what: Discrepancy) -> Shown | None:
+def _adhesion(discrepancy: Discrepancy) -> Shown | None:
     """p = p0 sqrt(1 - xi^2) - p1/sqrt(1 - xi^2): a strip with adhesion (Johnson 1985, 5.5), in
     tension next to both edges.
     """
-    pressure = what.found[PRESSURE]
+    pressure = discrepancy.found[PRESSURE]
     largest = pressure.max(axis=1, keepdims=True)
     tension = pressure < -_OPEN * largest
     deepest = float(np.max(-pressure / np.maximum(largest, 1e-300)))
@@ -213,90 +213,92 @@ def _adhesion(what: Discrepancy) -> Shown | None:
         root = np.sqrt(1 - xi**2)
         return np.column_stack([root, -1 / root])
 
-    fitted = _closed_form(what, strip)
+    fitted = _closed_form(discrepancy, strip)
     if fitted is None:
         return None
     evidence = f"{int(tension.sum())} points are in tension, at both edges of contact"
     return Shown(
-        _with(what, PRESSURE, fitted[0]),
-        what.expected,
+        _with(discrepancy, PRESSURE, fitted[0]),
+        discrepancy.expected,
         3 * len(pressure),
-        _in_contact(what, fitted[0]),
+        _in_contact(discrepancy, fitted[0]),
         {"tension": deepest},
         (evidence,),
     )
 
 
-def _sharp_punch(what: Discrepancy) -> Shown | None:
+def _sharp_punch(discrepancy: Discrepancy) -> Shown | None:
     """p = P/(pi a sqrt(1 - xi^2)): a flat punch with sharp corners (Johnson 1985, 2.8), largest at
     the edges.
     """
-    fitted = _closed_form(what, lambda xi: (1 / np.sqrt(1 - xi**2))[:, None])
+    fitted = _closed_form(discrepancy, lambda xi: (1 / np.sqrt(1 - xi**2))[:, None])
     if fitted is None:
         return None
     a = float(fitted[2].max())
     narrowest = float(fitted[2].min())
-    if narrowest < a - 2 * float(np.diff(what.x).max()):  # the edges of a punch do not move
+    if narrowest < a - 2 * float(np.diff(discrepancy.x).max()):  # the edges of a punch do not move
         return None
     return Shown(
-        _with(what, PRESSURE, fitted[0]),
-        what.expected,
+        _with(discrepancy, PRESSURE, fitted[0]),
+        discrepancy.expected,
         2 * len(fitted[2]),
-        _in_contact(what, fitted[0]),
+        _in_contact(discrepancy, fitted[0]),
         {"half_width": a},
     )
 
 
-def _sphere(what: Discrepancy) -> Shown | None:
+def _sphere(discrepancy: Discrepancy) -> Shown | None:
     """p = p0 sqrt(1 - xi^2) with p0/a = 2 E*/(pi R): a sphere, whose P = 2 pi a^2 p0/3 is a force
     (Johnson 1985, 4.2). A cylinder has p0/a = E*/(2 R).
     """
-    profile = what.scene.profile
+    profile = discrepancy.scene.profile
     if not isinstance(profile, Hertz):
         return None
-    fitted = _closed_form(what, lambda xi: np.sqrt(1 - xi**2)[:, None])
+    fitted = _closed_form(discrepancy, lambda xi: np.sqrt(1 - xi**2)[:, None])
     if fitted is None:
         return None
-    scales = what.comparison.scales
+    scales = discrepancy.comparison.scales
     slope = _SPHERE * scales.pressure / scales.half_width
-    xi = what.x / fitted[2][:, None]
+    xi = discrepancy.x / fitted[2][:, None]
     pressure = slope * fitted[2][:, None] * np.sqrt(np.maximum(1 - xi**2, 0.0))
     force = float(np.max(2 / 3 * np.pi * fitted[2] ** 3 * slope))
     return Shown(
-        _with(what, PRESSURE, pressure),
-        what.expected,
+        _with(discrepancy, PRESSURE, pressure),
+        discrepancy.expected,
         len(pressure),
-        _in_contact(what, pressure),
+        _in_contact(discrepancy, pressure),
         {"force": force},
     )
 
 
-def _limit_of_pressure(what: Discrepancy) -> Shown | None:
+def _limit_of_pressure(discrepancy: Discrepancy) -> Shown | None:
     """p = min(limit, elastic pressure of a larger load): plastic flow, or wear, flattens the
     middle; the limit is the same at all instants.
     """
-    if what.unsymmetric:
+    if discrepancy.unsymmetric:
         return None
-    contact = contact_of(what.scene.profile, what.scene.material)
-    found = what.found[PRESSURE]
+    contact = contact_of(discrepancy.scene.profile, discrepancy.scene.material)
+    found = discrepancy.found[PRESSURE]
     limit = float(np.median(found[found > 0.9 * found.max()]))
     rows = []
     count = 0
-    for pressure, load, weight in zip(found, what.normal_load, what.weight, strict=True):
-        elastic = contact.pressure(what.x, load * _WIDER[:, None])
+    for pressure, load, weight in zip(
+        found, discrepancy.normal_load, discrepancy.weight, strict=True
+    ):
+        elastic = contact.pressure(discrepancy.x, load * _WIDER[:, None])
         limited = np.minimum(elastic, limit)
         best = int(np.argmin(np.sum(weight * (pressure - limited) ** 2, axis=1)))
         rows.append(limited[best])
         count = max(count, int(np.sum(elastic[best] > _ABOVE_LIMIT * limit)))
     if count < _FEWEST_ON_LIMIT:
         return None
-    on_limit = what.expected[PRESSURE] > limit
+    on_limit = discrepancy.expected[PRESSURE] > limit
     return Shown(
-        _with(what, PRESSURE, np.array(rows)),
-        what.expected,
+        _with(discrepancy, PRESSURE, np.array(rows)),
+        discrepancy.expected,
         len(rows) + 1,
-        _in_contact(what, np.array(rows)),
-        {"limit": limit / what.comparison.scales.pressure},
+        _in_contact(discrepancy, np.array(rows)),
+        {"limit": limit / discrepancy.comparison.scales.pressure},
         (
             f"{count} points of one instant have {limit:.4g}, and no point has more than"
             f" {found.max() / limit:.3g} times that, where the reference exceeds it at"
@@ -306,33 +308,36 @@ def _limit_of_pressure(what: Discrepancy) -> Shown | None:
 
 
 # ------------------------------------------------------------------------------- features of rows
-def _several_zones(what: Discrepancy) -> Shown | None:
+def _several_zones(discrepancy: Discrepancy) -> Shown | None:
     """Gaps inside the contact of the reference, whose load the zones between them carry: rough or
     wavy faces. Values that are missing from a table take their share of the load with them.
     """
-    found, expected = what.found[PRESSURE], what.expected[PRESSURE]
+    found, expected = discrepancy.found[PRESSURE], discrepancy.expected[PRESSURE]
     largest = found.max(axis=1, keepdims=True)
     is_open = (found <= _OPEN * largest) & (
         expected > _WELL_INSIDE * expected.max(axis=1, keepdims=True)
     )
     lengths = [length for row in is_open for length in _lengths_of_runs(row)]
     long_gaps = sum(length >= _FEWEST_IN_GAP for length in lengths)
-    share = np.trapezoid(np.where(is_open, expected, 0.0), what.x, axis=1)
-    share = share / np.maximum(np.trapezoid(expected, what.x, axis=1), 1e-300)
-    if long_gaps < _FEWEST_GAPS * len(found) or float(share[what.loaded].min()) < _LEAST_OVER_GAPS:
+    share = np.trapezoid(np.where(is_open, expected, 0.0), discrepancy.x, axis=1)
+    share = share / np.maximum(np.trapezoid(expected, discrepancy.x, axis=1), 1e-300)
+    if (
+        long_gaps < _FEWEST_GAPS * len(found)
+        or float(share[discrepancy.loaded].min()) < _LEAST_OVER_GAPS
+    ):
         return None
-    if abs(what.resultant_ratio - 1) > _BALANCED:
+    if abs(discrepancy.resultant_ratio - 1) > _BALANCED:
         return None
     # the gaps themselves: open in the result, and nothing else is claimed
     return Shown(
-        _with(what, PRESSURE, np.where(is_open, 0.0, expected)),
-        what.expected,
+        _with(discrepancy, PRESSURE, np.where(is_open, 0.0, expected)),
+        discrepancy.expected,
         1,
         is_open,
         {"gaps": long_gaps / len(found)},
         (
             f"over the gaps the reference carries {float(share.max()):.0%} of P; the sum of the"
-            f" pressures is {what.resultant_ratio:.4g} P all the same",
+            f" pressures is {discrepancy.resultant_ratio:.4g} P all the same",
         ),
     )
 
@@ -347,43 +352,43 @@ def _lengths_of_runs(row: NDArray[np.bool_]) -> list[int]:
     return [int(end - start) for start, end in ends.reshape(-1, 2)]
 
 
-def _not_elastic(what: Discrepancy) -> Shown | None:
+def _not_elastic(discrepancy: Discrepancy) -> Shown | None:
     """Two instants with the same P, by the scene and by the sum of the pressures, whose pressures
     differ: of elastic half-planes the pressure depends on P alone.
 
     What is odd in x is left out: unlike bodies and bodies that tilt make it.
     """
-    if what.unsymmetric or len(what.rows) < 2:
+    if discrepancy.unsymmetric or len(discrepancy.rows) < 2:
         return None
-    found = what.found[PRESSURE]
-    even = (found + _mirrored(found, what.x)) / 2
-    sums = np.trapezoid(found, what.x, axis=1)
-    size = np.sqrt(np.mean(what.expected[PRESSURE] ** 2, axis=1))
+    found = discrepancy.found[PRESSURE]
+    even = (found + _mirrored(found, discrepancy.x)) / 2
+    sums = np.trapezoid(found, discrepancy.x, axis=1)
+    size = np.sqrt(np.mean(discrepancy.expected[PRESSURE] ** 2, axis=1))
     largest = (0.0, 0, 0)
     for i in range(len(found)):
         for j in range(i + 1, len(found)):
-            same = abs(what.normal_load[i] / what.normal_load[j] - 1) < _SAME_LOAD
+            same = abs(discrepancy.normal_load[i] / discrepancy.normal_load[j] - 1) < _SAME_LOAD
             balanced = abs(sums[i] / sums[j] - 1) < _SAME_LOAD
-            if what.loaded[i] and what.loaded[j] and same and balanced:
+            if discrepancy.loaded[i] and discrepancy.loaded[j] and same and balanced:
                 change = float(np.sqrt(np.mean((even[i] - even[j]) ** 2)))
                 largest = max(largest, (change / float(size[i]), i, j))
     share, i, j = largest
-    difference = (even[i] - even[j])[None] / what.comparison.scales.pressure
-    between = Residual(difference, what.weight[[i]], (even[[i]] != 0) | (even[[j]] != 0))
+    difference = (even[i] - even[j])[None] / discrepancy.comparison.scales.pressure
+    between = Residual(difference, discrepancy.weight[[i]], (even[[i]] != 0) | (even[[j]] != 0))
     is_smooth = between.noise < _SMOOTH * between.square and between.count >= _FEWEST_SMOOTH
     if share < _OTHER_PRESSURE or not is_smooth:
         return None
     # The two instants, each of which the other one would predict.
-    before = what.expected.copy()
+    before = discrepancy.expected.copy()
     before[PRESSURE, i], before[PRESSURE, j] = even[j], even[i]
     where = np.zeros(found.shape, dtype=bool)
     where[[i, j]] = True
     return Shown(
-        _with(what, PRESSURE, even),
+        _with(discrepancy, PRESSURE, even),
         before,
         1,
         where,
-        {"share": share, "first": float(what.time[i]), "second": float(what.time[j])},
+        {"share": share, "first": float(discrepancy.time[i]), "second": float(discrepancy.time[j])},
         (f"the sums of both pressures agree to {abs(sums[i] / sums[j] - 1):.1%}",),
     )
 
@@ -394,57 +399,57 @@ def _mirrored(rows: Array, x: Array) -> Array:
 
 
 # ---------------------------------------------------------------------------------------- the shear
-def _rolling(what: Discrepancy) -> Shown | None:
+def _rolling(discrepancy: Discrepancy) -> Shown | None:
     """q = f [p(x, P) - p(x -+ (a - c), P - |Q|/f)] with the sign of Q: tractive rolling, whose
     stick zone begins at the leading edge (Carter 1926; Johnson 1985, 8.3).
     """
-    friction = what.scene.friction.coefficient
-    if what.unsymmetric or not friction or not what.sheared:
+    friction = discrepancy.scene.friction.coefficient
+    if discrepancy.unsymmetric or not friction or not discrepancy.sheared:
         return None
     normal, tangential = (
-        np.asarray(load)[:, None] for load in what.scene.load.path().at(what.time)
+        np.asarray(load)[:, None] for load in discrepancy.scene.load.path().at(discrepancy.time)
     )
     stuck = normal - np.abs(tangential) / friction
     if np.any(stuck <= 0) or np.all(np.abs(tangential) < 1e-9 * normal):
         return None
-    contact = contact_of(what.scene.profile, what.scene.material)
+    contact = contact_of(discrepancy.scene.profile, discrepancy.scene.material)
     distance = contact.half_width(normal) - contact.half_width(stuck)
-    pressure = contact.pressure(what.x, normal)
+    pressure = contact.pressure(discrepancy.x, normal)
     best = None
     for direction in (1.0, -1.0):
         stick = np.array(
             [
-                contact.pressure(what.x - direction * shift, load)
+                contact.pressure(discrepancy.x - direction * shift, load)
                 for shift, load in zip(distance[:, 0], stuck[:, 0], strict=True)
             ]
         )
         shear = np.sign(tangential) * friction * (pressure - stick)
-        square = float(np.sum(what.weight * (what.found[SHEAR] - shear) ** 2))
+        square = float(np.sum(discrepancy.weight * (discrepancy.found[SHEAR] - shear) ** 2))
         if best is None or square < best[0]:
             best = square, shear, direction
     assert best is not None
     return Shown(
-        _with(what, SHEAR, best[1]),
-        what.expected,
+        _with(discrepancy, SHEAR, best[1]),
+        discrepancy.expected,
         1,
-        what.in_contact(what.expected),
+        discrepancy.in_contact(discrepancy.expected),
         {"side": "right" if best[2] > 0 else "left"},
     )
 
 
-def _law_of_friction(what: Discrepancy) -> Shown | None:
+def _law_of_friction(discrepancy: Discrepancy) -> Shown | None:
     """|q| = constant + slope p where the reference slips: a law that is no coefficient of friction,
     such as a shear strength (slope 0) or cohesion (slope f).
     """
-    friction = what.scene.friction.coefficient
-    if not friction or not what.sheared:
+    friction = discrepancy.scene.friction.coefficient
+    if not friction or not discrepancy.sheared:
         return None
-    state = what.comparison.expected.state[what.rows]
+    state = discrepancy.comparison.expected.state[discrepancy.rows]
     sense = (state == SLIP_FORWARD) * 1.0 - (state == SLIP_REVERSE)
-    sense = np.where(sense == 0, 0.0, np.sign(what.expected[SHEAR]))
-    pressure = what.found[PRESSURE]
-    slips = (sense != 0) & (pressure > _OPEN * pressure.max()) & (what.weight > 0)
-    shear = sense * what.found[SHEAR]
+    sense = np.where(sense == 0, 0.0, np.sign(discrepancy.expected[SHEAR]))
+    pressure = discrepancy.found[PRESSURE]
+    slips = (sense != 0) & (pressure > _OPEN * pressure.max()) & (discrepancy.weight > 0)
+    shear = sense * discrepancy.found[SHEAR]
     if slips.sum() < _FEWEST_IN_SLIP:
         return None
     p, q = pressure[slips], shear[slips]
@@ -452,18 +457,18 @@ def _law_of_friction(what: Discrepancy) -> Shown | None:
     (constant, slope), *_ = np.linalg.lstsq(np.column_stack([np.ones_like(p), p]), q, rcond=None)
     left_alone = float(np.mean((q - slope_alone * p) ** 2))
     left = float(np.mean((q - constant - slope * p) ** 2))
-    scale = what.comparison.scales.shear
+    scale = discrepancy.comparison.scales.shear
     if constant < _LEAST_CONSTANT * scale or slope < -0.1 * friction:
         return None
-    law = np.where(slips, sense * (constant + slope * pressure), what.expected[SHEAR])
-    coefficient = np.where(slips, sense * slope_alone * pressure, what.expected[SHEAR])
-    residual = what.residual(_with(what, SHEAR, law), SHEAR)
+    law = np.where(slips, sense * (constant + slope * pressure), discrepancy.expected[SHEAR])
+    coefficient = np.where(slips, sense * slope_alone * pressure, discrepancy.expected[SHEAR])
+    residual = discrepancy.residual(_with(discrepancy, SHEAR, law), SHEAR)
     noise = min(replace(residual, inside=slips).noise * scale**2, left)
     if left - noise > _LEFT_OF_LAW**2 * (left_alone - noise):
         return None
     return Shown(
-        _with(what, SHEAR, law),
-        _with(what, SHEAR, coefficient),
+        _with(discrepancy, SHEAR, law),
+        _with(discrepancy, SHEAR, coefficient),
         1,
         slips,
         {"constant": float(constant), "slope": float(slope)},
@@ -487,29 +492,29 @@ PROBLEMS = (
 )
 
 
-def other_problems(what: Discrepancy, named: Fit | None) -> Iterator[Diagnosis]:
+def other_problems(discrepancy: Discrepancy, named: Fit | None) -> Iterator[Diagnosis]:
     """The problem that the tractions belong to, where the rows show one and the causes that are
     named leave so much more that they are out.
     """
     # Friction follows the pressure: where that is wrong, the shear shows no problem of its own.
-    of_pressure = what.residual(what.expected, PRESSURE)
-    is_pressure_right = what.is_within(PRESSURE) or of_pressure.is_noise
+    of_pressure = discrepancy.residual(discrepancy.expected, PRESSURE)
+    is_pressure_right = discrepancy.is_within(PRESSURE) or of_pressure.is_noise
     candidates = []
     for problem in PROBLEMS:
         if problem.channel == SHEAR and not is_pressure_right:
             continue
-        shown = problem.shown(what)
+        shown = problem.shown(discrepancy)
         if shown is None:
             continue
-        after = problem.residual(what, shown.predicted, shown)
-        before = problem.residual(what, shown.before, shown)
+        after = problem.residual(discrepancy, shown.predicted, shown)
+        before = problem.residual(discrepancy, shown.before, shown)
         noise = min(after.noise, after.square)
         left = share_of_norm(after.square, before.square, noise)
         chance = gain_by_chance(after.square, before.square, after.count, sizes=shown.parameters)
         if left >= MOST_LEFT or chance >= CHANCE:
             continue
         if named is not None:
-            of_causes = problem.residual(what, named.predicted, shown)
+            of_causes = problem.residual(discrepancy, named.predicted, shown)
             is_apart = are_apart(
                 of_causes.square, after.square, after.count, is_noise=after.is_noise
             )

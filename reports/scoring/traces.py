@@ -100,11 +100,11 @@ def outliers(comparison: Comparison) -> list[Diagnosis]:
     return [Diagnosis("outlier", sentence, tuple(words[1:6]), 1.0)]
 
 
-def full_slip(what: Discrepancy) -> Iterator[Diagnosis]:
+def full_slip(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     """A result that lies on the Coulomb limit at the points that stick in the reference."""
-    comparison = what.comparison
-    friction = what.comparison.scene.friction.coefficient
-    if not friction or not what.sheared:
+    comparison = discrepancy.comparison
+    friction = discrepancy.comparison.scene.friction.coefficient
+    if not friction or not discrepancy.sheared:
         return
     found = comparison.found
     expected = comparison.expected
@@ -131,18 +131,18 @@ def full_slip(what: Discrepancy) -> Iterator[Diagnosis]:
     yield Diagnosis("full_slip", sentence, (evidence,), 1.0)
 
 
-def elastic_slip(what: Discrepancy) -> Iterator[Diagnosis]:
+def elastic_slip(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     """Creep of points that stick, in proportion to the shear: a penalty of stiffness k moves them
     by dq/k.
 
     Points that stick from one instant to the next are those with |q| < 0.9 f p at both, in the
     result and in the reference, whose slip rests in the reference.
     """
-    comparison = what.comparison
-    friction = what.comparison.scene.friction.coefficient
+    comparison = discrepancy.comparison
+    friction = discrepancy.comparison.scene.friction.coefficient
     found = comparison.found
     expected = comparison.expected
-    if not friction or not what.sheared or len(found.time) < 2:
+    if not friction or not discrepancy.sheared or len(found.time) < 2:
         return
     if not (np.isfinite(found.slip).all() and np.isfinite(expected.slip).all()):
         return
@@ -186,15 +186,15 @@ def elastic_slip(what: Discrepancy) -> Iterator[Diagnosis]:
     yield Diagnosis("elastic_slip", FAULTS["elastic_slip"], evidence, proportional)
 
 
-def scatter(what: Discrepancy) -> Iterator[Diagnosis]:
+def scatter(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     """Tractions that scatter from point to point, where that is the discrepancy; how many exceed
     the Coulomb limit.
     """
-    scales = what.comparison.scales
+    scales = discrepancy.comparison.scales
     channels = [PRESSURE]
-    if what.sheared and scales.friction > 0:
+    if discrepancy.sheared and scales.friction > 0:
         channels.append(SHEAR)
-    residuals = [what.residual(what.expected, channel) for channel in channels]
+    residuals = [discrepancy.residual(discrepancy.expected, channel) for channel in channels]
     wrong = [one for channel, one in zip(channels, residuals, strict=True) if one.square > 0]
     if not wrong or not all(one.is_noise for one in wrong):
         return
@@ -204,8 +204,8 @@ def scatter(what: Discrepancy) -> Iterator[Diagnosis]:
     words = f"{sigma[0]:.2g} in p/p_ref"
     if len(sigma) > 1:
         words += f" and {sigma[1]:.2g} in q/(f p_ref)"
-        found = what.comparison.found  # at all instants
-        touching = what.comparison.expected.pressure > 1e-3 * scales.pressure
+        found = discrepancy.comparison.found  # at all instants
+        touching = discrepancy.comparison.expected.pressure > 1e-3 * scales.pressure
         beyond = np.abs(found.shear) / scales.shear - found.pressure / scales.pressure
         count = int(np.sum(beyond[touching] > 0))
         most = float(np.max(beyond[touching]))
@@ -246,7 +246,7 @@ def long_steps_by_work(comparison: Comparison) -> Iterator[Diagnosis]:
     yield Diagnosis("steps", FAULTS["steps"].format(steps=steps), evidence, 1 - abs(less / off))
 
 
-def coarse_edge(what: Discrepancy) -> tuple[Tractions, NDArray[np.bool_]] | None:
+def coarse_edge(discrepancy: Discrepancy) -> tuple[Tractions, NDArray[np.bool_]] | None:
     """What a mesh too coarse at the edges would give: the part of the discrepancy within two
     spacings of an edge, as far as the spacing can account for its size; and which points these
     are, (k, n). None where the points tell no edge from the rest.
@@ -256,31 +256,31 @@ def coarse_edge(what: Discrepancy) -> tuple[Tractions, NDArray[np.bool_]] | None
     over the element with the edge. What goes beyond that is not the mesh's. The edges are those of
     the instant, and those of the smallest stick zone: what a mesh gets wrong there stays locked in.
     """
-    x = what.x
-    scales = what.comparison.scales
-    cycle = what.comparison.expected
+    x = discrepancy.x
+    scales = discrepancy.comparison.scales
+    cycle = discrepancy.comparison.expected
     steps = np.diff(x)
     spacing = np.maximum(np.append(steps, steps[-1]), np.insert(steps, 0, steps[0]))
     places = [
         edge
         for edges in (cycle.contact_edges, cycle.stick_edges)
-        for edge in edges[what.rows].T[:, :, None]
+        for edge in edges[discrepancy.rows].T[:, :, None]
     ]
     if np.isfinite(cycle.stick_edges).any():
         least = np.nanmin(np.abs(cycle.stick_edges))
         inner = np.nanmax(cycle.stick_edges[:, 0]), np.nanmin(cycle.stick_edges[:, 1])
-        places += inner if what.unsymmetric else (-least, least)
+        places += inner if discrepancy.unsymmetric else (-least, least)
     with np.errstate(invalid="ignore"):
         near = np.any(
             [
-                np.broadcast_to(np.abs(x - edge) <= _REACH * spacing, what.expected[0].shape)
+                np.broadcast_to(np.abs(x - edge) <= _REACH * spacing, discrepancy.expected[0].shape)
                 for edge in places
             ],
             axis=0,
         )
-    contact = what.in_contact(what.expected)
+    contact = discrepancy.in_contact(discrepancy.expected)
     if not near.any() or np.mean(near[contact]) > _MOST_NEAR:
         return None
-    most = pair(*_MOST) * np.sqrt(2 * spacing / scales.half_width) * what.units
-    difference = np.clip(what.found - what.expected, -most, most)
-    return what.expected + np.where(near, difference, 0.0), near
+    most = pair(*_MOST) * np.sqrt(2 * spacing / scales.half_width) * discrepancy.units
+    difference = np.clip(discrepancy.found - discrepancy.expected, -most, most)
+    return discrepancy.expected + np.where(near, difference, 0.0), near
