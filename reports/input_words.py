@@ -11,9 +11,11 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
+from reports import validation
 from reports.comparison.judged import JudgedPair
 from reports.comparison.words import with_uncertainty
 from reports.inputs import PEAK, WORK, Draws, InputEffects, Propagated
+from reports.report import Report
 from reports.units import energy_unit, load_unit, minus, units
 from scenes import Estimate, Scene
 
@@ -91,6 +93,20 @@ def sentences(
         )
     said += [f"{note[:1].upper()}{_ended(note[1:])}" for note in effects.notes]
     return [sentence for sentence in said if sentence]
+
+
+def sentences_of_report(report: Report) -> list[str]:
+    """The same of a report. A result that may be measured stands against theory in place of what a
+    measurement could see.
+    """
+    effects = report.inputs
+    comparison = report.comparison
+    if effects is None:
+        return []
+    if not report.validation:
+        return sentences(effects, comparison.scene, comparison)
+    said = validation.sentences(report.validation, is_measured=report.is_measured)
+    return [*said, _matters_most(effects)]
 
 
 def _ended(sentence: str) -> str:
@@ -272,10 +288,19 @@ def _in_percent(change: Estimate, value: float) -> str:
 
 
 # ------------------------------------------------------------------------------------------ as JSON
+def content_of_report(report: Report) -> dict[str, Any] | None:
+    """All of it by names; None where no uncertainty is stated. Numbers may be not finite."""
+    whole = content(report.inputs, report.comparison.scene, report.comparison)
+    if whole is None:
+        return None
+    against = {entry.words: entry.content() for entry in report.validation}
+    return {**whole, "sentences": sentences_of_report(report), "validation": against or None}
+
+
 def content(
     effects: InputEffects | None, scene: Scene, comparison: JudgedPair | None = None
 ) -> dict[str, Any] | None:
-    """All of it by names; None where no uncertainty is stated. Numbers may be not finite."""
+    """The same without a report."""
     if effects is None:
         return None
     draws = None if effects.draws is None else vars(effects.draws)

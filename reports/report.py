@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from reports.inputs import InputEffects
     from reports.scoring.study import Study, UnscoredFile
     from reports.scoring.traces import Diagnosis
+    from reports.validation import AgainstMeasurement
 
 
 class ThirdAnswer(Protocol):
@@ -82,6 +83,10 @@ class Report:
     inputs
         what the stated uncertainties of the inputs make of theory and of the difference; None where
         none is stated
+    validation
+        values of a scored result, which may be measured, against theory
+    is_measured
+        whether the result was said to be a measurement
     """
 
     comparison: Comparison
@@ -92,6 +97,8 @@ class Report:
     third: ThirdAnswer | None = None
     unscored: tuple[UnscoredFile, ...] = ()
     inputs: InputEffects | None = None
+    validation: tuple[AgainstMeasurement, ...] = ()
+    is_measured: bool = False
 
     def __repr__(self) -> str:
         """Five lines, as those of its comparison."""

@@ -104,6 +104,17 @@ def _require_small(share: float, value: Any) -> None:
         )
 
 
+def share_of(text: str) -> float:
+    """The share that a checked text in per cent states.
+
+    >>> share_of("5 %")
+    0.05
+    """
+    amount = _parsed(text)
+    assert amount is not None  # the text was checked
+    return amount.number / 100
+
+
 def _in_degrees(value: Any) -> Any:
     """Degrees of a text with an angle; any other value as it is."""
     if not isinstance(value, str):
@@ -417,7 +428,7 @@ def _share_of(key: str, stated: str, value: float | None, units: str) -> float:
     amount = _parsed(stated)
     assert amount is not None  # the table was checked
     if amount.unit == "%":
-        return amount.number / 100
+        return share_of(stated)
     kind: Kind = "stress" if key.endswith("young_modulus") else "length"
     try:
         factor, _ = unit_factor(amount.unit, kind, units)

@@ -149,6 +149,7 @@ def _scored(
             )
         with stages.stage("diagnosis"):
             report = diagnosed(report)
+    report = _with_inputs(report, mapping, stages)
     with stages.stage("report"):
         page = str(write(report, folder, command=command, seconds=dict(stages.seconds)))
     return Answer(
@@ -157,6 +158,27 @@ def _scored(
         lambda: whole_content(report, command, stages.seconds) | {"page": page},
         scene.name,
     )
+
+
+def _with_inputs(report: Report, mapping: Mapping, stages: Stages) -> Report:
+    """The report with what the stated uncertainties of the inputs make of theory, and the result
+    against it where it may be a measurement.
+    """
+    from dataclasses import replace
+
+    from reports.comparison.laws import derived
+    from reports.inputs import input_effects
+    from reports.validation import against_result
+
+    comparison = report.comparison
+    if not comparison.scene.inputs:
+        return report
+    with stages.stage("uncertainty of the inputs"):
+        inputs = input_effects(comparison.scene, comparison.effects)
+    report = replace(report, inputs=inputs, is_measured=mapping.measured.is_stated)
+    if not derived(comparison.result):  # an own solution is no measurement
+        return report
+    return replace(report, validation=against_result(comparison, inputs, mapping.measured))
 
 
 def _scored_loop(
@@ -173,8 +195,22 @@ def _scored_loop(
         score = loops.score_loop(
             rows, scene, rig_compliance=options.rig_compliance, against=options.against
         )
+    from reports import validation
+    from reports.input_words import content as input_content
+    from reports.inputs import input_effects
+
+    inputs = None
+    if scene.inputs:
+        with stages.stage("uncertainty of the inputs"):
+            inputs = input_effects(scene)
+    against = validation.against_loop(score, inputs, mapping.measured)
+    said = validation.sentences(against, is_measured=True)
+    further = {
+        "validation": [entry.content() for entry in against],
+        "inputs": input_content(inputs, scene),
+    }
     with stages.stage("report"):
-        page = str(loops.write(score, folder, command))
+        page = str(loops.write(score, folder, command, further, said))
     heads, cells = loops.table(score)
     sheet = Sheet(
         f"{scene.title or scene.name}: measured loop {path.name}",
@@ -189,9 +225,10 @@ def _scored_loop(
             *(f"Assumed: {sentence}." for sentence in score.said),
             sheet,
             score.sentence,
+            *said,
             page,
         ],
-        lambda: loops.content(score) | {"page": page, "seconds": stages.seconds},
+        lambda: loops.content(score) | further | {"page": page, "seconds": stages.seconds},
         scene.name,
     )
 
@@ -204,6 +241,7 @@ def _score_shown(report: Report, page: str) -> Iterator[Part]:
     if report.read_as:
         yield read_in_words(report.comparison.result.engine, report.read_as)
     yield from verdict_shown(report)
+    yield from _inputs_said(report)
     on_points = [m.label for m in report.comparison.headlines if m.is_on_points_of_result]
     if on_points:
         yield (
@@ -229,6 +267,14 @@ def _score_shown(report: Report, page: str) -> Iterator[Part]:
         yield Sheet("Mesh study", heads, report.study.rows, range(1, len(heads)))
         yield from report.study.sentences
     yield page
+
+
+def _inputs_said(report: Report) -> Iterator[Part]:
+    """What the inputs make of theory, and the result against it."""
+    from reports.input_words import sentences_of_report
+
+    if said := sentences_of_report(report):
+        yield " ".join(said)
 
 
 # ------------------------------------------------------------------ two runs, or one and a baseline

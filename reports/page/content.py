@@ -20,7 +20,7 @@ from reports.comparison.words import (
     unlike_materials,
     verdict,
 )
-from reports.input_words import content as input_content
+from reports.input_words import content_of_report
 from reports.measured import record_content
 from reports.profile_fit import content as fit_content
 from reports.report import Report
@@ -93,7 +93,7 @@ def whole_content(report: Report, command: str, seconds: Mapping[str, float]) ->
         },
         "budget": None if budget is None else budget_content(budget),
         "why": None if comparison.why is None else comparison.why.content(),
-        "inputs": input_content(report.inputs, comparison.scene, comparison),
+        "inputs": content_of_report(report),
         "expected": expected_content(expected_numbers(comparison.scene, complete_solutions)),
         "instants": comparison.found.time,
         "reference": solution_content(comparison.reference, comparison.reference_certificates),

@@ -69,6 +69,8 @@ from scenes.measured import ReadAs, layout_in_words, unit_of_column
 from scenes.text_tables import ALIASES, TableKind, TextTable, plain, text_table
 
 Against = Literal["exact", "fe"]
+OF_SCENE = "the scene's f"
+"""Which f a computed loop has, in the name of its row."""
 
 _SHIFT_NAMES = (
     "U",
@@ -494,7 +496,7 @@ def score_loop(
         )
         curves.append((name, with_rig, load_of_cycle + fit.offset))
 
-    cases = {"best f": fit.friction / scale, "the scene's f": scene.friction.coefficient / scale}
+    cases = {"best f": fit.friction / scale, OF_SCENE: scene.friction.coefficient / scale}
     for name, coefficient in cases.items():
         if coefficient < least:
             said.append(
@@ -1056,8 +1058,22 @@ def _plates(found: LoopScore) -> tuple[Plate, ...]:
     )
 
 
-def write(found: LoopScore, out: str | Path, command: str) -> Path:
-    """The page, loop.json and the CSV of each figure; returns the path of the page."""
+def write(
+    found: LoopScore,
+    out: str | Path,
+    command: str,
+    further: dict[str, Any] | None = None,
+    sentences: Sequence[str] = (),
+) -> Path:
+    """The page, loop.json and the CSV of each figure; returns the path of the page.
+
+    Parameters
+    ----------
+    further
+        entries of loop.json beside those of the score
+    sentences
+        what the page says below its first one
+    """
     from reports.comparison.json_values import strict
 
     program, digest = script()
@@ -1065,7 +1081,7 @@ def write(found: LoopScore, out: str | Path, command: str) -> Path:
     heads, rows = table(found)
     with filled(out) as folder:
         write_tables(drawings, folder)
-        whole = strict(content(found)) | {"command": command}
+        whole = strict(content(found) | (further or {})) | {"command": command}
         (folder / "loop.json").write_text(
             json.dumps(whole, indent=1, ensure_ascii=False) + "\n", encoding="utf-8"
         )
@@ -1074,6 +1090,7 @@ def write(found: LoopScore, out: str | Path, command: str) -> Path:
             scene=found.scene,
             question=question(found.scene),
             found=found,
+            sentences=sentences,
             source_name=Path(found.source).name,
             stress=units(found.scene)[2],
             heads=heads,

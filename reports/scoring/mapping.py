@@ -17,6 +17,7 @@ from scenes.array_types import Array
 from scenes.files import keys_of
 from scenes.frozen import Frozen, checked
 from scenes.text_tables import ALIASES, plain
+from scenes.uncertainty import Share, share_of
 
 Quantity = Literal[
     "time", "frame", "normal_load", "tangential_load", "x", "y", "pressure", "shear", "slip"
@@ -73,6 +74,26 @@ class Signs(Frozen):
     slip: Literal["upper over lower", "lower over upper"] | None = None
 
 
+class Measured(Frozen):
+    """Standard uncertainties of a measured result, by which it stands against theory; a result is
+    said to be measured where any is stated.
+    """
+
+    dissipation: Share | None = Field(None, description='of W, such as "3 %"')
+    largest_pressure: Share | None = Field(None, description="likewise")
+    largest_half_width: Share | None = Field(None, description="likewise")
+
+    @property
+    def is_stated(self) -> bool:
+        """Whether any is stated."""
+        return any(value is not None for _, value in self)
+
+    def share(self, key: str) -> float | None:
+        """That of a value; None where none is stated."""
+        stated: str | None = getattr(self, key)
+        return None if stated is None else share_of(stated)
+
+
 class Mapping(Frozen):
     """The keys of a mapping file.
 
@@ -113,6 +134,7 @@ class Mapping(Frozen):
     columns: Columns = Columns()
     factors: Factors = Factors()
     signs: Signs = Signs()
+    measured: Measured = Measured()
 
     def sign(self, quantity: Quantity) -> float:
         """-1 where the file counts `quantity` the other way than the project does, else 1."""

@@ -1,0 +1,222 @@
+"""A measured value against theory or finite elements, with the uncertainty of both (ASME V&V 20).
+
+With S the computed and D the measured value the comparison error and its standard uncertainty are::
+
+    E = S - D,    u_val = sqrt(u_num^2 + u_input^2 + u_D^2)
+
+u_num is that of the numbers themselves, u_input what the stated uncertainties of the inputs make of
+S (`reports.inputs`), u_D that of the measurement. The model errs by E, known to within u_val. Where
+\\|E\\| is above two of them the error of the model is *resolved*, else it is *hidden*: no less than
+nothing, and no more than E and two of them.
+
+A difference of two models at the same inputs has no u_D, and its inputs are common to both: that is
+no matter of this module.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from reports.comparison.judged import JudgedPair
+from reports.comparison.words import with_uncertainty
+from reports.inputs import PEAK, WORK, InputEffects
+from reports.scoring.loops import OF_SCENE, LoopScore
+from reports.scoring.mapping import Measured
+
+RESOLVED = "resolved"
+HIDDEN = "hidden"
+# Standard uncertainties that an error must exceed: 95 % of a normal distribution.
+_COVERAGE = 2.0
+_OF_95 = 1.96
+# Error of the area of a loop of theory by its instants, of itself.
+_OF_THEORY = 1e-5
+# Metric of a scored result -> value whose uncertainty by the inputs is known, and its words.
+_SCORED = {
+    "dissipation": (WORK, "W"),
+    "largest_pressure": (PEAK, "the largest pressure"),
+    "largest_half_width": ("half_width", "the largest half-width"),
+}
+
+
+@dataclass(frozen=True)
+class AgainstMeasurement:
+    """A computed value beside a measured one.
+
+    Attributes
+    ----------
+    words
+        what it is, in a sentence
+    model
+        whose the computed value is
+    computed, measured
+        S and D, in one unit
+    numerical, inputs, measurement
+        u_num, u_input, u_D, in the same unit
+    not_stated
+        what counts as 0 because nobody stated it, in words
+    """
+
+    words: str
+    model: str
+    computed: float
+    measured: float
+    numerical: float
+    inputs: float
+    measurement: float
+    not_stated: tuple[str, ...] = ()
+
+    @property
+    def error(self) -> float:
+        """E = S - D."""
+        return self.computed - self.measured
+
+    @property
+    def uncertainty(self) -> float:
+        """u_val."""
+        return math.hypot(self.numerical, self.inputs, self.measurement)
+
+    @property
+    def verdict(self) -> str:
+        """Whether the error of the model is resolved or hidden.
+
+        >>> AgainstMeasurement("W", "theory", 1.09, 1.0, 0.0, 0.03, 0.04).verdict
+        'hidden'
+        >>> AgainstMeasurement("W", "theory", 1.11, 1.0, 0.0, 0.03, 0.04).verdict
+        'resolved'
+        """
+        return RESOLVED if abs(self.error) > _COVERAGE * self.uncertainty else HIDDEN
+
+    @property
+    def sentence(self) -> str:
+        """E with u_val in per cent of D, what u_val is made of, and the verdict."""
+        unit = 100 / abs(self.measured) if self.measured else math.nan
+        amount = with_uncertainty(unit * self.error, unit * self.uncertainty)
+        parts = [
+            f"{name} {unit * size:.2g}"
+            for name, size in (
+                ("numerical", self.numerical),
+                ("inputs", self.inputs),
+                ("measurement", self.measurement),
+            )
+        ]
+        said = (
+            f"E of {self.words}, {self.model} minus measured, is {amount} % (u_val of"
+            f" {', '.join(parts)} %): {self.verdict}."
+        )
+        if self.not_stated:
+            said += f" Not stated, and so taken as 0: {', '.join(self.not_stated)}."
+        return said
+
+    def content(self) -> dict[str, Any]:
+        """For JSON."""
+        return {
+            "model": self.model,
+            "computed": self.computed,
+            "measured": self.measured,
+            "error": self.error,
+            "u_num": self.numerical,
+            "u_input": self.inputs,
+            "u_D": self.measurement,
+            "u_val": self.uncertainty,
+            "verdict": self.verdict,
+            "not_stated": list(self.not_stated),
+        }
+
+
+def against_result(
+    comparison: JudgedPair, effects: InputEffects | None, measured: Measured
+) -> tuple[AgainstMeasurement, ...]:
+    """A scored result as a measurement: values of it beside those of half-plane theory; none where
+    no uncertainty of the inputs is stated.
+
+    Parameters
+    ----------
+    measured
+        standard uncertainties of the result
+    """
+    return tuple(_against_result(comparison, effects, measured))
+
+
+def _against_result(
+    comparison: JudgedPair, effects: InputEffects | None, measured: Measured
+) -> Iterator[AgainstMeasurement]:
+    if effects is None or effects.unknown:
+        return
+    for key, (name, words) in _SCORED.items():
+        metric = comparison.metric(key)
+        value = effects.values.get(name)
+        known = metric.value is not None and not metric.absolute and math.isfinite(metric.value)
+        if not known or value is None or not value.value:
+            continue
+        relative = effects.work_uncertainty if name == WORK else value.relative
+        result = value.value * (1 + float(metric.value or 0.0))
+        stated = measured.share(key)
+        yield AgainstMeasurement(
+            words=words,
+            model="theory",
+            computed=value.value,
+            measured=result,
+            numerical=0.0,
+            inputs=relative * value.value,
+            measurement=(stated or 0.0) * result,
+            not_stated=("u_D of the result",) if stated is None else (),
+        )
+
+
+def against_loop(
+    score: LoopScore, effects: InputEffects | None, measured: Measured
+) -> tuple[AgainstMeasurement, ...]:
+    """The area of a measured loop beside those that are computed with the scene's f; none where no
+    uncertainty of the inputs is stated.
+
+    What lies between rows is a bound, taken as a uniform distribution; the scatter is stated in
+    95 %.
+    """
+    if effects is None or not math.isfinite(effects.work_uncertainty):
+        return ()
+    area = score.rows[0]
+    of_rows = math.hypot(area.by_distance / math.sqrt(3), area.by_noise / _OF_95)
+    stated = measured.share("dissipation")
+    measurement = math.hypot(of_rows, (stated or 0.0) * area.area)
+    found = []
+    for row in score.rows[1:]:
+        model, _, which = row.name.partition(", ")
+        if which != OF_SCENE:
+            continue
+        not_stated = [] if stated is not None else ["u_D of all but the rows' scatter"]
+        if model != "theory":
+            not_stated.append(f"u_num of the {model}")
+        found.append(
+            AgainstMeasurement(
+                words="W",
+                model=model,
+                computed=row.area,
+                measured=area.area,
+                numerical=_OF_THEORY * row.area,
+                inputs=effects.work_uncertainty * row.area,
+                measurement=measurement,
+                not_stated=tuple(not_stated),
+            )
+        )
+    return tuple(found)
+
+
+IF_MEASURED = (
+    "If the result is measured, its error against theory stands against the uncertainty of both"
+    " (ASME V&V 20)."
+)
+OF_A_MODEL = (
+    "If it is of another code with the same inputs, these are common to both: u_input is no part of"
+    " the difference."
+)
+
+
+def sentences(found: Sequence[AgainstMeasurement], *, is_measured: bool) -> list[str]:
+    """What they say of a result, which may be a measurement or not."""
+    said = [entry.sentence for entry in found]
+    if not said or is_measured:
+        return said
+    return [IF_MEASURED, *said, OF_A_MODEL]
