@@ -52,6 +52,7 @@ SECTIONS = {
     "Finite elements: beside peers": "finite_elements.peers",
     "Finite elements: growth of the cost": "finite_elements.growth",
     "Real bodies": "finite_elements.real_bodies",
+    "Uncertainty of the inputs": "known_inputs.of_blocks",
     "Faults and bad input": "jobs.faults",
     "Error budget": "covered.budgets",
     "Other people's results: diagnosis of planted faults": "scoring.confusion",

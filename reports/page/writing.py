@@ -33,6 +33,7 @@ from reports.comparison.words import headline, verdict
 from reports.comparison.work_of_loads import bulk_work, normal_work
 from reports.field_output.files import with_bodies, write_fields
 from reports.folder import filled
+from reports.inputs import input_effects
 from reports.measured import section
 from reports.page.body_figures import fit_residuals, sketch
 from reports.page.budget_figures import (
@@ -112,6 +113,9 @@ def write(
     if not isinstance(report, Report):
         report = Report(report)
     comparison = report.comparison
+    if report.inputs is None and comparison.scene.inputs:
+        inputs = input_effects(comparison.scene, comparison.effects)
+        report = replace(report, inputs=inputs)
     with filled(out, solutions=SOLUTIONS) as folder:
         # before the page: one that fails must not cost what took long to solve
         comparison.reference.save(folder / SOLUTIONS[0])
