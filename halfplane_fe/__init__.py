@@ -6,6 +6,8 @@ In the order in which a scene passes through::
     settings.py                            method and step control
     path.py                                turning points of the loads, increments, inadmissible
                                            paths
+    actuators.py                           movements that a rig prescribes in the place of loads;
+                                           gross sliding
     scales.py                              the coarse run: half-width, innermost edge; datum of
                                            approach and displacement
     elasticity.py, far_field.py            elements that do not lock; static condensation (Schur

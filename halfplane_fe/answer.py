@@ -73,7 +73,8 @@ def answer_arrays(
     np.multiply(slip, displacement_unit, out=slip)
     for values in (pressure, shear, slip):
         values.flags.writeable = False
-    loads = np.array([state.loads[:2] for state in states]) * scales.load
+    loads = np.array([(state.normal_load, state.tangential_load) for state in states])
+    loads *= scales.load
     shift = np.array([state.shift for state in states])
     approach = np.array([state.approach for state in states])
     dissipation = float("nan")

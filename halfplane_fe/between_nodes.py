@@ -237,7 +237,7 @@ def _at_contact_edge(
         distance = from_node + _load_to(start.gap[following], gap_rates[following])
         if not 0 < distance < math.inf:
             return None
-        load_at_end = from_node + end.normal_load - start.normal_load
+        load_at_end = from_node + end.loads[0] - start.loads[0]
         share_at_start, share_at_end = np.clip([from_node, load_at_end], 0.0, distance) / distance
         shares = np.array([share_at_start, (share_at_start + share_at_end) / 2, share_at_end])
         g, unit = _chord(problem, node, False, shares, distance)

@@ -16,6 +16,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
+from halfplane_fe.actuators import LOADS_ARE_GIVEN, Actuators
 from halfplane_fe.interface import Interface
 from halfplane_fe.law import project, slip_sign
 from halfplane_fe.return_mapping import ReturnMapping, Start
@@ -73,7 +74,8 @@ class InterfaceState:
     time
         of the instant
     loads
-        P and Q, or the five of `path` where it has bulk stress or tilt
+        P and Q, or the movements of `actuators` in their place, or the five of `path` where it has
+        bulk stress or tilt
     values
         (3 + 4 n,) approach, shift and tilt of the upper body, then slip, pressure, shear and
         gap of the nodes. Gap and slip are those of the law (inner faces of the layer), pressure
@@ -81,12 +83,15 @@ class InterfaceState:
         run has dropped (`run.PathRun`) ends after the slip
     state
         (n,) SurfaceState of each node
+    carried
+        P and Q where they are not `loads`
     """
 
     time: float
     loads: tuple[float, ...]
     values: Array
     state: States
+    carried: tuple[float, float] | None = None
 
     approach, shift, tilt = (_rigid(number) for number in range(3))
     slip, pressure, shear, gap = (_of_nodes(number) for number in range(4))
@@ -94,12 +99,12 @@ class InterfaceState:
     @property
     def normal_load(self) -> float:
         """P."""
-        return self.loads[0]
+        return self.loads[0] if self.carried is None else self.carried[0]
 
     @property
     def tangential_load(self) -> float:
         """Q."""
-        return self.loads[1]
+        return self.loads[1] if self.carried is None else self.carried[1]
 
     @property
     def is_complete(self) -> bool:
@@ -201,6 +206,8 @@ class ContactProblem:
         counts of what was done
     method
         by which an equilibrium is found, see `settings.SolverSettings`
+    actuators
+        which loads are movements
     jumps
         increments in which the interface went from one solution to another, see
         `stepping.follow`
@@ -216,6 +223,7 @@ class ContactProblem:
     moment_given: bool = False
     work: Counter[str] = field(default_factory=Counter)
     method: Method = "active_set"
+    actuators: Actuators = LOADS_ARE_GIVEN
     jumps: int = field(default=0, init=False)
 
     def __post_init__(self) -> None:
@@ -231,7 +239,9 @@ class ContactProblem:
         """Made when it is first used: of faces that are solved on one half, that half has its
         own.
         """
-        return Systems(self.interface, self.layer, self.friction, self.work, self.tangential)
+        return Systems(
+            self.interface, self.layer, self.friction, self.work, self.tangential, self.actuators
+        )
 
     @cached_property
     def _return_mapping(self) -> ReturnMapping:
@@ -248,13 +258,14 @@ class ContactProblem:
             penalty,
             self.work,
             self._shear_scale,
+            self.actuators,
         )
 
     def at_rest(
         self, time: float = 0.0, loads: tuple[float, ...] = (0.0, 0.0), line: float = 0.0
     ) -> InterfaceState:
         """The bodies before they carry anything, touching where the gap is least, with the bulk
-        stresses that there are.
+        stresses that there are, and at the place of the tangential actuator.
 
         Of a given moment the tilt is that at which the faces touch on both sides of x = `line`, the
         first place of the resultant.
@@ -266,15 +277,28 @@ class ContactProblem:
         gap_by_imposed, slip_by_imposed = self.offsets(imposed)
         undeformed_gap = self.height + gap_by_imposed
         approach = float((undeformed_gap / self.interface.normals[1]).min())
-        gap_by_approach, slip_by_approach = self.interface.moved(approach, 0.0)
+        shift = loads[1] if self.actuators.tangential is not None else 0.0
+        gap_by_approach, slip_by_approach = self.interface.moved(approach, shift)
         gap = undeformed_gap + gap_by_approach
         slip = slip_by_imposed + slip_by_approach
         no_force = np.zeros_like(self.height)
-        rigid = [approach, 0.0, imposed[2]]
+        rigid = [approach, shift, imposed[2]]
         values = np.concatenate([rigid, slip, no_force, no_force, gap])
         states = np.where(gap <= ROUNDING, STICK, OPEN)
-        loads = (0.0, 0.0, *loads[2:])
-        return InterfaceState(time, loads, freeze(values), freeze(states, np.int8))
+        pressed = approach if self.actuators.normal is not None else 0.0
+        loads = (pressed, shift, *loads[2:])
+        return self._state(time, loads, freeze(values), states)
+
+    def _state(
+        self, time: float, loads: tuple[float, ...], values: Array, states: States
+    ) -> InterfaceState:
+        """A state, with the loads that it carries where they are not given."""
+        carried = None
+        if self.actuators.are_there:
+            _, pressure, shear, _ = nodal(values)
+            normal_load, tangential_load = self.interface.carried(pressure, shear)
+            carried = (float(normal_load), float(tangential_load))
+        return InterfaceState(time, loads, values, freeze(states, np.int8), carried)
 
     def equilibrium(
         self,
@@ -327,10 +351,18 @@ class ContactProblem:
         if state is None:
             raise ConvergenceError(
                 f"contact: {changing} nodes still change state after {iterations} iterations at"
-                f" time {time:.6g}, normal load {loads[0]:.6g}, tangential load {loads[1]:.6g}"
-                " (over the largest normal load)"
+                f" time {time:.6g}, {self._loads_in_words(loads)}"
             )
         return state, iterations
+
+    def _loads_in_words(self, loads: tuple[float, ...]) -> str:
+        """The first two of them."""
+        names = [
+            "normal load" if self.actuators.normal is None else "approach",
+            "tangential load" if self.actuators.tangential is None else "tangential displacement",
+        ]
+        values = ", ".join(f"{name} {load:.6g}" for name, load in zip(names, loads, strict=False))
+        return f"{values} (over the largest normal load, or that over E*)"
 
     def _mapped_equilibrium(
         self, start: InterfaceState, time: float, loads: tuple[float, ...]
@@ -346,11 +378,10 @@ class ContactProblem:
         if solved is None:
             raise ConvergenceError(
                 f"contact: the return mapping does not converge, however soft the penalty, at time"
-                f" {time:.6g}, normal load {loads[0]:.6g}, tangential load {loads[1]:.6g}"
-                " (over the largest normal load)"
+                f" {time:.6g}, {self._loads_in_words(loads)}"
             )
         self.work["contact iterations"] += solved.newton_steps
-        state = InterfaceState(time, loads, freeze(solved.values), freeze(solved.states, np.int8))
+        state = self._state(time, loads, freeze(solved.values), solved.states)
         return state, solved.newton_steps
 
     def following(
@@ -380,7 +411,7 @@ class ContactProblem:
         gap[~is_open] = 0.0
         shear[:] = np.where(sticks, shear, slip_sign(states) * self.friction * pressure)
         values.flags.writeable = False
-        return InterfaceState(time, loads, values, freeze(states, np.int8))
+        return self._state(time, loads, values, states)
 
     def rates(self, states: States, n_loads: int) -> Array:
         """(n_loads, 3 + 4 n) derivatives of the values by the loads while the nodes keep their
@@ -466,7 +497,7 @@ class ContactProblem:
 
         Both halves are convex, and coupling times friction is small, so the turns converge; as soon
         as their states agree with themselves in the full system, that system's answer is taken.
-        Like bodies need one turn.
+        Like bodies need one turn. Loads that follow from movements are those of the turn before.
         """
         self.work["alternating solves"] += 1
         systems = self._systems
@@ -478,6 +509,7 @@ class ContactProblem:
         shift = start.shift
         closed = start.closed
         imposed = replace(start, loads=loads).imposed
+        carried = start.carried or loads[:2]
         if len(loads) > 2 and not self.moment_given:
             imposed[2] = loads[_TILT_OR_MOMENT]
         changing = 0
@@ -487,18 +519,19 @@ class ContactProblem:
                 imposed[2] = self._tilt_at_known_shear(height, shear, closed, imposed, loads)
             gap_by_imposed, slip_by_imposed = self.offsets(imposed)
             pressure, approach, closed = pressure_at_known_shear(
-                systems, height + gap_by_imposed, loads[0] - float(n_x @ shear), closed, ROUNDING
+                systems, height + gap_by_imposed, carried[0] - float(n_x @ shear), closed, ROUNDING
             )
             states = np.where(closed, STICK, OPEN).astype(np.int8)
             if self.tangential:
                 known_slip = start.slip - slip_by_imposed - coupling @ pressure - n_x * approach
-                load = None if self.interface.guided else loads[1] + float(n_x @ pressure)
+                load = None if self.interface.guided else carried[1] + float(n_x @ pressure)
                 shear, shift, states = shear_at_known_pressure(
                     systems, np.maximum(pressure, 0.0), known_slip, load, ROUNDING
                 )
-            if not np.any(states == STICK):
+            if not np.any(states == STICK) and self.actuators.tangential is None:
                 continue
             state = self.following(start, time, loads, states)
+            carried = state.carried or carried
             changing = int(np.count_nonzero(self._states_by_law(state, start) != states))
             if not changing:
                 return _Solved(state, turn, 0)

@@ -137,7 +137,7 @@ def increment_energies(
     """
     faces = problem.interface
     values = np.stack([state.values for state in states])
-    loads = np.array([state.loads for state in states])
+    loads = np.array([(state.normal_load, state.tangential_load) for state in states])
     imposed = np.diff([state.imposed for state in states], axis=0)
     _, p, q, _ = nodal(values)
     mean_p = (p[:-1] + p[1:]) / 2
@@ -162,7 +162,7 @@ def increment_energies(
     share_before = np.ones(len(sign))
     if len(kinked):
         dissipation[kinked], bent[kinked], share_before[kinked] = _kinked_work(
-            problem, np.diff(loads, axis=0)[kinked], _Rows(p, q, slip, before, after), kinked
+            problem, _changes_of_loads(states)[kinked], _Rows(p, q, slip, before, after), kinked
         )
     # The shear of a node that starts to slide has a kink in the increment, and the work of Q with
     # it.
@@ -201,6 +201,11 @@ def increment_energies(
         step_error=step_errors(problem.friction, pressure, slip, before, after),
         bent=bent,
     )
+
+
+def _changes_of_loads(states: Sequence[InterfaceState]) -> Array:
+    """(m, k) of the k loads, or movements in their place."""
+    return np.diff([state.loads for state in states], axis=0)
 
 
 def _states_of_moved(friction: float, before: States, after: States, slip: Array) -> States:
@@ -377,7 +382,10 @@ def _normal_work(problem: ContactProblem, i: int, j: int, by_i: Array, by_j: Arr
     approach = by_j[:, 0]
     tilt = by_j[:, 2]
     moment = problem.interface.work_of_imposed(p, q)[..., 2]
-    work = (i == 0) * approach + moment * tilt
+    normal_load: Array | float = float(i == 0)
+    if problem.actuators.are_there:
+        normal_load, _ = problem.interface.carried(p.T, q.T)
+    work = normal_load * approach + moment * tilt
     if j in (2, 3):  # a bulk stress
         work = work + problem.interface.work_of_imposed(p, 0 * q)[..., j - 2]
     return np.asarray(work)
@@ -402,9 +410,15 @@ def certificates(problem: ContactProblem, states: Sequence[InterfaceState]) -> d
     of_law = violations(gap, pressure, shear, slip_increment, problem.friction)
     for name in ("tension", "gap_pressure", "cone", "slip_sign"):
         of_law[name] = of_law[name] / force
-    carried = np.array(problem.interface.carried(pressure.T, shear.T))
-    equilibrium = np.abs(carried - loads[:, :2].T).max(axis=0)
+    normal_load, tangential_load = problem.interface.carried(pressure.T, shear.T)
+    reached = [normal_load, tangential_load]
+    # What stands in the place of a load is a movement: a rigid motion and what the rig gives way.
+    for number, compliance in enumerate(problem.actuators):
+        if compliance is not None:
+            reached[number] = values[1:, number] + compliance * reached[number]
+    equilibrium = np.abs(np.array(reached) - loads[:, :2].T).max(axis=0)
     if problem.moment_given:
         moment = -problem.interface.work_of_imposed(pressure, shear)[:, 2]
         equilibrium = np.maximum(equilibrium, np.abs(moment - loads[:, -1]))
-    return {"equilibrium": equilibrium / np.maximum(loads[:, 0], 1e-300), **of_law}
+    largest = loads[:, 0] if problem.actuators.normal is None else normal_load
+    return {"equilibrium": equilibrium / np.maximum(largest, 1e-300), **of_law}

@@ -29,6 +29,7 @@ from numpy.typing import ArrayLike
 from scipy.linalg import solve
 from scipy.sparse import csr_array
 
+from halfplane_fe.actuators import path_of
 from halfplane_fe.condensed_bodies import BODIES
 from halfplane_fe.elasticity import CondensedBody
 from halfplane_fe.mortar import Mortar, Side, mortar
@@ -427,7 +428,7 @@ def _with_ends(body: BodyMesh, shape: Shape, scene: Scene) -> BodyMesh:
     """The body with its free sides as ends that the bulk stress pulls, where it is a block and the
     scene has such a stress.
     """
-    if not (_has_ends(shape) and has_bulk_stress(scene.load.path())):
+    if not (_has_ends(shape) and has_bulk_stress(path_of(scene))):
         return body
     return replace(body, supports={**body.supports, "sides": "pulled"})
 
@@ -477,7 +478,7 @@ def check_bulk_stress(scene: Scene) -> None:
     InputError
         For a bulk stress other than 0 in a pad, a cylinder or a block with guided sides.
     """
-    legs = [leg.bulk for leg in scene.load.path().legs(1) if leg.bulk is not None]
+    legs = [leg.bulk for leg in path_of(scene).legs(1) if leg.bulk is not None]
     for number, name in enumerate(("lower", "upper")):
         body = getattr(scene.bodies, name)
         pulled = any(np.any(leg.loads(sampled(leg, 25))[number]) for leg in legs)
@@ -500,7 +501,7 @@ def bulk_stress_notes(
     """What the bulk stress of a block is: where its ends hold Q, the jump Q/H; where its base does,
     the share at the face.
     """
-    if not has_bulk_stress(scene.load.path()):
+    if not has_bulk_stress(path_of(scene)):
         return
     for name, compliant in zip(("lower", "upper"), condensed, strict=True):
         body = getattr(scene.bodies, name)
@@ -538,7 +539,7 @@ def check_supports(scene: Scene, sheared: bool) -> None:
     for name, body in (("lower", scene.bodies.lower), ("upper", scene.bodies.upper)):
         if not sheared or not isinstance(body, Block | Pad):
             continue
-        held_by_ends = _has_ends(body) and has_bulk_stress(scene.load.path())
+        held_by_ends = _has_ends(body) and has_bulk_stress(path_of(scene))
         if body.base == "rollers" and body.sides == "free" and not held_by_ends:
             raise InputError(
                 f"bodies.{name}: nothing holds the {body.kind} against the tangential load, it"

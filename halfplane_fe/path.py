@@ -19,6 +19,7 @@ from scenes import (
     TANGENTIAL_LOAD,
     Combination,
     InadmissibleLoadError,
+    InputError,
     LoadedInstant,
     LoadPath,
     LoadSegment,
@@ -202,8 +203,11 @@ def enclosed(leg: LoadSegment, times: Array) -> Array | None:
     return areas
 
 
-def check_admissible(path: LoadPath, friction: float) -> None:
+def check_admissible(path: LoadPath, friction: float, *, is_driven: bool = False) -> None:
     """Refuse a path with separation or gross sliding (|Q| >= f P, with Q = 0 allowed).
+
+    Where movements of actuators stand in the place of the loads, separation alone is seen
+    beforehand, and gross sliding is allowed.
 
     Separation is P <= 0 after the start, or so little load that it can't be told from none.
     Both extremes are met at turning points, so looking there is exact: to 1e-14 of f times the
@@ -223,6 +227,12 @@ def check_admissible(path: LoadPath, friction: float) -> None:
         separated = inside & (p <= _LEAST_LOAD * scale)
         if separated.any():
             worst = int(np.argmin(np.where(separated, p, np.inf)))
+            if is_driven:
+                raise InputError(
+                    f"load: the bodies part at time {times[worst]:.6g}, where P or the approach is"
+                    f" {p[worst]:.6g}; finite elements follow bodies that touch: keep it above 0,"
+                    " or take half-plane theory"
+                )
             rule = _LITTLE_LOAD if p[worst] > 0 else ""
             if max(abs(p[worst]), abs(q[worst])) <= _ROUNDING_OF_LIMIT * scale:
                 rule = _UNLOADED
@@ -232,6 +242,8 @@ def check_admissible(path: LoadPath, friction: float) -> None:
                 friction=friction,
                 rule=rule,
             )
+        if is_driven:
+            continue
         excess = np.abs(q) - friction * p
         sliding = inside & (excess >= -_ROUNDING_OF_LIMIT * friction * scale) & (q != 0)
         if sliding.any():

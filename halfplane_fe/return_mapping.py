@@ -31,6 +31,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from halfplane_fe.actuators import LOADS_ARE_GIVEN, Actuators
 from halfplane_fe.interface import Interface
 from halfplane_fe.law import project, slip_sign
 from halfplane_fe.systems import Layer, SingularSet, Systems
@@ -97,7 +98,7 @@ class ReturnMapping:
 
     Attributes
     ----------
-    interface, friction, layer, tangential, work
+    interface, friction, layer, tangential, work, actuators
         see `contact.ContactProblem`
     penalty
         (n,) normal and tangential e of the augmented Lagrangian; None for the penalty method,
@@ -113,6 +114,7 @@ class ReturnMapping:
     penalty: tuple[Array, Array] | None
     work: Counter[str]
     shear_scale: float = 1.0
+    actuators: Actuators = LOADS_ARE_GIVEN
     _systems: dict[int, Systems] = field(default_factory=dict, init=False)
 
     def equilibrium(self, start: Start, most_steps: int) -> Equilibrium | None:
@@ -161,7 +163,14 @@ class ReturnMapping:
             compliance = Layer(
                 self.layer.normal + softness.normal, self.layer.tangential + softness.tangential
             )
-            systems = Systems(self.interface, compliance, self.friction, self.work, self.tangential)
+            systems = Systems(
+                self.interface,
+                compliance,
+                self.friction,
+                self.work,
+                self.tangential,
+                self.actuators,
+            )
             self._systems[number] = systems
         return systems
 
@@ -245,7 +254,8 @@ class _Iteration:
         slides = mapped.states > STICK
         sticks = slides & (self._latest_states > STICK) & (mapped.states != self._latest_states)
         none_left = not np.any((mapped.states == STICK) | sticks)
-        if self.faces.tangential and none_left and not self.faces.interface.guided:
+        may_slide = self.faces.interface.guided or self.faces.actuators.tangential is not None
+        if self.faces.tangential and none_left and not may_slide:
             beyond_limit = np.abs(mapped.trial_shear) - self.faces.friction * mapped.pressure
             sticks[np.argmin(np.where(slides, beyond_limit, np.inf))] = True
         return mapped._replace(

@@ -379,13 +379,16 @@ class Pace:
     dissipation: float = 0.0
     of_kinks: bool = False
 
-    def units(self, moment_given: bool) -> tuple[float, ...]:
-        """What each of the five loads of `path` is divided by."""
+    def units(self, problem: ContactProblem) -> tuple[float, ...]:
+        """What each of the five loads of `path` is divided by, or the movement in its place."""
         bulk_stress = self.load / self.half_width
         tilt = bulk_stress / self.modulus
         moment = self.load * self.half_width
-        tilt_or_moment = moment if moment_given else tilt
-        return (self.load, self.load, bulk_stress, bulk_stress, tilt_or_moment)
+        tilt_or_moment = moment if problem.moment_given else tilt
+        movement = self.load / self.modulus
+        normal = self.load if problem.actuators.normal is None else movement
+        tangential = self.load if problem.actuators.tangential is None else movement
+        return (normal, tangential, bulk_stress, bulk_stress, tilt_or_moment)
 
 
 def run_path(
@@ -462,7 +465,7 @@ def run_path(
 def _at_rest(problem: ContactProblem, path: LoadPath, pace: Pace) -> InterfaceState:
     """The unloaded state; a line of action is where the resultant is soon after."""
     leg = path.initial_loading[0]
-    units = pace.units(problem.moment_given)
+    units = pace.units(problem)
     soon = leg.start + _SOON * (leg.end - leg.start)
     normal_load, *_, moment = scaled_loads(leg, soon, units)
     line = moment / normal_load if problem.moment_given and normal_load > 0 else 0.0
@@ -481,10 +484,12 @@ def _follow_legs(
     """Add the increments of some legs to a run, `steps` regular ones in the longest of them."""
     longest = max(leg.end - leg.start for leg in legs)
     pieces: list[Stretch] = []
+    # Where U is given, U turns round, and not Q - f P.
+    friction = problem.friction if problem.actuators.tangential is None else 0.0
     for leg in legs:
-        pieces += stretches(leg, problem.friction, steps * (leg.end - leg.start) / longest)
+        pieces += stretches(leg, friction, steps * (leg.end - leg.start) / longest)
     duration = legs[-1].end - legs[0].start
-    units = pace.units(problem.moment_given)
+    units = pace.units(problem)
     run.density = np.zeros_like(problem.height)
     reference = _reference_dissipation(run, pace, problem.friction)
 

@@ -12,7 +12,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
+import scipy
 
+from halfplane_fe.actuators import (
+    LOADS_ARE_GIVEN,
+    Actuators,
+    actuators_of,
+    compliance_beyond,
+    path_of,
+)
 from halfplane_fe.contact import BesideTheFaces, ContactProblem, InterfaceState, nodal
 from halfplane_fe.edges import contact_edges, reported_states, stick_edges
 from halfplane_fe.interface import (
@@ -36,7 +44,6 @@ from scenes import (
     STICK,
     Bodies,
     Elastic,
-    HalfPlane,
     InputError,
     Scene,
     TimeSeriesLoad,
@@ -68,6 +75,9 @@ _ENLARGED = 1.3
 _ENLARGEMENTS = 10
 
 
+# Factors of e by which the load of an approach is looked for at most, and to which it is found.
+_MOST_WIDTHS = 20
+_LITTLE = 1e-2
 # Where the room is estimated alone: increments of a revolution, by how much the side that may touch
 # grows, rows of a record beyond which those of extreme loads stand for all, and the share of the
 # largest P below which |Q|/P of a row is not looked at.
@@ -137,18 +147,10 @@ def contact_modulus(lower: Elastic, upper: Elastic) -> float:
 def from_datum(scene: Scene, run: PathRun, ratio: float) -> PathRun:
     """The run with approach and shift counted from a datum length `ratio` times that of its bodies.
 
-    Each half-plane moves by (2/pi) (1 - nu^2)/E ln(ratio) of P and Q less, as a rigid body; blocks,
-    pads and cylinders stand on something and have no datum. The energies of the record stay those
-    of the datum that the run had.
+    The energies of the record stay those of the datum that the run had.
     """
-    bodies = (
-        (scene.bodies.lower, scene.material.lower),
-        (scene.bodies.upper, scene.material.upper),
-    )
-    half_planes = [material for shape, material in bodies if isinstance(shape, HalfPlane)]
-    soft = sum((1 - material.poisson_ratio**2) / material.young_modulus for material in half_planes)
     modulus = contact_modulus(scene.material.lower, scene.material.upper)
-    by_load = 2 / np.pi * soft * modulus * float(np.log(ratio))
+    by_load = compliance_beyond(scene, ratio) * modulus
     moved = [
         state.changed(
             approach=state.approach + by_load * state.normal_load,
@@ -160,10 +162,10 @@ def from_datum(scene: Scene, run: PathRun, ratio: float) -> PathRun:
 
 
 def largest_load(scene: Scene) -> float:
-    """Largest normal load of the path, at an end of a leg or where P turns round [force per
-    thickness].
+    """Largest normal load of the path, or approach, at an end of a leg or where it turns round
+    [force per thickness, or length].
     """
-    legs = tuple(scene.load.path().legs(1))
+    legs = tuple(path_of(scene).legs(1))
     return max(
         float(
             np.max(leg.loads(np.array([leg.start, *leg.turning_points(NORMAL_LOAD), leg.end]))[0])
@@ -173,15 +175,15 @@ def largest_load(scene: Scene) -> float:
 
 
 def sheared(scene: Scene) -> bool:
-    """Whether there is a tangential load."""
-    return any(np.any(leg.loads(sampled(leg, 25))[1] != 0) for leg in scene.load.path().legs(1))
+    """Whether there is a tangential load, or a movement in its place."""
+    return any(np.any(leg.loads(sampled(leg, 25))[1] != 0) for leg in path_of(scene).legs(1))
 
 
 def needs_shear(scene: Scene) -> bool:
     """Whether any shear can arise: friction, and a tangential load, a bulk stress or unlike
     bodies.
     """
-    driven = sheared(scene) or has_bulk_stress(scene.load.path())
+    driven = sheared(scene) or has_bulk_stress(path_of(scene))
     return scene.friction.coefficient > 0 and (driven or not shapes_alike(scene))
 
 
@@ -208,7 +210,54 @@ def find_scales(scene: Scene, work: Counter[str]) -> Scales:
     InputError
         If no size of the body holds the contact.
     """
-    load = largest_load(scene)
+    if not scene.load.states_approach:
+        return _scales_at(scene, largest_load(scene), work)
+    # The load follows from the approach: the one of half-planes is near enough to choose a size.
+    load = _load_of_approach(scene, work)
+    return _scales_at(scene, _scales_at(scene, load, work).load, work)
+
+
+def _load_of_approach(scene: Scene, work: Counter[str]) -> float:
+    """Load of the largest approach between half-planes whose datum is as far as the bodies are
+    deep.
+    """
+    approach = largest_load(scene)
+    modulus = contact_modulus(scene.material.lower, scene.material.upper)
+    depths = [body.least_depth for body in (scene.bodies.lower, scene.bodies.upper)]
+    lengths = [min(depth, scene.profile.datum_length) for depth in depths]
+    datum = scene.rig.datum_length or float(np.sqrt(lengths[0] * lengths[1]))
+    half_planes = _on_half_planes(scene, datum)
+    pair = _CoarsePair(half_planes, 1.0, modulus, work)
+
+    def excess(logarithm: float) -> float:
+        """Approach of the actuator at a load, beyond the one that is looked for."""
+        pair.load = float(np.exp(logarithm))
+        size = _fitting_size(pair)
+        pressed = _pressed(pair, size)[1]
+        compliance = actuators_of(half_planes, size).normal
+        assert compliance is not None  # for the type checker: the approach is given
+        return (pressed.approach + compliance) * pair.load / modulus - approach
+
+    middle = float(np.log(modulus * approach))
+    for width in range(1, _MOST_WIDTHS):
+        if excess(middle - width) < 0 < excess(middle + width):
+            ends = (middle - width, middle + width)
+            return float(np.exp(scipy.optimize.brentq(excess, *ends, xtol=_LITTLE)))
+    raise InputError(
+        f"load.approach: no load presses the bodies together by {approach:.6g}; check profile and"
+        " units"
+    )
+
+
+def _on_half_planes(scene: Scene, datum: float) -> Scene:
+    """The scene of half-planes, at which a displacement is prescribed in a distance `datum`."""
+    if not scene.load.is_driven:
+        return scene.vary(bodies=Bodies())
+    return scene.vary(bodies=Bodies(), rig={"datum_length": datum})
+
+
+def _scales_at(scene: Scene, load: float, work: Counter[str]) -> Scales:
+    """`find_scales` with loads over one of the size of the largest."""
     modulus = contact_modulus(scene.material.lower, scene.material.upper)
     pair = _CoarsePair(scene, load, modulus, work)
     size = _fitting_size(pair)
@@ -241,7 +290,7 @@ def _scales_of_run(pair: _CoarsePair, size: float, problem: ContactProblem, run:
         float(np.abs(problem.interface.x[state.closed]).max(initial=0.0)) for state in run.states
     )
     inner = 0.0
-    if scene.load.path().period is not None:
+    if path_of(scene).period is not None:
         # the first one too: the hook that it locks in stays
         cycles = slice(run.cycle_starts[0] + 1, None)
         surface_states = reported_states(problem, run.states, run.cycle_starts)[cycles]
@@ -255,7 +304,7 @@ def _scales_of_run(pair: _CoarsePair, size: float, problem: ContactProblem, run:
         half_width=size * half_width,
         inner=min(size * inner, first_kink),
         reach=size * max(reach, half_width),
-        load=load,
+        load=load * pressed.normal_load if scene.load.states_approach else load,
         modulus=modulus,
         element=1 / (_ELEMENTS * half_width),
         dissipation=float(run.cycle_density[-1].sum()) * load**2 / modulus,
@@ -311,6 +360,8 @@ def estimate_room(scene: Scene, work: Counter[str]) -> RoomForContact:
     """
     short = _with_extreme_rows(scene)
     load = largest_load(short)
+    if short.load.states_approach:
+        load = _load_of_approach(short, work)
     modulus = contact_modulus(scene.material.lower, scene.material.upper)
     pair = _CoarsePair(short, load, modulus, work)
     size = _size_near_contact(pair)
@@ -405,7 +456,13 @@ class _CoarsePair:
         interface = self._made[1]
         return interface if made_at == size else interface.scaled(made_at / size, 1.0)
 
-    def problem(self, size: float, unscaled: Interface, tangential: bool) -> ContactProblem:
+    def problem(
+        self,
+        size: float,
+        unscaled: Interface,
+        tangential: bool,
+        actuators: Actuators = LOADS_ARE_GIVEN,
+    ) -> ContactProblem:
         """The contact problem of these faces, lengths over `size`."""
         interface = unscaled.scaled(size, 1 / self.modulus)
         height = initial_gap(self.scene, unscaled) * self.modulus / self.load
@@ -416,7 +473,8 @@ class _CoarsePair:
             self.scene.friction.coefficient,
             no_layer,
             tangential=tangential,
-            moment_given=self.scene.load.path().moment_given,
+            moment_given=path_of(self.scene).moment_given,
+            actuators=actuators,
         )
 
 
@@ -441,14 +499,15 @@ def _coarse_run(
     """The load path on faces of this half-width, in so many increments a revolution."""
     faces = pair.faces(size)
     tangential = needs_shear(pair.scene)
-    problem = pair.problem(size, faces, tangential)
+    actuators = actuators_of(pair.scene, size)
+    problem = pair.problem(size, faces, tangential, actuators)
     halved = on_half(pair.scene, faces)
-    solved = pair.problem(size, half(faces), tangential) if halved else problem
+    solved = pair.problem(size, half(faces), tangential, actuators) if halved else problem
     pace = Pace(pair.load, steps, np.inf, size, pair.modulus)
     # All states, for their edges decide about the mesh; there are few nodes.
     run = run_path(
         solved,
-        pair.scene.load.path(),
+        path_of(pair.scene),
         pace,
         cycles,
         lambda _step, _of_steps, _text: None,
@@ -491,7 +550,7 @@ def _size_on_half_planes(pair: _CoarsePair) -> float:
     """The same of half-planes, which is near and cheap to find; a first guess if they are these."""
     if pair.scene.bodies.half_planes:
         return pair.scene.profile.datum_length
-    half_planes = pair.scene.vary(bodies=Bodies())
+    half_planes = _on_half_planes(pair.scene, pair.scene.profile.datum_length)
     return _fitting_size(_CoarsePair(half_planes, pair.load, pair.modulus, pair.work))
 
 
@@ -499,13 +558,18 @@ def _contact_fraction(pair: _CoarsePair, size: float) -> float:
     """What the contact takes, at the largest load, of a side that may touch of this half-width; 1
     where all nodes touch.
     """
-    faces = pair.faces(size)
-    solved_faces = half(faces) if on_half(pair.scene, faces) else faces
-    problem = pair.problem(size, solved_faces, tangential=False)
-    pressed, _ = problem.equilibrium(problem.at_rest(), 0.0, (1.0, 0.0))
+    problem, pressed = _pressed(pair, size)
     if pressed.closed.all():
         return 1.0
     return float(np.abs(problem.interface.x[pressed.closed]).max())
+
+
+def _pressed(pair: _CoarsePair, size: float) -> tuple[ContactProblem, InterfaceState]:
+    """The faces at the largest load, without shear."""
+    faces = pair.faces(size)
+    solved_faces = half(faces) if on_half(pair.scene, faces) else faces
+    problem = pair.problem(size, solved_faces, tangential=False)
+    return problem, problem.equilibrium(problem.at_rest(), 0.0, (1.0, 0.0))[0]
 
 
 def _past_the_end(scene: Scene) -> InputError:

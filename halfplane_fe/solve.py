@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from halfplane_fe.actuators import actuators_of, notes_of_rig, path_of, scene_of_loads
 from halfplane_fe.answer import PenaltyAudit, answer_arrays, penalty_audit, record_of
 from halfplane_fe.condensed_bodies import CACHED
 from halfplane_fe.contact import ContactProblem, InterfaceState
@@ -255,19 +256,35 @@ def _solve(
     datum = max(scene.profile.datum_length, scales.reach)
     condensed = condensed_pair(scene, bodies, datum, work)
     watch.lap("condensation")
-    problem, run = _solve_path(task, couple(*condensed), work, report)
+    problem, run = _solve_path(task, couple(*condensed), datum, work, report)
+    notes_on_rig = notes_of_rig(scene, problem, run, scales) if scene.load.is_driven else ()
     if datum > scene.profile.datum_length:
         run = from_datum(scene, run, scene.profile.datum_length / datum)
     watch.lap("load path")
+    if scene.load.is_driven:
+        task = replace(task, scene=scene_of_loads(scene, run, scales.load))
     answer = _solution(task, condensed, problem, run, watch.seconds)
+    if scene.load.is_driven:
+        answer = _of_last_cycle(answer, notes_on_rig)
     if run.failure is not None:
         raise type(run.failure)(str(run.failure), answer) from run.failure
     _check_room(answer, run)
     return answer
 
 
+def _of_last_cycle(answer: FiniteElementSolution, notes: tuple[str, ...]) -> FiniteElementSolution:
+    """The answer to a scene that states the loads of the last cycle alone, with further notes."""
+    record = replace(answer.record, notes=(*answer.record.notes, *notes))
+    return replace(
+        answer,
+        record=record,
+        cycle_dissipation=freeze(answer.cycle_dissipation[-1:]),
+        steady_from=None if answer.steady_from is None else 0,
+    )
+
+
 def _solve_path(
-    task: _Task, true_faces: Interface, work: Counter[str], report: Progress
+    task: _Task, true_faces: Interface, datum: float, work: Counter[str], report: Progress
 ) -> tuple[ContactProblem, PathRun]:
     """Follow the load path on faces without the mesh's part of N - T; on the faces as they are
     where there is none, or where the contact does not converge without it.
@@ -289,12 +306,12 @@ def _solve_path(
     )
     cured_faces = without_local_difference(true_faces, scene)
     for faces in (true_faces,) if cured_faces is None else (cured_faces, true_faces):
-        problem = _contact_problem(task, faces, work)
+        problem = _contact_problem(task, faces, datum, work)
         halved = on_half(scene, faces)
-        solved = _contact_problem(task, half(faces), work) if halved else problem
+        solved = _contact_problem(task, half(faces), datum, work) if halved else problem
         run = run_path(
             solved,
-            scene.load.path(),
+            path_of(scene),
             pace,
             scene.cycles,
             report,
@@ -352,7 +369,8 @@ def _check_loads(scene: Scene) -> None:
             "profile: symmetric = false goes with half-planes and blocks: pads and cylinders are"
             " meshed mirror-symmetric"
         )
-    check_admissible(scene.load.path(), scene.friction.coefficient)
+    is_driven = scene.load.is_driven
+    check_admissible(path_of(scene), scene.friction.coefficient, is_driven=is_driven)
     check_supports(scene, sheared(scene))
 
 
@@ -393,8 +411,10 @@ def surface_grading(
     return replace(grading, halvings=tip_halvings(profile, grading.innermost))
 
 
-def _contact_problem(task: _Task, faces: Interface, work: Counter[str]) -> ContactProblem:
-    """The contact problem of these faces, scaled."""
+def _contact_problem(
+    task: _Task, faces: Interface, datum: float, work: Counter[str]
+) -> ContactProblem:
+    """The contact problem of these faces, scaled, of half-planes with a datum length."""
     scene = task.scene
     scales = task.scales
     settings = task.settings
@@ -421,9 +441,10 @@ def _contact_problem(task: _Task, faces: Interface, work: Counter[str]) -> Conta
         tangential=needs_shear(scene),
         max_iterations=settings.max_iterations,
         augmentation=augmentation,
-        moment_given=scene.load.path().moment_given,
+        moment_given=path_of(scene).moment_given,
         work=work,
         method=settings.method,
+        actuators=actuators_of(scene, datum),
     )
 
 

@@ -21,6 +21,7 @@ import scipy
 
 from halfplane_fe.contact import ROUNDING, ContactProblem, InterfaceState, nodal
 from halfplane_fe.energy import bent_work, step_errors
+from halfplane_fe.law import slip_sign
 from halfplane_fe.path import Stretch, scaled_loads
 from halfplane_fe.systems import SingularSet
 from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, ConvergenceError, freeze
@@ -55,6 +56,10 @@ _JUMPY = (
 _MOST_PREDICTIONS = 5
 # Secants before an event is bracketed instead.
 _MOST_SECANTS = 8
+# Instants of an increment at which the end of a stroke is looked for, and the share of it to which
+# that is found: slip rests there, so that its square counts.
+_LOOKED_AT = 9
+_TURN = 1e-5
 # Trials of a regular increment: all of its halves down to the shortest and as many refused.
 _MOST_TRIALS = 2**14
 # Events of a contact node in a regular increment.
@@ -143,7 +148,8 @@ def follow(
         # the first is to be reached, those after it are what halving has put before it
         targets = [end]
         for _ in range(_MOST_TRIALS + _MOST_EVENTS * len(problem.height)):
-            attempt = _attempt(problem, state, loads_at, targets[-1], _SHORTEST * regular)
+            target = _up_to_turn(problem, state, loads_at, targets[-1])
+            attempt = _attempt(problem, state, loads_at, target, _SHORTEST * regular)
             if isinstance(attempt, NotConverged):
                 targets.append((state.time + attempt.time) / 2)
                 continue
@@ -162,6 +168,41 @@ def follow(
                 f"the increment that ends at time {end:.6g} was not reached: nodes touch and let go"
                 " without end"
             )
+
+
+def _up_to_turn(
+    problem: ContactProblem, start: InterfaceState, loads_at: LoadsAt, end: float
+) -> float:
+    """The instant up to `end` at which a stroke of slip ends, or `end`.
+
+    Of given loads it is known beforehand (`path.turning_points`). Where movements are given it
+    follows from what slides: there the slip of the sliding nodes, each weighted by its friction,
+    grows no further as the movements go.
+    """
+    sense = slip_sign(start.state)
+    if not problem.actuators.are_there or not sense.any():
+        return end
+    try:
+        slip_by_loads, _, _, _ = nodal(problem.rates(start.state, len(start.loads)))
+    except SingularSet:
+        return end
+    by_loads = slip_by_loads @ (sense * start.pressure)
+
+    def progress(time: float) -> float:
+        return float(np.subtract(loads_at(time), start.loads) @ by_loads)
+
+    times = np.linspace(start.time, end, _LOOKED_AT)
+    values = [progress(time) for time in times.tolist()]
+    largest = int(np.argmax(values))
+    if largest in (0, _LOOKED_AT - 1):
+        return end
+    found = scipy.optimize.minimize_scalar(
+        lambda time: -progress(time),
+        bounds=(times[largest - 1], times[largest + 1]),
+        method="bounded",
+        options={"xatol": _TURN * (end - start.time)},
+    )
+    return float(found.x)
 
 
 @dataclass

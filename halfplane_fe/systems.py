@@ -8,8 +8,9 @@ Unknowns z = (p, q, delta, U); each node has two rows, by its state:
     slip    gap = 0,           q - (+-f) p = 0
 
 and two rows for the loads; U = 0 is the second where Q is zero by symmetry, or where there is no
-shear. A state of a node is a choice of rows, so that the matrix of a set differs from that of a
-base set in a few rows alone (Sherman-Morrison-Woodbury).
+shear. Where the movement of an actuator stands in the place of a load, its row is that of
+`actuators`. A state of a node is a choice of rows, so that the matrix of a set differs from that of
+a base set in a few rows alone (Sherman-Morrison-Woodbury).
 
 Of a base the answers to a unit in a load or in a row are kept, each as values of an
 `InterfaceState`: approach, shift, tilt, then slip, pressure, shear and gap of the nodes. With v the
@@ -36,9 +37,10 @@ from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, cholesky
 from scipy.linalg.lapack import dgetrf, dgetrs, dtrtri
 
+from halfplane_fe.actuators import LOADS_ARE_GIVEN, Actuators
 from halfplane_fe.interface import Interface
 from halfplane_fe.law import slip_sign
-from scenes import OPEN, STICK, ConvergenceError
+from scenes import OPEN, STICK, ConvergenceError, InputError
 from scenes.array_types import Array, Indices, Mask, States
 
 Factors = tuple[Array, NDArray[np.int32]]
@@ -158,7 +160,12 @@ class _Nested:
         self.stiffness = self.uniform.sum(axis=1)
 
     def solved(
-        self, held: int, touching: int, known: Array, total: Array
+        self,
+        held: int,
+        touching: int,
+        known: Array,
+        total: Array,
+        compliance_of_rig: float | None,
     ) -> tuple[Array, Array, Array]:
         """Forces F (n, m) that add up to a total, the rigid motion r (m,), and C F - r (n, m).
 
@@ -171,12 +178,12 @@ class _Nested:
         known
             (n, m) what is known of each node
         total
-            (m,) sum of F
+            (m,) sum of F; with a compliance c of the rig, r + c times that sum
         """
         forces = known.copy()
         moved = known.copy()
         moved[held:] = 0.0
-        rigid = total / self.stiffness[held - 1]
+        rigid_of_known: Array | float = 0.0
         if known.any():
             loaded = len(known) if known[touching:].any() else touching
             right = known[:held] - self.compliance[:held, held:loaded] @ known[held:loaded]
@@ -185,7 +192,16 @@ class _Nested:
                 rows = self.inverse[end - _ROWS : min(end, held), : min(end, held)]
                 forces[: rows.shape[1]] += rows.T @ (rows @ right[: rows.shape[1]])
             moved[held:] = self.compliance[held:, :loaded] @ forces[:loaded]
-            rigid = rigid - forces.sum(axis=0) / self.stiffness[held - 1]
+            rigid_of_known = -forces.sum(axis=0) / self.stiffness[held - 1]
+        if compliance_of_rig is not None:
+            compliance = 1 / self.stiffness[held - 1] + compliance_of_rig
+            if not compliance > 0:
+                raise InputError(
+                    "rig.datum_length: the contact moves against its load where the displacement is"
+                    " prescribed, so that no load follows from it: state a longer distance"
+                )
+            total = (total - rigid_of_known) / compliance
+        rigid = total / self.stiffness[held - 1] + rigid_of_known
         forces[:held] += np.multiply.outer(self.uniform[held - 1, :held], rigid)
         moved[held:] += np.multiply.outer(self.moved[held - 1, held:] - 1, rigid)
         return forces, rigid, moved
@@ -208,6 +224,7 @@ class Systems:
     friction: float
     work: Counter[str] = field(default_factory=Counter)
     shears: bool = True
+    actuators: Actuators = LOADS_ARE_GIVEN
 
     def __post_init__(self) -> None:
         faces = self.interface
@@ -223,6 +240,7 @@ class Systems:
                 f"contact: the compliance of the contact nodes is not positive definite: {reason}"
             ) from reason
         self._held_still = faces.guided or not self.shears
+        self._holds_without_stick = self._held_still or self.actuators.tangential is not None
         self.matrix = self._assembled()
         self._bases: list[_Base] = []  # what was used last comes last
         self._factorised: dict[bytes, _Base] = {}  # of `corrections`, by states
@@ -263,6 +281,12 @@ class Systems:
         else:
             matrix[2 * n + 1, pressure] = -n_x
             matrix[2 * n + 1, shear] = n_y
+        for number, compliance in enumerate(self.actuators):
+            of_shear = number == 1
+            if compliance is not None and not (of_shear and self._held_still):
+                row = matrix[2 * n + number]
+                row *= compliance
+                row[2 * n + number] = 1.0
         return matrix
 
     def answers(
@@ -328,13 +352,13 @@ class Systems:
         slip, pressure, shear, gap = values[:, 3:].reshape(-1, 4, n).transpose(1, 2, 0)
         normal_load, tangential_load, *_ = np.eye(n_loads, n_cases)
         pressure[:], values[:, 0], gap[:] = self._nested[0].solved(
-            touching, touching, known_gap, normal_load
+            touching, touching, known_gap, normal_load, self.actuators.normal
         )
         if self.shears:
             known_slip[:sticking] *= -1
             known_slip += (slip_sign(states) * self.friction)[:, None] * pressure
             shear[:], values[:, 1], moved = self._nested[1].solved(
-                sticking, touching, known_slip, tangential_load
+                sticking, touching, known_slip, tangential_load, self.actuators.tangential
             )
             slip[:] = -moved
         return values
@@ -406,7 +430,7 @@ class Systems:
         leading = states[:touching].all() and (states[:sticking] == STICK).all()
         if self._nested and sticking and leading:
             return self._answers_of_nested(states, n_loads, np.arange(2 * n), changes)
-        if not (self._held_still or sticking):
+        if not (self._holds_without_stick or sticking):
             raise SingularSet("no node sticks: the bodies slide on each other")
         key = states.tobytes()
         base = self._factorised.pop(key, None)
@@ -440,7 +464,7 @@ class Systems:
         the nearest one or, where it is far, the set itself.
         """
         # An update of a base makes a pivot of rounding from the zero that this is.
-        if not (self._held_still or np.any(states == STICK)):
+        if not (self._holds_without_stick or np.any(states == STICK)):
             raise SingularSet("no node sticks: the bodies slide on each other")
         key = states.tobytes()
         kinds = np.concatenate([states != OPEN, states], dtype=np.int8, casting="unsafe")

@@ -203,11 +203,6 @@ def solve_finite_elements(job: Job) -> ContactSolution:
     import halfplane_fe
 
     mesh, settings = job.options.settings()
-    if job.scene.load.is_driven:
-        from reports.elements_of_rig import solve_rig
-
-        with job.stages.stage("finite elements, until they move as prescribed") as report:
-            return solve_rig(job.scene, mesh, settings, report).solution
     with job.stages.stage("finite elements") as report:
         return halfplane_fe.solve(job.scene, mesh=mesh, settings=settings, progress=report)
 

@@ -14,9 +14,7 @@ import semi_analytic
 from halfplane_fe import FiniteElementSolution, SolverSettings
 from halfplane_fe.settings import Method
 from meshes import MeshSettings
-from reports import elements_of_rig
 from reports.comparison.laws import expected_numbers
-from reports.elements_of_rig import solve_rig
 from scenes import (
     STICK,
     Block,
@@ -32,7 +30,7 @@ from scenes import (
     rig_names,
 )
 from semi_analytic.answer_of_rig import Rigged, rigged
-from semi_analytic.driven import ActuatorRows, Driven, actuator_rows
+from semi_analytic.driven import ActuatorRows, Driven
 
 MESH = MeshSettings.coarse()
 SPRING = 4e-5
@@ -49,64 +47,52 @@ def rubbing(name: str) -> Scene:
 
 
 def check_round_trip(
-    method: Method, *, approach: bool, base: Scene | None = None, tolerance: float = 1e-8
+    method: Method, *, approach: bool, base: Scene | None = None, work: float = 1e-6
 ) -> None:
-    """Their own displacements give their own loads back; the rows of P as loads, or as approach."""
-    is_blocks = base is None
+    """Their own displacements give their own loads back to 1e-9: U and P at the end of each
+    increment, or U and the approach. Increments are half as long: W moves by their error.
+    """
     base = base or rubbing("blocks")
     path = base.load.path()
     unit = float(path.at(path.cycle_start)[0]) / 90.0
     loads = tuple((unit * normal, unit * tangential) for normal, tangential in LOADS)
     settings = SolverSettings(method=method, steps_per_cycle=4)
-    times = tuple(float(k) for k in range(len(loads) + 1))
-    of_loads = PolygonLoad(initial_loading=loads, times=times)
+    of_loads = PolygonLoad(initial_loading=loads)
     given = halfplane_fe.solve(base.vary(load=of_loads), MESH, settings)
-    at_rows = np.searchsorted(given.time, np.array(times) - 1e-9)
-    load = given.normal_load[at_rows]
-    force = given.tangential_load[at_rows]
-    displacement = given.tangential_displacement[at_rows] + SPRING * force
-    normal = load
+    force = given.tangential_load
+    second = given.tangential_displacement + SPRING * force
+    first = given.normal_load
     rig = Rig(tangential_stiffness=1 / SPRING)
     if approach:
-        normal = given.normal_approach[at_rows] + SPRING * load
+        first = given.normal_approach + SPRING * given.normal_load
         rig = Rig(tangential_stiffness=1 / SPRING, normal_stiffness=1 / SPRING)
-    rows = ActuatorRows(np.array(times), normal, displacement, (len(times) - 1,))
-    points = tuple(zip(rows.normal.tolist(), displacement.tolist(), strict=True))
+    points = tuple(zip(first.tolist(), second.tolist(), strict=True))
     driven = PolygonLoad(
-        initial_loading=points[1:], tangential_displacement=True, approach=approach
+        initial_loading=points[1:],
+        times=tuple(given.time.tolist()),
+        tangential_displacement=True,
+        approach=approach,
     )
-    found = solve_rig(base.vary(load=driven, rig=rig), MESH, settings, rows=rows)
-    assert len(found.residuals) < 8
-    again = found.solution
-    of_rows = np.searchsorted(again.time, np.array(times) - 1e-9)
+    again = halfplane_fe.solve(base.vary(load=driven, rig=rig), MESH, settings, scales=given.scales)
+    at_rows = [int(np.argmin(np.abs(again.time - time))) for time in given.time]
     largest = float(np.max(np.abs(force)))
-    assert again.normal_load[of_rows] == pytest.approx(load, abs=tolerance * float(np.max(load)))
-    assert again.tangential_load[of_rows] == pytest.approx(force, abs=tolerance * largest)
-    # W is a hundredth of Q U, and of pads the spring takes most of U.
-    share = 10 if is_blocks and not approach else 50
-    assert again.dissipation == pytest.approx(given.dissipation, rel=share * tolerance)
+    assert again.normal_load[at_rows] == pytest.approx(
+        given.normal_load, abs=1e-9 * float(np.max(given.normal_load))
+    )
+    assert again.tangential_load[at_rows] == pytest.approx(force, abs=1e-9 * largest)
+    assert again.dissipation == pytest.approx(given.dissipation, rel=work)
+    assert np.max(again.record.certificates["equilibrium"]) < 1e-11
+    moved = again.tangential_displacement + SPRING * again.tangential_load
+    prescribed = np.interp(again.time, given.time, second)
+    assert moved == pytest.approx(prescribed, abs=1e-9 * float(np.ptp(second)))
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("bodies", "approach", "tolerance"),
-    [
-        ("pad-on-block", False, 1e-7),
-        ("pad-on-block", True, 1e-6),
-        ("two-cylinders", False, 1e-7),
-        ("two-cylinders", True, 1e-6),
-        ("flat-pad-on-block", False, 1e-7),
-        ("flat-pad-on-block", True, 1e-6),
-        ("T", False, 1e-7),
-        ("T", True, 2e-6),
-    ],
-)
-def test_they_do_so_for_every_body(bodies: str, approach: bool, tolerance: float) -> None:
-    """U of each is met to 1e-9. Of an approach the mesh is that of P as it was at 1e-5, which moves
-    U by 2e-7. Measured: 5e-8 of Q, and of an approach 1.1e-6.
-    """
+@pytest.mark.parametrize("approach", [False, True])
+@pytest.mark.parametrize("bodies", ["pad-on-block", "two-cylinders", "flat-pad-on-block", "T"])
+def test_they_do_so_for_every_body(bodies: str, approach: bool) -> None:
     base = rubbing("blocks").vary(bodies=T_SHAPE) if bodies == "T" else rubbing(bodies)
-    check_round_trip("active_set", approach=approach, base=base, tolerance=tolerance)
+    check_round_trip("active_set", approach=approach, base=base, work=1e-5)
 
 
 @pytest.mark.parametrize("approach", [False, True])
@@ -114,11 +100,21 @@ def test_their_own_displacements_give_their_loads_back(approach: bool) -> None:
     check_round_trip("active_set", approach=approach)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("approach", [False, True])
 @pytest.mark.parametrize("method", ["penalty", "augmented_lagrangian"])
 def test_the_other_methods_do_too(method: Method, approach: bool) -> None:
     check_round_trip(method, approach=approach)
+
+
+@pytest.mark.parametrize("method", ["active_set", "augmented_lagrangian"])
+def test_unlike_bodies_do_too(method: Method) -> None:
+    unlike = {
+        "lower": {"young_modulus": 210e3, "poisson_ratio": 0.3},
+        "upper": {"young_modulus": 70e3, "poisson_ratio": 0.33},
+    }
+    check_round_trip(
+        method, approach=False, base=rubbing("blocks").vary(material=unlike), work=1e-5
+    )
 
 
 # ---------------------------------------------------------------------------------- gross sliding
@@ -131,7 +127,7 @@ def check_gross_slip(mesh: MeshSettings | None, method: Method, tolerance: float
     """
     scene = load_scene("rig-gross-slip")
     settings = SolverSettings(method=method, steps_per_cycle=4)
-    solution = solve_rig(scene, mesh, settings).solution
+    solution = halfplane_fe.solve(scene, mesh, settings)
     exact = scene.expected[0].value
     assert abs(solution.dissipation - exact) < solution.dissipation_uncertainty < tolerance * exact
     assert solution.cycle_dissipation[-1] == solution.dissipation
@@ -158,7 +154,7 @@ def check_gross_slip(mesh: MeshSettings | None, method: Method, tolerance: float
 
 
 def test_bodies_slide_as_a_whole() -> None:
-    check_gross_slip(MESH, "active_set", 2e-3)
+    check_gross_slip(MESH, "active_set", 3e-3)
 
 
 @pytest.mark.slow
@@ -176,7 +172,7 @@ def test_a_slide_goes_on_while_the_normal_load_changes() -> None:
         initial_loading=(*points, (100.0, -3e-3), (40.0, -3.5e-3)), tangential_displacement=True
     )
     scene = load_scene("rig-gross-slip").vary(load=load, expected=())
-    solution = solve_rig(scene).solution
+    solution = halfplane_fe.solve(scene)
     theory = semi_analytic.solve(scene, x=[0.0], fields="dissipation")
     assert abs(solution.dissipation - theory.dissipation) < solution.dissipation_uncertainty
     assert solution.dissipation == pytest.approx(theory.dissipation, rel=1e-4)
@@ -186,32 +182,8 @@ def test_bodies_that_part_are_refused() -> None:
     load = PolygonLoad(
         initial_loading=((90.0, 0.0), (0.0, 1e-4), (90.0, 0.0)), tangential_displacement=True
     )
-    with pytest.raises(InputError, match="separation at time 2"):
-        solve_rig(load_scene("rig-gross-slip").vary(load=load), MESH)
-
-
-def test_what_straight_steps_of_q_take_from_the_dissipation_is_in_its_uncertainty() -> None:
-    """By theory, which is exact between rows that are close: 24 rows lose 2 % where P varies."""
-    load = EllipseLoad(
-        mean_normal_load=90.0,
-        normal_amplitude=30.0,
-        tangential_displacement={"amplitude": 4.8e-4, "phase_degrees": 60.0},
-    )
-    scene = load_scene("cattaneo-mindlin").vary(
-        load=load, rig={"datum_length": 50.0}, expected=(), tolerances={}
-    )
-    rig = rigged(scene, None)
-    rows = actuator_rows(scene.load.path_of_actuators(), 2, steps=24)
-    coarse = rig.follow_rows(rows)
-    finer = rig.follow_rows(elements_of_rig._finer_rows(rig, rows))
-    share = elements_of_rig._share_of_rows(coarse, finer, 1)
-    fine = rig.follow(2, 1)
-    works = [
-        driven.work(slice(driven.ends[1], driven.ends[2] + 1)) for driven in (coarse, finer, fine)
-    ]
-    error = abs(works[0] / works[2] - 1)
-    assert error > 5e-3
-    assert 0.9 * error < share < 1.1 * error
+    with pytest.raises(InputError, match="the bodies part at time 2"):
+        halfplane_fe.solve(load_scene("rig-gross-slip").vary(load=load), MESH)
 
 
 # --------------------------------------------------------------- theory beside the finite elements
@@ -344,7 +316,7 @@ def test_the_work_of_a_body_that_tilts_is_within_its_stated_error(
     )
     effects = halfplane_fe.body_effects(scene)
     theory = semi_analytic.solve(scene, x=[0.0], fields="dissipation", effects=effects)
-    found = solve_rig(scene).solution
+    found = halfplane_fe.solve(scene)
     error = theory.dissipation / found.dissipation - 1
     assert abs(error) < theory.record.errors["dissipation"] < 0.02
 
@@ -353,14 +325,37 @@ def test_the_work_of_a_body_that_tilts_is_within_its_stated_error(
 @pytest.mark.slow
 @pytest.mark.parametrize("name", rig_names())
 def test_finite_elements_meet_what_rigs_of_the_library_expect(name: str) -> None:
-    """Measured: W to 1.1e-4 of the closed form, or of corrected theory. All four are taken."""
+    """Measured: W to 3.1e-5 of the closed form, 1.6e-4 of corrected theory, whose own error is
+    1.3e-4. All four are taken.
+    """
     scene = load_scene(name)
-    solution = solve_rig(scene).solution
+    solution = halfplane_fe.solve(scene)
     findings = list(expected_numbers(scene, [solution]))
     assert findings
     assert all(finding.met for finding in findings)
     expected = findings[0].expected.value
-    assert abs(solution.dissipation - expected) < solution.dissipation_uncertainty
+    allowed = solution.dissipation_uncertainty
+    if not scene.bodies.half_planes:
+        effects = halfplane_fe.body_effects(scene)
+        theory = semi_analytic.solve(scene, x=[0.0], fields="dissipation", effects=effects)
+        assert theory.dissipation == pytest.approx(expected, rel=1e-6)
+        allowed += theory.record.errors["dissipation"] * expected
+    assert abs(solution.dissipation - expected) < allowed
+
+
+def test_an_increment_ends_where_a_stroke_of_slip_does() -> None:
+    """Where it does not, 24 increments and 48 differ by 2e-3 in W."""
+    load = EllipseLoad(
+        mean_normal_load=90.0,
+        normal_amplitude=30.0,
+        tangential_displacement={"amplitude": 1.5e-3, "phase_degrees": 60.0},
+    )
+    scene = load_scene("rig-compliant").vary(load=load, expected=())
+    works = [
+        halfplane_fe.solve(scene, MESH, SolverSettings(steps_per_cycle=steps)).dissipation
+        for steps in (24, 48)
+    ]
+    assert works[0] == pytest.approx(works[1], rel=1e-5)
 
 
 # ------------------------------------------- published: approach of a cylinder and of a half-plane
@@ -394,7 +389,7 @@ def test_a_cylinder_is_compressed_as_johnson_states() -> None:
         tangential_displacement=True,
         approach=True,
     )
-    found = solve_rig(scene.vary(load=pressed)).solution
+    found = halfplane_fe.solve(scene.vary(load=pressed))
     assert found.normal_load[-1] == pytest.approx(load, rel=2e-4)
 
 
