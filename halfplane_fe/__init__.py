@@ -6,8 +6,7 @@ In the order in which a scene passes through::
     settings.py                            method and step control
     path.py                                turning points of the loads, increments, inadmissible
                                            paths
-    actuators.py                           movements that a rig prescribes in the place of loads;
-                                           gross sliding
+    actuators.py                           movements that a rig prescribes in the place of loads
     scales.py                              the coarse run: half-width, innermost edge; datum of
                                            approach and displacement
     elasticity.py, far_field.py            elements that do not lock; static condensation (Schur
@@ -33,6 +32,7 @@ In the order in which a scene passes through::
                                            taken off
     edges.py                               edges of contact and stick, states as a reader sees them
     answer.py, solve.py                    the answer: `solve`; cost of a penalty layer
+    answer_of_rig.py                       the loads that a rig's movements lead to; gross sliding
     remainder.py                           what finite bodies add to half-planes: remainder of the
                                            Green's function, without contact
     uncertainty.py                         how far each value may be from the true one: one rule

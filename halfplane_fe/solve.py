@@ -16,8 +16,9 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from halfplane_fe.actuators import actuators_of, notes_of_rig, path_of, scene_of_loads
+from halfplane_fe.actuators import actuators_of, path_of
 from halfplane_fe.answer import PenaltyAudit, answer_arrays, penalty_audit, record_of
+from halfplane_fe.answer_of_rig import notes_of_rig, scene_of_loads
 from halfplane_fe.condensed_bodies import CACHED
 from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.dundurs import dundurs

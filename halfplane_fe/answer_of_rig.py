@@ -1,0 +1,132 @@
+"""What an answer says of a rig: the loads that were found, in a scene of their own, and when the
+bodies slide as a whole and how far.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from halfplane_fe.contact import ContactProblem, InterfaceState
+from halfplane_fe.run import PathRun
+from halfplane_fe.scales import Scales
+from scenes import STICK, PolygonLoad, Rig, Scene
+
+# Slides that a note names one by one.
+_MOST_NAMED = 4
+
+
+def scene_of_loads(scene: Scene, run: PathRun, load_unit: float) -> Scene:
+    """The scene with the P and Q that were found at the ends of increments, in the place of the
+    movements; what is before the last revolution is initial loading.
+    """
+    states = run.states
+    points = [
+        (load_unit * state.normal_load, load_unit * state.tangential_load) for state in states
+    ]
+    loading = tuple(points[1:])
+    cycle: tuple[tuple[float, float], ...] = ()
+    if run.cycle_density and run.cycle_starts:
+        begin = run.cycle_starts[-1]
+        loading = tuple(points[1 : begin + 1])
+        cycle = tuple(points[begin + 1 : -1])
+    times = tuple(state.time for state in states)
+    polygon = PolygonLoad(initial_loading=loading, cycle=cycle, times=times)
+    return scene.vary(load=polygon, rig=Rig(), cycles=1)
+
+
+class _Slide(NamedTuple):
+    """One stretch of gross sliding: its times, its way, of the upper body over the lower one along
+    +x, its friction work; scaled.
+    """
+
+    begin: float
+    end: float
+    way: float
+    work: float
+
+
+def _slides_of(friction: float, states: list[InterfaceState]) -> list[_Slide]:
+    """The stretches in which every node slides that touches. The bodies slide by what the node
+    slips that slips least.
+    """
+    slides: list[_Slide] = []
+    for start, end in pairwise(states):
+        touching = start.closed & end.closed
+        if np.any(end.state == STICK) or not np.any(touching):
+            continue
+        slip = (end.slip - start.slip)[touching]
+        way = float(slip[np.argmin(np.abs(slip))])
+        mean_load = (start.normal_load + end.normal_load) / 2
+        part = _Slide(start.time, end.time, way, friction * mean_load * abs(way))
+        if slides and slides[-1].end == part.begin and slides[-1].way * way > 0:
+            first = slides[-1]
+            slides[-1] = _Slide(first.begin, part.end, first.way + way, first.work + part.work)
+        else:
+            slides.append(part)
+    return slides
+
+
+def notes_of_rig(
+    scene: Scene, problem: ContactProblem, run: PathRun, scales: Scales
+) -> tuple[str, ...]:
+    """How P and Q were found, and when the bodies slide as a whole and how far."""
+    _, length, _ = scene.unit_words
+    movement = scales.load / scales.modulus
+    loads = "P and Q are unknowns" if scene.load.states_approach else "Q is an unknown"
+    miss = _largest_miss(problem, run.states) * movement
+    found = (
+        f"rig: {loads} of each increment, at whose end the actuators are where the rig prescribes"
+        f" to {miss:.1g} {length}; U is that of the contact"
+    )
+    return (found, *_notes_of_slides(scene, problem.friction, run, scales))
+
+
+def _notes_of_slides(scene: Scene, friction: float, run: PathRun, scales: Scales) -> Iterator[str]:
+    """When the bodies slide as a whole and how far, in the last cycle and before it, or on the
+    path.
+    """
+    force, length, _ = scene.unit_words
+    movement = scales.load / scales.modulus
+    first = run.cycle_starts[-1] if run.cycle_starts else 0
+    what = "the last cycle" if run.cycle_starts else "the path"
+    slides = _slides_of(friction, run.states[first:])
+    if not slides:
+        yield f"gross sliding: none in {what}"
+    else:
+        way = sum(abs(slide.way) for slide in slides) * movement
+        work = sum(slide.work for slide in slides) * scales.load * movement
+        named = "; ".join(_in_words(slide, movement, length) for slide in slides[:_MOST_NAMED])
+        more = f"; and {len(slides) - _MOST_NAMED} more" if len(slides) > _MOST_NAMED else ""
+        yield (
+            f"gross sliding: in {what} the bodies slide as a whole by {way:.6g} {length}, which"
+            f" takes {work:.6g} {force}·{length}/{length} of the dissipation: {named}{more}"
+        )
+    before = _slides_of(friction, run.states[: first + 1])
+    if before:
+        in_words = "; ".join(_in_words(slide, movement, length) for slide in before[:2])
+        yield f"gross sliding: before it {in_words}"
+
+
+def _in_words(slide: _Slide, movement: float, length: str) -> str:
+    direction = "forward" if slide.way > 0 else "back"
+    return (
+        f"from time {slide.begin:.6g} to {slide.end:.6g} {direction} by"
+        f" {abs(slide.way) * movement:.6g} {length}"
+    )
+
+
+def _largest_miss(problem: ContactProblem, states: list[InterfaceState]) -> float:
+    """How far an actuator is from where it is to be at most, scaled."""
+    largest = 0.0
+    for state in states[1:]:
+        rigid = (state.approach, state.shift)
+        loads = (state.normal_load, state.tangential_load)
+        for number, compliance in enumerate(problem.actuators):
+            if compliance is not None:
+                moved = rigid[number] + compliance * loads[number]
+                largest = max(largest, abs(moved - state.loads[number]))
+    return largest
