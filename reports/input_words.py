@@ -115,10 +115,11 @@ def _ended(sentence: str) -> str:
 
 def _of_difference(effects: InputEffects, comparison: JudgedPair | None) -> Iterator[str]:
     if effects.no_difference:
-        yield (
-            "How far the inputs move the difference of the two models is not stated:"
-            f" {_ended(effects.no_difference)}"
-        )
+        if comparison is not None:
+            yield (
+                "How far the inputs move the difference of the two models is not stated:"
+                f" {_ended(effects.no_difference)}"
+            )
         return
     if WORK not in effects.difference:
         return
@@ -177,8 +178,8 @@ def _drawn(draws: Draws, scene: Scene) -> str:
     unit = energy_unit(scene)
     kept = with_uncertainty(draws.mean, draws.uncertainty)
     said = (
-        f"W is by {draws.count:,} random draws of the inputs, for {draws.reason}: {kept} {unit},"
-        f" 95 % of them from {draws.low:.4g} to {draws.high:.4g}."
+        f"W is taken from {draws.count:,} random draws of the inputs, because {draws.reason}:"
+        f" {kept} {unit}, 95 % of them from {draws.low:.4g} to {draws.high:.4g}."
     )
     if draws.sliding:
         said += (
@@ -232,28 +233,25 @@ def rows(effects: InputEffects, scene: Scene) -> list[tuple[str, ...]]:
     return table
 
 
-HEADS_OF_INPUTS = ("Input", "as stated", "moves W by %", "moves the difference by points")
-
-
-def rows_of_inputs(effects: InputEffects) -> list[tuple[str, ...]]:
-    """Each input with its standard uncertainty, and what that makes of W of theory and of the
-    difference of W; the sums below, correlations counted.
+def table_of_inputs(effects: InputEffects) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+    """Heads, and a row for each input: its standard uncertainty, what that makes of W of theory,
+    and of the difference of W where that is known; the sums below, correlations counted.
     """
+    heads = ("Input", "as stated", "moves W by %")
     work = effects.values.get(WORK)
-    difference = effects.difference.get(WORK)
-    table = []
+    table: list[tuple[str, ...]] = []
     for entry in effects.inputs:
         moved = "–" if work is None else _signed(100 * work.changes[entry.key].value, work.value)
-        points = "–"
-        if difference is not None:
-            points = _signed(100 * difference.changes[entry.key].value, 1.0)
-        name = entry.words.removeprefix("the ")
-        table.append((name, f"± {entry.stated}", moved, points))
-    total = "–" if work is None else f"± {_digits(100 * work.relative, 2)}"
-    of_difference = "–"
-    if difference is not None:
-        of_difference = f"± {_digits(100 * difference.uncertainty, 2)}"
-    return [*table, ("all inputs", "", total, of_difference)]
+        table.append((entry.words.removeprefix("the "), f"± {entry.stated}", moved))
+    total = f"± {_digits(100 * effects.work_uncertainty, 2)}"
+    table.append(("all inputs", "", total if math.isfinite(effects.work_uncertainty) else "–"))
+    difference = effects.difference.get(WORK)
+    if difference is None:
+        return heads, table
+    points = [_signed(100 * difference.changes[entry.key].value, 1.0) for entry in effects.inputs]
+    points.append(f"± {_digits(100 * difference.uncertainty, 2)}")
+    rows = [(*row, cell) for row, cell in zip(table, points, strict=True)]
+    return (*heads, "moves the difference by points"), rows
 
 
 def _unit(value: Propagated, scene: Scene) -> str:

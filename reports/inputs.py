@@ -80,7 +80,7 @@ DRAWS = 100_000
 FEW_DRAWS = 200
 _SEED = 20_2009  # of V&V 20-2009: any number, but the same in each run
 # Rows of a record above which slip and edge tension, which are searched for, are left out.
-_LONG_RECORD = 2_000
+_LONG_RECORD = 500
 
 _Values = dict[str, float]
 
@@ -230,8 +230,8 @@ class InputEffects:
         if WORK not in self.values:
             return math.nan
         work = self.values[WORK]
-        if self.draws is not None and math.isfinite(self.draws.uncertainty) and work.value:
-            return self.draws.uncertainty / abs(work.value)
+        if self.draws is not None and math.isfinite(self.draws.uncertainty) and self.draws.mean:
+            return self.draws.uncertainty / self.draws.mean
         return work.relative
 
 
@@ -486,7 +486,7 @@ def _no_difference(scene: Scene) -> str:
             " compared"
         )
     if scene.bodies.half_planes:
-        return "both bodies are half-planes: theory is exact for them, whatever the inputs are"
+        return "both bodies are half-planes, for which theory is exact whatever the inputs are"
     if coupled(scene):
         return (
             "the materials are unlike (Dundurs' beta is not 0), and corrected theory does not"

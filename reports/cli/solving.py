@@ -416,9 +416,8 @@ def _inputs_shown(
         return
     yield " ".join(input_words.sentences(inputs, scene, comparison))
     if inputs.values:
-        rows = input_words.rows_of_inputs(inputs)
-        title = "Standard uncertainties of the inputs"
-        yield Sheet(title, input_words.HEADS_OF_INPUTS, rows, (1, 2, 3))
+        heads, rows = input_words.table_of_inputs(inputs)
+        yield Sheet("Standard uncertainties of the inputs", heads, rows, range(1, len(heads)))
         heads = input_words.HEADS
         yield Sheet("What they make of theory", heads, input_words.rows(inputs, scene), (1, 2, 3))
 
