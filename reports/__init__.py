@@ -1,7 +1,8 @@
 """Comparison of two solutions, the page about it, and the command line.
 
-`compare`, `score`, `write` and `figure` are all that a script needs. Public is what `__all__` of
-`reports`, `reports.studies.maps` and `reports.studies.sweep` names; the modules beneath may change.
+`compare`, `score`, `input_effects`, `write` and `figure` are all that a script needs. Public is
+what `__all__` of `reports`, `reports.studies.maps` and `reports.studies.sweep` names; the modules
+beneath may change.
 Names are loaded when they are first asked for: `halfplane --help` must not wait for numpy. With the
 first of them, or at once where `scenes` is loaded already, scenes and solutions get their HTML and
 figures.
@@ -17,19 +18,33 @@ if TYPE_CHECKING:
     from reports.comparison import Comparison, compare
     from reports.comparison.laws import Certificate
     from reports.comparison.metrics import Metric
+    from reports.inputs import InputEffects, input_effects
     from reports.page.writing import figure, write
     from reports.report import Report
     from reports.scoring.against import score
 
-__all__ = ["Certificate", "Comparison", "Metric", "Report", "compare", "figure", "score", "write"]
+__all__ = [
+    "Certificate",
+    "Comparison",
+    "InputEffects",
+    "Metric",
+    "Report",
+    "compare",
+    "figure",
+    "input_effects",
+    "score",
+    "write",
+]
 
 _HOME = {
     "Certificate": "reports.comparison.laws",
     "Comparison": "reports.comparison",
+    "InputEffects": "reports.inputs",
     "Metric": "reports.comparison.metrics",
     "Report": "reports.report",
     "compare": "reports.comparison",
     "figure": "reports.page.writing",
+    "input_effects": "reports.inputs",
     "score": "reports.scoring.against",
     "write": "reports.page.writing",
 }

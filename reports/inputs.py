@@ -522,7 +522,7 @@ def moves_of_difference(scene: Scene, effects: BodyEffects) -> tuple[_Values, li
     laws = _LawOfModulus(scene, middle, values_at)
     moves = []
     for entry in scene.inputs:
-        if entry.key.endswith("young_modulus"):
+        if entry.key == "material.young_modulus":
             moves.append(laws.move(entry))
         elif entry.key in ("normal_load", "tangential_load"):
             moves.append(laws.by_differences(entry.key))
@@ -660,18 +660,18 @@ def _loads_of_last_cycle(scene: Scene) -> tuple[Array, Array]:
 # ------------------------------------------------------------------------------------------- draws
 def draws_of_work(scene: Scene, reason: str) -> Draws | None:
     """W of random inputs: normal, with the stated correlations, the same in each run. None of long
-    records and prescribed displacements, whose draws take too long.
+    records, prescribed displacements, bulk stress and tilt, whose draws take too long.
     """
     entries = scene.inputs
-    if scene.load.is_driven or _is_long(scene):
+    if scene.load.is_driven or scene.unsymmetric or _is_long(scene):
         return None
-    takes_batch = isinstance(scene.load, EllipseLoad) and not scene.unsymmetric
+    is_ellipse = isinstance(scene.load, EllipseLoad)
     has_own_shapes = isinstance(scene.profile, Compound) and any(
         entry.key.startswith("profile.") for entry in entries
     )
-    count = DRAWS if takes_batch and not has_own_shapes else FEW_DRAWS
+    count = DRAWS if is_ellipse and not has_own_shapes else FEW_DRAWS
     samples = samples_of(scene, count)
-    if takes_batch:
+    if is_ellipse:
         works, slides = works_of_ellipses(scene, samples)
     else:
         works, slides = works_one_by_one(scene, samples)
