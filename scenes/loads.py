@@ -17,11 +17,11 @@ from typing import Annotated, Any, ClassVar, Generic, Literal, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from scenes.chebyshev import NODES, Unresolved, fit, series, values_of
 from scenes.errors import InputError, RowError
-from scenes.frozen import Frozen, Positive, PythonFunction
+from scenes.frozen import Frozen, Positive, PythonFunction, a_scale
 from scenes.measured import (
     COLUMNS,
     READ_AS,
@@ -99,6 +99,13 @@ class DrivenWave(Frozen):
     phase_degrees: float = Field(90.0, ge=-180, le=180, description="lag of U behind P")
 
 
+class DrivenApproach(Frozen):
+    """Approach = mean + amplitude cos t of a normal actuator, t being the time of the ellipse."""
+
+    mean: Positive = Field(description="length units (library: mm)")
+    amplitude: float = Field(0.0, ge=0, description="length units (library: mm)")
+
+
 class DrivenWaveSum(Frozen):
     """U = mean + sum over k of amplitude_k cos(k t - phase_k) of an actuator."""
 
@@ -109,6 +116,17 @@ class DrivenWaveSum(Frozen):
 
 
 _TAKES_PLACE_OF_Q = "displacement U of a tangential actuator, in the place of the tangential loads"
+_TAKES_PLACE_OF_P = (
+    "approach of a normal actuator, in the place of the normal loads; beside"
+    " tangential_displacement"
+)
+# 0 where the approach is stated in its place.
+_MeanNormalLoad = Annotated[
+    float, Field(ge=0), AfterValidator(lambda load: a_scale(load) if load else load)
+]
+_MEAN_NORMAL_LOAD = (
+    "P0, force per unit thickness (library: N/mm); needed unless the approach is stated"
+)
 _IS_SECOND = (
     "whether the second number of each point is the displacement U of a tangential actuator, in the"
     " place of Q (library: mm)"
@@ -367,7 +385,7 @@ class EllipseLoad(CyclicLoad[Wave]):
     """
 
     kind: Literal["ellipse"] = "ellipse"
-    mean_normal_load: Positive = Field(description="P0, force per unit thickness (library: N/mm)")
+    mean_normal_load: _MeanNormalLoad = Field(0.0, description=_MEAN_NORMAL_LOAD)
     normal_amplitude: float = Field(
         0.0, ge=0, description="P1, force per unit thickness (library: N/mm)"
     )
@@ -381,6 +399,7 @@ class EllipseLoad(CyclicLoad[Wave]):
         90.0, ge=-180, le=180, description="lag of Q behind P; positive goes round anticlockwise"
     )
     tangential_displacement: DrivenWave | None = Field(None, description=_TAKES_PLACE_OF_Q)
+    approach: DrivenApproach | None = Field(None, description=_TAKES_PLACE_OF_P)
     initial_loading: Literal["straight", "parabola"] | tuple[Point, ...] = Field(
         "straight",
         description=(
@@ -397,6 +416,7 @@ class EllipseLoad(CyclicLoad[Wave]):
                 "tangential_displacement stands in the place of mean_tangential_load,"
                 " tangential_amplitude and phase_degrees: leave these out"
             )
+        _require_one_normal_key(self, "normal_amplitude")
         return self
 
     @property
@@ -421,12 +441,15 @@ class EllipseLoad(CyclicLoad[Wave]):
         if (wave := self.tangential_displacement) is not None:
             tangential = (wave.mean, wave.amplitude)
             phase = math.radians(wave.phase_degrees)
+        normal = (self.mean_normal_load, self.normal_amplitude)
+        if self.approach is not None:
+            normal = (self.approach.mean, self.approach.amplitude)
         begin = phase + math.pi if phase >= 0 else phase + 2 * math.pi
         turn = ellipse_segment(
             begin,
             begin + 2 * math.pi,
-            (self.mean_normal_load, tangential[0]),
-            (self.normal_amplitude, tangential[1]),
+            (normal[0], tangential[0]),
+            (normal[1], tangential[1]),
             phase,
         )
         first: Point = tuple(float(load) for load in turn.loads(begin))  # type: ignore[assignment]
@@ -561,6 +584,31 @@ class PolygonLoad(StraightLoad):
         return LoadPath(segments[:first], segments[first:])
 
 
+def _require_one_normal_key(load: EllipseLoad | HarmonicLoad, varying: str) -> None:
+    """ValueError where neither P nor the approach is stated, or both; `varying` is the key of what
+    P varies by.
+    """
+    if load.approach is None:
+        if not load.mean_normal_load:
+            raise ValueError(
+                "mean_normal_load is missing: state it, above 0, or the approach in the place of P"
+            )
+        return
+    if not load.is_driven:
+        raise ValueError(
+            "approach goes with tangential_displacement: state that too, with mean = 0 alone where"
+            " nothing moves along the faces"
+        )
+    if load.mean_normal_load or getattr(load, varying):
+        raise ValueError(
+            f"approach stands in the place of mean_normal_load and {varying}: leave these out"
+        )
+    if not load.approach.mean > 0:
+        raise ValueError(
+            f"approach.mean = {load.approach.mean:g}: the bodies are to touch; state it above 0"
+        )
+
+
 def _require_displacement_beside_approach(load: PolygonLoad | TimeSeriesLoad) -> None:
     """ValueError for an approach beside a tangential load."""
     if load.approach and not load.tangential_displacement:
@@ -590,7 +638,7 @@ class HarmonicLoad(CyclicLoad[WaveSum]):
     """
 
     kind: Literal["harmonics"] = "harmonics"
-    mean_normal_load: Positive = Field(description="P0, force per unit thickness (library: N/mm)")
+    mean_normal_load: _MeanNormalLoad = Field(0.0, description=_MEAN_NORMAL_LOAD)
     mean_tangential_load: float = Field(
         0.0, description="Q0, force per unit thickness (library: N/mm)"
     )
@@ -601,6 +649,7 @@ class HarmonicLoad(CyclicLoad[WaveSum]):
         (), description="[Q_k, phi_k] of k = 1, 2, ... (library: N/mm, degrees)"
     )
     tangential_displacement: DrivenWaveSum | None = Field(None, description=_TAKES_PLACE_OF_Q)
+    approach: DrivenWaveSum | None = Field(None, description=_TAKES_PLACE_OF_P)
     initial_loading: InitialLoading = Field(
         "straight",
         description="from (0, 0) to the first point of the cycle: straight, or along [P, Q] points",
@@ -613,6 +662,7 @@ class HarmonicLoad(CyclicLoad[WaveSum]):
                 "tangential_displacement stands in the place of mean_tangential_load and"
                 " tangential_harmonics: leave these out"
             )
+        _require_one_normal_key(self, "normal_harmonics")
         return self
 
     def path_of_loads(self) -> LoadPath:
@@ -621,11 +671,16 @@ class HarmonicLoad(CyclicLoad[WaveSum]):
         if (driven := self.tangential_displacement) is not None:
             mean = driven.mean
             tangential = driven.harmonics
+        mean_normal = self.mean_normal_load
+        normal = self.normal_harmonics
+        if self.approach is not None:
+            mean_normal = self.approach.mean
+            normal = self.approach.harmonics
         turn = HarmonicSegment(
             0.0,
             2 * math.pi,
-            (self.mean_normal_load, mean),
-            _in_radians(self.normal_harmonics),
+            (mean_normal, mean),
+            _in_radians(normal),
             _in_radians(tangential),
         )
         return LoadPath(straight_loading(self.initial_loading, turn, math.pi), (turn,))

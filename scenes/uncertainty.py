@@ -605,10 +605,16 @@ def _moved_load(scene: HasInputs, changes: Mapping[str, float]) -> Any:
 def _moved_ellipse(
     load: EllipseLoad, normal: float, tangential: float, lag: float
 ) -> dict[str, Any]:
-    keys: dict[str, Any] = {
-        "mean_normal_load": normal * load.mean_normal_load,
-        "normal_amplitude": normal * load.normal_amplitude,
-    }
+    keys: dict[str, Any]
+    if load.approach is not None:
+        approach = load.approach
+        mean = normal * approach.mean
+        keys = {"approach": {"mean": mean, "amplitude": normal * approach.amplitude}}
+    else:
+        keys = {
+            "mean_normal_load": normal * load.mean_normal_load,
+            "normal_amplitude": normal * load.normal_amplitude,
+        }
     if load.tangential_displacement is not None:
         wave = load.tangential_displacement
         keys["tangential_displacement"] = {
@@ -636,12 +642,14 @@ def _turned(degrees: float) -> float:
 def _moved_harmonics(
     load: HarmonicLoad, normal: float, tangential: float, lag: float
 ) -> dict[str, Any]:
+    given = load.normal_harmonics if load.approach is None else load.approach.harmonics
+    scaled = [(normal * amplitude, phase) for amplitude, phase in given]
     keys: dict[str, Any] = {
         "mean_normal_load": normal * load.mean_normal_load,
-        "normal_harmonics": [
-            (normal * amplitude, phase) for amplitude, phase in load.normal_harmonics
-        ],
+        "normal_harmonics": scaled,
     }
+    if load.approach is not None:
+        keys = {"approach": {"mean": normal * load.approach.mean, "harmonics": scaled}}
     wave = load.tangential_displacement
     harmonics = load.tangential_harmonics if wave is None else wave.harmonics
     # the k-th harmonic lags by k times as much

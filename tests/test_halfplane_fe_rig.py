@@ -117,6 +117,27 @@ def test_unlike_bodies_do_too(method: Method) -> None:
     )
 
 
+def test_the_approach_of_an_ellipse_is_met() -> None:
+    """Measured on the coarse mesh: P to 6e-4 of theory's, W to 5e-3."""
+    load = EllipseLoad(
+        approach={"mean": 4e-3, "amplitude": 1.5e-3},
+        tangential_displacement={"amplitude": 8e-4, "phase_degrees": 60.0},
+    )
+    scene = load_scene("rig-compliant").vary(
+        load=load, rig={"tangential_stiffness": None}, expected=()
+    )
+    found = halfplane_fe.solve(scene, MESH)
+    to_datum = 2 / (math.pi * MODULUS) * math.log(50.0 / scene.profile.datum_length)
+    pressed = found.normal_approach + to_datum * found.normal_load
+    cycle = found.last_cycle
+    expected = 4e-3 + 1.5e-3 * np.cos(found.time[cycle])
+    assert pressed[cycle] == pytest.approx(expected, abs=1e-12)
+    theory = semi_analytic.solve(scene, x=[0.0], fields="dissipation")
+    load_of_theory = np.interp(found.time[cycle], theory.time, theory.normal_load)
+    assert found.normal_load[cycle] == pytest.approx(load_of_theory, rel=1e-3)
+    assert abs(found.dissipation - theory.dissipation) < found.dissipation_uncertainty
+
+
 # ---------------------------------------------------------------------------------- gross sliding
 MODULUS = 210e3 / (2 * (1 - 0.3**2))  # E* of steel on steel
 

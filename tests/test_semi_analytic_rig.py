@@ -340,6 +340,56 @@ def test_half_plane_theory_has_the_same_work_under_the_loads_that_were_found() -
     assert any("gross sliding: none" in note for note in solution.record.notes)
 
 
+PRESSED_ELLIPSE = EllipseLoad(
+    approach={"mean": 4e-3, "amplitude": 1.5e-3},
+    tangential_displacement={"amplitude": 8e-4, "phase_degrees": 60.0},
+)
+PRESSED_HARMONICS = HarmonicLoad(
+    approach={"mean": 4e-3, "harmonics": [(1.5e-3, 0.0)]},
+    tangential_displacement={"harmonics": [(8e-4, 60.0)]},
+)
+
+
+@pytest.mark.parametrize("load", [PRESSED_ELLIPSE, PRESSED_HARMONICS], ids=["ellipse", "harmonics"])
+def test_the_approach_of_an_ellipse_and_of_harmonics_is_met(
+    load: EllipseLoad | HarmonicLoad,
+) -> None:
+    spring = 1e-5
+    scene = rig_scene(load, normal_stiffness=1 / spring)
+    fields = ("normal_approach", "tangential_displacement")
+    solution = semi_analytic.solve(scene, x=[0.0], fields=fields)
+    cycle = solution.last_cycle
+    time = solution.time[cycle]
+    force = solution.normal_load[cycle]
+    # Answers count from the profile's datum length, the rig from 50 mm.
+    to_datum = 2 / (math.pi * MODULUS_OF_STEEL) * math.log(50.0 / scene.profile.datum_length)
+    pressed = solution.normal_approach[cycle] + (to_datum + spring) * force
+    assert pressed == pytest.approx(4e-3 + 1.5e-3 * np.cos(time), abs=1e-12)
+    moved = solution.tangential_displacement[cycle] + to_datum * solution.tangential_load[cycle]
+    assert moved == pytest.approx(8e-4 * np.cos(time - math.pi / 3), abs=1e-12)
+    assert np.ptp(force) > 0.3 * np.max(force)
+
+
+@pytest.mark.parametrize(
+    ("keys", "words"),
+    [
+        ({"approach": {"mean": 4e-3}}, "state that too"),
+        ({}, "mean_normal_load is missing"),
+        (
+            {"approach": {"mean": 4e-3}, "tangential_displacement": {}, "mean_normal_load": 90.0},
+            "leave these out",
+        ),
+        ({"approach": {"mean": -1.0}, "tangential_displacement": {}}, "above 0|greater than 0"),
+    ],
+)
+@pytest.mark.parametrize("kind", ["ellipse", "harmonics"])
+def test_an_approach_beside_other_normal_keys_is_refused(
+    kind: str, keys: dict[str, Any], words: str
+) -> None:
+    with pytest.raises(InputError, match=words):
+        rig_scene({"kind": kind, **keys})
+
+
 def test_an_answer_states_how_far_the_bodies_slide() -> None:
     load = PolygonLoad(
         initial_loading=((90.0, 0.0),),
