@@ -57,7 +57,7 @@ def of_blocks() -> Iterator[Row]:
     )
     drawn = draws_of_work(scene, "asked for")
     assert drawn is not None
-    off = drawn.uncertainty / work.uncertainty - 1
+    off = drawn.values[WORK].uncertainty / work.uncertainty - 1
     yield Row("blocks: u(W) by 100,000 draws over that by derivatives, minus 1", off, 0.02, WORDS)
     others = iter([scene.vary(friction=0.98 + 0.001 * k) for k in range(4)])
     by_draws, by_derivatives = seconds(

@@ -8,13 +8,21 @@ much a *measurement* with these inputs is uncertain. Neither is added to the oth
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from reports import validation
 from reports.comparison.judged import JudgedPair
 from reports.comparison.words import with_uncertainty
-from reports.inputs import PEAK, WORK, Draws, InputEffects, Propagated
+from reports.inputs import (
+    PEAK,
+    QUANTITIES_OF_THEORY,
+    WORK,
+    Drawn,
+    Draws,
+    InputEffects,
+    Propagated,
+)
 from reports.report import Report
 from reports.units import energy_unit, load_unit, minus, units
 from scenes import Estimate, Scene
@@ -81,10 +89,11 @@ def sentences(
     said += [_matters_most(effects)]
     if effects.draws is not None:
         said.append(_drawn(effects.draws, scene))
+    drawn = effects.draws.values if effects.draws is not None else {}
     rough = [
         value.words
-        for key, value in effects.values.items()
-        if value.uncertainty and not value.is_nearly_linear and not (key == WORK and effects.draws)
+        for key, value in (*effects.values.items(), *effects.difference.items())
+        if value.uncertainty and not value.is_nearly_linear and value.words not in _words_of(drawn)
     ]
     if rough:
         said.append(
@@ -174,12 +183,17 @@ def _matters_most(effects: InputEffects) -> str:
     return ""
 
 
+def _words_of(drawn: Mapping[str, Drawn]) -> set[str]:
+    return {QUANTITIES_OF_THEORY[key].words for key in drawn}
+
+
 def _drawn(draws: Draws, scene: Scene) -> str:
     unit = energy_unit(scene)
-    kept = with_uncertainty(draws.mean, draws.uncertainty)
+    work = draws.values[WORK]
+    kept = with_uncertainty(work.mean, work.uncertainty)
     said = (
         f"W is taken from {draws.count:,} random draws of the inputs, because {draws.reason}:"
-        f" {kept} {unit}, 95 % of them from {draws.low:.4g} to {draws.high:.4g}."
+        f" {kept} {unit}, 95 % of them from {work.low:.4g} to {work.high:.4g}."
     )
     if draws.sliding:
         said += (
@@ -224,12 +238,11 @@ def rows(effects: InputEffects, scene: Scene) -> list[tuple[str, ...]]:
             )
         )
     if effects.draws is not None:
-        draws = effects.draws
-        unit = energy_unit(scene)
-        name = f"dissipation W, {draws.count:,} draws [{unit}]"
-        relative = draws.uncertainty / draws.mean if draws.mean else math.nan
-        cells = (_digits(draws.mean, 6), _digits(draws.uncertainty, 2), _digits(100 * relative, 2))
-        table.insert(1, (name, *cells, "all"))
+        for key, drawn in effects.draws.values.items():
+            value = effects.values[key]
+            name = f"{value.words}, {effects.draws.count:,} draws [{_unit(value, scene)}]"
+            cells = (_digits(drawn.mean, 6), _digits(drawn.uncertainty, 2))
+            table.append((name, *cells, _digits(100 * drawn.relative, 2), "all"))
     return table
 
 
@@ -301,7 +314,10 @@ def content(
     """The same without a report."""
     if effects is None:
         return None
-    draws = None if effects.draws is None else vars(effects.draws)
+    draws = None
+    if effects.draws is not None:
+        of_values = {key: drawn._asdict() for key, drawn in effects.draws.values.items()}
+        draws = vars(effects.draws) | {"values": of_values}
     return {
         "stated": stated_content(scene),
         "correlations": [list(entry) for entry in effects.correlations],

@@ -64,6 +64,7 @@ if TYPE_CHECKING:
 
 WORK = "dissipation"
 PEAK = "peak_pressure"
+STICK = "permanent_stick"
 # Shares of a standard uncertainty by which an input is moved: the first that leaves the loads below
 # gross sliding on both sides.
 _STEPS = (1.0, 0.25, 0.0625)
@@ -158,22 +159,36 @@ class Propagated:
         return sorted(moving, key=lambda key: -sizes[key])
 
 
+class Drawn(NamedTuple):
+    """A value over the draws that have one: its mean, standard deviation, and between which 95 % of
+    them lie.
+    """
+
+    mean: float
+    uncertainty: float
+    low: float
+    high: float
+
+    @property
+    def relative(self) -> float:
+        """Standard deviation over the mean; NaN of 0."""
+        return self.uncertainty / abs(self.mean) if self.mean else math.nan
+
+
 @dataclass(frozen=True)
 class Draws:
-    """Random draws of the inputs, W of each.
+    """Random draws of the inputs, and values of each.
 
     Attributes
     ----------
     count
         how many were drawn
     sliding
-        share of them whose loads slide as a whole: they have no W
+        share of them whose loads slide as a whole: they have no values
     impossible
         share that no scene can have, a negative load for one
-    mean, uncertainty
-        of W, and its standard deviation, over the other draws
-    low, high
-        between which 95 % of these lie
+    values
+        W, and the permanent stick half-width where it is at hand, over the other draws
     reason
         why they were taken
     """
@@ -181,10 +196,7 @@ class Draws:
     count: int
     sliding: float
     impossible: float
-    mean: float
-    uncertainty: float
-    low: float
-    high: float
+    values: Mapping[str, Drawn]
     reason: str
 
 
@@ -230,8 +242,8 @@ class InputEffects:
         if WORK not in self.values:
             return math.nan
         work = self.values[WORK]
-        if self.draws is not None and math.isfinite(self.draws.uncertainty) and self.draws.mean:
-            return self.draws.uncertainty / self.draws.mean
+        if self.draws is not None and math.isfinite(self.draws.values[WORK].relative):
+            return self.draws.values[WORK].relative
         return work.relative
 
 
@@ -671,25 +683,25 @@ def draws_of_work(scene: Scene, reason: str) -> Draws | None:
     )
     count = DRAWS if is_ellipse and not has_own_shapes else FEW_DRAWS
     samples = samples_of(scene, count)
-    if is_ellipse:
-        works, slides = works_of_ellipses(scene, samples)
-    else:
-        works, slides = works_one_by_one(scene, samples)
-    possible = works[np.isfinite(works)]
-    low, high = (math.nan, math.nan)
-    if len(possible) > 1:
-        low, high = np.quantile(possible, (0.025, 0.975)).tolist()
+    draw = values_of_ellipses if is_ellipse else values_one_by_one
+    values, slides = draw(scene, samples)
     sliding = float(np.mean(slides))
     return Draws(
         count=count,
         sliding=sliding,
-        impossible=float(np.mean(~np.isfinite(works))) - sliding,
-        mean=float(possible.mean()) if len(possible) else math.nan,
-        uncertainty=float(possible.std(ddof=1)) if len(possible) > 1 else math.nan,
-        low=low,
-        high=high,
+        impossible=float(np.mean(~np.isfinite(values[WORK]))) - sliding,
+        values={key: _drawn(drawn) for key, drawn in values.items()},
         reason=reason,
     )
+
+
+def _drawn(values: Array) -> Drawn:
+    """Of draws (n,), those without a value (NaN) left out."""
+    possible = values[np.isfinite(values)]
+    if len(possible) < 2:
+        return Drawn(math.nan, math.nan, math.nan, math.nan)
+    low, high = np.quantile(possible, (0.025, 0.975)).tolist()
+    return Drawn(float(possible.mean()), float(possible.std(ddof=1)), low, high)
 
 
 def samples_of(scene: Scene, count: int) -> dict[str, Array]:
@@ -703,13 +715,17 @@ def samples_of(scene: Scene, count: int) -> dict[str, Array]:
     return {entry.key: entry.standard * row for entry, row in zip(entries, samples, strict=True)}
 
 
-def works_of_ellipses(scene: Scene, samples: Mapping[str, Array]) -> tuple[Array, Array]:
-    """W of draws (n,), NaN where there is none, and whether they slide, (n,), in one batch.
+def values_of_ellipses(
+    scene: Scene, samples: Mapping[str, Array]
+) -> tuple[dict[str, Array], Array]:
+    """Values of draws (n,), NaN where none is, and whether they slide, (n,), in one batch; the
+    permanent stick half-width too where the profile is a parabola or is not moved.
 
-    W of E*, P and Q is W of E*_0, P E*_0/E* and Q E*_0/E*, times E*/E*_0.
+    W of E*, P and Q is W of E*_0, P E*_0/E* and Q E*_0/E*, times E*/E*_0; half-widths are the same.
     """
     import semi_analytic
     from semi_analytic.elasticity import composite_modulus
+    from semi_analytic.profiles import contact_of
 
     count = len(next(iter(samples.values())))
     ones = np.ones(count)
@@ -737,7 +753,17 @@ def works_of_ellipses(scene: Scene, samples: Mapping[str, Array]) -> tuple[Array
         tangential_amplitude=load.tangential_amplitude * tangential,
         phase_degrees=load.phase_degrees + samples.get("phase_degrees", 0.0),
     )
-    return batch.value * modulus, batch.reason == semi_analytic.Reason.SLIDING
+    values = {WORK: batch.value * modulus}
+    stick_load = batch.permanent_stick_load
+    if profile is scene.profile:
+        contact = contact_of(scene.profile, scene.material)
+        has_value = np.isfinite(stick_load)
+        stick = contact.half_width(np.where(has_value, stick_load, 0.0))
+        values[STICK] = np.where(has_value, stick, np.nan)
+    elif isinstance(scene.profile, Hertz):
+        parabola = 4 * profile["radius"] / (math.pi * composite_modulus(scene.material))
+        values[STICK] = np.sqrt(parabola * stick_load)
+    return values, batch.reason == semi_analytic.Reason.SLIDING
 
 
 def _moduli(scene: Scene, samples: Mapping[str, Array]) -> Array:
@@ -773,22 +799,25 @@ def _profiles(scene: Scene, samples: Mapping[str, Array]) -> dict[str, Any]:
     return {name: value for name, value in keys.items() if value is not None}
 
 
-def works_one_by_one(scene: Scene, samples: Mapping[str, Array]) -> tuple[Array, Array]:
+def values_one_by_one(scene: Scene, samples: Mapping[str, Array]) -> tuple[dict[str, Array], Array]:
     """The same, a solve for each draw."""
     import semi_analytic
 
     count = len(next(iter(samples.values())))
-    works = np.full(count, np.nan)
+    values = {WORK: np.full(count, np.nan), STICK: np.full(count, np.nan)}
     slides = np.zeros(count, dtype=bool)
     for k in range(count):
         try:
             moved = scene.moved({key: float(row[k]) for key, row in samples.items()})
-            works[k] = semi_analytic.solve(moved, x=0.0, fields=(WORK,)).dissipation
+            answer = semi_analytic.solve(moved, x=0.0, fields=(WORK,))
         except InadmissibleLoadError:
             slides[k] = True
         except InputError:  # no scene can have these inputs: counted by its NaN
             continue
-    return works, slides
+        else:
+            values[WORK][k] = answer.dissipation
+            values[STICK][k] = answer.permanent_stick_half_width
+    return values, slides
 
 
 # ---------------------------------------------------------------------------------- the whole of it
