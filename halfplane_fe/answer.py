@@ -20,9 +20,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from halfplane_fe.contact import ContactProblem, InterfaceState, nodal
 from halfplane_fe.edges import (
+    ContactEdges,
     contact_edges,
     contact_uncertainty,
     fitted_contact_edges,
+    fitted_stick_edges,
     reported_states,
     stick_edges,
     stick_uncertainty,
@@ -30,7 +32,7 @@ from halfplane_fe.edges import (
 from halfplane_fe.law import slip_sign
 from halfplane_fe.run import PathRun
 from halfplane_fe.scales import Scales
-from scenes import OPEN, STICK, Interrupted, Record, Scene, freeze
+from scenes import OPEN, STICK, Interrupted, Record, Scene, Tabulated, freeze
 from scenes.array_types import Array, Mask, States
 
 # Instants whose edges are found together: a few, so that the arrays of a long run stay small.
@@ -64,7 +66,11 @@ def answer_arrays(
     densities = np.array(run.cycle_density).reshape(-1, len(weights)) * work_unit
     all_states = reported_states(problem, run.states, run.cycle_starts)
     surface_states = all_states[run.stored]
-    edges = _edges_of_all(problem, states, surface_states, scene.unsymmetric)
+    loads = np.array([(state.normal_load, state.tangential_load) for state in run.states])
+    has_no_slip_zone = np.zeros(len(loads), dtype=bool)
+    if scene.bodies.half_planes and problem.interface.coupling is None and not scene.unsymmetric:
+        has_no_slip_zone = _grows_within_cone(loads, scene.friction.coefficient)
+    edges = _edges_of_all(problem, states, surface_states, has_no_slip_zone[run.stored], scene)
     permanent = _permanent_stick(scene, problem, run, all_states, edges["stick_edges"])
     edges = {name: values * scales.half_width for name, values in edges.items()}
     # In place: of a fine mesh with thousands of steps each copy is half a gigabyte and more.
@@ -73,8 +79,7 @@ def answer_arrays(
     np.multiply(slip, displacement_unit, out=slip)
     for values in (pressure, shear, slip):
         values.flags.writeable = False
-    loads = np.array([(state.normal_load, state.tangential_load) for state in states])
-    loads *= scales.load
+    loads = loads[run.stored] * scales.load
     shift = np.array([state.shift for state in states])
     approach = np.array([state.approach for state in states])
     dissipation = float("nan")
@@ -104,6 +109,7 @@ def answer_arrays(
         "dissipation": dissipation,
         "cycle_dissipation": freeze(densities.sum(axis=1)),
         "permanent_stick_half_width": float(permanent[1] - permanent[0]) / 2 * scales.half_width,
+        "permanent_stick_edges": freeze(permanent * scales.half_width),
         "steady_from": run.steady_from,
         "loop_work": loop_work,
     }
@@ -113,7 +119,6 @@ def answer_arrays(
     moment_unit = scales.load * scales.half_width
     bulk_lower, bulk_upper, tilt = np.array([state.imposed for state in states]).T
     return arrays | {
-        "permanent_stick_edges": freeze(permanent * scales.half_width),
         "bulk_stress_lower": freeze(bulk_lower * stress_unit),
         "bulk_stress_upper": freeze(bulk_upper * stress_unit),
         "tilt": freeze(tilt * stress_unit / scales.modulus),
@@ -122,17 +127,31 @@ def answer_arrays(
     }
 
 
+def _grows_within_cone(loads: Array, friction: float) -> Mask:
+    """(n,) instants since whose forerunner P has grown by |dQ|/f at least: half-planes of like
+    materials stick in full then, whatever was before.
+
+    Source: Barber, Davies, Hills (2011).
+    """
+    rise_of_p, rise_of_q = np.diff(loads, axis=0, prepend=loads[:1]).T
+    limit = friction * rise_of_p
+    return np.asarray((rise_of_p > 0) & (np.abs(rise_of_q) <= limit))
+
+
 def _edges_of_all(
     problem: ContactProblem,
     states: Sequence[InterfaceState],
     surface_states: States,
-    anywhere: bool,
+    has_no_slip_zone: Mask,
+    scene: Scene,
 ) -> dict[str, Array]:
     """`_edges` of all instants, `_AT_ONCE` of them at a time."""
     blocks = []
     for first in range(0, len(states), _AT_ONCE):
         block = slice(first, first + _AT_ONCE)
-        blocks.append(_edges(problem, states[block], surface_states[block], anywhere))
+        blocks.append(
+            _edges(problem, states[block], surface_states[block], has_no_slip_zone[block], scene)
+        )
     edges: dict[str, Array] = {}
     for name in blocks[0]:
         edges[name] = np.concatenate([block[name] for block in blocks])
@@ -143,7 +162,8 @@ def _edges(
     problem: ContactProblem,
     states: Sequence[InterfaceState],
     surface_states: States,
-    anywhere: bool,
+    has_no_slip_zone: Mask,
+    scene: Scene,
 ) -> dict[str, Array]:
     """Contact edges, stick edges, and the uncertainty of either, each (n_steps, 2), scaled; without
     load the nodes that touch, or 0.
@@ -152,9 +172,11 @@ def _edges(
     ----------
     surface_states
         (n_steps, n) as they are reported
-    anywhere
-        whether the stick zone may be anywhere in the contact
+    has_no_slip_zone
+        (n_steps,) instants at which theory has none
     """
+    anywhere = scene.unsymmetric  # then the stick zone may be anywhere in the contact
+    tabulated = isinstance(scene.profile, Tabulated)
     x = problem.interface.x
     weights = problem.interface.weights
     _, normal_force, tangential_force, gap = nodal(np.stack([state.values for state in states]))
@@ -169,10 +191,18 @@ def _edges(
     # Where unlike bodies slip, the pressure grows by another power than the root.
     if problem.interface.coupling is None:
         contact = fitted_contact_edges(x, pressure, closed, form)
-    edges = stick_edges(x, stick, closed, contact, problem.friction * pressure, shear, anywhere)
-    of_contact = contact_uncertainty(x, pressure, closed, contact, form)
+    limit = problem.friction * pressure
+    stick_zones = fitted_stick_edges(x, stick, closed, contact, limit, shear, anywhere)
+    edges = stick_zones.places
+    of_contact = contact_uncertainty(x, pressure, closed, contact, form, tabulated)
     of_stick = stick_uncertainty(
-        x, (stick, states_by_law == STICK), closed, contact, edges, of_contact, anywhere
+        x,
+        (stick, states_by_law == STICK),
+        closed,
+        ContactEdges(contact, of_contact),
+        stick_zones,
+        has_no_slip_zone,
+        anywhere,
     )
     for row in np.flatnonzero([not state.normal_load > 0 for state in states]):
         touching = x[closed[row]]

@@ -18,13 +18,27 @@ from halfplane_fe.law import slip_sign
 from scenes import STICK
 from scenes.array_types import Array, Indices, Mask, States
 
-# Share of the distance of two nodes by which an edge between them is uncertain whatever the fit
-# says: the shape functions of quadratic elements know no square root. Measured on hertz-paper,
-# cattaneo-mindlin and flat-rounded-paper: 0.26 at most.
+# Shares of the distance of two nodes by which an edge between them is uncertain whatever else is
+# known: the shape functions of quadratic elements know no square root. Fitted to random
+# half-planes, seeds 62 and 64 of benchmarks/covered.py values, both presets. Contact edges by their
+# form err by 0.26 at most on hertz-paper, cattaneo-mindlin and flat-rounded-paper:
 _SHARE = 0.3
-# The same of a fitted stick edge, whose straight line is a chord: on elements of a/60 that costs
-# flat-rounded-paper so much.
-_FITTED_SHARE = 0.5
+# those by p^2, and that share times the nodes in contact, for a parabola lacks the more of p^2 the
+# fewer there are:
+_SHARE_BY_SQUARES = 0.1
+_NODES_BY_SQUARES = 9.0
+# Their share of the distance from the edge by its form.
+_BY_FORM = 0.35
+# Both are so many times as large on a tabulated profile, whose curvature bends at every row: edges
+# of tables missed by up to 2.2 times what is enough for others.
+_OF_TABLE = 2.0
+# Fitted stick edges, whose straight line is a chord:
+_FITTED_SHARE = 0.3
+# and their share of the distance between the two fits.
+_BY_OTHER_FIT = 2.0
+# Distances of nodes by which an edge by the states of the nodes may differ from the fitted one
+# without telling anything.
+_BY_STATES = 0.75
 # Nodes that the second estimate of the contact edge takes, counted from the last closed one.
 _EXTRAPOLATED = 5
 # Outermost closed nodes whose pressure is the mesh's own.
@@ -326,14 +340,19 @@ def _zero_of_parabola(
 
 
 def contact_uncertainty(
-    x: Array, pressure: Array, closed: Mask, contact: Array, form: Array | None = None
+    x: Array,
+    pressure: Array,
+    closed: Mask,
+    contact: Array,
+    form: Array | None = None,
+    tabulated: bool = False,
 ) -> Array:
     """How far each contact edge may be from the true one, by the mesh.
 
     A share of the distance of the nodes around it, and how far the edge is from another estimate:
     the zero of a straight line through the squares of the pressure at the five nodes before the
     last. With fewer nodes than that, the width of the contact. Of a fitted edge the other estimate
-    is that of `contact_edges`.
+    is that of `contact_edges`, and counts in part.
 
     Parameters
     ----------
@@ -343,11 +362,15 @@ def contact_uncertainty(
         (k, 2) ends of the contact
     form
         the same by `contact_edges`, where they are fitted
+    tabulated
+        whether the profile is a curve through rows
     """
     form = contact if form is None else form
     width = contact[:, 1:] - contact[:, :1]
     uncertainty = np.repeat(width, 2, axis=1)
-    row = np.flatnonzero(np.count_nonzero(closed, axis=1) > _EXTRAPOLATED)
+    n_closed = np.count_nonzero(closed, axis=1)
+    row = np.flatnonzero(n_closed > _EXTRAPOLATED)
+    share_by_squares = _SHARE_BY_SQUARES + _NODES_BY_SQUARES / n_closed[row]
     for side in _sides(x):
         p, inside = side.outwards(pressure[row], closed[row])
         last = _last(inside)
@@ -357,14 +380,44 @@ def contact_uncertainty(
         zero = _zero_of_squares(side.x, p, last, _EXTRAPOLATED)
         zero = np.where(np.isnan(zero), farthest, zero)
         to_zero = np.minimum(np.abs(zero - edge), np.abs(farthest - edge))
-        to_zero = np.where(edge == edge_by_form, to_zero, 0.0)
-        uncertainty[row, side.column] = (
-            _SHARE * _spacing(side.x, last) + to_zero + np.abs(edge - edge_by_form)
-        )
+        spacing = _spacing(side.x, last)
+        by_squares = share_by_squares * spacing + _BY_FORM * np.abs(edge - edge_by_form)
+        if tabulated:
+            by_squares *= _OF_TABLE
+        by_form = _SHARE * spacing + to_zero
+        uncertainty[row, side.column] = np.where(edge == edge_by_form, by_form, by_squares)
     return uncertainty
 
 
-def stick_edges(
+class ContactEdges(NamedTuple):
+    """Ends of the contact of k instants.
+
+    Attributes
+    ----------
+    places, uncertainty
+        (k, 2) left and right [length]
+    """
+
+    places: Array
+    uncertainty: Array
+
+
+class StickEdges(NamedTuple):
+    """Ends of the stick zone of k instants.
+
+    Attributes
+    ----------
+    places
+        (k, 2) left and right; NaN where nothing sticks [length]
+    fits_apart
+        (k, 2) distance of the two fits of each; 0 where it is not fitted [length]
+    """
+
+    places: Array
+    fits_apart: Array
+
+
+def fitted_stick_edges(
     x: Array,
     stick: Mask,
     closed: Mask,
@@ -372,7 +425,7 @@ def stick_edges(
     limit: Array | None = None,
     shear: Array | None = None,
     anywhere: bool = False,
-) -> Array:
+) -> StickEdges:
     """Ends of the stick zone; the contact edges where all of the contact sticks, NaN where nothing
     does.
 
@@ -396,6 +449,7 @@ def stick_edges(
         its own middle is the middle
     """
     edges = np.empty((len(closed), 2))
+    fits_apart = np.zeros((len(closed), 2))
     nothing_sticks = np.zeros(len(closed), dtype=bool)
     for side in _sides(x):
         sticks, inside = side.outwards(stick, closed)
@@ -410,31 +464,42 @@ def stick_edges(
             last_of_row = last[row]
             sense = np.sign(_pick(shear_out, last_of_row + 1))[:, None]  # of slip beyond the edge
             to_limit = limit_out - sense * shear_out
-            fitted, agrees = _fitted_stick_edge(side.x, to_limit, last_of_row)
+            fit = _fitted_stick_edge(side.x, to_limit, last_of_row)
             # nothing sticks beyond the contact: a fit gone wrong
-            accepted = agrees & (fitted <= contact_edge[row])
-            edge[row[accepted]] = fitted[accepted]
+            accepted = fit.agrees & (fit.edge <= contact_edge[row])
+            edge[row[accepted]] = fit.edge[accepted]
+            fits_apart[row[accepted], side.column] = fit.apart[accepted]
         edges[:, side.column] = side.sign * np.where(n_stick == n_half, contact_edge, edge)
     edges[nothing_sticks] = np.nan
-    return edges
+    return StickEdges(edges, fits_apart)
+
+
+def stick_edges(
+    x: Array, stick: Mask, closed: Mask, contact: Array, anywhere: bool = False
+) -> Array:
+    """(k, 2) ends of the stick zone by the states of the nodes; parameters as
+    `fitted_stick_edges`.
+    """
+    return fitted_stick_edges(x, stick, closed, contact, anywhere=anywhere).places
 
 
 def stick_uncertainty(
     x: Array,
     sticking: tuple[Mask, Mask],
     closed: Mask,
-    contact: Array,
-    edges: Array,
-    of_contact: Array,
+    contact: ContactEdges,
+    stick: StickEdges,
+    sticks_in_full: Mask,
     anywhere: bool = False,
 ) -> Array:
     """How far each stick edge may be from the true one, by the mesh; NaN where nothing sticks.
 
-    The distance of the nodes around the edge (a share of it where the edge is fitted), and how far
-    the edge is from where it would be by another reading of the states: node status for a fitted
-    one, and creeping nodes counted as sliding. A slip zone of a few nodes may be none at all:
-    there, at least the distance to the contact edge, and its uncertainty. Where all of the contact
-    sticks, a slip zone narrower than an element of two nodes may be there unseen.
+    The distance of the nodes around the edge, and how far it is from where it would be if creeping
+    nodes counted as sliding. Of a fitted edge shares of the former and of the distance of the two
+    fits, and what other readings of the states differ by beyond what is usual. A slip zone of a few
+    nodes may be none at all: there, unless it is fitted, at least the distance to the contact edge,
+    and its uncertainty. Where all of the contact sticks, a slip zone narrower than an element of
+    two nodes may be there unseen, unless there can be none.
 
     Parameters
     ----------
@@ -442,17 +507,18 @@ def stick_uncertainty(
         as of `contact_uncertainty`
     sticking
         (k, n) nodes that stick, as they are reported and by the law alone
-    contact, edges
+    contact, stick
         contact and stick edges as answered
-    of_contact
-        uncertainty of the contact edges
+    sticks_in_full
+        (k,) instants at which theory has no slip zone
     anywhere
         as of `stick_edges`
     """
+    edges = stick.places
     by_status, by_law = (
-        stick_edges(x, sticks, closed, contact, anywhere=anywhere) for sticks in sticking
+        stick_edges(x, sticks, closed, contact.places, anywhere) for sticks in sticking
     )
-    difference = np.fmax(np.abs(by_status - edges), np.abs(by_law - edges))
+    by_states = np.fmax(np.abs(by_status - edges), np.abs(by_law - edges))
     after = np.clip(np.searchsorted(x, edges), 1, len(x) - 1)  # NaN comes last
     before = after - 1
     before_is_nearer = np.abs(x[before] - edges) <= np.abs(x[after] - edges)
@@ -463,13 +529,20 @@ def stick_uncertainty(
         half = _half(side, inside, sticks if anywhere else None)
         beyond = side.x > side.sign * edges[:, [side.column]]
         n_beyond[:, side.column] = np.count_nonzero(half & beyond, axis=1)
-    of_narrow_slip_zone = np.where(
-        n_beyond <= _UNRESOLVED, np.abs(contact - edges) + of_contact, 0.0
+    by_status_alone = spacing + by_states
+    of_narrow_slip_zone = np.abs(contact.places - edges) + contact.uncertainty
+    is_narrow = n_beyond <= _UNRESOLVED
+    unfitted = np.where(
+        is_narrow, np.maximum(by_status_alone, of_narrow_slip_zone), by_status_alone
     )
-    share = np.where(edges == by_status, 1.0, _FITTED_SHARE)
-    of_unseen_slip_zone = np.where(edges == contact, _UNSEEN * spacing, 0.0)
-    of_edge = share * spacing + difference
-    return np.maximum(np.maximum(of_edge, of_narrow_slip_zone), of_unseen_slip_zone)
+    of_states = np.maximum(by_states - _BY_STATES * spacing, 0.0)
+    fitted = _FITTED_SHARE * spacing + _BY_OTHER_FIT * stick.fits_apart + of_states
+    uncertainty = np.where(edges == by_status, unfitted, fitted)
+    is_full = edges == contact.places
+    of_full_stick = np.where(
+        sticks_in_full[:, None], contact.uncertainty, np.maximum(unfitted, _UNSEEN * spacing)
+    )
+    return np.where(is_full, of_full_stick, uncertainty)
 
 
 def uncertainty_at_jumps(edges: Array, step_index: Indices, spacing: float) -> Array:
@@ -591,9 +664,29 @@ def _zero_of_squares(x_out: Array, values: Array, last: Indices, count: int) -> 
     return x_out[last] + mean_distance[:, 0] - squares.mean(axis=1) / falling
 
 
-def _fitted_stick_edge(x_out: Array, to_limit: Array, last: Indices) -> tuple[Array, Mask]:
-    """(k,) edge of the stick zone from the shear inside it: f p -+ q falls to zero as the square
-    root of the distance.
+class _StickFit(NamedTuple):
+    """Edges of the stick zone on one side from the shear inside it.
+
+    Attributes
+    ----------
+    edge
+        (k,) [length]
+    apart
+        (k,) distance of the edge that four nodes farther in give [length]
+    agrees
+        (k,) whether it is one: False where the squares do not fall towards the edge, where the
+        other four say something else (an older stick edge is near), or where the zero is not near
+        the last node
+    """
+
+    edge: Array
+    apart: Array
+    agrees: Mask
+
+
+def _fitted_stick_edge(x_out: Array, to_limit: Array, last: Indices) -> _StickFit:
+    """The zero of a straight line through the squares of `to_limit` at seven nodes: f p -+ q falls
+    to zero as the square root of the distance.
 
     Parameters
     ----------
@@ -601,17 +694,9 @@ def _fitted_stick_edge(x_out: Array, to_limit: Array, last: Indices) -> tuple[Ar
         (k, n) f p minus the shear in the direction of the slip beyond the edge [stress]
     last
         (k,) last node of the stick zone by its status, at least seven nodes before it
-
-    Returns
-    -------
-    tuple[Array, Mask]
-        The zero of a straight line through the squares of `to_limit` at seven nodes; and
-        whether it is one: False where they do not fall towards the edge, where the line through
-        the next four says something else (an older stick edge is near), or where the zero is
-        not near the last node.
     """
     element = x_out[last] - x_out[last - 2]
     edge, edge_further_in = (_zero_of_squares(x_out, to_limit, last, count) for count in _FITTED)
-    agree = np.abs(edge - edge_further_in) <= _AGREE * element
+    apart = np.abs(edge - edge_further_in)
     is_near = np.abs(edge - x_out[last]) <= element
-    return edge, agree & is_near
+    return _StickFit(edge, apart, (apart <= _AGREE * element) & is_near)

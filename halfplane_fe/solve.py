@@ -79,7 +79,7 @@ from scenes import (
     freeze,
     scene_of,
 )
-from scenes.array_types import Array
+from scenes.array_types import Array, Mask
 
 # Counts of work: faces whose N - T and K lack what only the mesh makes of them, and runs repeated
 # on the faces as they are.
@@ -509,6 +509,8 @@ def _solution(
     if problem.work[_REPEATED] and run.failure is None:
         notes.insert(0, _NOTE_REPEATED)
     grading = condensed[0].body.grading
+    if not scene.unsymmetric:
+        del arrays["permanent_stick_edges"]  # an attribute of unsymmetric scenes alone
     return FiniteElementSolution(
         engine="halfplane_fe",
         scene=scene,
@@ -609,23 +611,32 @@ def _of_permanent_stick(scene: Scene, arrays: Mapping[str, Any]) -> float:
 
     The zone ends at the innermost edge of the last cycle. With edges e +- u, that edge is between
     the innermost e - u and the innermost e + u. Between coupled bodies, and under bulk stress or
-    tilt, what only creeps counts as stuck too: by how much that differs from the edges is a part of
-    it. NaN where nothing sticks all the time, and where the path does not repeat.
+    tilt, the zone may reach beyond the edges of single instants, since what only creeps counts as
+    stuck: these edges count as the end of the zone. NaN where nothing sticks all the time, and
+    where the path does not repeat.
     """
-    period = scene.load.path().period
-    if period is None or math.isnan(arrays["permanent_stick_half_width"]):
+    if math.isnan(arrays["permanent_stick_half_width"]):
         return math.nan
-    time = arrays["time"]
-    in_cycle = (time > time[-1] - period * (1 - 1e-9)) & (arrays["normal_load"] > 0)
+    in_cycle = _in_last_cycle(scene, arrays)
     outwards = np.array([-1.0, 1.0])
-    edges = arrays["stick_edges"][in_cycle] * outwards
+    in_cycle &= np.isfinite(arrays["stick_half_width"])
+    ends = arrays["permanent_stick_edges"] * outwards
+    edges = np.maximum(arrays["stick_edges"][in_cycle] * outwards, ends)
     edge_uncertainty = arrays["stick_edge_uncertainty"][in_cycle]
     innermost = edges.min(axis=0)
     nearest = (edges - edge_uncertainty).min(axis=0)
     farthest = (edges + edge_uncertainty).min(axis=0)
-    of_edges = np.mean(np.maximum(innermost - nearest, farthest - innermost))
-    of_creep = abs(arrays["permanent_stick_half_width"] - np.mean(innermost))
-    return float(of_edges + of_creep)
+    return float(np.mean(np.maximum(innermost - nearest, farthest - innermost)))
+
+
+def _in_last_cycle(scene: Scene, arrays: Mapping[str, Any]) -> Mask:
+    """(n_steps,) stored instants of the last cycle under load; none where the path does not
+    repeat.
+    """
+    period = scene.load.path().period or 0.0
+    time = arrays["time"]
+    in_cycle = time > time[-1] - period * (1 - 1e-9)
+    return np.asarray(in_cycle & (arrays["normal_load"] > 0))
 
 
 def _peak_uncertainty(task: _Task, arrays: Mapping[str, Any]) -> float:
@@ -663,7 +674,8 @@ def _notes(task: _Task, run: PathRun, arrays: Mapping[str, Any]) -> tuple[str, .
     element = task.element * task.scales.half_width
     revolution = _revolution(task, run, arrays)
     of_mesh = resolution_notes(task.scene.profile, revolution, element, task.mesh)
-    return (*_drift_notes(run, task.scales), *_thinned_notes(run), *of_mesh)
+    of_run = (*_drift_notes(run, task.scales), *_thinned_notes(run))
+    return (*of_run, *_creep_notes(task.scene, arrays), *of_mesh)
 
 
 def _revolution(task: _Task, run: PathRun, arrays: Mapping[str, Any]) -> Revolution:
@@ -681,6 +693,32 @@ def _revolution(task: _Task, run: PathRun, arrays: Mapping[str, Any]) -> Revolut
         stick=arrays["stick_half_width"][first:],
         dissipation=float(arrays["dissipation"] / unit) if unit > 0 else 0.0,
         sheared=needs_shear(scene),
+    )
+
+
+def _creep_notes(scene: Scene, arrays: Mapping[str, Any]) -> Iterator[str]:
+    """That the permanent stick zone reaches beyond stick edges of single instants, by more than
+    these are uncertain.
+    """
+    ends = arrays["permanent_stick_edges"]
+    if np.isnan(ends).any():
+        return
+    in_cycle = _in_last_cycle(scene, arrays)
+    outwards = np.array([-1.0, 1.0])
+    edges = arrays["stick_edges"][in_cycle] * outwards
+    farthest = edges + arrays["stick_edge_uncertainty"][in_cycle]
+    reaches_ends = np.all(farthest >= ends * outwards, axis=1)  # False where nothing sticks
+    n_narrower = int(np.sum(~reaches_ends))
+    if not n_narrower:
+        return
+    x = arrays["x"]
+    slip_range = np.ptp(arrays["slip"][in_cycle], axis=0)
+    creep = slip_range[(x > ends[0]) & (x < ends[1])].max(initial=0.0)
+    share = creep / max(float(slip_range.max()), 1e-300)
+    yield (
+        f"the permanent stick zone, {ends[0]:.6g} to {ends[1]:.6g}, reaches beyond the stick edges"
+        f" of {n_narrower} of {len(edges)} instants: what slips between them slips by {share:.1e}"
+        " of the largest slip at most, and counts as stuck"
     )
 
 

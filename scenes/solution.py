@@ -157,7 +157,9 @@ class ContactSolution:
     cycle_dissipation
         (n_cycles,); a path that is not periodic counts as one cycle
     permanent_stick_half_width
-        largest half-width that sticks through the whole last cycle [length]; NaN if none
+        largest half-width that sticks through the whole last cycle [length]; NaN if none. Under
+        bulk stress or tilt, and in finite elements of coupled bodies, places that slip by a few
+        1e-4 or 1e-5 of the largest slip count as stuck
     steady_from
         index of the first cycle that ends in the state it started from; None if none did
     bulk_stress_lower, bulk_stress_upper

@@ -15,9 +15,12 @@ import semi_analytic
 from halfplane_fe import SolverSettings, edge_tension, fields, largest_edge_tension, stress
 from halfplane_fe.contact import InterfaceState
 from halfplane_fe.edges import (
+    ContactEdges,
+    StickEdges,
     contact_edges,
     contact_uncertainty,
     fitted_contact_edges,
+    fitted_stick_edges,
     stick_edges,
     stick_uncertainty,
     visible_states,
@@ -606,9 +609,10 @@ def test_few_nodes_are_the_whole_contact_uncertain_and_nothing_sticks_nothing_is
     wide = np.abs(x)[None] < 0.91
     none = np.zeros((1, 41), dtype=bool)
     assert contact_uncertainty(x, closed * 1.0, closed, pair(0.12)).tolist() == [[0.24, 0.24]]
-    assert np.isnan(
-        stick_uncertainty(x, (none, none), wide, pair(0.92), pair(np.nan), np.abs(pair(0.01)))
-    ).all()
+    contact = ContactEdges(pair(0.92), np.abs(pair(0.01)))
+    nothing = StickEdges(pair(np.nan), np.zeros((1, 2)))
+    can_slip = np.zeros(1, dtype=bool)
+    assert np.isnan(stick_uncertainty(x, (none, none), wide, contact, nothing, can_slip)).all()
 
 
 def test_creep_and_narrow_slip_zones_widen_the_uncertainty():
@@ -630,8 +634,15 @@ def test_creep_and_narrow_slip_zones_widen_the_uncertainty():
     visible = np.abs(x) < visible
     law = np.abs(x) < law
     edges = stick_edges(x, visible, closed, contact)
-    uncertainties = stick_uncertainty(x, (visible, law), closed, contact, edges, of_contact)
+    known = ContactEdges(contact, of_contact)
+    stick = StickEdges(edges, np.zeros_like(edges))
+    can_slip = np.zeros(len(table), dtype=bool)
+    uncertainties = stick_uncertainty(x, (visible, law), closed, known, stick, can_slip)
     np.testing.assert_allclose(uncertainties, np.repeat(expected, 2, axis=1), atol=1e-15)
+    # Where theory has no slip zone, none is unseen.
+    growing = stick_uncertainty(x, (visible, law), closed, known, stick, ~can_slip)
+    np.testing.assert_allclose(growing[-1], of_contact[-1])
+    np.testing.assert_array_equal(growing[:-1], uncertainties[:-1])
 
 
 STICK = SurfaceState.STICK
@@ -679,18 +690,19 @@ def test_a_known_stick_edge_is_fitted_to_a_twentieth_of_an_element() -> None:
     stick = np.abs(x)[None] < edge
     limit = 1.0 + 0.0 * closed
     shear = limit - np.sqrt(np.maximum(edge**2 - x**2, 0.0))
-    fitted_edges = stick_edges(x, stick, closed, contact, limit, shear)
+    fit = fitted_stick_edges(x, stick, closed, contact, limit, shear)
     # the squares are not quite straight
-    np.testing.assert_allclose(fitted_edges, pair(edge), atol=0.05 * 2 * (x[1] - x[0]))
+    spacing = x[1] - x[0]
+    np.testing.assert_allclose(fit.places, pair(edge), atol=0.05 * 2 * spacing)
+    assert np.all((fit.fits_apart > 0) & (fit.fits_apart < 0.05 * 2 * spacing))
     by_status = stick_edges(x, stick, closed, contact)
     np.testing.assert_allclose(by_status, pair(0.6025), atol=1e-12)
     # rises outwards
     np.testing.assert_array_equal(
-        stick_edges(x, stick, closed, contact, limit, limit - np.abs(x)), by_status
+        fitted_stick_edges(x, stick, closed, contact, limit, limit - np.abs(x)).places, by_status
     )
-    np.testing.assert_array_equal(
-        stick_edges(x, stick, closed, contact, limit, np.roll(shear, 9))[:, 0], by_status[:, 0]
-    )
+    rolled = fitted_stick_edges(x, stick, closed, contact, limit, np.roll(shear, 9))
+    np.testing.assert_array_equal(rolled.places[:, 0], by_status[:, 0])
 
 
 def test_stick_edge_by_status_forgives_single_nodes_at_the_rim() -> None:
