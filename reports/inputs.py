@@ -292,7 +292,7 @@ def values_of_theory(scene: Scene, effects: BodyEffects | None = None) -> _Value
             "largest_tangential_load": float(np.max(np.abs(answer.tangential_load[rows]))),
         }
     answer = semi_analytic.solve(scene, x=0.0, fields=(WORK,))
-    if _is_long(scene):
+    if _is_long(scene) or _needs_grids(scene):
         return {
             WORK: answer.dissipation,
             "half_width": float(np.max(answer.contact_half_width[answer.last_cycle])),
@@ -312,6 +312,13 @@ def values_of_theory(scene: Scene, effects: BodyEffects | None = None) -> _Value
 def _is_long(scene: Scene) -> bool:
     load = scene.load
     return isinstance(load, TimeSeriesLoad) and len(load.kept_rows()) > _LONG_RECORD
+
+
+def _needs_grids(scene: Scene) -> bool:
+    """Whether bulk stress and tilt leave no one memory curve, so that each solve takes seconds."""
+    from semi_analytic.bulk_and_tilt import one_curve
+
+    return scene.unsymmetric and one_curve(scene) is None
 
 
 class _Move(NamedTuple):
@@ -879,11 +886,11 @@ def _input_effects(scene: Scene, effects: BodyEffects | None) -> InputEffects:
         reason = "a sixteenth of a standard uncertainty makes the loads slide"
     for key, value in middle.items():
         values[key] = propagated(quantities[key], value, moves, key, correlation)
+    left_out = "the largest pressure, the slip and the edge tension are left out"
     if _is_long(scene):
-        notes.append(
-            f"of a record of more than {_LONG_RECORD:,} rows the largest pressure, the slip and the"
-            " edge tension are left out"
-        )
+        notes.append(f"of a record of more than {_LONG_RECORD:,} rows {left_out}")
+    elif _needs_grids(scene):
+        notes.append(f"where theory needs grids {left_out}")
     reason = reason or _reason_for_draws(scene, values)
     draws = draws_of_work(scene, reason) if reason else None
     if reason and draws is None:
