@@ -18,8 +18,10 @@ So F(c) is clipped by two bounds that follow the loads, each c for itself. On a 
 kn and kt are linear, the bounds move one way each, and one clip at the end of the step is exact.
 With kn = kt = 0 this is `memory`, where F = M.
 
-Work. W = (A/pi) int f [P - eta(c) - kn G(c)] |dB_s(c)| dc/c over what slips, all terms positive. It
-equals the closed integral of Q dU + P d(approach), since the compliances are reciprocal.
+Work. W = (A/pi) int f [P - eta(c) - kn G(c)] |dF(c)| dc/c over the punches that slip, all terms
+positive, with the mean of the bracket over the part of the step in which the punch slips: exact of
+a straight step. It equals the closed integral of Q dU + P d(approach), since the compliances are
+reciprocal.
 
 Exact are P(a), the pressure, and any history in which the slip zone reaches the edge of contact.
 Two things are not: growth in stick is a chord between two instants of the path, and where a stroke
@@ -60,6 +62,8 @@ _ROUNDING = 1e-11
 # Share of the largest half-width that stands for 0 in a logarithm.
 _LEAST = 1e-9
 _GAUSS = np.polynomial.legendre.leggauss(3)
+# Between two tops of a memory curve: |dF| is a cubic in s there for Hertz.
+_GAUSS_OF_WORK = np.polynomial.legendre.leggauss(8)
 
 
 def area_of_loop(load: Array, movement: Array) -> float:
@@ -405,54 +409,87 @@ class Followed:
     @cached_property
     def step_work(self) -> Array:
         """pi/A times the friction work of the step that ends at each row, (n,)."""
-        outer = self._work_of_zone(self.direction, self.front, self.edge)
-        inner = self._work_of_zone(self.ring_direction, self.ring[:, 0], self.ring[:, 1])
+        outer = self._work_of_zones(self.direction, self.front, self.edge)
+        inner = self._work_of_zones(self.ring_direction, self.ring[:, 0], self.ring[:, 1])
         return outer + inner
 
-    def _work_of_zone(self, sense: Indices, begin: Array, end: Array) -> Array:
-        """The same of slip of a sense (n,) from `begin` to `end` (n,) at the end of each step."""
-        # notation: B_s changes by growth + parabola_growth G over the step
-        f = self.friction
-        before = np.maximum(np.arange(len(sense)) - 1, 0)
-        load = self.normal_load
-        force = self.tangential_load
-        gap_bend = self.normal_curvature
-        face_bend = self.tangential_curvature
-        growth = sense * (force - force[before]) - f * (load - load[before])
-        parabola_growth = f * (gap_bend - gap_bend[before]) - sense * (
-            face_bend - face_bend[before]
-        )
-        # Of the zone of the same sense at the begin of the step, what is inside the edge of today.
-        main = self.direction[before] == sense
-        inner = self.ring_direction[before] == sense
-        begin_before = np.where(main, self.front[before], self.ring[before, 0])
-        end_before = np.where(main, self.edge[before], self.ring[before, 1])
-        is_ring = sense != self.direction
-        end_before = np.where(is_ring, np.minimum(end_before, end), end_before)
-        begin_before = np.where(main | inner, np.minimum(begin_before, end_before), end_before)
-        at_end = self._log_integral(begin, end, np.arange(len(sense)))
-        at_begin = self._log_integral(begin_before, end_before, before)
-        mean, parabola_mean = (at_end + at_begin) / 2
-        work = f * (growth * mean + parabola_growth * parabola_mean)
-        return np.where(sense == 0, 0.0, work)
+    def _work_of_zones(self, sense: Indices, begin: Array, end: Array) -> Array:
+        """The same of slip of a sense (n,) from `begin` to `end` (n,) at the end of each step.
 
-    def _log_integral(self, front: Array, edge: Array, row: Indices) -> Array:
-        """int (P - eta - kn G) dc/c and the same times G, from `front` to `edge`: (2, n)."""
+        A punch slips in the share of the step in which its F follows the bound, which goes straight
+        through the step: the load beyond it counts with its mean over that share.
+        """
+        parts = self._parts_of_zones(sense, begin, end)
+        nodes, weights = _GAUSS_OF_WORK
+        length = (parts.high - parts.low)[:, None]
+        s = parts.low[:, None] + length * (nodes + 1) / 2
         table = self.table
-        load = self.normal_load[row]
-        curvature = self.normal_curvature[row]
+        load = table.load(s)
+        parabola = table.parabola(s)
+        sense_of_part = sense[parts.row][:, None]
 
-        def rise(of: Array, to: Array) -> Array:
-            return to - of
+        def at(row: Indices) -> tuple[Array, Array]:
+            """Load carried beyond the punches, and the bound there."""
+            beyond = self.normal_load[row][:, None] - load
+            beyond = beyond - self.normal_curvature[row][:, None] * parabola
+            force = self.tangential_load[row][:, None]
+            force = force - self.tangential_curvature[row][:, None] * parabola
+            return beyond, force - sense_of_part * self.friction * beyond
 
-        logarithm = rise(table.logarithm(front), table.logarithm(edge))
-        parabola = rise(table.parabola(front), table.parabola(edge))
-        square = rise(table.parabola(front) ** 2, table.parabola(edge) ** 2)
-        area = rise(table.log_area(front), table.log_area(edge))
-        moment = rise(table.log_moment(front), table.log_moment(edge))
-        plain = load * logarithm - area - curvature * parabola / 2
-        with_parabola = load * parabola / 2 - moment - curvature * square / 4
-        return np.stack([plain, with_parabola])
+        beyond_before, bound_before = at(parts.row - 1)
+        beyond, bound = at(parts.row)
+        # Of what slides as a whole, the curvature of the faces may move a punch against the slide.
+        growth = sense_of_part * (bound - bound_before)
+        pieces = self.pieces
+        below = pieces.parent[parts.piece]
+        frozen = pieces.force[below][:, None]
+        frozen = frozen + pieces.slope[parts.piece][:, None] * (load - pieces.load[below][:, None])
+        of_parabola = parabola - pieces.parabola[below][:, None]
+        frozen = frozen + pieces.parabola_slope[parts.piece][:, None] * of_parabola
+        change = sense_of_part * (bound - frozen)
+        share = np.clip(change / np.where(growth != 0, growth, np.inf), 0.0, 1.0)
+        # Where the bodies touch within the step, slip goes on from there to its end.
+        touches = parts.piece[:, None] == 0
+        rise = np.where(touches & (beyond > beyond_before), beyond - beyond_before, np.inf)
+        since_touch = np.clip(beyond / rise, 0.0, 1.0)
+        share = np.where(touches, since_touch, share)
+        change = np.where(touches, growth * since_touch, change)
+        mean = np.maximum(beyond - share * (beyond - beyond_before) / 2, 0.0)
+        rate = table.half_width_rate(s) / table.half_width(s)
+        work = self.friction * (mean * change * rate) @ weights * length[:, 0] / 2
+        return np.bincount(parts.row, work, len(sense))
+
+    def _parts_of_zones(self, sense: Indices, begin: Array, end: Array) -> _Parts:
+        """The zones cut at the corners of the profile and at the tops of the curve before."""
+        parts: list[tuple[int, float, float, int]] = []
+        tops = self.pieces.top.tolist()
+        parents = self.pieces.parent.tolist()
+        curves = self.curve.tolist()
+        for row in (np.flatnonzero(sense[1:]) + 1).tolist():
+            piece = curves[row - 1]
+            low = float(begin[row])
+            high = float(end[row])
+            is_beyond = True  # the edge of the contact before
+            while high > low:
+                bottom = max(tops[piece] if is_beyond else tops[parents[piece]], low)
+                of_part = 0 if is_beyond else piece
+                while math.ceil(high) - 1 > bottom:
+                    corner = math.ceil(high) - 1
+                    parts.append((row, float(corner), high, of_part))
+                    high = float(corner)
+                if high > bottom:
+                    parts.append((row, bottom, high, of_part))
+                    high = bottom
+                if not is_beyond:
+                    piece = parents[piece]
+                is_beyond = False
+        columns = np.array(parts).reshape(-1, 4).T
+        return _Parts(
+            row=columns[0].astype(np.int64),
+            low=columns[1],
+            high=columns[2],
+            piece=columns[3].astype(np.int64),
+        )
 
     def frozen_force(self, row: int, s: Array) -> Array:
         """F at punches s (k,) at a row; beyond the edge that at the edge."""
@@ -469,6 +506,17 @@ class Followed:
         rise = self.pieces.slope[piece] * load_rise
         rise = rise + self.pieces.parabola_slope[piece] * parabola_rise
         return np.asarray(self.pieces.force[below] + rise)
+
+
+class _Parts(NamedTuple):
+    """Parts (m,) of slip zones: row of the path, s of both ends, the piece of the curve before in
+    which it is, 0 beyond the edge of the contact before.
+    """
+
+    row: Indices
+    low: Array
+    high: Array
+    piece: Indices
 
 
 class PieceTable(NamedTuple):

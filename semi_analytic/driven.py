@@ -26,12 +26,7 @@ the rest of the way slides as a whole: it wears off f P times the slide. As long
 follows f P, also where P falls. In separation nothing is remembered, and U_act is free: what it
 moves while P = 0 rubs nowhere. Bodies touch again without shear.
 
-Work of slip beside the slide, step by step, over the punches c that slip::
-
-    W = (A/pi) int f [P - eta(c) - kn G(c)] |dF(c)| dc/c
-
-with the mean of the bracket over the part of the step in which the punch slips: exact at constant
-P, whatever the step.
+The work of slip beside the slide is that of `corrected_memory`, step by step.
 
 # notation: A = 2/E*, L datum length, f friction coefficient, c half-width of a punch, F, eta, G,
 #           kn, kt, T as in `corrected_memory`
@@ -94,8 +89,6 @@ _ROUNDING = 1e-12
 # that is too short much more than this.
 _ERROR_OF_TABLE = 1e-9
 _DOUBLINGS = 60
-# Gauss points between two tops of a memory curve: |dF| is a cubic in s there for Hertz.
-_GAUSS = np.polynomial.legendre.leggauss(8)
 
 
 class Compliance(NamedTuple):
@@ -393,10 +386,7 @@ class Driven:
     @cached_property
     def slip_work(self) -> Array:
         """Friction work of partial slip of the same steps, (n,) [energy / thickness]."""
-        work = np.zeros(len(self.time))
-        for row in range(1, len(self.time)):
-            work[row] = self.compliance.unit * _work_of_step(self.followed, row)
-        return work
+        return self.compliance.unit * self.followed.step_work
 
     def work(self, rows: slice) -> float:
         """Friction work of a cycle or of the path, whose first row ends the step before it."""
@@ -647,60 +637,3 @@ class _Stepper:
         del self._tops[count:]
         del self._logarithm[count:]
         del self._second[count:]
-
-
-# ---------------------------------------------------------------------------------- work of a step
-def _work_of_step(followed: Followed, row: int) -> float:
-    """pi/A times the friction work of the slip zones in the step that ends at a row."""
-    work = 0.0
-    sense = int(followed.direction[row])
-    if sense:
-        work += _work_of_zone(followed, row, sense, followed.front[row], followed.edge[row])
-    ring_sense = int(followed.ring_direction[row])
-    if ring_sense:
-        begin, end = followed.ring[row]
-        work += _work_of_zone(followed, row, ring_sense, begin, end)
-    return work
-
-
-def _work_of_zone(followed: Followed, row: int, sense: int, begin: float, end: float) -> float:
-    """The same of one zone, s from `begin` to `end`, which slips in one sense."""
-    table = followed.table
-    friction = followed.friction
-    tops = [
-        followed.pieces.top[followed.pieces.chain(int(followed.curve[number]))]
-        for number in (row - 1, row)
-    ]
-    corners = np.arange(table.last)
-    places = np.concatenate([*tops, corners, [begin, end, followed.edge[row - 1]]])
-    places = np.unique(np.clip(places, begin, end))
-    nodes, weights = _GAUSS
-    length = np.diff(places)
-    s = (places[:-1, None] + length[:, None] * (nodes + 1) / 2).ravel()
-    weight = (length[:, None] / 2 * weights).ravel()
-
-    load = table.load(s)
-    parabola = table.parabola(s)
-    half_width = table.half_width(s)
-
-    def at(instant: int) -> tuple[Array, Array]:
-        """Load carried beyond the punches, and the bound B there."""
-        beyond = followed.normal_load[instant] - load
-        beyond = beyond - followed.normal_curvature[instant] * parabola
-        force = followed.tangential_load[instant]
-        force = force - followed.tangential_curvature[instant] * parabola
-        return beyond, force - sense * friction * beyond
-
-    beyond_before, bound_before = at(row - 1)
-    beyond, bound = at(row)
-    # Of what slides as a whole, the curvature of the faces may move a punch against the slide.
-    growth = sense * (bound - bound_before)
-    is_old = beyond_before >= 0
-    change = sense * (followed.frozen_force(row, s) - followed.frozen_force(row - 1, s))
-    share = np.clip(change / np.where(growth != 0, growth, np.inf), 0.0, 1.0)
-    since_touch = beyond / np.where(is_old, 1.0, beyond - beyond_before)
-    share = np.where(is_old, share, since_touch)
-    change = np.where(is_old, change, growth * since_touch)
-    mean = beyond - share * (beyond - beyond_before) / 2
-    integrand = friction * np.maximum(mean, 0.0) * change * table.half_width_rate(s) / half_width
-    return float(np.sum(integrand * weight))
