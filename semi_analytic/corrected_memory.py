@@ -457,7 +457,7 @@ class Followed:
         mean = np.maximum(beyond - share * (beyond - beyond_before) / 2, 0.0)
         rate = table.half_width_rate(s) / table.half_width(s)
         work = self.friction * (mean * change * rate) @ weights * length[:, 0] / 2
-        return np.bincount(parts.row, work, len(sense))
+        return np.asarray(np.bincount(parts.row, work, len(sense)), dtype=float)
 
     def _parts_of_zones(self, sense: Indices, begin: Array, end: Array) -> _Parts:
         """The zones cut at the corners of the profile and at the tops of the curve before."""
