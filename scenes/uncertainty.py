@@ -605,16 +605,15 @@ def _moved_load(scene: HasInputs, changes: Mapping[str, float]) -> Any:
 def _moved_ellipse(
     load: EllipseLoad, normal: float, tangential: float, lag: float
 ) -> dict[str, Any]:
-    keys: dict[str, Any]
+    keys: dict[str, Any] = {}
     if load.approach is not None:
-        approach = load.approach
-        mean = normal * approach.mean
-        keys = {"approach": {"mean": mean, "amplitude": normal * approach.amplitude}}
-    else:
-        keys = {
-            "mean_normal_load": normal * load.mean_normal_load,
-            "normal_amplitude": normal * load.normal_amplitude,
+        keys["approach"] = {
+            "mean": normal * load.approach.mean,
+            "amplitude": normal * load.approach.amplitude,
         }
+    else:
+        keys["mean_normal_load"] = normal * load.mean_normal_load
+        keys["normal_amplitude"] = normal * load.normal_amplitude
     if load.tangential_displacement is not None:
         wave = load.tangential_displacement
         keys["tangential_displacement"] = {

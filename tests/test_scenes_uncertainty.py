@@ -16,6 +16,10 @@ from refusals import refused_for
 from scenes import (
     Bodies,
     Cylinder,
+    DrivenWave,
+    DrivenWaveSum,
+    EllipseLoad,
+    HarmonicLoad,
     InputError,
     PolygonLoad,
     Scene,
@@ -23,6 +27,7 @@ from scenes import (
     load_scene,
     scene_text,
 )
+from scenes.loads import DrivenApproach
 from scenes.uncertainty import Uncertainty
 
 PAPER = scene_text("blocks").split("[[expected]]")[0]
@@ -197,6 +202,28 @@ def test_displacements_are_moved_in_the_place_of_loads() -> None:
     assert after.load.path_of_actuators().at(time)[1] == pytest.approx(1.1 * before.at(time)[1])
     assert after.friction.coefficient == pytest.approx(1.05 * scene.friction.coefficient)
     assert after.uncertainty is None
+
+
+WAVES = {
+    "ellipse": EllipseLoad(
+        approach=DrivenApproach(mean=0.01, amplitude=0.002),
+        tangential_displacement=DrivenWave(amplitude=0.001),
+    ),
+    "harmonics": HarmonicLoad(
+        approach=DrivenWaveSum(mean=0.01, harmonics=((0.002, 0.0),)),
+        tangential_displacement=DrivenWaveSum(harmonics=((0.001, 90.0),)),
+    ),
+}
+
+
+@pytest.mark.parametrize("load", WAVES.values(), ids=WAVES)
+def test_a_moved_approach_is_scaled_in_the_place_of_p(load: EllipseLoad | HarmonicLoad) -> None:
+    scene = load_scene("rig-blocks").vary(load=load, uncertainty={"approach": "2 %"}, expected=())
+    before = scene.load.path_of_actuators()
+    after = scene.moved({"approach": 0.1}).load.path_of_actuators()
+    time = before.cycle_start + 1.0
+    assert after.at(time)[0] == pytest.approx(1.1 * before.at(time)[0])
+    assert after.at(time)[1] == pytest.approx(before.at(time)[1])
 
 
 def test_both_bodies_of_one_material_move_together() -> None:
