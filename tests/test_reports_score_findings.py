@@ -20,10 +20,11 @@ from reports.comparison import compare
 from reports.comparison.cycles import events
 from reports.comparison.isolated import spikes
 from reports.comparison.words import lead, verdict
-from reports.scoring.against import diagnosed, score, score_file
+from reports.scoring.against import diagnosed, score, score_file, score_surface
 from reports.scoring.causes_in_words import coupling_sentence
 from reports.scoring.discrepancy import discrepancy_of
 from reports.scoring.mapping import Mapping
+from reports.scoring.surface import surface_result
 from scenes import ContactSolution, InputError, Materials, Scene, load_scene
 from scenes.solution import last_whole_cycle
 
@@ -254,8 +255,10 @@ def test_noise_and_the_node_at_an_edge_support_each_other() -> None:
     at_edge = solution.pressure.copy()
     at_edge[4, np.flatnonzero(at_edge[4])[0]] *= 3
     for pressure in (noisy, at_edge):
-        report = score(solution.x, pressure, solution.shear, scene=CATTANEO, time=solution.time)
-        assert "outlier" not in [diagnosis.fault for diagnosis in report.diagnoses]
+        fields = {"pressure": pressure, "shear": solution.shear}
+        surface = surface_result("arrays", "", solution.x, fields, {"time": solution.time})
+        comparison = score_surface(surface, Mapping(), CATTANEO).comparison
+        assert not any(mask.any() for mask in comparison.isolated.values())
 
 
 def test_frames_beside_each_other_name_the_column_of_the_cell(tmp_path: Path) -> None:
@@ -395,3 +398,27 @@ def test_creep_in_proportion_to_the_shear_is_a_soft_penalty_whatever_the_mesh_ad
             f"stiffness of {stiffness:.2g} E*/a_ref" in words
             for words in report.diagnoses[0].evidence
         )
+
+
+def test_a_soft_penalty_shows_behind_a_shear_of_the_wrong_sign() -> None:
+    solution = cycle_from(0.0, steps=30)
+    creep = np.where(solution.pressure > 0, solution.shear / (10 * 115e3), 0.0)
+    report = score(
+        solution.x,
+        solution.pressure,
+        -solution.shear,
+        scene=CATTANEO,
+        time=solution.time,
+        slip=solution.slip + creep,
+    )
+    assert [diagnosis.fault for diagnosis in report.diagnoses] == ["shear_sign", "elastic_slip"]
+
+
+def test_a_scale_of_x_is_found_behind_an_offset() -> None:
+    """The points end within theory's contact, whose sum over them is no measure of P."""
+    solution = semi_analytic.solve(CATTANEO, x=np.linspace(-1.1, 1.1, 41), time=[4.5])
+    report = score(
+        0.8 * solution.x + 0.35, solution.pressure, solution.shear, scene=CATTANEO, time=[4.5]
+    )
+    faults = {diagnosis.fault for diagnosis in report.diagnoses}
+    assert faults == {"offset", "x_scale"}

@@ -141,8 +141,12 @@ def _of_pressure_alone(discrepancy: Discrepancy) -> Sequence[float]:
 
 
 def _of_stretch(discrepancy: Discrepancy) -> Sequence[float]:
+    """By the second moment of the pressure, and by its sum, which a coarse mesh leaves alone."""
     _, wider, _ = _moments(discrepancy)
-    return (_away_from_zero(np.log(wider)),)
+    starts = [_away_from_zero(np.log(wider))]
+    if discrepancy.resultant_ratio > 0:
+        starts.append(_away_from_zero(np.log(discrepancy.resultant_ratio)))
+    return starts
 
 
 def _of_offset(discrepancy: Discrepancy) -> Sequence[float]:

@@ -12,10 +12,19 @@ from dataclasses import replace
 import numpy as np
 
 from reports.comparison import Comparison
-from reports.scoring.causes import SOFT_NORMAL, Cause
+from reports.scoring.causes import SHEAR_SIGN, SOFT_NORMAL, Cause
 from reports.scoring.causes_in_words import key_of_sentence, sentence_of
-from reports.scoring.discrepancy import PRESSURE, SHEAR, discrepancy_of
-from reports.scoring.fits import CHANCE, MOST_LEFT, ROUND_OFF, Fit, Search, by_chance, share_left
+from reports.scoring.discrepancy import PRESSURE, discrepancy_of
+from reports.scoring.fits import (
+    CHANCE,
+    MOST_LEFT,
+    ROUND_OFF,
+    Fit,
+    Search,
+    by_chance,
+    explains,
+    share_left,
+)
 from reports.scoring.judgement import Judgement, Verdict
 from reports.scoring.other_problems import other_problems
 from reports.scoring.traces import (
@@ -48,6 +57,12 @@ def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
     judgement = Judgement(discrepancy, Search(discrepancy, Predictions(discrepancy)))
     verdict = judgement.verdict()
     causes = list(_named(judgement, verdict, is_traced=bool(traces)))
+    turned = [cause for cause in causes if cause.fault == SHEAR_SIGN.key]
+    if turned and not traces:
+        traces_of_turned = list(elastic_slip(discrepancy, shear_sign=-1.0))
+        if traces_of_turned:
+            of_pressure = _named(judgement, verdict, is_traced=True)
+            causes = [*of_pressure, *turned, *traces_of_turned]
     if not traces and not (verdict.fit is not None and judgement.is_whole(verdict.fit)):
         causes = list(other_problems(discrepancy, verdict.fit)) or causes
     if not causes and not traces:
@@ -64,10 +79,12 @@ def _named(judgement: Judgement, verdict: Verdict, *, is_traced: bool) -> Iterat
         return
     shared = fit.keys.intersection(*(rival.keys for rival in verdict.rivals))
     for place, cause in enumerate(fit.causes):
-        # What has a trace of its own in the shear needs no second explanation of it.
-        if cause.key not in shared or (is_traced and cause.channel == SHEAR):
+        if cause.key not in shared:
             continue
         before = _without_cause(judgement, fit, cause)
+        # What has a trace of its own in the shear needs no second explanation of it.
+        if is_traced and not explains(fit, before, (PRESSURE,)):
+            continue
         # a layer's effect on the shear is not predicted
         channels = (PRESSURE,) if cause is SOFT_NORMAL else judgement.channels
         left = share_left(fit, before, channels)

@@ -15,6 +15,7 @@ import numpy as np
 
 from reports.scoring.causes import CAUSES, ODD_PART, Cause
 from reports.scoring.discrepancy import PRESSURE, SHEAR, Discrepancy, Residual, Tractions
+from reports.scoring.traces import NOISIER
 from reports.scoring.variants import Predictions, Variant
 from scenes import InputError
 from scenes.array_types import Array
@@ -33,18 +34,19 @@ _APART = 16.0
 _APART_EXACT = 4.0
 # Calls of one search by Levenberg and Marquardt; a size is found in ten to twenty.
 _MOST_CALLS = 40
+# Starts from which a size that the shear shows is searched.
+_SEARCHES_OF_SHEAR = 2
 # Of a size, to which it is found: mistakes of a table are larger; and to which it is found first.
 _CLOSE = 1e-6
 _ROUGH = 1e-2
 # Of the norm of the difference, noise and all: a first search that leaves more is not refined.
 _HOPELESS = 0.8
-# Of the sizes at which the search for a cause alone starts, every third one beside another cause.
+# Of the sizes at which the search for a cause alone starts, every third one beside another cause;
+# all of them where they are few.
 _STRIDE = 3
+_FEW_STARTS = 3
 # Of the difference, where a prediction has no solution.
 _NO_SOLUTION = 1e20
-# Standard deviation of the noise of the shear over that of the pressure, at most: few points may
-# look like noise by chance.
-_NOISIER = 5.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,8 +133,8 @@ class Search:
     def _fitted(
         self, causes: tuple[Cause, ...], channels: tuple[int, ...], known: tuple[float, ...]
     ) -> Fit | None:
-        """The best of all starts, from which least squares go on in two searches: a rough one, and
-        a close one where the rough one is worth it.
+        """The best of all starts, from which least squares go on: roughly, and closely where that
+        is worth it.
         """
         searched = causes[len(known) :]
         starts: list[tuple[float, ...]] = [(size,) for size in known]
@@ -140,18 +142,25 @@ class Search:
         if not all(starts):
             return None
         trials = list(itertools.product(*starts))
-        squares = [float(np.sum(self._residuals(causes, sizes, channels) ** 2)) for sizes in trials]
-        sizes = trials[int(np.argmin(squares))]
-        if min(squares) >= _NO_SOLUTION**2:
+        squares = [self._square(causes, sizes, channels) for sizes in trials]
+        order = np.argsort(squares, kind="stable")
+        if squares[order[0]] >= _NO_SOLUTION**2:
             return None
+        sizes = trials[order[0]]
         fitted = [
             place for place, cause in enumerate(causes) if cause.sized and place >= len(known)
         ]
         if fitted:
-            sizes = self._least_squares(causes, sizes, fitted, channels, _ROUGH)
-            rough = float(np.sum(self._residuals(causes, sizes, channels) ** 2))
-            without = self._residuals((), (), channels)
-            if rough <= _HOPELESS**2 * float(np.sum(without**2)):
+            # Few points know of an edge of slip only when it passes them: a search may stop early.
+            count = _SEARCHES_OF_SHEAR if SHEAR in channels else 1
+            rough = [
+                self._least_squares(causes, trials[trial], fitted, channels, _ROUGH)
+                for trial in order[:count]
+                if squares[trial] < _NO_SOLUTION**2
+            ]
+            sizes = min(rough, key=lambda trial: self._square(causes, trial, channels))
+            without = self._square((), (), channels)
+            if self._square(causes, sizes, channels) <= _HOPELESS**2 * without:
                 sizes = self._least_squares(causes, sizes, fitted, channels, _CLOSE)
         return self._fit_of(causes, sizes, channels)
 
@@ -176,7 +185,7 @@ class Search:
             return starts[:1]
         if SHEAR in channels:
             return (*starts[::_STRIDE], alone.sizes[0])
-        return (alone.sizes[0],) if len(starts) > 1 else (*starts, alone.sizes[0])
+        return (alone.sizes[0],) if len(starts) > _FEW_STARTS else (*starts, alone.sizes[0])
 
     def _least_squares(
         self,
@@ -206,6 +215,12 @@ class Search:
             max_nfev=_MOST_CALLS,
         )
         return completed(solution.x)
+
+    def _square(
+        self, causes: tuple[Cause, ...], sizes: tuple[float, ...], channels: tuple[int, ...]
+    ) -> float:
+        """Sum of the squares of the weighted residuals."""
+        return float(np.sum(self._residuals(causes, sizes, channels) ** 2))
 
     def _residuals(
         self, causes: tuple[Cause, ...], sizes: tuple[float, ...], channels: tuple[int, ...]
@@ -243,7 +258,7 @@ class Search:
         except InputError:
             return None
         friction = self.discrepancy.comparison.scales.friction
-        noisier = _NOISIER / friction if friction else np.inf
+        noisier = NOISIER / friction if friction else np.inf
         return Fit(causes, sizes, predicted, self.discrepancy.residuals(predicted), noisier)
 
 

@@ -169,7 +169,7 @@ class Judgement:
         if fit is None:  # with these causes the contact slides: the shear has no theory
             return [pressure_fit]
         left = share_left(pressure_fit, self.no_cause, (PRESSURE,))
-        return [fit] if left <= _ALONE else []
+        return [fit] if left <= _ALONE or self.is_right(pressure_fit, PRESSURE) else []
 
     def _with_small_body(self, pressure_fits: Sequence[Fit]) -> list[Fit]:
         """Bodies too small in place of a factor of E* that leaves the shear unexplained: under a
@@ -226,17 +226,28 @@ class Judgement:
         causes = [cause for cause in CAUSES if cause.channel == PRESSURE]
         quick_causes = [cause for cause in causes if cause not in _OF_MODEL]
         singles = self._explanations_of_pressure([(cause,) for cause in quick_causes])
-        if singles and self.is_right(singles[0], PRESSURE):
-            return self._near_the_best(singles)
-        is_noise = no_cause.is_noise((PRESSURE,)) and no_cause.count((PRESSURE,)) >= _FEW_VALUES
-        if not singles and is_noise:
-            return [no_cause]
+        if self._needs_no_pair(singles):
+            return self._near_the_best(singles) or [no_cause]
         pairs = self._explanations_of_pressure(self._pairs_worth_trying(singles, quick_causes))
         # Few values may not show more than chance, and a pair is no way around that.
         best_single = self._best_single(quick_causes)
         if best_single is not None:
             pairs = [fit for fit in pairs if self._better(fit, best_single, (PRESSURE,))]
+        pairs = [fit for fit in pairs if self._needs_both(fit)]
         return self._near_the_best(pairs or singles) or [no_cause]
+
+    def _needs_no_pair(self, singles: Sequence[Fit]) -> bool:
+        """Whether the best single cause of the pressure, or none, leaves what no pair needs to
+        explain; few values may look like noise by chance.
+        """
+        if not singles:
+            best = self.no_cause
+            is_right = best.is_noise((PRESSURE,))
+        else:
+            best = singles[0]
+            is_right = self.is_right(best, PRESSURE)
+        is_exact = share_left(best, self.no_cause, (PRESSURE,)) <= _COMPLETE
+        return is_right and (is_exact or best.count((PRESSURE,)) >= _FEW_VALUES)
 
     def _explanations_of_pressure(self, choices: Sequence[tuple[Cause, ...]]) -> list[Fit]:
         """Fits that explain the pressure, the best first; those of bodies and layers beside the
@@ -249,11 +260,15 @@ class Judgement:
     def _pairs_worth_trying(
         self, singles: Sequence[Fit], quick_causes: Sequence[Cause]
     ) -> list[tuple[Cause, ...]]:
-        """Pairs of causes that help alone; and of a cause without a size with any other, since
-        behind a sign, a swap or a unit no other one helps alone.
+        """Pairs of causes that help alone, of the one that helps most with any other, and of a
+        cause without a size with any other: behind a sign, a swap, a unit or a large offset no
+        other one helps alone.
         """
         helpful = [cause for cause in quick_causes if self._helps(cause)]
         pairs = list(itertools.combinations(helpful, 2))
+        if helpful:
+            best = min(helpful, key=self._left_alone)
+            pairs += [(best, cause) for cause in quick_causes if cause not in helpful]
         for fit in singles:
             if not fit.causes[0].sized:
                 pairs += [(fit.causes[0], cause) for cause in quick_causes if cause.sized]
@@ -263,10 +278,14 @@ class Judgement:
         """Whether a cause alone leaves less of the pressure than none, so that pairs with it are
         worth their time; nodal forces do not where another fault is larger.
         """
+        if cause.key == "coarse_edge":
+            return self.search.fit((cause,), (PRESSURE,)) is not None
+        return self._left_alone(cause) < _NO_HELP
+
+    def _left_alone(self, cause: Cause) -> float:
+        """Share of the pressure's difference that a cause leaves alone."""
         fit = self.search.fit((cause,), (PRESSURE,))
-        if fit is None or cause.key == "coarse_edge":
-            return fit is not None
-        return share_left(fit, self.no_cause, (PRESSURE,)) < _NO_HELP
+        return np.inf if fit is None else share_left(fit, self.no_cause, (PRESSURE,))
 
     def _best_single(self, causes: Sequence[Cause]) -> Fit | None:
         """The single cause that leaves least of the pressure, by chance or not; None where each
@@ -280,6 +299,11 @@ class Judgement:
             if share_left(fit, self.no_cause, (PRESSURE,)) < MOST_LEFT:
                 possible.append(fit)
         return min(possible, key=lambda fit: fit.square((PRESSURE,)), default=None)
+
+    def _needs_both(self, pair: Fit) -> bool:
+        """Whether neither cause of a pair does as well alone."""
+        alone = [self.search.fit((cause,), (PRESSURE,)) for cause in pair.causes]
+        return all(fit is None or self._better(pair, fit, (PRESSURE,)) for fit in alone)
 
     def _of_model(self, fits: Sequence[Fit]) -> list[tuple[Cause, ...]]:
         """Bodies too small, or faces that sink into each other, in place of the factor of E*, loads
