@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from reports.comparison.budget import ErrorBudget
     from reports.comparison.metrics import Metric
     from reports.inputs import InputEffects
+    from reports.scoring.evidence import Step
     from reports.scoring.study import Study, UnscoredFile
     from reports.scoring.traces import Diagnosis
     from reports.validation import AgainstMeasurement
@@ -72,6 +73,8 @@ class Report:
         where the error of every metric comes from, where that was measured
     guesses
         what was assumed of somebody else's result, to be read before anything else
+    evidence
+        what the rows of somebody else's result show, in the order in which it is looked at
     diagnoses
         the likely causes of somebody else's difference, the strongest first
     study
@@ -99,6 +102,7 @@ class Report:
     inputs: InputEffects | None = None
     validation: tuple[AgainstMeasurement, ...] = ()
     is_measured: bool = False
+    evidence: tuple[Step, ...] = ()
 
     def __repr__(self) -> str:
         """Five lines, as those of its comparison."""

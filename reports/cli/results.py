@@ -258,6 +258,10 @@ def _score_shown(report: Report, page: str) -> Iterator[Part]:
     )
     if report.study is None:  # whose own sentences name them
         yield from (file.sentence for file in report.unscored)
+    if report.evidence:
+        yield "What the rows show:"
+    for number, step in enumerate(report.evidence, 1):
+        yield f"{number}. {step.sentence}"
     if report.diagnoses:
         yield "Likely causes:"
     for number, diagnosis in enumerate(report.diagnoses, 1):

@@ -108,6 +108,7 @@ def whole_content(report: Report, command: str, seconds: Mapping[str, float]) ->
         "notes": comparison.notes,
         "guesses": report.guesses,
         "read_as": report.read_as,
+        "evidence": [asdict(step) for step in report.evidence],
         "diagnoses": [asdict(diagnosis) for diagnosis in report.diagnoses],
         "study": report.study.content() if report.study else None,
         "seconds": seconds,

@@ -17,6 +17,7 @@ discrepancy.py     what is to be explained, and how much of it is noise
 variants.py        half-plane theory with faults in it: tractions of a result with just these
 causes.py          the causes, one object each: what it changes in theory, where its search starts
 cells.py           contact on cells: faces with a layer between them, bodies that are not alike
+evidence.py        what rows show before a cause is looked for: sums, points, laws, shape
 traces.py          findings that rows show without theory: full slip, creep, scatter
 other_problems.py  tractions of problems that the suite does not solve: signatures in the rows
 fits.py            sizes of causes by least squares, what they leave, whether by chance

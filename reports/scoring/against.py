@@ -268,7 +268,10 @@ def _refuse_beside(solution: ContactSolution, reference: ContactSolution) -> Non
 
 
 def diagnosed(report: Report) -> Report:
-    """`report` with the likely faults of its result."""
+    """`report` with the likely faults of its result, and what its rows show where it has any."""
     from reports.scoring.diagnosis import diagnose
+    from reports.scoring.evidence import evidence
 
-    return replace(report, diagnoses=diagnose(report.comparison))
+    diagnoses = diagnose(report.comparison)
+    steps = evidence(report.comparison) if diagnoses else ()
+    return replace(report, diagnoses=diagnoses, evidence=steps)

@@ -33,6 +33,7 @@ from reports.scoring.traces import (
     UNKNOWN,
     WORDS,
     Diagnosis,
+    alternating_nodes,
     coarse_edge,
     elastic_slip,
     full_slip,
@@ -49,7 +50,11 @@ def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
     if discrepancy is None:
         return ()
     cells = outliers(comparison)
-    traces = [*full_slip(discrepancy), *elastic_slip(discrepancy)]
+    traces = [
+        *full_slip(discrepancy),
+        *elastic_slip(discrepancy),
+        *alternating_nodes(discrepancy),
+    ]
     if discrepancy.within:
         named = (*cells, *traces) or tuple(long_steps_by_work(comparison))
         if named or comparison.verdict == "within":

@@ -50,6 +50,10 @@ _BY_NOISE = 5.0
 # look like noise by chance; of both scales, below which there is no noise.
 NOISIER = 5.0
 _EXACT = 1e-10
+# Of the norm of a difference that alternates from node to node, what means over three leave;
+# standard deviations by which its ratio of von Neumann exceeds that of noise.
+_LEFT_OF_ALTERNATION = 1 / 3
+_ALTERNATES = 5.0
 # Spacings to each side of an edge that a mesh can get wrong: the element with the edge in it, and
 # its neighbour.
 _REACH = 2.0
@@ -189,6 +193,34 @@ def elastic_slip(discrepancy: Discrepancy, *, shear_sign: float = 1.0) -> Iterat
         f"a tangential stiffness of {stiffness:.2g} E*/a_ref",
     )
     yield Diagnosis("elastic_slip", FAULTS["elastic_slip"], evidence, proportional)
+
+
+def alternating_nodes(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
+    """Pressures that alternate from node to node: nodal forces or extrapolated stresses of corner
+    and mid-side nodes of quadratic elements.
+
+    The mean (1, 2, 1)/4 over neighbours takes out what alternates. The ratio of von Neumann is 2
+    where all does, and 1 for white noise, about which it scatters by 1/sqrt(n).
+    """
+    residual = discrepancy.residual(discrepancy.expected, PRESSURE)
+    inside = residual.inside
+    three = inside[:, :-2] & inside[:, 1:-1] & inside[:, 2:]
+    count = int(three.sum())
+    if not count or discrepancy.is_within(PRESSURE):
+        return
+    values = residual.values
+    smooth = (values[:, :-2] + 2 * values[:, 1:-1] + values[:, 2:])[three] / 4
+    steps = np.diff(values, axis=1)[inside[:, 1:] & inside[:, :-1]]
+    size = float(np.mean(values[:, 1:-1][three] ** 2))
+    ratio = float(np.mean(steps**2)) / 2 / size
+    left = float(np.sqrt(np.mean(smooth**2) / size))
+    if left > _LEFT_OF_ALTERNATION or (ratio - 1) * np.sqrt(count) < _ALTERNATES:
+        return
+    evidence = (
+        f"{count} values with both neighbours in contact; their means over three points leave"
+        f" {left:.0%} of the difference",
+    )
+    yield Diagnosis("alternating", WORDS["others"]["alternating"], evidence, 1 - left)
 
 
 def scatter(discrepancy: Discrepancy) -> Iterator[Diagnosis]:

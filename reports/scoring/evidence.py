@@ -1,0 +1,160 @@
+"""What the rows of a result show before a cause is looked for, step by step, each with its number:
+what was read, equilibrium, resolution, laws, shape.
+
+# notation: p pressure, q shear, f friction coefficient, P and Q loads, p_ref and a_ref scales
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from reports.comparison import Comparison
+from reports.scoring.discrepancy import PRESSURE, SHEAR, Discrepancy, discrepancy_of
+from reports.units import minus
+from scenes import SLIP_FORWARD, SLIP_REVERSE
+from scenes.array_types import Array
+
+# Of P, or of f P: a sum nearer to its load excludes another load, thickness or unit.
+_BALANCED = 0.01
+# Standard deviations of the scatter, of which it makes as much at one of many points.
+_BY_SCATTER = 5.0
+
+
+@dataclass(frozen=True)
+class Step:
+    """One step of the evidence.
+
+    Attributes
+    ----------
+    name
+        of the step
+    words
+        what was measured
+    """
+
+    name: str
+    words: str
+
+    @property
+    def sentence(self) -> str:
+        """Name and measure."""
+        return f"{self.name}: {self.words}"
+
+
+def evidence(comparison: Comparison) -> tuple[Step, ...]:
+    """The steps in their order; none for a result without a contact."""
+    discrepancy = discrepancy_of(comparison)
+    if discrepancy is None:
+        return ()
+    return (
+        Step("What was read", _reading(comparison)),
+        Step("Equilibrium", "; ".join(_equilibrium(discrepancy))),
+        Step("Resolution", "; ".join(_resolution(discrepancy))),
+        Step("Laws", "; ".join(_laws(discrepancy))),
+        Step("Shape", "; ".join(_shape(discrepancy))),
+    )
+
+
+def _reading(comparison: Comparison) -> str:
+    """Rows and their range."""
+    found = comparison.found
+    shear = "pressure alone"
+    if not np.isnan(found.shear).all():
+        shear = "pressure and shear"
+    if np.isfinite(found.slip).any():
+        shear += ", slip"
+    return (
+        f"{shear} at {len(found.x)} points from x = {minus(f'{found.x[0]:.4g}')} to"
+        f" {minus(f'{found.x[-1]:.4g}')} and {len(found.time)} instants of the last cycle"
+    )
+
+
+def _equilibrium(discrepancy: Discrepancy) -> Iterator[str]:
+    """Sums over the points against P, Q and the moment, at the instants that are loaded."""
+    loaded = discrepancy.loaded
+    if not loaded.any():
+        return
+    x = discrepancy.x
+    pressure = np.trapezoid(discrepancy.found[PRESSURE], x, axis=1)[loaded]
+    normal = discrepancy.normal_load[loaded]
+    ratio = discrepancy.resultant_ratio
+    words = f"the sum of p is {ratio:.4g} P ({_range(pressure / normal)} over the instants)"
+    if abs(ratio - 1) < _BALANCED:
+        words += ", so that no load, thickness or unit of it is wrong"
+    yield words
+    friction = discrepancy.comparison.scene.friction.coefficient
+    if discrepancy.sheared and friction:
+        shear = np.trapezoid(discrepancy.found[SHEAR], x, axis=1)[loaded]
+        tangential = discrepancy.comparison.expected.tangential_load[discrepancy.rows][loaded]
+        off = float(np.max(np.abs(shear - tangential) / (friction * normal)))
+        yield f"the sum of q differs from Q by {off:.2g} f P at most"
+    if not discrepancy.unsymmetric:
+        moment = np.trapezoid(x * discrepancy.found[PRESSURE], x, axis=1)[loaded]
+        off_centre = float(np.max(np.abs(moment / pressure))) / discrepancy.half_width
+        yield f"the centre of p is {off_centre:.2g} a_ref from x = 0 at most"
+
+
+def _range(values: Array) -> str:
+    return f"{values.min():.4g} to {values.max():.4g}"
+
+
+def _resolution(discrepancy: Discrepancy) -> Iterator[str]:
+    """Points in contact and in slip, spacing, scatter."""
+    comparison = discrepancy.comparison
+    in_contact = discrepancy.in_contact(discrepancy.expected)[discrepancy.loaded].sum(axis=1)
+    if len(in_contact):
+        yield f"{in_contact.min()} to {in_contact.max()} points in contact at an instant"
+    yield f"{discrepancy.elements:.3g} spacings over a_ref"
+    if discrepancy.sheared and comparison.scene.friction.coefficient:
+        slips = np.isin(comparison.found.state, (SLIP_FORWARD, SLIP_REVERSE)).sum(axis=1)
+        yield f"{slips.min()} to {slips.max()} points in slip"
+    residuals = discrepancy.residuals(discrepancy.expected)
+    words = f"scatter from point to point {residuals[PRESSURE].noise ** 0.5:.1g} of p_ref"
+    if discrepancy.sheared:
+        words += f", of q {residuals[SHEAR].noise ** 0.5:.1g} of f p_ref"
+    yield words
+
+
+def _laws(discrepancy: Discrepancy) -> Iterator[str]:
+    """Each law with its largest violation, the limit that it is held to, and whether scatter makes
+    as much.
+    """
+    names = {"cone": "|q| beyond f p, over f p_max", "tension": "tension over p_max"}
+    residuals = discrepancy.residuals(discrepancy.expected)
+    scatter = float(sum(residual.noise for residual in residuals)) ** 0.5
+    for check in discrepancy.comparison.result_certificates:
+        words = f"{names.get(check.name, check.name)} {check.value:.2g} (limit {check.limit:.1g})"
+        if check.holds:
+            yield f"{words}: holds"
+        elif check.value <= _BY_SCATTER * scatter:
+            yield f"{words}: no more than scatter makes"
+        else:
+            yield f"{words}: violated"
+
+
+def _shape(discrepancy: Discrepancy) -> Iterator[str]:
+    """Peak, width and centre of the pressure, sign and size of the shear, beside the reference."""
+    found, expected = discrepancy.found, discrepancy.expected
+    yield f"peak of p {found[PRESSURE].max() / expected[PRESSURE].max():.4g} times the reference's"
+    widths = [_width(discrepancy, tractions[PRESSURE]) for tractions in (found, expected)]
+    if min(widths) > 0:
+        yield f"width by second moments {widths[0] / widths[1]:.4g} times"
+    largest = float(np.abs(expected[SHEAR]).max())
+    if discrepancy.sheared and largest:
+        weight = discrepancy.weight
+        product = float(np.sum(weight * found[SHEAR] * expected[SHEAR]))
+        size = float(np.sum(weight * expected[SHEAR] ** 2))
+        yield minus(f"q {product / size:.3g} times that of the reference, by least squares")
+
+
+def _width(discrepancy: Discrepancy, pressure: Array) -> float:
+    """Root of the second moment of the pressure about its centre, over all instants [length]."""
+    weight = discrepancy.weight * np.maximum(pressure, 0.0)
+    total = float(weight.sum())
+    if not total:
+        return 0.0
+    centre = float(np.sum(weight * discrepancy.x)) / total
+    return float(np.sqrt(np.sum(weight * (discrepancy.x - centre) ** 2) / total))
