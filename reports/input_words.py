@@ -8,7 +8,7 @@ much a *measurement* with these inputs is uncertain. Neither is added to the oth
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import Any
 
 from reports import validation
@@ -18,13 +18,12 @@ from reports.inputs import (
     PEAK,
     QUANTITIES_OF_THEORY,
     WORK,
-    Drawn,
     Draws,
     InputEffects,
     Propagated,
 )
 from reports.report import Report
-from reports.units import energy_unit, load_unit, minus, units
+from reports.units import energy_unit, load_unit, minus, significant, units
 from scenes import Estimate, Scene
 
 # A measurement sees a difference of at least this many of its standard uncertainties: 95 %.
@@ -90,10 +89,11 @@ def sentences(
     if effects.draws is not None:
         said.append(_drawn(effects.draws, scene))
     drawn = effects.draws.values if effects.draws is not None else {}
+    drawn_words = {QUANTITIES_OF_THEORY[key].words for key in drawn}
     rough = [
         value.words
         for key, value in (*effects.values.items(), *effects.difference.items())
-        if value.uncertainty and not value.is_nearly_linear and value.words not in _words_of(drawn)
+        if value.uncertainty > 0 and not value.is_nearly_linear and value.words not in drawn_words
     ]
     if rough:
         said.append(
@@ -154,7 +154,7 @@ def _of_measurement(effects: InputEffects, comparison: JudgedPair | None) -> Ite
     relative = effects.work_uncertainty
     if not math.isfinite(relative):
         return
-    amount = f"A measurement of W with these inputs has ± {_digits(100 * relative, 2)} %"
+    amount = f"A measurement of W with these inputs has ± {significant(100 * relative, 2)} %"
     if WORK not in effects.difference:
         yield f"{amount}."
         return
@@ -183,22 +183,19 @@ def _matters_most(effects: InputEffects) -> str:
     return ""
 
 
-def _words_of(drawn: Mapping[str, Drawn]) -> set[str]:
-    return {QUANTITIES_OF_THEORY[key].words for key in drawn}
-
-
 def _drawn(draws: Draws, scene: Scene) -> str:
     unit = energy_unit(scene)
     work = draws.values[WORK]
     kept = with_uncertainty(work.mean, work.uncertainty)
     said = (
-        f"W is taken from {draws.count:,} random draws of the inputs, because {draws.reason}:"
-        f" {kept} {unit}, 95 % of them from {work.low:.4g} to {work.high:.4g}."
+        f"{draws.reason[:1].upper()}{draws.reason[1:]}. So W is taken from {draws.count:,} random"
+        f" draws of the inputs: {kept} {unit}. 95 % of them lie from {work.low:.4g} to"
+        f" {work.high:.4g}."
     )
     if draws.sliding:
         said += (
-            f" {100 * draws.sliding:.2g} % of the draws slide as a whole, have no W, and are in"
-            " neither mean nor deviation."
+            f" {significant(100 * draws.sliding, 2)} % of the draws slide as a whole, have no W,"
+            " and are in neither mean nor deviation."
         )
     if draws.impossible > 0:
         said += f" {100 * draws.impossible:.2g} % are of inputs that no scene can have."
@@ -231,9 +228,9 @@ def rows(effects: InputEffects, scene: Scene) -> list[tuple[str, ...]]:
         table.append(
             (
                 f"{value.words} [{unit}]",
-                _digits(value.value, 6),
-                _digits(value.uncertainty, 2),
-                _digits(100 * relative, 2),
+                significant(value.value, 6),
+                significant(value.uncertainty, 2),
+                significant(100 * relative, 2),
                 ", ".join(shares) or "–",
             )
         )
@@ -241,8 +238,8 @@ def rows(effects: InputEffects, scene: Scene) -> list[tuple[str, ...]]:
         for key, drawn in effects.draws.values.items():
             value = effects.values[key]
             name = f"{value.words}, {effects.draws.count:,} draws [{_unit(value, scene)}]"
-            cells = (_digits(drawn.mean, 6), _digits(drawn.uncertainty, 2))
-            table.append((name, *cells, _digits(100 * drawn.relative, 2), "all"))
+            cells = (significant(drawn.mean, 6), significant(drawn.uncertainty, 2))
+            table.append((name, *cells, significant(100 * drawn.relative, 2), "all"))
     return table
 
 
@@ -256,13 +253,13 @@ def table_of_inputs(effects: InputEffects) -> tuple[tuple[str, ...], list[tuple[
     for entry in effects.inputs:
         moved = "–" if work is None else _signed(100 * work.changes[entry.key].value, work.value)
         table.append((entry.words.removeprefix("the "), f"± {entry.stated}", moved))
-    total = f"± {_digits(100 * effects.work_uncertainty, 2)}"
+    total = f"± {significant(100 * effects.work_uncertainty, 2)}"
     table.append(("all inputs", "", total if math.isfinite(effects.work_uncertainty) else "–"))
     difference = effects.difference.get(WORK)
     if difference is None:
         return heads, table
     points = [_signed(100 * difference.changes[entry.key].value, 1.0) for entry in effects.inputs]
-    points.append(f"± {_digits(100 * difference.uncertainty, 2)}")
+    points.append(f"± {significant(100 * difference.uncertainty, 2)}")
     rows = [(*row, cell) for row, cell in zip(table, points, strict=True)]
     return (*heads, "moves the difference by points"), rows
 
@@ -277,25 +274,17 @@ def _unit(value: Propagated, scene: Scene) -> str:
     }[value.unit]
 
 
-def _digits(number: float, count: int) -> str:
-    """Significant digits, zeros at the end among them; a dash for what is no number."""
-    if not math.isfinite(number):
-        return "–"
-    keeps_zeros = 0 < abs(number) < 10 ** (count - 1)
-    return minus(f"{number:{'#' if keeps_zeros else ''}.{count}g}")
-
-
 def _signed(change: float, value: float) -> str:
     """A change of a value, as a share of it."""
     if not value or not math.isfinite(change):
         return "–"
     share = change / value
-    return f"{'+' if share > 0 else ''}{_digits(share, 2)}" if share else "0"
+    return f"{'+' if share > 0 else ''}{significant(share, 2)}" if share else "0"
 
 
 def _in_percent(change: Estimate, value: float) -> str:
     share = abs(change.value / value) if value else math.nan
-    return f"{_digits(100 * share, 2)} %"
+    return f"{significant(100 * share, 2)} %"
 
 
 # ------------------------------------------------------------------------------------------ as JSON

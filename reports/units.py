@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -51,6 +52,20 @@ def number(value: float) -> str:
     ('90.6229', '−210000')
     """
     return minus(f"{value:.6g}")
+
+
+def significant(value: float, count: int) -> str:
+    """Significant digits, zeros at the end among them; a dash for what is no number.
+
+    >>> significant(4.0, 2), significant(184.2, 2), significant(2.5e-6, 2)
+    ('4.0', '180', '2.5e−06')
+    """
+    if not math.isfinite(value):
+        return "–"
+    if abs(value) >= 10**count:
+        return minus(f"{float(f'{value:.{count}g}'):.0f}")
+    keeps_zeros = 0 < abs(value) < 10 ** (count - 1)
+    return minus(f"{value:{'#' if keeps_zeros else ''}.{count}g}")
 
 
 def minus(figure: str) -> str:

@@ -25,6 +25,7 @@ from reports.comparison.words import with_uncertainty
 from reports.inputs import PEAK, WORK, InputEffects
 from reports.scoring.loops import OF_SCENE, LoopScore
 from reports.scoring.mapping import Measured
+from reports.units import significant
 
 RESOLVED = "resolved"
 HIDDEN = "hidden"
@@ -95,7 +96,7 @@ class AgainstMeasurement:
         unit = 100 / abs(self.measured) if self.measured else math.nan
         amount = with_uncertainty(unit * self.error, unit * self.uncertainty)
         parts = [
-            f"{name} {unit * size:.2g}"
+            f"{name} {significant(unit * size, 2)} %"
             for name, size in (
                 ("numerical", self.numerical),
                 ("inputs", self.inputs),
@@ -104,7 +105,7 @@ class AgainstMeasurement:
         ]
         said = (
             f"E of {self.words}, {self.model} minus measured, is {amount} % (u_val of"
-            f" {', '.join(parts)} %): {self.verdict}."
+            f" {', '.join(parts)}): {self.verdict}."
         )
         if self.not_stated:
             said += f" Not stated, and so taken as 0: {', '.join(self.not_stated)}."
