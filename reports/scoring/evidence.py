@@ -19,6 +19,8 @@ from scenes.array_types import Array
 
 # Of P, or of f P: a sum nearer to its load excludes another load, thickness or unit.
 _BALANCED = 0.01
+# Of its unit: less is round-off.
+_ROUND_OFF = 1e-10
 # Standard deviations of the scatter, of which it makes as much at one of many points.
 _BY_SCATTER = 5.0
 
@@ -81,7 +83,7 @@ def _equilibrium(discrepancy: Discrepancy) -> Iterator[str]:
     pressure = np.trapezoid(discrepancy.found[PRESSURE], x, axis=1)[loaded]
     normal = discrepancy.normal_load[loaded]
     ratio = discrepancy.resultant_ratio
-    words = f"the sum of p is {ratio:.4g} P ({_range(pressure / normal)} over the instants)"
+    words = f"the sum of p is {ratio:.4g} P ({_range(pressure / normal)} by instants)"
     if abs(ratio - 1) < _BALANCED:
         words += ", so that no load, thickness or unit of it is wrong"
     yield words
@@ -94,11 +96,22 @@ def _equilibrium(discrepancy: Discrepancy) -> Iterator[str]:
     if not discrepancy.unsymmetric:
         moment = np.trapezoid(x * discrepancy.found[PRESSURE], x, axis=1)[loaded]
         off_centre = float(np.max(np.abs(moment / pressure))) / discrepancy.half_width
-        yield f"the centre of p is {off_centre:.2g} a_ref from x = 0 at most"
+        yield f"the centre of p is {_rounded(off_centre):.2g} a_ref from x = 0 at most"
 
 
 def _range(values: Array) -> str:
-    return f"{values.min():.4g} to {values.max():.4g}"
+    """The least and the largest value; one where they are the same.
+
+    >>> _range(np.array([3, 3])), _range(np.array([1.0, 1.25]))
+    ('3', '1 to 1.25')
+    """
+    least, largest = (f"{value:.4g}" for value in (values.min(), values.max()))
+    return least if least == largest else f"{least} to {largest}"
+
+
+def _rounded(value: float) -> float:
+    """0 in place of round-off."""
+    return 0.0 if abs(value) < _ROUND_OFF else value
 
 
 def _resolution(discrepancy: Discrepancy) -> Iterator[str]:
@@ -106,15 +119,16 @@ def _resolution(discrepancy: Discrepancy) -> Iterator[str]:
     comparison = discrepancy.comparison
     in_contact = discrepancy.in_contact(discrepancy.expected)[discrepancy.loaded].sum(axis=1)
     if len(in_contact):
-        yield f"{in_contact.min()} to {in_contact.max()} points in contact at an instant"
+        yield f"{_range(in_contact)} points in contact at an instant"
     yield f"{discrepancy.elements:.3g} spacings over a_ref"
     if discrepancy.sheared and comparison.scene.friction.coefficient:
         slips = np.isin(comparison.found.state, (SLIP_FORWARD, SLIP_REVERSE)).sum(axis=1)
-        yield f"{slips.min()} to {slips.max()} points in slip"
+        yield f"{_range(slips)} points in slip"
     residuals = discrepancy.residuals(discrepancy.expected)
-    words = f"scatter from point to point {residuals[PRESSURE].noise ** 0.5:.1g} of p_ref"
+    scatter = [_rounded(residual.noise**0.5) for residual in residuals]
+    words = f"p changes from point to point by {scatter[PRESSURE]:.1g} of p_ref beside theory"
     if discrepancy.sheared:
-        words += f", of q {residuals[SHEAR].noise ** 0.5:.1g} of f p_ref"
+        words += f", q by {scatter[SHEAR]:.1g} of f p_ref"
     yield words
 
 
@@ -124,7 +138,7 @@ def _laws(discrepancy: Discrepancy) -> Iterator[str]:
     """
     names = {"cone": "|q| beyond f p, over f p_max", "tension": "tension over p_max"}
     residuals = discrepancy.residuals(discrepancy.expected)
-    scatter = float(sum(residual.noise for residual in residuals)) ** 0.5
+    scatter = float(sum(residual.noise for residual in residuals if residual.is_noise)) ** 0.5
     for check in discrepancy.comparison.result_certificates:
         words = f"{names.get(check.name, check.name)} {check.value:.2g} (limit {check.limit:.1g})"
         if check.holds:

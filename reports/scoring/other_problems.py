@@ -527,6 +527,6 @@ def other_problems(discrepancy: Discrepancy, named: Fit | None) -> Iterator[Diag
     sentence = f"{WORDS['other_problem']} {WORDS['problems'][problem.key].format(**shown.figures)}"
     evidence = (
         *shown.evidence,
-        f"the tractions of that problem leave {left:.1%} of the difference where they show it",
+        f"tractions of that problem, its sizes fitted, leave {left:.1%} of the difference",
     )
     yield Diagnosis(problem.key, sentence, evidence, 1 - left)
