@@ -275,9 +275,10 @@ class Engines:
         """
         if self.separate:
             return (
-                "Under a prescribed displacement each engine finds loads of its own:"
-                f" `halfplane exact {source}` by corrected theory, `halfplane fe {source}` by"
-                " finite elements, where the bodies do not part"
+                "Under a prescribed displacement each engine finds loads of its own, and no"
+                f" tolerance judges the difference: `halfplane run {source}` shows both, `halfplane"
+                f" exact {source}` corrected theory alone, `halfplane fe {source}` finite elements,"
+                " where the bodies do not part"
             )
         if self.half_plane:
             return (

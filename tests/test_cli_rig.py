@@ -65,7 +65,7 @@ def test_check_and_run_say_how_far_the_bodies_slide(folder: Path) -> None:
     assert code == 0
     slides = [note for note in checked["notes"] if "slide as a whole by" in note]
     assert len(slides) == 1
-    ran = json.loads(halfplane(folder, "run", "rig.toml", "--out", "out", "--json").stdout)
+    ran = json.loads(halfplane(folder, "run", "rig.toml", "--out", "out", "--json", *COARSE).stdout)
     require_schema(ran)
     assert (ran["command"], ran["exit_code"]) == ("exact", 0)
     solved = ran["result"]
@@ -77,6 +77,21 @@ def test_check_and_run_say_how_far_the_bodies_slide(folder: Path) -> None:
     page = (folder / "out" / "report.html").read_text(encoding="utf-8")
     assert f"The bodies slide as a whole by {way:.6g} mm in the last cycle." in page
     assert page.count("<figure") == 2
+    # Finite elements beside theory: in the table, in the loop, in the JSON.
+    beside = solved["finite_elements"]
+    assert beside["admissible"]
+    assert beside["dissipation"] == pytest.approx(
+        solved["dissipation"], abs=beside["dissipation_uncertainty"]
+    )
+    assert f"{beside['dissipation']:.6g}" in page
+    assert "contact, finite elements" in page
+    slide = page.split("slide by finite elements [mm]</dt><dd>")[1].split("<")[0]
+    assert float(slide) == pytest.approx(way, rel=5e-3)
+    with (folder / "out" / "figures" / "rig_loop.csv").open(encoding="utf-8") as lines:
+        assert {row["engine"] for row in csv.DictReader(lines)} == {
+            "half-plane theory",
+            "finite elements",
+        }
     assert "P and Q follow from the displacements" in page
     assert Path(solved["page"]).name == "report.html"
     # The figures' table: it slides there and back, by the same way, and Q rests meanwhile.

@@ -711,7 +711,7 @@ def _answer_alone(
 
 def _answer_of_rig(job: Job, engines: Engines, no_comparison: str) -> Answer:
     """The answer to prescribed displacements, of theory where it takes the bodies, saved first, and
-    its page.
+    the page of both engines.
     """
     if engines.half_plane:
         solution = solve_finite_elements(job)
@@ -721,17 +721,50 @@ def _answer_of_rig(job: Job, engines: Engines, no_comparison: str) -> Answer:
         command = "exact"
     inputs = _effects_of_inputs(job)
     answer = _answer_alone(job, solution, no_comparison, inputs)
+    elements = None
+    of_elements: dict[str, Any] = {}
+    if not engines.half_plane:
+        elements, of_elements = _elements_of_rig(job)
     with job.stages.stage("report"):
         from reports.page.rig import RigMotion, write
 
-        rig = RigMotion(job.scene, solution, inputs)
-        page = write(rig, job.folder, job.command("run"), no_comparison)
+        rig = RigMotion(job.scene, solution, inputs, elements)
+        refusal = of_elements.get("refused")
+        remarks = (no_comparison, refusal) if refusal else (no_comparison,)
+        page = write(rig, job.folder, job.command("run"), remarks)
 
     def content() -> dict[str, Any]:
         assert answer.content is not None  # for the type checker: an engine's answer has JSON
-        return {**answer.content(), "page": str(page)}
+        both = {"finite_elements": of_elements} if of_elements else {}
+        return {**answer.content(), **both, "page": str(page)}
 
-    return replace(answer, parts=(*answer.parts, str(page)), content=content, command=command)
+    code = answer.code if of_elements.get("admissible", True) else OUTSIDE
+    parts = (*answer.parts, str(page))
+    return replace(answer, code=code, parts=parts, content=content, command=command)
+
+
+def _elements_of_rig(job: Job) -> tuple[ContactSolution | None, dict[str, Any]]:
+    """The finite elements' answer beside that of theory, saved, and its content for JSON; their
+    refusal in its place.
+    """
+    from reports.comparison.json_values import solution_content
+    from reports.comparison.laws import certificates
+    from scenes import InputError
+
+    try:
+        solution = solve_finite_elements(job)
+    except InputError as reason:
+        refusal = f"Finite elements do not take this scene: {reason}"
+        complain(f"halfplane: {job.scene.name}: {refusal}")
+        return None, {"refused": refusal}
+    path = write_solution(solution, job.folder, states_loads=False)
+    laws = certificates(solution)
+    content = solution_content(solution, laws)
+    return solution, {
+        "admissible": solution.record.converged and all(law.holds for law in laws),
+        **{name: content[name] for name in _OF_ONE_ENGINE if name in content},
+        "file": str(path),
+    }
 
 
 _INSTANTS = (
@@ -745,9 +778,11 @@ _INSTANTS = (
 )
 
 
-def write_solution(solution: ContactSolution, out: Path, name: str = "") -> Path:
-    """NetCDF, the summary as JSON, a CSV of the instants and the scene; returns the path of the
-    NetCDF file.
+def write_solution(
+    solution: ContactSolution, out: Path, name: str = "", *, states_loads: bool = True
+) -> Path:
+    """NetCDF, the summary as JSON, a CSV of the instants and, with `states_loads`, the scene;
+    returns the path of the NetCDF file.
     """
     from reports.charts.templating import table_text
     from reports.comparison.cycles import OF_BULK
@@ -776,6 +811,7 @@ def write_solution(solution: ContactSolution, out: Path, name: str = "") -> Path
             ):
                 columns |= {f"{zone}_left": edges[:, 0], f"{zone}_right": edges[:, 1]}
         (folder / f"{stem}.csv").write_text(table_text(columns), encoding="utf-8")
-        scene = solution.scene.model_dump_json(indent=1) + "\n"
-        (folder / "scene.json").write_text(scene, encoding="utf-8")
+        if states_loads:
+            scene = solution.scene.model_dump_json(indent=1) + "\n"
+            (folder / "scene.json").write_text(scene, encoding="utf-8")
     return out / f"{stem}.nc"

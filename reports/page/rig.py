@@ -1,12 +1,14 @@
 """The page of a scene whose rig prescribes a displacement: the loop at the contact and at the
 actuator, what the contact does over time, and how far the bodies slide as a whole.
 
-All of it is of one answer, by either engine; its loads follow from the displacement.
+All of it is of one answer, by either engine; its loads follow from the displacement. Where theory
+and finite elements both take the scene, the loop and W of the latter stand beside those of theory.
 """
 
 from __future__ import annotations
 
 import enum
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -30,6 +32,7 @@ from reports.charts.plate import (
     write_tables,
 )
 from reports.charts.templating import Table, script, template
+from reports.comparison.pairs import name_of
 from reports.comparison.words import summary_rows
 from reports.folder import filled
 from reports.inputs import InputEffects
@@ -40,6 +43,8 @@ from scenes.array_types import Array, Indices
 _WIDTH = 900.0
 # Share of f P from which on the contact counts as sliding as a whole, where P varies within a step.
 _AT_LIMIT = 1e-6
+# Share of the stroke below which slip of the middle is none.
+_NO_SLIDE = 1e-6
 # Share of a half-width within which two are the same.
 _SAME = 1e-9
 
@@ -75,11 +80,19 @@ class RigMotion:
         under the loads that follow from them
     inputs
         what the stated uncertainties of the inputs make of the answer; None where none is stated
+    beside
+        the finite elements' answer where `solution` is theory's; None without one
     """
 
     scene: Scene
     solution: ContactSolution
     inputs: InputEffects | None = None
+    beside: ContactSolution | None = None
+
+    @cached_property
+    def elements(self) -> RigMotion | None:
+        """What the rig does by finite elements, beside theory."""
+        return RigMotion(self.scene, self.beside) if self.beside is not None else None
 
     @property
     def noun(self) -> str:
@@ -174,15 +187,22 @@ def _loop(rig: RigMotion) -> Plate:
     """Q over the displacement of the contact, and of the actuator where a spring is between."""
     length = units(rig.scene)[1]
     load = load_unit(rig.scene)
-    columns = {
-        "time": rig.time,
-        f"P [{load}]": rig.normal_load,
-        f"Q [{load}]": rig.tangential_load,
-        f"U of the contact [{length}]": rig.contact,
-        f"U of the actuator [{length}]": rig.actuator,
-    }
+    answers = [motion for motion in (rig, rig.elements) if motion is not None]
+    columns: dict[str, list[Any]] = {"engine": []}
+    for answer in answers:
+        columns["engine"] += [_engine(answer)] * len(answer.time)
+    for name, values in (
+        ("time", [answer.time for answer in answers]),
+        (f"P [{load}]", [answer.normal_load for answer in answers]),
+        (f"Q [{load}]", [answer.tangential_load for answer in answers]),
+        (f"U of the contact [{length}]", [answer.contact for answer in answers]),
+        (f"U of the actuator [{length}]", [answer.actuator for answer in answers]),
+    ):
+        columns[name] = np.concatenate(values).tolist()
     has_spring = rig.scene.rig.tangential_stiffness is not None
     keys = _KEYS_OF_LOOP if has_spring else _KEYS_OF_LOOP[:1]
+    if rig.elements is not None:
+        keys = (*keys, _KEY_OF_ELEMENTS)
     panel = _loop_panel(rig, "rig-loop", _WIDTH, 380.0)
     return worded(
         "rig_loop", [panel], columns, keys, columns=1, noun=rig.noun, has_spring=has_spring
@@ -190,6 +210,11 @@ def _loop(rig: RigMotion) -> Plate:
 
 
 _KEYS_OF_LOOP = (Key("c0 bold", "contact"), Key("c1 dash", "actuator"))
+_KEY_OF_ELEMENTS = Key("c2 dash", "contact, finite elements")
+
+
+def _engine(rig: RigMotion) -> str:
+    return name_of(rig.solution.engine)
 
 
 def _loop_panel(rig: RigMotion, name: str, width: float, height: float, title: str = "") -> Panel:
@@ -198,11 +223,16 @@ def _loop_panel(rig: RigMotion, name: str, width: float, height: float, title: s
     curves = [Curve(rig.contact, rig.tangential_load, of_contact.css, of_contact.text)]
     if rig.scene.rig.tangential_stiffness is not None:
         curves.append(Curve(rig.actuator, rig.tangential_load, of_actuator.css, of_actuator.text))
+    if (beside := rig.elements) is not None:
+        of_elements = _KEY_OF_ELEMENTS
+        curves.append(
+            Curve(beside.contact, beside.tangential_load, of_elements.css, of_elements.text)
+        )
     across = limits(*(curve.x for curve in curves))
     return Panel(
         name,
         Axis(*across, f"displacement U  [{units(rig.scene)[1]}]"),
-        Axis(*limits(rig.tangential_load), f"Q  [{load_unit(rig.scene)}]"),
+        Axis(*limits(*(curve.y for curve in curves)), f"Q  [{load_unit(rig.scene)}]"),
         [Rule(0.0, "zero"), *curves],
         "Loop of the tangential load over the displacement",
         width,
@@ -302,6 +332,32 @@ def rows_of(rig: RigMotion) -> list[tuple[str, str]]:
         if motion in (Motion.FORWARD, Motion.BACK):
             words += f", over {rig.distance(motion):.6g} {length}"
         rows.append((_MOTIONS[motion][1], words))
+    if rig.elements is not None:
+        rows += _rows_of_elements(rig, rig.elements)
+    return rows
+
+
+def _rows_of_elements(rig: RigMotion, elements: RigMotion) -> list[tuple[str, str]]:
+    """The same of finite elements, with the difference over theory's."""
+    load = load_unit(rig.scene)
+    length = units(rig.scene)[1]
+    work = elements.solution.dissipation
+    uncertainty = getattr(elements.solution, "dissipation_uncertainty", math.nan)
+    words = f"{work:.6g} ± {uncertainty:.1g}"
+    if rig.solution.dissipation:
+        words += f" ({100 * (work / rig.solution.dissipation - 1):+.3g} %)"
+    force = elements.tangential_load
+    rows = [
+        (f"W by finite elements [{energy_unit(rig.scene)}]", minus(words)),
+        (
+            f"Q by finite elements [{load}]",
+            minus(f"{np.min(force):.6g} to {np.max(force):.6g}"),
+        ),
+    ]
+    # Of few increments one begins to slide within another: the middle slips only where all do.
+    way = float(np.sum(np.abs(np.diff(elements.way))))
+    if way > _NO_SLIDE * float(np.ptp(elements.actuator)):
+        rows.append((f"slide by finite elements [{length}]", f"{way:.6g}"))
     return rows
 
 
@@ -316,11 +372,19 @@ def _sentence(rig: RigMotion) -> str:
     return f"{first} W = {rig.solution.dissipation:.6g} {energy_unit(rig.scene)}."
 
 
-def write(rig: RigMotion, out: str | Path, command: str, no_comparison: str) -> Path:
+def _notes_of(rig: RigMotion) -> Iterator[str]:
+    """Of both engines."""
+    yield from rig.solution.record.notes
+    if rig.beside is not None:
+        for note in rig.beside.record.notes:
+            yield f"finite elements: {note}"
+
+
+def write(rig: RigMotion, out: str | Path, command: str, remarks: Sequence[str]) -> Path:
     """The page and the CSV of each figure, beside the solution that is saved there; returns the
     path of the page.
 
-    `no_comparison` is the sentence on what the other engine was not asked.
+    `remarks` are sentences on which engine takes the scene.
     """
     program, digest = script()
     drawings = (_loop(rig), _over_time(rig))
@@ -333,7 +397,7 @@ def write(rig: RigMotion, out: str | Path, command: str, no_comparison: str) -> 
             sentence=_sentence(rig),
             rows=rows_of(rig),
             summary=[row for row in summary if row[0] != "note"],
-            notes=(*rig.solution.record.notes, no_comparison),
+            notes=(*_notes_of(rig), *remarks),
             drawings=drawings,
             inputs=rig.inputs,
             input_words=input_words,
