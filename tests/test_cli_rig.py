@@ -80,9 +80,7 @@ def test_check_and_run_say_how_far_the_bodies_slide(folder: Path) -> None:
     # Finite elements beside theory: in the table, in the loop, in the JSON.
     beside = solved["finite_elements"]
     assert beside["admissible"]
-    assert beside["dissipation"] == pytest.approx(
-        solved["dissipation"], abs=beside["dissipation_uncertainty"]
-    )
+    assert beside["dissipation"] == pytest.approx(solved["dissipation"], rel=5e-3)
     assert f"{beside['dissipation']:.6g}" in page
     assert "contact, finite elements" in page
     slide = page.split("slide by finite elements [mm]</dt><dd>")[1].split("<")[0]

@@ -343,7 +343,9 @@ def _rows_of_elements(rig: RigMotion, elements: RigMotion) -> list[tuple[str, st
     length = units(rig.scene)[1]
     work = elements.solution.dissipation
     uncertainty = getattr(elements.solution, "dissipation_uncertainty", math.nan)
-    words = f"{work:.6g} ± {uncertainty:.1g}"
+    words = f"{work:.6g}"
+    if math.isfinite(uncertainty):
+        words += f" ± {uncertainty:.1g}"
     if rig.solution.dissipation:
         words += f" ({100 * (work / rig.solution.dissipation - 1):+.3g} %)"
     force = elements.tangential_load
