@@ -138,60 +138,79 @@ def _carrying(discrepancy: Discrepancy) -> Mask:
     return np.asarray(size > _OPEN * size.max(axis=1, keepdims=True))
 
 
-def _closed_form(
-    discrepancy: Discrepancy, basis: Callable[[Array], Array], *, positive: bool = True
-) -> tuple[Array, Array, Array] | None:
-    """Of each instant the sum of functions of xi that leaves least of the pressure.
+@dataclass(frozen=True, eq=False)
+class ClosedForm:
+    """A sum of functions of xi, fitted to the pressure of each instant.
 
-    The functions are linear in their factors; the half-width a is tried from the outermost point
-    that carries to a spacing beyond it. The centre is the middle of what carries.
+    Attributes
+    ----------
+    pressure
+        (k, n) [stress]
+    factors
+        (k, number of functions) [stress]
+    half_widths
+        (k,) [length]
+    """
+
+    pressure: Array
+    factors: Array
+    half_widths: Array
+
+
+def _closed_form(
+    discrepancy: Discrepancy, functions: Callable[[Array], Array]
+) -> ClosedForm | None:
+    """The sum of functions of xi that leaves least of the pressure at each instant; None where a
+    factor is negative, or fewer than three points carry.
 
     Parameters
     ----------
-    basis
+    functions
         xi (m,), |xi| < 1 -> (m, number of functions)
-    positive
-        whether all factors must be
-
-    Returns
-    -------
-        (k, n) pressure, (k, number of functions) factors, (k,) half-widths; None where a factor of
-        an instant is negative
     """
-    fields = []
-    factors = []
-    half_widths = []
+    rows = []
     for pressure, carrying, weight in zip(
         discrepancy.found[PRESSURE], _carrying(discrepancy), discrepancy.weight, strict=True
     ):
-        places = np.flatnonzero(carrying)
-        if len(places) < 3:
+        if carrying.sum() < 3:
             return None
-        first, last = places[0], places[-1]
-        before = discrepancy.x[first] - discrepancy.x[max(first - 1, 0)]
-        after = discrepancy.x[min(last + 1, len(discrepancy.x) - 1)] - discrepancy.x[last]
-        centre = (discrepancy.x[first] + discrepancy.x[last]) / 2
-        half = (discrepancy.x[last] - discrepancy.x[first]) / 2
-        spacing = max(before, after, np.diff(discrepancy.x).min())
-        best = None
-        for a in half + spacing * (np.arange(_EDGES_TRIED) + 0.5) / _EDGES_TRIED:
-            xi = (discrepancy.x - centre) / a
-            inside = np.abs(xi) < 1
-            columns = np.zeros((len(xi), basis(np.zeros(1)).shape[1]))
-            columns[inside] = basis(xi[inside])
-            root = np.sqrt(weight)[:, None]
-            chosen, *_ = np.linalg.lstsq(root * columns, root[:, 0] * pressure, rcond=None)
-            fitted = columns @ chosen
-            square = float(np.sum(weight * (pressure - fitted) ** 2))
-            if best is None or square < best[0]:
-                best = square, fitted, chosen, float(a)
-        assert best is not None
-        if positive and np.any(best[2] <= 0):
+        row = _fitted_row(discrepancy.x, pressure, carrying, weight, functions)
+        if np.any(row[1] <= 0):
             return None
-        fields.append(best[1])
-        factors.append(best[2])
-        half_widths.append(best[3])
-    return np.array(fields), np.array(factors), np.array(half_widths)
+        rows.append(row)
+    fields, factors, half_widths = zip(*rows, strict=True)
+    return ClosedForm(np.array(fields), np.array(factors), np.array(half_widths))
+
+
+def _fitted_row(
+    x: Array, pressure: Array, carrying: Mask, weight: Array, functions: Callable[[Array], Array]
+) -> tuple[Array, Array, float]:
+    """Pressure, factors and half-width of one instant.
+
+    The centre is the middle of what carries. Half-widths are tried from the outermost point that
+    carries to a spacing beyond it; the functions are linear in their factors.
+    """
+    places = np.flatnonzero(carrying)
+    first, last = places[0], places[-1]
+    centre = (x[first] + x[last]) / 2
+    outermost = (x[last] - x[first]) / 2
+    before = x[first] - x[max(first - 1, 0)]
+    after = x[min(last + 1, len(x) - 1)] - x[last]
+    spacing = max(before, after, np.diff(x).min())
+    root = np.sqrt(weight)
+    least = np.inf
+    for share in (np.arange(_EDGES_TRIED) + 0.5) / _EDGES_TRIED:
+        half_width = float(outermost + share * spacing)
+        xi = (x - centre) / half_width
+        inside = np.abs(xi) < 1
+        columns = np.zeros((len(x), functions(np.zeros(1)).shape[1]))
+        columns[inside] = functions(xi[inside])
+        factors, *_ = np.linalg.lstsq(root[:, None] * columns, root * pressure, rcond=None)
+        square = float(np.sum(weight * (pressure - columns @ factors) ** 2))
+        if square < least:
+            least = square
+            best = np.asarray(columns @ factors, dtype=float), factors, half_width
+    return best
 
 
 def _adhesion(discrepancy: Discrepancy) -> Shown | None:
@@ -218,10 +237,10 @@ def _adhesion(discrepancy: Discrepancy) -> Shown | None:
         return None
     evidence = f"{int(tension.sum())} points are in tension, at both edges of contact"
     return Shown(
-        _with(discrepancy, PRESSURE, fitted[0]),
+        _with(discrepancy, PRESSURE, fitted.pressure),
         discrepancy.expected,
         3 * len(pressure),
-        _in_contact(discrepancy, fitted[0]),
+        _in_contact(discrepancy, fitted.pressure),
         {"tension": deepest},
         (evidence,),
     )
@@ -234,15 +253,15 @@ def _sharp_punch(discrepancy: Discrepancy) -> Shown | None:
     fitted = _closed_form(discrepancy, lambda xi: (1 / np.sqrt(1 - xi**2))[:, None])
     if fitted is None:
         return None
-    a = float(fitted[2].max())
-    narrowest = float(fitted[2].min())
+    a = float(fitted.half_widths.max())
+    narrowest = float(fitted.half_widths.min())
     if narrowest < a - 2 * float(np.diff(discrepancy.x).max()):  # the edges of a punch do not move
         return None
     return Shown(
-        _with(discrepancy, PRESSURE, fitted[0]),
+        _with(discrepancy, PRESSURE, fitted.pressure),
         discrepancy.expected,
-        2 * len(fitted[2]),
-        _in_contact(discrepancy, fitted[0]),
+        2 * len(fitted.half_widths),
+        _in_contact(discrepancy, fitted.pressure),
         {"half_width": a},
     )
 
@@ -259,9 +278,9 @@ def _sphere(discrepancy: Discrepancy) -> Shown | None:
         return None
     scales = discrepancy.comparison.scales
     slope = _SPHERE * scales.pressure / scales.half_width
-    xi = discrepancy.x / fitted[2][:, None]
-    pressure = slope * fitted[2][:, None] * np.sqrt(np.maximum(1 - xi**2, 0.0))
-    force = float(np.max(2 / 3 * np.pi * fitted[2] ** 3 * slope))
+    xi = discrepancy.x / fitted.half_widths[:, None]
+    pressure = slope * fitted.half_widths[:, None] * np.sqrt(np.maximum(1 - xi**2, 0.0))
+    force = float(np.max(2 / 3 * np.pi * fitted.half_widths**3 * slope))
     return Shown(
         _with(discrepancy, PRESSURE, pressure),
         discrepancy.expected,
@@ -415,7 +434,7 @@ def _rolling(discrepancy: Discrepancy) -> Shown | None:
     contact = contact_of(discrepancy.scene.profile, discrepancy.scene.material)
     distance = contact.half_width(normal) - contact.half_width(stuck)
     pressure = contact.pressure(discrepancy.x, normal)
-    best = None
+    least = np.inf
     for direction in (1.0, -1.0):
         stick = np.array(
             [
@@ -425,15 +444,16 @@ def _rolling(discrepancy: Discrepancy) -> Shown | None:
         )
         shear = np.sign(tangential) * friction * (pressure - stick)
         square = float(np.sum(discrepancy.weight * (discrepancy.found[SHEAR] - shear) ** 2))
-        if best is None or square < best[0]:
-            best = square, shear, direction
-    assert best is not None
+        if square < least:
+            least = square
+            best_shear = shear
+            side = "right" if direction > 0 else "left"
     return Shown(
-        _with(discrepancy, SHEAR, best[1]),
+        _with(discrepancy, SHEAR, best_shear),
         discrepancy.expected,
         1,
         discrepancy.in_contact(discrepancy.expected),
-        {"side": "right" if best[2] > 0 else "left"},
+        {"side": side},
     )
 
 
