@@ -205,11 +205,13 @@ def _fitted_row(
         inside = np.abs(xi) < 1
         columns = np.zeros((len(x), functions(np.zeros(1)).shape[1]))
         columns[inside] = functions(xi[inside])
-        factors, *_ = np.linalg.lstsq(root[:, None] * columns, root * pressure, rcond=None)
-        square = float(np.sum(weight * (pressure - columns @ factors) ** 2))
+        solution = np.linalg.lstsq(root[:, None] * columns, root * pressure, rcond=None)
+        factors: Array = np.asarray(solution[0], dtype=np.float64)
+        fitted: Array = columns @ factors
+        square = float(np.sum(weight * (pressure - fitted) ** 2))
         if square < least:
             least = square
-            best = np.asarray(columns @ factors, dtype=float), factors, half_width
+            best = fitted, factors, half_width
     return best
 
 
