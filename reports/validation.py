@@ -188,7 +188,9 @@ def against_loop(
         if which != OF_SCENE:
             continue
         not_stated = [] if stated is not None else ["u_D of all but the rows' scatter"]
+        numerical = _OF_THEORY * row.area
         if model != "theory":
+            numerical = 0.0
             not_stated.append(f"u_num of the {model}")
         found.append(
             AgainstMeasurement(
@@ -196,7 +198,7 @@ def against_loop(
                 model=model,
                 computed=row.area,
                 measured=area.area,
-                numerical=_OF_THEORY * row.area,
+                numerical=numerical,
                 inputs=effects.work_uncertainty * row.area,
                 measurement=measurement,
                 not_stated=tuple(not_stated),
