@@ -433,3 +433,29 @@ def test_a_half_plane_is_compressed_as_johnson_states() -> None:
     assert depth[far] > 9 * half_width
     johnson = load * compliance * (2 * math.log(2 * depth[far] / half_width) - 0.3 / 0.7)
     assert compression[far] == pytest.approx(johnson, rel=0.2 * (half_width / depth[far]) ** 2)
+
+
+@pytest.mark.slow
+def test_half_planes_move_along_their_faces_as_johnson_states() -> None:
+    """Johnson (1985), section 2.3: under a tangential line load Q the surface at r moves by 2 Q
+    (1 - nu^2)/(pi E) [ln(d/r) + 1/(2 - 2 nu)] more than a point in the depth d. So a rig that holds
+    points in that depth prescribes U at a datum length d exp(1/(2 - 2 nu)); their movement is read
+    off the elements. Measured at d = 10 a: 2.6e-4.
+    """
+    depth = 10.0
+    prescribed = 4e-4
+    datum = depth * math.exp(1 / (2 - 2 * 0.3))
+    load = PolygonLoad(
+        initial_loading=((90.0, 0.0), (90.0, prescribed)), tangential_displacement=True
+    )
+    scene = load_scene("rig-gross-slip").vary(load=load, rig={"datum_length": datum}, expected=())
+    found = halfplane_fe.solve(scene)
+    assert 0.3 < found.tangential_load[-1] / 45.0 < 0.9
+    lower = halfplane_fe.fields(found, [float(found.time[-1])])[0].bodies[0]
+    on_axis = np.flatnonzero(np.abs(lower.points[:, 0]) < 1e-9)
+    depths = -lower.points[on_axis, 1]
+    order = np.argsort(depths)
+    moved = lower.displacement[on_axis, 0][order]
+    at_depth = np.interp(depth, depths[order], moved)
+    # Both bodies move alike, and the middle of the contact sticks.
+    assert 2 * (moved[0] - at_depth) == pytest.approx(prescribed, rel=5e-4)
