@@ -243,6 +243,26 @@ def rows(effects: InputEffects, scene: Scene) -> list[tuple[str, ...]]:
     return table
 
 
+HEADS_OF_DIFFERENCE = ("By corrected theory", "%", "u, points", "most of it, points")
+
+
+def rows_of_difference(effects: InputEffects) -> list[tuple[str, ...]]:
+    """The differences of the two models with their own terms: W, and the largest pressure of a
+    parabola.
+    """
+    words = {entry.key: entry.words for entry in effects.inputs}
+    table: list[tuple[str, ...]] = []
+    for value in effects.difference.values():
+        parts = [
+            f"{words[key]} {significant(100 * abs(value.changes[key].value), 2)}"
+            for key in value.ranking[:3]
+        ]
+        size = with_uncertainty(100 * value.value, 100 * value.uncertainty).partition(" ±")[0]
+        points = significant(100 * value.uncertainty, 2)
+        table.append((value.words, size, points, ", ".join(parts) or "–"))
+    return table
+
+
 def table_of_inputs(effects: InputEffects) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """Heads, and a row for each input: its standard uncertainty, what that makes of W of theory,
     and of the difference of W where that is known; the sums below, correlations counted.

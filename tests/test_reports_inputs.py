@@ -599,6 +599,9 @@ def test_the_table_has_a_row_for_each_input_and_their_sum() -> None:
     assert rows["all inputs"][1:] == ("± 4.9", "± 0.075")
     values = {row[0]: row for row in input_words.rows(paper_effects(), BLOCKS)}
     assert values["dissipation W [N·mm/mm]"][2:4] == ("0.00010", "4.9")
+    differences = {row[0]: row for row in input_words.rows_of_difference(paper_effects())}
+    assert differences["difference of the largest pressure"][1:3] == ("0.514", "0.013")
+    assert differences["difference of the dissipation W"][3].startswith("P 0.061")
     assert values["largest slip [mm]"][4].startswith("Q 2.8 %, friction 2.0 %, the phase")
 
 

@@ -420,6 +420,10 @@ def _inputs_shown(
         yield Sheet("Standard uncertainties of the inputs", heads, rows, range(1, len(heads)))
         heads = input_words.HEADS
         yield Sheet("What they make of theory", heads, input_words.rows(inputs, scene), (1, 2, 3))
+    if inputs.difference:
+        heads = input_words.HEADS_OF_DIFFERENCE
+        rows = input_words.rows_of_difference(inputs)
+        yield Sheet("What they make of the difference", heads, rows, (1, 2))
 
 
 def _write_page(job: Job, report: Report) -> None:
