@@ -717,6 +717,8 @@ def _answer_of_rig(job: Job, engines: Engines, no_comparison: str) -> Answer:
     """The answer to prescribed displacements, of theory where it takes the bodies, saved first, and
     the page of both engines.
     """
+    from reports.comparison.words import summary_rows
+
     if engines.half_plane:
         solution = solve_finite_elements(job)
         command = "fe"
@@ -742,9 +744,15 @@ def _answer_of_rig(job: Job, engines: Engines, no_comparison: str) -> Answer:
         both = {"finite_elements": of_elements} if of_elements else {}
         return {**answer.content(), **both, "page": str(page)}
 
+    def parts() -> Iterator[Part]:
+        yield from answer.parts
+        if elements is not None:
+            rows = [row for row in summary_rows(elements) if row[0] != "note"]
+            yield Sheet("the same by finite elements", ("quantity", "value"), rows)
+        yield str(page)
+
     code = answer.code if of_elements.get("admissible", True) else OUTSIDE
-    parts = (*answer.parts, str(page))
-    return replace(answer, code=code, parts=parts, content=content, command=command)
+    return replace(answer, code=code, parts=parts(), content=content, command=command)
 
 
 def _elements_of_rig(job: Job) -> tuple[ContactSolution | None, dict[str, Any]]:
