@@ -11,11 +11,12 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-# Constants of the judgement were tuned on this seed among others: a measurement takes a fresh one.
-SEED = 14
+# Drawn after the last change of the judgement, whose constants were tuned on other seeds: a new
+# measurement takes a fresh one.
+SEED = 1531656777
 DRAWS = 300
-# Draws that are cheap: noise without a fault, a sign of the shear.
-CHEAP = {43: "none", 49: "right"}
+# Seed and number of draws that are cheap: noise without a fault, a sign of the shear.
+CHEAP = {(14, 43): "none", (14, 49): "right"}
 # Seed and number of draws that were judged wrongly once: modulus under noise, friction (a search
 # that stopped early), a soft penalty (the mesh was named beside it), a scale of x behind an offset,
 # a coarse mesh of few points beside another unit, a soft penalty behind the sign of the shear; a
@@ -33,11 +34,11 @@ def power() -> ModuleType:
         return importlib.import_module("power")
 
 
-@pytest.mark.parametrize(("number", "verdict"), CHEAP.items())
+@pytest.mark.parametrize(("draw", "verdict"), CHEAP.items())
 def test_a_drawn_fault_is_named_and_nothing_else(
-    power: ModuleType, number: int, verdict: str
+    power: ModuleType, draw: tuple[int, int], verdict: str
 ) -> None:
-    outcome = power.drawn(np.random.default_rng([SEED, number]))
+    outcome = power.drawn(np.random.default_rng(draw))
     assert outcome.verdict == verdict, outcome.words
 
 
