@@ -344,16 +344,27 @@ def _followed(rig: Rigged, time: Array | None) -> tuple[Driven, Driven, int | No
     most_cycles = max(scene.cycles, 2) if repeats else 0
     for cycles in range(min(2, most_cycles), most_cycles + 1):
         coarse = rig.follow(cycles, 1)
-        if steady_cycle(coarse) is not None:
+        is_last = cycles == most_cycles
+        if steady_cycle(coarse) is None and not is_last:
+            continue
+        near_ends = _near_ends_of_slides(coarse)
+        further = _within_cycles(scene, near_ends, cycles)
+        if len(near_ends):
+            coarse = rig.follow(cycles, 1, further)
+        if time is not None:
+            further = np.append(further, _within_cycles(scene, time, cycles))
+        driven = rig.follow(cycles, 2, further)
+        # Other steps may leave a little at the end of a stroke, which the next cycle takes away.
+        steady_from = _steady_in_both(driven, coarse)
+        if steady_from is not None or is_last:
             break
-    near_ends = _near_ends_of_slides(coarse)
-    further = _within_cycles(scene, near_ends, cycles)
-    if len(near_ends):
-        coarse = rig.follow(cycles, 1, further)
-    if time is not None:
-        further = np.append(further, _within_cycles(scene, time, cycles))
-    driven = rig.follow(cycles, 2, further)
-    return driven, coarse, steady_cycle(driven) if repeats else None
+    return driven, coarse, steady_from if repeats else None
+
+
+def _steady_in_both(driven: Driven, coarse: Driven) -> int | None:
+    """The first cycle that is steady by both steps."""
+    cycles = (steady_cycle(driven), steady_cycle(coarse))
+    return None if None in cycles else max(cycle for cycle in cycles if cycle is not None)
 
 
 def _near_ends_of_slides(driven: Driven) -> Array:

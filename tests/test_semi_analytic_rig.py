@@ -28,7 +28,8 @@ from scenes import (
     rig_names,
 )
 from scenes.body_effects import ZERO
-from semi_analytic.answer_of_rig import rigged
+from semi_analytic import answer_of_rig
+from semi_analytic.answer_of_rig import rigged, steady_cycle
 from semi_analytic.corrected import curvatures_of
 from semi_analytic.corrected_memory import PunchTable, area_of_loop
 from semi_analytic.driven import (
@@ -338,6 +339,30 @@ def test_half_plane_theory_has_the_same_work_under_the_loads_that_were_found() -
     assert 0 < error < 1e-3
     assert solution.dissipation == pytest.approx(exact.dissipation, rel=error)
     assert any("gross sliding: none" in note for note in solution.record.notes)
+
+
+def test_a_cycle_that_is_steady_by_one_of_two_steps_is_followed_by_another(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A T-shape under harmonics of U left 3.6e-8 of f P after two cycles by the shorter steps, and
+    the whole path was answered in place of a cycle.
+    """
+    scene = rig_scene().vary(cycles=4)
+    expected = semi_analytic.solve(scene, x=[0.0], fields="dissipation")
+    rows_of_two_cycles: list[int] = []
+
+    def unsteady_at_first(driven: Driven) -> int | None:
+        if len(driven.ends) == 3:
+            rows_of_two_cycles.append(len(driven.time))
+        is_fine = len(driven.time) > rows_of_two_cycles[0]
+        return None if is_fine and len(driven.ends) == 3 else steady_cycle(driven)
+
+    monkeypatch.setattr(answer_of_rig, "steady_cycle", unsteady_at_first)
+    solution = semi_analytic.solve(scene, x=[0.0], fields="dissipation")
+    assert solution.steady_from == 0
+    error = solution.record.errors["dissipation"]
+    assert error < 1e-4
+    assert solution.dissipation == pytest.approx(expected.dissipation, rel=error)
 
 
 PRESSED_ELLIPSE = EllipseLoad(
