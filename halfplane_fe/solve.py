@@ -102,6 +102,9 @@ _NOTE_RENAMED = (
 _BENT = 0.2
 # The same in records, whose increments are longer.
 _BENT_IN_RECORDS = 0.3
+# Share of the largest P by which the loads of a rig's cycle may end elsewhere than they began
+# without a note.
+_CLOSED = 1e-9
 # Least radius of a half-disc over the side that may touch: tilt can bring the contact far from x =
 # 0.
 _BEYOND = 1.5
@@ -274,11 +277,33 @@ def _solve(
 
 
 def _of_last_cycle(answer: FiniteElementSolution, notes: tuple[str, ...]) -> FiniteElementSolution:
-    """The answer to a scene that states the loads of the last cycle alone, with further notes."""
+    """The answer to a scene that states the loads of the last cycle alone, with further notes.
+
+    The loads of a cycle that is not quite steady do not close, and those of the scene do: the last
+    instant states the loads of the first.
+    """
+    loads = {
+        "normal_load": answer.normal_load.copy(),
+        "tangential_load": answer.tangential_load.copy(),
+    }
+    if answer.scene.load.path().period is not None:
+        first, *_, last = answer.last_cycle
+        gap = max(abs(float(load[last] - load[first])) for load in loads.values())
+        share = gap / float(np.max(answer.normal_load))
+        if share > _CLOSED:
+            notes = (
+                *notes,
+                f"rig: P and Q at the end of the cycle differ by {share:.1g} of the largest P from"
+                " those at its begin, which its last instant states",
+            )
+        for load in loads.values():
+            load[last] = load[first]
     record = replace(answer.record, notes=(*answer.record.notes, *notes))
     return replace(
         answer,
         record=record,
+        normal_load=freeze(loads["normal_load"]),
+        tangential_load=freeze(loads["tangential_load"]),
         cycle_dissipation=freeze(answer.cycle_dissipation[-1:]),
         steady_from=None if answer.steady_from is None else 0,
     )
