@@ -119,7 +119,7 @@ LITTLE_WORK = 1e-4
 # for 1e-12 of A f^2 P^2 the mesh saw a thousandth of the slip.
 _LEAST_WORK_OF_SLIP = 1e-8
 
-# Fitted to scenes that slip, seeds 21, 22, 31 and 32 of benchmarks/covered.py values, both
+# Fitted to scenes that slip, seeds 21, 22, 31, 32 and 62 of benchmarks/covered.py values, both
 # presets.
 RULES: dict[str, Rule] = {
     # U and the approach are those of all the body. Its elements grow away from the contact, and
@@ -128,7 +128,7 @@ RULES: dict[str, Rule] = {
     "tangential_displacement": Rule(order=1.0, factor=2.0),
     "normal_approach": Rule(order=1.0, factor=3.0),
     # Slip is largest next to an edge of contact, where it ends as a root.
-    "largest_slip": Rule(order=0.5, factor=1.5, least=0.05, least_work=_LEAST_WORK_OF_SLIP),
+    "largest_slip": Rule(order=0.5, factor=1.1, least=0.04, least_work=_LEAST_WORK_OF_SLIP),
     # W(x) has a kink where an edge of contact or stick turns, and its largest value is near one.
     # With 1.6 two of ten scenes of seed 61 were not covered, by 1.3 and 1.4.
     "largest_dissipation_density": Rule(order=1.0, factor=2.4, least=0.05, least_work=LITTLE_WORK),
