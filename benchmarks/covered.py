@@ -1,14 +1,16 @@
 """Does the stated uncertainty cover the known error, what does it cost, and which term does a
 planted fault fall on?
 
-    python benchmarks/covered.py values [COUNT] [SEED] [PRESET]
+    python benchmarks/covered.py values [COUNT] [SEED] [PRESET] [store]
                                                             every value of finite elements between
                                                             random half-planes, beside theory (30
                                                             scenes: four minutes of CPU)
-    python benchmarks/covered.py bodies [COUNT] [SEED] [PRESET]
+    python benchmarks/covered.py bodies [COUNT] [SEED] [PRESET] [store]
                                                             the same of blocks, layers, pads,
                                                             cylinders, unlike bodies, bulk stress
-                                                            and tilt, beside finer meshes
+                                                            and tilt, beside finer meshes; with
+                                                            `store` the tables are kept for the
+                                                            manual, benchmarks/covered.json
     python benchmarks/covered.py models [COUNT] [SEED]      W on random scenes, half of them blocks
                                                             (60 scenes: three minutes)
     python benchmarks/covered.py profiles [COUNT] [SEED]    noisy profilometer rows (200 cases);
@@ -30,12 +32,14 @@ from __future__ import annotations
 
 import contextlib
 import functools
+import json
 import math
 import sys
 import time
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from pathlib import Path
 from typing import Any, NamedTuple
 from unittest import mock
 
@@ -43,7 +47,7 @@ import must_fail
 import numpy as np
 from claims import Row
 from random_bodies import judge_bodies
-from random_scenes import judge
+from random_scenes import Tables, judge
 
 import halfplane_fe
 import semi_analytic
@@ -62,6 +66,7 @@ from reports.comparison.budget import (
 )
 from reports.comparison.datum import effects_between
 from reports.comparison.pairs import are_half_planes
+from reports.page.writing import code_commit
 from scenes import (
     ContactSolution,
     ConvergenceError,
@@ -75,6 +80,7 @@ from scenes import (
 )
 from semi_analytic.profiles import contact_of
 
+STORE = Path(__file__).parent / "covered.json"
 COARSE = MeshSettings(element_size=1 / 12, edge_element_size=1 / 80)
 MESH = MeshSettings()
 STEPS = SolverSettings()
@@ -572,29 +578,40 @@ def models(count: int = 60, seed: int = 2) -> int:
     return 0
 
 
-def values(count: int = 30, seed: int | None = None, preset: str = "default") -> int:
+def values(
+    count: int = 30, seed: int | None = None, preset: str = "default", store: str = ""
+) -> int:
     """Whether the stated uncertainty of every value covers its error, between random half-planes
     against theory; without a seed another one is drawn each time, and printed.
     """
-    return _shown(judge, count, seed, preset)
+    return _shown("values", judge, count, seed, preset, store)
 
 
-def bodies(count: int = 40, seed: int | None = None, preset: str = "default") -> int:
+def bodies(
+    count: int = 40, seed: int | None = None, preset: str = "default", store: str = ""
+) -> int:
     """The same of real bodies, unlike materials, bulk stress and tilt, against finer meshes."""
-    return _shown(judge_bodies, count, seed, preset)
+    return _shown("bodies", judge_bodies, count, seed, preset, store)
 
 
 def _shown(
-    table_of: Callable[[int, int, str, Callable[[str], None]], list[str]],
+    kind: str,
+    tables_of: Callable[[int, int, str, Callable[[str], None]], Tables],
     count: int,
     seed: int | None,
     preset: str,
+    store: str,
 ) -> int:
-    """Prints a line for each scene as it is done, then the table."""
+    """Prints a line for each scene as it is done, then the tables; keeps them where asked to."""
     if seed is None:
         seed = int(np.random.SeedSequence().generate_state(1)[0])
-    for line in table_of(count, seed, preset, functools.partial(print, flush=True)):
+    tables = tables_of(count, seed, preset, functools.partial(print, flush=True))
+    for line in tables.lines():
         print(line)
+    if store:
+        content = json.loads(STORE.read_text("utf-8")) if STORE.exists() else {}
+        content[f"{kind} {seed} {preset}"] = tables.content() | {"commit": code_commit("*.py")}
+        STORE.write_text(json.dumps(content, indent=1) + "\n", "utf-8")
     return 0
 
 

@@ -18,7 +18,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from random_scenes import Errors, Tables, first_line, share_of_sliding
+from random_scenes import Errors, Tables, share_of_sliding
 
 import halfplane_fe
 from halfplane_fe import FiniteElementSolution, SolverSettings
@@ -274,8 +274,8 @@ def _judged(
 # ---------------------------------------------------------------------------------------- the table
 def judge_bodies(
     count: int, seed: int, preset: str, report: Callable[[str], None] = lambda _line: None
-) -> list[str]:
-    """Lines of the tables of `count` random scenes: those that slip, those that hardly slip.
+) -> Tables:
+    """The tables of `count` random scenes: those that slip, those that hardly slip.
 
     Parameters
     ----------
@@ -284,8 +284,7 @@ def judge_bodies(
     """
     draw = np.random.default_rng(seed)
     mesh = MeshSettings.preset(preset)
-    tables = Tables()
-    unresolved: dict[str, int] = {}
+    tables = Tables(count, seed, preset)
     for number in range(count):
         scene = random_bodies(draw, number)
         name = f"{number} {KINDS[number % len(KINDS)].__name__.strip('_').replace('_', ' ')}"
@@ -296,11 +295,6 @@ def judge_bodies(
             tables.refused += 1
             report(f"{name}: refused, {reason}")
             continue
-        for quantity in judged.unresolved:
-            unresolved[quantity] = unresolved.get(quantity, 0) + 1
+        tables.unresolved.update(judged.unresolved)
         report(tables.add(name, answer, judged.errors))
-    lines = [first_line(seed, preset, count, tables.refused), *tables.lines()]
-    if unresolved:
-        counts = [f"{quantity} in {number}" for quantity, number in unresolved.items()]
-        lines += ["", f"Not judged, the references differing too much: {', '.join(counts)}."]
-    return lines
+    return tables

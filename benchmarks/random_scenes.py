@@ -9,6 +9,7 @@ finite elements state cover their true errors.
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -281,14 +282,34 @@ class Coverage:
             self.worst_scene = scene
         self.shortfall.append(worst)
 
+    def content(self) -> dict[str, Any]:
+        """Percentages that are covered and without an estimate; stated over true, the median; true
+        over stated, the worst, and in which scene. None where nothing could be judged.
+        """
+        is_judged = bool(self.shortfall)
+        return {
+            "covered": round(100 * float(np.mean(self.covered))),
+            "unknown": round(100 * float(np.mean(self.unknown))),
+            "generosity": _two_digits(np.median(self.generosity)) if is_judged else None,
+            "shortfall": _two_digits(max(self.shortfall)) if is_judged else None,
+            "worst_scene": self.worst_scene,
+        }
+
     def row(self, name: str) -> str:
         """A row of the table."""
-        generosity = f"{np.median(self.generosity):.2g}" if self.generosity else "-"
-        shortfall = f"{max(self.shortfall):.2g}" if self.shortfall else "-"
+        content = self.content()
+        generosity, shortfall = (
+            "-" if content[key] is None else f"{content[key]:g}"
+            for key in ("generosity", "shortfall")
+        )
         return (
-            f"| {name} | {100 * np.mean(self.covered):.0f} % | {100 * np.mean(self.unknown):.0f} %"
+            f"| {name} | {content['covered']} % | {content['unknown']} %"
             f" | {generosity} | {shortfall} | {self.worst_scene} |"
         )
+
+
+def _two_digits(value: Any) -> float:
+    return float(f"{float(value):.2g}")
 
 
 HEAD = (
@@ -303,14 +324,22 @@ class Tables:
 
     Attributes
     ----------
+    count, seed, preset
+        of the scenes that were drawn, and of their meshes
     refused
         scenes that were refused, or did not converge
+    unresolved
+        in how many scenes a quantity judges nothing, the references differing too much
     """
 
-    def __init__(self) -> None:
+    def __init__(self, count: int, seed: int, preset: str) -> None:
         self._groups: dict[str, dict[str, Coverage]] = {"slip": {}, "hardly slip": {}}
         self._scenes = {"slip": 0, "hardly slip": 0}
+        self.count = count
+        self.seed = seed
+        self.preset = preset
         self.refused = 0
+        self.unresolved = Counter[str]()
 
     def add(self, name: str, answer: FiniteElementSolution, errors: Mapping[str, Errors]) -> str:
         """Count a scene; returns its line, with the quantities that are not covered."""
@@ -323,19 +352,43 @@ class Tables:
         return f"{name}: {'; '.join(_missed(errors)) or 'all covered'}"
 
     def lines(self) -> list[str]:
-        """Both tables."""
-        lines = []
+        """What was drawn, and both tables."""
+        lines = [
+            f"seed {self.seed}, {self.preset} preset, {self.count} scenes, {self.refused} refused"
+            " or not converged"
+        ]
         for group, quantities in self._groups.items():
             if quantities:
                 lines += ["", f"{self._scenes[group]} scenes that {group}:", "", *HEAD]
                 lines += [coverage.row(quantity) for quantity, coverage in quantities.items()]
+        if self.unresolved:
+            counts = [f"{quantity} in {number}" for quantity, number in self.unresolved.items()]
+            lines += ["", f"Not judged, the references differing too much: {', '.join(counts)}."]
         return lines
+
+    def content(self) -> dict[str, Any]:
+        """The same as one value that JSON can hold."""
+        groups = {
+            group: {
+                "scenes": self._scenes[group],
+                "quantities": {name: of_one.content() for name, of_one in quantities.items()},
+            }
+            for group, quantities in self._groups.items()
+        }
+        return {
+            "seed": self.seed,
+            "preset": self.preset,
+            "count": self.count,
+            "refused": self.refused,
+            "groups": groups,
+            "unresolved": dict(self.unresolved),
+        }
 
 
 def judge(
     count: int, seed: int, preset: str, report: Callable[[str], None] = lambda _line: None
-) -> list[str]:
-    """Lines of the tables of `count` random scenes: those that slip, those that hardly slip.
+) -> Tables:
+    """The tables of `count` random scenes: those that slip, those that hardly slip.
 
     Parameters
     ----------
@@ -344,7 +397,7 @@ def judge(
     """
     draw = np.random.default_rng(seed)
     mesh = MeshSettings.preset(preset)
-    tables = Tables()
+    tables = Tables(count, seed, preset)
     for number in range(count):
         scene = random_half_planes(draw, number)
         name = f"{number} {_words(scene)}"
@@ -355,12 +408,7 @@ def judge(
             report(f"{name}: refused, {reason}")
             continue
         report(tables.add(name, answer, errors_of(answer)))
-    return [first_line(seed, preset, count, tables.refused), *tables.lines()]
-
-
-def first_line(seed: int, preset: str, count: int, refused: int) -> str:
-    """What was drawn."""
-    return f"seed {seed}, {preset} preset, {count} scenes, {refused} refused or not converged"
+    return tables
 
 
 def _words(scene: Scene) -> str:
