@@ -40,6 +40,7 @@ sys.path.append(str(ROOT / "benchmarks"))  # the table of cases
 WRITTEN = "<!-- written by `make pages` -->"
 THIRD = ROOT / "benchmarks" / "third.json"
 BOUND = ROOT / "benchmarks" / "bound.json"
+COVERED = ROOT / "benchmarks" / "covered.json"
 LOOPS = "figures/rigs.svg"
 ROUNDING = re.compile(r"(?<![\w.])(?:0|\d(?:\.\d+)?e-1[3-9])(?!\w|\.\d)")
 
@@ -63,6 +64,9 @@ def made(examples: Paper | None = None) -> dict[str, str]:
         "scenes.md": scenes_page(written["scenes.md"]),
         "expected.csv": expected(),
         "third.md": third_solver(written["third.md"]),
+        "finite-elements.md": between(
+            written["finite-elements.md"], "the coverage", coverage_tables()
+        ),
         "maps.md": between(written["maps.md"], "the bound", bound_table()),
         "metrics.md": between(written["metrics.md"], "the metrics", markdown().splitlines()),
         "scene-keys.md": reference.page(written["scene-keys.md"]),
@@ -140,6 +144,61 @@ def bound_table() -> Iterator[str]:
         " largest rest | least height/a",
         rows,
     )
+
+
+def coverage_tables() -> Iterator[str]:
+    """What the uncertainties of finite elements did on random scenes, as benchmarks/covered.py
+    judged them: between half-planes, those that slip and those that hardly slip; real bodies.
+    """
+    content = json.loads(COVERED.read_text(encoding="utf-8"))
+    for kind, group, words in (
+        ("values", "slip", "Half-planes that slip, against theory"),
+        ("values", "hardly slip", "Half-planes that hardly slip (W below 1e-4 A f² P²)"),
+        ("bodies", "slip", "Real bodies that slip, against finer meshes"),
+    ):
+        runs = {
+            preset: [
+                run
+                for name, run in content.items()
+                if name.startswith(f"{kind} ") and run["preset"] == preset
+            ]
+            for preset in ("default", "coarse")
+        }
+        runs = {preset: of_preset for preset, of_preset in runs.items() if of_preset}
+        drawn = "; ".join(_drawn(preset, runs[preset], group) for preset in runs)
+        head = "quantity"
+        for preset in runs:
+            head += f" | covered, {preset} | no estimate | stated over true | true over stated"
+        yield f"{words} ({drawn}):"
+        yield ""
+        yield from table(head, _coverage_rows(runs, group))
+        yield ""
+
+
+def _drawn(preset: str, runs: list[dict[str, Any]], group: str) -> str:
+    """Which scenes a preset was judged on."""
+    scenes = ", ".join(str(run["groups"][group]["scenes"]) for run in runs)
+    seeds = ", ".join(str(run["seed"]) for run in runs)
+    return f"{preset} mesh: {scenes} scenes of seeds {seeds}"
+
+
+def _coverage_rows(runs: dict[str, list[dict[str, Any]]], group: str) -> Iterator[list[str]]:
+    """A row for each quantity: values of each seed, of the last column the worst."""
+    first_run = next(iter(runs.values()))[0]
+    for quantity in first_run["groups"][group]["quantities"]:
+        cells = [quantity]
+        for of_preset in runs.values():
+            judged = [run["groups"][group]["quantities"].get(quantity) for run in of_preset]
+            known = [one for one in judged if one is not None]
+            shortfalls = [one["shortfall"] for one in known if one["shortfall"] is not None]
+            generous = [one["generosity"] for one in known if one["generosity"] is not None]
+            cells += [
+                "; ".join(str(one["covered"]) for one in known) + " %",
+                "; ".join(str(one["unknown"]) for one in known) + " %",
+                "; ".join(f"{value:g}" for value in generous) or "–",
+                f"{max(shortfalls):g}" if shortfalls else "–",
+            ]
+        yield cells
 
 
 def _heights(rows: list[dict[str, Any]]) -> str:
