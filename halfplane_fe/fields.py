@@ -333,33 +333,109 @@ def _edge_tension(solution: ContactSolution, steps: Sequence[int]) -> _EdgeTensi
         elif solution.normal_load[step] > 0:
             values[k] = math.nan
             uncertainties[k] = math.nan
-    if not in_contact:
-        return _EdgeTension(values, uncertainties, of_unseen_slip)
-    rows = list(in_contact)
-    steps_in_contact = [steps[k] for k in rows]
-    for number, name in enumerate(_BODIES):
-        bulk = _bulk_stress(solution, steps_in_contact, number)
-        if isinstance(getattr(solution.scene.bodies, name), HalfPlane):
-            values[rows, number] += bulk[:, None]
-        else:
-            assert isinstance(solution, FiniteElementSolution)  # for the type checker
-            by_size, uncertainty = _tension_by_size(
-                solution, number, steps_in_contact, list(in_contact.values()), bulk
-            )
-            values[rows, number] += by_size
-            uncertainties[rows, number] += uncertainty
+    if in_contact:
+        rows = list(in_contact)
+        by_bodies, uncertainty = _tension_by_bodies(
+            solution, [steps[k] for k in rows], list(in_contact.values())
+        )
+        values[rows] += by_bodies
+        uncertainties[rows] += uncertainty[:, None]
     return _EdgeTension(values, uncertainties, of_unseen_slip)
 
 
-def _tension_by_size(
+def _tension_by_bodies(
+    solution: ContactSolution, steps: Sequence[int], series: Sequence[Tractions]
+) -> tuple[Array, Array]:
+    """What bulk stress and the size of the bodies add to s_xx at both edges of contact [stress].
+
+    Bodies that mirror each other have one size effect, found once.
+
+    Returns
+    -------
+    values, uncertainties
+        (n_steps, 2, 2) by body and edge, and (2,) by body; NaN where it is not known
+    """
+    bodies = solution.scene.bodies
+    material = solution.scene.material
+    values = np.zeros((len(steps), 2, 2))
+    uncertainties = np.zeros(2)
+    bulk = [_bulk_stress(solution, steps, number) for number in (0, 1)]
+    has_bulk_stress = any(of_body.any() for of_body in bulk)
+    mirrored = bodies.lower == bodies.upper and material.alike and not has_bulk_stress
+    of_lower: _SizeFit | None = None
+    for number, name in enumerate(_BODIES):
+        values[:, number] = bulk[number][:, None]
+        if isinstance(getattr(bodies, name), HalfPlane):
+            continue
+        assert isinstance(solution, FiniteElementSolution)  # for the type checker
+        on_body = [_on_body(of_step, number) for of_step in series]
+        if number == 1 and mirrored:
+            size_fit = of_lower
+        else:
+            size_fit = _size_fit(solution, number, steps, series, bulk[number])
+        if size_fit is None:
+            values[:, number] = math.nan
+            uncertainties[number] = math.nan
+        else:
+            values[:, number] += size_fit.tension(on_body, bulk[number])
+            uncertainties[number] = size_fit.uncertainty
+        of_lower = size_fit
+    return values, uncertainties
+
+
+@dataclass(frozen=True, eq=False)
+class _SizeFit:
+    """What the size of a body adds, as a linear function of moments of its tractions and of its
+    bulk stress.
+
+    Attributes
+    ----------
+    size_effect
+        of the instants that it was found at
+    slopes
+        (n_causes, n_coefficients) of the size effect
+    scale
+        (n_causes,) unit of each cause
+    uncertainty
+        of s_xx at an edge [stress]
+    """
+
+    size_effect: SizeEffect
+    slopes: Array
+    scale: Array
+    uncertainty: float
+
+    def tension(self, on_body: Sequence[Tractions], bulk: Array) -> Array:
+        """(n_steps, 2) of s_xx at both edges of contact, by the tractions on the body in its own
+        frame.
+        """
+        effect = self.of_causes(_causes(on_body, bulk)[:, : len(self.scale)])
+        on_face = np.zeros(2)
+        by_size = [
+            effect.stress(np.array(of_step.edges), on_face)[:, 0, k]
+            for k, of_step in enumerate(on_body)
+        ]
+        return np.array(by_size)
+
+    def of_causes(self, causes: Array) -> SizeEffect:
+        """The size effect by (n_steps, n_causes) causes."""
+        return replace(self.size_effect, coefficients=(causes / self.scale @ self.slopes).T)
+
+
+def _causes(on_body: Sequence[Tractions], bulk: Array) -> Array:
+    """(n_steps, 7) moments of the tractions, and the bulk stress."""
+    moments = np.array([of_step.moments() for of_step in on_body])
+    return np.column_stack([moments, bulk])
+
+
+def _size_fit(
     solution: FiniteElementSolution,
     number: int,
     steps: Sequence[int],
     series: Sequence[Tractions],
     bulk: Array,
-) -> tuple[Array, float]:
-    """(n_steps, 2) what the size of a body adds to s_xx at both edges of contact, and the
-    uncertainty of that [stress]; NaN where it is not known.
+) -> _SizeFit | None:
+    """What the size of a body adds; None where it is not known.
 
     It is linear in tractions and bulk stress, and hardly depends on more than moments of the
     former: found at a few instants.
@@ -370,29 +446,22 @@ def _tension_by_size(
     nodal = _nodal_fields(solution, number, sampled_steps, bulk[sampled])
     near = _near_contact(solution, number, nodal, [series[k] for k in sampled])
     if near is None or near.size_effect is None:
-        return np.full((len(steps), 2), np.nan), float("nan")
-    causes = np.array([tractions_of_step.moments() for tractions_of_step in series])
+        return None
+    causes = _causes([_on_body(of_step, number) for of_step in series], bulk)
     # Over P and powers of the half-width: moments that are zero by symmetry must not count as
     # round-off over round-off.
-    half_width = max(tractions_of_step.half_width for tractions_of_step in series)
+    half_width = max(of_step.half_width for of_step in series)
     scale = np.abs(causes[:, 0]).max() * half_width ** np.array([0, 1, 2, 0, 1, 2])
     if bulk.any():
-        causes = np.column_stack([causes, bulk])
         scale = np.append(scale, np.abs(bulk).max())
-    slopes = np.linalg.lstsq(causes[sampled] / scale, near.size_effect.coefficients.T, rcond=1e-8)[
-        0
-    ]
-    of_causes = replace(near.size_effect, coefficients=(causes / scale @ slopes).T)
-    on_face = np.zeros(2)
-    by_size = [
-        of_causes.stress(np.array(tractions_of_step.edges), on_face)[:, 0, k]
-        for k, tractions_of_step in enumerate(series)
-    ]
+    causes = causes[sampled, : len(scale)]
+    slopes = np.linalg.lstsq(causes / scale, near.size_effect.coefficients.T, rcond=1e-8)[0]
+    size_fit = _SizeFit(near.size_effect, slopes, scale, uncertainty=0.0)
     middle = np.zeros(1)
-    stress_of_fit = of_causes.stress(middle, middle)[..., sampled]
+    stress_of_fit = size_fit.of_causes(causes).stress(middle, middle)
     missed = near.size_effect.stress(middle, middle) - stress_of_fit
     uncertainty = float(near.size_effect.error.max() + np.abs(missed[:, 0]).max())
-    return np.array(by_size), uncertainty
+    return replace(size_fit, uncertainty=uncertainty)
 
 
 def stress(
@@ -445,7 +514,8 @@ def stress(
     bulk = _bulk_stress(solution, steps, number)
     series = [tractions_with_uncertainty(_nodal(solution, step)).series for step in steps]
     stress = np.zeros((len(steps), len(places), 4))
-    of_half_plane = _stress_of_tractions(_on_body(series, number), places, height)
+    on_body = [None if step is None else _on_body(step, number) for step in series]
+    of_half_plane = _stress_of_tractions(on_body, places, height)
     stress[..., :3] = np.moveaxis(of_half_plane, -1, 0)
     if isinstance(getattr(solution.scene.bodies, body), HalfPlane):
         stress[..., 0] += bulk[:, None]
@@ -506,18 +576,21 @@ def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
     steps = _steps_of_large_tension(solution)
     if not steps:
         return None
-    tension = _edge_tension(solution, steps)
-    values = tension.values
+    series = [tractions(_nodal(solution, step)) for step in steps]
+    by_bodies, of_bodies = _tension_by_bodies(solution, steps, series)
+    of_tractions = [np.outer([1.0, -1.0], of_step.edge_tension()) for of_step in series]
+    values = np.array(of_tractions) + by_bodies
     if np.isnan(values).any():
         return None
     # Of mirrored instants, alike but for round-off, the first counts.
     is_largest = values >= values.max() - _ROUND_OFF * abs(values.max())
     largest = np.unravel_index(np.argmax(is_largest), values.shape)
     k, body, edge = (int(index) for index in largest)
-    edges = tractions(_nodal(solution, steps[k])).edges
+    of_series = tractions_with_uncertainty(_nodal(solution, steps[k])).tension_uncertainty
+    edges = series[k].edges
     return LargestTension(
         value=float(values[k, body, edge]),
-        uncertainty=float(tension.uncertainties[k, body, edge]),
+        uncertainty=float(of_series[edge] + of_bodies[body]),
         time=float(solution.time[steps[k]]),
         body=_BODIES[body],
         x=edges[edge],
@@ -711,7 +784,7 @@ def _near_contact(
     nodes = np.flatnonzero(np.hypot(x, y) < limit)
     x = x[nodes]
     y = y[nodes]
-    on_body = _on_body(series, number)
+    on_body = [None if step is None else _on_body(step, number) for step in series]
     size_effect = None
     if not isinstance(shape, HalfPlane):
         beside_contact = (np.abs(x) > _BESIDE * half_width) & (y < 0)
@@ -726,10 +799,9 @@ def _near_contact(
     return _NearContact(limit, nodes, x, y, on_body, size_effect)
 
 
-def _on_body(series: Sequence[Tractions | None], number: int) -> list[Tractions | None]:
+def _on_body(tractions_on_lower: Tractions, number: int) -> Tractions:
     """Tractions on the lower body as the body with this number has them in its own frame."""
-    sign = _sign_of_y(number)
-    return [None if step is None else replace(step, shear=sign * step.shear) for step in series]
+    return replace(tractions_on_lower, shear=_sign_of_y(number) * tractions_on_lower.shear)
 
 
 def _stress_of_tractions(series: Sequence[Tractions | None], x: Array, y: Array) -> Array:
