@@ -156,19 +156,14 @@ def coverage_tables() -> Iterator[str]:
         ("values", "hardly slip", "Half-planes that hardly slip (W below 1e-4 A f² P²)"),
         ("bodies", "slip", "Real bodies that slip, against finer meshes"),
     ):
-        runs = {
-            preset: [
-                run
-                for name, run in content.items()
-                if name.startswith(f"{kind} ") and run["preset"] == preset
-            ]
-            for preset in ("default", "coarse")
-        }
-        runs = {preset: of_preset for preset, of_preset in runs.items() if of_preset}
+        runs: dict[str, list[dict[str, Any]]] = {}
+        for name, run in content.items():
+            if name.startswith(f"{kind} "):
+                runs.setdefault(run["preset"], []).append(run)
         drawn = "; ".join(_drawn(preset, runs[preset], group) for preset in runs)
         head = "quantity"
         for preset in runs:
-            head += f" | covered, {preset} | no estimate | stated over true | true over stated"
+            head += f" | covered, {preset} mesh | no estimate | stated over true | true over stated"
         yield f"{words} ({drawn}):"
         yield ""
         yield from table(head, _coverage_rows(runs, group))
@@ -187,18 +182,26 @@ def _coverage_rows(runs: dict[str, list[dict[str, Any]]], group: str) -> Iterato
     first_run = next(iter(runs.values()))[0]
     for quantity in first_run["groups"][group]["quantities"]:
         cells = [quantity]
-        for of_preset in runs.values():
-            judged = [run["groups"][group]["quantities"].get(quantity) for run in of_preset]
-            known = [one for one in judged if one is not None]
-            shortfalls = [one["shortfall"] for one in known if one["shortfall"] is not None]
-            generous = [one["generosity"] for one in known if one["generosity"] is not None]
-            cells += [
-                "; ".join(str(one["covered"]) for one in known) + " %",
-                "; ".join(str(one["unknown"]) for one in known) + " %",
-                "; ".join(f"{value:g}" for value in generous) or "–",
-                f"{max(shortfalls):g}" if shortfalls else "–",
-            ]
+        for runs_of_preset in runs.values():
+            cells += _coverage_cells(runs_of_preset, group, quantity)
         yield cells
+
+
+def _coverage_cells(runs: list[dict[str, Any]], group: str, quantity: str) -> list[str]:
+    """Covered, no estimate, stated over true, true over stated of a quantity."""
+    coverages = []
+    for run in runs:
+        quantities = run["groups"][group]["quantities"]
+        if quantity in quantities:
+            coverages.append(quantities[quantity])
+    covered = "; ".join(str(coverage["covered"]) for coverage in coverages)
+    unknown = "; ".join(str(coverage["unknown"]) for coverage in coverages)
+    shares = [f"{covered} %", f"{unknown} %"]
+    judged = [coverage for coverage in coverages if coverage["shortfall"] is not None]
+    if not judged:
+        return [*shares, "–", "–"]
+    generosity = "; ".join(f"{coverage['generosity']:g}" for coverage in judged)
+    return [*shares, generosity, f"{max(coverage['shortfall'] for coverage in judged):g}"]
 
 
 def _heights(rows: list[dict[str, Any]]) -> str:
