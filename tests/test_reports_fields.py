@@ -6,6 +6,7 @@ import json
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
+from unittest.mock import Mock
 from xml.etree import ElementTree as ET
 
 import matplotlib as mpl
@@ -482,6 +483,21 @@ class TestCommand:
         assert {path.name for path in (out / "fields").iterdir()} == names
         assert (out / "mine.txt").is_file()
         assert not (out / "pictures").exists()
+
+    def test_a_picture_that_fails_loses_no_field(
+        self, folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        monkeypatch.setattr("reports.cli.machine._SCREEN", "print('drawn')")
+        drawing = Mock(side_effect=InputError("no memory for a picture"))
+        monkeypatch.setattr("reports.cli.field_output._draw", drawing)
+        scene = str(folder / "pads.toml")
+        arguments = ["fields", scene, "--at", "2", "--out", str(tmp_path), "--quiet", *ROUGH]
+        assert main(arguments) == 2
+        record = json.loads((tmp_path / "fields" / "fields.json").read_text(encoding="utf-8"))
+        assert record["pictures"] == []
+        assert "fields/fields.pvd" in record["files"]
+        assert all((tmp_path / name).is_file() for name in record["files"])
+        assert not (tmp_path / "pictures").exists()
 
     def test_without_a_screen_nothing_is_solved(
         self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

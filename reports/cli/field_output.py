@@ -56,7 +56,7 @@ def fields(job: Job) -> Answer:
     """Finite elements, and displacement, stress and tractions of both bodies on disk."""
     from reports.comparison.json_values import strict
     from reports.field_output import fatigue, files
-    from reports.folder import filled
+    from reports.folder import filled, replace_text
 
     scene = job.scene
     stages = job.stages
@@ -78,6 +78,9 @@ def fields(job: Job) -> Answer:
     rows: list[dict[str, Any]] = []
     stills: list[tuple[Instant, Snapshot]] = []
 
+    def as_json(content: dict[str, Any]) -> str:
+        return json.dumps(strict(content), allow_nan=False, indent=1) + "\n"
+
     def passing() -> Generator[Snapshot, None, None]:
         """Snapshots on their way to disk: what is stated of each is noted, those of named instants
         are kept for stills.
@@ -95,9 +98,6 @@ def fields(job: Job) -> Answer:
                 solution, passing(), staging / "fields", report, len(instants)
             )
         written = [f"fields/{name}" for name in names]
-        pictures: list[str] = []
-        if options.pictures and stills:
-            pictures = _draw(solution, stills, staging / "pictures", stages)
         measures: dict[str, Any] = {}
         if criteria is not None:
             with stages.stage("measures of fatigue"):
@@ -111,12 +111,18 @@ def fields(job: Job) -> Answer:
             instants=rows,
             notes=notes,
             files=written,
-            pictures=pictures,
+            pictures=[],
             seconds=dict(stages.seconds),
             **measures,
         )
-        text = json.dumps(strict(content), allow_nan=False, indent=1)
-        (staging / "fields" / "fields.json").write_text(text + "\n", encoding="utf-8")
+        (staging / "fields" / "fields.json").write_text(as_json(content), encoding="utf-8")
+    # What was solved is saved before anything is drawn.
+    pictures: list[str] = []
+    if options.pictures and stills:
+        with filled(job.folder, fresh=("pictures/",)) as staging:
+            pictures = _draw(solution, stills, staging / "pictures", stages)
+        content |= {"pictures": pictures, "seconds": dict(stages.seconds)}
+        replace_text(job.folder / "fields" / "fields.json", as_json(content))
     names_of_files = ["fields/fields.json", *written, *pictures]
     pvd = str(job.folder / "fields" / "fields.pvd")
     copied = ("instants", "largest nodal stresses", "notes", *measures)
