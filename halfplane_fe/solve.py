@@ -60,6 +60,7 @@ from halfplane_fe.systems import Layer
 from halfplane_fe.uncertainty import (
     Meshes,
     Peak,
+    of_small_contacts,
     peak_uncertainty,
     run_values,
     share_of_flanks,
@@ -624,11 +625,26 @@ def _uncertainties(
     step = int(np.argmax(arrays["contact_half_width"]))
     sheared = needs_shear(task.scene)
     work = float(arrays["dissipation"]) / (task.friction_unit * task.work_unit) if sheared else 0.0
-    return uncertainties(values, scales.values, meshes, sheared, work) | {
+    by_meshes = uncertainties(values, scales.values, meshes, sheared, work)
+    elements = 2 * _spacing_at_edges(arrays["x"], arrays["contact_edges"])
+    for name, load in (
+        ("tangential_displacement", arrays["tangential_load"]),
+        ("normal_approach", arrays["normal_load"]),
+    ):
+        by_meshes[name] += of_small_contacts(
+            load, elements, arrays["contact_half_width"], scales.modulus
+        )
+    return by_meshes | {
         "largest_pressure": _peak_uncertainty(task, arrays),
         "largest_half_width": float(np.mean(arrays["contact_edge_uncertainty"][step])),
         "permanent_stick_half_width": _of_permanent_stick(task.scene, arrays),
     }
+
+
+def _spacing_at_edges(x: Array, edges: Array) -> Array:
+    """(k,) distance of the nodes around contact edges (k, 2), the larger of both sides [length]."""
+    following = np.clip(np.searchsorted(x, edges), 1, len(x) - 1)
+    return np.asarray(np.max(x[following] - x[following - 1], axis=1))
 
 
 def _of_permanent_stick(scene: Scene, arrays: Mapping[str, Any]) -> float:
