@@ -111,6 +111,9 @@ def series(all_points: bool) -> dict[str, list[Setting]]:
             turns(n, step_tolerance=FREE) for n in ((8, 24, 96, 384) if all_points else (8, 24, 96))
         ],
         "penalty, a/160": [soft(k) for k in (10.0, 1e2, 1e3)],
+        "contact method": [
+            Setting("augmented Lagrangian", solver=SolverSettings(method="augmented_lagrangian"))
+        ],
     }
 
 
@@ -202,6 +205,7 @@ ALTERNATIVES = (
     ("24 increments a revolution", "regular increments", ("96 a turn",)),
     ("increments halved to a tolerance", "increments, no tolerance", ("24 a turn",)),
     ("the exact law", "penalty, a/160", ("1000 E*/h",)),
+    ("active set", "contact method", ("augmented Lagrangian",)),
 )
 
 
@@ -804,7 +808,7 @@ SECTIONS = {
 BESIDE_EARLIER = ("earlier", "speed")
 # Series whose points differ in several ways at once, or whose errors change sign: no line through
 # them.
-POINTS_ONLY = ("named settings", "penalty, a/160", "increments, no tolerance")
+POINTS_ONLY = ("named settings", "penalty, a/160", "increments, no tolerance", "contact method")
 
 
 def draw(name: str, panels: Sequence[Panel]) -> None:
