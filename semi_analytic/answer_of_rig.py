@@ -236,6 +236,8 @@ def of_rig(question: Question) -> Findings:
     if work > 0:
         of_bodies = of_odd_numbers.uncertainty + OF_NEXT_ORDER * abs(next_order)
         errors["dissipation"] = errors.get("dissipation", 0.0) + of_bodies / work
+    if odd.left_out:
+        errors["dissipation"] = math.nan  # how much tilt and strain add is not known
     loop = math.nan
     # The displacement has the moment of the tilt, and not what makes the work in the second order.
     if steady_from is not None and rows.period is not None and odd == OddPart():

@@ -248,7 +248,9 @@ def notes_of_effects(
     consequence = "which change the dissipation in the second order"
     if effects.dundurs_beta:
         consequence = "which change the dissipation in the first order: the materials are unlike"
-    reason = f"; left out because {odd.left_out}" if odd.left_out else ""
+    reason = ""
+    if odd.left_out:
+        reason = f"; left out because {odd.left_out}; by how much the dissipation errs is not known"
     yield (
         f"effects: tilt and bulk strain of the bodies {in_answer.left_out},"
         f" {symbols}, {consequence}{reason}"
@@ -1114,6 +1116,8 @@ def _works_of_cycles(
     of_steps += _OF_HALVED * abs(_work_of_halved_steps(paths) - float(with_bodies[-1])) / work
     of_odd = of_odd_numbers[-1].uncertainty / work
     errors = {"dissipation": of_steps + of_odd + OF_NEXT_ORDER * next_order}
+    if odd.left_out:
+        errors["dissipation"] = math.nan  # how much tilt and strain add is not known
     if has_loop:
         by_loop = half_planes.loop_work(paths.last_cycle)
         errors["loop_work"] = abs(by_loop / work - 1) + next_order
