@@ -167,7 +167,8 @@ def coverage_tables() -> Iterator[str]:
         yield f"{words} ({drawn}):"
         yield ""
         yield from table(head, _coverage_rows(runs, group))
-        yield ""
+        if kind != "bodies":
+            yield ""
 
 
 def _drawn(preset: str, runs: list[dict[str, Any]], group: str) -> str:
@@ -178,7 +179,9 @@ def _drawn(preset: str, runs: list[dict[str, Any]], group: str) -> str:
 
 
 def _coverage_rows(runs: dict[str, list[dict[str, Any]]], group: str) -> Iterator[list[str]]:
-    """A row for each quantity: values of each seed, of the last column the worst."""
+    """A row for each quantity: of each seed, but for the most without an estimate and the worst
+    of true over stated.
+    """
     first_run = next(iter(runs.values()))[0]
     for quantity in first_run["groups"][group]["quantities"]:
         cells = [quantity]
@@ -195,8 +198,8 @@ def _coverage_cells(runs: list[dict[str, Any]], group: str, quantity: str) -> li
         if quantity in quantities:
             coverages.append(quantities[quantity])
     covered = "; ".join(str(coverage["covered"]) for coverage in coverages)
-    unknown = "; ".join(str(coverage["unknown"]) for coverage in coverages)
-    shares = [f"{covered} %", f"{unknown} %"]
+    most_unknown = max(coverage["unknown"] for coverage in coverages)
+    shares = [f"{covered} %", f"{most_unknown} %"]
     judged = [coverage for coverage in coverages if coverage["shortfall"] is not None]
     if not judged:
         return [*shares, "–", "–"]
