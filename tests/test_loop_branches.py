@@ -317,6 +317,88 @@ def test_what_is_no_loop_is_refused(name):
         score_loop(loop_of(*no_loop_of(name)), SCENE)
 
 
+# ----------------------------------------------------------------------- rows of no steady loop
+def unsteady(name):
+    """Rows of four cycles that no steady loop of theory has."""
+    u, q = rows_of("U", "sine", 241, cycles=4)
+    cycle = 4 * np.arange(len(u)) / (len(u) - 1)
+    if name == "slides":
+        # each half of a cycle goes on at its last Q by a third of the range of U
+        u, q = rows_of("U", "triangle", 240, cycles=4, closed=False)
+        slide = np.ptp(u) / 3 * np.linspace(0.0, 1.0, 10)
+        place = np.zeros(1)
+        rows_u, rows_q = [], []
+        for part in range(8):
+            half = slice(30 * part, 30 * part + 31)
+            sign = -1 if part % 2 == 0 else 1
+            part_u = u[half] + place[-1]
+            rows_u += [part_u, part_u[-1] + sign * slide[1:]]
+            place = place[-1] + sign * slide[-1:]
+            rows_q += [q[half], np.full(9, q[half][-1])]
+        return np.concatenate(rows_u), np.concatenate(rows_q)
+    if name == "walks":
+        return u + 0.1 * np.ptp(u) * cycle, q
+    if name == "hardens":
+        # elastic and plastic, with hardening: two straight lines a branch
+        passed = np.abs(np.mod(cycle, 1.0) - 0.5) * 4
+        passed = np.where(np.mod(cycle, 1.0) < 0.5, 2 - passed, passed)
+        force = np.where(passed < 0.6, passed, 0.6 + 0.2 * (passed - 0.6)) - 0.44
+        sign = np.where(np.mod(cycle, 1.0) < 0.5, -1, 1)
+        return sign * (passed - 1) * np.ptp(u) / 2, sign * force * np.ptp(q)
+    size = {
+        "grows": 1 + 0.06 * cycle,
+        "shrinks": 1 - 0.06 * cycle,
+        "every second cycle": 1 + 0.1 * np.cos(np.pi * cycle),
+    }[name]
+    return size * u, size * q
+
+
+UNSTEADY = {
+    "grows": "its cycles grow: Q of one cycle",
+    "shrinks": "its cycles shrink: Q of one cycle",
+    "every second cycle": "its period is another",
+    "walks": r"U moves on by \+7.* % of its range in each cycle",
+    "slides": "U moves on while Q stays at",
+    "hardens": "their form is not that of theory",
+}
+
+
+@pytest.mark.parametrize("name", UNSTEADY)
+def test_rows_of_no_steady_loop_are_refused_with_the_reason(name):
+    with pytest.raises(InputError, match=UNSTEADY[name]):
+        score_loop(loop_of(*with_noise(*unsteady(name), 0.002, seed=1)), SCENE)
+
+
+def test_a_small_drift_of_u_is_taken_out_and_said():
+    u, q = with_noise(*rows_of("Q", "sine", 240, cycles=4, start=0.2), 0.001, seed=3)
+    drifting = u + 0.02 * np.ptp(u) * np.linspace(0.0, 1.0, len(u))
+    score = score_loop(loop_of(drifting, q), SCENE)
+    assert holds(score) == (True, True)
+    assert score.friction == pytest.approx(FRICTION, rel=0.02)
+    assert any(said.startswith("U drifts by +0.5 %") for said in score.said)
+
+
+def test_a_run_in_is_left_out_and_said():
+    u, q = with_noise(*rows_of("Q", "sine", 240, cycles=4, start=0.2), 0.001, seed=3)
+    ramp = np.linspace(0.0, 1.0, 12, endpoint=False)
+    u, q = np.concatenate([u[0] * ramp**2, u]), np.concatenate([q[0] * ramp, q])
+    score = score_loop(loop_of(u, q), SCENE)
+    assert holds(score) == (True, True)
+    assert score.friction == pytest.approx(FRICTION, rel=0.02)
+    assert any("are left out: run-in" in said for said in score.said)
+
+
+def test_neighbours_on_one_side_of_the_fit_widen_the_interval():
+    """A wave of U that no loop has: too small to be refused, too large for the scatter."""
+    u, q = with_noise(*rows_of("Q", "sine", 240, cycles=4), 0.0001, seed=3)
+    wave = 0.0003 * np.ptp(u) * np.sin(2 * np.pi * 7.3 * np.arange(len(u)) / len(u))
+    plain = score_loop(loop_of(u, q), SCENE)
+    waving = score_loop(loop_of(u + wave, q), SCENE)
+    assert waving.high - waving.low > 3 * (plain.high - plain.low)
+    assert any("Neighbouring rows lie on the same side" in said for said in waving.said)
+    assert not any("Neighbouring rows" in said for said in plain.said)
+
+
 def test_the_area_is_that_of_the_polygon():
     shift = np.array([0.0, 1.0, 1.0, 0.0] * 10)
     load = np.array([0.0, 0.0, 1.0, 1.0] * 10)

@@ -26,6 +26,7 @@ causes_in_words.py a cause in a sentence: what it is, how large, what to do
 diagnosis.py       the findings in sentences, with their evidence and what is excluded
 loops.py           a rig's loop of Q over U: the f that fits it, its interval, the engines' loops
 loop_branches.py   turning points of Q, the branch of each row, area of the rows
+loop_steadiness.py whether rows are of one steady loop: drift, run-in, cycles that differ
 loop_fit.py        f by least squares: branches by Masing's rule, theory's whole loop where P varies
 study.py           a folder of meshes: orders, and what no mesh removes
 """

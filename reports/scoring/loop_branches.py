@@ -38,6 +38,10 @@ _AS_NOISE = 1.15
 # Variance of two joined parabolas at their joint, times the rows on each side over the variance of
 # a row.
 _AT_JOINT = 4.5
+# Instants at which the size of a cycle is found: more than rows of a cycle are.
+_INSTANTS_OF_CYCLE = 600
+# Sigma of U beyond which rows do not come back to the first one: three of a difference of two.
+_GAP = 4.2
 
 
 class TurningPoint(NamedTuple):
@@ -200,6 +204,25 @@ def _crossings(
     state = high[rows]
     changes = np.flatnonzero(state[1:] != state[:-1])
     return rows[changes], rows[changes + 1], state[changes + 1]
+
+
+def sizes_of_cycles(values: Array, load: Array, time: Array, noise: float) -> Array:
+    """Root mean square over time of values (n,) from their mean, in each cycle from one crossing of
+    the middle of Q to the next but one: (k,), each half a cycle later.
+
+    Parameters
+    ----------
+    load, time, noise
+        Q (n,), its time, and its sigma
+    """
+    bottom, top = _range(load, noise)
+    begins, ends, _ = _crossings(load, bottom, top)
+    middles = _middles(load, time, begins, ends, (bottom + top) / 2)
+    instants = [
+        np.linspace(begin, end, _INSTANTS_OF_CYCLE)
+        for begin, end in zip(middles[:-2], middles[2:], strict=True)
+    ]
+    return np.array([float(np.std(np.interp(at, time, values))) for at in instants])
 
 
 def _turned(load: Array, begins: NDArray[np.intp], ends: NDArray[np.intp]) -> Array:
@@ -414,6 +437,11 @@ def polygon_area(
             float(values[after - 1] + share * (values[after] - values[after - 1]))
             for values in (shift, load)
         ]
+        # U that does not come back closes by a chord at the first Q: an error of the gap times Q
+        # from its mean there.
+        across_gap = ends[0] - float(shift[0])
+        if abs(across_gap) > _GAP * shift_noise:
+            by_gap = abs(across_gap) * abs(float(load[0]) - float(load.max() + load.min()) / 2)
         shift = np.append(shift[:after], ends[0])
         load = np.append(load[:after], ends[1])
     elif (

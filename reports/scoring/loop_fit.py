@@ -36,6 +36,7 @@ from numpy.typing import NDArray
 
 import semi_analytic
 from reports.scoring.loop_branches import Branches, row_noise
+from reports.scoring.loop_steadiness import Misfit, misfit_of
 from scenes import Scene
 from scenes.array_types import Array
 
@@ -156,6 +157,8 @@ class LoopFit:
         C [1/stress] and U0 [length]
     shift_noise, load_noise
         sigma of U and of Q
+    misfit
+        what the distances of the rows show
     """
 
     friction: float
@@ -167,6 +170,7 @@ class LoopFit:
     origin: float
     shift_noise: float
     load_noise: float
+    misfit: Misfit
 
     @property
     def terms(self) -> Array:
@@ -770,7 +774,9 @@ def fit_loop(
             break
     lowest_sum, friction, terms = search.best(friction, terms)
     friction = max(friction, least * (1 + 1e-9))
-    limit = lowest_sum + _CHI * max(lowest_sum / freedom, 1.0)
+    distances = search.residuals(friction, terms)[:-2]
+    misfit = misfit_of(distances, search.weights.shift)
+    limit = lowest_sum + _CHI * misfit.widening**2 * max(lowest_sum / freedom, 1.0)
     log_friction = math.log(friction)
     down = search.interval_end(log_friction, terms, math.log(least * (1 + 1e-9)), limit)
     up = search.interval_end(log_friction, terms, math.log(least * _WIDEST), limit)
@@ -785,4 +791,5 @@ def fit_loop(
         origin=float(terms[3]),
         shift_noise=search.weights.shift,
         load_noise=search.weights.load,
+        misfit=misfit,
     )

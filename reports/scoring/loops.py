@@ -52,7 +52,7 @@ from reports.charts.templating import script, template
 from reports.checking import nearest_to_sliding
 from reports.comparison.words import question
 from reports.folder import filled
-from reports.scoring.loop_branches import Branches, find_branches, polygon_area
+from reports.scoring.loop_branches import Branches, find_branches, polygon_area, row_noise
 from reports.scoring.loop_fit import (
     LoopFit,
     LoopRows,
@@ -60,6 +60,12 @@ from reports.scoring.loop_fit import (
     Weights,
     fit_loop,
     memory_curve,
+)
+from reports.scoring.loop_steadiness import (
+    Misfit,
+    differences_of_cycles,
+    drift_of_shift,
+    slides_as_a_whole,
 )
 from reports.scoring.mapping import Mapping, converted, find_column, listed
 from reports.units import energy_unit, load_unit, minus, units
@@ -104,6 +110,16 @@ _OF_MEMORY = 1e-6
 # Rows that do not follow the scene's Q better than this share of its amplitude are another
 # experiment's.
 _FOLLOWS = 0.15
+# Part of the distances that is no scatter, over the mean opening of the loop in U, from which rows
+# are looked at for drift and run-in, and beyond which they are of no loop of theory.
+_STEADY = 0.02
+_OF_THEORY_AT_ALL = 0.03
+# Theory's own error of a loop is below this share of its opening.
+_WORTH_SAYING = 1e-3
+# U that moves on by more than this share of its range in a cycle is no drift of a gauge.
+_DRIFT = 0.03
+# Cycles of a run-in, at most, and never more than half of all.
+_RUN_IN = 3
 # Chance gives so much of the sum of squares over its mean in 95 %: chi squared of one degree.
 _CHI = 3.841
 
@@ -452,8 +468,10 @@ def score_loop(
     for name, values in (("U", loop.shift), ("Q", loop.load)):
         if not np.ptp(values) > 0:
             raise InputError(f"{loop.source}: {name} is the same in every row: there is no loop")
-    method = _fit_by_branches if _has_two_branches(scene) else _fit_over_time
-    fit = method(loop, scene, rig_compliance)
+    if _has_two_branches(scene):
+        loop, fit = _steady_part(loop, scene, rig_compliance)
+    else:
+        fit = _fit_over_time(loop, scene, rig_compliance)
     scale = fit.scale
     share = fit.share
     least = _least_friction(scene)
@@ -540,6 +558,8 @@ class _Fit:
     share, phase : (n,) place on the scene's cycle; cycles since any instant
     scale, offset : r and Q0 of the file
     shift_noise, load_noise : sigma of U and of Q
+    misfit, branches : what the distances show, and branches of the rows; (0, 0) and None where rows
+        are placed over time
     """
 
     scene: Scene
@@ -555,6 +575,8 @@ class _Fit:
     shift_noise: float
     load_noise: float
     said: tuple[str, ...]
+    misfit: Misfit
+    branches: Branches | None
 
 
 def _least_friction(scene: Scene) -> float:
@@ -582,6 +604,134 @@ def _said_of_scale(scale: float) -> list[str]:
         f"Q of the file is {scale:.4g} times that of the scene: loads as in the file were taken, P"
         " as in the scene"
     ]
+
+
+def _steady_part(
+    loop: MeasuredLoop, scene: Scene, rig_compliance: float | None
+) -> tuple[MeasuredLoop, _Fit]:
+    """The rows that are of one steady loop, without the drift of their U, and their fit.
+
+    Raises
+    ------
+    InputError
+        Where the rows are of no steady loop of theory.
+    """
+    fit = _fit_by_branches(loop, scene, rig_compliance)
+    share = _share_of_opening(loop, fit)
+    if share <= _STEADY and not _cycles_differ(loop):
+        return loop, _with_widening_said(fit, share)
+
+    best = (bool(_cycles_differ(loop)), share, loop, fit)
+    for part, sentence in _without_drift_and_run_in(loop, fit):
+        try:
+            fit_of_part = _fit_by_branches(part, scene, rig_compliance)
+        except InputError:  # the rest is no whole cycle
+            continue
+        fit_of_part = replace(fit_of_part, said=(*fit_of_part.said, sentence))
+        share = _share_of_opening(part, fit_of_part)
+        differ = bool(_cycles_differ(part))
+        best = min(best, (differ, share, part, fit_of_part), key=lambda candidate: candidate[:2])
+        if share <= _STEADY and not differ:
+            break
+    _, share, part, fit_of_part = best
+    if _cycles_differ(part):
+        raise InputError(
+            f"{loop.source}: its rows are of no steady loop: {_why_not_steady(loop, fit)}; give the"
+            " rows of cycles that are alike"
+        )
+    if share > _OF_THEORY_AT_ALL:
+        raise InputError(
+            f"{loop.source}: its rows are of no steady loop of {scene.name}:"
+            f" {_why_not_steady(loop, fit)}; the best fit is {100 * share:.2g} % of the loop's"
+            f" opening away from rows that lie beside each other (limit"
+            f" {100 * _OF_THEORY_AT_ALL:.0f} %)"
+        )
+    return part, _with_widening_said(fit_of_part, share)
+
+
+def _share_of_opening(loop: MeasuredLoop, fit: _Fit) -> float:
+    """The part of the distances that is no scatter over the mean opening of the loop in U."""
+    area = polygon_area(loop.shift, loop.load, fit.phase, 0.0, 0.0).value
+    return fit.misfit.systematic * float(np.ptp(loop.load)) / max(abs(area), 1e-300)
+
+
+def _cycles_differ(loop: MeasuredLoop) -> str:
+    """How the cycles differ, in words; "" where they do not."""
+    noise = max(row_noise(loop.load), loop.resolution[1] / math.sqrt(12))
+    return differences_of_cycles(loop.shift, loop.load, loop.time, noise)
+
+
+def _with_widening_said(fit: _Fit, share: float) -> _Fit:
+    if fit.misfit.widening == 1.0 or share < _WORTH_SAYING:
+        return fit
+    sentence = (
+        f"Neighbouring rows lie on the same side of the best fit (correlation"
+        f" {fit.misfit.correlation:.2g}), by {100 * share:.2g} % of the loop's opening: the"
+        f" interval of f is {fit.misfit.widening:.2g} times as wide for it"
+    )
+    return replace(fit, said=(*fit.said, sentence))
+
+
+def _without_drift_and_run_in(loop: MeasuredLoop, fit: _Fit) -> list[tuple[MeasuredLoop, str]]:
+    """The loop without a drift of U, without its first cycles, and without both; each with what
+    was done.
+    """
+    assert fit.branches is not None
+    parts = [(loop, "")]
+    for cycles in range(1, min(_RUN_IN, int(fit.cycles / 2)) + 1):
+        first = int(np.argmax(fit.phase >= fit.phase[0] + cycles))
+        rest = replace(
+            loop, shift=loop.shift[first:], load=loop.load[first:], time=loop.time[first:]
+        )
+        parts.append((rest, f"Rows 1 to {first} are left out: run-in, unlike the later cycles"))
+    candidates = []
+    for part, sentence in parts:
+        if part is not loop:
+            candidates.append((part, sentence))
+        try:
+            branches = find_branches(
+                part.shift, part.load, part.time, part.resolution[1], part.source
+            )
+        except InputError:  # the rest is no whole cycle
+            continue
+        rate = drift_of_shift(part.shift, part.load, part.time, branches)
+        if rate is None or abs(_drift_of_cycle(part, branches, rate)) > _DRIFT:
+            continue
+        straight = replace(part, shift=part.shift - rate * (part.time - part.time[0]))
+        drift = (
+            f"U drifts by {100 * _drift_of_cycle(part, branches, rate):+.2g} % of its range in a"
+            " cycle: taken out"
+        )
+        candidates.append((straight, f"{sentence}. {drift}" if sentence else drift))
+    return candidates
+
+
+def _drift_of_cycle(loop: MeasuredLoop, branches: Branches, rate: float) -> float:
+    """Of U in a cycle, over its range."""
+    return rate * float(np.ptp(loop.time)) / branches.cycles / float(np.ptp(loop.shift))
+
+
+def _why_not_steady(loop: MeasuredLoop, fit: _Fit) -> str:
+    """What the rows show in place of a steady loop."""
+    assert fit.branches is not None
+    rate = drift_of_shift(loop.shift, loop.load, loop.time, fit.branches)
+    if rate is not None:
+        drift = _drift_of_cycle(loop, fit.branches, rate)
+        if abs(drift) > _DRIFT:
+            return (
+                f"U moves on by {100 * drift:+.2g} % of its range in each cycle, so the contact"
+                " slides on or the gauge does"
+            )
+    if slides_as_a_whole(loop.shift, loop.load, fit.branches):
+        turns = (fit.branches.lowest.load, fit.branches.highest.load)
+        return (
+            f"U moves on while Q stays at {turns[0]:.4g} and {turns[1]:.4g}, so the contact slides"
+            " as a whole and f is Q/P there"
+        )
+    return _cycles_differ(loop) or (
+        "its cycles are alike, but their form is not that of theory (other bodies, plastic flow,"
+        " wear, sliding as a whole, or noise that is no scatter)"
+    )
 
 
 def _fit_by_branches(loop: MeasuredLoop, scene: Scene, rig_compliance: float | None) -> _Fit:
@@ -628,6 +778,8 @@ def _fit_by_branches(loop: MeasuredLoop, scene: Scene, rig_compliance: float | N
         shift_noise=fit.shift_noise,
         load_noise=fit.load_noise,
         said=tuple(said),
+        misfit=fit.misfit,
+        branches=branches,
     )
 
 
@@ -758,6 +910,8 @@ def _fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | Non
         shift_noise=noise,
         load_noise=max(noise_of_load, loop.resolution[1] / math.sqrt(12)),
         said=tuple(said),
+        misfit=Misfit(0.0, 0.0),
+        branches=None,
     )
 
 

@@ -1,0 +1,133 @@
+"""Whether the rows of a loop are of one steady loop of theory: drift of U, run-in, and cycles that
+differ.
+
+The distances of rows from the loop that fits them are scatter if the model holds: neighbours do
+not know of each other. Where the model does not hold, neighbours lie on the same side of it, and
+the correlation of neighbours says how much of the distances is no scatter.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from reports.scoring.loop_branches import Branches, row_noise, sizes_of_cycles
+from scenes.array_types import Array
+
+# Correlation of neighbours in its standard deviations, 1/sqrt(n): chance exceeds three once in
+# 700.
+_BY_CHANCE = 3.0
+# Neighbours that are alike to this leave one row's worth in 40: no interval is widened more.
+_MOST_ALIKE = 0.95
+# Rows of which the branch is certain: this share of a branch is left out at both of its ends.
+_AT_TURN = 0.1
+# Pairs of rows a cycle apart that a drift is found from.
+_FEWEST_PAIRS = 8
+# Sizes of cycles that are alike differ by less: at 20 rows a cycle a size is known to 1 %.
+_ALIKE = 0.03
+# Largest difference between sizes of a few cycles by noise, in standard deviations of one.
+_NOISE_OF_SIZES = 4.0
+# Sizes, half a cycle after each other, that part a period of two cycles from a trend.
+_SHOWS_A_PERIOD = 4
+# Q stays at its turning point within this share of its range, while U moves by that share of its
+# own: the contact slides as a whole. Where it nearly slides U moves by less than a tenth.
+_STAYS = 0.03
+_MOVES = 0.13
+
+
+@dataclass(frozen=True)
+class Misfit:
+    """What the distances of rows (n,) from their fit say about the model.
+
+    Attributes
+    ----------
+    correlation
+        of neighbours, 0 where chance may have given it
+    systematic
+        rms of the part of the distances that is no scatter [length]
+    """
+
+    correlation: float
+    systematic: float
+
+    @property
+    def widening(self) -> float:
+        """Of an interval: the square root of rows over independent rows, (1 + r)/(1 - r)."""
+        alike = min(self.correlation, _MOST_ALIKE)
+        return math.sqrt((1 + alike) / (1 - alike))
+
+
+def misfit_of(distances: Array, shift_noise: float) -> Misfit:
+    """The misfit that distances (n,) in sigma show; `shift_noise` is sigma of U [length].
+
+    >>> bool(misfit_of(np.sin(np.arange(200) / 10), 1.0).correlation > 0.9)
+    True
+    >>> misfit_of(np.random.default_rng(1).standard_normal(200), 1.0).correlation
+    0.0
+    """
+    apart = distances - np.mean(distances)
+    squares = float(apart @ apart)
+    if squares == 0:
+        return Misfit(0.0, 0.0)
+    correlation = float(apart[1:] @ apart[:-1]) / squares
+    if correlation * math.sqrt(len(apart)) < _BY_CHANCE:
+        return Misfit(0.0, 0.0)
+    rms = math.sqrt(squares / len(apart)) * shift_noise
+    return Misfit(correlation, rms * math.sqrt(correlation))
+
+
+def drift_of_shift(shift: Array, load: Array, time: Array, branches: Branches) -> float | None:
+    """Rate of U [length per unit of time] by rows a cycle apart at the same Q; None where too few
+    rows have another a cycle later.
+    """
+    phase = np.maximum.accumulate(branches.phase)
+    place = np.mod(2 * branches.phase, 1.0)
+    chosen = (place > _AT_TURN) & (place < 1 - _AT_TURN) & (branches.phase + 1 < phase[-1])
+    if np.count_nonzero(chosen) < _FEWEST_PAIRS:
+        return None
+    later = branches.phase[chosen] + 1
+    slope = float(np.polyfit(load, shift, 1)[0])
+    opened = shift - slope * load
+    moved = np.interp(later, phase, opened) - opened[chosen]
+    passed = np.interp(later, phase, time) - time[chosen]
+    return float(np.mean(moved) / np.mean(passed))
+
+
+def slides_as_a_whole(shift: Array, load: Array, branches: Branches) -> bool:
+    """Whether U moves on while Q stays at its turning points."""
+    margin = _STAYS * (branches.highest.load - branches.lowest.load) + 2 * branches.load_noise
+    at_top = shift[load > branches.highest.load - margin]
+    at_bottom = shift[load < branches.lowest.load + margin]
+    # Half of the rows by the middle of each plateau: noise of U and single rows count for nothing.
+    moved = [np.ptp(np.quantile(part, [0.1, 0.9])) for part in (at_top, at_bottom) if len(part) > 3]
+    return bool(moved and min(moved) > _MOVES * np.ptp(shift) + 3 * row_noise(shift))
+
+
+def differences_of_cycles(shift: Array, load: Array, time: Array, noise: float) -> str:
+    """How the cycles of rows differ from each other in size, in words; "" where they are alike."""
+    for name, values in (("Q", load), ("U", shift)):
+        sizes = sizes_of_cycles(values, load, time, noise)
+        if len(sizes) < 2:
+            return ""
+        middle = float(np.median(sizes))
+        rows_of_cycle = 2 * len(load) / (len(sizes) + 1)
+        by_noise = _NOISE_OF_SIZES * row_noise(values) / (middle * math.sqrt(rows_of_cycle))
+        changes = sizes / middle - 1
+        if float(np.ptp(changes)) < _ALIKE + by_noise:
+            continue
+        steps = np.diff(changes)
+        extent = (
+            f"{name} of one cycle goes up and down by {100 * float(np.ptp(changes)):.2g} % more"
+            " than of another"
+        )
+        if np.all(steps > 0):
+            return f"its cycles grow: {extent}"
+        if np.all(steps < 0):
+            return f"its cycles shrink: {extent}"
+        apart = changes - np.mean(changes)
+        if len(apart) > _SHOWS_A_PERIOD and float(apart[2:] @ apart[:-2]) < 0:
+            return f"its period is another, every second cycle is alike: {extent}"
+        return f"its cycles differ: {extent}"
+    return ""
