@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from scenes import BodyEffects, Hertz, InputError, PolygonLoad, Rig, Scene
+from scenes import BodyEffects, Estimate, Hertz, InputError, PolygonLoad, Rig, Scene
 from scenes.array_types import Array
 from semi_analytic.answer import Findings, Question, mirrored_points, neglected_coupling
 from semi_analytic.answer_by_memory import folded
@@ -53,8 +53,9 @@ from semi_analytic.driven import (
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.next_order import MOST_ROWS, next_order_works
 from semi_analytic.odd_memory import ODD_NUMBERS, Declined
-from semi_analytic.odd_part_of_rig import odd_part_of_rig
+from semi_analytic.odd_part_of_rig import loads_of_cycle, odd_part_of_rig
 from semi_analytic.profiles import SymmetricContact, contact_of
+from semi_analytic.tilt_and_strain import change_by_tilt_and_strain, work_of_half_planes
 
 # Share of f P by which the memory curves of two cycles may differ and be the same state.
 _STEADY = 1e-9
@@ -64,6 +65,8 @@ _ROWS_AT_END = 33
 _MOST_ENDS = 200
 # Slides of this share of the way of the actuator are round-off.
 _NO_SLIDE = 1e-9
+# Straight steps of a cycle on grids, which take few.
+_STEPS_ON_GRIDS = 55
 # Of a path that `odd_part_of_rig` states again: the second cycle is steady, if not the first.
 _STEADY_CYCLE = 1
 # Slides that a note names one by one.
@@ -296,7 +299,26 @@ def _odd_part(rig: Rigged, driven: Driven, last_cycle: slice, steady_from: int |
     try:
         return OddPart(odd_part_of_rig(rig.scene, rig.effects, driven, last_cycle))
     except Declined as reason:
-        return OddPart(left_out=str(reason))
+        return _odd_part_on_grids(rig, driven, last_cycle, str(reason))
+
+
+def _odd_part_on_grids(rig: Rigged, driven: Driven, last_cycle: slice, reason: str) -> OddPart:
+    """The same on grids, where the second order does not hold for that reason.
+
+    Grids follow the loads that were found. Where they take neither, it is left out.
+    """
+    if np.any(driven.slide[last_cycle][1:] != 0):
+        return OddPart(left_out=reason)
+    try:
+        of_loads = loads_of_cycle(rig.scene, driven, last_cycle, _STEPS_ON_GRIDS)
+        change = change_by_tilt_and_strain(of_loads, rig.effects)
+    except (Declined, InputError):
+        return OddPart(left_out=reason)
+    work = driven.work(last_cycle)
+    # The change is that of half-planes: what the curvatures make of it is of the next order.
+    by_curvatures = abs(work / work_of_half_planes(of_loads) - 1)
+    uncertainty = change.uncertainty + abs(change.value) * by_curvatures
+    return OddPart(on_grids=Estimate(change.value * work, uncertainty * work))
 
 
 def _no_next_order(driven: Driven, last_cycle: slice) -> str:

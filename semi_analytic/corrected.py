@@ -175,13 +175,18 @@ class OddPart(NamedTuple):
         of `odd_memory`; None where there is none
     left_out
         why there is none; empty where the effects have nothing odd
+    on_grids
+        work that they add in the last cycle, on grids, where the second order does not hold
     """
 
     answer: OddAnswer | None = None
     left_out: str = ""
+    on_grids: Estimate | None = None
 
     def work(self, cycle: int) -> Estimate:
         """Work that they add in a cycle that was followed."""
+        if self.on_grids is not None:
+            return self.on_grids
         if self.answer is None:
             return ZERO
         works = self.answer.works
@@ -237,11 +242,12 @@ def notes_of_effects(
         return
     values = ", ".join(f"{value:.3g}" for value in numbers)
     symbols = f"o = (alpha_P, alpha_Q, e_P, e_Q) P0/(a0/R) = ({values})"
-    if odd.answer is not None:
-        added = odd.answer.works[-1]
+    if odd.answer is not None or odd.on_grids is not None:
+        added = odd.work(-1)
+        how = "in the second order" if odd.on_grids is None else "on grids"
         yield (
             f"effects: tilt and bulk strain of the bodies, {symbols}, add {added.value:.3g}"
-            f" ± {added.uncertainty:.1g} to the dissipation, in the second order, and"
+            f" ± {added.uncertainty:.1g} to the dissipation, {how}, and"
             f" {in_answer.covered}"
         )
         return

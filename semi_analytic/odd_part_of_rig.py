@@ -7,7 +7,8 @@ that follow from displacements are known step by step. So the steady cycle is st
 - on an ellipse or harmonics, by harmonics of Q, for P is one of them;
 - on other cycles, by straight steps between fewer rows. Their strokes end at vertices of the path.
 
-The initial loading does not count in a steady cycle.
+The initial loading does not count in a steady cycle. Where one side of the contact slips alone,
+that order does not hold: grids follow the same loads, see `answer_of_rig`.
 """
 
 from __future__ import annotations
@@ -49,12 +50,28 @@ def odd_part_of_rig(
     Declined
         As `odd_answer`; where the bodies slide as a whole, or part.
     """
-    load = driven.followed.normal_load[last_cycle]
-    force = driven.followed.tangential_load[last_cycle]
-    if np.any(load <= 0):
+    if np.any(driven.followed.normal_load[last_cycle] <= 0):
         raise Declined("the bodies part")
     if np.any(driven.slide[last_cycle][1:] != 0):
         raise Declined("the bodies slide as a whole")
+    return odd_answer(loads_of_cycle(scene, driven, last_cycle), effects)
+
+
+def loads_of_cycle(scene: Scene, driven: Driven, last_cycle: slice, steps: int = _STEPS) -> Scene:
+    """The scene under the loads of a cycle that are found, in the place of its displacements.
+
+    Parameters
+    ----------
+    steps
+        of a cycle that has neither constant P nor harmonics, at most
+
+    Raises
+    ------
+    Declined
+        Where Q rests.
+    """
+    load = driven.followed.normal_load[last_cycle]
+    force = driven.followed.tangential_load[last_cycle]
     time = driven.time[last_cycle]
     found: HarmonicLoad | PolygonLoad
     if np.ptp(load) <= _SAME * float(np.max(load)):
@@ -62,8 +79,8 @@ def odd_part_of_rig(
     elif isinstance(scene.load, EllipseLoad | HarmonicLoad):
         found = _harmonics(time, load, force)
     else:
-        found = _steps(load, force)
-    return odd_answer(scene.vary(load=found, rig=Rig(), cycles=2), effects)
+        found = _steps(load, force, steps)
+    return scene.vary(load=found, rig=Rig(), cycles=2)
 
 
 def _turning_points(load: Array, force: Array) -> PolygonLoad:
@@ -101,8 +118,8 @@ def _harmonics(time: Array, load: Array, force: Array) -> HarmonicLoad:
     )
 
 
-def _steps(load: Array, force: Array) -> PolygonLoad:
+def _steps(load: Array, force: Array, steps: int) -> PolygonLoad:
     """The cycle by straight steps between some of its rows."""
-    rows = np.unique(np.linspace(0, len(load) - 1, _STEPS + 1).astype(int))
+    rows = np.unique(np.linspace(0, len(load) - 1, steps + 1).astype(int))
     points = list(zip(load[rows].tolist(), force[rows].tolist(), strict=True))
     return PolygonLoad(initial_loading=(points[0],), cycle=tuple(points[1:-1]))

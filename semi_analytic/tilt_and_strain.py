@@ -120,9 +120,14 @@ def _by_second_order(scene: Scene, effects: BodyEffects) -> Estimate | None:
         added = odd_answer(scene, effects).works[-1]
     except Declined:
         return None
-    of_work = Question(scene, frozenset({"dissipation"}), np.zeros(1), None, "all", False, None)
-    work = float(by_memory(of_work, None).values["dissipation"])
+    work = work_of_half_planes(scene)
     return Estimate(added.value / work, added.uncertainty / work) if work > 0 else None
+
+
+def work_of_half_planes(scene: Scene) -> float:
+    """W of half-planes under the scene's P and Q."""
+    of_work = Question(scene, frozenset({"dissipation"}), np.zeros(1), None, "all", False, None)
+    return float(by_memory(of_work, None).values["dissipation"])
 
 
 def _by_grids(scene: Scene, effects: BodyEffects) -> Estimate:

@@ -7,6 +7,7 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -41,6 +42,7 @@ from semi_analytic.driven import (
     loads_of_approach,
 )
 from semi_analytic.hertz import HertzContact
+from semi_analytic.odd_memory import Declined
 
 BENCHMARKS = Path(__file__).parent.parent / "benchmarks"
 sys.path.insert(0, str(BENCHMARKS))
@@ -475,6 +477,13 @@ TILTED = BodyEffects(
 )
 
 
+DRIVEN_WAVE = EllipseLoad(
+    mean_normal_load=90.0,
+    normal_amplitude=30.0,
+    tangential_displacement={"amplitude": 1.5e-3, "phase_degrees": 60.0},
+)
+
+
 def tilting(load: Any, rig: Rig) -> Scene:
     """A block on a half-plane, whose effects are stated beside it."""
     return load_scene("cattaneo-mindlin").vary(
@@ -594,6 +603,28 @@ def test_where_the_bodies_slide_tilt_is_left_out_of_the_work_and_said() -> None:
     assert len(left_out) == 2
     assert all("the bodies slide as a whole" in note for note in left_out)
     assert math.isnan(solution.record.errors["dissipation"])  # by how much is not known
+
+
+def test_where_one_side_slips_alone_grids_add_what_tilt_makes(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of the work without it, with the grids' uncertainty; and said."""
+    scene = tilting(DRIVEN_WAVE, Rig())
+    declined = Mock(side_effect=Declined("one side slips alone"))
+    monkeypatch.setattr(answer_of_rig, "odd_part_of_rig", declined)
+    by_grids = Mock(return_value=Estimate(0.1, 0.02))
+    monkeypatch.setattr(answer_of_rig, "change_by_tilt_and_strain", by_grids)
+    fields = ("dissipation",)
+    tilted = semi_analytic.solve(scene, x=[0.0], effects=TILTED, fields=fields)
+    by_grids.side_effect = InputError("no grid takes it")
+    without = semi_analytic.solve(scene, x=[0.0], effects=TILTED, fields=fields)
+    assert tilted.dissipation == pytest.approx(1.1 * without.dissipation, rel=1e-3)
+    assert 0.02 / 1.1 < tilted.record.errors["dissipation"] < 0.03
+    assert math.isnan(without.record.errors["dissipation"])
+    assert any("on grids" in note for note in tilted.record.notes)
+    assert any("one side slips alone" in note for note in without.record.notes)
+    loads = by_grids.call_args.args[0].load
+    assert isinstance(loads, HarmonicLoad)
 
 
 # ----------------------------------------------------------------------------- rigs of the library
