@@ -912,6 +912,7 @@ def test_the_command_writes_a_page_and_its_json(tmp_path, monkeypatch, capsys):
     assert main([*words, "--json", "--rig-compliance", "1e-5"]) in (0, 1)
     answer = json.loads(capsys.readouterr().out)["result"]
     assert answer["rig_compliance"] == {"value": 1e-5, "fitted": False}
+    assert "With the stated rig compliance the best fit is" in str(answer)
     assert {"metrics", "friction", "sentence", "page", "scene"} <= answer.keys()
     assert stored["friction"]["low"] < stored["friction"]["value"] < stored["friction"]["high"]
     assert Path("out/score-loop/figures/loop.csv").is_file()

@@ -644,6 +644,13 @@ def _steady_part(
             f"{loop.source}: its rows are of no steady loop: {_why_not_steady(loop, fit)}; give the"
             " rows of cycles that are alike"
         )
+    if share > _OF_THEORY_AT_ALL and rig_compliance is not None:
+        sentence = (
+            f"With the stated rig compliance the best fit is {100 * share:.2g} % of the loop's"
+            " opening away from rows that lie beside each other: leave it out, and it is fitted"
+        )
+        fit_of_part = replace(fit_of_part, said=(*fit_of_part.said, sentence))
+        return part, _with_widening_said(fit_of_part, share)
     if share > _OF_THEORY_AT_ALL:
         raise InputError(
             f"{loop.source}: its rows are of no steady loop of {scene.name}:"
