@@ -21,6 +21,7 @@ import numpy as np
 
 from scenes import BodyEffects, Estimate, Hertz, InputError, PolygonLoad, Rig, Scene
 from scenes.array_types import Array
+from scenes.errors import first_line
 from semi_analytic.answer import Findings, Question, mirrored_points, neglected_coupling
 from semi_analytic.answer_by_memory import folded
 from semi_analytic.corrected import (
@@ -311,12 +312,15 @@ def _odd_part_on_grids(rig: Rigged, driven: Driven, last_cycle: slice, reason: s
         return OddPart(left_out=reason)
     try:
         of_loads = loads_of_cycle(rig.scene, driven, last_cycle, _STEPS_ON_GRIDS)
+        of_half_planes = work_of_half_planes(of_loads)
+        if not of_half_planes > 0:
+            return OddPart(left_out=reason)  # nothing slips that could change
         change = change_by_tilt_and_strain(of_loads, rig.effects)
-    except (Declined, InputError):
-        return OddPart(left_out=reason)
+    except (Declined, InputError) as fault:
+        return OddPart(left_out=f"{reason}, and grids do not take it: {first_line(fault)}")
     work = driven.work(last_cycle)
     # The change is that of half-planes: what the curvatures make of it is of the next order.
-    by_curvatures = abs(work / work_of_half_planes(of_loads) - 1)
+    by_curvatures = abs(work / of_half_planes - 1)
     uncertainty = change.uncertainty + abs(change.value) * by_curvatures
     return OddPart(on_grids=Estimate(change.value * work, uncertainty * work))
 

@@ -23,20 +23,9 @@ from halfplane_fe.elasticity import CondensedBody
 from halfplane_fe.scales import Scales
 from meshes import BodyMesh, MeshSettings
 from scenes import Elastic, Profile, Scene
+from scenes.scene import WORDS
 
 PACKAGES = ("halfplane_fe", "meshes", "scenes")
-# Of a scene, what no coarse run depends on.
-WORDS = {
-    "name",
-    "title",
-    "purpose",
-    "source",
-    "tags",
-    "units",
-    "tolerances",
-    "expected",
-    "uncertainty",
-}
 # Bodies and meshes that are cached: 2 MB each, as the tests make them.
 MOST = 100
 
@@ -85,7 +74,7 @@ class CoarseRuns(Cached):
     """`find_scales`: scales, and the work that is counted for them."""
 
     def key(self, scene: Scene, work: Counter[str]) -> Hashable:
-        return scene.model_dump_json(exclude=WORDS)
+        return scene.model_dump_json(exclude=set(WORDS))  # no coarse run depends on them
 
     def recorded(self, scene: Scene, work: Counter[str]) -> tuple[Scales, Counter[str]]:
         own_work: Counter[str] = Counter()
