@@ -411,13 +411,17 @@ class Followed:
         """pi/A times the friction work of the step that ends at each row, (n,)."""
         outer = self._work_of_zones(self.direction, self.front, self.edge)
         inner = self._work_of_zones(self.ring_direction, self.ring[:, 0], self.ring[:, 1])
-        return outer + inner
+        # Punches that the contact leaves in a step slip until then.
+        edge_before = np.append(self.edge[:1], self.edge[:-1])
+        left = self._work_of_zones(self.direction, self.edge, edge_before)
+        return outer + inner + left
 
     def _work_of_zones(self, sense: Indices, begin: Array, end: Array) -> Array:
-        """The same of slip of a sense (n,) from `begin` to `end` (n,) at the end of each step.
+        """The same of slip of a sense (n,) from `begin` to `end` (n,) in each step.
 
         A punch slips in the share of the step in which its F follows the bound, which goes straight
-        through the step: the load beyond it counts with its mean over that share.
+        through the step, and no longer than it is in contact: the load beyond it counts with its
+        mean over that share.
         """
         parts = self._parts_of_zones(sense, begin, end)
         nodes, weights = _GAUSS_OF_WORK
@@ -454,7 +458,13 @@ class Followed:
         since_touch = np.clip(beyond / rise, 0.0, 1.0)
         share = np.where(touches, since_touch, share)
         change = np.where(touches, growth * since_touch, change)
-        mean = np.maximum(beyond - share * (beyond - beyond_before) / 2, 0.0)
+        leaves = (beyond < 0) & (beyond_before > 0)
+        fall = np.where(leaves, beyond_before - beyond, np.inf)
+        apart = np.where(leaves, -beyond / fall, 0.0)  # share of the step after the contact
+        slips = np.maximum(share - apart, 0.0)
+        change = np.where(leaves, growth * slips, change)
+        middle = 1 - share + slips / 2
+        mean = np.maximum(beyond_before + middle * (beyond - beyond_before), 0.0)
         rate = table.half_width_rate(s) / table.half_width(s)
         work = self.friction * (mean * change * rate) @ weights * length[:, 0] / 2
         return np.asarray(np.bincount(parts.row, work, len(sense)), dtype=float)

@@ -35,6 +35,8 @@ from scenes.array_types import Array
 from semi_analytic.profiles import SymmetricContact
 
 _PUNCHES = 400
+# Rows whose punches are held at once: some ten arrays of 1 MB.
+_AT_ONCE = 256
 # Rows of a path at most: each takes some 50 us.
 MOST_ROWS = 10_000
 
@@ -47,6 +49,15 @@ class _Terms:
     face_curvature: Array
     gap_fourth: Array
     face_fourth: Array
+
+    def at(self, rows: slice) -> _Terms:
+        """Those of some rows, (m, 1) each."""
+        return _Terms(
+            self.gap_curvature[rows, None],
+            self.face_curvature[rows, None],
+            self.gap_fourth[rows, None],
+            self.face_fourth[rows, None],
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,35 +138,85 @@ def _punches(contact: SymmetricContact, modulus: float, largest: float) -> _Punc
 def _course(
     normal_load: Array, tangential_load: Array, friction: float, punches: _Punches, terms: _Terms
 ) -> _Course:
-    """The memory forces of the punches carried along a path."""
-    rows = len(normal_load)
-    work = np.zeros(rows)
-    seconds = np.zeros((2, rows))
-    arm = punches.half_width**2 / 2
-    force = np.zeros(len(punches.load))
-    beyond_before = -punches.load
-    core_before = np.zeros(len(punches.load))
-    for row in range(rows):
-        of_gap = terms.gap_curvature[row] * punches.parabola
-        of_gap = of_gap + terms.gap_fourth[row] * punches.fourth
-        of_faces = terms.face_curvature[row] * punches.parabola
-        of_faces = of_faces + terms.face_fourth[row] * punches.fourth
-        beyond = normal_load[row] - punches.load - of_gap  # pi
-        core = tangential_load[row] - of_faces
-        touches = beyond > 0
-        is_new = touches & (beyond_before <= 0)
-        share = beyond_before / np.where(is_new, beyond_before - beyond, 1.0)
-        at_touch = core_before + share * (core - core_before)
-        start = np.where(is_new, at_touch, force)
-        reach = friction * np.maximum(beyond, 0.0)
-        force = np.where(touches, np.clip(start, core - reach, core + reach), core)
-        mean_beyond = np.maximum(beyond, 0.0) + np.maximum(beyond_before, 0.0)
-        moved = np.where(touches, np.abs(force - start), 0.0)
-        work[row] = friction * float(np.sum(mean_beyond / 2 * moved * punches.share))
-        carried = np.where(touches, punches.load + of_gap, normal_load[row])
-        shear = np.where(touches, force + of_faces, tangential_load[row])
-        for number, values in enumerate((carried, shear)):
-            seconds[number, row] = float(np.sum(arm * np.diff(values, prepend=0.0)))
-        beyond_before = beyond
-        core_before = core
+    """The memory forces of the punches carried along a path, block by block of its rows."""
+    count = len(normal_load)
+    work = np.zeros(count)
+    seconds = np.zeros((2, count))
+    before = _Carried.at_rest(punches)
+    for begin in range(0, count, _AT_ONCE):
+        rows = slice(begin, begin + _AT_ONCE)
+        loads = (normal_load[rows, None], tangential_load[rows, None])
+        block = _block(*loads, friction, punches, terms.at(rows), before)
+        work[rows] = block.work
+        seconds[:, rows] = block.seconds
+        before = block.last
     return _Course(work, *seconds)
+
+
+@dataclass(frozen=True, eq=False)
+class _Carried:
+    """Of each punch at one row, (k,) each: pi, the force Q - kt G - t4 G_4 of the bound without
+    friction, and F.
+    """
+
+    beyond: Array
+    core: Array
+    force: Array
+
+    @classmethod
+    def at_rest(cls, punches: _Punches) -> _Carried:
+        """Before the first load."""
+        none = np.zeros(len(punches.load))
+        return cls(-punches.load, none, none)
+
+
+@dataclass(frozen=True, eq=False)
+class _Block:
+    """Work of each step, (n,), over A/pi; p_2 and q_2, (2, n); what is carried at the last row."""
+
+    work: Array
+    seconds: Array
+    last: _Carried
+
+
+def _block(
+    normal_load: Array,
+    tangential_load: Array,
+    friction: float,
+    punches: _Punches,
+    terms: _Terms,
+    before: _Carried,
+) -> _Block:
+    """Some rows of a path, loads (n, 1) and terms (n, 1), after what was carried `before`."""
+    of_gap = terms.gap_curvature * punches.parabola + terms.gap_fourth * punches.fourth
+    of_faces = terms.face_curvature * punches.parabola + terms.face_fourth * punches.fourth
+    beyond = normal_load - punches.load - of_gap  # pi
+    core = tangential_load - of_faces
+    beyond_before = np.vstack([before.beyond, beyond[:-1]])
+    core_before = np.vstack([before.core, core[:-1]])
+    touches = beyond > 0
+    is_new = touches & (beyond_before <= 0)
+    share = beyond_before / np.where(is_new, beyond_before - beyond, 1.0)
+    at_touch = core_before + share * (core - core_before)
+    reach = friction * np.maximum(beyond, 0.0)
+
+    forces = np.empty_like(core)
+    starts = np.empty_like(core)
+    force = before.force
+    for row, (low, high) in enumerate(zip(core - reach, core + reach, strict=True)):
+        start = starts[row]
+        start[:] = force
+        np.copyto(start, at_touch[row], where=is_new[row])
+        force = np.minimum(np.maximum(start, low), high, out=forces[row])
+
+    mean_beyond = np.maximum(beyond, 0.0) + np.maximum(beyond_before, 0.0)
+    moved = np.where(touches, np.abs(forces - starts), 0.0)
+    work = friction * np.sum(mean_beyond / 2 * moved * punches.share, axis=1)
+    arm = punches.half_width**2 / 2
+    arm_falls = arm - np.append(arm[1:], 0.0)
+    carried = np.where(touches, punches.load + of_gap, normal_load)
+    shear = np.where(touches, forces + of_faces, tangential_load)
+    # int arm d(carried), in which carried is 0 at the middle: summed by parts
+    seconds = np.stack([carried @ arm_falls, shear @ arm_falls])
+    last = _Carried(beyond[-1], core[-1], forces[-1])
+    return _Block(work, seconds, last)

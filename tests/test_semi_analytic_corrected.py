@@ -478,6 +478,24 @@ def test_cycles_and_instants_are_those_of_the_question() -> None:
     assert again.cycle_dissipation[1:] == pytest.approx([everything.dissipation] * 5, rel=1e-5)
 
 
+def test_a_straight_step_takes_the_work_of_its_parts() -> None:
+    """Also of punches that the contact leaves in the step: they are 1e-4 of this work."""
+    scene = scene_of("paper")
+    contact = contact_of(scene.profile, scene.material)
+    table = corrected_memory.PunchTable(contact, composite_modulus(scene.material), 1.3)
+    before = LOAD * np.array([[0.0, 0.0], [1.0, 0.0], [1.0, -0.6]])
+    unloads = LOAD * np.array([-0.02, -0.01])  # P falls while Q slips on
+    bends = corrected.curvatures_of(ALL_BENDS)
+
+    def work(parts: int) -> float:
+        share = np.arange(1, parts + 1)[:, None] / parts
+        rows = np.concatenate([before, before[-1] + share * unloads])
+        followed = corrected_memory.follow(table, 1.0, *rows.T, bends)
+        return float(np.sum(followed.step_work[len(before) :]))
+
+    assert work(1) == pytest.approx(work(16), rel=1e-6)
+
+
 def test_more_steps_change_the_work_by_less_than_is_stated() -> None:
     scene = scene_of("paper")
     solution = semi_analytic.solve(scene, fields="dissipation", effects=ALL_BENDS)
