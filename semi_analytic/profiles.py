@@ -19,7 +19,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache, cached_property, partial
+from functools import cache, partial
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -36,7 +36,6 @@ from scenes import (
     Hertz,
     InputError,
     Materials,
-    NotFoundError,
     PowerLaw,
     Profile,
     ProfileDataError,
@@ -44,7 +43,7 @@ from scenes import (
     Wedge,
 )
 from scenes.array_types import Array
-from scenes.chebyshev import NODES, Pieces, Powers, Unresolved, halved, series, tail
+from scenes.chebyshev import NODES, Pieces, Powers, Unresolved, halved, series
 from scenes.profiles import first_fall
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.hertz import HertzContact
@@ -516,32 +515,16 @@ def two_curvatures(
 _TOGETHER = 32
 
 
-class _Inverse(NamedTuple):
-    """u^2 over w = sqrt(P - P(begin)) on each piece, (n,): P(begin), ends of w, series, whether
-    these are not resolved.
-    """
-
-    begin_load: Array
-    low: Array
-    high: Array
-    square: Powers
-    is_rough: NDArray[np.bool_]
-
-
 @dataclass(frozen=True, eq=False)
 class _Series:
-    """Chebyshev series of P and dP/da on pieces [low, high] (n,) of u = sqrt(a - begin), and of u^2
-    over w = sqrt(P - P(begin)).
-
-    `edges` (n,) are the half-widths and `loads` (n + 1,) the normal loads at which the pieces
-    begin, the last one ends.
+    """Chebyshev series of P and dP/da on pieces [low, high] (n,) of u = sqrt(a - begin); `edges`
+    (n,) are the half-widths at which the pieces begin.
     """
 
     begin: Array
     low: Array
     high: Array
     edges: Array
-    loads: Array
     load: Powers
     rate: Powers
 
@@ -550,59 +533,6 @@ class _Series:
         low = self.low[number]
         high = self.high[number]
         return values(number, np.minimum((2 * u - low - high) / (high - low), 1.0))
-
-    def half_width(self, load: Array) -> Array:
-        """a(P) behind the second knot, by its series; where that is not resolved, since P hardly
-        grows, by Newton's method too.
-        """
-        number = np.searchsorted(self.loads, load, side="right") - 1
-        number = np.clip(number, 0, len(self.begin) - 1)
-        inverse = self._inverse
-        w = np.sqrt(np.maximum(load - inverse.begin_load[number], 0.0))
-        low = inverse.low[number]
-        high = inverse.high[number]
-        place = np.clip((2 * w - low - high) / (high - low), -1.0, 1.0)
-        square = np.maximum(inverse.square(number, place), 0.0)
-        rough_pieces = np.flatnonzero(inverse.is_rough[number])
-        if len(rough_pieces):
-            square[rough_pieces] = self._newton(
-                number[rough_pieces], load[rough_pieces], square[rough_pieces]
-            )
-        return self.begin[number] + square
-
-    @cached_property
-    def _inverse(self) -> _Inverse:
-        """Of every piece."""
-        first = np.flatnonzero(self.low == 0)
-        group = np.searchsorted(first, np.arange(len(self.low)), side="right") - 1
-        begin_load = self.loads[:-1][first][group]
-        low = np.sqrt(np.maximum(self.loads[:-1] - begin_load, 0.0))
-        high = np.sqrt(np.maximum(self.loads[1:] - begin_load, 0.0))
-        w = low[:, None] + (high - low)[:, None] * (1 + NODES) / 2
-        load = begin_load[:, None] + w * w
-        number = np.repeat(np.arange(len(low)), len(NODES)).reshape(load.shape)
-        share = (load - self.loads[:-1, None]) / np.diff(self.loads)[:, None]
-        start = self.low[:, None] ** 2 + (self.high**2 - self.low**2)[:, None] * share
-        coefficients = series(self._newton(number, load, start))
-        is_rough = tail(coefficients) > 1e-15 * (self.begin + self.high**2)
-        return _Inverse(begin_load, low, high, Powers(coefficients.T), is_rough)
-
-    def _newton(self, number: Indices, load: Array, square: Array) -> Array:
-        """u^2 of loads on these pieces: there P is nearly linear in a - b = u^2, whose last digit
-        counts from a.
-        """
-        low = np.square(self.low[number])
-        high = np.square(self.high[number])
-        begin = self.begin[number]
-        for _ in range(50):
-            root = np.sqrt(square)
-            step = (load - self.on(number, root, self.load)) / self.on(number, root, self.rate)
-            square = np.clip(square + step, low, high)
-            # The next step would be the square of this one.
-            if np.all(np.abs(step) <= 1e-9 * (begin + square)):
-                return square
-        worst = float(load.flat[np.argmax(np.abs(step))])
-        raise NotFoundError(f"no half-width was found for the normal load {worst:.17g}")
 
 
 def tabulated(modulus: float, profile: Tabulated) -> ContactLaw:
@@ -658,6 +588,10 @@ def tabulated(modulus: float, profile: Tabulated) -> ContactLaw:
         return series_or_head(d, rows.rate, head.stiffness)
 
     largest_load = float(load(np.array(extent - least)))
+    inverse = head.advance
+    if len(rows.begin):
+        corner = float(knots[1]) - least
+        inverse = inverse_of(load, stiffness, extent, corner, extent - least)
 
     def advance(p: Array) -> Array:
         needed_load = float(np.max(p, initial=0.0))
@@ -666,12 +600,7 @@ def tabulated(modulus: float, profile: Tabulated) -> ContactLaw:
                 f"profile: the normal load {needed_load:.6g} needs a contact wider than the table,"
                 f" whose last x = {extent:.6g} carries {largest_load:.6g}"
             )
-        if not len(rows.begin):
-            return head.advance(p)
-        d = np.array(head.advance(np.minimum(p, rows.loads[0])))
-        is_later = p >= rows.loads[0]
-        d[is_later] = rows.half_width(p[is_later]) - least
-        return d
+        return np.asarray(inverse(p))
 
     law = ContactLaw(load, advance, stiffness, least, tuple(knots[1:-1].tolist()), extent=extent)
     if len(rows.begin):
@@ -798,7 +727,6 @@ def _series_of_rows(knots: Array, bend: Array) -> _Series:
         low,
         high,
         edges=begin + low * low,
-        loads=np.append(load[:, 0], load[-1:, -1]),
         load=Powers(series(load[:, 1:-1]).T),
         rate=Powers(series(rate[:, 1:-1]).T),
     )
