@@ -151,24 +151,35 @@ def coverage_tables() -> Iterator[str]:
     judged them: between half-planes, those that slip and those that hardly slip; real bodies.
     """
     content = json.loads(COVERED.read_text(encoding="utf-8"))
-    for kind, group, words in (
-        ("values", "slip", "Half-planes that slip, against theory"),
-        ("values", "hardly slip", "Half-planes that hardly slip (W below 1e-4 A f² P²)"),
-        ("bodies", "slip", "Real bodies that slip, against finer meshes"),
-    ):
-        runs: dict[str, list[dict[str, Any]]] = {}
-        for name, run in content.items():
-            if name.startswith(f"{kind} "):
-                runs.setdefault(run["preset"], []).append(run)
-        drawn = "; ".join(_drawn(preset, runs[preset], group) for preset in runs)
-        head = "quantity"
-        for preset in runs:
-            head += f" | covered, {preset} mesh | no estimate | stated over true | true over stated"
-        yield f"{words} ({drawn}):"
-        yield ""
-        yield from table(head, _coverage_rows(runs, group))
-        if kind != "bodies":
-            yield ""
+    of_half_planes = _runs_by_preset(content, "values")
+    of_bodies = _runs_by_preset(content, "bodies")
+    yield from _coverage_table(of_half_planes, "slip", "Half-planes that slip, against theory")
+    yield ""
+    yield from _coverage_table(
+        of_half_planes, "hardly slip", "Half-planes that hardly slip (W below 1e-4 A f² P²)"
+    )
+    yield ""
+    yield from _coverage_table(of_bodies, "slip", "Real bodies that slip, against finer meshes")
+
+
+def _runs_by_preset(content: Mapping[str, Any], kind: str) -> dict[str, list[dict[str, Any]]]:
+    """The runs of one kind, by the mesh they were made on."""
+    runs: dict[str, list[dict[str, Any]]] = {}
+    for name, run in content.items():
+        if name.startswith(f"{kind} "):
+            runs.setdefault(run["preset"], []).append(run)
+    return runs
+
+
+def _coverage_table(runs: dict[str, list[dict[str, Any]]], group: str, words: str) -> Iterator[str]:
+    """What uncertainties did in one group of scenes, with a head line."""
+    drawn = "; ".join(_drawn(preset, runs[preset], group) for preset in runs)
+    head = "quantity"
+    for preset in runs:
+        head += f" | covered, {preset} mesh | no estimate | stated over true | true over stated"
+    yield f"{words} ({drawn}):"
+    yield ""
+    yield from table(head, _coverage_rows(runs, group))
 
 
 def _drawn(preset: str, runs: list[dict[str, Any]], group: str) -> str:

@@ -31,7 +31,10 @@ In the order in which a scene passes through::
     between_nodes.py                       what edges between nodes add to the dissipation, which is
                                            taken off
     edges.py                               edges of contact and stick, states as a reader sees them
-    answer.py, solve.py                    the answer: `solve`; cost of a penalty layer
+    task.py, solve.py, answer.py           scene, mesh, settings and scales in one; `solve`; the
+                                           arrays of the answer; cost of a penalty layer
+    answer_uncertainty.py, answer_notes.py how uncertain each value is; what a reader must know of
+                                           mesh and path, counts of work
     answer_of_rig.py                       the loads that a rig's movements lead to; gross sliding
     remainder.py                           what finite bodies add to half-planes: remainder of the
                                            Green's function, without contact

@@ -219,6 +219,15 @@ def _edges(
     }
 
 
+def in_last_cycle(scene: Scene, time: Array, normal_load: Array) -> Mask:
+    """(n,) which of ascending instants are under load in the last cycle, its begin left out; none
+    where the path does not repeat.
+    """
+    period = scene.load.path().period or 0.0
+    is_late = time > time[-1] - period * (1 - 1e-9)
+    return np.asarray(is_late & (normal_load > 0))
+
+
 def _permanent_stick(
     scene: Scene, problem: ContactProblem, run: PathRun, surface_states: States, edges: Array
 ) -> Array:
@@ -241,13 +250,10 @@ def _permanent_stick(
         (k, 2) stick edges of the stored instants, scaled
     """
     nothing = np.full(2, np.nan)
-    period = scene.load.path().period
-    if period is None:
-        return nothing
-    times = np.array([state.time for state in run.states])
-    loaded = np.array([state.normal_load > 0 for state in run.states])
-    in_cycle = (times > run.states[-1].time - period * (1 - 1e-9)) & loaded
-    if not in_cycle.any():  # the very first increment failed
+    time = np.array([state.time for state in run.states])
+    load = np.array([state.normal_load for state in run.states])
+    in_cycle = in_last_cycle(scene, time, load)
+    if not in_cycle.any():  # no cycle, or the very first increment failed
         return nothing
     x = problem.interface.x
     anywhere = scene.unsymmetric

@@ -2,54 +2,50 @@
 
 from __future__ import annotations
 
-import math
 import platform
 import time as clock
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields, replace
 from functools import cache, partial
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
 from halfplane_fe.actuators import actuators_of, path_of
 from halfplane_fe.answer import PenaltyAudit, answer_arrays, penalty_audit, record_of
+from halfplane_fe.answer_notes import CURED, REPEATED, notes_of_answer, work_done
 from halfplane_fe.answer_of_rig import notes_of_rig, scene_of_loads
-from halfplane_fe.condensed_bodies import CACHED
+from halfplane_fe.answer_uncertainty import (
+    cycle_uncertainty,
+    dissipation_uncertainty,
+    value_uncertainties,
+)
 from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.dundurs import dundurs
 from halfplane_fe.edges import uncertainty_at_jumps
 from halfplane_fe.elasticity import CondensedBody
 from halfplane_fe.interface import (
     Interface,
-    bulk_stress_notes,
     check_bulk_stress,
     check_supports,
     condensed_pair,
     couple,
     initial_gap,
-    least_depth,
     meshed_pair,
-    shapes_alike,
     without_local_difference,
 )
 from halfplane_fe.mirror import half, unfolded
 from halfplane_fe.path import check_admissible
-from halfplane_fe.resolution import Revolution, resolution_notes, tip_halvings
-from halfplane_fe.run import MOST_INSTANTS, REPEATS, Pace, PathRun, Progress, run_path
+from halfplane_fe.run import Pace, PathRun, Progress, run_path
 from halfplane_fe.scales import (
-    COARSE_CYCLES,
     RoomForContact,
     Scales,
-    contact_modulus,
     estimate_room,
     find_scales,
     from_datum,
-    is_plain_record,
     is_record,
     needs_shear,
     on_half,
@@ -57,58 +53,21 @@ from halfplane_fe.scales import (
 )
 from halfplane_fe.settings import SolverSettings
 from halfplane_fe.systems import Layer
-from halfplane_fe.uncertainty import (
-    Meshes,
-    Peak,
-    of_small_contacts,
-    peak_uncertainty,
-    run_values,
-    share_of_flanks,
-    share_of_shapes,
-    uncertainties,
-    uncertainty,
-    uncertainty_note,
-)
-from meshes import BodyMesh, MeshSettings, SurfaceGrading, check
+from halfplane_fe.task import Task, surface_grading
+from meshes import BodyMesh, MeshSettings, check
 from scenes import (
     ContactSolution,
     ConvergenceError,
     InputError,
-    Profile,
     Scene,
-    Work,
     freeze,
     scene_of,
 )
-from scenes.array_types import Array, Mask
+from scenes.array_types import Array
 
-# Counts of work: faces whose N - T and K lack what only the mesh makes of them, and runs repeated
-# on the faces as they are.
-_CURED = "interfaces without the mesh's part of N - T"
-_REPEATED = "runs repeated with the mesh's part of N - T"
-_NOTE_REPEATED = (
-    "the contact did not converge on faces without the part of N - T and K that only the mesh"
-    " makes: this is the answer of the faces as they are; where edges move its dissipation errs by"
-    " the first power of the element"
-)
-# for one release: the name meant the active set up to 0.3
-_NOTE_RENAMED = (
-    "method augmented_lagrangian: since 0.4 the augmented Lagrangian of Simo and Laursen, with"
-    " multipliers that are updated; what had this name before is active_set, the default, several"
-    " times faster and with the same answer"
-)
-
-# Share of what kinks between the first and the last start of sliding add to W that counts as
-# uncertain.
-_BENT = 0.2
-# The same in records, whose increments are longer.
-_BENT_IN_RECORDS = 0.3
 # Share of the largest P by which the loads of a rig's cycle may end elsewhere than they began
 # without a note.
 _CLOSED = 1e-9
-# Least radius of a half-disc over the side that may touch: tilt can bring the contact far from x =
-# 0.
-_BEYOND = 1.5
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
@@ -201,43 +160,6 @@ def solve(
         )
 
 
-@dataclass(frozen=True)
-class _Task:
-    """What is to be solved: the question, how it is meshed and iterated, and its scales."""
-
-    scene: Scene
-    mesh: MeshSettings
-    settings: SolverSettings
-    scales: Scales
-
-    @property
-    def has_plain_errors(self) -> bool:
-        """Whether linear elements or a penalty layer make errors that are not of order 2."""
-        return self.mesh.order == 1 or self.settings.method == "penalty"
-
-    @property
-    def steps_by_kinks(self) -> bool:
-        """Whether what kinks in increments add stands for the whole error of the steps: in records
-        of like bodies, without bulk stress, tilt or layer.
-        """
-        return is_plain_record(self.scene) and not self.has_plain_errors
-
-    @property
-    def element(self) -> float:
-        """Size at the edges of contact and stick, of the coarser side, over the half-width."""
-        return self.mesh.edge_element_size * max(self.mesh.upper_ratio, 1.0)
-
-    @property
-    def work_unit(self) -> float:
-        """What dissipation is scaled by [energy / thickness]."""
-        return self.scales.load**2 / self.scales.modulus
-
-    @property
-    def friction_unit(self) -> float:
-        """A f^2 P^2 over `work_unit`, P the largest load."""
-        return 2 * self.scene.friction.coefficient**2
-
-
 def _solve(
     scene: Scene,
     mesh: MeshSettings,
@@ -250,7 +172,7 @@ def _solve(
     report(0, None, "coarse run")
     coarse_work: Counter[str] = Counter()
     scales = known_scales or find_scales(scene, coarse_work)
-    task = _Task(scene, mesh, settings, scales)
+    task = Task(scene, mesh, settings, scales)
     watch.lap("coarse run")
     report(0, None, "meshing and condensing the bodies")
     work: Counter[str] = Counter({f"coarse {name}": count for name, count in coarse_work.items()})
@@ -311,7 +233,7 @@ def _of_last_cycle(answer: FiniteElementSolution, notes: tuple[str, ...]) -> Fin
 
 
 def _solve_path(
-    task: _Task, true_faces: Interface, datum: float, work: Counter[str], report: Progress
+    task: Task, true_faces: Interface, datum: float, work: Counter[str], report: Progress
 ) -> tuple[ContactProblem, PathRun]:
     """Follow the load path on faces without the mesh's part of N - T; on the faces as they are
     where there is none, or where the contact does not converge without it.
@@ -342,14 +264,14 @@ def _solve_path(
             pace,
             scene.cycles,
             report,
-            uncertainty=partial(_uncertainty, task),
+            uncertainty=partial(cycle_uncertainty, task),
         )
         if not isinstance(run.failure, ConvergenceError):
             break
     if faces is cured_faces:
-        work[_CURED] += 1
+        work[CURED] += 1
     elif cured_faces is not None:
-        work[_REPEATED] += 1
+        work[REPEATED] += 1
     return problem, unfolded(run, faces) if halved else run
 
 
@@ -415,31 +337,8 @@ class _Watch:
         self._last = now
 
 
-def surface_grading(
-    mesh: MeshSettings, scales: Scales, profile: Profile, ratio: float = 1.0
-) -> SurfaceGrading:
-    """Fine from just inside the innermost edge of any revolution to just outside the largest
-    contact; sizes times `ratio`.
-
-    Finer still at x = 0 where the profile has a tip, see `tip_halvings`.
-    """
-    # notation: a, the contact half-width at the largest load. The coarse run knows edges to a few
-    # hundredths of it.
-    a = scales.half_width
-    inner = scales.inner - 0.06 * a
-    outer = scales.reach + 0.06 * a + 2 * mesh.edge_element_size * a
-    grading = SurfaceGrading(
-        inner=inner if inner > 4 * mesh.element_size * a else 0.0,
-        outer=outer,
-        size=mesh.element_size * a * ratio,
-        edge_size=mesh.edge_element_size * a * ratio,
-        radius=max(mesh.far_radius * a, _BEYOND * outer),
-    )
-    return replace(grading, halvings=tip_halvings(profile, grading.innermost))
-
-
 def _contact_problem(
-    task: _Task, faces: Interface, datum: float, work: Counter[str]
+    task: Task, faces: Interface, datum: float, work: Counter[str]
 ) -> ContactProblem:
     """The contact problem of these faces, scaled, of half-planes with a datum length."""
     scene = task.scene
@@ -486,7 +385,7 @@ def _check_room(answer: FiniteElementSolution, run: PathRun) -> None:
 
 
 def _solution(
-    task: _Task,
+    task: Task,
     condensed: tuple[CondensedBody, CondensedBody],
     problem: ContactProblem,
     run: PathRun,
@@ -496,16 +395,8 @@ def _solution(
     scene = task.scene
     scales = task.scales
     arrays = answer_arrays(scene, problem, run, scales)
-    dissipation_uncertainty = float("nan")
-    if run.failure is None:
-        left_by_trend = float(np.nan_to_num(abs(run.trend.left)))
-        dissipation_uncertainty = (_uncertainty(task, run) + left_by_trend) * task.work_unit
-        revolution = _revolution(task, run, arrays)
-        share_of_mesh = share_of_flanks(
-            scene.profile, revolution.least_contact(), task.element * scales.half_width
-        ) + share_of_shapes(scene, revolution.load, task.element)
-        dissipation_uncertainty += arrays["dissipation"] * share_of_mesh
-    uncertainties_of_values = _uncertainties(task, problem, run, arrays)
+    of_dissipation = dissipation_uncertainty(task, run, arrays)
+    of_values = value_uncertainties(task, problem, run, arrays)
     # After that of permanent stick, which ends where no edge jumps to.
     arrays["stick_edge_uncertainty"] = freeze(
         np.maximum(
@@ -519,21 +410,7 @@ def _solution(
     )
     states = tuple(run.states[index] for index in run.stored)
     audit = penalty_audit(scene, problem, states, arrays, scales)
-    largest_tangential_load = float(np.abs(arrays["tangential_load"]).max())
-    notes = [
-        *bulk_stress_notes(scene, condensed, largest_tangential_load),
-        *_notes(task, run, arrays),
-        *uncertainty_note(
-            arrays["dissipation"],
-            dissipation_uncertainty,
-            scene.tolerances,
-            scales.dissipation,
-        ),
-    ]
-    if task.settings.method == "augmented_lagrangian":
-        notes.append(_NOTE_RENAMED)
-    if problem.work[_REPEATED] and run.failure is None:
-        notes.insert(0, _NOTE_REPEATED)
+    notes = notes_of_answer(task, condensed, problem, run, arrays, of_dissipation)
     grading = condensed[0].body.grading
     if not scene.unsymmetric:
         del arrays["permanent_stick_edges"]  # an attribute of unsymmetric scenes alone
@@ -541,9 +418,9 @@ def _solution(
         engine="halfplane_fe",
         scene=scene,
         record=record_of(run, scales, audit, notes),
-        dissipation_uncertainty=dissipation_uncertainty,
-        uncertainties=uncertainties_of_values,
-        work=_work(scene, problem, run, condensed, seconds),
+        dissipation_uncertainty=of_dissipation,
+        uncertainties=of_values,
+        work=work_done(scene, problem, run, condensed, seconds),
         settings={
             "mesh": asdict(task.mesh),
             "solver": asdict(task.settings.with_stiffnesses()),
@@ -563,317 +440,6 @@ def _solution(
         penalty=audit,
         **arrays,
     )
-
-
-def _uncertainty(task: _Task, run: PathRun) -> float:
-    """Of the last revolution's dissipation by mesh and steps, scaled: 0 where no shear can
-    arise.
-    """
-    scene = task.scene
-    if not needs_shear(scene):
-        return 0.0
-    first = run.cycle_starts[-1] if run.cycle_starts else 0
-    unit = task.friction_unit
-    # With bulk stress or tilt a cycle is compared with the coarse run's of the same number: they
-    # only approach the steady state.
-    compared = run.cycle_density[:COARSE_CYCLES] if scene.unsymmetric else run.cycle_density
-    dissipation = float(compared[-1].sum())
-    of_coarse_run = task.scales.dissipation / task.work_unit
-    scatter = None
-    if run.excess and not task.has_plain_errors and not scene.unsymmetric:
-        scatter = run.excess[-1].scatter / unit
-    # Unlike bodies: the increments of the nodes that start to slide bend the pressure too, and
-    # their bound counts in full.
-    if task.steps_by_kinks:
-        of_steps = _BENT_IN_RECORDS * run.column("bent")[first:].sum()
-    elif scatter is not None and shapes_alike(scene):
-        of_steps = _BENT * run.column("bent")[first:].sum()
-    else:
-        of_steps = run.column("step_error")[first:].sum()
-    return float(of_steps) + unit * uncertainty(
-        dissipation / unit,
-        abs(dissipation - of_coarse_run) / unit,
-        task.scales.element,
-        task.mesh,
-        scatter,
-        task.has_plain_errors,
-    )
-
-
-def _uncertainties(
-    task: _Task, problem: ContactProblem, run: PathRun, arrays: Mapping[str, Any]
-) -> dict[str, float]:
-    """By the mesh, of all but W and the edges of each instant; empty where the run failed."""
-    if run.failure is not None:
-        return {}
-    scales = task.scales
-    element = task.element
-    values = run_values(
-        run,
-        problem.interface.weights,
-        displacement_unit=scales.load / scales.modulus,
-        stress_unit=scales.load / scales.half_width,
-    )
-    half_width = float(np.max(arrays["contact_half_width"]))
-    stick = float(np.nan_to_num(arrays["permanent_stick_half_width"]))
-    slip_width = max(half_width - stick, element * scales.half_width)
-    meshes = Meshes(
-        refinement=scales.element / element,
-        coarse=scales.element * scales.half_width / slip_width,
-        plain=task.has_plain_errors,
-    )
-    step = int(np.argmax(arrays["contact_half_width"]))
-    sheared = needs_shear(task.scene)
-    work = float(arrays["dissipation"]) / (task.friction_unit * task.work_unit) if sheared else 0.0
-    by_meshes = uncertainties(values, scales.values, meshes, sheared, work)
-    elements = 2 * _spacing_at_edges(arrays["x"], arrays["contact_edges"])
-    for name, load in (
-        ("tangential_displacement", arrays["tangential_load"]),
-        ("normal_approach", arrays["normal_load"]),
-    ):
-        by_meshes[name] += of_small_contacts(
-            load, elements, arrays["contact_half_width"], scales.modulus
-        )
-    return by_meshes | {
-        "largest_pressure": _peak_uncertainty(task, arrays),
-        "largest_half_width": float(np.mean(arrays["contact_edge_uncertainty"][step])),
-        "permanent_stick_half_width": _of_permanent_stick(task.scene, arrays),
-    }
-
-
-def _spacing_at_edges(x: Array, edges: Array) -> Array:
-    """(k,) distance of the nodes around contact edges (k, 2), the larger of both sides [length]."""
-    following = np.clip(np.searchsorted(x, edges), 1, len(x) - 1)
-    return np.asarray(np.max(x[following] - x[following - 1], axis=1))
-
-
-def _of_permanent_stick(scene: Scene, arrays: Mapping[str, Any]) -> float:
-    """Uncertainty of the permanent stick half-width [length]: of the stick edges that bound it.
-
-    The zone ends at the innermost edge of the last cycle. With edges e +- u, that edge is between
-    the innermost e - u and the innermost e + u. Between coupled bodies, and under bulk stress or
-    tilt, the zone may reach beyond the edges of single instants, since what only creeps counts as
-    stuck: these edges count as the end of the zone. NaN where nothing sticks all the time, and
-    where the path does not repeat.
-    """
-    if math.isnan(arrays["permanent_stick_half_width"]):
-        return math.nan
-    in_cycle = _in_last_cycle(scene, arrays)
-    outwards = np.array([-1.0, 1.0])
-    in_cycle &= np.isfinite(arrays["stick_half_width"])
-    ends = arrays["permanent_stick_edges"] * outwards
-    edges = np.maximum(arrays["stick_edges"][in_cycle] * outwards, ends)
-    edge_uncertainty = arrays["stick_edge_uncertainty"][in_cycle]
-    innermost = edges.min(axis=0)
-    nearest = (edges - edge_uncertainty).min(axis=0)
-    farthest = (edges + edge_uncertainty).min(axis=0)
-    return float(np.mean(np.maximum(innermost - nearest, farthest - innermost)))
-
-
-def _in_last_cycle(scene: Scene, arrays: Mapping[str, Any]) -> Mask:
-    """(n_steps,) stored instants of the last cycle under load; none where the path does not
-    repeat.
-    """
-    period = scene.load.path().period or 0.0
-    time = arrays["time"]
-    in_cycle = time > time[-1] - period * (1 - 1e-9)
-    return np.asarray(in_cycle & (arrays["normal_load"] > 0))
-
-
-def _peak_uncertainty(task: _Task, arrays: Mapping[str, Any]) -> float:
-    """Of the largest pressure by the mesh [stress]; elements of the coarser side. NaN without
-    contact.
-    """
-    mesh = task.mesh
-    scales = task.scales
-    pressure = arrays["pressure"]
-    step, node = np.unravel_index(np.argmax(pressure), pressure.shape)
-    value = float(pressure[step, node])
-    distances = np.abs(arrays["contact_edges"][step] - arrays["x"][node])
-    peak = Peak(
-        value=value,
-        difference=abs(value - scales.largest_pressure),
-        half_width=float(arrays["contact_half_width"][step]),
-        to_edge=float(np.min(distances)),
-    )
-    profile = task.scene.profile
-    return peak_uncertainty(
-        peak,
-        profile,
-        coarse=scales.element * scales.half_width,
-        fine=surface_grading(mesh, scales, profile, max(mesh.upper_ratio, 1.0)),
-        mesh=mesh,
-        depth=least_depth(task.scene),
-        plain=task.has_plain_errors,
-    )
-
-
-def _notes(task: _Task, run: PathRun, arrays: Mapping[str, Any]) -> tuple[str, ...]:
-    """What the mesh does not resolve in the last revolution, and what of the path is left."""
-    if run.failure is not None:
-        return ()
-    element = task.element * task.scales.half_width
-    revolution = _revolution(task, run, arrays)
-    of_mesh = resolution_notes(task.scene.profile, revolution, element, task.mesh)
-    of_run = (*_drift_notes(run, task.scales), *_thinned_notes(run))
-    return (*of_run, *_creep_notes(task.scene, arrays), *of_mesh)
-
-
-def _revolution(task: _Task, run: PathRun, arrays: Mapping[str, Any]) -> Revolution:
-    """What the last revolution of a run asks of the mesh."""
-    scene = task.scene
-    first = 1
-    if run.cycle_starts:
-        first = int(np.searchsorted(run.stored, run.cycle_starts[-1])) + 1
-    load = arrays["normal_load"][first:]
-    modulus = contact_modulus(scene.material.lower, scene.material.upper)
-    unit = 2 / modulus * (scene.friction.coefficient * np.max(load)) ** 2  # A f^2 P^2
-    return Revolution(
-        load=load,
-        contact=arrays["contact_half_width"][first:],
-        stick=arrays["stick_half_width"][first:],
-        dissipation=float(arrays["dissipation"] / unit) if unit > 0 else 0.0,
-        sheared=needs_shear(scene),
-    )
-
-
-def _creep_notes(scene: Scene, arrays: Mapping[str, Any]) -> Iterator[str]:
-    """That the permanent stick zone reaches beyond stick edges of single instants, by more than
-    these are uncertain.
-    """
-    ends = arrays["permanent_stick_edges"]
-    if np.isnan(ends).any():
-        return
-    in_cycle = _in_last_cycle(scene, arrays)
-    outwards = np.array([-1.0, 1.0])
-    edges = arrays["stick_edges"][in_cycle] * outwards
-    farthest = edges + arrays["stick_edge_uncertainty"][in_cycle]
-    reaches_ends = np.all(farthest >= ends * outwards, axis=1)  # False where nothing sticks
-    n_narrower = int(np.sum(~reaches_ends))
-    if not n_narrower:
-        return
-    x = arrays["x"]
-    slip_range = np.ptp(arrays["slip"][in_cycle], axis=0)
-    creep = slip_range[(x > ends[0]) & (x < ends[1])].max(initial=0.0)
-    share = creep / max(float(slip_range.max()), 1e-300)
-    yield (
-        f"the permanent stick zone, {ends[0]:.6g} to {ends[1]:.6g}, reaches beyond the stick edges"
-        f" of {n_narrower} of {len(edges)} instants: what slips between them slips by {share:.1e}"
-        " of the largest slip at most, and counts as stuck"
-    )
-
-
-def _thinned_notes(run: PathRun) -> Iterator[str]:
-    """That not every increment is in the answer, and what is of all of them nevertheless."""
-    dropped = len(run.states) - len(run.stored)
-    if dropped:
-        yield (
-            f"{dropped} of {len(run.states)} instants of this long path are left out of the answer,"
-            f" its files and figures (at most {MOST_INSTANTS} are kept, the rows of the record"
-            " first); the worst instants of metrics are those of the kept ones, W, W(x), the"
-            " closed integral of Q dU, the permanent stick zone and the checks are of all of them"
-        )
-
-
-def _drift_notes(run: PathRun, scales: Scales) -> Iterator[str]:
-    """Shakedown that is only approached, and what the dissipation has left to go; ratcheting."""
-    if not run.cycle_change:
-        return
-    works = [float(density.sum()) for density in run.cycle_density]
-    last_work = works[-1]
-    work_unit = scales.load**2 / scales.modulus
-    trend = run.trend
-    drift = ""
-    if len(works) > 1 and last_work > 0:
-        drift = f"; W changed by {1 - works[-2] / last_work:+.1e}"
-    if run.steady_from is None:
-        yield (
-            f"no revolution repeats: the last of {len(works)} ends {run.cycle_change[-1]:.1e} of"
-            f" the largest nodal force away from its start (up to {REPEATS:g} counts as the"
-            f" same){drift}; give the scene more cycles"
-        )
-    if np.isfinite(trend.limit) and trend.left and last_work > 0:
-        yield (
-            f"shakedown: W of the revolutions tends to {trend.limit * work_unit:.6g}"
-            f" ({trend.kind} trend). That of revolution {len(works)} still differs from it by"
-            f" {abs(trend.left) / last_work:.1e} of W, which is in the uncertainty"
-        )
-    elif run.steady_from is not None and trend.left and last_work > 0:
-        yield (
-            f"shakedown: revolution {len(works)} repeats to {run.cycle_change[-1]:.1e} of the"
-            f" largest nodal force{drift}; no trend is clear, uncertainty"
-            f" {trend.left / last_work:.1e}"
-        )
-    if run.ratchets:
-        shift_of_cycle = run.states[-1].shift - run.states[run.cycle_starts[-1]].shift
-        moved = shift_of_cycle * scales.load / scales.modulus
-        yield (
-            f"ratcheting: each revolution moves the upper body by {moved:.3g} along x; the closed"
-            " integral of Q dU holds the work of the mean Q on that way"
-        )
-
-
-def _work(
-    scene: Scene,
-    problem: ContactProblem,
-    run: PathRun,
-    condensed: tuple[CondensedBody, CondensedBody],
-    seconds: Mapping[str, float],
-) -> Work:
-    """What was done, and what was not and why."""
-    lower, upper = condensed
-    one_mesh = lower.body is upper.body
-    counts = {
-        "bodies meshed": 1 if one_mesh else 2,
-        "condensations": problem.work["condensations"],
-        "degrees of freedom": int(lower.diagnostics["degrees_of_freedom"]),
-        "contact nodes": len(lower.x),
-        "steps solved": len(run.iterations),
-        "sparse factorisations": problem.work["sparse factorisations"],
-        **{name: int(count) for name, count in sorted(problem.work.items())},
-    }
-    skipped: dict[str, tuple[int, str]] = {}
-    if one_mesh:
-        skipped["meshes"] = (1, "both bodies have one shape: meshed once, reflected")
-    if lower is upper:
-        skipped["condensations"] = (
-            1,
-            "the bodies are alike: the upper one is the lower one reflected",
-        )
-    cached = problem.work[CACHED]
-    if cached:
-        skipped["condensations, cached"] = (
-            cached,
-            "this process condensed the body before: taken from the cache",
-        )
-    if on_half(scene, problem.interface):
-        skipped["contact nodes"] = (
-            len(problem.interface.x) // 2,
-            "p is even in x, q even or odd: solved on one half",
-        )
-    if not problem.tangential:
-        skipped["tangential problem"] = (len(run.iterations), "no shear can arise")
-    if not problem.work[_CURED]:
-        reason = (
-            "an end of a face or a base is within ten nodes: W is of first order in the element"
-        )
-        if problem.work[_REPEATED]:
-            reason = "the contact did not converge without it"
-        skipped["the mesh's part of N - T"] = (1, reason)
-    if problem.tangential and not problem.work["slip iterations"]:
-        skipped["slip iterations"] = (len(run.iterations), "no node left stick")
-    if run.steady_from is not None and run.steady_from + 1 < scene.cycles:
-        skipped["revolutions"] = (
-            scene.cycles - run.steady_from - 1,
-            "the revolution before ended as it started",
-        )
-    dropped = len(run.states) - len(run.stored)
-    if dropped:
-        skipped["instants"] = (
-            dropped,
-            f"stored at {len(run.stored)} instants: more would take gigabytes",
-        )
-    return Work(counts, skipped, dict(seconds))
 
 
 def versions() -> dict[str, str]:

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from halfplane_fe.interface import check_bulk_stress, check_supports, meshed_pair
 from halfplane_fe.path import has_bulk_stress, stretches
 from halfplane_fe.scales import Scales, find_scales, sheared
-from halfplane_fe.solve import surface_grading
+from halfplane_fe.task import surface_grading
 from meshes import BodyMesh, MeshSettings
 from reports.charts.templating import template
 from scenes import Block, HalfPlane, InputError, Profile, Scene, Shape, freeze

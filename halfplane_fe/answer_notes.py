@@ -1,0 +1,209 @@
+"""What a reader must know of an answer: sentences on mesh and path, and counts of work done and
+skipped.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from halfplane_fe.answer import in_last_cycle
+from halfplane_fe.answer_uncertainty import revolution_of
+from halfplane_fe.condensed_bodies import CACHED
+from halfplane_fe.contact import ContactProblem
+from halfplane_fe.elasticity import CondensedBody
+from halfplane_fe.interface import bulk_stress_notes
+from halfplane_fe.resolution import resolution_notes
+from halfplane_fe.run import MOST_INSTANTS, REPEATS, PathRun
+from halfplane_fe.scales import Scales, on_half
+from halfplane_fe.task import Task
+from halfplane_fe.uncertainty import uncertainty_note
+from scenes import Scene, Work
+
+# Counts of work: faces whose N - T and K lack what only the mesh makes of them, and runs repeated
+# on the faces as they are.
+CURED = "interfaces without the mesh's part of N - T"
+REPEATED = "runs repeated with the mesh's part of N - T"
+_NOTE_REPEATED = (
+    "the contact did not converge on faces without the part of N - T and K that only the mesh"
+    " makes. This is the answer of the faces as they are: where edges move, its dissipation errs by"
+    " the first power of the element"
+)
+# for one release: the name meant the active set up to 0.3
+_NOTE_RENAMED = (
+    "method augmented_lagrangian: since 0.4 the augmented Lagrangian of Simo and Laursen, with"
+    " multipliers that are updated. What had this name before is active_set, the default: the same"
+    " answer, several times faster"
+)
+
+
+def notes_of_answer(
+    task: Task,
+    condensed: tuple[CondensedBody, CondensedBody],
+    problem: ContactProblem,
+    run: PathRun,
+    arrays: Mapping[str, Any],
+    dissipation_uncertainty: float,
+) -> list[str]:
+    """Every sentence of an answer but that of a penalty layer; fewer where the run failed."""
+    scene = task.scene
+    scales = task.scales
+    notes = []
+    if problem.work[REPEATED] and run.failure is None:
+        notes.append(_NOTE_REPEATED)
+    largest_tangential_load = float(np.abs(arrays["tangential_load"]).max())
+    notes += bulk_stress_notes(scene, condensed, largest_tangential_load)
+    if run.failure is None:
+        notes += _drift_notes(run, scales)
+        notes += _thinned_notes(run)
+        notes += _creep_notes(scene, arrays)
+        element = task.element * scales.half_width
+        revolution = revolution_of(task, run, arrays)
+        notes += resolution_notes(scene.profile, revolution, element, task.mesh)
+    notes += uncertainty_note(
+        arrays["dissipation"], dissipation_uncertainty, scene.tolerances, scales.dissipation
+    )
+    if task.settings.method == "augmented_lagrangian":
+        notes.append(_NOTE_RENAMED)
+    return notes
+
+
+def _creep_notes(scene: Scene, arrays: Mapping[str, Any]) -> Iterator[str]:
+    """That the permanent stick zone reaches beyond stick edges of single instants, by more than
+    these are uncertain.
+    """
+    ends = arrays["permanent_stick_edges"]
+    if np.isnan(ends).any():
+        return
+    in_cycle = in_last_cycle(scene, arrays["time"], arrays["normal_load"])
+    outwards = np.array([-1.0, 1.0])
+    edges = arrays["stick_edges"][in_cycle] * outwards
+    farthest = edges + arrays["stick_edge_uncertainty"][in_cycle]
+    reaches_ends = np.all(farthest >= ends * outwards, axis=1)  # False where nothing sticks
+    n_narrower = int(np.sum(~reaches_ends))
+    if not n_narrower:
+        return
+    x = arrays["x"]
+    slip_range = np.ptp(arrays["slip"][in_cycle], axis=0)
+    creep = slip_range[(x > ends[0]) & (x < ends[1])].max(initial=0.0)
+    share = creep / max(float(slip_range.max()), 1e-300)
+    yield (
+        f"the permanent stick zone, {ends[0]:.6g} to {ends[1]:.6g}, reaches beyond the stick edges"
+        f" of {n_narrower} of {len(edges)} instants. What slips between them counts as stuck: it"
+        f" slips by {share:.1e} of the largest slip at most"
+    )
+
+
+def _thinned_notes(run: PathRun) -> Iterator[str]:
+    """That not every increment is in the answer, and what is of all of them nevertheless."""
+    dropped = len(run.states) - len(run.stored)
+    if dropped:
+        yield (
+            f"{dropped} of {len(run.states)} instants of this long path are left out of the answer,"
+            f" its files and figures (at most {MOST_INSTANTS} are kept, the rows of the record"
+            " first). The worst instant of a metric is one that was kept. W, W(x), the closed"
+            " integral of Q dU, the permanent stick zone and the checks are of all of them"
+        )
+
+
+def _drift_notes(run: PathRun, scales: Scales) -> Iterator[str]:
+    """Shakedown that is only approached, and what the dissipation has left to go; ratcheting."""
+    if not run.cycle_change:
+        return
+    works = [float(density.sum()) for density in run.cycle_density]
+    last_work = works[-1]
+    work_unit = scales.load**2 / scales.modulus
+    trend = run.trend
+    drift = ""
+    if len(works) > 1 and last_work > 0:
+        drift = f"; W changed by {1 - works[-2] / last_work:+.1e}"
+    if run.steady_from is None:
+        yield (
+            f"no revolution repeats: the last of {len(works)} ends {run.cycle_change[-1]:.1e} of"
+            f" the largest nodal force away from its start (up to {REPEATS:g} counts as the"
+            f" same){drift}; give the scene more cycles"
+        )
+    if np.isfinite(trend.limit) and trend.left and last_work > 0:
+        yield (
+            f"shakedown: W of the revolutions tends to {trend.limit * work_unit:.6g}"
+            f" ({trend.kind} trend). That of revolution {len(works)} still differs from it by"
+            f" {abs(trend.left) / last_work:.1e} of W, which is in the uncertainty"
+        )
+    elif run.steady_from is not None and trend.left and last_work > 0:
+        yield (
+            f"shakedown: revolution {len(works)} repeats to {run.cycle_change[-1]:.1e} of the"
+            f" largest nodal force{drift}; no trend is clear, uncertainty"
+            f" {trend.left / last_work:.1e}"
+        )
+    if run.ratchets:
+        shift_of_cycle = run.states[-1].shift - run.states[run.cycle_starts[-1]].shift
+        moved = shift_of_cycle * scales.load / scales.modulus
+        yield (
+            f"ratcheting: each revolution moves the upper body by {moved:.3g} along x; the closed"
+            " integral of Q dU holds the work of the mean Q on that way"
+        )
+
+
+def work_done(
+    scene: Scene,
+    problem: ContactProblem,
+    run: PathRun,
+    condensed: tuple[CondensedBody, CondensedBody],
+    seconds: Mapping[str, float],
+) -> Work:
+    """What was done, and what was not and why."""
+    lower, upper = condensed
+    one_mesh = lower.body is upper.body
+    counts = {
+        "bodies meshed": 1 if one_mesh else 2,
+        "condensations": problem.work["condensations"],
+        "degrees of freedom": int(lower.diagnostics["degrees_of_freedom"]),
+        "contact nodes": len(lower.x),
+        "steps solved": len(run.iterations),
+        "sparse factorisations": problem.work["sparse factorisations"],
+        **{name: int(count) for name, count in sorted(problem.work.items())},
+    }
+    skipped: dict[str, tuple[int, str]] = {}
+    if one_mesh:
+        skipped["meshes"] = (1, "both bodies have one shape: meshed once, reflected")
+    if lower is upper:
+        skipped["condensations"] = (
+            1,
+            "the bodies are alike: the upper one is the lower one reflected",
+        )
+    cached = problem.work[CACHED]
+    if cached:
+        skipped["condensations, cached"] = (
+            cached,
+            "this process condensed the body before: taken from the cache",
+        )
+    if on_half(scene, problem.interface):
+        skipped["contact nodes"] = (
+            len(problem.interface.x) // 2,
+            "p is even in x, q even or odd: solved on one half",
+        )
+    if not problem.tangential:
+        skipped["tangential problem"] = (len(run.iterations), "no shear can arise")
+    if not problem.work[CURED]:
+        reason = (
+            "an end of a face or a base is within ten nodes: W is of first order in the element"
+        )
+        if problem.work[REPEATED]:
+            reason = "the contact did not converge without it"
+        skipped["the mesh's part of N - T"] = (1, reason)
+    if problem.tangential and not problem.work["slip iterations"]:
+        skipped["slip iterations"] = (len(run.iterations), "no node left stick")
+    if run.steady_from is not None and run.steady_from + 1 < scene.cycles:
+        skipped["revolutions"] = (
+            scene.cycles - run.steady_from - 1,
+            "the revolution before ended as it started",
+        )
+    dropped = len(run.states) - len(run.stored)
+    if dropped:
+        skipped["instants"] = (
+            dropped,
+            f"stored at {len(run.stored)} instants: more would take gigabytes",
+        )
+    return Work(counts, skipped, dict(seconds))

@@ -1,0 +1,204 @@
+"""How far each value of an answer may be from the true one: the rules of `uncertainty` on the
+arrays of a run.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from halfplane_fe.answer import in_last_cycle
+from halfplane_fe.contact import ContactProblem
+from halfplane_fe.interface import least_depth, shapes_alike
+from halfplane_fe.resolution import Revolution
+from halfplane_fe.run import PathRun
+from halfplane_fe.scales import COARSE_CYCLES, contact_modulus, needs_shear
+from halfplane_fe.task import Task, surface_grading
+from halfplane_fe.uncertainty import (
+    Meshes,
+    Peak,
+    of_small_contacts,
+    peak_uncertainty,
+    run_values,
+    share_of_flanks,
+    share_of_shapes,
+    uncertainties,
+    uncertainty,
+)
+from scenes import Scene
+from scenes.array_types import Array
+
+# Share of what kinks between the first and the last start of sliding add to W that counts as
+# uncertain.
+_BENT = 0.2
+# The same in records, whose increments are longer.
+_BENT_IN_RECORDS = 0.3
+
+
+def cycle_uncertainty(task: Task, run: PathRun) -> float:
+    """Of the last revolution's dissipation by mesh and steps, scaled: 0 where no shear can
+    arise.
+    """
+    scene = task.scene
+    if not needs_shear(scene):
+        return 0.0
+    first = run.cycle_starts[-1] if run.cycle_starts else 0
+    unit = task.friction_unit
+    # With bulk stress or tilt a cycle is compared with the coarse run's of the same number: they
+    # only approach the steady state.
+    compared = run.cycle_density[:COARSE_CYCLES] if scene.unsymmetric else run.cycle_density
+    dissipation = float(compared[-1].sum())
+    of_coarse_run = task.scales.dissipation / task.work_unit
+    scatter = None
+    if run.excess and not task.has_plain_errors and not scene.unsymmetric:
+        scatter = run.excess[-1].scatter / unit
+    # Unlike bodies: the increments of the nodes that start to slide bend the pressure too, and
+    # their bound counts in full.
+    if task.steps_by_kinks:
+        of_steps = _BENT_IN_RECORDS * run.column("bent")[first:].sum()
+    elif scatter is not None and shapes_alike(scene):
+        of_steps = _BENT * run.column("bent")[first:].sum()
+    else:
+        of_steps = run.column("step_error")[first:].sum()
+    return float(of_steps) + unit * uncertainty(
+        dissipation / unit,
+        abs(dissipation - of_coarse_run) / unit,
+        task.scales.element,
+        task.mesh,
+        scatter,
+        task.has_plain_errors,
+    )
+
+
+def dissipation_uncertainty(task: Task, run: PathRun, arrays: Mapping[str, Any]) -> float:
+    """Of W, by mesh and steps, by revolutions that still change, by flanks and shapes that the mesh
+    only approaches [energy / thickness]; NaN where the run failed.
+    """
+    if run.failure is not None:
+        return math.nan
+    left_by_trend = float(np.nan_to_num(abs(run.trend.left)))
+    revolution = revolution_of(task, run, arrays)
+    share_of_mesh = share_of_flanks(
+        task.scene.profile, revolution.least_contact(), task.element * task.scales.half_width
+    ) + share_of_shapes(task.scene, revolution.load, task.element)
+    of_cycle = (cycle_uncertainty(task, run) + left_by_trend) * task.work_unit
+    return float(of_cycle + arrays["dissipation"] * share_of_mesh)
+
+
+def value_uncertainties(
+    task: Task, problem: ContactProblem, run: PathRun, arrays: Mapping[str, Any]
+) -> dict[str, float]:
+    """By the mesh, of all but W and the edges of each instant; empty where the run failed."""
+    if run.failure is not None:
+        return {}
+    scales = task.scales
+    element = task.element
+    values = run_values(
+        run,
+        problem.interface.weights,
+        displacement_unit=scales.load / scales.modulus,
+        stress_unit=scales.load / scales.half_width,
+    )
+    half_width = float(np.max(arrays["contact_half_width"]))
+    stick = float(np.nan_to_num(arrays["permanent_stick_half_width"]))
+    slip_width = max(half_width - stick, element * scales.half_width)
+    meshes = Meshes(
+        refinement=scales.element / element,
+        coarse=scales.element * scales.half_width / slip_width,
+        plain=task.has_plain_errors,
+    )
+    step = int(np.argmax(arrays["contact_half_width"]))
+    sheared = needs_shear(task.scene)
+    work = float(arrays["dissipation"]) / (task.friction_unit * task.work_unit) if sheared else 0.0
+    by_meshes = uncertainties(values, scales.values, meshes, sheared, work)
+    elements = 2 * _spacing_at_edges(arrays["x"], arrays["contact_edges"])
+    for name, load in (
+        ("tangential_displacement", arrays["tangential_load"]),
+        ("normal_approach", arrays["normal_load"]),
+    ):
+        by_meshes[name] += of_small_contacts(
+            load, elements, arrays["contact_half_width"], scales.modulus
+        )
+    return by_meshes | {
+        "largest_pressure": _peak_uncertainty(task, arrays),
+        "largest_half_width": float(np.mean(arrays["contact_edge_uncertainty"][step])),
+        "permanent_stick_half_width": _of_permanent_stick(task.scene, arrays),
+    }
+
+
+def _spacing_at_edges(x: Array, edges: Array) -> Array:
+    """(k,) distance of the nodes around contact edges (k, 2), the larger of both sides [length]."""
+    following = np.clip(np.searchsorted(x, edges), 1, len(x) - 1)
+    return np.asarray(np.max(x[following] - x[following - 1], axis=1))
+
+
+def _of_permanent_stick(scene: Scene, arrays: Mapping[str, Any]) -> float:
+    """Uncertainty of the permanent stick half-width [length]: of the stick edges that bound it.
+
+    The zone ends at the innermost edge of the last cycle. With edges e +- u, that edge is between
+    the innermost e - u and the innermost e + u. Between coupled bodies, and under bulk stress or
+    tilt, the zone may reach beyond the edges of single instants, since what only creeps counts as
+    stuck: these edges count as the end of the zone. NaN where nothing sticks all the time, and
+    where the path does not repeat.
+    """
+    if math.isnan(arrays["permanent_stick_half_width"]):
+        return math.nan
+    in_cycle = in_last_cycle(scene, arrays["time"], arrays["normal_load"])
+    outwards = np.array([-1.0, 1.0])
+    in_cycle &= np.isfinite(arrays["stick_half_width"])
+    ends = arrays["permanent_stick_edges"] * outwards
+    edges = np.maximum(arrays["stick_edges"][in_cycle] * outwards, ends)
+    edge_uncertainty = arrays["stick_edge_uncertainty"][in_cycle]
+    innermost = edges.min(axis=0)
+    nearest = (edges - edge_uncertainty).min(axis=0)
+    farthest = (edges + edge_uncertainty).min(axis=0)
+    return float(np.mean(np.maximum(innermost - nearest, farthest - innermost)))
+
+
+def _peak_uncertainty(task: Task, arrays: Mapping[str, Any]) -> float:
+    """Of the largest pressure by the mesh [stress]; elements of the coarser side. NaN without
+    contact.
+    """
+    mesh = task.mesh
+    scales = task.scales
+    pressure = arrays["pressure"]
+    step, node = np.unravel_index(np.argmax(pressure), pressure.shape)
+    value = float(pressure[step, node])
+    distances = np.abs(arrays["contact_edges"][step] - arrays["x"][node])
+    peak = Peak(
+        value=value,
+        difference=abs(value - scales.largest_pressure),
+        half_width=float(arrays["contact_half_width"][step]),
+        to_edge=float(np.min(distances)),
+    )
+    profile = task.scene.profile
+    return peak_uncertainty(
+        peak,
+        profile,
+        coarse=scales.element * scales.half_width,
+        fine=surface_grading(mesh, scales, profile, max(mesh.upper_ratio, 1.0)),
+        mesh=mesh,
+        depth=least_depth(task.scene),
+        plain=task.has_plain_errors,
+    )
+
+
+def revolution_of(task: Task, run: PathRun, arrays: Mapping[str, Any]) -> Revolution:
+    """What the last revolution of a run asks of the mesh."""
+    scene = task.scene
+    first = 1
+    if run.cycle_starts:
+        first = int(np.searchsorted(run.stored, run.cycle_starts[-1])) + 1
+    load = arrays["normal_load"][first:]
+    modulus = contact_modulus(scene.material.lower, scene.material.upper)
+    unit = 2 / modulus * (scene.friction.coefficient * np.max(load)) ** 2  # A f^2 P^2
+    return Revolution(
+        load=load,
+        contact=arrays["contact_half_width"][first:],
+        stick=arrays["stick_half_width"][first:],
+        dissipation=float(arrays["dissipation"] / unit) if unit > 0 else 0.0,
+        sheared=needs_shear(scene),
+    )

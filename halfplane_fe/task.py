@@ -1,0 +1,75 @@
+"""What is to be solved: the question, how it is meshed and iterated, scales of the coarse run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from halfplane_fe.resolution import tip_halvings
+from halfplane_fe.scales import Scales, is_plain_record
+from halfplane_fe.settings import SolverSettings
+from meshes import MeshSettings, SurfaceGrading
+from scenes import Profile, Scene
+
+# Least radius of a half-disc over the side that may touch: tilt can bring the contact far from x =
+# 0.
+_BEYOND = 1.5
+
+
+@dataclass(frozen=True)
+class Task:
+    """What is to be solved: the question, how it is meshed and iterated, and its scales."""
+
+    scene: Scene
+    mesh: MeshSettings
+    settings: SolverSettings
+    scales: Scales
+
+    @property
+    def has_plain_errors(self) -> bool:
+        """Whether linear elements or a penalty layer make errors that are not of order 2."""
+        return self.mesh.order == 1 or self.settings.method == "penalty"
+
+    @property
+    def steps_by_kinks(self) -> bool:
+        """Whether what kinks in increments add stands for the whole error of the steps: in records
+        of like bodies, without bulk stress, tilt or layer.
+        """
+        return is_plain_record(self.scene) and not self.has_plain_errors
+
+    @property
+    def element(self) -> float:
+        """Size at the edges of contact and stick, of the coarser side, over the half-width."""
+        return self.mesh.edge_element_size * max(self.mesh.upper_ratio, 1.0)
+
+    @property
+    def work_unit(self) -> float:
+        """What dissipation is scaled by [energy / thickness]."""
+        return self.scales.load**2 / self.scales.modulus
+
+    @property
+    def friction_unit(self) -> float:
+        """A f^2 P^2 over `work_unit`, P the largest load."""
+        return 2 * self.scene.friction.coefficient**2
+
+
+def surface_grading(
+    mesh: MeshSettings, scales: Scales, profile: Profile, ratio: float = 1.0
+) -> SurfaceGrading:
+    """Fine from just inside the innermost edge of any revolution to just outside the largest
+    contact; sizes times `ratio`.
+
+    Finer still at x = 0 where the profile has a tip, see `tip_halvings`.
+    """
+    # notation: a, the contact half-width at the largest load. The coarse run knows edges to a few
+    # hundredths of it.
+    a = scales.half_width
+    inner = scales.inner - 0.06 * a
+    outer = scales.reach + 0.06 * a + 2 * mesh.edge_element_size * a
+    grading = SurfaceGrading(
+        inner=inner if inner > 4 * mesh.element_size * a else 0.0,
+        outer=outer,
+        size=mesh.element_size * a * ratio,
+        edge_size=mesh.edge_element_size * a * ratio,
+        radius=max(mesh.far_radius * a, _BEYOND * outer),
+    )
+    return replace(grading, halvings=tip_halvings(profile, grading.innermost))
