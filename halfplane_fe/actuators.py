@@ -57,11 +57,11 @@ def actuators_of(scene: Scene, datum: float) -> Actuators:
     rig = scene.rig
     modulus = 1 / _compliance(scene, half_planes_alone=False)
     # Of real bodies a half-plane among them counts from where every answer does.
-    prescribed_at = rig.datum_length or scene.profile.datum_length
-    beyond = compliance_beyond(scene, prescribed_at / datum) * modulus
-    normal = beyond + modulus / (rig.normal_stiffness or math.inf)
-    tangential = beyond + modulus / (rig.tangential_stiffness or math.inf)
-    return Actuators(normal if load.states_approach else None, tangential)
+    datum_of_motion = rig.datum_length or scene.profile.datum_length
+    compliance_outside = compliance_beyond(scene, datum_of_motion / datum) * modulus
+    normal_compliance = compliance_outside + modulus / (rig.normal_stiffness or math.inf)
+    tangential_compliance = compliance_outside + modulus / (rig.tangential_stiffness or math.inf)
+    return Actuators(normal_compliance if load.states_approach else None, tangential_compliance)
 
 
 def compliance_beyond(scene: Scene, ratio: float) -> float:

@@ -147,8 +147,8 @@ def _edges_of_all(
 ) -> dict[str, Array]:
     """`_edges` of all instants, `_AT_ONCE` of them at a time."""
     blocks = []
-    for first in range(0, len(states), _AT_ONCE):
-        block = slice(first, first + _AT_ONCE)
+    for first_step in range(0, len(states), _AT_ONCE):
+        block = slice(first_step, first_step + _AT_ONCE)
         blocks.append(
             _edges(problem, states[block], surface_states[block], has_no_slip_zone[block], scene)
         )
@@ -183,30 +183,32 @@ def _edges(
     pressure = normal_force / weights
     shear = tangential_force / weights
     states_by_law = np.stack([state.state for state in states])
-    closed = states_by_law != OPEN
+    is_closed = states_by_law != OPEN
     stick = surface_states == STICK
     # The gap of open nodes, which carry nothing, so that the layer does not count there.
-    form = contact_edges(x, pressure, gap, closed, 1.0)
+    form = contact_edges(x, pressure, gap, is_closed, 1.0)
     contact = form.copy()
     # Where unlike bodies slip, the pressure grows by another power than the root.
     if problem.interface.coupling is None:
-        contact = fitted_contact_edges(x, pressure, closed, form)
+        contact = fitted_contact_edges(x, pressure, is_closed, form)
     limit = problem.friction * pressure
-    stick_zones = fitted_stick_edges(x, stick, closed, contact, limit, shear, anywhere)
+    stick_zones = fitted_stick_edges(x, stick, is_closed, contact, limit, shear, anywhere)
     edges = stick_zones.places
-    of_contact = contact_uncertainty(x, pressure, closed, contact, form, tabulated)
+    of_contact = contact_uncertainty(x, pressure, is_closed, contact, form, tabulated)
     of_stick = stick_uncertainty(
         x,
         (stick, states_by_law == STICK),
-        closed,
+        is_closed,
         ContactEdges(contact, of_contact),
         stick_zones,
         has_no_slip_zone,
         anywhere,
     )
     for row in np.flatnonzero([not state.normal_load > 0 for state in states]):
-        touching = x[closed[row]]
-        outermost = (touching.min(), touching.max()) if len(touching) else (0.0, 0.0)
+        touching_places = x[is_closed[row]]
+        outermost = (
+            (touching_places.min(), touching_places.max()) if len(touching_places) else (0.0, 0.0)
+        )
         contact[row] = outermost
         edges[row] = outermost
         of_contact[row] = 0.0
@@ -257,42 +259,42 @@ def _permanent_stick(
         return nothing
     x = problem.interface.x
     anywhere = scene.unsymmetric
-    dropped = np.setdiff1d(np.flatnonzero(in_cycle), run.stored)
-    states_of_dropped = surface_states[dropped]
+    dropped_steps = np.setdiff1d(np.flatnonzero(in_cycle), run.stored)
+    states_of_dropped = surface_states[dropped_steps]
     zones_of_dropped = _zones_by_nodes(
         x, states_of_dropped == STICK, states_of_dropped != OPEN, anywhere
     )
     left, right = np.concatenate([edges[in_cycle[run.stored]], zones_of_dropped]).T
-    common = np.array([left.max(), right.min()])  # NaN where nothing sticks at some instant
-    permanent = common if common[0] < common[1] else nothing
+    common_zone = np.array([left.max(), right.min()])  # NaN where nothing sticks at some instant
+    permanent = common_zone if common_zone[0] < common_zone[1] else nothing
     if not (scene.unsymmetric or problem.interface.coupling is not None):
         return permanent
-    closed = surface_states[in_cycle] != OPEN
+    is_closed = surface_states[in_cycle] != OPEN
     slip = np.array([run.states[k].slip for k in np.flatnonzero(in_cycle)])
-    creeps = _creeping(slip, closed, _CREEP if scene.unsymmetric else _CREEP_OF_COUPLED)
+    creeps = _creeping(slip, is_closed, _CREEP if scene.unsymmetric else _CREEP_OF_COUPLED)
     if not creeps.any():
         return permanent
-    ever_closed = np.any(closed, axis=0)
+    ever_closed = np.any(is_closed, axis=0)
     left_end, right_end = _zones_by_nodes(x, creeps[None], ever_closed[None], anywhere)[0]
     return np.array([np.fmin(permanent[0], left_end), np.fmax(permanent[1], right_end)])
 
 
-def _zones_by_nodes(x: Array, stick: Mask, closed: Mask, anywhere: bool) -> Array:
+def _zones_by_nodes(x: Array, stick: Mask, is_closed: Mask, anywhere: bool) -> Array:
     """(m, 2) stick edges half-way between nodes; where all of the contact sticks, its outermost
     nodes.
     """
-    first = np.argmax(closed, axis=1)
-    last = len(x) - 1 - np.argmax(closed[:, ::-1], axis=1)
-    contact = np.stack([x[first], x[last]], axis=1)
-    return stick_edges(x, stick, closed, contact, anywhere=anywhere)
+    first_node = np.argmax(is_closed, axis=1)
+    last_node = len(x) - 1 - np.argmax(is_closed[:, ::-1], axis=1)
+    contact = np.stack([x[first_node], x[last_node]], axis=1)
+    return stick_edges(x, stick, is_closed, contact, anywhere=anywhere)
 
 
-def _creeping(slip: Array, closed: Mask, share: float) -> Mask:
+def _creeping(slip: Array, is_closed: Mask, share: float) -> Mask:
     """(n,) nodes that are closed at all m instants and slip by at most a share of the largest range
     of slip; arrays (m, n).
     """
     slip_range = np.ptp(slip, axis=0)
-    return np.all(closed, axis=0) & (slip_range <= share * slip_range.max())
+    return np.all(is_closed, axis=0) & (slip_range <= share * slip_range.max())
 
 
 @dataclass(frozen=True)
@@ -362,11 +364,11 @@ class _LayerCost(NamedTuple):
         """By the layer's compliance at the n nodes, one and the same everywhere [length/stress],
         and its tractions (n_steps, n) [stress].
         """
-        largest = float(compliance.max())
-        if not largest:
+        largest_compliance = float(compliance.max())
+        if not largest_compliance:
             return cls(np.inf, 0.0)
         deflection = float(np.max(compliance * np.abs(tractions), initial=0.0))
-        return cls(1 / largest, deflection)
+        return cls(1 / largest_compliance, deflection)
 
 
 def penalty_audit(
@@ -378,8 +380,8 @@ def penalty_audit(
 ) -> PenaltyAudit:
     """Read the costs off the arrays of an answer (see `answer_arrays`) and its interface states."""
     length_per_force = problem.interface.weights * scales.half_width / scales.modulus
-    normal = _LayerCost.of(problem.layer.normal * length_per_force, arrays["pressure"])
-    tangential = _LayerCost.of(problem.layer.tangential * length_per_force, arrays["shear"])
+    normal_cost = _LayerCost.of(problem.layer.normal * length_per_force, arrays["pressure"])
+    tangential_cost = _LayerCost.of(problem.layer.tangential * length_per_force, arrays["shear"])
     largest_half_width = float(np.nanmax(arrays["contact_half_width"]))
     rise = float(np.ptp(scene.profile.height(np.array([0.0, largest_half_width]))))
     # Range of the relative displacement, in the last cycle, of nodes that stick throughout and of
@@ -401,12 +403,12 @@ def penalty_audit(
         return part / reference if reference else float("nan")
 
     return PenaltyAudit(
-        normal_stiffness=normal.stiffness,
-        tangential_stiffness=tangential.stiffness,
-        penetration=normal.deflection,
-        penetration_share=share(normal.deflection, rise),
-        elastic_slip=tangential.deflection,
-        elastic_slip_share=share(tangential.deflection, slip),
+        normal_stiffness=normal_cost.stiffness,
+        tangential_stiffness=tangential_cost.stiffness,
+        penetration=normal_cost.deflection,
+        penetration_share=share(normal_cost.deflection, rise),
+        elastic_slip=tangential_cost.deflection,
+        elastic_slip_share=share(tangential_cost.deflection, slip),
         creep=creep,
         creep_share=share(creep, slip),
     )

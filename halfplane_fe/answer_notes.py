@@ -80,8 +80,8 @@ def _creep_notes(scene: Scene, arrays: Mapping[str, Any]) -> Iterator[str]:
     in_cycle = in_last_cycle(scene, arrays["time"], arrays["normal_load"])
     outwards = np.array([-1.0, 1.0])
     edges = arrays["stick_edges"][in_cycle] * outwards
-    farthest = edges + arrays["stick_edge_uncertainty"][in_cycle]
-    reaches_ends = np.all(farthest >= ends * outwards, axis=1)  # False where nothing sticks
+    farthest_edges = edges + arrays["stick_edge_uncertainty"][in_cycle]
+    reaches_ends = np.all(farthest_edges >= ends * outwards, axis=1)  # False where nothing sticks
     n_narrower = int(np.sum(~reaches_ends))
     if not n_narrower:
         return
@@ -98,10 +98,11 @@ def _creep_notes(scene: Scene, arrays: Mapping[str, Any]) -> Iterator[str]:
 
 def _thinned_notes(run: PathRun) -> Iterator[str]:
     """That not every increment is in the answer, and what is of all of them nevertheless."""
-    dropped = len(run.states) - len(run.stored)
-    if dropped:
+    n_dropped = len(run.states) - len(run.stored)
+    if n_dropped:
         yield (
-            f"{dropped} of {len(run.states)} instants of this long path are left out of the answer,"
+            f"{n_dropped} of {len(run.states)} instants of this long path are left out of the"
+            " answer,"
             f" its files and figures (at most {MOST_INSTANTS} are kept, the rows of the record"
             " first). The worst instant of a metric is one that was kept. W, W(x), the closed"
             " integral of Q dU, the permanent stick zone and the checks are of all of them"
@@ -139,9 +140,10 @@ def _drift_notes(run: PathRun, scales: Scales) -> Iterator[str]:
         )
     if run.ratchets:
         shift_of_cycle = run.states[-1].shift - run.states[run.cycle_starts[-1]].shift
-        moved = shift_of_cycle * scales.load / scales.modulus
+        distance = shift_of_cycle * scales.load / scales.modulus
         yield (
-            f"ratcheting: each revolution moves the upper body by {moved:.3g} along x; the closed"
+            f"ratcheting: each revolution moves the upper body by {distance:.3g} along x; the"
+            " closed"
             " integral of Q dU holds the work of the mean Q on that way"
         )
 
@@ -165,45 +167,45 @@ def work_done(
         "sparse factorisations": problem.work["sparse factorisations"],
         **{name: int(count) for name, count in sorted(problem.work.items())},
     }
-    skipped: dict[str, tuple[int, str]] = {}
+    skipped_work: dict[str, tuple[int, str]] = {}
     if one_mesh:
-        skipped["meshes"] = (1, "both bodies have one shape: meshed once, reflected")
+        skipped_work["meshes"] = (1, "both bodies have one shape: meshed once, reflected")
     if lower is upper:
-        skipped["condensations"] = (
+        skipped_work["condensations"] = (
             1,
             "the bodies are alike: the upper one is the lower one reflected",
         )
     cached = problem.work[CACHED]
     if cached:
-        skipped["condensations, cached"] = (
+        skipped_work["condensations, cached"] = (
             cached,
             "this process condensed the body before: taken from the cache",
         )
     if on_half(scene, problem.interface):
-        skipped["contact nodes"] = (
+        skipped_work["contact nodes"] = (
             len(problem.interface.x) // 2,
             "p is even in x, q even or odd: solved on one half",
         )
     if not problem.tangential:
-        skipped["tangential problem"] = (len(run.iterations), "no shear can arise")
+        skipped_work["tangential problem"] = (len(run.iterations), "no shear can arise")
     if not problem.work[CURED]:
         reason = (
             "an end of a face or a base is within ten nodes: W is of first order in the element"
         )
         if problem.work[REPEATED]:
             reason = "the contact did not converge without it"
-        skipped["the mesh's part of N - T"] = (1, reason)
+        skipped_work["the mesh's part of N - T"] = (1, reason)
     if problem.tangential and not problem.work["slip iterations"]:
-        skipped["slip iterations"] = (len(run.iterations), "no node left stick")
+        skipped_work["slip iterations"] = (len(run.iterations), "no node left stick")
     if run.steady_from is not None and run.steady_from + 1 < scene.cycles:
-        skipped["revolutions"] = (
+        skipped_work["revolutions"] = (
             scene.cycles - run.steady_from - 1,
             "the revolution before ended as it started",
         )
-    dropped = len(run.states) - len(run.stored)
-    if dropped:
-        skipped["instants"] = (
-            dropped,
+    n_dropped = len(run.states) - len(run.stored)
+    if n_dropped:
+        skipped_work["instants"] = (
+            n_dropped,
             f"stored at {len(run.stored)} instants: more would take gigabytes",
         )
-    return Work(counts, skipped, dict(seconds))
+    return Work(counts, skipped_work, dict(seconds))

@@ -45,12 +45,14 @@ def cycle_uncertainty(task: Task, run: PathRun) -> float:
     scene = task.scene
     if not needs_shear(scene):
         return 0.0
-    first = run.cycle_starts[-1] if run.cycle_starts else 0
+    first_increment = run.cycle_starts[-1] if run.cycle_starts else 0
     unit = task.friction_unit
     # With bulk stress or tilt a cycle is compared with the coarse run's of the same number: they
     # only approach the steady state.
-    compared = run.cycle_density[:COARSE_CYCLES] if scene.unsymmetric else run.cycle_density
-    dissipation = float(compared[-1].sum())
+    densities_compared = (
+        run.cycle_density[:COARSE_CYCLES] if scene.unsymmetric else run.cycle_density
+    )
+    dissipation = float(densities_compared[-1].sum())
     of_coarse_run = task.scales.dissipation / task.work_unit
     scatter = None
     if run.excess and not task.has_plain_errors and not scene.unsymmetric:
@@ -58,11 +60,11 @@ def cycle_uncertainty(task: Task, run: PathRun) -> float:
     # Unlike bodies: the increments of the nodes that start to slide bend the pressure too, and
     # their bound counts in full.
     if task.steps_by_kinks:
-        of_steps = _BENT_IN_RECORDS * run.column("bent")[first:].sum()
+        of_steps = _BENT_IN_RECORDS * run.column("bent")[first_increment:].sum()
     elif scatter is not None and shapes_alike(scene):
-        of_steps = _BENT * run.column("bent")[first:].sum()
+        of_steps = _BENT * run.column("bent")[first_increment:].sum()
     else:
-        of_steps = run.column("step_error")[first:].sum()
+        of_steps = run.column("step_error")[first_increment:].sum()
     return float(of_steps) + unit * uncertainty(
         dissipation / unit,
         abs(dissipation - of_coarse_run) / unit,
@@ -111,9 +113,11 @@ def value_uncertainties(
         plain=task.has_plain_errors,
     )
     step = int(np.argmax(arrays["contact_half_width"]))
-    sheared = needs_shear(task.scene)
-    work = float(arrays["dissipation"]) / (task.friction_unit * task.work_unit) if sheared else 0.0
-    by_meshes = uncertainties(values, scales.values, meshes, sheared, work)
+    has_shear = needs_shear(task.scene)
+    work = (
+        float(arrays["dissipation"]) / (task.friction_unit * task.work_unit) if has_shear else 0.0
+    )
+    by_meshes = uncertainties(values, scales.values, meshes, has_shear, work)
     elements = 2 * _spacing_at_edges(arrays["x"], arrays["contact_edges"])
     for name, load in (
         ("tangential_displacement", arrays["tangential_load"]),
@@ -131,8 +135,8 @@ def value_uncertainties(
 
 def _spacing_at_edges(x: Array, edges: Array) -> Array:
     """(k,) distance of the nodes around contact edges (k, 2), the larger of both sides [length]."""
-    following = np.clip(np.searchsorted(x, edges), 1, len(x) - 1)
-    return np.asarray(np.max(x[following] - x[following - 1], axis=1))
+    node_after = np.clip(np.searchsorted(x, edges), 1, len(x) - 1)
+    return np.asarray(np.max(x[node_after] - x[node_after - 1], axis=1))
 
 
 def _of_permanent_stick(scene: Scene, arrays: Mapping[str, Any]) -> float:
@@ -153,9 +157,9 @@ def _of_permanent_stick(scene: Scene, arrays: Mapping[str, Any]) -> float:
     edges = np.maximum(arrays["stick_edges"][in_cycle] * outwards, ends)
     edge_uncertainty = arrays["stick_edge_uncertainty"][in_cycle]
     innermost = edges.min(axis=0)
-    nearest = (edges - edge_uncertainty).min(axis=0)
-    farthest = (edges + edge_uncertainty).min(axis=0)
-    return float(np.mean(np.maximum(innermost - nearest, farthest - innermost)))
+    innermost_nearest = (edges - edge_uncertainty).min(axis=0)
+    innermost_farthest = (edges + edge_uncertainty).min(axis=0)
+    return float(np.mean(np.maximum(innermost - innermost_nearest, innermost_farthest - innermost)))
 
 
 def _peak_uncertainty(task: Task, arrays: Mapping[str, Any]) -> float:
@@ -189,16 +193,16 @@ def _peak_uncertainty(task: Task, arrays: Mapping[str, Any]) -> float:
 def revolution_of(task: Task, run: PathRun, arrays: Mapping[str, Any]) -> Revolution:
     """What the last revolution of a run asks of the mesh."""
     scene = task.scene
-    first = 1
+    first_step = 1
     if run.cycle_starts:
-        first = int(np.searchsorted(run.stored, run.cycle_starts[-1])) + 1
-    load = arrays["normal_load"][first:]
+        first_step = int(np.searchsorted(run.stored, run.cycle_starts[-1])) + 1
+    load = arrays["normal_load"][first_step:]
     modulus = contact_modulus(scene.material.lower, scene.material.upper)
     unit = 2 / modulus * (scene.friction.coefficient * np.max(load)) ** 2  # A f^2 P^2
     return Revolution(
         load=load,
-        contact=arrays["contact_half_width"][first:],
-        stick=arrays["stick_half_width"][first:],
+        contact=arrays["contact_half_width"][first_step:],
+        stick=arrays["stick_half_width"][first_step:],
         dissipation=float(arrays["dissipation"] / unit) if unit > 0 else 0.0,
         sheared=needs_shear(scene),
     )

@@ -95,9 +95,9 @@ def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
         return nothing
     slip = np.stack([state.slip for state in states])
     slip_range = np.ptp(slip, axis=0)
-    closed = np.stack([state.closed for state in states])
-    largest_range = np.max(slip_range, where=closed.any(axis=0), initial=0.0)
-    sticks = closed.all(axis=0) & (slip_range <= _STUCK * largest_range)
+    is_closed = np.stack([state.closed for state in states])
+    largest_range = np.max(slip_range, where=is_closed.any(axis=0), initial=0.0)
+    sticks = is_closed.all(axis=0) & (slip_range <= _STUCK * largest_range)
     stick_zone = np.flatnonzero(sticks)
     if len(stick_zone) < _ZONE or np.diff(stick_zone).max() > 1:
         return nothing
@@ -141,10 +141,10 @@ def _at_stick_edge(
     it at the other. So its distances at both turns are added.
     """
     left, right = np.flatnonzero(sticks)[[0, -1]].tolist()
-    last = right if side > 0 else left
-    first = left if side > 0 else right
-    node = last + side
-    opposite = first - side
+    last_node = right if side > 0 else left
+    first_node = left if side > 0 else right
+    node = last_node + side
+    opposite = first_node - side
     if not _regular(problem, node):
         return None
     slip_of_node = slip[:, node]
@@ -158,7 +158,7 @@ def _at_stick_edge(
             return None
         turns[sign] = states[instants[-1]]
     to_cone = sum(
-        problem.friction * turn.pressure[last] - sign * turn.shear[last]
+        problem.friction * turn.pressure[last_node] - sign * turn.shear[last_node]
         for sign, turn in turns.items()
     )
     work_in_excess = 0.0
@@ -174,7 +174,7 @@ def _at_stick_edge(
         slip_rates, pressure_rates, shear_rates, _ = nodal(
             problem.rates(states_at_turn, n_loads)[1]
         )
-        cone_rate = problem.friction * pressure_rates[last] - sign * shear_rates[last]
+        cone_rate = problem.friction * pressure_rates[last_node] - sign * shear_rates[last_node]
         from_node = _load_to(slip_range, slip_rates[node])
         distance = from_node + _load_to(to_cone, cone_rate)
         if not 0 < distance < math.inf:
@@ -222,19 +222,19 @@ def _at_contact_edge(
     work_of_stays: dict[int, float] = {}  # by the node that the edge stands at
     slips = np.abs(np.diff(slip, axis=0))
     for start, end, slip_increment in zip(states[:-1], states[1:], slips, strict=True):
-        closed = np.flatnonzero(start.closed)
-        node = int(closed[-1 if side > 0 else 0])
-        opposite = int(closed[0 if side > 0 else -1])
-        following = node + side
+        closed_nodes = np.flatnonzero(start.closed)
+        node = int(closed_nodes[-1 if side > 0 else 0])
+        opposite = int(closed_nodes[0 if side > 0 else -1])
+        next_node = node + side
         if not slip_increment.any():
             continue
         if not start.is_complete or not _regular(problem, node):
             return None
-        if not 0 <= following < len(slip_increment):
+        if not 0 <= next_node < len(slip_increment):
             return None
         _, pressure_rates, _, gap_rates = rates_by_load(start.state)
         from_node = _load_to(start.pressure[node], pressure_rates[node])
-        distance = from_node + _load_to(start.gap[following], gap_rates[following])
+        distance = from_node + _load_to(start.gap[next_node], gap_rates[next_node])
         if not 0 < distance < math.inf:
             return None
         load_at_end = from_node + end.loads[0] - start.loads[0]
@@ -264,11 +264,11 @@ def _jump(
     node, *second_node = nodes
     jumps = []
     for nodes_back in {(), tuple(second_node)}:
-        after = state.copy()
-        after[list(nodes_back)] = back
-        before = after.copy()
-        before[node] = back
-        jumps.append(rates(after) - rates(before))
+        states_after = state.copy()
+        states_after[list(nodes_back)] = back
+        states_before = states_after.copy()
+        states_before[node] = back
+        jumps.append(rates(states_after) - rates(states_before))
     return np.asarray(sum(jumps) / len(jumps))
 
 
@@ -282,8 +282,10 @@ def _regular(problem: ContactProblem, node: int) -> bool:
     like_node = weights[node - 2 : node + 3 : 2].tolist()
     neighbours = weights[node - 1 : node + 2 : 2].tolist()
     corners, middles = sorted((like_node, neighbours), key=max)
-    least, most = _SIMPSON
-    return least * max(corners) <= min(middles) and max(middles) <= most * min(corners)
+    least_spacing, largest_spacing = _SIMPSON
+    return least_spacing * max(corners) <= min(middles) and max(middles) <= largest_spacing * min(
+        corners
+    )
 
 
 def _chord(

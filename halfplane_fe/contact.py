@@ -270,11 +270,13 @@ class ContactProblem:
         Of a given moment the tilt is that at which the faces touch on both sides of x = `line`, the
         first place of the resultant.
         """
-        imposed = np.zeros(3)
+        imposed_values = np.zeros(3)
         if len(loads) > 2:
-            imposed[:2] = loads[_BULK_STRESSES]
-            imposed[2] = self._resting_tilt(line) if self.moment_given else loads[_TILT_OR_MOMENT]
-        gap_by_imposed, slip_by_imposed = self.offsets(imposed)
+            imposed_values[:2] = loads[_BULK_STRESSES]
+            imposed_values[2] = (
+                self._resting_tilt(line) if self.moment_given else loads[_TILT_OR_MOMENT]
+            )
+        gap_by_imposed, slip_by_imposed = self.offsets(imposed_values)
         undeformed_gap = self.height + gap_by_imposed
         approach = float((undeformed_gap / self.interface.normals[1]).min())
         shift = loads[1] if self.actuators.tangential is not None else 0.0
@@ -282,23 +284,23 @@ class ContactProblem:
         gap = undeformed_gap + gap_by_approach
         slip = slip_by_imposed + slip_by_approach
         no_force = np.zeros_like(self.height)
-        rigid = [approach, shift, imposed[2]]
-        values = np.concatenate([rigid, slip, no_force, no_force, gap])
+        rigid_motion = [approach, shift, imposed_values[2]]
+        values = np.concatenate([rigid_motion, slip, no_force, no_force, gap])
         states = np.where(gap <= ROUNDING, STICK, OPEN)
-        pressed = approach if self.actuators.normal is not None else 0.0
-        loads = (pressed, shift, *loads[2:])
+        pressed_approach = approach if self.actuators.normal is not None else 0.0
+        loads = (pressed_approach, shift, *loads[2:])
         return self._state(time, loads, freeze(values), states)
 
     def _state(
         self, time: float, loads: tuple[float, ...], values: Array, states: States
     ) -> InterfaceState:
         """A state, with the loads that it carries where they are not given."""
-        carried = None
+        carried_loads = None
         if self.actuators.are_there:
             _, pressure, shear, _ = nodal(values)
             normal_load, tangential_load = self.interface.carried(pressure, shear)
-            carried = (float(normal_load), float(tangential_load))
-        return InterfaceState(time, loads, values, freeze(states, np.int8), carried)
+            carried_loads = (float(normal_load), float(tangential_load))
+        return InterfaceState(time, loads, values, freeze(states, np.int8), carried_loads)
 
     def equilibrium(
         self,
@@ -340,17 +342,17 @@ class ContactProblem:
         state = None
         iterations = 0
         if expected is not None and not np.array_equal(expected, start.state):
-            state, iterations, changing = self._active_set(start, time, loads, expected)
+            state, iterations, n_changing = self._active_set(start, time, loads, expected)
         if state is None:
-            state, more_iterations, changing = self._active_set(start, time, loads, start.state)
+            state, more_iterations, n_changing = self._active_set(start, time, loads, start.state)
             iterations += more_iterations
         if state is None and (self.tangential or self.moment_given):
-            state, turns, changing = self._alternating(start, time, loads)
+            state, turns, n_changing = self._alternating(start, time, loads)
             iterations += turns
         self.work["contact iterations"] += iterations
         if state is None:
             raise ConvergenceError(
-                f"contact: {changing} nodes still change state after {iterations} iterations at"
+                f"contact: {n_changing} nodes still change state after {iterations} iterations at"
                 f" time {time:.6g}, {self._loads_in_words(loads)}"
             )
         return state, iterations
@@ -372,17 +374,17 @@ class ContactProblem:
         if self.moment_given and len(loads) > 2:
             moment = loads[_TILT_OR_MOMENT]
         change_of_loads = np.subtract(loads, start.loads)
-        solved = self._return_mapping.equilibrium(
+        solution = self._return_mapping.equilibrium(
             Start(start.values, start.state, change_of_loads, moment), self.max_iterations
         )
-        if solved is None:
+        if solution is None:
             raise ConvergenceError(
                 f"contact: the return mapping does not converge, however soft the penalty, at time"
                 f" {time:.6g}, {self._loads_in_words(loads)}"
             )
-        self.work["contact iterations"] += solved.newton_steps
-        state = self._state(time, loads, freeze(solved.values), solved.states)
-        return state, solved.newton_steps
+        self.work["contact iterations"] += solution.newton_steps
+        state = self._state(time, loads, freeze(solution.values), solution.states)
+        return state, solution.newton_steps
 
     def following(
         self, start: InterfaceState, time: float, loads: tuple[float, ...], states: States
@@ -441,10 +443,14 @@ class ContactProblem:
         """(3 + 4 n,) what meeting the equalities of these states changes at constant loads: of
         nodes that change sides, or did so in an event.
         """
-        latest = self._latest_changes
+        latest_changes = self._latest_changes
         key = states.tobytes()
-        if latest is not None and latest.start is start and latest.states == key:
-            return latest.values
+        if (
+            latest_changes is not None
+            and latest_changes.start is start
+            and latest_changes.states == key
+        ):
+            return latest_changes.values
         _, pressure, shear, gap = nodal(start.values)
         beyond_cone = shear - slip_sign(states) * self.friction * pressure
         residual = np.concatenate(
@@ -469,27 +475,27 @@ class ContactProblem:
         The first step is by the rates of the states that are given. With those of `start`, an
         answer under load, it is the answer where none of them changes.
         """
-        met: set[bytes] = set()
-        changing = 0
+        sets_met: set[bytes] = set()
+        n_changing = 0
         sign_at_start = slip_sign(start.state)
         try:
             for iteration in range(self.max_iterations + 1):
                 state = self.following(start, time, loads, states)
                 next_states = self._states_by_law(state, start)
-                changing = int(np.count_nonzero(next_states != states))
+                n_changing = int(np.count_nonzero(next_states != states))
                 self.work["slip iterations"] += iteration > 0 and not np.array_equal(
                     slip_sign(next_states), sign_at_start
                 )
-                if not changing:
+                if not n_changing:
                     return _Solved(state, max(iteration, 1), 0)
-                if next_states.tobytes() in met:
-                    return _Solved(None, iteration, changing)
+                if next_states.tobytes() in sets_met:
+                    return _Solved(None, iteration, n_changing)
                 if iteration:
-                    met.add(next_states.tobytes())
+                    sets_met.add(next_states.tobytes())
                 states = next_states
         except SingularSet:
-            return _Solved(None, max(len(met), 1), changing)
-        return _Solved(None, self.max_iterations, changing)
+            return _Solved(None, max(len(sets_met), 1), n_changing)
+        return _Solved(None, self.max_iterations, n_changing)
 
     def _alternating(self, start: InterfaceState, time: float, loads: tuple[float, ...]) -> _Solved:
         """Where Newton's sets chase each other: pressure at known shear, then shear at known
@@ -507,35 +513,41 @@ class ContactProblem:
             coupling = np.zeros_like(self.interface.normal)
         shear = start.shear
         shift = start.shift
-        closed = start.closed
-        imposed = replace(start, loads=loads).imposed
-        carried = start.carried or loads[:2]
+        is_closed = start.closed
+        imposed_values = replace(start, loads=loads).imposed
+        carried_loads = start.carried or loads[:2]
         if len(loads) > 2 and not self.moment_given:
-            imposed[2] = loads[_TILT_OR_MOMENT]
-        changing = 0
+            imposed_values[2] = loads[_TILT_OR_MOMENT]
+        n_changing = 0
         for turn in range(1, self.max_iterations + 1):
             height = self.height - coupling.T @ shear + n_x * shift
             if self.moment_given:
-                imposed[2] = self._tilt_at_known_shear(height, shear, closed, imposed, loads)
-            gap_by_imposed, slip_by_imposed = self.offsets(imposed)
-            pressure, approach, closed = pressure_at_known_shear(
-                systems, height + gap_by_imposed, carried[0] - float(n_x @ shear), closed, ROUNDING
+                imposed_values[2] = self._tilt_at_known_shear(
+                    height, shear, is_closed, imposed_values, loads
+                )
+            gap_by_imposed, slip_by_imposed = self.offsets(imposed_values)
+            pressure, approach, is_closed = pressure_at_known_shear(
+                systems,
+                height + gap_by_imposed,
+                carried_loads[0] - float(n_x @ shear),
+                is_closed,
+                ROUNDING,
             )
-            states = np.where(closed, STICK, OPEN).astype(np.int8)
+            states = np.where(is_closed, STICK, OPEN).astype(np.int8)
             if self.tangential:
                 known_slip = start.slip - slip_by_imposed - coupling @ pressure - n_x * approach
-                load = None if self.interface.guided else carried[1] + float(n_x @ pressure)
+                load = None if self.interface.guided else carried_loads[1] + float(n_x @ pressure)
                 shear, shift, states = shear_at_known_pressure(
                     systems, np.maximum(pressure, 0.0), known_slip, load, ROUNDING
                 )
             if not np.any(states == STICK) and self.actuators.tangential is None:
                 continue
             state = self.following(start, time, loads, states)
-            carried = state.carried or carried
-            changing = int(np.count_nonzero(self._states_by_law(state, start) != states))
-            if not changing:
+            carried_loads = state.carried or carried_loads
+            n_changing = int(np.count_nonzero(self._states_by_law(state, start) != states))
+            if not n_changing:
                 return _Solved(state, turn, 0)
-        return _Solved(None, self.max_iterations, changing)
+        return _Solved(None, self.max_iterations, n_changing)
 
     def _states_by_law(self, answer: InterfaceState, start: InterfaceState) -> States:
         """The states that the law gives the answer's nodes."""
@@ -549,10 +561,10 @@ class ContactProblem:
         r_normal, r_tangential = self.augmentation
         trial_pressure = pressure - r_normal * gap
         # Within rounding of touching or of the cone a node keeps the state it has.
-        touching = (np.abs(pressure) <= _LEAST_FORCE) & (np.abs(gap) <= ROUNDING)
-        closed = np.where(touching, ~is_open, trial_pressure > 0)
+        is_touching = (np.abs(pressure) <= _LEAST_FORCE) & (np.abs(gap) <= ROUNDING)
+        is_closed = np.where(is_touching, ~is_open, trial_pressure > 0)
         if not self.tangential:
-            return np.where(closed, STICK, OPEN).astype(np.int8)
+            return np.where(is_closed, STICK, OPEN).astype(np.int8)
         pressure_by_law, _, if_closed = project(
             np.maximum(trial_pressure, ROUNDING),
             shear + r_tangential * slip_increment,
@@ -561,14 +573,14 @@ class ContactProblem:
         force_to_cone = np.abs(np.abs(shear) - self.friction * pressure_by_law)
         at_cone = force_to_cone <= _LEAST_FORCE * self._shear_scale
         at_cone &= (np.abs(slip_increment) <= ROUNDING * self._shear_scale) & ~is_open
-        next_states = np.where(closed, np.where(at_cone, states, if_closed), OPEN)
+        next_states = np.where(is_closed, np.where(at_cone, states, if_closed), OPEN)
         # A sliding node that turns round sticks first: from forward to reverse slip at one go, sets
         # chase each other.
-        turned = (next_states != states) & (next_states > STICK) & (states > STICK)
-        return np.where(turned, STICK, next_states).astype(np.int8)
+        has_turned = (next_states != states) & (next_states > STICK) & (states > STICK)
+        return np.where(has_turned, STICK, next_states).astype(np.int8)
 
     def _tilt_at_known_shear(
-        self, height: Array, shear: Array, closed: Mask, imposed: Array, loads: tuple[float, ...]
+        self, height: Array, shear: Array, is_closed: Mask, imposed: Array, loads: tuple[float, ...]
     ) -> float:
         """The tilt at which the pressure over `height` and the shear have the moment given; the
         larger it is, the less is M.
@@ -579,7 +591,7 @@ class ContactProblem:
         def excess_moment(tilt: float) -> float:
             gap_by_imposed, _ = self.offsets(np.array([*imposed[:2], tilt]))
             pressure, _, _ = pressure_at_known_shear(
-                self._systems, height + gap_by_imposed, load, closed, ROUNDING
+                self._systems, height + gap_by_imposed, load, is_closed, ROUNDING
             )
             return -float(self.interface.work_of_imposed(pressure, shear)[2]) - moment
 
@@ -587,12 +599,12 @@ class ContactProblem:
         slope_of_gap = float(np.ptp(self.height)) / float(np.ptp(self.interface.x))
         # from a thousandth of the gap's slope on, doubled until the tilt is between both ends
         for width in slope_of_gap * 2.0 ** np.arange(-10, 30):
-            low = latest_tilt - width
-            high = latest_tilt + width
-            if excess_moment(low) >= 0 >= excess_moment(high):
+            least_tilt = latest_tilt - width
+            largest_tilt = latest_tilt + width
+            if excess_moment(least_tilt) >= 0 >= excess_moment(largest_tilt):
                 return float(
                     scipy.optimize.brentq(
-                        excess_moment, low, high, xtol=1e-15 * width, rtol=8.9e-16
+                        excess_moment, least_tilt, largest_tilt, xtol=1e-15 * width, rtol=8.9e-16
                     )
                 )
         raise ConvergenceError(

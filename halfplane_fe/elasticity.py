@@ -149,30 +149,30 @@ def assemble(body: BodyMesh, material: Elastic) -> System:
             f" elements lock above {_LARGEST_NU_LINEAR:g}; take order = 2"
         )
     dofs = {name: _boundary_dofs(mesh, order, name) for name in ("contact", *supports)}
-    around = tuple(name for name, support in supports.items() if support == "half_plane")
+    half_plane_arcs = tuple(name for name, support in supports.items() if support == "half_plane")
     ends = tuple(name for name, support in supports.items() if support == "pulled")
-    arc = np.hstack([np.empty((2, 0), dtype=np.int64), *(dofs[name] for name in around)])
+    arc = np.hstack([np.empty((2, 0), dtype=np.int64), *(dofs[name] for name in half_plane_arcs)])
     if ends and supports["base"] == "rollers":
         arc = np.hstack([dofs[name][:1] for name in ends])
     components = {"fixed": (0, 1), "rollers": (1,), "guided": (0,), "half_plane": (), "pulled": ()}
-    held = [np.empty(0, dtype=np.int64)]
+    held_dofs = [np.empty(0, dtype=np.int64)]
     for name, support in supports.items():
-        held += [dofs[name][component] for component in components[support]]
+        held_dofs += [dofs[name][component] for component in components[support]]
         if support == "rollers" and "guided" not in supports.values():
             # Nothing else keeps the body from drifting along x. This support carries nothing: there
             # is no tangential load, or the ends hold it.
             along_x = dofs[name][0]
             middle = np.argmin(np.abs(mesh.p[0, along_x // 2]))
-            held.append(along_x[[middle]])
+            held_dofs.append(along_x[[middle]])
     system = System(
         mesh=mesh,
         material=material,
         order=order,
         cells=cells_of(mesh, order),
         contact=dofs["contact"],
-        around=around,
+        around=half_plane_arcs,
         arc=arc,
-        held=np.unique(np.concatenate(held)),
+        held=np.unique(np.concatenate(held_dofs)),
         pull=np.empty(0),
     )
     facets_of_ends = [facet for name in ends for facet in mesh.boundaries[name]]
@@ -226,8 +226,10 @@ def _stiffness(system: System, elements: Indices) -> sparse.csr_matrix:
     slopes = np.stack([element.lbasis(points, i)[1] for i in range(n_nodes)])  # (n, 2, q)
     (xx, xy), (yx, yy) = np.einsum("aen,nbq->abeq", mesh.p[:, cells], slopes, optimize=True)
     determinant = xx * yy - xy * yx
-    inverse = np.array([[yy, -xy], [-yx, xx]]) / determinant
-    gradients = np.einsum("nbq,baeq->enaq", slopes, inverse).reshape(len(cells), -1, len(weights))
+    inverse_jacobian = np.array([[yy, -xy], [-yx, xx]]) / determinant
+    gradients = np.einsum("nbq,baeq->enaq", slopes, inverse_jacobian).reshape(
+        len(cells), -1, len(weights)
+    )
     areas = (np.abs(determinant) * weights)[:, None]
     D = gradients * areas @ gradients.transpose(0, 2, 1)
     D = D.reshape(len(cells), n_nodes, 2, n_nodes, 2)
@@ -322,14 +324,15 @@ class _Mode(NamedTuple):
     column: Indices
     factor: Array
 
-    def motions(self, moved: Indices, by: Indices) -> sparse.csr_matrix:
+    def motions(self, moved_dofs: Indices, by: Indices) -> sparse.csr_matrix:
         """(m, n) displacement of m degrees of freedom of the body by n of the k of the mode."""
         place = np.full(len(self.dofs), -1)
         place[by] = np.arange(len(by))
-        column = place[self.column[moved]]
-        factor = np.where(column >= 0, self.factor[moved], 0.0)
+        column = place[self.column[moved_dofs]]
+        factor = np.where(column >= 0, self.factor[moved_dofs], 0.0)
         return sparse.csr_matrix(
-            (factor, np.maximum(column, 0), np.arange(len(moved) + 1)), shape=(len(moved), len(by))
+            (factor, np.maximum(column, 0), np.arange(len(moved_dofs) + 1)),
+            shape=(len(moved_dofs), len(by)),
         )
 
 
@@ -397,11 +400,13 @@ def _elimination_ranks(system: System, stiffness: sparse.csr_matrix) -> Indices:
     """
     n_nodes = system.mesh.p.shape[1]
     present = np.flatnonzero(stiffness.diagonal()[: 2 * n_nodes : 2])
-    inner = present[~np.isin(2 * present, np.concatenate([system.contact[0], system.arc[0]]))]
+    inner_nodes = present[~np.isin(2 * present, np.concatenate([system.contact[0], system.arc[0]]))]
     # r of the contact comes last: first of all, it would fill the factors
     ranks = np.full(n_nodes, n_nodes)
-    if len(inner):
-        ranks[inner] = factorise(stiffness[2 * inner][:, 2 * inner].tocsc()).perm_c
+    if len(inner_nodes):
+        ranks[inner_nodes] = factorise(
+            stiffness[2 * inner_nodes][:, 2 * inner_nodes].tocsc()
+        ).perm_c
     return ranks[system.node]
 
 
@@ -442,17 +447,17 @@ def _condensed_mode(
     around it is taken off.
     """
     contact = np.flatnonzero(np.isin(mode.dofs, system.contact))
-    around = np.flatnonzero(np.isin(mode.dofs, system.arc))
-    held = np.flatnonzero(np.isin(mode.dofs, system.held))
+    arc_dofs = np.flatnonzero(np.isin(mode.dofs, system.arc))
+    held_dofs = np.flatnonzero(np.isin(mode.dofs, system.held))
     if system.around:
         # The loads balance, so that holding a half-disc at as few of its nodes as it has rigid
         # motions changes nothing.
-        held, around = _held_on_arc(system, mode, around)
-    inner = np.delete(np.arange(len(mode.dofs)), np.concatenate([held, around, contact]))
+        held_dofs, arc_dofs = _held_on_arc(system, mode, arc_dofs)
+    inner = np.delete(np.arange(len(mode.dofs)), np.concatenate([held_dofs, arc_dofs, contact]))
     inner = inner[np.argsort(ranks[mode.dofs[inner]], kind="stable")]
-    order = np.concatenate([inner, around, contact])
+    order = np.concatenate([inner, arc_dofs, contact])
     n = len(inner)
-    m = len(around)
+    m = len(arc_dofs)
     last = slice(n, None)
     all_motions = mode.motions(np.arange(len(mode.column)), order)
     ordered = (all_motions.T @ stiffness @ all_motions).tocsc()
@@ -463,7 +468,7 @@ def _condensed_mode(
     triangle = np.tril(dpotri(root, lower=1)[0])
     inverse = triangle + np.tril(triangle, -1).T
     motions = mode.motions(system.contact.ravel(), contact)
-    on_arc = mode.motions(system.arc.ravel(), around).T @ (arc.by_nodes @ motions)
+    on_arc = mode.motions(system.arc.ravel(), arc_dofs).T @ (arc.by_nodes @ motions)
     by_forces = inverse[:, :m] @ on_arc + inverse[:, m:]
     tractions = (arc.tractions @ motions).T
     displacements = arc.displacements @ motions

@@ -411,14 +411,14 @@ def certificates(problem: ContactProblem, states: Sequence[InterfaceState]) -> d
     for name in ("tension", "gap_pressure", "cone", "slip_sign"):
         of_law[name] = of_law[name] / force
     normal_load, tangential_load = problem.interface.carried(pressure.T, shear.T)
-    reached = [normal_load, tangential_load]
+    loads_reached = [normal_load, tangential_load]
     # What stands in the place of a load is a movement: a rigid motion and what the rig gives way.
     for number, compliance in enumerate(problem.actuators):
         if compliance is not None:
-            reached[number] = values[1:, number] + compliance * reached[number]
-    equilibrium = np.abs(np.array(reached) - loads[:, :2].T).max(axis=0)
+            loads_reached[number] = values[1:, number] + compliance * loads_reached[number]
+    equilibrium = np.abs(np.array(loads_reached) - loads[:, :2].T).max(axis=0)
     if problem.moment_given:
         moment = -problem.interface.work_of_imposed(pressure, shear)[:, 2]
         equilibrium = np.maximum(equilibrium, np.abs(moment - loads[:, -1]))
-    largest = loads[:, 0] if problem.actuators.normal is None else normal_load
-    return {"equilibrium": equilibrium / np.maximum(largest, 1e-300), **of_law}
+    largest_load = loads[:, 0] if problem.actuators.normal is None else normal_load
+    return {"equilibrium": equilibrium / np.maximum(largest_load, 1e-300), **of_law}

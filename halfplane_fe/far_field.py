@@ -198,8 +198,8 @@ def arc_work(
     elements = line_elements(arc, order, _POINTS)
     x, y = elements.places.reshape(2, -1)
     along_x, along_y = elements.tangents
-    normal = np.stack([along_y.ravel(), -along_x.ravel()])  # outward, times the length
-    forces = surface_force_traction(x, y, normal, force_at).reshape(2, *along_x.shape, -1)
+    outward_normal = np.stack([along_y.ravel(), -along_x.ravel()])  # outward, times the length
+    forces = surface_force_traction(x, y, outward_normal, force_at).reshape(2, *along_x.shape, -1)
     by_nodes = np.zeros((2, arc.shape[1], forces.shape[-1]))
     for nodes, shape in zip(elements.nodes.T, elements.shapes, strict=True):
         by_nodes[:, nodes] += np.einsum("g,degm->dem", shape, forces)

@@ -361,7 +361,7 @@ def _tension_by_bodies(
     uncertainties = np.zeros(2)
     bulk = [_bulk_stress(solution, steps, number) for number in (0, 1)]
     has_bulk_stress = any(of_body.any() for of_body in bulk)
-    mirrored = bodies.lower == bodies.upper and material.alike and not has_bulk_stress
+    are_mirrored = bodies.lower == bodies.upper and material.alike and not has_bulk_stress
     of_lower: _SizeFit | None = None
     for number, name in enumerate(_BODIES):
         values[:, number] = bulk[number][:, None]
@@ -369,7 +369,7 @@ def _tension_by_bodies(
             continue
         assert isinstance(solution, FiniteElementSolution)  # for the type checker
         on_body = [_on_body(of_step, number) for of_step in series]
-        if number == 1 and mirrored:
+        if number == 1 and are_mirrored:
             size_fit = of_lower
         else:
             size_fit = _size_fit(solution, number, steps, series, bulk[number])
@@ -584,8 +584,8 @@ def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
         return None
     # Of mirrored instants, alike but for round-off, the first counts.
     is_largest = values >= values.max() - _ROUND_OFF * abs(values.max())
-    largest = np.unravel_index(np.argmax(is_largest), values.shape)
-    k, body, edge = (int(index) for index in largest)
+    place_of_largest = np.unravel_index(np.argmax(is_largest), values.shape)
+    k, body, edge = (int(index) for index in place_of_largest)
     of_series = tractions_with_uncertainty(_nodal(solution, steps[k])).tension_uncertainty
     edges = series[k].edges
     return LargestTension(
@@ -618,15 +618,18 @@ def _steps_of_large_tension(solution: ContactSolution) -> list[int]:
     n_candidates = 1 if largest_alone else _CANDIDATES
     tension: dict[int, float] = {}
     for step in sorted(of_nodes, key=lambda step: -of_nodes[step]):
-        highest = sorted(tension.values(), reverse=True)[:n_candidates]
-        if len(highest) == n_candidates and _NODES_TOO_LOW * of_nodes[step] < highest[-1]:
+        highest_tensions = sorted(tension.values(), reverse=True)[:n_candidates]
+        if (
+            len(highest_tensions) == n_candidates
+            and _NODES_TOO_LOW * of_nodes[step] < highest_tensions[-1]
+        ):
             break
         tension[step] = float(np.abs(sampled_tractions(nodal_values[step]).edge_tension()).max())
     by_tension = sorted(tension, key=lambda step: -tension[step])
     candidates = by_tension[:n_candidates]
     if largest_alone:
-        least = max(tension.values(), default=0.0) * (1 - _ROUND_OFF)
-        candidates = [step for step in by_tension[:_CANDIDATES] if tension[step] >= least]
+        least_tension = max(tension.values(), default=0.0) * (1 - _ROUND_OFF)
+        candidates = [step for step in by_tension[:_CANDIDATES] if tension[step] >= least_tension]
     return sorted(candidates)
 
 
@@ -645,7 +648,7 @@ def _nodal(solution: ContactSolution, step: int) -> Nodal:
     friction = solution.scene.friction.coefficient
     # A node that just meets or leaves the other face has no pressure but round-off: it counts as
     # open, whatever that is.
-    closed = pressure > _TOUCHES * np.max(pressure)
+    is_closed = pressure > _TOUCHES * np.max(pressure)
     tangential_load = float(solution.tangential_load[step])
     if solution.scene.bodies.faces_are_true and isinstance(solution, FiniteElementSolution):
         tangential_load = float(shear @ solution.weights)  # on curved faces p carries a part of Q
@@ -655,9 +658,9 @@ def _nodal(solution: ContactSolution, step: int) -> Nodal:
     stick_left, stick_right = solution.stick_edges[step].tolist()
     contact_left, contact_right = solution.contact_edges[step].tolist()
     return Nodal(
-        x=solution.x[closed],
-        pressure=pressure[closed],
-        shear=shear[closed],
+        x=solution.x[is_closed],
+        pressure=pressure[is_closed],
+        shear=shear[is_closed],
         stick=(stick_left, stick_right),
         contact=(contact_left, contact_right),
         friction=friction,
@@ -791,11 +794,13 @@ def _near_contact(
         accurate = (y < -_BELOW * half_width) | beside_contact
         x_fitted = x[accurate]
         y_fitted = y[accurate]
-        beyond = nodal.stress[nodes][accurate, :3] - _stress_of_tractions(
+        stress_beyond = nodal.stress[nodes][accurate, :3] - _stress_of_tractions(
             on_body, x_fitted, y_fitted
         )
         areas = nodal.areas[nodes][accurate]
-        size_effect = fitted_size_effect(x_fitted, y_fitted, beyond, areas, limit, half_width)
+        size_effect = fitted_size_effect(
+            x_fitted, y_fitted, stress_beyond, areas, limit, half_width
+        )
     return _NearContact(limit, nodes, x, y, on_body, size_effect)
 
 
@@ -838,10 +843,10 @@ def _counter_clockwise(points: Array, cells: Indices) -> Indices:
     """
     n_corners = 3 if cells.shape[1] in (3, 6) else 4
     corners = points[cells[:, :n_corners]]
-    following = np.roll(corners, -1, axis=1)
+    next_corners = np.roll(corners, -1, axis=1)
     x = corners[..., 0]
     y = corners[..., 1]
-    twice_area = (x * following[..., 1] - following[..., 0] * y).sum(axis=1)
+    twice_area = (x * next_corners[..., 1] - next_corners[..., 0] * y).sum(axis=1)
     return np.where(twice_area[:, None] < 0, cells[:, _REFLECTED[cells.shape[1]]], cells)
 
 

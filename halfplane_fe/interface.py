@@ -92,9 +92,11 @@ class Interface:
         coupling = self.coupling
         if coupling is not None:
             coupling = freeze(coupling / compliance)
-        imposed = self.imposed
-        if imposed is not None:
-            imposed = freeze(imposed / [length * compliance, length * compliance, length])
+        imposed_displacement = self.imposed
+        if imposed_displacement is not None:
+            imposed_displacement = freeze(
+                imposed_displacement / [length * compliance, length * compliance, length]
+            )
         return replace(
             self,
             x=freeze(self.x / length),
@@ -104,7 +106,7 @@ class Interface:
             tangential=freeze(self.tangential / compliance),
             coupling=coupling,
             nearest=(self.nearest[0] / length, self.nearest[1] / length),
-            imposed=imposed,
+            imposed=imposed_displacement,
         )
 
     def moved(self, approach: ArrayLike, shift: ArrayLike) -> tuple[Array, Array]:
@@ -117,9 +119,9 @@ class Interface:
     def carried(self, pressure: Array, shear: Array) -> tuple[Array, Array]:
         """P and Q (...) that nodal forces p and q (n, ...) carry."""
         n_x, n_y = self.normals
-        normal = n_y @ pressure + n_x @ shear
-        tangential = n_y @ shear - n_x @ pressure
-        return normal, 0 * tangential if self.guided else tangential
+        normal_force = n_y @ pressure + n_x @ shear
+        tangential_force = n_y @ shear - n_x @ pressure
+        return normal_force, 0 * tangential_force if self.guided else tangential_force
 
     def work_of_imposed(self, pressure: Array, shear: Array) -> Array:
         """(..., 3) F = S q - G p of forces (..., n), work of the loads per unit of e: -m_q/E' of
@@ -145,21 +147,21 @@ def couple(lower: CondensedBody, upper: CondensedBody) -> Interface:
 def _coupled_node_by_node(lower: CondensedBody, upper: CondensedBody) -> Interface:
     # compliance[i, :, j, :]: displacement i (0 along x, 1 outward) by force j; the upper body feels
     # -q along x and -p outward.
-    below = lower.compliance
-    above = upper.compliance
+    lower_compliance = lower.compliance
+    upper_compliance = upper.compliance
     of_lower, of_upper, of_tilt = _imposed_displacements(lower, upper)
     # gap by the displacement outward, slip by that along x: the order of `Interface.imposed`
-    imposed = np.stack([-of_lower, of_upper, of_tilt], axis=-1)[::-1]
-    coupling = below[0, :, 1, :] - above[0, :, 1, :]
+    imposed_displacement = np.stack([-of_lower, of_upper, of_tilt], axis=-1)[::-1]
+    coupling = lower_compliance[0, :, 1, :] - upper_compliance[0, :, 1, :]
     return Interface(
         x=freeze(lower.x),
         weights=freeze(lower.weights),
         normals=freeze(np.stack([np.zeros_like(lower.x), np.ones_like(lower.x)])),
         gap=freeze(np.zeros_like(lower.x)),
-        normal=freeze(below[1, :, 1, :] + above[1, :, 1, :]),
-        tangential=freeze(below[0, :, 0, :] + above[0, :, 0, :]),
+        normal=freeze(lower_compliance[1, :, 1, :] + upper_compliance[1, :, 1, :]),
+        tangential=freeze(lower_compliance[0, :, 0, :] + upper_compliance[0, :, 0, :]),
         coupling=freeze(coupling) if coupling.any() else None,
-        imposed=freeze(imposed),
+        imposed=freeze(imposed_displacement),
     )
 
 
@@ -173,7 +175,7 @@ def _coupled_by_mortar(lower: CondensedBody, upper: CondensedBody) -> Interface:
         + by_upper @ _square(_turned(upper.compliance)) @ by_upper.T
     )
     of_lower, of_upper, of_tilt = _imposed_displacements(lower, upper)
-    imposed = [
+    imposed_displacement = [
         np.einsum("dnim,im->dn", operator, displacement)
         for operator, displacement in (
             (-sides.lower, of_lower),
@@ -192,7 +194,7 @@ def _coupled_by_mortar(lower: CondensedBody, upper: CondensedBody) -> Interface:
         tangential=freeze(total[n:, n:]),
         coupling=freeze(coupling) if coupling.any() else None,
         nearest=sides.nearest,
-        imposed=freeze(np.stack(imposed, axis=-1)),
+        imposed=freeze(np.stack(imposed_displacement, axis=-1)),
     )
 
 
@@ -259,27 +261,27 @@ def without_local_difference(faces: Interface, scene: Scene) -> Interface | None
         or least_depth(scene) < 2 * n_nodes * float(spacing.max())
     ):
         return None
-    ahead = _sizes_ahead(faces.x)
-    in_band = np.abs(ahead) <= _LOCAL
-    difference = _smooth(faces.normal - faces.tangential, faces.x, np.abs(ahead))
+    sizes_ahead = _sizes_ahead(faces.x)
+    in_band = np.abs(sizes_ahead) <= _LOCAL
+    difference = _smooth(faces.normal - faces.tangential, faces.x, np.abs(sizes_ahead))
     symmetric = (difference + difference.T) / 2
-    tangential = np.where(in_band, faces.normal - symmetric, faces.tangential)
+    tangential_compliance = np.where(in_band, faces.normal - symmetric, faces.tangential)
     # What a uniform traction does stays: the correction, with its rows' sums spread over twice the
     # band, has none.
-    in_double_band = np.abs(ahead) <= 2 * _LOCAL
+    in_double_band = np.abs(sizes_ahead) <= 2 * _LOCAL
     weights = faces.weights
-    sums_of_rows = (tangential - faces.tangential) @ weights
+    sums_of_rows = (tangential_compliance - faces.tangential) @ weights
     spread = solve(np.diag(in_double_band @ weights) + in_double_band * weights, sums_of_rows)
-    tangential -= np.where(in_double_band, np.add.outer(spread, spread), 0.0)
+    tangential_compliance -= np.where(in_double_band, np.add.outer(spread, spread), 0.0)
     coupling = faces.coupling
     if coupling is not None:
-        smooth_on_left = _smooth(coupling, faces.x, ahead)
-        smooth_on_right = _smooth(coupling, faces.x, -ahead)
-        smooth = np.where(ahead > 0, smooth_on_left, smooth_on_right)
+        smooth_on_left = _smooth(coupling, faces.x, sizes_ahead)
+        smooth_on_right = _smooth(coupling, faces.x, -sizes_ahead)
+        smooth_part = np.where(sizes_ahead > 0, smooth_on_left, smooth_on_right)
         mean = (smooth_on_left + smooth_on_right) / 2
-        smooth = np.where(ahead == 0, mean, smooth)
-        coupling = freeze(np.where(in_band, smooth, coupling))
-    return replace(faces, tangential=freeze(tangential), coupling=coupling)
+        smooth_part = np.where(sizes_ahead == 0, mean, smooth_part)
+        coupling = freeze(np.where(in_band, smooth_part, coupling))
+    return replace(faces, tangential=freeze(tangential_compliance), coupling=coupling)
 
 
 def least_depth(scene: Scene) -> float:
@@ -303,7 +305,7 @@ def _sizes_ahead(x: Array) -> Array:
     return np.round(distance / np.maximum.outer(size, size), _DIGITS_OF_SIZES)
 
 
-def _smooth(matrix: Array, x: Array, ahead: Array) -> Array:
+def _smooth(matrix: Array, x: Array, sizes_ahead: Array) -> Array:
     """(n, n) what is smooth in a matrix beyond `_LOCAL` sizes ahead, and the mean of the rest of
     rows and columns behind that.
     """
@@ -312,7 +314,7 @@ def _smooth(matrix: Array, x: Array, ahead: Array) -> Array:
     samples = np.searchsorted(u, chebyshev).clip(0, len(x) - 1)
     # with their images: faces that are their own mirror image stay so
     samples = np.union1d(samples, len(x) - 1 - samples)
-    rows, columns = np.nonzero(ahead[np.ix_(samples, samples)] > _LOCAL)
+    rows, columns = np.nonzero(sizes_ahead[np.ix_(samples, samples)] > _LOCAL)
     i = samples[rows]
     j = samples[columns]
     degree = min(_DEGREE, len(x) // _NODES_A_DEGREE)
@@ -323,14 +325,14 @@ def _smooth(matrix: Array, x: Array, ahead: Array) -> Array:
     fitted = np.linalg.lstsq(terms, matrix[i, j], rcond=1e-10)[0]
     coefficients[tuple(np.transpose(exponents))] = fitted
     polynomial = legendre @ coefficients @ legendre.T
-    return polynomial + _plateau(matrix - polynomial, ahead)
+    return polynomial + _plateau(matrix - polynomial, sizes_ahead)
 
 
-def _plateau(matrix: Array, ahead: Array) -> Array:
+def _plateau(matrix: Array, sizes_ahead: Array) -> Array:
     """(n, n) means of row and column of each entry over `_LOCAL` to `_PLATEAU` ahead; their mean,
     or the one there is.
     """
-    on_plateau = (ahead > _LOCAL) & (ahead <= _PLATEAU)
+    on_plateau = (sizes_ahead > _LOCAL) & (sizes_ahead <= _PLATEAU)
     of_rows, of_columns = (
         (matrix * on_plateau).sum(axis=axis) / np.maximum(on_plateau.sum(axis=axis), 1)
         for axis in (1, 0)

@@ -85,14 +85,14 @@ def violations(
         inside the cone).
     """
     limit = friction * pressure
-    inside = np.abs(shear) < limit * (1 - 1e-9)
-    closed = pressure > 0
+    is_inside = np.abs(shear) < limit * (1 - 1e-9)
+    is_closed = pressure > 0
     by_law = {
         "tension": -pressure,
         "penetration": -gap,
         "gap_pressure": np.abs(gap * pressure),
         "cone": np.abs(shear) - limit,
-        "slip_sign": np.where(closed, -(shear * slip_increment), 0.0),
-        "creep": np.where(inside & closed, np.abs(slip_increment), 0.0),
+        "slip_sign": np.where(is_closed, -(shear * slip_increment), 0.0),
+        "creep": np.where(is_inside & is_closed, np.abs(slip_increment), 0.0),
     }
     return {name: np.max(values, axis=-1, initial=0.0) for name, values in by_law.items()}

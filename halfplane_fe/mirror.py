@@ -60,9 +60,9 @@ def half(faces: Interface) -> Interface:
     right = slice(len(faces.x) // 2, None)
     coupled = faces.coupling is not None
     parity_of_shear = -1.0 if coupled else 1.0
-    tangential = _folded(faces.tangential, parity_of_shear, parity_of_shear)
+    tangential_compliance = _folded(faces.tangential, parity_of_shear, parity_of_shear)
     if coupled:  # an odd q is zero in the middle
-        tangential[0, 0] = faces.tangential.diagonal().max()
+        tangential_compliance[0, 0] = faces.tangential.diagonal().max()
     return replace(
         faces,
         x=freeze(faces.x[right]),
@@ -71,7 +71,7 @@ def half(faces: Interface) -> Interface:
         gap=freeze(faces.gap[right]),
         imposed=None,
         normal=freeze(_folded(faces.normal, 1.0, 1.0)),
-        tangential=freeze(tangential),
+        tangential=freeze(tangential_compliance),
         coupling=freeze(_folded(faces.coupling, -1.0, 1.0)) if faces.coupling is not None else None,
         guided=coupled,
     )

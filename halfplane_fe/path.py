@@ -83,11 +83,11 @@ class _Load(NamedTuple):
 
 def _loads(leg: LoadSegment) -> tuple[_Load, ...]:
     """The two or five loads of a leg."""
-    normal = _Load(leg, NORMAL_LOAD)
-    tangential = _Load(leg, TANGENTIAL_LOAD)
+    normal_load = _Load(leg, NORMAL_LOAD)
+    tangential_load = _Load(leg, TANGENTIAL_LOAD)
     if leg.bulk is None and leg.turning is None:
-        return normal, tangential
-    return (normal, tangential, *_imposed(leg))
+        return normal_load, tangential_load
+    return (normal_load, tangential_load, *_imposed(leg))
 
 
 def _imposed(leg: LoadSegment) -> tuple[_Load, _Load, _Load]:
@@ -117,13 +117,13 @@ def scaled_loads(leg: LoadSegment, time: float, units: tuple[float, ...]) -> tup
     return tuple(load / unit for load, unit in zip(loads_of(leg, time), units, strict=False))
 
 
-def turns(leg: LoadSegment, normal: float, tangential: float) -> set[float]:
+def turns(leg: LoadSegment, normal_weight: float, tangential_weight: float) -> set[float]:
     """Instants inside a leg at which normal P + tangential Q turns round."""
     times = sampled(leg, _SAMPLES)
 
     def rate(t: Array | float) -> Array:
         p, q = leg.rates(t)
-        return np.asarray(normal * p + tangential * q)
+        return np.asarray(normal_weight * p + tangential_weight * q)
 
     rates = rate(times)
     rounding = 1e-12 * np.abs(rates).max(initial=0.0)
@@ -222,35 +222,37 @@ def check_admissible(path: LoadPath, friction: float, *, is_driven: bool = False
     for leg in path.legs(1):
         times = np.array([leg.start, *turning_points(leg, friction), leg.end])
         p, q = leg.loads(times)
-        inside = times > path.start
+        is_on_path = times > path.start
         scale = float(np.abs(p).max())
-        separated = inside & (p <= _LEAST_LOAD * scale)
+        separated = is_on_path & (p <= _LEAST_LOAD * scale)
         if separated.any():
-            worst = int(np.argmin(np.where(separated, p, np.inf)))
+            worst_instant = int(np.argmin(np.where(separated, p, np.inf)))
             if is_driven:
                 raise InputError(
-                    f"load: the bodies part at time {times[worst]:.6g}, where P or the approach is"
-                    f" {p[worst]:.6g}; finite elements follow bodies that touch: keep it above 0,"
+                    f"load: the bodies part at time {times[worst_instant]:.6g}, where P or the"
+                    " approach is"
+                    f" {p[worst_instant]:.6g}; finite elements follow bodies that touch: keep"
+                    " it above 0,"
                     " or take half-plane theory"
                 )
-            rule = _LITTLE_LOAD if p[worst] > 0 else ""
-            if max(abs(p[worst]), abs(q[worst])) <= _ROUNDING_OF_LIMIT * scale:
+            rule = _LITTLE_LOAD if p[worst_instant] > 0 else ""
+            if max(abs(p[worst_instant]), abs(q[worst_instant])) <= _ROUNDING_OF_LIMIT * scale:
                 rule = _UNLOADED
             raise InadmissibleLoadError(
                 "separation",
-                LoadedInstant(times[worst], p[worst], q[worst]),
+                LoadedInstant(times[worst_instant], p[worst_instant], q[worst_instant]),
                 friction=friction,
                 rule=rule,
             )
         if is_driven:
             continue
         excess = np.abs(q) - friction * p
-        sliding = inside & (excess >= -_ROUNDING_OF_LIMIT * friction * scale) & (q != 0)
-        if sliding.any():
-            worst = int(np.argmax(np.where(sliding, excess, -np.inf)))
+        is_sliding = is_on_path & (excess >= -_ROUNDING_OF_LIMIT * friction * scale) & (q != 0)
+        if is_sliding.any():
+            worst_instant = int(np.argmax(np.where(is_sliding, excess, -np.inf)))
             raise InadmissibleLoadError(
                 "gross sliding",
-                LoadedInstant(times[worst], p[worst], q[worst]),
+                LoadedInstant(times[worst_instant], p[worst_instant], q[worst_instant]),
                 friction=friction,
                 rule=_SLIDING,
             )

@@ -127,8 +127,8 @@ class Revolution:
 
     def least_contact(self) -> float:
         """Least half-width under more than a share of the largest load [length]."""
-        loaded = self.load > _LOADED * np.max(self.load)
-        return float(np.min(self.contact[loaded], initial=np.inf))
+        is_loaded = self.load > _LOADED * np.max(self.load)
+        return float(np.min(self.contact[is_loaded], initial=np.inf))
 
     def widest_slip_zone(self) -> float:
         """Width of a slip zone, at most [length]."""
@@ -190,14 +190,16 @@ def resolution_notes(
     mesh
         its settings: what a note asks for is a finer one
     """
-    expected = _ExpectedErrors(_LINEAR if mesh.order == 1 else 1.0, revolution.sheared)
-    enough = expected.enough_elements()
-    least = revolution.least_contact() / element
-    if expected.matter(least):
+    expected_errors = _ExpectedErrors(_LINEAR if mesh.order == 1 else 1.0, revolution.sheared)
+    enough = expected_errors.enough_elements()
+    elements_in_least = revolution.least_contact() / element
+    if expected_errors.matter(elements_in_least):
         yield (
-            f"the contact is {least:.2g} elements from its middle to its edge where it is smallest"
+            f"the contact is {elements_in_least:.2g} elements from its middle to its edge where"
+            " it is smallest"
             f" (loads above {_LOADED:g} of the largest), {element:.3g} each on the coarser side:"
-            f" {expected.words(least)}; {_finer(mesh, least / enough)}"
+            f" {expected_errors.words(elements_in_least)};"
+            f" {_finer(mesh, elements_in_least / enough)}"
         )
     exponent = tip_power(profile, element / 2**_MOST_HALVINGS)
     if exponent < _SHARP:
@@ -206,12 +208,13 @@ def resolution_notes(
             " the tip: the largest pressure is too low, by 7% for |x|^1.15 and by 40% for"
             " |x|^1.05; away from the tip the mesh follows it"
         )
-    for flank in flanks(profile, least * element, element):
-        if expected.of_shear(flank.resolved_by) > _TOLD:
+    for flank in flanks(profile, elements_in_least * element, element):
+        if expected_errors.of_shear(flank.resolved_by) > _TOLD:
             yield (
                 f"the contact ends {max(flank.width, 0.0):.2g} elements, {element:.3g} each, beyond"
                 f" x = {flank.kink:.6g}, where the pressure is steep: it is not resolved there,"
-                f" {expected.words(flank.resolved_by)}; {_finer(mesh, flank.resolved_by / enough)}"
+                f" {expected_errors.words(flank.resolved_by)};"
+                f" {_finer(mesh, flank.resolved_by / enough)}"
             )
     if revolution.sheared:
         yield from _slip_notes(revolution, element, mesh)

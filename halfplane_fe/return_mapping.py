@@ -231,15 +231,15 @@ class _Iteration:
 
     def _inner_loop(self, most_steps: int) -> Tractions | None:
         """Newton's method at constant multipliers; None where its sets of states repeat."""
-        met: set[bytes] = set()
+        sets_met: set[bytes] = set()
         for _ in range(most_steps):
             mapped = self._mapped()
             if mapped.error <= 1.0:
                 return mapped
             key = mapped.states.tobytes()
-            if key in met:
+            if key in sets_met:
                 return None
-            met.add(key)
+            sets_met.add(key)
             mapped = self._with_sticking(mapped)
             self._newton_step(mapped, np.zeros_like(self.start.change_of_loads))
         return None
@@ -284,11 +284,11 @@ class _Iteration:
     def _over_tolerance(self, normal_forces: Array, tangential_forces: Array) -> float:
         """The largest of these differences of nodal forces, over what is tolerated."""
         tolerance = _TOLERANCE * float(np.abs(self._pressure).max())
-        largest = float(np.abs(normal_forces).max())
+        largest_force = float(np.abs(normal_forces).max())
         if self.faces.tangential:
             largest_shear = float(np.abs(tangential_forces).max())
-            largest = max(largest, largest_shear / self.faces.shear_scale)
-        return largest / tolerance if tolerance > 0 else np.inf
+            largest_force = max(largest_force, largest_shear / self.faces.shear_scale)
+        return largest_force / tolerance if tolerance > 0 else np.inf
 
     def _newton_step(self, mapped: Tractions, change_of_loads: Array) -> None:
         """Solve p = project(...), q = project(...), linear about the iterate, and the loads.
@@ -375,10 +375,10 @@ class _Iteration:
         tolerance = _TOLERANCE * float(np.abs(self._pressure).max())
         was_open = self.start.states == OPEN
         mapped = self._mapped()
-        touching = np.abs(self._pressure) <= tolerance
-        touching &= np.abs(self._gap) <= tolerance * compliance.normal
+        is_touching = np.abs(self._pressure) <= tolerance
+        is_touching &= np.abs(self._gap) <= tolerance * compliance.normal
         trial_pressure = np.where(
-            touching, np.where(was_open, 0.0, _TOUCHING), mapped.trial_pressure
+            is_touching, np.where(was_open, 0.0, _TOUCHING), mapped.trial_pressure
         )
         _, _, states = project(trial_pressure, mapped.trial_shear, friction)
         if self.faces.tangential:

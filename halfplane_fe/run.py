@@ -95,10 +95,10 @@ def trend(values: Sequence[float]) -> Trend:
     if k < 2:
         return Trend("unclear", float("nan"), float("nan"))
     differences = np.diff(values).tolist()
-    last = differences[-1]
-    if k * abs(last) <= _SAME * max(map(abs, values)):
+    last_difference = differences[-1]
+    if k * abs(last_difference) <= _SAME * max(map(abs, values)):
         return Trend("steady", 0.0, values[-1])
-    unclear = Trend("unclear", k * abs(last), float("nan"))
+    unclear = Trend("unclear", k * abs(last_difference), float("nan"))
     if k < 4 or not all(differences[-3:]):
         return unclear
     ratio_before = differences[-2] / differences[-3]
@@ -106,13 +106,13 @@ def trend(values: Sequence[float]) -> Trend:
     if not (0 < ratio_before < 1 and 0 < ratio < 1):
         return unclear
     if ratio <= ratio_before * (1 + _RISES / (k * (k - 2))):
-        left = last * ratio / (1 - ratio)
+        left = last_difference * ratio / (1 - ratio)
         return Trend("geometric", left, values[-1] + left)
     power = float(np.log(ratio) / np.log((k - 1.5) / (k - 0.5))) - 1
     power = min(power, _STEEPEST)
     if power < _SLOWEST:
         return unclear
-    left = last / ((k / (k - 1)) ** power - 1)
+    left = last_difference / ((k / (k - 1)) ** power - 1)
     return Trend("algebraic", left, values[-1] + left)
 
 
@@ -132,8 +132,8 @@ def ratchets(drifts: Sequence[float], travel: float) -> bool:
     >>> ratchets([0.3, 0.11, 0.1, 0.1], 1.0), ratchets([0.4, 0.2, 0.1, 0.05], 1.0)
     (True, False)
     """
-    last = abs(drifts[-1])
-    return last > _LEAST_DRIFT * travel and last > _RATCHETING * abs(trend(drifts).left)
+    last_drift = abs(drifts[-1])
+    return last_drift > _LEAST_DRIFT * travel and last_drift > _RATCHETING * abs(trend(drifts).left)
 
 
 @dataclass(eq=False)
@@ -281,8 +281,8 @@ class PathRun:
         if area is not None:
             load_units = units[: len(area)]
             area = area / np.multiply.outer(load_units, load_units)[:, :, None]
-        solved = [increment.solved for increment in increments]
-        energies = vars(increment_energies(problem, states, solved, area)).copy()
+        solved_states = [increment.solved for increment in increments]
+        energies = vars(increment_energies(problem, states, solved_states, area)).copy()
         dissipation = energies.pop("dissipation")  # of each increment and node
         block = certificates(problem, states) | energies | {"dissipation": dissipation.sum(axis=1)}
         # at once: Ctrl-C comes before or after it
@@ -295,10 +295,10 @@ class PathRun:
 
     def end_stretch(self) -> None:
         """End a stretch: of a long path states of it, or earlier ones, are dropped."""
-        last = len(self.states) - 1
-        if self.bounded and last > self._first_of_stretch:
+        last_state = len(self.states) - 1
+        if self.bounded and last_state > self._first_of_stretch:
             self._thin(self._first_of_stretch)
-        self._first_of_stretch = last
+        self._first_of_stretch = last_state
 
     def close_cycle(self, edge_excess: Excess) -> None:
         """End a revolution and take off what edges between nodes add to its dissipation, of
@@ -313,8 +313,8 @@ class PathRun:
             end -= len(block["loop"])  # now the first increment of the block
             if end < first_of_cycle:
                 break
-            corrected = {name: block[name] * factor for name in ("dissipation", "loop")}
-            self.blocks[number] = block | corrected
+            corrected_sums = {name: block[name] * factor for name in ("dissipation", "loop")}
+            self.blocks[number] = block | corrected_sums
         self.cycle_density.append(self.density * factor)
         self.excess.append(edge_excess)
 
@@ -323,9 +323,9 @@ class PathRun:
         stays: the next increment starts from it.
         """
         thinning = self._thinning
-        last = len(self.states) - 1
-        thinning.ends[last] = len(thinning.ends)
-        for index in range(before, last):
+        last_state = len(self.states) - 1
+        thinning.ends[last_state] = len(thinning.ends)
+        for index in range(before, last_state):
             if self.states[index].normal_load > self.states[thinning.largest].normal_load:
                 thinning.largest = index
             if self._drop(index):
@@ -333,8 +333,8 @@ class PathRun:
             thinning.n_stored += 1
             while thinning.n_stored > MOST_INSTANTS and thinning.can_widen(len(self.states)):
                 thinning.widen()
-                earlier = [int(stored) for stored in self.stored[:-1] if stored <= index]
-                thinning.n_stored -= sum(self._drop(stored) for stored in earlier)
+                earlier_steps = [int(stored) for stored in self.stored[:-1] if stored <= index]
+                thinning.n_stored -= sum(self._drop(stored) for stored in earlier_steps)
 
     def _drop(self, index: int) -> bool:
         """Take pressure, shear and gap off a state, if it is not to keep them; whether it was so.
@@ -386,9 +386,9 @@ class Pace:
         moment = self.load * self.half_width
         tilt_or_moment = moment if problem.moment_given else tilt
         movement = self.load / self.modulus
-        normal = self.load if problem.actuators.normal is None else movement
-        tangential = self.load if problem.actuators.tangential is None else movement
-        return (normal, tangential, bulk_stress, bulk_stress, tilt_or_moment)
+        normal_unit = self.load if problem.actuators.normal is None else movement
+        tangential_unit = self.load if problem.actuators.tangential is None else movement
+        return (normal_unit, tangential_unit, bulk_stress, bulk_stress, tilt_or_moment)
 
 
 def run_path(
@@ -447,10 +447,10 @@ def run_path(
             run.close_cycle(excess(problem, run.states[run.cycle_starts[-1] :]))
             run.cycle_change.append(_change(start_of_cycle, run.states[-1], problem.friction))
             if run.cycle_change[-1] <= REPEATS:
-                allowed = uncertainty(run)
-                if np.isnan(allowed):
-                    allowed = REPEATS * float(run.density.sum())
-                if abs(run.trend.left) <= allowed:
+                allowed_error = uncertainty(run)
+                if np.isnan(allowed_error):
+                    allowed_error = REPEATS * float(run.density.sum())
+                if abs(run.trend.left) <= allowed_error:
                     run.steady_from = number
                     break
     except ConvergenceError as failure:
@@ -482,12 +482,12 @@ def _follow_legs(
     text: str,
 ) -> None:
     """Add the increments of some legs to a run, `steps` regular ones in the longest of them."""
-    longest = max(leg.end - leg.start for leg in legs)
+    longest_leg = max(leg.end - leg.start for leg in legs)
     pieces: list[Stretch] = []
     # Where U is given, U turns round, and not Q - f P.
     friction = problem.friction if problem.actuators.tangential is None else 0.0
     for leg in legs:
-        pieces += stretches(leg, friction, steps * (leg.end - leg.start) / longest)
+        pieces += stretches(leg, friction, steps * (leg.end - leg.start) / longest_leg)
     duration = legs[-1].end - legs[0].start
     units = pace.units(problem)
     run.density = np.zeros_like(problem.height)
@@ -503,9 +503,9 @@ def _follow_legs(
 
     for number, piece in enumerate(pieces):
         report(number)
-        followed = follow(problem, run.states[-1], piece, units, tolerance)
+        increments = follow(problem, run.states[-1], piece, units, tolerance)
         try:
-            _take_all(problem, run, followed, piece, units)
+            _take_all(problem, run, increments, piece, units)
         finally:
             run.end_stretch()
     report(len(pieces))
@@ -538,18 +538,18 @@ def _reference_dissipation(run: PathRun, pace: Pace, friction: float) -> float:
     f is.
     """
     unit = max(friction**2, 1e-300)  # without friction there is no step error
-    expected = float(run.cycle_density[-1].sum()) if run.cycle_density else pace.dissipation
-    power_of_two = 2.0 ** np.floor(np.log2(max(expected / unit, 1e-300)))
+    expected_work = float(run.cycle_density[-1].sum()) if run.cycle_density else pace.dissipation
+    power_of_two = 2.0 ** np.floor(np.log2(max(expected_work / unit, 1e-300)))
     return float(max(power_of_two, _LEAST_DISSIPATION) * unit)
 
 
-def _change(before: InterfaceState, after: InterfaceState, friction: float) -> float:
+def _change(state_before: InterfaceState, state_after: InterfaceState, friction: float) -> float:
     """Largest change of a nodal p, or of a nodal q over f, over the largest p: with little friction
     all of q is little.
     """
-    change_of_pressure = np.abs(after.pressure - before.pressure).max()
-    change_of_shear = np.abs(after.shear - before.shear).max()
-    largest = change_of_pressure
+    change_of_pressure = np.abs(state_after.pressure - state_before.pressure).max()
+    change_of_shear = np.abs(state_after.shear - state_before.shear).max()
+    largest_change = change_of_pressure
     if change_of_shear > 0:
-        largest = max(largest, change_of_shear / min(friction, 1.0))
-    return float(largest / np.max(after.pressure))
+        largest_change = max(largest_change, change_of_shear / min(friction, 1.0))
+    return float(largest_change / np.max(state_after.pressure))

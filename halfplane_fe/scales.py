@@ -151,14 +151,14 @@ def from_datum(scene: Scene, run: PathRun, ratio: float) -> PathRun:
     """
     modulus = contact_modulus(scene.material.lower, scene.material.upper)
     by_load = compliance_beyond(scene, ratio) * modulus
-    moved = [
+    moved_states = [
         state.changed(
             approach=state.approach + by_load * state.normal_load,
             shift=state.shift + by_load * state.tangential_load,
         )
         for state in run.states
     ]
-    return replace(run, states=moved)
+    return replace(run, states=moved_states)
 
 
 def largest_load(scene: Scene) -> float:
@@ -183,8 +183,8 @@ def needs_shear(scene: Scene) -> bool:
     """Whether any shear can arise: friction, and a tangential load, a bulk stress or unlike
     bodies.
     """
-    driven = sheared(scene) or has_bulk_stress(path_of(scene))
-    return scene.friction.coefficient > 0 and (driven or not shapes_alike(scene))
+    has_shear = sheared(scene) or has_bulk_stress(path_of(scene))
+    return scene.friction.coefficient > 0 and (has_shear or not shapes_alike(scene))
 
 
 def is_record(scene: Scene) -> bool:
@@ -233,10 +233,10 @@ def _load_of_approach(scene: Scene, work: Counter[str]) -> float:
         """Approach of the actuator at a load, beyond the one that is looked for."""
         pair.load = float(np.exp(logarithm))
         size = _fitting_size(pair)
-        pressed = _pressed(pair, size)[1]
+        pressed_state = _pressed(pair, size)[1]
         compliance = actuators_of(half_planes, size).normal
         assert compliance is not None  # for the type checker: the approach is given
-        return (pressed.approach + compliance) * pair.load / modulus - approach
+        return (pressed_state.approach + compliance) * pair.load / modulus - approach
 
     middle = float(np.log(modulus * approach))
     for width in range(1, _MOST_WIDTHS):
@@ -284,31 +284,35 @@ def _scales_of_run(pair: _CoarsePair, size: float, problem: ContactProblem, run:
     `size`.
     """
     scene, load, modulus = pair.scene, pair.load, pair.modulus
-    pressed = max(run.states, key=lambda state: state.normal_load)
-    half_width = float(np.nan_to_num(np.diff(_contact_edges(problem, [pressed]))[0, 0] / 2))
+    state_at_largest_load = max(run.states, key=lambda state: state.normal_load)
+    half_width = float(
+        np.nan_to_num(np.diff(_contact_edges(problem, [state_at_largest_load]))[0, 0] / 2)
+    )
     reach = max(
         float(np.abs(problem.interface.x[state.closed]).max(initial=0.0)) for state in run.states
     )
-    inner = 0.0
+    innermost_edge = 0.0
     if path_of(scene).period is not None:
         # the first one too: the hook that it locks in stays
         cycles = slice(run.cycle_starts[0] + 1, None)
         surface_states = reported_states(problem, run.states, run.cycle_starts)[cycles]
-        inner = _innermost_edge(
+        innermost_edge = _innermost_edge(
             problem, run.states[cycles], surface_states == STICK, anywhere=scene.unsymmetric
         )
-    inner = np.floor(_ROUGH * inner / half_width) / _ROUGH * half_width
+    innermost_edge = np.floor(_ROUGH * innermost_edge / half_width) / _ROUGH * half_width
     # the pressure's slope is infinite there, a coarse mesh 0.1 % off
     first_kink = min(scene.profile.kinks, default=np.inf)
     return Scales(
         half_width=size * half_width,
-        inner=min(size * inner, first_kink),
+        inner=min(size * innermost_edge, first_kink),
         reach=size * max(reach, half_width),
-        load=load * pressed.normal_load if scene.load.states_approach else load,
+        load=load * state_at_largest_load.normal_load if scene.load.states_approach else load,
         modulus=modulus,
         element=1 / (_ELEMENTS * half_width),
         dissipation=float(run.cycle_density[-1].sum()) * load**2 / modulus,
-        largest_pressure=float(np.max(pressed.pressure / problem.interface.weights)) * load / size,
+        largest_pressure=float(np.max(state_at_largest_load.pressure / problem.interface.weights))
+        * load
+        / size,
         values=run_values(
             from_datum(scene, run, scene.profile.datum_length / size),
             problem.interface.weights,
@@ -358,12 +362,12 @@ def estimate_room(scene: Scene, work: Counter[str]) -> RoomForContact:
     InputError
         If the contact reaches past the end of the narrower face.
     """
-    short = _with_extreme_rows(scene)
-    load = largest_load(short)
-    if short.load.states_approach:
-        load = _load_of_approach(short, work)
+    short_scene = _with_extreme_rows(scene)
+    load = largest_load(short_scene)
+    if short_scene.load.states_approach:
+        load = _load_of_approach(short_scene, work)
     modulus = contact_modulus(scene.material.lower, scene.material.upper)
-    pair = _CoarsePair(short, load, modulus, work)
+    pair = _CoarsePair(short_scene, load, modulus, work)
     size = _size_near_contact(pair)
     while True:
         try:
@@ -405,30 +409,30 @@ def _with_extreme_rows(scene: Scene) -> Scene:
     load = scene.load
     if not isinstance(load, TimeSeriesLoad) or len(load.kept_rows()) <= _MOST_ROWS:
         return scene
-    first, beyond = load.bounds()
-    rows = load.rows.values[first:beyond] if load.has_bulk_or_tilt else load.kept_rows()
-    further = {
-        name: np.array(getattr(load, name)[first:beyond])
+    first_row, row_beyond = load.bounds()
+    rows = load.rows.values[first_row:row_beyond] if load.has_bulk_or_tilt else load.kept_rows()
+    further_columns = {
+        name: np.array(getattr(load, name)[first_row:row_beyond])
         for name in load.further
         if isinstance(getattr(load, name), tuple)
     }
-    pressed = np.maximum(rows[:, 1], _LEAST_OF_LOAD * rows[:, 1].max())
-    columns = [rows[:, 1], rows[:, 2], rows[:, 2] / pressed, *further.values()]
+    raised_load = np.maximum(rows[:, 1], _LEAST_OF_LOAD * rows[:, 1].max())
+    columns = [rows[:, 1], rows[:, 2], rows[:, 2] / raised_load, *further_columns.values()]
     places = {0, len(rows) - 1}
     for column in columns:
         places |= {int(np.argmin(column)), int(np.argmax(column))}
-    kept = sorted(places)
-    short = TimeSeriesLoad(
-        rows=rows[kept],
+    kept_rows = sorted(places)
+    short_load = TimeSeriesLoad(
+        rows=rows[kept_rows],
         repeats=load.repeats,
-        **{name: tuple(column[kept].tolist()) for name, column in further.items()},
+        **{name: tuple(column[kept_rows].tolist()) for name, column in further_columns.items()},
         **{
             name: getattr(load, name)
             for name in load.further
-            if name not in further and getattr(load, name) is not None
+            if name not in further_columns and getattr(load, name) is not None
         },
     )
-    return scene.model_copy(update={"load": short})
+    return scene.model_copy(update={"load": short_load})
 
 
 @dataclass(eq=False)
@@ -498,15 +502,15 @@ def _coarse_run(
 ) -> tuple[ContactProblem, PathRun]:
     """The load path on faces of this half-width, in so many increments a revolution."""
     faces = pair.faces(size)
-    tangential = needs_shear(pair.scene)
+    has_shear = needs_shear(pair.scene)
     actuators = actuators_of(pair.scene, size)
-    problem = pair.problem(size, faces, tangential, actuators)
+    problem = pair.problem(size, faces, has_shear, actuators)
     halved = on_half(pair.scene, faces)
-    solved = pair.problem(size, half(faces), tangential, actuators) if halved else problem
+    solved_problem = pair.problem(size, half(faces), has_shear, actuators) if halved else problem
     pace = Pace(pair.load, steps, np.inf, size, pair.modulus)
     # All states, for their edges decide about the mesh; there are few nodes.
     run = run_path(
-        solved,
+        solved_problem,
         path_of(pair.scene),
         pace,
         cycles,
@@ -535,8 +539,8 @@ def _fitting_size(pair: _CoarsePair) -> float:
             if size == pair.room:
                 raise _past_the_end(pair.scene)
             too_small = size
-            larger = size * 3 if np.isinf(too_large) else np.sqrt(too_small * too_large)
-            size = min(larger, pair.room)
+            larger_size = size * 3 if np.isinf(too_large) else np.sqrt(too_small * too_large)
+            size = min(larger_size, pair.room)
         else:
             too_large = size
             size = size / 3 if too_small == 0 else np.sqrt(too_small * too_large)
@@ -558,10 +562,10 @@ def _contact_fraction(pair: _CoarsePair, size: float) -> float:
     """What the contact takes, at the largest load, of a side that may touch of this half-width; 1
     where all nodes touch.
     """
-    problem, pressed = _pressed(pair, size)
-    if pressed.closed.all():
+    problem, pressed_state = _pressed(pair, size)
+    if pressed_state.closed.all():
         return 1.0
-    return float(np.abs(problem.interface.x[pressed.closed]).max())
+    return float(np.abs(problem.interface.x[pressed_state.closed]).max())
 
 
 def _pressed(pair: _CoarsePair, size: float) -> tuple[ContactProblem, InterfaceState]:
@@ -582,9 +586,9 @@ def _past_the_end(scene: Scene) -> InputError:
 def _contact_edges(problem: ContactProblem, states: Sequence[InterfaceState]) -> Array:
     """(k, 2) of the contact; NaN without one."""
     _, pressure, _, gap = nodal(np.stack([state.values for state in states]))
-    closed = np.stack([state.closed for state in states])
+    is_closed = np.stack([state.closed for state in states])
     return contact_edges(
-        problem.interface.x, pressure / problem.interface.weights, gap, closed, 1.0
+        problem.interface.x, pressure / problem.interface.weights, gap, is_closed, 1.0
     )
 
 
@@ -597,11 +601,11 @@ def _innermost_edge(
     one is on the other side of it.
     """
     contact = _contact_edges(problem, states)
-    closed = np.stack([state.closed for state in states])
+    is_closed = np.stack([state.closed for state in states])
     about_middle = np.array([-1.0, 1.0])
     if not anywhere:
         contact = np.diff(contact) / 2 * about_middle
-    stick = stick_edges(problem.interface.x, sticks, closed, contact, anywhere=anywhere)
+    stick = stick_edges(problem.interface.x, sticks, is_closed, contact, anywhere=anywhere)
     if not anywhere:
         half_width = np.where(sticks.any(axis=1, keepdims=True), np.diff(stick) / 2, 0.0)
         stick = half_width * about_middle

@@ -90,11 +90,15 @@ class SolverSettings:
         (300.0, 3.0)
         """
         default = _PENALTY if self.method == "augmented_lagrangian" else _STIFFNESS
-        normal = default if self.normal_stiffness is None else self.normal_stiffness
-        tangential = default if self.tangential_stiffness is None else self.tangential_stiffness
-        return normal, tangential
+        normal_stiffness = default if self.normal_stiffness is None else self.normal_stiffness
+        tangential_stiffness = (
+            default if self.tangential_stiffness is None else self.tangential_stiffness
+        )
+        return normal_stiffness, tangential_stiffness
 
     def with_stiffnesses(self) -> SolverSettings:
         """These settings with both stiffnesses written out."""
-        normal, tangential = self.stiffnesses
-        return replace(self, normal_stiffness=normal, tangential_stiffness=tangential)
+        normal_stiffness, tangential_stiffness = self.stiffnesses
+        return replace(
+            self, normal_stiffness=normal_stiffness, tangential_stiffness=tangential_stiffness
+        )

@@ -210,8 +210,8 @@ def _of_last_cycle(answer: FiniteElementSolution, notes: tuple[str, ...]) -> Fin
         "tangential_load": answer.tangential_load.copy(),
     }
     if answer.scene.load.path().period is not None:
-        first, *_, last = answer.last_cycle
-        gap = max(abs(float(load[last] - load[first])) for load in loads.values())
+        first_step, *_, last_step = answer.last_cycle
+        gap = max(abs(float(load[last_step] - load[first_step])) for load in loads.values())
         share = gap / float(np.max(answer.normal_load))
         if share > _CLOSED:
             notes = (
@@ -220,7 +220,7 @@ def _of_last_cycle(answer: FiniteElementSolution, notes: tuple[str, ...]) -> Fin
                 " those at its begin, which its last instant states",
             )
         for load in loads.values():
-            load[last] = load[first]
+            load[last_step] = load[first_step]
     record = replace(answer.record, notes=(*answer.record.notes, *notes))
     return replace(
         answer,
@@ -241,25 +241,25 @@ def _solve_path(
     scene = task.scene
     # Increments of coupled bodies are dear, and a record has many; elsewhere short ones also place
     # the edges, which are fitted there.
-    expected = 0.0
+    expected_dissipation = 0.0
     if true_faces.coupling is not None or is_record(scene):
-        expected = float(np.nan_to_num(task.scales.dissipation)) / task.work_unit
+        expected_dissipation = float(np.nan_to_num(task.scales.dissipation)) / task.work_unit
     pace = Pace(
         load=task.scales.load,
         steps_per_cycle=task.settings.steps_per_cycle,
         step_tolerance=task.settings.step_tolerance,
         half_width=task.scales.half_width,
         modulus=task.scales.modulus,
-        dissipation=expected,
+        dissipation=expected_dissipation,
         of_kinks=task.steps_by_kinks,
     )
     cured_faces = without_local_difference(true_faces, scene)
     for faces in (true_faces,) if cured_faces is None else (cured_faces, true_faces):
         problem = _contact_problem(task, faces, datum, work)
         halved = on_half(scene, faces)
-        solved = _contact_problem(task, half(faces), datum, work) if halved else problem
+        solved_problem = _contact_problem(task, half(faces), datum, work) if halved else problem
         run = run_path(
-            solved,
+            solved_problem,
             path_of(scene),
             pace,
             scene.cycles,
@@ -348,9 +348,9 @@ def _contact_problem(
     # A stiffness of k E*/h per area is, node by node and scaled, k w/h: that of the layer, the
     # penalty, or the weight of the trial tractions.
     weights = interface.weights
-    normal, tangential = settings.stiffnesses
-    normal_stiffness = normal * weights / task.mesh.edge_element_size
-    tangential_stiffness = tangential * weights / task.mesh.edge_element_size
+    normal_factor, tangential_factor = settings.stiffnesses
+    normal_stiffness = normal_factor * weights / task.mesh.edge_element_size
+    tangential_stiffness = tangential_factor * weights / task.mesh.edge_element_size
     augmentation: tuple[Array | float, Array | float]
     if settings.method == "penalty":
         layer = Layer(1 / normal_stiffness, 1 / tangential_stiffness)

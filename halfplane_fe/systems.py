@@ -161,9 +161,9 @@ class _Nested:
 
     def solved(
         self,
-        held: int,
-        touching: int,
-        known: Array,
+        n_held: int,
+        n_touching: int,
+        known_values: Array,
         total: Array,
         compliance_of_rig: float | None,
     ) -> tuple[Array, Array, Array]:
@@ -171,40 +171,45 @@ class _Nested:
 
         Parameters
         ----------
-        held
+        n_held
             the first nodes, whose C F - r is known; of the others F is known
-        touching
+        n_touching
             nodes beyond which the known F is most often 0
-        known
+        known_values
             (n, m) what is known of each node
         total
             (m,) sum of F; with a compliance c of the rig, r + c times that sum
         """
-        forces = known.copy()
-        moved = known.copy()
-        moved[held:] = 0.0
+        forces = known_values.copy()
+        displacements = known_values.copy()
+        displacements[n_held:] = 0.0
         rigid_of_known: Array | float = 0.0
-        if known.any():
-            loaded = len(known) if known[touching:].any() else touching
-            right = known[:held] - self.compliance[:held, held:loaded] @ known[held:loaded]
-            forces[:held] = 0.0
-            for end in range(_ROWS, held + _ROWS, _ROWS):
-                rows = self.inverse[end - _ROWS : min(end, held), : min(end, held)]
+        if known_values.any():
+            n_loaded = len(known_values) if known_values[n_touching:].any() else n_touching
+            right = (
+                known_values[:n_held]
+                - self.compliance[:n_held, n_held:n_loaded] @ known_values[n_held:n_loaded]
+            )
+            forces[:n_held] = 0.0
+            for end in range(_ROWS, n_held + _ROWS, _ROWS):
+                rows = self.inverse[end - _ROWS : min(end, n_held), : min(end, n_held)]
                 forces[: rows.shape[1]] += rows.T @ (rows @ right[: rows.shape[1]])
-            moved[held:] = self.compliance[held:, :loaded] @ forces[:loaded]
-            rigid_of_known = -forces.sum(axis=0) / self.stiffness[held - 1]
+            displacements[n_held:] = self.compliance[n_held:, :n_loaded] @ forces[:n_loaded]
+            rigid_of_known = -forces.sum(axis=0) / self.stiffness[n_held - 1]
         if compliance_of_rig is not None:
-            compliance = 1 / self.stiffness[held - 1] + compliance_of_rig
+            compliance = 1 / self.stiffness[n_held - 1] + compliance_of_rig
             if not compliance > 0:
                 raise InputError(
                     "rig.datum_length: the contact moves against its load where the displacement is"
                     " prescribed, so that no load follows from it: state a longer distance"
                 )
             total = (total - rigid_of_known) / compliance
-        rigid = total / self.stiffness[held - 1] + rigid_of_known
-        forces[:held] += np.multiply.outer(self.uniform[held - 1, :held], rigid)
-        moved[held:] += np.multiply.outer(self.moved[held - 1, held:] - 1, rigid)
-        return forces, rigid, moved
+        rigid_motion = total / self.stiffness[n_held - 1] + rigid_of_known
+        forces[:n_held] += np.multiply.outer(self.uniform[n_held - 1, :n_held], rigid_motion)
+        displacements[n_held:] += np.multiply.outer(
+            self.moved[n_held - 1, n_held:] - 1, rigid_motion
+        )
+        return forces, rigid_motion, displacements
 
 
 @dataclass(eq=False)
@@ -328,10 +333,10 @@ class Systems:
         [[0.5, 0.5, -0.25, 0.25], [0.0, 0.0, 1.0, 0.0]]
         """
         self.work["linear solves"] += 1
-        touching = int(np.count_nonzero(states))
-        sticking = int(np.count_nonzero(states == STICK))
-        leading = states[:touching].all() and (states[:sticking] == STICK).all()
-        if self._nested and sticking and leading:
+        n_touching = int(np.count_nonzero(states))
+        n_sticking = int(np.count_nonzero(states == STICK))
+        is_nested = states[:n_touching].all() and (states[:n_sticking] == STICK).all()
+        if self._nested and n_sticking and is_nested:
             return self._answers_of_nested(states, n_loads, rows, changes)
         return self._answers_from_base(states, n_loads, rows, changes)
 
@@ -342,8 +347,8 @@ class Systems:
         open.
         """
         n = len(states)
-        touching = int(np.count_nonzero(states))
-        sticking = int(np.count_nonzero(states == STICK))
+        n_touching = int(np.count_nonzero(states))
+        n_sticking = int(np.count_nonzero(states == STICK))
         n_cases = n_loads + (rows is not None)
         known_gap, known_slip = known = np.zeros((2, n, n_cases))
         if rows is not None:
@@ -352,13 +357,13 @@ class Systems:
         slip, pressure, shear, gap = values[:, 3:].reshape(-1, 4, n).transpose(1, 2, 0)
         normal_load, tangential_load, *_ = np.eye(n_loads, n_cases)
         pressure[:], values[:, 0], gap[:] = self._nested[0].solved(
-            touching, touching, known_gap, normal_load, self.actuators.normal
+            n_touching, n_touching, known_gap, normal_load, self.actuators.normal
         )
         if self.shears:
-            known_slip[:sticking] *= -1
+            known_slip[:n_sticking] *= -1
             known_slip += (slip_sign(states) * self.friction)[:, None] * pressure
             shear[:], values[:, 1], moved = self._nested[1].solved(
-                sticking, touching, known_slip, tangential_load, self.actuators.tangential
+                n_sticking, n_touching, known_slip, tangential_load, self.actuators.tangential
             )
             slip[:] = -moved
         return values
@@ -425,12 +430,12 @@ class Systems:
         """
         n = len(states)
         self.work["linear solves"] += 1
-        touching = int(np.count_nonzero(states))
-        sticking = int(np.count_nonzero(states == STICK))
-        leading = states[:touching].all() and (states[:sticking] == STICK).all()
-        if self._nested and sticking and leading:
+        n_touching = int(np.count_nonzero(states))
+        n_sticking = int(np.count_nonzero(states == STICK))
+        is_nested = states[:n_touching].all() and (states[:n_sticking] == STICK).all()
+        if self._nested and n_sticking and is_nested:
             return self._answers_of_nested(states, n_loads, np.arange(2 * n), changes)
-        if not (self._holds_without_stick or sticking):
+        if not (self._holds_without_stick or n_sticking):
             raise SingularSet("no node sticks: the bodies slide on each other")
         key = states.tobytes()
         base = self._factorised.pop(key, None)
@@ -451,12 +456,12 @@ class Systems:
         right[of_nodes, case_of_changes] += changes[base.held[of_nodes]]
         z[base.held] = _lu_solve(base.factors, right)
         z[n : 2 * n] += base.traction[:, None] * z[:n]
-        moved = self.matrix[: 2 * n] @ z
+        displacements = self.matrix[: 2 * n] @ z
         values = np.empty((n_loads + 1, 3 + 4 * n))
         values[:, :3] = z[[2 * n, 2 * n + 1, 2 * n + 4]].T  # approach, shift, tilt
-        values[:, 3 : 3 + n] = moved[n:].T  # slip
+        values[:, 3 : 3 + n] = displacements[n:].T  # slip
         values[:, 3 + n : 3 + 3 * n] = z[: 2 * n].T  # pressure and shear
-        values[:, 3 + 3 * n :] = moved[:n].T  # gap
+        values[:, 3 + 3 * n :] = displacements[:n].T  # gap
         return values
 
     def _nearest(self, states: States) -> tuple[_Base, Mask]:
@@ -471,9 +476,9 @@ class Systems:
         base = next((base for base in self._bases if key in base.met), None)
         if base is None and self._bases:
             rows_apart = [np.count_nonzero(base.kinds != kinds) for base in self._bases]
-            nearest = int(np.argmin(rows_apart))
-            if rows_apart[nearest] <= _MOST_ROWS:
-                base = self._bases[nearest]
+            nearest_base = int(np.argmin(rows_apart))
+            if rows_apart[nearest_base] <= _MOST_ROWS:
+                base = self._bases[nearest_base]
         if base is None:
             base = self._new_base(states, kinds)
         else:
@@ -489,24 +494,24 @@ class Systems:
         traction = np.asarray(slip_sign(states) * self.friction, dtype=np.float64)
         sticks = (states == STICK) & self.shears
         holds = np.concatenate([states != OPEN, sticks, [True, True, False, False, False]])
-        held = np.flatnonzero(holds)
-        free = np.flatnonzero(~holds[: 2 * n])
-        columns = self.matrix[:, held]
+        held_rows = np.flatnonzero(holds)
+        free_rows = np.flatnonzero(~holds[: 2 * n])
+        columns = self.matrix[:, held_rows]
         # Sliding nodes take their q along with p.
-        sliding = np.flatnonzero(traction)
-        columns[:, np.searchsorted(held, sliding)] += (
-            self.matrix[:, n + sliding] * traction[sliding]
+        sliding_nodes = np.flatnonzero(traction)
+        columns[:, np.searchsorted(held_rows, sliding_nodes)] += (
+            self.matrix[:, n + sliding_nodes] * traction[sliding_nodes]
         )
         place = np.full(len(holds), -1)
-        place[held] = np.arange(len(held))
+        place[held_rows] = np.arange(len(held_rows))
         return _Base(
             kinds=kinds,
             traction=traction,
-            held=held,
+            held=held_rows,
             place=place,
-            factors=_lu(columns[held]),
-            free=free,
-            beyond=columns[free],
+            factors=_lu(columns[held_rows]),
+            free=free_rows,
+            beyond=columns[free_rows],
             number=np.full_like(place, -1),
             answers=np.empty((0, 3 + 4 * n)),
             met=set(),
@@ -514,38 +519,40 @@ class Systems:
 
     def _find(self, base: _Base, required: Indices) -> None:
         """Have the answers of a base to a unit in these rows, or loads (from 2 n on)."""
-        missing = required[base.number[required] < 0]
-        if not len(missing):
+        missing_rows = required[base.number[required] < 0]
+        if not len(missing_rows):
             return
         n = len(base.traction)
         neighbours = np.add.outer(
-            missing[missing < 2 * n], np.arange(-_NEIGHBOURS, _NEIGHBOURS + 1)
+            missing_rows[missing_rows < 2 * n], np.arange(-_NEIGHBOURS, _NEIGHBOURS + 1)
         ).clip(0, 2 * n - 1)
-        rows = np.union1d(neighbours[base.number[neighbours] < 0], missing)
+        rows = np.union1d(neighbours[base.number[neighbours] < 0], missing_rows)
         place = base.place[rows]
         number = np.arange(len(rows))
-        held = place >= 0
-        by_unknown = np.where(held, 0.0, self.matrix[:, np.where(held, 0, rows)])
+        is_held = place >= 0
+        by_unknown = np.where(is_held, 0.0, self.matrix[:, np.where(is_held, 0, rows)])
         right = -by_unknown[base.held]
-        right[place[held], number[held]] += 1.0
-        solved = _lu_solve(base.factors, right)
+        right[place[is_held], number[is_held]] += 1.0
+        solutions = _lu_solve(base.factors, right)
         z = np.zeros((2 * n + 5, len(rows)))
-        z[base.held] = solved
-        z[rows[~held], number[~held]] = 1.0
+        z[base.held] = solutions
+        z[rows[~is_held], number[~is_held]] = 1.0
         z[n : 2 * n] += base.traction[:, None] * z[:n]
-        moved = np.zeros((2 * n, len(rows)))
-        moved[base.free] = base.beyond @ solved + by_unknown[base.free]
-        of_nodes = held & (rows < 2 * n)
-        moved[rows[of_nodes], number[of_nodes]] = 1.0
-        first = base.count
+        displacements = np.zeros((2 * n, len(rows)))
+        displacements[base.free] = base.beyond @ solutions + by_unknown[base.free]
+        of_nodes = is_held & (rows < 2 * n)
+        displacements[rows[of_nodes], number[of_nodes]] = 1.0
+        first_number = base.count
         base.count += len(rows)
         if base.count > len(base.answers):  # twice the room, so that it is seldom copied
-            base.answers = np.concatenate([base.answers[:first], np.empty((base.count, 3 + 4 * n))])
-        base.number[rows] = first + number
-        answers = base.answers[first : base.count]
+            base.answers = np.concatenate(
+                [base.answers[:first_number], np.empty((base.count, 3 + 4 * n))]
+            )
+        base.number[rows] = first_number + number
+        answers = base.answers[first_number : base.count]
         answers[:, :3] = z[[2 * n, 2 * n + 1, 2 * n + 4]].T  # approach, shift, tilt
-        answers[:, 3 : 3 + n] = moved[n:].T  # slip
+        answers[:, 3 : 3 + n] = displacements[n:].T  # slip
         answers[:, 3 + n : 3 + 3 * n] = z[: 2 * n].T  # pressure and shear
-        answers[:, 3 + 3 * n :] = moved[:n].T  # gap
+        answers[:, 3 + 3 * n :] = displacements[:n].T  # gap
         while len(self._bases) > _LEAST_BASES and sum(base.nbytes for base in self._bases) > _BYTES:
             self._bases.pop(0)

@@ -63,13 +63,13 @@ def surface_grading(
     # notation: a, the contact half-width at the largest load. The coarse run knows edges to a few
     # hundredths of it.
     a = scales.half_width
-    inner = scales.inner - 0.06 * a
-    outer = scales.reach + 0.06 * a + 2 * mesh.edge_element_size * a
+    inner_end = scales.inner - 0.06 * a
+    outer_end = scales.reach + 0.06 * a + 2 * mesh.edge_element_size * a
     grading = SurfaceGrading(
-        inner=inner if inner > 4 * mesh.element_size * a else 0.0,
-        outer=outer,
+        inner=inner_end if inner_end > 4 * mesh.element_size * a else 0.0,
+        outer=outer_end,
         size=mesh.element_size * a * ratio,
         edge_size=mesh.edge_element_size * a * ratio,
-        radius=max(mesh.far_radius * a, _BEYOND * outer),
+        radius=max(mesh.far_radius * a, _BEYOND * outer_end),
     )
     return replace(grading, halvings=tip_halvings(profile, grading.innermost))

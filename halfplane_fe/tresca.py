@@ -24,7 +24,7 @@ NodeSet = TypeVar("NodeSet", Mask, States)
 
 
 def pressure_at_known_shear(
-    systems: Systems, height: Array, load: float, closed: Mask, rounding: float
+    systems: Systems, height: Array, load: float, is_closed: Mask, rounding: float
 ) -> tuple[Array, float, Mask]:
     """Pressure (n,), approach and closed nodes of g = height - n_y delta + N p >= 0, p >= 0, g p =
     0, n_y p = load (active set).
@@ -33,7 +33,7 @@ def pressure_at_known_shear(
     ----------
     height
         (n,) initial gap with the parts of the known shear and shift in it
-    closed
+    is_closed
         where to start
 
     Examples
@@ -61,25 +61,25 @@ def pressure_at_known_shear(
     approach = 0.0
     n_y = systems.interface.normals[1]
 
-    def step(closed: Mask) -> tuple[Array, Array, Mask]:
+    def step(is_closed: Mask) -> tuple[Array, Array, Mask]:
         """Pressure, its violations, and the closed nodes that these ask for."""
         nonlocal approach
-        if not closed.any():
+        if not is_closed.any():
             raise SingularSet("no node holds the normal load")
         by_height, by_approach = solve(
-            systems.normal[np.ix_(closed, closed)],
-            np.stack([-height[closed], n_y[closed]], axis=1),
+            systems.normal[np.ix_(is_closed, is_closed)],
+            np.stack([-height[is_closed], n_y[is_closed]], axis=1),
             assume_a="pos",
         ).T
-        approach = (load - n_y[closed] @ by_height) / (n_y[closed] @ by_approach)
+        approach = (load - n_y[is_closed] @ by_height) / (n_y[is_closed] @ by_approach)
         pressure = np.zeros_like(height)
-        pressure[closed] = by_height + approach * by_approach
+        pressure[is_closed] = by_height + approach * by_approach
         gap = height - n_y * approach + systems.normal @ pressure
-        violation = np.where(closed, -pressure, -gap)
-        return pressure, violation, np.where(violation > rounding, ~closed, closed)
+        violation = np.where(is_closed, -pressure, -gap)
+        return pressure, violation, np.where(violation > rounding, ~is_closed, is_closed)
 
-    pressure, closed = _converged(step, closed)
-    return pressure, float(approach), closed
+    pressure, is_closed = _converged(step, is_closed)
+    return pressure, float(approach), is_closed
 
 
 def shear_at_known_pressure(
@@ -114,10 +114,10 @@ def shear_at_known_pressure(
     """
     n_y = systems.interface.normals[1]
     limit = systems.friction * pressure
-    closed = pressure > 0
-    states = np.where(closed, STICK, OPEN).astype(np.int8)
-    largest_slip_of_limit = np.abs(systems.tangential @ limit)[closed].max()
-    largest_shift = (np.abs(known_slip[closed]).max() + largest_slip_of_limit) / n_y.min()
+    is_closed = pressure > 0
+    states = np.where(is_closed, STICK, OPEN).astype(np.int8)
+    largest_slip_of_limit = np.abs(systems.tangential @ limit)[is_closed].max()
+    largest_shift = (np.abs(known_slip[is_closed]).max() + largest_slip_of_limit) / n_y.min()
 
     def shear_at(shift: float) -> Array:
         nonlocal states
@@ -175,16 +175,16 @@ def _converged(
     """Repeat `step` (states -> answer, violations, next states) until the states stay; once they
     recur, only the node of the largest violation changes.
     """
-    met: set[bytes] = set()
+    sets_met: set[bytes] = set()
     for _ in range(_ITERATIONS):
         answer, violation, next_states = step(states)
         changes = next_states != states
         if not changes.any():
             return answer, states
-        if next_states.tobytes() in met:
-            worst = int(np.argmax(np.where(changes, violation, -np.inf)))
-            next_states = np.where(np.arange(len(states)) == worst, next_states, states)
-        met.add(next_states.tobytes())
+        if next_states.tobytes() in sets_met:
+            worst_node = int(np.argmax(np.where(changes, violation, -np.inf)))
+            next_states = np.where(np.arange(len(states)) == worst_node, next_states, states)
+        sets_met.add(next_states.tobytes())
         states = next_states
     raise ConvergenceError(
         f"contact: a convex half of the problem did not settle in {_ITERATIONS} iterations"

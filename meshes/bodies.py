@@ -227,16 +227,16 @@ def body_nodes(grading: SurfaceGrading, growth: float, order: int) -> int:
 
 def check_count(name: str, grading: SurfaceGrading, growth: float, order: int) -> None:
     """InputError where the mesh of body `name` would be too large, with the limit."""
-    what = "make element_size and edge_element_size larger"
+    words_of_cure = "make element_size and edge_element_size larger"
     if (count := contact_nodes(grading, order)) > MOST_CONTACT_NODES:
         raise InputError(
             f"mesh: the {name} body would have some {count:,} nodes on its contact, and the limit"
-            f" is {MOST_CONTACT_NODES:,}; {what}"
+            f" is {MOST_CONTACT_NODES:,}; {words_of_cure}"
         )
     if (count := body_nodes(grading, growth, order)) > MOST_NODES:
         raise InputError(
             f"mesh: the {name} body would have about {count:,} nodes, and the limit is"
-            f" {MOST_NODES:,}; {what}, or growth"
+            f" {MOST_NODES:,}; {words_of_cure}, or growth"
         )
 
 
@@ -268,17 +268,17 @@ def surface_points(grading: SurfaceGrading) -> Array:
     """Corner points of the surface elements on 0 <= x <= outer: even on either side of `inner`,
     halved towards a tip at x = 0.
     """
-    inside = np.linspace(
+    inner_points = np.linspace(
         0,
         grading.inner,
         max(round(grading.inner / grading.size), 1) + 1 if grading.inner > 0 else 1,
     )
-    outside = np.linspace(
+    outer_points = np.linspace(
         grading.inner,
         grading.outer,
         max(round((grading.outer - grading.inner) / grading.edge_size), 1) + 1,
     )
-    points = np.concatenate([inside[:-1], outside])
+    points = np.concatenate([inner_points[:-1], outer_points])
     towards_tip = points[1] / 2.0 ** np.arange(grading.halvings, 0, -1)
     return np.concatenate([points[:1], towards_tip, points[1:]])
 
@@ -296,25 +296,29 @@ def size_formula(
     sharp_corners
         (x, y) of corners where the strain is infinite
     """
-    outer = grading.outer
-    inner = grading.inner
-    fine = (
-        f"{grading.edge_size!r} + {growth!r} * Sqrt(Max(Max(x - {outer!r}, {inner!r} - x), 0)^2 +"
+    end = grading.outer
+    begin = grading.inner
+    formula = (
+        f"{grading.edge_size!r} + {growth!r} * Sqrt(Max(Max(x - {end!r}, {begin!r} - x), 0)^2 +"
         " y^2)"
     )
-    if inner > 0:
-        fine = f"Min({fine}, {grading.size!r} + {growth!r} * Sqrt(Max(x - {inner!r}, 0)^2 + y^2))"
+    if begin > 0:
+        formula = (
+            f"Min({formula}, {grading.size!r} + {growth!r} * Sqrt(Max(x - {begin!r}, 0)^2 + y^2))"
+        )
     if grading.halvings:
         # The elements of the surface are as long as they are far from the tip.
-        fine = f"Min({fine}, {grading.tip_size!r} + {max(growth, _TIP_GROWTH)!r} * Sqrt(x^2 + y^2))"
+        formula = (
+            f"Min({formula}, {grading.tip_size!r} + {max(growth, _TIP_GROWTH)!r} * Sqrt(x^2 + y^2))"
+        )
     for x, y in sharp_corners:
-        around = grading.edge_size + growth * math.hypot(max(x - outer, 0.0), y)
-        size = float(rounded(min(around, x, -y) / _CORNER_SHARE))
-        fine = (
-            f"Min({fine}, {size!r} + {corner_growth(growth)!r} * Sqrt((x - {x!r})^2 + (y +"
+        size_around_edges = grading.edge_size + growth * math.hypot(max(x - end, 0.0), y)
+        size = float(rounded(min(size_around_edges, x, -y) / _CORNER_SHARE))
+        formula = (
+            f"Min({formula}, {size!r} + {corner_growth(growth)!r} * Sqrt((x - {x!r})^2 + (y +"
             f" {-y!r})^2))"
         )
-    return fine
+    return formula
 
 
 def corner_growth(growth: float) -> float:

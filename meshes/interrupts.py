@@ -28,18 +28,18 @@ def interrupts_wait() -> Iterator[Sequence[int]]:
     handlers = {
         number: handler for number in numbers if callable(handler := signal.getsignal(number))
     }
-    caught: list[int] = []
+    signals_caught: list[int] = []
     # only the main thread is interrupted
     if threading.current_thread() is not threading.main_thread() or not handlers:
-        yield caught
+        yield signals_caught
         return
     for number in handlers:
-        signal.signal(number, lambda which, _frame: caught.append(which))
+        signal.signal(number, lambda which, _frame: signals_caught.append(which))
     try:
-        yield caught
+        yield signals_caught
     finally:
         for number, handler in handlers.items():
             signal.signal(number, handler)
-        if caught:
-            first = signal.Signals(caught[0])
-            handlers[first](first, None)
+        if signals_caught:
+            first_signal = signal.Signals(signals_caught[0])
+            handlers[first_signal](first_signal, None)

@@ -42,12 +42,16 @@ def mesh_quality(mesh: skfem.Mesh, exact_area: float) -> dict[str, float]:
     """
     triangles = mesh.refdom.nfacets == 3
     corners = mesh.p[:, mesh.t[: mesh.refdom.nfacets]]  # (2, corners, n_elements)
-    ahead = np.roll(corners, -1, axis=1) - corners
+    side_ahead = np.roll(corners, -1, axis=1) - corners
     back = np.roll(corners, 1, axis=1) - corners
-    sides = np.linalg.norm(ahead, axis=0)
-    cross = ahead[0] * back[1] - ahead[1] * back[0]
-    angles = np.arctan2(np.abs(cross), np.sum(ahead * back, axis=0))
-    shape = _triangle_shape(cross, sides) if triangles else _quadrilateral_shape(ahead, back, cross)
+    sides = np.linalg.norm(side_ahead, axis=0)
+    cross = side_ahead[0] * back[1] - side_ahead[1] * back[0]
+    angles = np.arctan2(np.abs(cross), np.sum(side_ahead * back, axis=0))
+    shape = (
+        _triangle_shape(cross, sides)
+        if triangles
+        else _quadrilateral_shape(side_ahead, back, cross)
+    )
     points, weights = get_quadrature(mesh.refdom, 4)
     return {
         "elements": float(mesh.t.shape[1]),
@@ -67,13 +71,15 @@ def _triangle_shape(cross: Array, sides: Array) -> Array:
     return np.asarray(2 * np.sqrt(3) * np.abs(cross[0]) / np.sum(sides**2, axis=0))
 
 
-def _quadrilateral_shape(ahead: Array, back: Array, cross: Array) -> Array:
+def _quadrilateral_shape(side_ahead: Array, side_behind: Array, cross: Array) -> Array:
     """Least over the corners of twice the parallelogram's area over the squares of its sides;
     negative if not convex.
     """
     sense = np.sign(cross.sum(axis=0))
     return np.asarray(
-        (2 * sense * cross / (np.sum(ahead**2, axis=0) + np.sum(back**2, axis=0))).min(axis=0)
+        (2 * sense * cross / (np.sum(side_ahead**2, axis=0) + np.sum(side_behind**2, axis=0))).min(
+            axis=0
+        )
     )
 
 
@@ -130,17 +136,17 @@ def mirrored_mesh(
         half = _ReadMesh(
             settle(half.points, half.boundary_points), half.elements, half.boundary_points
         )
-    whole = _corners_first(_reflect(half))
-    points = np.ascontiguousarray(whole.points.T)
-    elements = np.ascontiguousarray(whole.elements.T)
-    n_corners = int(elements[: whole.corners].max()) + 1
-    straight = _MESHES[whole.corners](
-        points[:, :n_corners].copy(), elements[: whole.corners].copy()
+    whole_mesh = _corners_first(_reflect(half))
+    points = np.ascontiguousarray(whole_mesh.points.T)
+    elements = np.ascontiguousarray(whole_mesh.elements.T)
+    n_corners = int(elements[: whole_mesh.corners].max()) + 1
+    straight_mesh = _MESHES[whole_mesh.corners](
+        points[:, :n_corners].copy(), elements[: whole_mesh.corners].copy()
     )
-    straight.is_valid(raise_=True)
-    mesh = _MESHES[len(elements)](points, elements) if order == 2 else straight
+    straight_mesh.is_valid(raise_=True)
+    mesh = _MESHES[len(elements)](points, elements) if order == 2 else straight_mesh
     return mesh.with_boundaries(
-        {name: _facets(mesh, nodes) for name, nodes in whole.boundary_points.items()}
+        {name: _facets(mesh, nodes) for name, nodes in whole_mesh.boundary_points.items()}
     )
 
 
@@ -214,10 +220,10 @@ def _reflect(half: _ReadMesh) -> _ReadMesh:
     image = np.empty(len(points), dtype=np.int64)
     image[on_axis] = np.flatnonzero(on_axis)
     image[~on_axis] = len(points) + np.arange(np.count_nonzero(~on_axis))
-    mirrored = image[half.elements][:, _REFLECTED[half.elements.shape[1]]]
+    mirrored_elements = image[half.elements][:, _REFLECTED[half.elements.shape[1]]]
     return _ReadMesh(
         np.vstack([points, points[~on_axis] * [-1.0, 1.0]]),
-        np.vstack([half.elements, mirrored]),
+        np.vstack([half.elements, mirrored_elements]),
         {name: np.union1d(nodes, image[nodes]) for name, nodes in half.boundary_points.items()},
     )
 
@@ -239,5 +245,5 @@ def _corners_first(body: _ReadMesh) -> _ReadMesh:
 def _facets(mesh: skfem.Mesh, nodes: Indices) -> Indices:
     """Boundary facets whose corners all belong to `nodes`."""
     facets = mesh.boundary_facets()
-    inside = np.isin(mesh.facets[:, facets], nodes).all(axis=0)
-    return facets[inside].astype(np.int64)
+    is_inside = np.isin(mesh.facets[:, facets], nodes).all(axis=0)
+    return facets[is_inside].astype(np.int64)

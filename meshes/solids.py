@@ -75,13 +75,13 @@ def _quarter(grading: SurfaceGrading) -> dict[str, list[int]]:
     corner = geo.addPoint(grading.radius, 0, 0)
     bottom = geo.addPoint(0, -grading.radius, 0)
     contact = [geo.addLine(a, b) for a, b in itertools.pairwise(surface)]
-    free = geo.addLine(surface[-1], corner)
+    free_line = geo.addLine(surface[-1], corner)
     arc = geo.addCircleArc(corner, surface[0], bottom)
     axis = geo.addLine(bottom, surface[0])
-    geo.addPlaneSurface([geo.addCurveLoop([*contact, free, arc, axis])])
+    geo.addPlaneSurface([geo.addCurveLoop([*contact, free_line, arc, axis])])
     for line in contact:
         geo.mesh.setTransfiniteCurve(line, 2)
-    return {"contact": contact, "free": [free], "far_field": [arc]}
+    return {"contact": contact, "free": [free_line], "far_field": [arc]}
 
 
 Indices = NDArray[np.int64]
@@ -182,9 +182,9 @@ class _Outline:
         self._is_sharp_at_base = supports["base"] == "fixed" and "sides" not in supports
         self._at_step: list[tuple[float, float]] = []  # from the face downwards
         if isinstance(shape, TShape | ShoulderedPad):
-            depth, below = rounded(np.array(shape.step) / length).tolist()
-            self._at_step = [(self._half_width, -depth), (below, -depth)]
-            self._foot = (below, -self._height)
+            depth, depth_below = rounded(np.array(shape.step) / length).tolist()
+            self._at_step = [(self._half_width, -depth), (depth_below, -depth)]
+            self._foot = (depth_below, -self._height)
 
     @property
     def sharp_corners(self) -> list[tuple[float, float]]:
@@ -211,7 +211,9 @@ class _Outline:
         contact = [geo.addLine(a, b) for a, b in itertools.pairwise(surface)]
         for line in contact:
             geo.mesh.setTransfiniteCurve(line, 2)
-        free, end = self._rest_of_face(float(places[-1]), surface[-1], grading.edge_size, growth)
+        free_line, end = self._rest_of_face(
+            float(places[-1]), surface[-1], grading.edge_size, growth
+        )
         axis_end = geo.addPoint(0, -self._height, 0)
         sides = []
         foot = end
@@ -222,13 +224,13 @@ class _Outline:
                 foot = corner
         base = geo.addLine(foot, axis_end)
         axis = geo.addLine(axis_end, surface[0])
-        geo.addPlaneSurface([geo.addCurveLoop([*contact, *free, *sides, base, axis])])
-        return {"contact": contact, "free": free, "base": [base]} | (
+        geo.addPlaneSurface([geo.addCurveLoop([*contact, *free_line, *sides, base, axis])])
+        return {"contact": contact, "free": free_line, "base": [base]} | (
             {"sides": sides} if sides else {}
         )
 
     def _rest_of_face(
-        self, start: float, first: int, size: float, growth: float
+        self, start: float, first_point: int, size: float, growth: float
     ) -> tuple[list[int], int]:
         """Curves from the contact side's end to the face's end, and the point there."""
         geo = gmsh.model.geo
@@ -236,10 +238,12 @@ class _Outline:
         if self._face.arc is not None:
             begin, radius = rounded(np.array(self._face.arc) / self._length).tolist()
             if start >= begin:
-                last = geo.addPoint(end, -self._drop, 0)
-                return [geo.addCircleArc(first, geo.addPoint(begin, -radius, 0), last)], last
+                last_point = geo.addPoint(end, -self._drop, 0)
+                return [
+                    geo.addCircleArc(first_point, geo.addPoint(begin, -radius, 0), last_point)
+                ], last_point
         places = np.array([end]) if self._face.flat else self._places(start, end, size, growth)
-        points = [first] + [
+        points = [first_point] + [
             geo.addPoint(float(x), -float(y), 0)
             for x, y in zip(places, self._depth(places), strict=True)
         ]
@@ -253,14 +257,14 @@ class _Outline:
             places.append(places[-1] + size + growth * away)
         return start + (np.array(places[1:]) - start) * (end - start) / (places[-1] - start)
 
-    def settle(self, points: Array, named: dict[str, Indices]) -> Array:
+    def settle(self, points: Array, named_nodes: dict[str, Indices]) -> Array:
         """Mid-side points of straight curves onto the face, at the mean x of their corners."""
-        settled = points.copy()
-        nodes = named["contact"]
+        settled_points = points.copy()
+        nodes = named_nodes["contact"]
         if self._face.arc is None or points[nodes, 0].max() < self._face.arc[0] / self._length:
-            nodes = np.union1d(nodes, named["free"])
-        settled[nodes, 1] = -self._true_depth(points[nodes, 0])
-        return settled
+            nodes = np.union1d(nodes, named_nodes["free"])
+        settled_points[nodes, 1] = -self._true_depth(points[nodes, 0])
+        return settled_points
 
 
 def check(

@@ -298,7 +298,7 @@ def values_of_theory(scene: Scene, effects: BodyEffects | None = None) -> _Value
             "half_width": float(np.max(answer.contact_half_width[answer.last_cycle])),
             "permanent_stick": answer.permanent_stick_half_width,
         }
-    largest = semi_analytic.extremes(answer, searched=("slip", "edge_tension"))
+    largest = semi_analytic.extremes(answer, names=("slip", "edge_tension"))
     return {
         WORK: answer.dissipation,
         PEAK: largest.pressure,

@@ -39,23 +39,23 @@ def real_numbers(values: Any, name: str) -> NDArray[np.float64]:
     scenes.errors.InputError: load = [1j] is refused: real numbers are needed, not complex ones
     """
     try:
-        plain = np.asarray(np.ma.getdata(values))
+        unmasked_values = np.asarray(np.ma.getdata(values))
     except (TypeError, ValueError, OverflowError) as reason:  # rows of unequal length, for one
         raise _refused(values, name, "an array of real numbers is needed") from reason
-    if plain.dtype.kind == "c":
+    if unmasked_values.dtype.kind == "c":
         raise _refused(values, name, "real numbers are needed, not complex ones")
-    if plain.dtype.kind == "O" and not any(
-        isinstance(value, bool | np.bool_ | str | bytes) for value in plain.flat
+    if unmasked_values.dtype.kind == "O" and not any(
+        isinstance(value, bool | np.bool_ | str | bytes) for value in unmasked_values.flat
     ):
         try:
-            plain = plain.astype(float)
+            unmasked_values = unmasked_values.astype(float)
         except (TypeError, ValueError, OverflowError) as reason:
             raise _refused(values, name, "real numbers are needed") from reason
-    if plain.dtype.kind not in "iuf":
+    if unmasked_values.dtype.kind not in "iuf":
         raise _refused(values, name, "real numbers are needed")
-    numbers = plain.astype(float, copy=False)
-    hidden = np.ma.getmask(values)
-    return np.where(hidden, np.nan, numbers) if np.any(hidden) else numbers
+    numbers = unmasked_values.astype(float, copy=False)
+    mask = np.ma.getmask(values)
+    return np.where(mask, np.nan, numbers) if np.any(mask) else numbers
 
 
 def _refused(values: Any, name: str, rule: str) -> InputError:

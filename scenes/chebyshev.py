@@ -154,7 +154,7 @@ def clenshaw(coefficients: Array, number: NDArray[np.intp], t: Array) -> Array:
     return total.reshape(np.shape(t))
 
 
-def difference(coefficients: Array, t: Array, since: Array) -> Array:
+def difference(coefficients: Array, t: Array, t_before: Array) -> Array:
     """(sum c_k T_k(t) - sum c_k T_k(since)) / (t - since), free of cancellation; coefficients (n,),
     shape of t.
 
@@ -162,15 +162,15 @@ def difference(coefficients: Array, t: Array, since: Array) -> Array:
     1.2
     """
     # Divided differences D_k of T_(k+1) = 2 t T_k - T_(k-1); `value` is T_k(since).
-    difference_before = np.zeros_like(t + since)
-    difference_now = np.ones_like(t + since)
+    difference_before = np.zeros_like(t + t_before)
+    difference_now = np.ones_like(t + t_before)
     value_before = np.ones_like(difference_now)
-    value = since * difference_now
+    value = t_before * difference_now
     total = np.zeros_like(difference_now)
     for coefficient in coefficients[1:]:
         total = total + coefficient * difference_now
         next_difference = 2 * (t * difference_now + value) - difference_before
-        next_value = 2 * since * value - value_before
+        next_value = 2 * t_before * value - value_before
         difference_before = difference_now
         difference_now = next_difference
         value_before = value
@@ -197,11 +197,11 @@ def fit(function: Function, edges: ArrayLike, scale: float | None = None) -> Pie
     if not runs:
         return first_fit
     marks = np.union1d(marks, [_corner(function, first_fit, run) for run in runs])
-    second = halved(function, marks, scale)
-    left = _short_runs(second, marks)
+    pieces = halved(function, marks, scale)
+    left = _short_runs(pieces, marks)
     if left:
-        raise Unresolved(float(second.edges[left[0][0]]), float(second.edges[left[0][1]]))
-    return second
+        raise Unresolved(float(pieces.edges[left[0][0]]), float(pieces.edges[left[0][1]]))
+    return pieces
 
 
 class Unresolved(ValueError):
@@ -238,11 +238,11 @@ def halved(function: Function, edges: Array, scale: ArrayLike | None = None) -> 
         count = count + np.bincount(owner, minlength=len(count))
         limit = np.maximum(1e-13 * np.max(np.abs(values), axis=1), floor[owner])
         is_rough = (tail(coefficients) > limit) & (high - low > shortest[owner])
-        bad = np.flatnonzero(
+        rough_pieces = np.flatnonzero(
             ~np.all(np.isfinite(values), axis=1) | (is_rough & (count[owner] > _PIECES))
         )
-        if len(bad):
-            raise Unresolved(float(low[bad[0]]), float(high[bad[0]]))
+        if len(rough_pieces):
+            raise Unresolved(float(low[rough_pieces[0]]), float(high[rough_pieces[0]]))
         starts.append(low[~is_rough])
         series_found.append(coefficients[~is_rough])
         low = low[is_rough]
@@ -287,7 +287,7 @@ def _corner(function: Function, pieces: Pieces, run: tuple[int, int]) -> float:
     """
     begin, end = (float(pieces.edges[place]) for place in run)
     shortest_piece = run[0] + int(np.argmin(np.diff(pieces.edges[run[0] : run[1] + 1])))
-    shortest = float(pieces.edges[shortest_piece] + pieces.edges[shortest_piece + 1]) / 2
+    corner_place = float(pieces.edges[shortest_piece] + pieces.edges[shortest_piece + 1]) / 2
     width = min(
         50 * (end - begin),
         begin - float(pieces.edges[0]) or np.inf,
@@ -301,7 +301,7 @@ def _corner(function: Function, pieces: Pieces, run: tuple[int, int]) -> float:
     )
     jump = chebyshev.Chebyshev.interpolate(lambda x: right(x) - left(x), 3, [begin, end])
     places = (jump if jump(begin) * jump(end) < 0 else jump.deriv()).roots().real
-    return float(min(places, key=lambda place: abs(place - shortest), default=shortest))
+    return float(min(places, key=lambda place: abs(place - corner_place), default=corner_place))
 
 
 def values_of(function: Any) -> Callable[[Array], Array]:

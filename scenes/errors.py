@@ -48,12 +48,12 @@ class RowError(ValueError):
         super().__init__(f"row {row + 1}: {rule}")
 
     @classmethod
-    def refuse(cls, bad: Any, rule: Callable[[int], str], first: int = 0) -> None:
-        """Raise for the first row that is `bad` (n,), the rows being counted from `first` on;
-        `rule` is given its number.
+    def refuse(cls, is_bad: Any, rule: Callable[[int], str], first_number: int = 0) -> None:
+        """Raise for the first row that is `is_bad` (n,), the rows being counted from
+        `first_number` on; `rule` is given its number.
         """
-        if bad.any():
-            row = first + int(bad.argmax())
+        if is_bad.any():
+            row = first_number + int(is_bad.argmax())
             raise cls(row, rule(row))
 
 
@@ -119,13 +119,13 @@ class InadmissibleLoadError(InputError):
         self.normal_load = begin.normal_load
         self.tangential_load = begin.tangential_load
         self.worst_time = worst.time
-        since = f" from time {begin.time:.6g} on," if worst.time != begin.time else ""
+        words_of_begin = f" from time {begin.time:.6g} on," if worst.time != begin.time else ""
         place = f" {where}" if where else ""
         loads = f"P = {worst.normal_load:.6g}, Q = {worst.tangential_load:.6g}"
         if reason == "gross sliding" and friction is not None:
             loads += f", f = {friction:g}"
         super().__init__(
-            f"load: {reason}{since}{place} at time {worst.time:.6g} with {loads}:"
+            f"load: {reason}{words_of_begin}{place} at time {worst.time:.6g} with {loads}:"
             f" {rule or _RULES[reason]}"
         )
 

@@ -74,8 +74,8 @@ def text_of(path: Path, role: str, most_bytes: int = TEXT, advice: str = "") -> 
     except (OSError, ValueError) as reason:  # ValueError: a name with a null character in it
         if isinstance(reason, InputError):
             raise
-        why = (reason.strerror if isinstance(reason, OSError) else None) or str(reason)
-        raise InputError(f"{path}: {role} can't be read: {why}") from reason
+        cause = (reason.strerror if isinstance(reason, OSError) else None) or str(reason)
+        raise InputError(f"{path}: {role} can't be read: {cause}") from reason
 
 
 def check_size(path: Path, role: str, most_bytes: int, advice: str = "") -> None:
@@ -167,11 +167,11 @@ def keys_of(path: Path, role: str, advice: str = "") -> dict[str, Any]:
         ValueError,
         RecursionError,
     ) as reason:  # the parsers' own errors, numbers of thousands of digits
-        why = f"not valid TOML: {reason}"
+        cause = f"not valid TOML: {reason}"
         place = re.search(r"\(at line (\d+), column \d+\)", str(reason))
         lines = text.split("\n")
         if is_json:
-            why = f"not valid JSON: {reason}"
+            cause = f"not valid JSON: {reason}"
         elif place and 0 < int(place[1]) <= len(lines):
             line = lines[int(place[1]) - 1].strip()
             comma = (
@@ -179,8 +179,8 @@ def keys_of(path: Path, role: str, advice: str = "") -> dict[str, Any]:
                 if re.search(r"=\s*[-+]?\d+,\d", line)
                 else ""
             )
-            why += f", in {shown(line)}{comma}"
-        raise InputError(f"{path}: {why}") from reason
+            cause += f", in {shown(line)}{comma}"
+        raise InputError(f"{path}: {cause}") from reason
     if not isinstance(keys, dict):
         raise InputError(f"{path}: {role} is a table of keys, not a {type(keys).__name__}")
     return cast(dict[str, Any], keys)
@@ -217,8 +217,8 @@ def within_memory(path: Path, most_bytes: int) -> Generator[None, None, None]:
     except OSError:
         used_bytes = int(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss) * 1024
     room = used_bytes + most_bytes
-    allowed = [limit for limit in (soft, hard, room) if limit != resource.RLIM_INFINITY]
-    resource.setrlimit(resource.RLIMIT_AS, (min(allowed), hard))
+    limits = [limit for limit in (soft, hard, room) if limit != resource.RLIM_INFINITY]
+    resource.setrlimit(resource.RLIMIT_AS, (min(limits), hard))
     try:
         yield
     except MemoryError as reason:
@@ -305,7 +305,7 @@ def toml_text(keys: Mapping[str, Any]) -> str:
     return "\n".join(_lines(keys, "")).lstrip("\n") + "\n"
 
 
-def _lines(keys: Mapping[str, Any], inside: str) -> Iterator[str]:
+def _lines(keys: Mapping[str, Any], outer_key: str) -> Iterator[str]:
     tables = {
         key: value if isinstance(value, list) else [value]
         for key, value in keys.items()
@@ -315,13 +315,13 @@ def _lines(keys: Mapping[str, Any], inside: str) -> Iterator[str]:
         if key not in tables:
             # Words, numbers and lists of JSON are those of TOML, but for one control character.
             yield f"{key} = {json.dumps(keys[key], ensure_ascii=False)}".replace("\x7f", "\\u007f")
-    for key, each in tables.items():
-        for table in each:
+    for key, inner_table in tables.items():
+        for table in inner_table:
             if isinstance(keys[key], list):
-                yield from ("", f"[[{inside}{key}]]")
+                yield from ("", f"[[{outer_key}{key}]]")
             elif not table or not all(map(_is_table, table.values())):
-                yield from ("", f"[{inside}{key}]")
-            yield from _lines(table, f"{inside}{key}.")
+                yield from ("", f"[{outer_key}{key}]")
+            yield from _lines(table, f"{outer_key}{key}.")
 
 
 def _is_table(value: Any) -> bool:

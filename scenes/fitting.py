@@ -123,22 +123,24 @@ def fitted_keys(x: Array, h: Array, request: FitRequest) -> dict[str, Any]:
             f"{len(x):,} rows are too many for a fit of at most {_MOST:,}: leave out all but every"
             " n-th",
         )
-    last = len(x) - 1
+    last_row = len(x) - 1
     every_x = x
     tilt = request.tilt or 0.0
     every_h = h - tilt * (x - x[0])
-    fixed = request.centre
-    if fixed is None and _begins_in_the_middle(x, every_h):
-        fixed = 0.0
-    one_sided = fixed is not None and x[0] >= fixed
+    centre_given = request.centre
+    if centre_given is None and _begins_in_the_middle(x, every_h):
+        centre_given = 0.0
+    one_sided = centre_given is not None and x[0] >= centre_given
     tilt_fitted = (
-        request.tilt is None and not one_sided and not (request.kind == "hertz" and fixed is None)
+        request.tilt is None
+        and not one_sided
+        and not (request.kind == "hertz" and centre_given is None)
     )
-    start = _middle(x, every_h) if fixed is None else fixed
-    if request.guess is not None and fixed is None:
+    start = _middle(x, every_h) if centre_given is None else centre_given
+    if request.guess is not None and centre_given is None:
         start = request.guess[0]
     elif (
-        tilt_fitted and fixed is None and not x[0] < start < x[-1]
+        tilt_fitted and centre_given is None and not x[0] < start < x[-1]
     ):  # so much tilt that a parabola falls from end to end
         start = float(x[0] + x[-1]) / 2
     reach = request.extent or math.inf
@@ -148,7 +150,7 @@ def fitted_keys(x: Array, h: Array, request: FitRequest) -> dict[str, Any]:
         h = every_h[in_reach]
         if (count := len(np.unique(x))) < _FEWEST:
             raise RowError(
-                last,
+                last_row,
                 f"{count} rows within the extent are too few for a fit: at least {_FEWEST} are"
                 " needed",
             )
@@ -156,54 +158,60 @@ def fitted_keys(x: Array, h: Array, request: FitRequest) -> dict[str, Any]:
         distances = np.abs(x - start)
         height = float(np.ptp(h))
         length = float(np.max(distances))
-        if not x[0] <= start < x[-1] and (fixed is None or np.min(distances) > _BESIDE * length):
+        if not x[0] <= start < x[-1] and (
+            centre_given is None or np.min(distances) > _BESIDE * length
+        ):
             where = (
                 f"the middle, x = {start:.6g}, is not among the rows, which go from x = {x[0]:.6g}"
                 f" to {x[-1]:.6g}"
             )
             raise RowError(0, f"{where}: measure both sides of it, or state centre")
         if not height > 0:
-            raise RowError(last, "the rows are flat from end to end: they must rise somewhere")
+            raise RowError(last_row, "the rows are flat from end to end: they must rise somewhere")
         # beyond, no square
         level = (
             None if request.noise is None else float(np.clip(request.noise / height, 1e-12, 1e6))
         )
         rows = _Rows(
-            (x - start) / length, (h - h[0]) / height, request.kind, fixed is None, tilt_fitted
+            (x - start) / length,
+            (h - h[0]) / height,
+            request.kind,
+            centre_given is None,
+            tilt_fitted,
         )
         flat_half_length = None if request.guess is None else request.guess[1] / length
-        best = rows.fit(level, request.weight, flat_half_length)
+        best_fit = rows.fit(level, request.weight, flat_half_length)
         # the former: round-off error of rows on a line
-        if np.ptp(best.shape) < _BENT or abs(best.centre) > _LONGEST:
+        if np.ptp(best_fit.shape) < _BENT or abs(best_fit.centre) > _LONGEST:
             raise RowError(
-                last,
+                last_row,
                 "the rows do not bend up: h is a gap, which grows to both sides; is its sign"
                 " turned?",
             )
-        middle = start + length * best.centre
+        middle = start + length * best_fit.centre
         # Other rows lie within the extent of another middle.
         if np.array_equal(np.abs(every_x - middle) <= reach, in_reach):
             break
         start = middle
-    residuals = (h - h[0]) - height * best.curve
-    freedom = max(1, len(x) - round(best.numbers))
+    residuals = (h - h[0]) - height * best_fit.curve
+    freedom = max(1, len(x) - round(best_fit.numbers))
     estimated = max(math.sqrt(float(residuals @ residuals) / freedom), 1e-15 * height)
     sides = (middle - x[0], x[-1] - middle)
     return {
-        **best.keys(length, height),
+        **best_fit.keys(length, height),
         "fitted": {
             "kind": request.kind,
             "noise": estimated if request.noise is None else request.noise,
             "noise_stated": request.noise is not None,
             "centre": middle,
-            "centre_fitted": fixed is None,
-            "tilt": tilt + best.tilt * height / length,
+            "centre_fitted": centre_given is None,
+            "tilt": tilt + best_fit.tilt * height / length,
             "tilt_fitted": tilt_fitted,
-            "offset": float(h[0]) + height * best.offset + tilt * (middle - every_x[0]),
+            "offset": float(h[0]) + height * best_fit.offset + tilt * (middle - every_x[0]),
             "residual": math.sqrt(float(residuals @ residuals) / len(x)),
             "freedom": freedom,
             "extent": max(sides) if one_sided else min(sides),
-            "weight": best.weight,
+            "weight": best_fit.weight,
             "left_out": len(every_x) - len(x),
         },
     }
@@ -234,17 +242,24 @@ def fitted_again(
     smoothing
         weight of the smoothing over that of the fit
     """
-    fitted = profile.fitted
-    x, h = fitted.rows.values[fitted.used_rows()].T
-    x = x - fitted.centre  # so that rows of both sides are such whatever their noise
+    fitted_keys_of_profile = profile.fitted
+    x, h = fitted_keys_of_profile.rows.values[fitted_keys_of_profile.used_rows()].T
+    x = (
+        x - fitted_keys_of_profile.centre
+    )  # so that rows of both sides are such whatever their noise
     if noise is not None:
-        h = fitted.offset + fitted.tilt * x + profile.height(x) + fitted.noise * noise
+        h = (
+            fitted_keys_of_profile.offset
+            + fitted_keys_of_profile.tilt * x
+            + profile.height(x)
+            + fitted_keys_of_profile.noise * noise
+        )
     request = FitRequest(
-        kind=fitted.kind,
-        noise=fitted.noise,
-        centre=None if fitted.centre_fitted else 0.0,
-        tilt=None if fitted.tilt_fitted else fitted.tilt,
-        weight=smoothing * fitted.weight,
+        kind=fitted_keys_of_profile.kind,
+        noise=fitted_keys_of_profile.noise,
+        centre=None if fitted_keys_of_profile.centre_fitted else 0.0,
+        tilt=None if fitted_keys_of_profile.tilt_fitted else fitted_keys_of_profile.tilt,
+        weight=smoothing * fitted_keys_of_profile.weight,
         guess=(0.0, getattr(profile, "flat_half_length", 0.0)),
     )
     with contextlib.suppress(RowError):
@@ -353,8 +368,8 @@ class _Rows:
         corner = np.maximum(s[:, None] - np.append(self.knots, self.knots[-1] + step), 0.0) ** 3 / (
             6 * step
         )
-        first = s[:, None] ** 2 / 2 - corner[:, :1] + corner[:, 1:2]
-        return np.hstack([first, np.diff(corner, 2, axis=1)])
+        curvature_column = s[:, None] ** 2 / 2 - corner[:, :1] + corner[:, 1:2]
+        return np.hstack([curvature_column, np.diff(corner, 2, axis=1)])
 
     def at(self, z: Array, weight: float) -> _Fit:
         """The fit with the least squares for z = (x0, b), as many of these as are fitted.
@@ -412,9 +427,9 @@ class _Rows:
 
         if not len(start):
             return self.at(start, weight)
-        low = [-1.0] * self.centred
-        high = [1.0] * self.centred
-        bounds = ([*low, 1e-9][: len(start)], [*high, _LONGEST][: len(start)])
+        lower_bounds = [-1.0] * self.centred
+        upper_bounds = [1.0] * self.centred
+        bounds = ([*lower_bounds, 1e-9][: len(start)], [*upper_bounds, _LONGEST][: len(start)])
         minimum = least_squares(
             lambda z: self.at(z, weight).rest,
             start,

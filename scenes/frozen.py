@@ -314,26 +314,30 @@ class Frozen(BaseModel, metaclass=_OneDoor):
         into the nested table, any other replaces the value.
         """
         given_names = self.model_fields_set - {*self.written}
-        keys = {name: changed for name, changed in self if name == "kind" or name in given_names}
-        for name, changed in changes.items():
+        keys = {
+            name: new_value for name, new_value in self if name == "kind" or name in given_names
+        }
+        for name, new_value in changes.items():
             is_key = name in type(self).model_fields
             present_value = getattr(self, name) if is_key else None
             kind = getattr(present_value, "kind", None)
             if (
                 isinstance(present_value, Frozen)
-                and isinstance(changed, Mapping)
-                and changed.get("kind", kind) == kind
+                and isinstance(new_value, Mapping)
+                and new_value.get("kind", kind) == kind
             ):
-                keys[name] = present_value.merged(changed)
+                keys[name] = present_value.merged(new_value)
             else:
-                keys[name] = changed
+                keys[name] = new_value
         return keys
 
     def __dir__(self) -> list[str]:
         """Keys and methods of a table, which tab completion shows; not those of pydantic."""
-        hidden = {*dir(BaseModel), "merged", "keys_listed", "written", "datum"}
+        hidden_names = {*dir(BaseModel), "merged", "keys_listed", "written", "datum"}
         return sorted(
-            name for name in super().__dir__() if name not in hidden and not name.startswith("_")
+            name
+            for name in super().__dir__()
+            if name not in hidden_names and not name.startswith("_")
         )
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
@@ -411,10 +415,10 @@ def validated(table: M, model: type[Frozen]) -> M:
     scenes.errors.InputError: Elastic: poisson_ratio = 0.7 is refused: should be less than 0.5
     """
     if not isinstance(table, model):
-        how = (
+        cause = (
             "; load_scene reads one from the library or a file" if model.__name__ == "Scene" else ""
         )
-        raise InputError(f"a {model.__name__} is needed, not {shown(table)}{how}")
+        raise InputError(f"a {model.__name__} is needed, not {shown(table)}{cause}")
     name = getattr(table, "name", "")
     return checked(
         type(table), table, f"{model.__name__} {shown(name)}" if name else type(table).__name__

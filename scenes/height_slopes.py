@@ -72,9 +72,9 @@ class Rounding(NamedTuple):
     load: float
     stiffness: float
 
-    def or_more(self, second: Rounding) -> Rounding:
+    def or_more(self, rounding: Rounding) -> Rounding:
         """The larger of two of each."""
-        return Rounding(max(self.load, second.load), max(self.stiffness, second.stiffness))
+        return Rounding(max(self.load, rounding.load), max(self.stiffness, rounding.stiffness))
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,8 +178,8 @@ class _Samples:
 
 @cache
 def _samples(count: int) -> _Samples:
-    odd = 2 * np.arange(count - 1, -1, -1) + 1
-    places = np.round(np.cos(odd * (np.pi / (2 * count))) * 2.0**26) / 2.0**26
+    odd_numbers = 2 * np.arange(count - 1, -1, -1) + 1
+    places = np.round(np.cos(odd_numbers * (np.pi / (2 * count))) * 2.0**26) / 2.0**26
     values = chebyshev.chebvander(places, DEGREE)
     return _Samples(places, values, np.linalg.pinv(values).T)
 
@@ -190,10 +190,10 @@ def _rounding_far_down(rise: Function, extent: float) -> float:
     """
     samples = _samples(_OF_PIECE)
     heights = rise(extent * _FAR_DOWN * (3 + samples.places) / 4)
-    largest = float(np.max(np.abs(heights)))
-    if not (largest > 0 and np.all(np.isfinite(heights))):
+    largest_height = float(np.max(np.abs(heights)))
+    if not (largest_height > 0 and np.all(np.isfinite(heights))):
         return np.inf
-    return float(samples.series_and_rounding(heights)[1]) / largest
+    return float(samples.series_and_rounding(heights)[1]) / largest_height
 
 
 def _refined(rise: Function, edges: Array) -> tuple[Pieces, Rounding]:
@@ -205,22 +205,22 @@ def _refined(rise: Function, edges: Array) -> tuple[Pieces, Rounding]:
         rise(low[:, None] + half_length[:, None] * (1 + samples.places))
     )
     number = np.arange(DEGREE + 1)
-    significant = number <= samples.last_of(coefficients, rounding)[:, None]
-    pieces = Pieces(edges, np.where(significant, coefficients, 0.0).T.copy())
+    is_significant = number <= samples.last_of(coefficients, rounding)[:, None]
+    pieces = Pieces(edges, np.where(is_significant, coefficients, 0.0).T.copy())
 
     # P = E* sqrt(a/2) int h'(x)/sqrt(a - x) dx, nearly, and h' = T_k'/half: the piece that a is on
     # counts most.
     deviation = _STATED * samples.of_coefficient * rounding * np.sqrt(edges[1:] / (2 * half_length))
-    of_load = deviation * _OF_LOAD * np.sqrt(np.sum(significant * number**2.0, axis=1))
-    of_stiffness = deviation * _OF_STIFFNESS * np.sqrt(np.sum(significant * number**6.0, axis=1))
+    of_load = deviation * _OF_LOAD * np.sqrt(np.sum(is_significant * number**2.0, axis=1))
+    of_stiffness = deviation * _OF_STIFFNESS * np.sqrt(np.sum(is_significant * number**6.0, axis=1))
     places = low[:, None] + half_length[:, None] * np.linspace(0, 2, 9)
     steepest = np.maximum.accumulate(np.max(np.abs(pieces.derivative(places)), axis=1))
     rises = steepest > 0
     loads = _LEAST_LOAD * steepest[rises]
     load_errors = of_load[rises] / edges[1:][rises] / loads
-    rough = np.flatnonzero(load_errors > _ROUGHEST)
-    if len(rough):
-        piece = int(np.flatnonzero(rises)[rough[0]])
+    rough_pieces = np.flatnonzero(load_errors > _ROUGHEST)
+    if len(rough_pieces):
+        piece = int(np.flatnonzero(rises)[rough_pieces[0]])
         raise Unresolved(float(edges[piece]), float(edges[piece + 1]))
     stiffness_errors = of_stiffness[rises] / half_length[rises] / loads
     return pieces, Rounding(
@@ -280,9 +280,11 @@ def _core_up_to(rise: Function, end: float, count: int) -> _Core | None:
     rounding = float(of_heights)
     if float(tail(coefficients)) > _EXPLAINED * samples.of_coefficient * rounding:
         return None
-    last = int(samples.last_of(coefficients, of_heights))
+    last_power = int(samples.last_of(coefficients, of_heights))
     for power in _LOWEST:
-        core = _with_lowest_power(samples, heights, end, power, max(last - power, 0) + 1, rounding)
+        core = _with_lowest_power(
+            samples, heights, end, power, max(last_power - power, 0) + 1, rounding
+        )
         if core is not None:
             return core
     return None
@@ -296,19 +298,20 @@ def _with_lowest_power(
     """
     s = (1 + samples.places) / 2
     orthogonal, triangle = np.linalg.qr(s[:, None] ** power * samples.values[:, :count])
-    inverse = np.linalg.inv(triangle)
-    g = inverse @ (orthogonal.T @ heights)
-    g = g + inverse @ (orthogonal.T @ (heights - (orthogonal @ (triangle @ g))))
+    inverse_triangle = np.linalg.inv(triangle)
+    g = inverse_triangle @ (orthogonal.T @ heights)
+    g = g + inverse_triangle @ (orthogonal.T @ (heights - (orthogonal @ (triangle @ g))))
 
     # The bracket and its derivative by s at s = 0 and s = 1 are linear in g.
-    along = chebyshev.Chebyshev([0.5, 0.5], domain=[0.0, 1.0])
+    coordinate = chebyshev.Chebyshev([0.5, 0.5], domain=[0.0, 1.0])
     terms = [chebyshev.Chebyshev(row, domain=[0.0, 1.0]) for row in np.eye(count)]
-    brackets = [power * term + along * term.deriv() for term in terms]
+    brackets = [power * term + coordinate * term.deriv() for term in terms]
     ends = np.array([0.0, 1.0])
     values = np.stack([bracket(ends) for bracket in brackets], axis=1)
     rates = np.stack([bracket.deriv()(ends) for bracket in brackets], axis=1)
     value_errors, rate_errors = (
-        _STATED * rounding * np.linalg.norm(each @ inverse, axis=1) for each in (values, rates)
+        _STATED * rounding * np.linalg.norm(each @ inverse_triangle, axis=1)
+        for each in (values, rates)
     )
     size = np.abs(values @ g)
     if not np.all(value_errors < _ROUGHEST * size):

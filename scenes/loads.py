@@ -57,17 +57,17 @@ InitialLoading = Literal["straight"] | tuple[Point, ...]
 
 
 def straight_loading(
-    initial_loading: InitialLoading, first: LoadSegment, duration: float
+    initial_loading: InitialLoading, first_leg: LoadSegment, duration: float
 ) -> tuple[StraightSegment, ...]:
-    """From (0, 0) through the points of `initial_loading` to the start of the segment `first`,
+    """From (0, 0) through the points of `initial_loading` to the start of the segment `first_leg`,
     `duration` a line.
     """
     points = [
         (0.0, 0.0),
         *(() if initial_loading == "straight" else initial_loading),
-        tuple(float(load) for load in first.loads(first.start)),
+        tuple(float(load) for load in first_leg.loads(first_leg.start)),
     ]
-    start = first.start - (len(points) - 1) * duration
+    start = first_leg.start - (len(points) - 1) * duration
     return straight_segments([(start + k * duration, *point) for k, point in enumerate(points)])
 
 
@@ -283,9 +283,9 @@ class BulkAndTilt(Frozen, Generic[V]):
         if not self.has_bulk_or_tilt:
             return path
         legs: tuple[LoadSegment, ...] = (*path.initial_loading, *path.cycle)
-        further: dict[str, Sequence[LoadSegment]] = {}
+        further_segments: dict[str, Sequence[LoadSegment]] = {}
         if (line := self.line_of_action) is not None:
-            further["turning"] = [
+            further_segments["turning"] = [
                 leg.companion_of(Combination(line.x, line.height)) for leg in legs
             ]
         for name, (first_key, second_key) in _PAIRS.items():
@@ -293,22 +293,22 @@ class BulkAndTilt(Frozen, Generic[V]):
             if pair == (None, None):
                 continue
             curved = self.curved(path, pair)
-            straight = legs[: len(legs) - len(curved)]
+            straight_legs = legs[: len(legs) - len(curved)]
             ends: Pair = curved[0].loads(curved[0].start) if curved else (0.0, 0.0)
-            normal_loads = np.array([0.0, *(float(leg.loads(leg.end)[0]) for leg in straight)])
+            normal_loads = np.array([0.0, *(float(leg.loads(leg.end)[0]) for leg in straight_legs)])
             columns = [
                 self.at_corners(value, normal_loads, float(end)).tolist()
                 for value, end in zip(pair, ends, strict=True)
             ]
             corners = pairwise(zip(*columns, strict=True))
             lines = (
-                StraightSegment(leg.start, leg.end, first, last)
-                for leg, (first, last) in zip(straight, corners, strict=True)
+                StraightSegment(leg.start, leg.end, first_corner, last_corner)
+                for leg, (first_corner, last_corner) in zip(straight_legs, corners, strict=True)
             )
-            further[name] = [*lines, *curved]
+            further_segments[name] = [*lines, *curved]
         legs_with_companions = [
-            replace(leg, **dict(zip(further, parts, strict=True)))
-            for leg, *parts in zip(legs, *further.values(), strict=True)
+            replace(leg, **dict(zip(further_segments, parts, strict=True)))
+            for leg, *parts in zip(legs, *further_segments.values(), strict=True)
         ]
         count = len(path.initial_loading)
         return LoadPath(
@@ -332,9 +332,9 @@ class BulkAndTilt(Frozen, Generic[V]):
         return ()
 
     def at_corners(
-        self, value: Any, normal_loads: NDArray[np.float64], last: float
+        self, value: Any, normal_loads: NDArray[np.float64], last_load: float
     ) -> NDArray[np.float64]:
-        """Values of a key at the ends of the straight legs, from 0 to `last`, shape of
+        """Values of a key at the ends of the straight legs, from 0 to `last_load`, shape of
         `normal_loads`: in proportion to P, or as the key's own `initial_loading` states them.
 
         Raises
@@ -350,8 +350,8 @@ class BulkAndTilt(Frozen, Generic[V]):
                 f" for {count} points of the load"
             )
         if stated_values:
-            return np.array([0.0, *stated_values, last])
-        return np.asarray(last * normal_loads / (normal_loads[-1] or 1.0))
+            return np.array([0.0, *stated_values, last_load])
+        return np.asarray(last_load * normal_loads / (normal_loads[-1] or 1.0))
 
 
 W = TypeVar("W", bound=Wave | WaveSum)
@@ -410,8 +410,8 @@ class EllipseLoad(CyclicLoad[Wave]):
 
     @model_validator(mode="after")
     def _states_loads_or_displacement(self) -> Self:
-        stated = (self.mean_tangential_load, self.tangential_amplitude, self.phase_degrees)
-        if self.is_driven and stated != (0.0, 0.0, 90.0):
+        load_keys = (self.mean_tangential_load, self.tangential_amplitude, self.phase_degrees)
+        if self.is_driven and load_keys != (0.0, 0.0, 90.0):
             raise ValueError(
                 "tangential_displacement stands in the place of mean_tangential_load,"
                 " tangential_amplitude and phase_degrees: leave these out"
@@ -436,25 +436,26 @@ class EllipseLoad(CyclicLoad[Wave]):
         return self.phase_radians
 
     def path_of_loads(self) -> LoadPath:
-        tangential = (self.mean_tangential_load, self.tangential_amplitude)
+        tangential_load = (self.mean_tangential_load, self.tangential_amplitude)
         phase = self.phase_radians
         if (wave := self.tangential_displacement) is not None:
-            tangential = (wave.mean, wave.amplitude)
+            tangential_load = (wave.mean, wave.amplitude)
             phase = math.radians(wave.phase_degrees)
-        normal = (self.mean_normal_load, self.normal_amplitude)
+        normal_load = (self.mean_normal_load, self.normal_amplitude)
         if self.approach is not None:
-            normal = (self.approach.mean, self.approach.amplitude)
+            normal_load = (self.approach.mean, self.approach.amplitude)
         begin = phase + math.pi if phase >= 0 else phase + 2 * math.pi
         turn = ellipse_segment(
             begin,
             begin + 2 * math.pi,
-            (normal[0], tangential[0]),
-            (normal[1], tangential[1]),
+            (normal_load[0], tangential_load[0]),
+            (normal_load[1], tangential_load[1]),
             phase,
         )
-        first: Point = tuple(float(load) for load in turn.loads(begin))  # type: ignore[assignment]
+        first_load, first_force = turn.loads(begin)
+        first_loads = (float(first_load), float(first_force))
         if self.initial_loading == "parabola":
-            return LoadPath((parabola_segment(begin - math.pi, begin, first, 0.0),), (turn,))
+            return LoadPath((parabola_segment(begin - math.pi, begin, first_loads, 0.0),), (turn,))
         return LoadPath(straight_loading(self.initial_loading, turn, math.pi), (turn,))
 
 
@@ -480,15 +481,17 @@ class StraightLoad(BulkAndTilt[tuple[float, ...]]):
         self,
         value: Any,
         normal_loads: NDArray[np.float64],
-        last: float,  # noqa: ARG002 no time is needed
+        last_load: float,  # noqa: ARG002 no time is needed
     ) -> NDArray[np.float64]:
-        places, first = self.places(len(normal_loads))
+        places, first_place = self.places(len(normal_loads))
         if not isinstance(value, tuple):
-            growth = normal_loads / (normal_loads[first] or 1.0)
-            return (value or 0.0) * np.where(np.arange(len(normal_loads)) < first, growth, 1.0)
-        if len(value) != (needed := self.entries_needed(places)):
+            growth = normal_loads / (normal_loads[first_place] or 1.0)
+            return (value or 0.0) * np.where(
+                np.arange(len(normal_loads)) < first_place, growth, 1.0
+            )
+        if len(value) != (n_needed := self.entries_needed(places)):
             raise ValueError(
-                f"a bulk stress or tilt has {len(value)} values, and {needed} are needed,"
+                f"a bulk stress or tilt has {len(value)} values, and {n_needed} are needed,"
                 f" {self.entries}"
             )
         return np.array([value[k] if k >= 0 else 0.0 for k in places])
@@ -531,8 +534,8 @@ class PolygonLoad(StraightLoad):
     entries = "one for each point of initial_loading and cycle"
 
     def places(self, corners: int) -> tuple[Sequence[int], int]:
-        first = len(self.initial_loading)
-        return [*range(-1, first + len(self.cycle)), first - 1][:corners], first
+        first_place = len(self.initial_loading)
+        return [*range(-1, first_place + len(self.cycle)), first_place - 1][:corners], first_place
 
     @model_validator(mode="after")
     def _moves(self) -> Self:
@@ -544,7 +547,11 @@ class PolygonLoad(StraightLoad):
         for leg in (*path.initial_loading, *path.cycle):
             ends = np.array([leg.start, leg.end])
             parts = [part for part in (leg, leg.bulk, leg.turning) if part is not None]
-            if all(first == last for part in parts for first, last in part.loads(ends)):
+            if all(
+                load_at_begin == load_at_end
+                for part in parts
+                for load_at_begin, load_at_end in part.loads(ends)
+            ):
                 lists = any(isinstance(getattr(self, key), tuple) for key in KEYS)
                 remark = " with the same bulk stress and tilt" if lists else ""
                 point = [float(load) for load in leg.loads(leg.start)]
@@ -571,17 +578,19 @@ class PolygonLoad(StraightLoad):
                 f"times has {len(times)} entries, and {count} are needed: of (0, 0), of each point"
                 " of initial_loading and cycle, and of the return where there is a cycle"
             )
-        for before, after in pairwise(times):
-            if not before < after:
-                raise ValueError(f"times: {after:.12g} comes after {before:.12g}: they must ascend")
+        for time_before, time_after in pairwise(times):
+            if not time_before < time_after:
+                raise ValueError(
+                    f"times: {time_after:.12g} comes after {time_before:.12g}: they must ascend"
+                )
 
     def path_of_loads(self) -> LoadPath:
         corners = self._corners
         times = self.times or tuple(float(k) for k in range(len(corners)))
         rows = [(time, *point) for time, point in zip(times, corners, strict=True)]
         segments = straight_segments(rows)
-        first = len(self.initial_loading)
-        return LoadPath(segments[:first], segments[first:])
+        first_loads = len(self.initial_loading)
+        return LoadPath(segments[:first_loads], segments[first_loads:])
 
 
 def _require_one_normal_key(load: EllipseLoad | HarmonicLoad, varying: str) -> None:
@@ -667,21 +676,21 @@ class HarmonicLoad(CyclicLoad[WaveSum]):
 
     def path_of_loads(self) -> LoadPath:
         mean = self.mean_tangential_load
-        tangential = self.tangential_harmonics
-        if (driven := self.tangential_displacement) is not None:
-            mean = driven.mean
-            tangential = driven.harmonics
+        tangential_load = self.tangential_harmonics
+        if (displacement := self.tangential_displacement) is not None:
+            mean = displacement.mean
+            tangential_load = displacement.harmonics
         mean_normal = self.mean_normal_load
-        normal = self.normal_harmonics
+        normal_load = self.normal_harmonics
         if self.approach is not None:
             mean_normal = self.approach.mean
-            normal = self.approach.harmonics
+            normal_load = self.approach.harmonics
         turn = HarmonicSegment(
             0.0,
             2 * math.pi,
             (mean_normal, mean),
-            _in_radians(normal),
-            _in_radians(tangential),
+            _in_radians(normal_load),
+            _in_radians(tangential_load),
         )
         return LoadPath(straight_loading(self.initial_loading, turn, math.pi), (turn,))
 
@@ -880,39 +889,40 @@ class TimeSeriesLoad(StraightLoad, FromFile):
             raise RowError(0, f"three numbers (time, P, Q) are needed, not {rows.shape[1]}")
         if len(rows) < 2:
             raise RowError(0, "one row is no history: two at least are needed")
-        first, beyond = self.bounds()
-        if beyond - first < 2:
+        first_row, row_beyond = self.bounds()
+        if row_beyond - first_row < 2:
             raise RowError(
-                min(first, len(rows) - 1),
-                f"start and end leave {max(beyond - first, 0)} rows: two at least are needed",
+                min(first_row, len(rows) - 1),
+                f"start and end leave {max(row_beyond - first_row, 0)} rows: two at least are"
+                " needed",
             )
         time = rows[:, 0]
         words = ("stands there twice", "comes after a later one")
         RowError.refuse(
-            np.diff(time[first:beyond]) <= 0,
+            np.diff(time[first_row:row_beyond]) <= 0,
             lambda k: (
                 f"time = {time[k]:.12g} {words[int(time[k] < time[k - 1])]}: the times must ascend"
             ),
-            first + 1,
+            first_row + 1,
         )
         if self.least_normal_load is not None and not np.any(
-            rows[first:beyond, 1] >= self.least_normal_load
+            rows[first_row:row_beyond, 1] >= self.least_normal_load
         ):
-            highest = float(np.max(rows[first:beyond, 1]))
+            highest_load = float(np.max(rows[first_row:row_beyond, 1]))
             raise RowError(
-                first,
+                first_row,
                 f"no row reaches least_normal_load = {self.least_normal_load:.6g}: P is"
-                f" {highest:.6g} at most",
+                f" {highest_load:.6g} at most",
             )
-        if self.repeats and not np.any(rows[first, 1:]):
+        if self.repeats and not np.any(rows[first_row, 1:]):
             raise RowError(
-                first,
+                first_row,
                 "a cycle that repeats can't start unloaded: its first row is where the initial"
                 " loading ends",
             )
-        if self.repeats and np.any(rows[first, 1:] != rows[beyond - 1, 1:]):
+        if self.repeats and np.any(rows[first_row, 1:] != rows[row_beyond - 1, 1:]):
             raise RowError(
-                beyond - 1, "a cycle that repeats must end with the loads of its first row"
+                row_beyond - 1, "a cycle that repeats must end with the loads of its first row"
             )
 
     def bounds(self) -> tuple[int, int]:
@@ -920,17 +930,17 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         does.
         """
         time = self.rows.values[:, 0]
-        first = 0
-        beyond = len(self.rows)
+        first_row = 0
+        row_beyond = len(self.rows)
         if isinstance(self.start, RecordRow):
-            first = self.start.row - 1
+            first_row = self.start.row - 1
         elif self.start is not None:
-            first = int(np.argmax(np.append(time >= self.start, True)))
+            first_row = int(np.argmax(np.append(time >= self.start, True)))
         if isinstance(self.end, RecordRow):
-            beyond = min(self.end.row, beyond)
+            row_beyond = min(self.end.row, row_beyond)
         elif self.end is not None:
-            beyond = len(time) - int(np.argmax(np.append(time[::-1] <= self.end, True)))
-        return first, beyond
+            row_beyond = len(time) - int(np.argmax(np.append(time[::-1] <= self.end, True)))
+        return first_row, row_beyond
 
     def used_rows(self) -> Table:
         """The rows (n, 3) between `start` and `end`; those below `least_normal_load` without their
@@ -940,20 +950,20 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         >>> TimeSeriesLoad(rows=noisy, least_normal_load=5.0).used_rows().values.tolist()
         [[1.0, 5.0, 0.0], [2.0, 50.0, 1.0], [3.0, 100.0, 30.0], [4.0, 0.2, 0.0]]
         """
-        first, beyond = self.bounds()
+        first_row, row_beyond = self.bounds()
         if self.least_normal_load is None:
             return (
                 self.rows
-                if (first, beyond) == (0, len(self.rows))
-                else Table.of(self.rows.values[first:beyond])
+                if (first_row, row_beyond) == (0, len(self.rows))
+                else Table.of(self.rows.values[first_row:row_beyond])
             )
-        rows = self.rows.values[first:beyond].copy()
-        low = rows[:, 1] < self.least_normal_load
-        rows[low, 1] = np.maximum(rows[low, 1], 0.0)
-        rows[low, 2] = 0.0
-        loaded = int(np.argmin(low))  # the first that is not low
-        if loaded > 0:
-            rows = rows[loaded - 1 :]
+        rows = self.rows.values[first_row:row_beyond].copy()
+        is_below_least = rows[:, 1] < self.least_normal_load
+        rows[is_below_least, 1] = np.maximum(rows[is_below_least, 1], 0.0)
+        rows[is_below_least, 2] = 0.0
+        first_loaded = int(np.argmin(is_below_least))  # the first that is not low
+        if first_loaded > 0:
+            rows = rows[first_loaded - 1 :]
             rows[0, 1] = self.least_normal_load
         return Table.of(rows)
 
@@ -989,11 +999,11 @@ class TimeSeriesLoad(StraightLoad, FromFile):
     entries = "one for each row"
 
     def places(self, corners: int) -> tuple[Sequence[int], int]:
-        first, beyond = self.bounds()
+        first_place, row_beyond = self.bounds()
         lines_before = corners - (
-            beyond - first
+            row_beyond - first_place
         )  # 1 where a line from (0, 0) comes before the rows
-        return [*[-1] * lines_before, *range(first, beyond)], 1
+        return [*[-1] * lines_before, *range(first_place, row_beyond)], 1
 
     def entries_needed(self, places: Sequence[int]) -> int:  # noqa: ARG002
         return len(self.rows)
@@ -1004,8 +1014,8 @@ class TimeSeriesLoad(StraightLoad, FromFile):
 
     def in_words(self, unit: str) -> str:
         used_rows = self.used_rows().values
-        low = np.min(used_rows, axis=0)
-        high = np.max(used_rows, axis=0)
+        least_values = np.min(used_rows, axis=0)
+        largest_values = np.max(used_rows, axis=0)
         repetition = ", again and again" if self.repeats else ""
         rows = f"{len(self.rows)} rows of a record"
         if len(used_rows) != len(self.rows):
@@ -1019,7 +1029,8 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         elif self.reduce == "tolerance":
             rows += f", which pass the others within {size.P:.6g} in P and {size.Q:.6g} in Q"
         limits = (
-            f"P goes from {low[1]:.6g} to {high[1]:.6g} and Q from {low[2]:.6g} to {high[2]:.6g}"
+            f"P goes from {least_values[1]:.6g} to {largest_values[1]:.6g} and Q from"
+            f" {least_values[2]:.6g} to {largest_values[2]:.6g}"
             f" {unit}"
         )
         return f"the loads follow {rows}. {limits}{repetition}"
@@ -1065,9 +1076,9 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
             *segments[1:],
             *([segments[0].shifted(self.duration)] if self.repeats else []),
         ]
-        for segment, following in zip(segments, segments_after, strict=False):
+        for segment, next_segment in zip(segments, segments_after, strict=False):
             loads_before = segment.loads(segment.end)
-            loads_after = following.loads(following.start)
+            loads_after = next_segment.loads(next_segment.start)
             for name, value_before, value_after in zip(
                 ("normal_load", "tangential_load"), loads_before, loads_after, strict=True
             ):
@@ -1092,9 +1103,9 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
         edges = self.duration * np.array([0.0, 0.23, 0.47, 0.74, 1.0])
         times = np.linspace(0, self.duration, 65)
         for name, function in functions.items():
-            bad = ~np.isfinite(function(times))
-            if np.any(bad):
-                raise ValueError(f"{name} is not finite at time {times[bad][0]:.6g}")
+            is_not_finite = ~np.isfinite(function(times))
+            if np.any(is_not_finite):
+                raise ValueError(f"{name} is not finite at time {times[is_not_finite][0]:.6g}")
         scales = {
             name: float(np.max(np.abs(function(times)))) for name, function in functions.items()
         }
@@ -1103,23 +1114,26 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
             try:
                 edges = fit(function, edges, scales[name] or 1.0).edges
             except Unresolved as fault:
-                why = "not finite, or it jumps or swings too fast"
+                cause = "not finite, or it jumps or swings too fast"
                 raise ValueError(
-                    f"{name} is too rough between time {fault.low:.6g} and {fault.high:.6g}: {why}"
+                    f"{name} is too rough between time {fault.low:.6g} and {fault.high:.6g}:"
+                    f" {cause}"
                 ) from fault
         pair = [functions["normal_load"], functions["tangential_load"]]
-        return [_chebyshev_piece(low, high, pair, scale) for low, high in pairwise(edges.tolist())]
+        return [
+            _chebyshev_piece(begin, end, pair, scale) for begin, end in pairwise(edges.tolist())
+        ]
 
     def path_of_loads(self) -> LoadPath:
         segments = tuple(self._segments())
-        first = np.abs(segments[0].loads(0.0))
-        last = np.abs(segments[-1].loads(self.duration))
+        first_loads = np.abs(segments[0].loads(0.0))
+        last_loads = np.abs(segments[-1].loads(self.duration))
         initial_loading: tuple[LoadSegment, ...] = ()
         # Unless it is unloaded at first.
         if (
             self.repeats
             or self.initial_loading != "straight"
-            or np.max(first) > _ROUNDING * np.max(last)
+            or np.max(first_loads) > _ROUNDING * np.max(last_loads)
         ):
             initial_loading = straight_loading(self.initial_loading, segments[0], self.duration / 2)
         return (
@@ -1151,17 +1165,17 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
 
 
 def _chebyshev_piece(
-    low: float, high: float, functions: Sequence[Callable[[Any], Any]], scale: float = 0.0
+    begin: float, end: float, functions: Sequence[Callable[[Any], Any]], scale: float = 0.0
 ) -> ChebyshevSegment:
     """Two functions of time between two edges as series, without what is rounding at their ends."""
     coefficients = [
-        series(function(low + (high - low) * (1 + NODES) / 2)) for function in functions
+        series(function(begin + (end - begin) * (1 + NODES) / 2)) for function in functions
     ]
     degrees = [
         int(np.max(np.flatnonzero(np.abs(row) > 1e-16 * scale), initial=0)) for row in coefficients
     ]
     return ChebyshevSegment(
-        low,
-        high,
+        begin,
+        end,
         *(tuple(row[: n + 1].tolist()) for row, n in zip(coefficients, degrees, strict=True)),
     )

@@ -63,8 +63,8 @@ class Table:
         values.flags.writeable = False
         return cls(values)
 
-    def __eq__(self, second: object) -> bool:
-        return isinstance(second, Table) and np.array_equal(self.values, second.values)
+    def __eq__(self, table: object) -> bool:
+        return isinstance(table, Table) and np.array_equal(self.values, table.values)
 
     def __hash__(self) -> int:
         return hash((self.values.shape, self.values.tobytes()))
@@ -237,8 +237,8 @@ class FromFile(Frozen):
         if not isinstance(units, str):
             units = _UNITS
         columns = getattr(self, "columns", None)
-        named = self._named(columns)
-        kinds = self.column_kinds | {name: self.further[name] for name in named}
+        column_names = self._named(columns)
+        kinds = self.column_kinds | {name: self.further[name] for name in column_names}
         table = text_table(path, tuple(kinds), stated=_stated_columns(columns))
         read_as = layout_in_words(path, table)
         converted = False
@@ -252,7 +252,7 @@ class FromFile(Frozen):
             read_as.append((name, reading.words))
         if converted:
             read_as.append((SCENE_UNITS, units))
-        stated_twice = [name for name in named if getattr(self, name) is not None]
+        stated_twice = [name for name in column_names if getattr(self, name) is not None]
         if stated_twice:
             raise InputError(
                 f"{self.file}: {stated_twice[0]} is a column of the file and stated beside it:"
@@ -264,7 +264,7 @@ class FromFile(Frozen):
             self.table: Table.of(values[:, :count]),
             "read_as": tuple(read_as),
         }
-        for k, name in enumerate(named):
+        for k, name in enumerate(column_names):
             keys_read[name] = tuple(values[:, count + k].tolist())
         for name, value in keys_read.items():
             object.__setattr__(self, name, value)
@@ -395,7 +395,11 @@ _ROUNDING = 1e-12
 
 @lru_cache(maxsize=4)  # a record of two million rows takes seconds, and is asked for by each engine
 def reduced(
-    rows: Table, average: int, how: Reduction | None, normal: float, tangential: float
+    rows: Table,
+    average: int,
+    reduction: Reduction | None,
+    normal_threshold: float,
+    tangential_threshold: float,
 ) -> Array:
     """The rows (m, 3) of time, P and Q that stand for a record; of those that are kept the first
     and the last are two.
@@ -404,11 +408,12 @@ def reduced(
     ----------
     average
         how many neighbouring rows are replaced by their mean first; 1 for none
-    how
-        "turning_points": rows at which P or Q turns by more than the threshold, `normal` of P
-        and `tangential` of Q. "tolerance": straight lines, each as long as it can be, that pass
-        the other rows, in their order, at distances of at most `normal` in P and `tangential`
-        in Q. None: all
+    reduction
+        "turning_points": rows at which P or Q turns by more than its threshold. "tolerance":
+        straight lines, each as long as it can be, that pass the other rows, in their order, at
+        distances of at most the thresholds. None: all
+    normal_threshold, tangential_threshold
+        of P and of Q
 
     Examples
     --------
@@ -419,16 +424,17 @@ def reduced(
     [2.5, 6.45, -8.0]
     """
     values = means(rows.values, average)
-    if how is None:
+    if reduction is None:
         kept_values = values
-    elif how == "turning_points":
+    elif reduction == "turning_points":
         turns = (
             turning_points(values[:, column], size)
-            for column, size in ((1, normal), (2, tangential))
+            for column, size in ((1, normal_threshold), (2, tangential_threshold))
         )
         kept_values = values[np.unique(np.concatenate([[0, len(values) - 1], *turns]))]
     else:
-        kept_values = values[within(values[:, 1:], np.array([normal, tangential]))]
+        thresholds = np.array([normal_threshold, tangential_threshold])
+        kept_values = values[within(values[:, 1:], thresholds)]
     kept_values.flags.writeable = False
     return kept_values
 
@@ -453,23 +459,23 @@ def turning_points(values: Array, threshold: float) -> Rows:
     turning_rows = moving_rows[:-1][step[moving_rows[:-1]] * step[moving_rows[1:]] < 0] + 1
     turns: list[int] = []
     direction = 0  # of the swing that is followed
-    low = 0  # its extreme rows so far
-    high = 0
+    low_row = 0  # its extreme rows so far
+    high_row = 0
     for row, value in zip(
         (*turning_rows.tolist(), len(values) - 1),
         (*values[turning_rows].tolist(), float(values[-1])),
         strict=True,
     ):
-        high = row if value > values[high] else high
-        low = row if value < values[low] else low
-        if direction >= 0 and values[high] - value > threshold:
-            turns.append(high)
+        high_row = row if value > values[high_row] else high_row
+        low_row = row if value < values[low_row] else low_row
+        if direction >= 0 and values[high_row] - value > threshold:
+            turns.append(high_row)
             direction = -1
-            low = row
-        elif direction <= 0 and value - values[low] > threshold:
-            turns.append(low)
+            low_row = row
+        elif direction <= 0 and value - values[low_row] > threshold:
+            turns.append(low_row)
             direction = 1
-            high = row
+            high_row = row
     return np.array(turns, dtype=np.int64)
 
 
@@ -483,32 +489,40 @@ def within(path: Array, tolerance: Array) -> Rows:
     """
     slack = tolerance + _ROUNDING * np.max(np.abs(path), initial=0.0)
 
-    def fits(first: int, last: int) -> bool:
-        start = path[first]
-        change = path[last] - path[first]
-        points_between = path[first + 1 : last] - start
+    def fits(first_row: int, last_row: int) -> bool:
+        start = path[first_row]
+        change = path[last_row] - path[first_row]
+        points_between = path[first_row + 1 : last_row] - start
         with np.errstate(divide="ignore", invalid="ignore"):
             at_lower = (points_between - slack) / change
             at_upper = (points_between + slack) / change
         unmoving = change == 0
         if np.any(np.abs(points_between[:, unmoving]) > slack[unmoving]):
             return False
-        low = np.max(np.where(unmoving, 0.0, np.minimum(at_lower, at_upper)), axis=1, initial=0.0)
-        high = np.min(np.where(unmoving, 1.0, np.maximum(at_lower, at_upper)), axis=1, initial=1.0)
-        return bool(np.all(np.maximum.accumulate(low) <= high))
+        least_share = np.max(
+            np.where(unmoving, 0.0, np.minimum(at_lower, at_upper)), axis=1, initial=0.0
+        )
+        largest_share = np.min(
+            np.where(unmoving, 1.0, np.maximum(at_lower, at_upper)), axis=1, initial=1.0
+        )
+        return bool(np.all(np.maximum.accumulate(least_share) <= largest_share))
 
     row_numbers = [0]
-    last = len(path) - 1
-    while row_numbers[-1] < last:
-        first = row_numbers[-1]
+    last_number = len(path) - 1
+    while row_numbers[-1] < last_number:
+        first_number = row_numbers[-1]
         reach = 1
-        while first + 2 * reach <= last and fits(first, first + 2 * reach):
+        while first_number + 2 * reach <= last_number and fits(
+            first_number, first_number + 2 * reach
+        ):
             reach *= 2
-        reach_limit = min(2 * reach, last - first + 1)
+        reach_limit = min(2 * reach, last_number - first_number + 1)
         while reach_limit - reach > 1:  # `reach` fits, `far` does not or was not tried
             middle = (reach + reach_limit) // 2
             reach, reach_limit = (
-                (middle, reach_limit) if fits(first, first + middle) else (reach, middle)
+                (middle, reach_limit)
+                if fits(first_number, first_number + middle)
+                else (reach, middle)
             )
-        row_numbers.append(first + reach)
+        row_numbers.append(first_number + reach)
     return np.array(row_numbers, dtype=np.int64)

@@ -72,23 +72,23 @@ def netcdf_of(content: StoredArrays) -> memoryview:
 
     target = io.BytesIO()
     with h5netcdf.File(target, "w") as file:
-        for name, stored in content.arrays.items():
-            values = np.asarray(stored.values)
-            for dimension, size in zip(stored.dimensions, values.shape, strict=True):
+        for name, stored_array in content.arrays.items():
+            values = np.asarray(stored_array.values)
+            for dimension, size in zip(stored_array.dimensions, values.shape, strict=True):
                 if dimension not in file.dimensions:
                     file.dimensions[dimension] = size
             is_words = values.dtype.kind == "U"
             # Rows without a value are NaN, as xarray writes them; axes have none.
-            is_axis = stored.dimensions == (name,)
-            missing = np.nan if values.dtype.kind == "f" and not is_axis else None
+            is_axis = stored_array.dimensions == (name,)
+            fill_value = np.nan if values.dtype.kind == "f" and not is_axis else None
             variable = file.create_variable(
                 name,
-                stored.dimensions,
+                stored_array.dimensions,
                 h5py.string_dtype() if is_words else values.dtype,
                 data=values.astype(object) if is_words else values,
-                fillvalue=missing,
+                fillvalue=fill_value,
             )
-            for key, words in stored.attributes.items():
+            for key, words in stored_array.attributes.items():
                 variable.attrs[key] = words
         for key, value in content.attributes.items():
             file.attrs[key] = value
@@ -109,7 +109,7 @@ def read_netcdf(path: Path, form: Mapping[str, tuple[str, ...]], newest: str) ->
 
     # h5netcdf prints a traceback of its own when a file goes that it could not open; the refusal
     # says all there is to say.
-    before = sys.unraisablehook
+    hook_before = sys.unraisablehook
     sys.unraisablehook = lambda _fault: None
     try:
         check_size(path, _WHAT, LARGEST_SOLUTION)
@@ -131,7 +131,7 @@ def read_netcdf(path: Path, form: Mapping[str, tuple[str, ...]], newest: str) ->
         traceback.clear_frames(reason.__traceback__)
         raise InputError(f"{path}: {_WHAT} can't be read: {first_line(reason)}") from reason
     finally:
-        sys.unraisablehook = before
+        sys.unraisablehook = hook_before
 
 
 def _require_room(path: Path, file: Any) -> None:
@@ -153,7 +153,7 @@ def _require_format(path: Path, attributes: Mapping[str, Any], newest: str) -> N
 
     Asked before the arrays are looked for: those of another format may have other names.
     """
-    kind, _, known = newest.rpartition(" ")
+    kind, _, known_version = newest.rpartition(" ")
     if "format" not in attributes:
         if "engine" in attributes:
             raise InputError(
@@ -161,11 +161,12 @@ def _require_format(path: Path, attributes: Mapping[str, Any], newest: str) -> N
                 " save it with halfplane 0.3, or solve the scene again"
             )
         return
-    stated = str(attributes["format"])
-    stated_kind, _, number = stated.rpartition(" ")
-    if stated_kind == kind and number.isdecimal() and int(number) > int(known):
+    stated_format = str(attributes["format"])
+    stated_kind, _, number = stated_format.rpartition(" ")
+    if stated_kind == kind and number.isdecimal() and int(number) > int(known_version):
         raise InputError(
-            f"{path}: format is '{stated}', of a later version, and this one reads '{newest}';"
+            f"{path}: format is '{stated_format}', of a later version, and this one reads"
+            f" '{newest}';"
             " update halfplane, or solve the scene again"
         )
 
@@ -196,8 +197,8 @@ def _require_lengths(path: Path, arrays: Mapping[str, StoredArray]) -> None:
     Asked of the unpacked values: h5netcdf states the length of the dimension for every array.
     """
     lengths: dict[str, int] = {}
-    for name, stored in arrays.items():
-        for dimension, length in zip(stored.dimensions, stored.values.shape, strict=True):
+    for name, variable in arrays.items():
+        for dimension, length in zip(variable.dimensions, variable.values.shape, strict=True):
             expected_length = lengths.setdefault(dimension, length)
             if length != expected_length:
                 raise InputError(

@@ -110,11 +110,14 @@ class TwoCurvatures(Gap):
         return (self.curvatures[1],)
 
     def height(self, x: ArrayLike) -> Array:
-        inner, middle, outer = self.curvatures
+        inner_curvature, middle, outer_curvature = self.curvatures
         distance = np.abs(np.asarray(x, dtype=float))
-        inside = np.minimum(distance, middle)
-        beyond = distance - inside
-        return np.asarray(inside * (inside / 2 + beyond) * inner + np.square(beyond) / 2 * outer)
+        inner_distance = np.minimum(distance, middle)
+        outer_distance = distance - inner_distance
+        return np.asarray(
+            inner_distance * (inner_distance / 2 + outer_distance) * inner_curvature
+            + np.square(outer_distance) / 2 * outer_curvature
+        )
 
 
 T = TypeVar("T")
@@ -486,14 +489,14 @@ class CallableProfile(Gap):
                 f"the function is too rough between x = {fault.low:.6g} and {fault.high:.6g}: no"
                 " derivative can be had there"
             ) from fault
-        inside = self._slope.edges[:-1, None] + np.diff(self._slope.edges)[:, None] * np.linspace(
+        places = self._slope.edges[:-1, None] + np.diff(self._slope.edges)[:, None] * np.linspace(
             0.02, 0.98, 25
         )
-        slope = self._slope(inside)
+        slope = self._slope(places)
         falls = slope < -1e-11 * np.max(np.abs(slope))
         if np.any(falls):
             raise ValueError(
-                f"the profile falls at x = {inside[falls][0]:.6g}: it must rise for all x > 0"
+                f"the profile falls at x = {places[falls][0]:.6g}: it must rise for all x > 0"
             )
         if not np.any(slope > 0):
             raise ValueError("the profile is flat from end to end: it must rise somewhere")
@@ -503,9 +506,9 @@ class CallableProfile(Gap):
             np.abs(ends[0, 1:]) + np.abs(ends[1, :-1])
         ) + 1e-14 * np.max(slope)
         if np.any(jump):
-            where = self._slope.edges[1:-1][jump][0]
+            corner = self._slope.edges[1:-1][jump][0]
             raise ValueError(
-                f"the profile has no derivative at x = {where:.6g}: its slope jumps there"
+                f"the profile has no derivative at x = {corner:.6g}: its slope jumps there"
             )
         # The term of highest degree, which is rounding, is dropped.
         primitive = (
@@ -517,9 +520,9 @@ class CallableProfile(Gap):
         self._height = Pieces(self._slope.edges, primitive)
         return self
 
-    def __eq__(self, second: object) -> bool:
+    def __eq__(self, profile: object) -> bool:
         """Whether the keys are the same: the series follow from them."""
-        return isinstance(second, CallableProfile) and dict(self) == dict(second)
+        return isinstance(profile, CallableProfile) and dict(self) == dict(profile)
 
     def __hash__(self) -> int:
         return hash(tuple(dict(self).values()))
@@ -539,19 +542,21 @@ class CallableProfile(Gap):
     def slope(self, x: ArrayLike) -> Array:
         """h'(x) for x >= 0, any shape."""
         at = np.asarray(x, dtype=float)
-        first = float(self._slope.edges[0])
+        first_edge = float(self._slope.edges[0])
         return (
-            self._slope(np.clip(at, first, self.extent))
-            * np.minimum(at / first, 1.0) ** self.exponent
+            self._slope(np.clip(at, first_edge, self.extent))
+            * np.minimum(at / first_edge, 1.0) ** self.exponent
         )
 
     def bend(self, x: ArrayLike) -> Array:
         """x h''(x) for x >= 0, any shape; 0 beyond the extent."""
         at = np.asarray(x, dtype=float)
-        first = float(self._slope.edges[0])
-        bend_inside = self._slope.derivative(np.clip(at, first, self.extent)) * at
+        first_edge = float(self._slope.edges[0])
+        bend_inside = self._slope.derivative(np.clip(at, first_edge, self.extent)) * at
         return np.where(
-            at < first, self.exponent * self.slope(at), np.where(at > self.extent, 0.0, bend_inside)
+            at < first_edge,
+            self.exponent * self.slope(at),
+            np.where(at > self.extent, 0.0, bend_inside),
         )
 
     @property
@@ -564,18 +569,22 @@ class CallableProfile(Gap):
     @property
     def exponent(self) -> float:
         """Power of x that the slope follows below the least x that is resolved."""
-        first = self._slope.edges[0]
-        second = self._slope.edges[0] * 2
-        slope_at_first, slope_at_second = self._slope(np.array([first, second]))
+        first_edge = self._slope.edges[0]
+        second_edge = self._slope.edges[0] * 2
+        slope_at_first, slope_at_second = self._slope(np.array([first_edge, second_edge]))
         return float(np.log2(slope_at_second / slope_at_first)) if slope_at_first > 0 else 1.0
 
     def height(self, x: ArrayLike) -> Array:
         distance = np.abs(np.asarray(x, dtype=float))
-        inside = np.minimum(distance, self.extent)
-        beyond = (distance - inside) * float(self.slope(self.extent))
-        low = np.minimum(inside, self._slope.edges[0])
-        below = low * self.slope(low) / (self.exponent + 1)
-        return below + np.where(inside > low, self._height(inside), 0.0) + beyond
+        inner_distance = np.minimum(distance, self.extent)
+        outer_distance = (distance - inner_distance) * float(self.slope(self.extent))
+        tip_distance = np.minimum(inner_distance, self._slope.edges[0])
+        tip_height = tip_distance * self.slope(tip_distance) / (self.exponent + 1)
+        return (
+            tip_height
+            + np.where(inner_distance > tip_distance, self._height(inner_distance), 0.0)
+            + outer_distance
+        )
 
 
 class Tabulated(FromFile):
@@ -646,12 +655,12 @@ class Tabulated(FromFile):
         rows = self.points.values
         if self.symmetric:
             return (one_sided(rows, self.asymmetry),)
-        turned = rows[rows[:, 0] <= 0][::-1] * [-1.0, 1.0] if rows.shape[1] == 2 else rows
+        rows_of_left = rows[rows[:, 0] <= 0][::-1] * [-1.0, 1.0] if rows.shape[1] == 2 else rows
         try:
-            left = one_sided(turned, self.asymmetry)
+            left = one_sided(rows_of_left, self.asymmetry)
         except RowError as fault:
             raise RowError(
-                max(len(turned) - 1 - fault.row, 0),
+                max(len(rows_of_left) - 1 - fault.row, 0),
                 f"left side, x counted to the left: {fault.rule}",
             ) from fault
         try:

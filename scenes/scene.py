@@ -186,8 +186,8 @@ class Tolerances(Frozen):
         """What is stated for a metric, else `OWN_TOLERANCES`, whatever the bodies; None where
         neither has it.
         """
-        stated = getattr(self, key, None)
-        return OWN_TOLERANCES.get(key) if stated is None else float(stated)
+        stated_limit = getattr(self, key, None)
+        return OWN_TOLERANCES.get(key) if stated_limit is None else float(stated_limit)
 
 
 class Scene(Frozen):
@@ -245,16 +245,16 @@ class Scene(Frozen):
         if changes.get("tolerances") == {}:
             changes["tolerances"] = Tolerances()
         if self.uncertainty is not None and "uncertainty" not in changes:
-            changed = self.vary(**changes, uncertainty=None)
+            changed_scene = self.vary(**changes, uncertainty=None)
             try:
-                return changed.vary(uncertainty=self.uncertainty)
+                return changed_scene.vary(uncertainty=self.uncertainty)
             except InputError:  # of an input that the changed scene does not have
-                return changed
-        changed = super().vary(**changes)
-        gains_a_body = self.bodies.half_planes and not changed.bodies.half_planes
+                return changed_scene
+        changed_scene = super().vary(**changes)
+        gains_a_body = self.bodies.half_planes and not changed_scene.bodies.half_planes
         if gains_a_body and "tolerances" not in changes:
-            return super(Scene, changed).vary(tolerances=Tolerances())
-        return changed
+            return super(Scene, changed_scene).vary(tolerances=Tolerances())
+        return changed_scene
 
     @field_validator("units")
     @classmethod
@@ -398,13 +398,13 @@ class Scene(Frozen):
           units: N, mm, MPa
         """
         upper, lower = self.material.upper, self.material.lower
-        (least, largest), (back, forward) = self.ranges_of_load()
-        first = "approach" if self.load.states_approach else "P"
-        last = f"Q from {back:.6g} to {forward:.6g}"
+        (least_load, largest_load), (back, forward) = self.ranges_of_load()
+        normal_words = "approach" if self.load.states_approach else "P"
+        tangential_words = f"Q from {back:.6g} to {forward:.6g}"
         if self.load.is_driven:
-            last = f"U of the actuator from {back:.6g} to {forward:.6g}"
+            tangential_words = f"U of the actuator from {back:.6g} to {forward:.6g}"
         else:
-            last += f", |Q|/P up to {self.smallest_friction:.6g}"
+            tangential_words += f", |Q|/P up to {self.smallest_friction:.6g}"
         bodies = f"{self.bodies.upper.kind} on {self.bodies.lower.kind}"
         lines = (
             f"Scene {self.name!r}" + (f": {self.title}" if self.title else ""),
@@ -413,8 +413,8 @@ class Scene(Frozen):
             f" {lower.poisson_ratio:.4g} (upper, lower)",
             f"  profile: {self.profile.kind.replace('_', ' ')}; coefficient of friction"
             f" {self.friction.coefficient:.6g}",
-            f"  load: {self.load.kind.replace('_', ' ')}, {first} from {least:.6g} to"
-            f" {largest:.6g}, {last}",
+            f"  load: {self.load.kind.replace('_', ' ')}, {normal_words} from {least_load:.6g} to"
+            f" {largest_load:.6g}, {tangential_words}",
             f"  units: {self.units}",
         )
         return "\n".join(lines)
@@ -425,8 +425,11 @@ class Scene(Frozen):
         """Least and largest P and Q of the path, or approach and U of the actuators where these are
         prescribed.
         """
-        normal, tangential = self._loads_at_turns()
-        return (min(normal), max(normal)), (min(tangential), max(tangential))
+        normal_loads, tangential_loads = self._loads_at_turns()
+        return (min(normal_loads), max(normal_loads)), (
+            min(tangential_loads),
+            max(tangential_loads),
+        )
 
     def _loads_at_turns(self) -> tuple[list[float], list[float]]:
         """P and Q at the ends and turning points of all load segments, or what actuators
@@ -436,14 +439,14 @@ class Scene(Frozen):
             rows = self.load.series()
             return rows[:, 1].tolist(), rows[:, 2].tolist()
         path = self.load.path_of_actuators() if self.load.is_driven else self.load.path()
-        normal: list[float] = []
-        tangential: list[float] = []
+        normal_loads: list[float] = []
+        tangential_loads: list[float] = []
         for leg in (*path.initial_loading, *path.cycle):
             turns = [*leg.turning_points(NORMAL_LOAD), *leg.turning_points(TANGENTIAL_LOAD)]
             loads = leg.loads(np.array([leg.start, leg.end, *turns]))
-            normal += loads[0].tolist()
-            tangential += loads[1].tolist()
-        return normal, tangential
+            normal_loads += loads[0].tolist()
+            tangential_loads += loads[1].tolist()
+        return normal_loads, tangential_loads
 
     def _repr_html_(self) -> str | None:
         """For a notebook; None, and so the text, where no HTML is registered."""

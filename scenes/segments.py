@@ -146,7 +146,7 @@ class LoadSegment(abc.ABC):
         """Time derivative of a combination."""
 
     @abc.abstractmethod
-    def change_of(self, combination: Combination, time: ArrayLike, since: ArrayLike) -> Array:
+    def change_of(self, combination: Combination, time: ArrayLike, time_before: ArrayLike) -> Array:
         """Change of a combination between two times, free of cancellation; that of one wave near
         its extrema too.
 
@@ -199,39 +199,41 @@ class LoadSegment(abc.ABC):
         rounding stops them from gaining.
         """
         change = np.clip(change / total, 0, 1) * total
-        rising = math.copysign(1.0, total) * math.copysign(1.0, end - begin)
-        low = np.full(change.shape, min(begin, end))
-        high = np.full(change.shape, max(begin, end))
+        direction = math.copysign(1.0, total) * math.copysign(1.0, end - begin)
+        earliest_time = np.full(change.shape, min(begin, end))
+        latest_time = np.full(change.shape, max(begin, end))
         # exact for a cosine that turns at both ends
         time = begin + (end - begin) / math.pi * np.arccos(1 - 2 * change / total)
-        best = time
+        best_time = time
         least_fault = np.full(change.shape, math.inf)
         idle = np.zeros(change.shape, int)
-        last_step = high - low
+        last_step = latest_time - earliest_time
         for _ in range(_MOST_STEPS):
-            fault = rising * (self.change_of(combination, time, begin) - change)
-            slope = rising * self.rate_of(combination, time)
+            fault = direction * (self.change_of(combination, time, begin) - change)
+            slope = direction * self.rate_of(combination, time)
             better = np.abs(fault) < least_fault
-            best = np.where(better, time, best)
+            best_time = np.where(better, time, best_time)
             least_fault = np.where(better, np.abs(fault), least_fault)
             idle = np.where(better, 0, idle + 1)
             # Steps that gain no more are round-off where they are short: a long one is half a
             # bracket, and others follow.
-            no_gain = (idle >= _IDLE) & (last_step <= _SHORT * np.abs(best - begin))
+            no_gain = (idle >= _IDLE) & (last_step <= _SHORT * np.abs(best_time - begin))
             if np.all(
-                (least_fault == 0) | no_gain | (last_step <= _ROUNDING_OF_TIME * np.abs(best))
+                (least_fault == 0) | no_gain | (last_step <= _ROUNDING_OF_TIME * np.abs(best_time))
             ):
-                return best
-            low = np.where(fault < 0, time, low)
-            high = np.where(fault > 0, time, high)
+                return best_time
+            earliest_time = np.where(fault < 0, time, earliest_time)
+            latest_time = np.where(fault > 0, time, latest_time)
             steep = slope > 0
             newton = time - np.where(steep, fault / np.where(steep, slope, 1.0), math.inf)
             newton_is_good = (
-                (low <= newton) & (newton <= high) & (2 * np.abs(newton - time) <= last_step)
+                (earliest_time <= newton)
+                & (newton <= latest_time)
+                & (2 * np.abs(newton - time) <= last_step)
             )
-            following = np.where(newton_is_good, newton, (low + high) / 2)
-            last_step = np.abs(following - time)
-            time = following
+            next_time = np.where(newton_is_good, newton, (earliest_time + latest_time) / 2)
+            last_step = np.abs(next_time - time)
+            time = next_time
         raise NotFoundError(
             f"no time was found at which the loads have changed as wanted, between {begin:.17g} and"
             f" {end:.17g}"
@@ -265,9 +267,9 @@ class LoadSegment(abc.ABC):
         )
 
 
-def _chosen(condition: Any, first: float, second: float) -> float:
+def _chosen(condition: Any, value_if_true: float, value_if_false: float) -> float:
     """`numpy.where` of one number, five times as fast."""
-    return first if condition else second
+    return value_if_true if condition else value_if_false
 
 
 @dataclass(frozen=True)
@@ -296,8 +298,8 @@ class StraightSegment(LoadSegment):
     def rate_of(self, combination: Combination, time: ArrayLike) -> Array:
         return self.change_of(combination, np.ones(np.shape(time)), 0.0)
 
-    def change_of(self, combination: Combination, time: ArrayLike, since: ArrayLike) -> Array:
-        part = (np.asarray(time, dtype=float) - np.asarray(since, dtype=float)) / (
+    def change_of(self, combination: Combination, time: ArrayLike, time_before: ArrayLike) -> Array:
+        part = (np.asarray(time, dtype=float) - np.asarray(time_before, dtype=float)) / (
             self.end - self.start
         )
         return combination[0] * ((self.last[0] - self.first[0]) * part) + combination[1] * (
@@ -305,10 +307,10 @@ class StraightSegment(LoadSegment):
         )
 
     def companion_of(self, combination: Combination) -> StraightSegment:
-        first, last = (
+        first_point, last_point = (
             (0.0, combination[0] * p + combination[1] * q) for p, q in (self.first, self.last)
         )
-        return StraightSegment(self.start, self.end, first, last)
+        return StraightSegment(self.start, self.end, first_point, last_point)
 
     def turning_points(
         self,
@@ -429,9 +431,9 @@ class HarmonicSegment(LoadSegment):
             * (np.array(combination) @ self._coefficients)
         )
 
-    def change_of(self, combination: Combination, time: ArrayLike, since: ArrayLike) -> Array:
+    def change_of(self, combination: Combination, time: ArrayLike, time_before: ArrayLike) -> Array:
         t = np.asarray(time, dtype=float)
-        t0 = np.asarray(since, dtype=float)
+        t0 = np.asarray(time_before, dtype=float)
         middle = (t + t0) / 2
         half_step = (t - t0) / 2
         if self.ellipse:
@@ -479,9 +481,9 @@ class HarmonicSegment(LoadSegment):
         size = np.abs(combination) @ np.abs(self._coefficients)
         if self.ellipse:
             height, lead = self.wave(combination)
-            first, last = ((time + lead) / math.pi for time in (self.start, self.end))
+            first_turn, last_turn = ((time + lead) / math.pi for time in (self.start, self.end))
             number = (
-                range(math.ceil(first), math.floor(last) + 1)
+                range(math.ceil(first_turn), math.floor(last_turn) + 1)
                 if abs(height) > _ROUNDING * size[1]
                 else ()
             )
@@ -497,10 +499,10 @@ class HarmonicSegment(LoadSegment):
             np.concatenate([np.conj(rates[order:0:-1]), rates[: order + 1]])
         )
         angles = np.angle(roots[np.abs(np.abs(roots) - 1) < _DOUBLE])
-        first = 2 * math.pi * np.floor((self.start - angles) / (2 * math.pi))
+        first_turn = 2 * math.pi * np.floor((self.start - angles) / (2 * math.pi))
         turns = np.arange(math.ceil((self.end - self.start) / (2 * math.pi)) + 2)
         return _sharpened(
-            self, combination, ((angles + first)[:, None] + 2 * math.pi * turns).ravel()
+            self, combination, ((angles + first_turn)[:, None] + 2 * math.pi * turns).ravel()
         )
 
     def _time_inside(
@@ -534,15 +536,17 @@ class HarmonicSegment(LoadSegment):
         return twin + 2 * math.pi * np.round((near - twin) / (2 * math.pi))
 
     def shifted(self, delay: float) -> Self:
-        late = math.remainder(delay, 2 * math.pi)
-        if abs(late) <= 1e-15 * abs(delay):  # whole turns, to their rounding: the waves stay
+        delay_angle = math.remainder(delay, 2 * math.pi)
+        if abs(delay_angle) <= 1e-15 * abs(delay):  # whole turns, to their rounding: the waves stay
             return super().shifted(delay)
 
         def later(waves: Waves) -> Waves:
             """Harmonics whose phases grow by k times the delay."""
-            turned = [math.remainder(k * late, 2 * math.pi) for k in range(1, len(waves) + 1)]
+            angles = [
+                math.remainder(k * delay_angle, 2 * math.pi) for k in range(1, len(waves) + 1)
+            ]
             return tuple(
-                (size, phase + turn) for (size, phase), turn in zip(waves, turned, strict=True)
+                (size, phase + turn) for (size, phase), turn in zip(waves, angles, strict=True)
             )
 
         return replace(
@@ -605,9 +609,9 @@ class ChebyshevSegment(LoadSegment):
         """Series of the derivative by u."""
         return np.asarray(chebyshev.chebder(np.array(combination) @ self._series))
 
-    def change_of(self, combination: Combination, time: ArrayLike, since: ArrayLike) -> Array:
+    def change_of(self, combination: Combination, time: ArrayLike, time_before: ArrayLike) -> Array:
         t = np.asarray(time, dtype=float)
-        t0 = np.asarray(since, dtype=float)
+        t0 = np.asarray(time_before, dtype=float)
         step = 2 * (t - t0) / (self.end - self.start)
         return (
             difference(np.array(combination) @ self._series, self._unit(t), self._unit(t0)) * step
@@ -630,10 +634,10 @@ class ChebyshevSegment(LoadSegment):
         """
         slope = self._slope(combination)
         size = float(np.abs(combination) @ np.max(np.abs(self._series), axis=1))
-        significant = np.flatnonzero(np.abs(slope) > _ROUNDING * size)
-        if not len(significant) or significant[-1] == 0:
+        significant_orders = np.flatnonzero(np.abs(slope) > _ROUNDING * size)
+        if not len(significant_orders) or significant_orders[-1] == 0:
             return []
-        slope = slope[: significant[-1] + 1]
+        slope = slope[: significant_orders[-1] + 1]
         roots = chebyshev.chebroots(slope)
         unit = np.clip(
             roots.real[(np.abs(roots.imag) < _DOUBLE) & (np.abs(roots.real) < 1 + _DOUBLE)], -1, 1
@@ -650,8 +654,10 @@ class ChebyshevSegment(LoadSegment):
         (_, rise, *curving), (_, first, *higher) = self._series.tolist()
         if not rise or any(curving) or any(higher[1:]):
             return None
-        second = higher[0] if higher else 0.0
-        return (first + 4 * second * float(self._unit(time))) / rise, 2 * second / rise**2
+        second_coefficient = higher[0] if higher else 0.0
+        return (
+            first + 4 * second_coefficient * float(self._unit(time))
+        ) / rise, 2 * second_coefficient / rise**2
 
 
 @dataclass(frozen=True)
@@ -712,9 +718,9 @@ class LoadPath:
         """(P, Q) at `time`, shape of `time`; ValueError outside the path."""
         path_time = np.atleast_1d(np.asarray(time, dtype=float))
         if self.period is not None:
-            late = path_time > self.cycle_start + self.period
+            is_after_cycle = path_time > self.cycle_start + self.period
             path_time = np.where(
-                late,
+                is_after_cycle,
                 self.cycle_start + np.mod(path_time - self.cycle_start, self.period),
                 path_time,
             )
@@ -782,20 +788,22 @@ def ellipse_segment(
     start: float, end: float, mean: Point, amplitude: Point, phase_radians: float
 ) -> HarmonicSegment:
     """P = P0 + P1 cos t, Q = Q0 + Q1 cos(t - phase_radians)."""
-    normal = ((amplitude[0], 0.0),)
-    tangential = ((amplitude[1], phase_radians),)
-    return HarmonicSegment(start, end, mean, normal, tangential)
+    normal_waves = ((amplitude[0], 0.0),)
+    tangential_waves = ((amplitude[1], phase_radians),)
+    return HarmonicSegment(start, end, mean, normal_waves, tangential_waves)
 
 
-def parabola_segment(start: float, end: float, last: Point, end_slope: float) -> ChebyshevSegment:
-    """P linear in time from 0 to `last`, Q = alpha P + beta P^2, with slope dQ/dP = `end_slope` at
-    the end.
+def parabola_segment(
+    start: float, end: float, last_point: Point, end_slope: float
+) -> ChebyshevSegment:
+    """P linear in time from 0 to `last_point`, Q = alpha P + beta P^2, with slope dQ/dP =
+    `end_slope` at the end.
 
     >>> segment = parabola_segment(0.0, 2.0, (1.0, 0.5), 0.0)
     >>> [float(load) for load in segment.loads(1.0)], segment.slope_and_bend(2.0)
     ([0.5, 0.375], (0.0, -0.5))
     """
-    p, q = last
+    p, q = last_point
     # Q = line w + square w^2, w = (1 + u)/2
     line = 2 * q - end_slope * p
     square = end_slope * p - q
@@ -804,9 +812,9 @@ def parabola_segment(start: float, end: float, last: Point, end_slope: float) ->
     )
 
 
-def sampled(segment: LoadSegment, least: int) -> Array:
-    """Times along a segment, ascending: the two ends of a straight one, else `least` or eight from
-    turn to turn if that is more.
+def sampled(segment: LoadSegment, least_count: int) -> Array:
+    """Times along a segment, ascending: the two ends of a straight one, else `least_count` or
+    eight from turn to turn if that is more.
 
     >>> (
     ...     len(sampled(StraightSegment(0.0, 1.0, (0.0, 0.0), (3.0, 1.0)), 25)),
@@ -814,7 +822,7 @@ def sampled(segment: LoadSegment, least: int) -> Array:
     ... )
     (2, 25)
     """
-    count = max(least, 8 * segment.most_turns + 1) if segment.most_turns else 2
+    count = max(least_count, 8 * segment.most_turns + 1) if segment.most_turns else 2
     return np.linspace(segment.start, segment.end, count)
 
 
@@ -833,26 +841,28 @@ def largest_ratio(legs: Iterable[LoadSegment]) -> float:
     """
     ratio = 0.0
     for leg in legs:
-        fixed = [leg.start, leg.end, *leg.turning_points(NORMAL_LOAD)]
+        fixed_times = [leg.start, leg.end, *leg.turning_points(NORMAL_LOAD)]
         while True:
             forward = leg.turning_points(Combination(-ratio, 1.0))
             reverse = leg.turning_points(Combination(ratio, 1.0))
-            larger = largest_ratio_of(*leg.loads(np.array([*fixed, *forward, *reverse])))
-            if not larger > ratio * (1 + 1e-15):
+            ratio_at_times = largest_ratio_of(
+                *leg.loads(np.array([*fixed_times, *forward, *reverse]))
+            )
+            if not ratio_at_times > ratio * (1 + 1e-15):
                 break
-            ratio = larger
+            ratio = ratio_at_times
             if math.isinf(ratio):
                 return ratio
     return ratio
 
 
-def largest_ratio_of(normal: Array, tangential: Array) -> float:
+def largest_ratio_of(normal_load: Array, tangential_load: Array) -> float:
     """Largest |Q|/P of instants (n,); 0 where both are zero, infinite as of `largest_ratio`."""
-    zero = _ZERO_LOAD * np.max(np.abs(normal))
-    size = np.where(np.abs(tangential) <= zero, 0.0, np.abs(tangential))
-    if np.any(normal < -zero):
+    zero = _ZERO_LOAD * np.max(np.abs(normal_load))
+    size = np.where(np.abs(tangential_load) <= zero, 0.0, np.abs(tangential_load))
+    if np.any(normal_load < -zero):
         return math.inf
-    pressed = normal > zero
-    if np.any(size[~pressed] > 0):
+    is_pressed = normal_load > zero
+    if np.any(size[~is_pressed] > 0):
         return math.inf
-    return float(np.max(size[pressed] / normal[pressed], initial=0.0))
+    return float(np.max(size[is_pressed] / normal_load[is_pressed], initial=0.0))

@@ -47,9 +47,9 @@ def freeze(values: ArrayLike, dtype: Any = float) -> NDArray[Any]:
     return array
 
 
-def _stored(words: str, over: str, unit: str = "") -> dict[str, Any]:
+def _stored(words: str, dimension: str, unit: str = "") -> dict[str, Any]:
     """Metadata of an array of an answer: its name in words, its dimensions, of which unit it is."""
-    return {"words": words, "over": tuple(over.split()), "unit": unit}
+    return {"words": words, "over": tuple(dimension.split()), "unit": unit}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -394,9 +394,9 @@ class ContactSolution:
     @classmethod
     def _from_stored(cls, content: StoredArrays) -> ContactSolution:
         """The solution that `_stored` gave."""
-        stored = content.attributes
-        work = json.loads(stored["work"])
-        record = json.loads(stored["record"])
+        attributes = content.attributes
+        work = json.loads(attributes["work"])
+        record = json.loads(attributes["record"])
         arrays = {name: array.values for name, array in content.arrays.items()}
 
         def starting_with(prefix: str) -> dict[str, Array]:
@@ -413,15 +413,17 @@ class ContactSolution:
             name: freeze(arrays[name], arrays[name].dtype) for name in present
         }
         # Uncertainties are not in files of earlier versions.
-        uncertainties = json.loads(stored.get("uncertainties", "{}"))
+        uncertainties = json.loads(attributes.get("uncertainties", "{}"))
         for name in _NUMBERS:
             values[name] = float(
-                stored.get(name, "nan") if name == "dissipation_uncertainty" else stored[name]
+                attributes.get(name, "nan")
+                if name == "dissipation_uncertainty"
+                else attributes[name]
             )
         return cls(
-            engine=stored["engine"],
-            scene=Scene.model_validate_json(stored["scene"]),
-            steady_from=None if stored["steady_from"] < 0 else int(stored["steady_from"]),
+            engine=attributes["engine"],
+            scene=Scene.model_validate_json(attributes["scene"]),
+            steady_from=None if attributes["steady_from"] < 0 else int(attributes["steady_from"]),
             record=Record(
                 iterations=freeze(arrays["iterations"], np.int64),
                 certificates=starting_with(_CERTIFICATE),
@@ -430,15 +432,15 @@ class ContactSolution:
             ),
             work=Work(
                 work["counts"],
-                {k: (int(n), str(why)) for k, (n, why) in work["skipped"].items()},
+                {k: (int(n), str(reason)) for k, (n, reason) in work["skipped"].items()},
                 work["seconds"],
             ),
-            settings=json.loads(stored["settings"]),
+            settings=json.loads(attributes["settings"]),
             uncertainties={
                 name: math.nan if value is None else float(value)
                 for name, value in uncertainties.items()
             },
-            versions=json.loads(stored["versions"]),
+            versions=json.loads(attributes["versions"]),
             **values,
         )
 
@@ -535,14 +537,14 @@ def last_whole_cycle(
     cycles = np.floor((time[-1] - cycle_start + rounding) / period)
     end_of_path = cycle_start + cycles * period
     for end in (end_of_path, time[-1]):
-        first = _instant_at(time, end - period, rounding)
-        last = _instant_at(time, end, rounding)
-        if first is not None and last is not None and first < last:
-            begin = np.searchsorted(time, time[first] - rounding, side="left")
-            beyond = np.searchsorted(time, time[last] + rounding, side="right")
-            return np.arange(begin, beyond), True
-    inside = (time >= end_of_path - period - rounding) & (time <= end_of_path + rounding)
-    return np.flatnonzero(inside), False
+        first_step = _instant_at(time, end - period, rounding)
+        last_step = _instant_at(time, end, rounding)
+        if first_step is not None and last_step is not None and first_step < last_step:
+            begin = np.searchsorted(time, time[first_step] - rounding, side="left")
+            step_beyond = np.searchsorted(time, time[last_step] + rounding, side="right")
+            return np.arange(begin, step_beyond), True
+    is_in_cycle = (time >= end_of_path - period - rounding) & (time <= end_of_path + rounding)
+    return np.flatnonzero(is_in_cycle), False
 
 
 # Of the distance to the next instant: one that misses an end of the cycle by less is taken for the
@@ -554,11 +556,15 @@ def _instant_at(time: Array, target: float, rounding: float) -> int | None:
     """Index of the instant at the time wanted, to rounding or to a small share of its distance
     from its neighbours; None where there is none.
     """
-    nearest = int(np.argmin(np.abs(time - target)))
-    neighbours = time[max(nearest - 1, 0) : nearest + 2]
+    nearest_step = int(np.argmin(np.abs(time - target)))
+    neighbours = time[max(nearest_step - 1, 0) : nearest_step + 2]
     steps = np.diff(neighbours)
     step = float(steps.min()) if len(steps) else 0.0
-    return nearest if abs(time[nearest] - target) <= max(rounding, _MISSED_SHARE * step) else None
+    return (
+        nearest_step
+        if abs(time[nearest_step] - target) <= max(rounding, _MISSED_SHARE * step)
+        else None
+    )
 
 
 FORMAT = "halfplane solution 2"
@@ -590,7 +596,11 @@ def range_of_slip(slip: Array, touching: NDArray[np.bool_]) -> Array:
     ... ).tolist()
     [2.0, 0.0]
     """
-    highest = np.max(slip, axis=0, where=touching, initial=-np.inf)
-    lowest = np.min(slip, axis=0, where=touching, initial=np.inf)
-    never = ~touching.any(axis=0)
-    return np.where(never, 0.0, np.where(never, 0.0, highest) - np.where(never, 0.0, lowest))
+    largest_slip = np.max(slip, axis=0, where=touching, initial=-np.inf)
+    least_slip = np.min(slip, axis=0, where=touching, initial=np.inf)
+    never_touches = ~touching.any(axis=0)
+    return np.where(
+        never_touches,
+        0.0,
+        np.where(never_touches, 0.0, largest_slip) - np.where(never_touches, 0.0, least_slip),
+    )

@@ -405,14 +405,15 @@ def _layout(request: _Request, lines: list[Line]) -> _Layout:
     path = request.path
     columns = request.columns
     lines_without_remarks = [line for line in lines if not line[1].startswith(_REMARKS)]
-    needed = "a line of names and rows of numbers"
+    words_needed = "a line of names and rows of numbers"
     if columns:
-        needed = f"{len(columns)} columns {', '.join(columns)}"
+        words_needed = f"{len(columns)} columns {', '.join(columns)}"
     if not lines_without_remarks:
-        raise InputError(f"{path}: the file is empty; {needed} are needed")
+        raise InputError(f"{path}: the file is empty; {words_needed} are needed")
     if _MARKUP.match(lines_without_remarks[0][1]):
         raise InputError(
-            f"{path}: this is JSON, XML or HTML and no table: write {needed}, separated by commas"
+            f"{path}: this is JSON, XML or HTML and no table: write {words_needed}, separated"
+            " by commas"
         )
     fewest_known_headings = (0,) if columns else (2, 0)
     for fewest_known in fewest_known_headings:
@@ -452,13 +453,13 @@ def _layouts_below(
     for mark in SEPARATORS:
         for names in _headings(heading_text, mark):
             if request.columns:
-                used = _used(request, line_number, names)
+                used_columns = _used(request, line_number, names)
             else:
-                used = tuple(range(len(names)))
+                used_columns = tuple(range(len(names)))
                 known_count = sum(map(request.kind.is_known, names))
                 if is_remark or len(names) < 2 or known_count < fewest_known:
                     continue
-            if used is None or request.by_number:
+            if used_columns is None or request.by_number:
                 continue
             # The line below the headings may hold the units.
             cells = []
@@ -485,7 +486,7 @@ def _layouts_below(
             ):
                 continue
             layout = _Layout(
-                mark, tuple(names), tuple(units), used, line_number, start, len(lines_above)
+                mark, tuple(names), tuple(units), used_columns, line_number, start, len(lines_above)
             )
             yield layout, has_even_rows
 
@@ -499,7 +500,7 @@ def _used(request: _Request, line_number: int, headings: Sequence[str]) -> tuple
     InputError
         Where several headings could be that of one column.
     """
-    used: list[int] = []
+    used_columns: list[int] = []
     for column in request.columns:
         places = _places_of(column, request.stated.get(column), headings)
         if len(places) > 1:
@@ -508,8 +509,12 @@ def _used(request: _Request, line_number: int, headings: Sequence[str]) -> tuple
                 f"{request.path}, line {line_number}: {candidates} could each be {column}; say"
                 f" which by columns = {{{column} = ...}}"
             )
-        used += places
-    return tuple(used) if len(used) == len(request.columns) == len(set(used)) else None
+        used_columns += places
+    return (
+        tuple(used_columns)
+        if len(used_columns) == len(request.columns) == len(set(used_columns))
+        else None
+    )
 
 
 def _places_of(column: str, stated: str | int | None, headings: Sequence[str]) -> list[int]:
@@ -554,7 +559,7 @@ def _plain_layout(request: _Request, lines: list[Line]) -> _Layout:
             f"{path}, line {number}: the first line must name the columns, such as"
             f" {request.kind.example}; {fault}{cure}"
         )
-    listed = ", ".join(columns)
+    list_of_columns = ", ".join(columns)
     count = len(columns)
     start, mark, cells = _first_row(lines, count)
     exact = (
@@ -563,35 +568,36 @@ def _plain_layout(request: _Request, lines: list[Line]) -> _Layout:
         and not any(isinstance(heading, str) for heading in request.stated.values())
     )
     if cells and (request.by_number or exact):
-        used = tuple(range(count))
+        used_columns = tuple(range(count))
         if request.by_number:
-            used = tuple(int(request.stated[name]) - 1 for name in columns)
-        if max(used) >= len(cells):
+            used_columns = tuple(int(request.stated[name]) - 1 for name in columns)
+        if max(used_columns) >= len(cells):
             raise InputError(
-                f"{path}, line {lines[start][0]}: there is no column {max(used) + 1}: the line has"
+                f"{path}, line {lines[start][0]}: there is no column {max(used_columns) + 1}:"
+                " the line has"
                 f" {len(cells)}"
             )
-        column_names = dict(zip(used, columns, strict=True))
+        column_names = dict(zip(used_columns, columns, strict=True))
         names = [column_names.get(k, f"column {k + 1}") for k in range(len(cells))]
         head, headings, units = _above(lines[:start], mark, len(cells))
-        skipped = start
+        n_skipped = start
         if head:
-            skipped = sum(line[0] < head for line in lines)
+            n_skipped = sum(line[0] < head for line in lines)
         return _Layout(
             mark,
             headings or tuple(names),
             units or ("",) * len(cells),
-            used,
+            used_columns,
             head,
             lines[start][0],
-            skipped,
+            n_skipped,
         )
     if begins_with_rows:
         cure = ""
         if len(cells) == 2 * count:
             cure = "; semicolons between the columns where commas stand in the numbers"
         raise InputError(
-            f"{path}, line {number}: {count} numbers ({listed}) are needed, not"
+            f"{path}, line {number}: {count} numbers ({list_of_columns}) are needed, not"
             f" {shown(text)}{cure}; or say which by columns ="
             f" {{{', '.join(f'{name} = {k}' for k, name in enumerate(columns, 1))}}}"
         )
@@ -599,21 +605,25 @@ def _plain_layout(request: _Request, lines: list[Line]) -> _Layout:
     number, text = lines[max(start - 1, 0)]
     separators = (mark,) if cells else tuple(SEPARATORS)
     names = max((way for separator in separators for way in _headings(text, separator)), key=len)
-    lacking = [
+    lacking_columns = [
         name for name in columns if _used(replace(request, columns=(name,)), number, names) is None
     ]
-    if not lacking and len(names) >= count:
+    if not lacking_columns and len(names) >= count:
         raise InputError(
-            f"{path}, line {number}: columns: {listed} must be of different columns of"
+            f"{path}, line {number}: columns: {list_of_columns} must be of different columns of"
             f" {shown(text)}"
         )
-    stated_headings = [shown(request.stated[name]) for name in lacking if name in request.stated]
-    reason = f"none is known as {' or '.join(lacking or columns)}"
+    stated_headings = [
+        shown(request.stated[name]) for name in lacking_columns if name in request.stated
+    ]
+    reason = f"none is known as {' or '.join(lacking_columns or columns)}"
     if stated_headings:
         reason = f"no heading is {' or '.join(stated_headings)}"
     raise InputError(
-        f"{path}, line {number}: the columns are {listed}, not {shown(text)}: {reason}; say which"
-        f" by columns = {{{(lacking or columns)[0]} = ...}}, by its heading or its number from 1 on"
+        f"{path}, line {number}: the columns are {list_of_columns}, not {shown(text)}:"
+        f" {reason}; say which"
+        f" by columns = {{{(lacking_columns or columns)[0]} = ...}}, by its heading or its"
+        " number from 1 on"
     )
 
 
@@ -735,7 +745,7 @@ def _row(path: Path, line: int, text: str, layout: _Layout, comma: bool) -> list
     """The numbers of one row; InputError for another count, or a cell that is none."""
     cells = _cells(text, layout.separator)
     if len(cells) != len(layout.names):
-        listed = ", ".join(layout.names[:6]) + (", ..." if len(layout.names) > 6 else "")
+        list_of_names = ", ".join(layout.names[:6]) + (", ..." if len(layout.names) > 6 else "")
         cure = ""
         if layout.separator == "," and len(cells) > len(layout.names):
             cure = (
@@ -743,7 +753,7 @@ def _row(path: Path, line: int, text: str, layout: _Layout, comma: bool) -> list
                 " thousands"
             )
         raise InputError(
-            f"{path}, line {line}: {len(layout.names)} numbers ({listed}) are needed, not"
+            f"{path}, line {line}: {len(layout.names)} numbers ({list_of_names}) are needed, not"
             f" {shown(text)}{cure}"
         )
     numbers: list[float] = []

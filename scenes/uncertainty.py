@@ -242,10 +242,10 @@ class Uncertainty(Frozen):
     def _are_coefficients(
         cls, correlations: tuple[tuple[str, str, float], ...]
     ) -> tuple[tuple[str, str, float], ...]:
-        for first, second, coefficient in correlations:
+        for first_key, second_key, coefficient in correlations:
             if not -1 <= coefficient <= 1:
                 raise ValueError(
-                    f"{coefficient:g}, that of {first} and {second}, is no coefficient of"
+                    f"{coefficient:g}, that of {first_key} and {second_key}, is no coefficient of"
                     " correlation: it lies between -1 and 1"
                 )
         return correlations
@@ -254,21 +254,21 @@ class Uncertainty(Frozen):
     def _correlates_what_is_stated(self) -> Uncertainty:
         keys = [key for key, _ in self.stated()]
         pairs = set()
-        for first, second, _ in self.correlations:
-            for key in (first, second):
+        for first_key, second_key, _ in self.correlations:
+            for key in (first_key, second_key):
                 if key not in keys:
                     raise ValueError(
                         f"correlations: {shown(key)} has no standard uncertainty here; stated are"
                         f" {', '.join(keys) or 'none'}"
                     )
-            if first == second:
+            if first_key == second_key:
                 raise ValueError(
-                    f"correlations: {first} stands there twice in one entry: name two inputs"
+                    f"correlations: {first_key} stands there twice in one entry: name two inputs"
                 )
-            pair = frozenset((first, second))
+            pair = frozenset((first_key, second_key))
             if pair in pairs:
                 raise ValueError(
-                    f"correlations: {first} and {second} have two entries: leave one out"
+                    f"correlations: {first_key} and {second_key} have two entries: leave one out"
                 )
             pairs.add(pair)
         if np.linalg.eigvalsh(self.correlation_matrix())[0] < -_ROUNDING if keys else False:
@@ -292,9 +292,9 @@ class Uncertainty(Frozen):
         """Of the inputs in the order of `stated`, (n, n); 1 on the diagonal."""
         keys = [key for key, _ in self.stated()]
         matrix = np.eye(len(keys))
-        for first, second, coefficient in self.correlations:
-            row = keys.index(first)
-            column = keys.index(second)
+        for first_key, second_key, coefficient in self.correlations:
+            row = keys.index(first_key)
+            column = keys.index(second_key)
             matrix[row, column] = coefficient
             matrix[column, row] = coefficient
         return matrix
@@ -411,37 +411,38 @@ def inputs_of(scene: HasInputs) -> tuple[Input, ...]:
     if scene.uncertainty is None:
         return ()
     inputs = []
-    for key, stated in scene.uncertainty.stated():
+    for key, uncertainty_words in scene.uncertainty.stated():
         value = _value_of(scene, key)
-        if isinstance(stated, str):
-            standard = _share_of(key, stated, value, scene.units)
-            words = stated
+        if isinstance(uncertainty_words, str):
+            standard = _share_of(key, uncertainty_words, value, scene.units)
+            words = uncertainty_words
         else:
-            standard = stated
-            words = f"{stated:.4g}°"
+            standard = uncertainty_words
+            words = f"{uncertainty_words:.4g}°"
         inputs.append(Input(key, _words_of(key), words, value, standard))
     return tuple(inputs)
 
 
-def _share_of(key: str, stated: str, value: float | None, units: str) -> float:
+def _share_of(key: str, uncertainty_words: str, value: float | None, units: str) -> float:
     """Standard uncertainty over the value."""
-    amount = _parsed(stated)
+    amount = _parsed(uncertainty_words)
     assert amount is not None  # the table was checked
     if amount.unit == "%":
-        return share_of(stated)
+        return share_of(uncertainty_words)
     kind: Kind = "stress" if key.endswith("young_modulus") else "length"
     try:
         factor, _ = unit_factor(amount.unit, kind, units)
     except ValueError as reason:
         sentence = str(reason).removesuffix("; use scale")
         raise ValueError(
-            f"uncertainty.{key} = {shown(stated)} is refused: {sentence}; write a share, such as"
+            f"uncertainty.{key} = {shown(uncertainty_words)} is refused: {sentence}; write a"
+            " share, such as"
             ' "1 %"'
         ) from reason
     assert value is not None  # only scales have none, and they are shares
     share = amount.number * factor / value
     try:
-        _require_small(share, stated)
+        _require_small(share, uncertainty_words)
     except ValueError as reason:
         raise ValueError(f"uncertainty.{key} is refused: {reason}") from reason
     return share
@@ -457,10 +458,10 @@ def _value_of(scene: HasInputs, key: str) -> float | None:
     reason = ""
     source: Any = getattr(scene, table)
     if table == "material":
-        alike = scene.material.alike
-        if not middle and not alike:
+        are_alike = scene.material.alike
+        if not middle and not are_alike:
             reason = "the bodies are of two materials; state it under upper and lower"
-        elif middle and alike:
+        elif middle and are_alike:
             reason = "both bodies are of one material; state it without upper and lower"
         source = getattr(source, middle[0] if middle else "upper")
     elif middle:
@@ -561,15 +562,15 @@ def _moved_table(scene: HasInputs, key: str, change: float) -> tuple[str, dict[s
     return table, keys
 
 
-def _merged(first: dict[str, Any], second: dict[str, Any]) -> dict[str, Any]:
+def _merged(base_keys: dict[str, Any], further_keys: dict[str, Any]) -> dict[str, Any]:
     """Both mappings, nested ones merged."""
-    merged = dict(first)
-    for key, value in second.items():
-        if isinstance(value, dict) and isinstance(merged.get(key), dict):
-            merged[key] = _merged(merged[key], value)
+    joined_keys = dict(base_keys)
+    for key, value in further_keys.items():
+        if isinstance(value, dict) and isinstance(joined_keys.get(key), dict):
+            joined_keys[key] = _merged(joined_keys[key], value)
         else:
-            merged[key] = value
-    return merged
+            joined_keys[key] = value
+    return joined_keys
 
 
 def _moves_a_cylinder(scene: HasInputs, varied: Mapping[str, Any]) -> bool:
@@ -583,48 +584,58 @@ def _moves_a_cylinder(scene: HasInputs, varied: Mapping[str, Any]) -> bool:
 def _moved_load(scene: HasInputs, changes: Mapping[str, float]) -> Any:
     """The load with scales of P and Q, or of what is prescribed in their place, and the lag."""
     load = scene.load
-    normal = 1 + changes.get("normal_load", changes.get("approach", 0.0))
+    normal_factor = 1 + changes.get("normal_load", changes.get("approach", 0.0))
     displaced = changes.get("tangential_displacement", 0.0)
-    tangential = 1 + changes.get("tangential_load", displaced)
+    tangential_factor = 1 + changes.get("tangential_load", displaced)
     lag = changes.get("phase_degrees", 0.0)
     initial = getattr(load, "initial_loading", ())
     if isinstance(initial, tuple):
-        initial = [(normal * first, tangential * second) for first, second in initial]
+        initial = [
+            (normal_factor * normal_load, tangential_factor * tangential_load)
+            for normal_load, tangential_load in initial
+        ]
     if isinstance(load, EllipseLoad):
-        return _moved_ellipse(load, normal, tangential, lag) | {"initial_loading": initial}
+        return _moved_ellipse(load, normal_factor, tangential_factor, lag) | {
+            "initial_loading": initial
+        }
     if isinstance(load, HarmonicLoad):
-        return _moved_harmonics(load, normal, tangential, lag) | {"initial_loading": initial}
+        return _moved_harmonics(load, normal_factor, tangential_factor, lag) | {
+            "initial_loading": initial
+        }
     if isinstance(load, PolygonLoad):
-        cycle = [(normal * first, tangential * second) for first, second in load.cycle]
+        cycle = [
+            (normal_factor * normal_load, tangential_factor * tangential_load)
+            for normal_load, tangential_load in load.cycle
+        ]
         return {"initial_loading": initial, "cycle": cycle}
     if isinstance(load, TimeSeriesLoad):
-        return _moved_record(load, normal, tangential)
-    return _moved_functions(load, normal, tangential) | {"initial_loading": initial}
+        return _moved_record(load, normal_factor, tangential_factor)
+    return _moved_functions(load, normal_factor, tangential_factor) | {"initial_loading": initial}
 
 
 def _moved_ellipse(
-    load: EllipseLoad, normal: float, tangential: float, lag: float
+    load: EllipseLoad, normal_factor: float, tangential_factor: float, lag: float
 ) -> dict[str, Any]:
     keys: dict[str, Any] = {}
     if load.approach is not None:
         keys["approach"] = {
-            "mean": normal * load.approach.mean,
-            "amplitude": normal * load.approach.amplitude,
+            "mean": normal_factor * load.approach.mean,
+            "amplitude": normal_factor * load.approach.amplitude,
         }
     else:
-        keys["mean_normal_load"] = normal * load.mean_normal_load
-        keys["normal_amplitude"] = normal * load.normal_amplitude
+        keys["mean_normal_load"] = normal_factor * load.mean_normal_load
+        keys["normal_amplitude"] = normal_factor * load.normal_amplitude
     if load.tangential_displacement is not None:
         wave = load.tangential_displacement
         keys["tangential_displacement"] = {
-            "mean": tangential * wave.mean,
-            "amplitude": tangential * wave.amplitude,
+            "mean": tangential_factor * wave.mean,
+            "amplitude": tangential_factor * wave.amplitude,
             "phase_degrees": _turned(wave.phase_degrees + lag),
         }
         return keys
     return keys | {
-        "mean_tangential_load": tangential * load.mean_tangential_load,
-        "tangential_amplitude": tangential * load.tangential_amplitude,
+        "mean_tangential_load": tangential_factor * load.mean_tangential_load,
+        "tangential_amplitude": tangential_factor * load.tangential_amplitude,
         "phase_degrees": _turned(load.phase_degrees + lag),
     }
 
@@ -639,33 +650,40 @@ def _turned(degrees: float) -> float:
 
 
 def _moved_harmonics(
-    load: HarmonicLoad, normal: float, tangential: float, lag: float
+    load: HarmonicLoad, normal_factor: float, tangential_factor: float, lag: float
 ) -> dict[str, Any]:
     given = load.normal_harmonics if load.approach is None else load.approach.harmonics
-    scaled = [(normal * amplitude, phase) for amplitude, phase in given]
+    normal_harmonics = [(normal_factor * amplitude, phase) for amplitude, phase in given]
     keys: dict[str, Any] = {
-        "mean_normal_load": normal * load.mean_normal_load,
-        "normal_harmonics": scaled,
+        "mean_normal_load": normal_factor * load.mean_normal_load,
+        "normal_harmonics": normal_harmonics,
     }
     if load.approach is not None:
-        keys = {"approach": {"mean": normal * load.approach.mean, "harmonics": scaled}}
+        keys = {
+            "approach": {"mean": normal_factor * load.approach.mean, "harmonics": normal_harmonics}
+        }
     wave = load.tangential_displacement
     harmonics = load.tangential_harmonics if wave is None else wave.harmonics
     # the k-th harmonic lags by k times as much
-    later = [
-        (tangential * amplitude, phase + number * lag)
+    tangential_harmonics = [
+        (tangential_factor * amplitude, phase + number * lag)
         for number, (amplitude, phase) in enumerate(harmonics, 1)
     ]
     if wave is not None:
-        keys["tangential_displacement"] = {"mean": tangential * wave.mean, "harmonics": later}
+        keys["tangential_displacement"] = {
+            "mean": tangential_factor * wave.mean,
+            "harmonics": tangential_harmonics,
+        }
         return keys
-    mean = tangential * load.mean_tangential_load
-    return keys | {"mean_tangential_load": mean, "tangential_harmonics": later}
+    mean = tangential_factor * load.mean_tangential_load
+    return keys | {"mean_tangential_load": mean, "tangential_harmonics": tangential_harmonics}
 
 
-def _moved_record(load: TimeSeriesLoad, normal: float, tangential: float) -> dict[str, Any]:
+def _moved_record(
+    load: TimeSeriesLoad, normal_factor: float, tangential_factor: float
+) -> dict[str, Any]:
     """The rows that the path goes through, scaled: rows that a threshold leaves out stay out."""
-    factors = np.array([1.0, normal, tangential])
+    factors = np.array([1.0, normal_factor, tangential_factor])
     if load.has_bulk_or_tilt:  # lists with an entry for each row go with all rows
         return {"rows": load.rows.values * factors}
     return {
@@ -679,11 +697,13 @@ def _moved_record(load: TimeSeriesLoad, normal: float, tangential: float) -> dic
     }
 
 
-def _moved_functions(load: CallableLoad, normal: float, tangential: float) -> dict[str, Any]:
+def _moved_functions(
+    load: CallableLoad, normal_factor: float, tangential_factor: float
+) -> dict[str, Any]:
     def scaled(function: Callable[[Any], Any], factor: float) -> Callable[[Any], Any]:
         return lambda time: factor * function(time)
 
     return {
-        "normal_load": scaled(load.normal_load, normal),
-        "tangential_load": scaled(load.tangential_load, tangential),
+        "normal_load": scaled(load.normal_load, normal_factor),
+        "tangential_load": scaled(load.tangential_load, tangential_factor),
     }

@@ -94,7 +94,7 @@ def inconsistent(units: str) -> str:
     if len(words) != 3 or not set().union(*UNITS.values()).issuperset(words):
         return ""
     if units.count(",") != 2 or any(
-        word not in known for word, known in zip(words, UNITS.values(), strict=True)
+        word not in known_units for word, known_units in zip(words, UNITS.values(), strict=True)
     ):
         return (
             "write force, length and stress in this order with commas between, such as 'N, mm, MPa'"
@@ -139,8 +139,8 @@ def unit_in(heading: str) -> tuple[str, str]:
     text = heading.strip()
     for bracket in re.finditer(r"[\[({<]([^][(){}<>]*)[\])}>]", text):
         bracketed = bracket[1].strip().removeprefix("in ").strip()
-        last = bracket.end() == len(text)
-        if is_unit(bracketed) or last:
+        is_last = bracket.end() == len(text)
+        if is_unit(bracketed) or is_last:
             return text[: bracket.start()].rstrip(" _,;:-"), "" if bracketed in (
                 "-",
                 "1",
@@ -251,7 +251,7 @@ def unit_factor(unit: str, kind: Kind, units: str) -> tuple[float, bool]:
     value, per_length = size
     words = [*re.split(r"[,\s]+", units), "", "", ""]
     force, length, stress = (
-        known.get(word, 0.0) for word, known in zip(words, UNITS.values(), strict=False)
+        known_units.get(word, 0.0) for word, known_units in zip(words, UNITS.values(), strict=False)
     )
     if kind in ("time", "angle"):
         return value, False

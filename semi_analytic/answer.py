@@ -107,9 +107,9 @@ def checked_fields(fields: str | Iterable[str], cycles: Cycles) -> frozenset[str
     if cycles not in ("all", "steady"):
         raise InputError(f"cycles: {cycles!r} is neither 'all' nor 'steady'")
     names = frozenset([fields] if isinstance(fields, str) else fields)
-    unknown = sorted(names - set(FIELDS))
-    if unknown:
-        raise InputError(f"fields: {unknown[0]!r} is not among {', '.join(FIELDS)}")
+    unknown_names = sorted(names - set(FIELDS))
+    if unknown_names:
+        raise InputError(f"fields: {unknown_names[0]!r} is not among {', '.join(FIELDS)}")
     return names
 
 

@@ -274,15 +274,19 @@ def folded(x: Array) -> tuple[Array, Indices]:
     >>> folded(np.array([-1.0, 0.0, 1.0 + 2.3e-16]))
     (array([0., 1.]), array([1, 0, 1]))
     """
-    distances, inverse = np.unique(np.abs(x), return_inverse=True)
+    distances, place_of_distance = np.unique(np.abs(x), return_inverse=True)
     is_new = np.diff(distances, prepend=-np.inf) > 2 * np.finfo(float).eps * distances[-1]
-    return distances[is_new], (np.cumsum(is_new) - 1)[inverse]
+    return distances[is_new], (np.cumsum(is_new) - 1)[place_of_distance]
 
 
-def _points_of(contact: Contact, largest: float) -> Array:
+def _points_of(contact: Contact, largest_load: float) -> Array:
     """Points across the largest contact and a little beyond; an unsymmetric one is not mirrored."""
-    points = mirrored_points(1.05 * float(contact.half_width(largest)))
-    return points + float(contact.centre(largest)) if isinstance(contact, TiltedProfile) else points
+    points = mirrored_points(1.05 * float(contact.half_width(largest_load)))
+    return (
+        points + float(contact.centre(largest_load))
+        if isinstance(contact, TiltedProfile)
+        else points
+    )
 
 
 def memory_at(scene: Scene, time: Array) -> tuple[SymmetricContact, Snapshot]:
@@ -449,8 +453,8 @@ class _SeriesSums:
         records = block.records
         front = records.load - records.slipped
         front_after = records.load_after - records.slipped_after
-        least = min(float(np.min(front)), float(np.min(front_after)))
-        self.least_front = min(self.least_front, least)
+        least_front = min(float(np.min(front)), float(np.min(front_after)))
+        self.least_front = min(self.least_front, least_front)
 
 
 def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
@@ -461,11 +465,11 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
     wants_density = request.wants("dissipation_density")
     located = _Located.along(series, request.time)
     wants_increments = wants_work and located.all_at_rows
-    covered = series.covered_parts
-    last_part = covered[-1]
-    steady = series.steady_from is not None and series.covered[-1] >= series.steady_from
+    covered_parts = series.covered_parts
+    last_part = covered_parts[-1]
+    is_steady = series.steady_from is not None and series.covered[-1] >= series.steady_from
     loop = None
-    if wants_work and steady:
+    if wants_work and is_steady:
         loop = Loop(contact, request.modulus, friction, series.parts[last_part].largest)
     states = States(friction, request.wants("shear", "slip", "tangential_displacement"))
     sums = _SeriesSums(
@@ -479,9 +483,9 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
     for k in _parts_needed(series, located.step):
         part: PathPart = series.parts[k]
         is_last = k == last_part
-        takes_work = wants_work and (wants_increments or k in covered)
+        takes_work = wants_work and (wants_increments or k in covered_parts)
         takes_density = wants_density and is_last
-        alive = depth_of(part.curve)
+        depth_alive = depth_of(part.curve)
         for begin, block in blocks(part, friction, states.curves):
             slips = block.records.slipping()
             steps = len(block.rows) - 1
@@ -495,8 +499,8 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
                 located.slack[block_rows],
             )
             sums.shares[k] = max(sums.shares[k], block.deepest / part.largest)
-            sums.count(block, takes_work + takes_density, alive)
-            alive = depth_of(block.curve)
+            sums.count(block, takes_work + takes_density, depth_alive)
+            depth_alive = depth_of(block.curve)
             if takes_work:
                 work, nodes = slip_work(contact, slips)
                 sums.works[k] += factor * float(np.sum(work))
@@ -525,8 +529,8 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
         balance=balance,
         least_front=sums.least_front,
         slipped_share=float(np.max(sums.shares)),
-        works=sums.works[covered] if wants_work else np.full(len(covered), math.nan),
-        work_errors=errors[covered] if wants_work else np.zeros(len(covered)),
+        works=sums.works[covered_parts] if wants_work else np.full(len(covered_parts), math.nan),
+        work_errors=errors[covered_parts] if wants_work else np.zeros(len(covered_parts)),
         density=sums.density if wants_density else np.full(len(sums.density), math.nan),
         density_error=rounding[last_part] if wants_density else 0.0,
         loop=loop.value if loop is not None else None,
@@ -543,8 +547,8 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
 
 def _parts_needed(series: LoadSeries, step: Indices) -> list[int]:
     """Numbers of the parts that hold some steps (n,), ascending, or that the answer covers."""
-    first, last = np.searchsorted(series.starts, step[[0, -1]], side="right") - 1
-    return sorted({*series.covered_parts, *range(int(first), int(last) + 1)})
+    first_part, last_part = np.searchsorted(series.starts, step[[0, -1]], side="right") - 1
+    return sorted({*series.covered_parts, *range(int(first_part), int(last_part) + 1)})
 
 
 class _WorkOfCycle(NamedTuple):
@@ -557,8 +561,8 @@ class _WorkOfCycle(NamedTuple):
 def _result_of_history(history: History, request: Request) -> PathResult:
     """Of a curved path, span by span."""
     contact = request.contact
-    last = history.covered[-1]
-    last_spans = history.cycles[last]
+    last_span = history.covered[-1]
+    last_spans = history.cycles[last_span]
     snapshot = history.snapshot(request.time)
     works = _works_of_cycles(history, request) if request.wants("dissipation") else {}
     integrated = [span for number in works for span in history.cycles[number]]
@@ -568,21 +572,21 @@ def _result_of_history(history: History, request: Request) -> PathResult:
         integrated.extend(last_spans)
         split = pointwise_dissipation(contact, request.modulus, last_spans, request.distance)
         density = split.total
-        worst = float(np.max(split.error))
-        if worst:
-            density_error = worst / float(np.max(density))
+        worst_error = float(np.max(split.error))
+        if worst_error:
+            density_error = worst_error / float(np.max(density))
         density_error += 3 * rounding_of_slip(slipped_share(last_spans))
     loop = None
-    if works and history.steady_from is not None and last >= history.steady_from:
+    if works and history.steady_from is not None and last_span >= history.steady_from:
         loop = LoopWork(0.0, 0.0)
-        if works[last].work:
+        if works[last_span].work:
             loop = closed_integral(contact, request.modulus, last_spans)
     least_front = math.inf
     for span in last_spans:
         for time in (span.begin.time, span.end.time):
             load, _ = span.leg.loads(time)
             least_front = min(least_front, float(load - span.slipped(time)))
-    slipping = sum(span.direction != 0 for span in integrated)
+    n_slipping = sum(span.direction != 0 for span in integrated)
     return PathResult(
         snapshot=snapshot,
         balance=_balance_of(snapshot),
@@ -598,10 +602,10 @@ def _result_of_history(history: History, request: Request) -> PathResult:
         counts={
             "spans": len(history.spans),
             "pieces_alive": max(len(list(pieces(span.active))) for span in history.spans),
-            "slip_quadratures": slipping,
-            "quadrature_nodes": slipping * NODES,
+            "slip_quadratures": n_slipping,
+            "quadrature_nodes": n_slipping * NODES,
         },
-        full_stick=len(integrated) - slipping,
+        full_stick=len(integrated) - n_slipping,
     )
 
 
@@ -628,8 +632,8 @@ def _works_of_cycles(history: History, request: Request) -> dict[int, _WorkOfCyc
         ellipses = _ellipses_of_leg(history.loop, friction)
     works: dict[int, _WorkOfCycle] = {}
     for number in set(history.covered):
-        steady = history.steady_from is not None and number >= history.steady_from
-        if ellipses is not None and steady:
+        is_steady = history.steady_from is not None and number >= history.steady_from
+        if ellipses is not None and is_steady:
             error = float(digits_of_loop(ellipses)[0])
             parts = [part[0] for part in works_over_time(ellipses, contact)]
             work = request.unit * friction**2 * float(sum(parts))
@@ -680,9 +684,9 @@ def _series_of(request: Request, snapshot: Snapshot) -> dict[str, Array]:
     family = request.family
     front = snapshot.load - snapshot.slipped
     half_width = _half_width(contact, snapshot.load)
-    slipping = np.flatnonzero(snapshot.slipped)
+    slipping_rows = np.flatnonzero(snapshot.slipped)
     stick = half_width.copy()
-    stick[slipping] = _half_width(contact, front[slipping])
+    stick[slipping_rows] = _half_width(contact, front[slipping_rows])
     stick[(front <= 0) & (stick == 0)] = np.nan
     displacement = np.full(len(request.time), np.nan)
     approach = displacement
@@ -785,21 +789,21 @@ def _state_of(
     # Where the ends slip opposite ways a direction is that of one side.
     sense = contact.sense(x).astype(int) if isinstance(contact, OppositeSlip) else 1
     by_direction = np.array((SLIP_REVERSE, STICK, SLIP_FORWARD), dtype=np.int8)
-    sliding = by_direction[snapshot.direction[:, None] * sense + 1]
+    state_of_slip = by_direction[snapshot.direction[:, None] * sense + 1]
     sticks = between(series["stick_edges"], x)
     touches = between(series["contact_edges"], x) & (snapshot.load[:, None] > 0)
-    in_contact = np.where(sticks, np.int8(STICK), sliding)
+    in_contact = np.where(sticks, np.int8(STICK), state_of_slip)
     return np.where(touches, in_contact, np.int8(OPEN))
 
 
 def _require_finite(name: str, values: NDArray[Any], request: Request) -> None:
     """NotFoundError where a value (n, k) of a field is not a number."""
-    known = np.isfinite(values)
+    is_finite = np.isfinite(values)
     if name in ("pressure", "shear"):
-        known |= np.isinf(values) & (request.distance == 0)
-    if np.all(known):
+        is_finite |= np.isinf(values) & (request.distance == 0)
+    if np.all(is_finite):
         return
-    instants, points = np.nonzero(~known)
+    instants, points = np.nonzero(~is_finite)
     x = request.distance[points[0]]
     time = request.time[instants[0]]
     raise NotFoundError(f"no {name} was found at |x| = {x:.17g}, time {time:.17g}")
@@ -914,10 +918,10 @@ def _error_at_edges(
     of the nearest point, `least` a at least.
     """
     edges = half_width[np.isfinite(half_width) & (half_width > 0)]
-    last = len(x) - 1
-    after = np.clip(np.searchsorted(x, edges), 1, max(last, 1))
-    distance_before = np.abs(x[after - 1] - edges)
-    distance_after = np.abs(x[np.minimum(after, last)] - edges)
+    last_point = len(x) - 1
+    point_after = np.clip(np.searchsorted(x, edges), 1, max(last_point, 1))
+    distance_before = np.abs(x[point_after - 1] - edges)
+    distance_after = np.abs(x[np.minimum(point_after, last_point)] - edges)
     distance = np.maximum(np.minimum(distance_before, distance_after), stick_half_width * edges)
     stiffness = contact.stiffness(edges)
     load_error = contact.noise * contact.load(edges)
@@ -985,8 +989,8 @@ def _notes_of_path(
     question: Question, path: LoadSeries | History, rows: int, rows_left_out: int
 ) -> Iterator[str]:
     """A sentence where the last cycle is not steady, and one where rows were left out."""
-    steady = path.steady_from is not None and path.covered[-1] >= path.steady_from
-    if question.wants("dissipation") and path.period is not None and not steady:
+    is_steady = path.steady_from is not None and path.covered[-1] >= path.steady_from
+    if question.wants("dissipation") and path.period is not None and not is_steady:
         yield (
             "the last cycle is not steady: no closed integral of Q dU to compare the dissipation"
             " with"
@@ -1024,13 +1028,16 @@ def _skipped_of(
     scene: Scene, path: LoadSeries | History, answer: PathResult
 ) -> dict[str, tuple[int, str]]:
     """What was not done, how often, and why."""
-    skipped = {}
+    skipped_work = {}
     copies = max(scene.cycles, len(path.covered)) - len(path.cycles)
     if path.repeats and path.steady_from is not None and copies > 0:
-        skipped["cycles"] = (copies, f"copies of cycle {path.steady_from + 1}, which is steady")
+        skipped_work["cycles"] = (
+            copies,
+            f"copies of cycle {path.steady_from + 1}, which is steady",
+        )
     if answer.full_stick:
-        skipped["quadratures"] = (answer.full_stick, "full stick: nothing slips")
-    return skipped
+        skipped_work["quadratures"] = (answer.full_stick, "full stick: nothing slips")
+    return skipped_work
 
 
 def _permanent_stick(contact: Contact, answer: PathResult, largest_load: float) -> dict[str, Any]:

@@ -59,8 +59,8 @@ def in_phase(question: Question, ways: tuple[Way, Way]) -> Findings:
         pressure = leaning.pressure_over(x, middle, half_width)
     if question.wants("state"):
         slides = np.where(rises, np.int8(SLIP_FORWARD), np.int8(SLIP_REVERSE))[:, None]
-        touching = np.where(between(stick_edges, x), np.int8(STICK), slides)
-        state = np.where(between(contact_edges, x), touching, state)
+        states_in_contact = np.where(between(stick_edges, x), np.int8(STICK), slides)
+        state = np.where(between(contact_edges, x), states_in_contact, state)
     if question.wants("normal_approach"):
         approach = leaning.approach(middle, half_width, load, tilt)
     if question.wants("dissipation"):
@@ -69,7 +69,7 @@ def in_phase(question: Question, ways: tuple[Way, Way]) -> Findings:
     if question.wants("dissipation_density"):
         density, errors["dissipation_density"] = _density_of(ways, x)
     permanent_edges = stick_edges[np.argmax(force)]
-    lower, upper = loads.stresses(time)
+    stress_of_lower, stress_of_upper = loads.stresses(time)
     return Findings(
         time=time + period,
         x=x,
@@ -93,8 +93,8 @@ def in_phase(question: Question, ways: tuple[Way, Way]) -> Findings:
             "permanent_stick_half_width": float(np.diff(permanent_edges)[0]) / 2,
             "permanent_stick_edges": permanent_edges,
             "steady_from": 1,
-            "bulk_stress_lower": lower,
-            "bulk_stress_upper": upper,
+            "bulk_stress_lower": stress_of_lower,
+            "bulk_stress_upper": stress_of_upper,
             "tilt": tilt,
             "moment": leaning.moment(middle, half_width, load, tilt),
         },

@@ -77,11 +77,11 @@ class GridAnswer:
         question = self.question
         followed = self.followed
         path = question.scene.load.path()
-        steady = followed.steady_from is not None
+        is_steady = followed.steady_from is not None
         values = self._values()
         all_errors = dict(followed.errors)
         work = float(followed.works[-1])
-        if steady and work > 0:
+        if is_steady and work > 0:
             all_errors["dissipation"] += abs(followed.loop / work - 1)
         errors = {name: error for name, error in all_errors.items() if name in question.fields}
         if steady_cycle is not None:
@@ -94,7 +94,7 @@ class GridAnswer:
             errors |= dict.fromkeys(question.fields & OF_WORK, 0.0)
             errors |= dict(steady_cycle.errors)
         notes = [*neglected_coupling(question.scene.material), self._note(steady_cycle)]
-        if path.period is not None and not steady:
+        if path.period is not None and not is_steady:
             remainder = followed.remainder / work
             notes.append(
                 f"the last cycle, number {len(followed.works)}, is not steady: by the trend its"
@@ -161,7 +161,7 @@ class GridAnswer:
         stick_edges = followed.stick_edges[rows]
         middle = np.mean(contact_edges, axis=1)
         half_width = np.diff(contact_edges)[:, 0] / 2
-        lower, upper = self._loads.stresses(time)
+        stress_of_lower, stress_of_upper = self._loads.stresses(time)
         compliance = 2 / (math.pi * composite_modulus(scene.material))
         datum_shift = compliance * force * math.log(scene.profile.datum_length)
         works = followed.works[-1:] if self._steady_only else followed.works
@@ -202,8 +202,8 @@ class GridAnswer:
             "permanent_stick_half_width": float(permanent_edges[1] - permanent_edges[0]) / 2,
             "permanent_stick_edges": permanent_edges,
             "steady_from": followed.steady_from,
-            "bulk_stress_lower": lower,
-            "bulk_stress_upper": upper,
+            "bulk_stress_lower": stress_of_lower,
+            "bulk_stress_upper": stress_of_upper,
             "tilt": tilt,
             "moment": followed.moment[rows],
             "shear_moment": followed.shear_moment[rows],

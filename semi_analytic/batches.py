@@ -132,35 +132,43 @@ def maxima_of(e: Ellipses, contact: SymmetricContact) -> Array:
     three_x, three_works = _closer(density, owner, three_x, three_works, _KNOWN)
     vertex = _parabola(three_x, three_works)
     order = np.argsort(vertex.work, kind="stable")
-    best = np.full(members, -1)
-    best[owner[order]] = order
+    best_candidate = np.full(members, -1)
+    best_candidate[owner[order]] = order
 
     # Where d = P - P_c is small the last digits of P_x count for more. W(x) that is lost in them is
     # at most the product of p, 2 (u + v) and arccosh(|x|/c), which is 2 (u + v) d/(pi a).
-    deepest = e.deepest
-    relative_error = LAST_DIGITS * (e.mean + e.amplitude) / np.where(deepest > 0, deepest, np.inf)
+    deepest_load = e.deepest
+    relative_error = (
+        LAST_DIGITS * (e.mean + e.amplitude) / np.where(deepest_load > 0, deepest_load, np.inf)
+    )
     relative_error = PROMISED + 3 * relative_error
     error_without_slip = (
-        2 / math.pi * (e.u + e.v) * deepest / np.where(inner_points > 0, inner_points, outer_points)
+        2
+        / math.pi
+        * (e.u + e.v)
+        * deepest_load
+        / np.where(inner_points > 0, inner_points, outer_points)
     )
     value = np.where(is_spoilt, np.nan, 0.0)
     error = np.where(is_spoilt, np.nan, error_without_slip)
     place = np.full(members, np.nan)
     second_value = np.full(members, np.nan)
     second_place = np.full(members, np.nan)
-    slipping = np.flatnonzero((best >= 0) & ~is_spoilt)
-    maxima = best[slipping]
-    value[slipping] = vertex.work[maxima]
-    place[slipping] = vertex.place[maxima]
-    rules = np.stack([density(slipping, place[slipping], every) for every in (1, 2, 4)])
-    error_of_rule = quadrature_error(rules, rules[0]) + relative_error[slipping]
-    error[slipping] = vertex.rise[maxima] + vertex.work[maxima] * error_of_rule
+    slipping_members = np.flatnonzero((best_candidate >= 0) & ~is_spoilt)
+    maxima = best_candidate[slipping_members]
+    value[slipping_members] = vertex.work[maxima]
+    place[slipping_members] = vertex.place[maxima]
+    rules = np.stack(
+        [density(slipping_members, place[slipping_members], every) for every in (1, 2, 4)]
+    )
+    error_of_rule = quadrature_error(rules, rules[0]) + relative_error[slipping_members]
+    error[slipping_members] = vertex.rise[maxima] + vertex.work[maxima] * error_of_rule
 
     # Other maxima count where W falls in between, and not by its last digits only.
-    ends = np.sort(np.stack([number, number[best[owner]]]), axis=0)
+    ends = np.sort(np.stack([number, number[best_candidate[owner]]]), axis=0)
     least_between = np.minimum.reduceat(work, ends.T.ravel())[::2] if len(number) else work
     fall = np.maximum(_DISTINCT * value, 2 * error)
-    is_other = order != best[owner[order]]
+    is_other = order != best_candidate[owner[order]]
     is_distinct = least_between[order] < vertex.work[order] - fall[owner[order]]
     seconds = order[is_other & is_distinct]
     second_value[owner[seconds]] = vertex.work[seconds]
@@ -252,29 +260,29 @@ def _closer(
     """
     x = x.copy()
     w = w.copy()
-    waiting = np.arange(len(member))
+    waiting_members = np.arange(len(member))
     is_slow = np.zeros(len(member), dtype=bool)
     for _ in range(_ROUNDS):
-        vertex = _parabola(x[:, waiting], w[:, waiting])
-        is_rough = vertex.rise > known * np.abs(w[1, waiting])
-        waiting = waiting[is_rough]
-        if not len(waiting):
+        vertex = _parabola(x[:, waiting_members], w[:, waiting_members])
+        is_rough = vertex.rise > known * np.abs(w[1, waiting_members])
+        waiting_members = waiting_members[is_rough]
+        if not len(waiting_members):
             break
-        bracket = x[:, waiting]
+        bracket = x[:, waiting_members]
         length = bracket[2] - bracket[0]
         by_parabola = _next_points(bracket, vertex.place[is_rough])
         evenly = bracket[0] + length * _EVENLY[:, None]
-        added = np.where(is_slow[waiting], evenly, by_parabola)
-        added_works = [density(member[waiting], row) for row in added]
+        added = np.where(is_slow[waiting_members], evenly, by_parabola)
+        added_works = [density(member[waiting_members], row) for row in added]
         places = np.concatenate([bracket, added])
-        works = np.concatenate([w[:, waiting], added_works])
+        works = np.concatenate([w[:, waiting_members], added_works])
         order = np.argsort(places, axis=0, kind="stable")
         places = np.take_along_axis(places, order, 0)
         works = np.take_along_axis(works, order, 0)
         three = np.clip(np.argmax(works, axis=0), 1, len(works) - 2) + _THREE
-        x[:, waiting] = np.take_along_axis(places, three, 0)
-        w[:, waiting] = np.take_along_axis(works, three, 0)
-        is_slow[waiting] = x[2, waiting] - x[0, waiting] > length / 2
+        x[:, waiting_members] = np.take_along_axis(places, three, 0)
+        w[:, waiting_members] = np.take_along_axis(works, three, 0)
+        is_slow[waiting_members] = x[2, waiting_members] - x[0, waiting_members] > length / 2
     return x, w
 
 
@@ -290,8 +298,8 @@ def _next_points(bracket: Array, vertex: Array) -> Array:
     right_point = np.minimum(centre + step, (centre + high) / 2)
     # A vertex that is all but the middle point needs no work of its own: the third point goes
     # beyond.
-    third = np.where(is_middle, (right_point + high) / 2, vertex)
-    return np.stack([left_point, third, right_point])
+    trial_point = np.where(is_middle, (right_point + high) / 2, vertex)
+    return np.stack([left_point, trial_point, right_point])
 
 
 class _Vertex(NamedTuple):
@@ -307,16 +315,16 @@ class _Vertex(NamedTuple):
 def _parabola(x: Array, w: Array) -> _Vertex:
     """Of three points, (3, n); W rises at most up to the chord of the other two, drawn on."""
     length = np.diff(x, axis=0)
-    before, after = length
+    length_before, length_after = length
     slope_before, slope_after = np.diff(w, axis=0) / np.where(length > 0, length, np.inf)
-    span = np.where(before + after > 0, before + after, np.inf)
+    span = np.where(length_before + length_after > 0, length_before + length_after, np.inf)
     bend = (slope_after - slope_before) / span
-    slope = (slope_before * after + slope_after * before) / span
+    slope = (slope_before * length_after + slope_after * length_before) / span
     shift = np.where(bend < 0, slope / np.where(bend < 0, -2 * bend, 1.0), 0.0)
     return _Vertex(
         work=w[1] + slope * shift / 2,
         place=x[1] + shift,
-        rise=np.maximum(np.abs(slope_before) * after, np.abs(slope_after) * before),
+        rise=np.maximum(np.abs(slope_before) * length_after, np.abs(slope_after) * length_before),
     )
 
 
@@ -550,18 +558,18 @@ def _works_with_effects(bends: Curvatures, members: Members) -> Array:
         area = np.reshape(np.square(group.length_unit), (-1, 1)) * ones
         of_bodies = BendColumns.of(bends, members.modulus / modulus * area)
         of_half_planes = BendColumns.of(Curvatures(), ones)
-        plain = works_of_ellipses(loads, of_half_planes, group.contact, modulus)
-        bent = works_of_ellipses(loads, of_bodies, group.contact, modulus)
+        works_of_half_planes = works_of_ellipses(loads, of_half_planes, group.contact, modulus)
+        works_of_bodies = works_of_ellipses(loads, of_bodies, group.contact, modulus)
         work_unit = np.square(group.load_unit / members.loads.friction[group.members])
-        forward = work_unit * (bent.forward - plain.forward)
-        reverse = work_unit * (bent.reverse - plain.reverse)
-        by_rule = work_unit * (plain.forward + plain.reverse)
+        forward = work_unit * (works_of_bodies.forward - works_of_half_planes.forward)
+        reverse = work_unit * (works_of_bodies.reverse - works_of_half_planes.reverse)
+        by_rule = work_unit * (works_of_half_planes.forward + works_of_half_planes.reverse)
         error = np.abs(by_rule - works[0, group.members])
         works[0, group.members] += forward + reverse
         works[1, group.members] += forward
         works[2, group.members] += reverse
         works[3, group.members] += _OF_RULE * error
-        works[4, group.members] = group.load_unit * group.contact.load(bent.stick)
+        works[4, group.members] = group.load_unit * group.contact.load(works_of_bodies.stick)
     return works
 
 
@@ -640,8 +648,8 @@ def _works_on_table(e: Ellipses, unit: Array) -> Array:
     """
     e = e.over(unit)
     works = np.empty((3, len(unit)))
-    for members, first, last in by_largest_load(e):
-        table = _table(first, last)
+    for members, first_load, last_load in by_largest_load(e):
+        table = _table(first_load, last_load)
         loops = e.take(members)
         forward, reverse = works_by_lam(
             loops, table.quick, table.careful, _DEEP_ON_TABLE, LEAST_LOAD
@@ -653,8 +661,8 @@ def _works_on_table(e: Ellipses, unit: Array) -> Array:
 
 
 @lru_cache(maxsize=32)
-def _table(first: int, last: int) -> LamTable:
-    return LamTable(_contact("flat_rounded", ()), first, last)
+def _table(first_load: int, last_load: int) -> LamTable:
+    return LamTable(_contact("flat_rounded", ()), first_load, last_load)
 
 
 # ------------------------------------------------------------------------ members and their reasons
@@ -775,18 +783,18 @@ def _columns(
     total = math.prod(shape)
     columns = np.full((count, total), np.nan)
     reasons = np.zeros(total, dtype=np.int8)
-    for first in range(0, total, _BLOCK):
-        last = min(first + _BLOCK, total)
-        parts = [_part(array, shape, first, last) for array in arrays]
+    for first_member in range(0, total, _BLOCK):
+        member_beyond = min(first_member + _BLOCK, total)
+        parts = [_part(array, shape, first_member, member_beyond) for array in arrays]
         code, good, members, friction = batch.members_of(
             LoadArrays(*parts[: len(loads)]), parts[len(loads) :]
         )
         if len(good):
             of_members = results_of(members)
             of_members[:scaled] *= 2 / (math.pi * batch.modulus) * friction**2
-            columns[:, first + good] = of_members
+            columns[:, first_member + good] = of_members
             code[good[~np.isfinite(of_members[0])]] = Reason.UNSETTLED
-        reasons[first:last] = code
+        reasons[first_member:member_beyond] = code
     columns.flags.writeable = False
     reasons.flags.writeable = False
     return [column.reshape(shape) for column in columns], reasons.reshape(shape)
@@ -816,10 +824,10 @@ class _Batch:
         """Reason of each member (m,), the numbers of the good ones (k,), these, and their friction
         (k,).
         """
-        invalid = self._invalid(loads, parameters)
-        if np.any(invalid):
-            loads = LoadArrays(*(np.where(invalid, 1.0, column) for column in loads))
-            parameters = [np.where(invalid, 1.0, column) for column in parameters]
+        is_invalid = self._invalid(loads, parameters)
+        if np.any(is_invalid):
+            loads = LoadArrays(*(np.where(is_invalid, 1.0, column) for column in loads))
+            parameters = [np.where(is_invalid, 1.0, column) for column in parameters]
         # Without friction only Q = 0 is admissible, and nothing is dissipated: any positive
         # coefficient gives that.
         friction = np.where(loads.friction > 0, loads.friction, 1.0)
@@ -828,16 +836,16 @@ class _Batch:
             loops = ellipses_of(
                 loads.mean, loads.amplitude, loads.tangential, loads.phase, friction
             )
-        mirrored = np.tan(loads.phase / 2) < 0
-        force = np.where(mirrored, -loads.force, loads.force)
+        is_mirrored = np.tan(loads.phase / 2) < 0
+        force = np.where(is_mirrored, -loads.force, loads.force)
         code = _reasons(loops, force, loads.tangential, loads.friction)
         is_too_large = loads.mean + loads.amplitude > self.largest_load
         code[(code == Reason.NONE) & is_too_large] = Reason.EXTENT
-        code[invalid] = Reason.INVALID
+        code[is_invalid] = Reason.INVALID
         good = np.flatnonzero(code == Reason.NONE)
         if 0 < len(good) < len(code):
             loops = loops.take(good)
-            mirrored = mirrored[good]
+            is_mirrored = is_mirrored[good]
             friction = friction[good]
             parameters = [column[good] for column in parameters]
             loads = LoadArrays(*(column[good] for column in loads))
@@ -847,28 +855,30 @@ class _Batch:
             self.contact,
             self.modulus,
             loops,
-            mirrored,
+            is_mirrored,
             loads._replace(friction=friction),
         )
         return code, good, members, friction
 
     def _invalid(self, loads: LoadArrays, parameters: list[Array]) -> NDArray[np.bool_]:
         """Members (m,) whose numbers are none that can be used."""
-        invalid = _invalid(loads)
+        is_invalid = _invalid(loads)
         if self.contact is None:
-            invalid |= _invalid_shapes(self.kind, parameters)
+            is_invalid |= _invalid_shapes(self.kind, parameters)
         if self.kind in _UNITS:
-            invalid |= _beyond_units(self.kind, parameters, self.modulus, loads.mean)
-        return invalid
+            is_invalid |= _beyond_units(self.kind, parameters, self.modulus, loads.mean)
+        return is_invalid
 
 
-def _part(array: Array, shape: tuple[int, ...], first: int, last: int) -> Array:
-    """Members `first` to `last` of the array broadcast to `shape`, without the others."""
+def _part(array: Array, shape: tuple[int, ...], first_member: int, member_beyond: int) -> Array:
+    """Members `first_member` to `member_beyond` of the array broadcast to `shape`, without the
+    others.
+    """
     if array.size == 1:
-        return np.full(last - first, array.item())
+        return np.full(member_beyond - first_member, array.item())
     if array.shape == shape and array.flags.c_contiguous:
-        return array.reshape(-1)[first:last]
-    return np.broadcast_to(array, shape).flat[first:last]
+        return array.reshape(-1)[first_member:member_beyond]
+    return np.broadcast_to(array, shape).flat[first_member:member_beyond]
 
 
 def _invalid(loads: LoadArrays) -> NDArray[np.bool_]:
@@ -892,15 +902,17 @@ def _beyond_units(
     return ~((load >= 1 / LARGEST) & (load <= LARGEST))
 
 
-def _reasons(e: Ellipses, force: Array, tangential: Array, friction: Array) -> NDArray[np.int8]:
+def _reasons(
+    e: Ellipses, force: Array, tangential_load: Array, friction: Array
+) -> NDArray[np.int8]:
     """Reason of each valid member (m,): separation, gross sliding; |Q| = f P is admitted, to
     rounding. `force`: Q0 as turned.
     """
     limit = friction * e.mean
-    slack = 4e-16 * (np.abs(force) + tangential + limit + friction * e.amplitude)
+    slack = 4e-16 * (np.abs(force) + tangential_load + limit + friction * e.amplitude)
     # The greatest Q - f P and -Q - f P; without friction u and v are those of another coefficient.
     slides = np.maximum(friction * e.u + force, friction * e.v - force) > limit + slack
-    slides |= (friction == 0) & (tangential > 0)
+    slides |= (friction == 0) & (tangential_load > 0)
     reasons = np.full(len(limit), Reason.NONE, dtype=np.int8)
     reasons[slides] = Reason.SLIDING
     reasons[e.amplitude > e.mean] = Reason.SEPARATION
@@ -1020,17 +1032,17 @@ def _invalid_shapes(kind: str, parameters: list[Array]) -> NDArray[np.bool_]:
         bounds = (1.0, _LEAST, _LEAST)
     elif kind == "polynomial":
         bounds = (_LEAST, *[-LARGEST] * (len(parameters) - 1))
-    inside = [
+    in_range = [
         (values >= bound) & (values <= LARGEST)
         for values, bound in zip(parameters, bounds, strict=True)
     ]
-    invalid = ~np.logical_and.reduce(inside)
-    valid = np.flatnonzero(~invalid)
+    is_invalid = ~np.logical_and.reduce(in_range)
+    valid = np.flatnonzero(~is_invalid)
     if kind in ("polynomial", "compound") and len(valid):
         # By the rules of the profile, and by those of one contact.
         for members, shape, _, _ in _by_shape(kind, [values[valid] for values in parameters]):
             try:
                 _contact(kind, shape)
             except InputError:
-                invalid[valid[members]] = True
-    return invalid
+                is_invalid[valid[members]] = True
+    return is_invalid

@@ -83,9 +83,9 @@ class OneCurve:
         # Somebody else's instant may be before the start by rounding.
         path_time = np.maximum(time, self.path.start)
         contact = self.contact
-        lower, upper = np.zeros((2, len(time)))
+        stress_of_lower, stress_of_upper = np.zeros((2, len(time)))
         if self.bulk is not None:
-            lower, upper = self.bulk.at(path_time)
+            stress_of_lower, stress_of_upper = self.bulk.at(path_time)
         tilt, moment = np.zeros((2, len(time)))
         if self.turning is not None:
             tilt, moment = self.turning.at(path_time)
@@ -93,8 +93,8 @@ class OneCurve:
             tilt = contact.tilt_under(load, moment)
         m, c = contact.under(load, tilt)
         return {
-            "bulk_stress_lower": lower,
-            "bulk_stress_upper": upper,
+            "bulk_stress_lower": stress_of_lower,
+            "bulk_stress_upper": stress_of_upper,
             "tilt": tilt,
             "moment": moment if self.moment_given else contact.moment(m, c, load, tilt),
             "contact_edges": np.stack([m - c, m + c], axis=-1),
@@ -115,9 +115,9 @@ def strain_of(materials: Materials) -> tuple[float, float]:
     ... )
     (1.0, -0.5)
     """
-    lower = (1 - materials.lower.poisson_ratio**2) / materials.lower.young_modulus
-    upper = (1 - materials.upper.poisson_ratio**2) / materials.upper.young_modulus
-    return lower, -upper
+    lower_compliance = (1 - materials.lower.poisson_ratio**2) / materials.lower.young_modulus
+    upper_compliance = (1 - materials.upper.poisson_ratio**2) / materials.upper.young_modulus
+    return lower_compliance, -upper_compliance
 
 
 def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
@@ -144,14 +144,16 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
     datum = profile.datum_length
     friction = scene.friction.coefficient
     strain = strain_of(scene.material)
-    upright = TiltedProfile(NestedIntervals(shape, compliance, 0.0, 0.0, math.inf), datum)
-    samples = [_sampled(leg, upright if path.moment_given else None, strain) for leg in legs]
+    upright_profile = TiltedProfile(NestedIntervals(shape, compliance, 0.0, 0.0, math.inf), datum)
+    samples = [
+        _sampled(leg, upright_profile if path.moment_given else None, strain) for leg in legs
+    ]
     sizes = LoadSizes.of(np.concatenate(samples, axis=1), shape, compliance, friction)
     loading_count = len(path.initial_loading)
-    first = 0  # leg of the first shear
-    while first < loading_count and _presses_only(samples[first], sizes):
-        first += 1
-    p, q, eps, alpha = np.concatenate(samples[first:] or [samples[-1][:, -1:]], axis=1)
+    leg_of_first_shear = 0  # leg of the first shear
+    while leg_of_first_shear < loading_count and _presses_only(samples[leg_of_first_shear], sizes):
+        leg_of_first_shear += 1
+    p, q, eps, alpha = np.concatenate(samples[leg_of_first_shear:] or [samples[-1][:, -1:]], axis=1)
     has_tilt = np.isfinite(alpha)
     largest_load = float(np.max(p))
     neglected: dict[str, float] = {}
@@ -203,7 +205,7 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
             return None
     legs_of_p_and_q = [replace(leg, bulk=None, turning=None) for leg in legs]
     if strain_alone:
-        for number in range(first, len(legs)):
+        for number in range(leg_of_first_shear, len(legs)):
             leg = _driven(legs[number], strain, first_strain, slope)
             if leg is None:
                 return None
@@ -277,15 +279,15 @@ def cycle_samples(scene: Scene) -> Array:
     n).
     """
     path = scene.load.path()
-    upright = None
+    upright_profile = None
     if path.moment_given:
         shape = convex_profile(scene.profile)
         product = 2 / composite_modulus(scene.material)
-        upright = TiltedProfile(
+        upright_profile = TiltedProfile(
             NestedIntervals(shape, product, 0.0, 0.0, math.inf), scene.profile.datum_length
         )
     return np.concatenate(
-        [_sampled(leg, upright, strain_of(scene.material)) for leg in path.cycle], axis=1
+        [_sampled(leg, upright_profile, strain_of(scene.material)) for leg in path.cycle], axis=1
     )
 
 
@@ -312,14 +314,15 @@ def steady_curve(scene: Scene) -> OneCurve | None:
     pressing = StraightSegment(begin, middle, (0.0, 0.0), (p, 0.0))
     shearing = StraightSegment(middle, end, (p, 0.0), (p, q))
     if first_leg.bulk is not None:
-        lower, upper = map(float, first_leg.bulk.loads(end))
-        lower_before = lower - _slope_of(forces, strains) * q / strain[0]
-        stresses_before = (lower_before, upper)
+        stress_of_lower, stress_of_upper = map(float, first_leg.bulk.loads(end))
+        lower_before = stress_of_lower - _slope_of(forces, strains) * q / strain[0]
+        stresses_before = (lower_before, stress_of_upper)
         pressing = replace(
             pressing, bulk=StraightSegment(begin, middle, stresses_before, stresses_before)
         )
         shearing = replace(
-            shearing, bulk=StraightSegment(middle, end, stresses_before, (lower, upper))
+            shearing,
+            bulk=StraightSegment(middle, end, stresses_before, (stress_of_lower, stress_of_upper)),
         )
     if first_leg.turning is not None:
         tilt, moment = map(float, first_leg.turning.loads(end))
@@ -476,9 +479,9 @@ class PathLoads:
         leg, delay = self._place(float(np.mean(time)))
         leg_time = time - delay
         p, q = leg.loads(leg_time)
-        lower, upper = _companion_loads(leg.bulk, leg_time)
+        stress_of_lower, stress_of_upper = _companion_loads(leg.bulk, leg_time)
         tilt, moment = _companion_loads(leg.turning, leg_time)
-        eps = self.strain[0] * lower + self.strain[1] * upper
+        eps = self.strain[0] * stress_of_lower + self.strain[1] * stress_of_upper
         p, q, eps, tilt, moment, _ = np.broadcast_arrays(p, q, eps, tilt, moment, time)
         if self.path.moment_given:
             tilt = self.contact.tilt_under(p, moment)
@@ -518,11 +521,13 @@ def _presses_only(samples: Array, sizes: LoadSizes) -> bool:
     return bool(np.max(np.abs(q)) <= sizes.shear_rounding and np.ptp(eps) <= sizes.strain_rounding)
 
 
-def _sampled(leg: LoadSegment, upright: TiltedProfile | None, strain: tuple[float, float]) -> Array:
+def _sampled(
+    leg: LoadSegment, upright_profile: TiltedProfile | None, strain: tuple[float, float]
+) -> Array:
     """P, Q, eps and alpha at instants of a leg, (4, n): enough to tell two legs apart; no alpha
     where a moment has no load.
 
-    `upright` is the contact where the moment is stated.
+    `upright_profile` is the contact where the moment is stated.
     """
     parts = [part for part in (leg, leg.bulk, leg.turning) if part is not None]
     turns = max(part.most_turns for part in parts)
@@ -534,20 +539,20 @@ def _sampled(leg: LoadSegment, upright: TiltedProfile | None, strain: tuple[floa
         turning_times += leg.bulk.turning_points(Combination(*strain))
     time = np.unique(np.append(spread_times, turning_times))
     p, q = leg.loads(time)
-    lower, upper = _companion_loads(leg.bulk, time)
+    stress_of_lower, stress_of_upper = _companion_loads(leg.bulk, time)
     tilt, moment = _companion_loads(leg.turning, time)
-    if upright is not None and np.any(moment):
-        tilt = np.where(p > 0, upright.tilt_under(*np.broadcast_arrays(p, moment)), np.nan)
-    return np.stack([p, q, strain[0] * lower + strain[1] * upper, tilt])
+    if upright_profile is not None and np.any(moment):
+        tilt = np.where(p > 0, upright_profile.tilt_under(*np.broadcast_arrays(p, moment)), np.nan)
+    return np.stack([p, q, strain[0] * stress_of_lower + strain[1] * stress_of_upper, tilt])
 
 
 def _companion_loads(companion: LoadSegment | None, time: Array) -> tuple[Array, Array]:
     """Both values of a leg's `bulk` or `turning` at times, shape of `time`; 0 where it has none."""
     if companion is None:
         return np.zeros(np.shape(time)), np.zeros(np.shape(time))
-    first, second = companion.loads(time)
+    first_load, second_load = companion.loads(time)
     zeros = np.zeros(np.shape(time))
-    return first + zeros, second + zeros
+    return first_load + zeros, second_load + zeros
 
 
 def _slope_of(load: Array, values: Array, rounding: float = 0.0) -> float:

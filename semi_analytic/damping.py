@@ -94,8 +94,8 @@ def hysteresis(
         )
     if len(cycle) < 3:
         raise InputError("hysteresis: the times of the solution hold no whole cycle")
-    added = added_compliance(solution, "hysteresis", datum_length, effects)
-    displacement = solution.tangential_displacement + added * solution.tangential_load
+    added_part = added_compliance(solution, "hysteresis", datum_length, effects)
+    displacement = solution.tangential_displacement + added_part * solution.tangential_load
     force = np.ptp(solution.tangential_load[cycle]) / 2
     shift = np.ptp(displacement[cycle]) / 2
     if not np.all(np.isfinite(solution.tangential_displacement)) or not math.isfinite(
@@ -182,11 +182,13 @@ def compliance(
     is_plain_theory = solution.engine == "semi_analytic" and "effects" not in solution.settings
     if not is_plain_theory and not solution.scene.bodies.half_planes:
         raise InputError("compliance: the formula is that of half-planes; solve by theory")
-    added = added_compliance(solution, "compliance", datum_length, effects)
+    added_part = added_compliance(solution, "compliance", datum_length, effects)
     factor = 2 / (math.pi * composite_modulus(solution.scene.material))
     datum_width = 2 * solution.scene.profile.datum_length
     with np.errstate(divide="ignore"):
-        in_slip = factor * np.log(datum_width / np.nan_to_num(solution.stick_half_width)) + added
+        in_slip = (
+            factor * np.log(datum_width / np.nan_to_num(solution.stick_half_width)) + added_part
+        )
         after_reversal = factor * np.log(datum_width / np.nan_to_num(solution.contact_half_width))
-        after_reversal = after_reversal + added
+        after_reversal = after_reversal + added_part
     return freeze(in_slip), freeze(after_reversal)

@@ -93,31 +93,31 @@ def events(scene: Scene) -> tuple[Event, ...]:
     scene = validated(scene, Scene)
     history = history_of(followed_path(scene), scene.friction.coefficient, scene.cycles)
     times = _letter_times(history)
-    merged: list[Event] = []
+    merged_events: list[Event] = []
     for event in sorted(_named(history), key=lambda event: event.time):
-        before = merged[-1] if merged else None
+        event_before = merged_events[-1] if merged_events else None
         tolerance = _SAME * max(abs(event.time), 1.0)
-        if before is not None and abs(before.time - event.time) <= tolerance:
-            merged[-1] = _as_one(before, event)
+        if event_before is not None and abs(event_before.time - event.time) <= tolerance:
+            merged_events[-1] = _as_one(event_before, event)
         else:
-            merged.append(event)
+            merged_events.append(event)
     lettered = []
-    for event in merged:
+    for event in merged_events:
         if not event.name.endswith(_ON):
             letters = [letter for letter, time in times.items() if abs(time - event.time) <= 1e-7]
             lettered.append(replace(event, letter="".join(letters)))
     return tuple(lettered)
 
 
-def _as_one(first: Event, second: Event) -> Event:
+def _as_one(first_event: Event, second_event: Event) -> Event:
     """Two events of one instant, with both names and the lower load at the edge of slip."""
-    names = [name for name in (first.name, second.name) if not name.endswith(_ON)]
+    names = [name for name in (first_event.name, second_event.name) if not name.endswith(_ON)]
     if not names:
-        names = [first.name]
+        names = [first_event.name]
     return replace(
-        first,
+        first_event,
         name="; ".join(dict.fromkeys(names)),
-        front_load=min(first.front_load, second.front_load),
+        front_load=min(first_event.front_load, second_event.front_load),
     )
 
 
@@ -149,34 +149,43 @@ def _named(history: History) -> Iterator[Event]:
     states = {0: "full stick", 1: "forward slip", -1: "reverse slip"}
     groups = [(f"cycle {number}", cycle) for number, cycle in enumerate(history.cycles, 1)]
     for label, spans in [("initial loading", history.loading), *groups]:
-        before: Span | None = None
+        span_before: Span | None = None
         for span in spans:
-            if before is None:
+            if span_before is None:
                 name = f"{label} starts"
-            elif before.direction != span.direction:
-                name = f"{states[before.direction]} ends, {states[span.direction]} starts"
-            elif span.direction and not _same_piece(before.active, span.active):
+            elif span_before.direction != span.direction:
+                name = f"{states[span_before.direction]} ends, {states[span.direction]} starts"
+            elif span.direction and not _same_piece(span_before.active, span.active):
                 name = f"the front of {states[span.direction]} passes a piece of the memory"
             else:
                 name = states[span.direction] + _ON
             yield _at(span, span.begin.time, name)
-            if before is not None:
-                yield _at(before, before.end.time, name)
+            if span_before is not None:
+                yield _at(span_before, span_before.end.time, name)
             yield from _extremes(span)
-            before = span
-    last = history.spans[-1]
+            span_before = span
+    last_span = history.spans[-1]
     yield _at(
-        last, last.end.time, "the path ends" if history.period is None else "the last cycle ends"
+        last_span,
+        last_span.end.time,
+        "the path ends" if history.period is None else "the last cycle ends",
     )
 
 
-def _same_piece(first: Curve, second: Curve) -> bool:
+def _same_piece(first_curve: Curve, second_curve: Curve) -> bool:
     """Whether two pieces of memory curves are parts of one piece."""
-    if first is None or second is None:
-        return first is second
-    if first.arc is not None and second.arc is not None and first.anchor.leg is second.anchor.leg:
+    if first_curve is None or second_curve is None:
+        return first_curve is second_curve
+    if (
+        first_curve.arc is not None
+        and second_curve.arc is not None
+        and first_curve.anchor.leg is second_curve.anchor.leg
+    ):
         return True  # an arc that a cycle starts in comes in two pieces
-    return first.anchor[1:] == second.anchor[1:] and first.slope == second.slope
+    return (
+        first_curve.anchor[1:] == second_curve.anchor[1:]
+        and first_curve.slope == second_curve.slope
+    )
 
 
 def _extremes(span: Span) -> Iterator[Event]:
@@ -200,14 +209,14 @@ def _extremes(span: Span) -> Iterator[Event]:
 def _at(span: Span, time: float, name: str) -> Event:
     """The event `name` at the instant of a span that is nearest to a time of its leg."""
     leg_time = min(max(time, span.begin.time), span.end.time)
-    normal, tangential = (float(load) for load in span.leg.loads(leg_time))
+    normal_load, tangential_load = (float(load) for load in span.leg.loads(leg_time))
     return Event(
         letter="",
         name=name,
         time=leg_time + span.delay,
-        normal_load=normal,
-        tangential_load=tangential,
-        front_load=normal - float(span.slipped(leg_time)),
+        normal_load=normal_load,
+        tangential_load=tangential_load,
+        front_load=normal_load - float(span.slipped(leg_time)),
     )
 
 

@@ -137,22 +137,24 @@ class Arc:
         # A shift has all loads behind it, also where x = 0 is never in contact.
         self._edge = np.zeros(1) if kernel == "shift" else contact.load(x)
         self._factor = 1 / math.pi if kernel == "shear" else 1.0
-        first = piece.arc[0]
-        last = piece.anchor.time
+        first_time = piece.arc[0]
+        last_time = piece.anchor.time
         loads = contact.break_loads
         loads = loads[(loads > piece.bottom) & (loads < piece.anchor.normal)]
         corners = front_time(piece, loads) if len(loads) else loads
-        self._turn_at_begin = _turn(self._leg, first, last)
-        self._turn_at_end = _turn(self._leg, last, first)
+        self._turn_at_begin = _turn(self._leg, first_time, last_time)
+        self._turn_at_end = _turn(self._leg, last_time, first_time)
         # Even between the corners: a panel that began just behind one would not be smooth.
-        ends = np.unique(np.clip([first, *corners, last], first, last))
-        counts = np.maximum(np.ceil(np.diff(ends) / (last - first) * _PANELS), 1).astype(int)
+        ends = np.unique(np.clip([first_time, *corners, last_time], first_time, last_time))
+        counts = np.maximum(np.ceil(np.diff(ends) / (last_time - first_time) * _PANELS), 1).astype(
+            int
+        )
         parts = [
             np.linspace(a, b, n, endpoint=False)
             for a, b, n in zip(ends[:-1], ends[1:], counts, strict=True)
         ]
         # a panel of a digit or two has no inner ends
-        marks = np.unique([*np.concatenate(parts), last])
+        marks = np.unique([*np.concatenate(parts), last_time])
         half_load = float(front_time(piece, (piece.bottom + piece.anchor.normal) / 2))
         self._middle = float(marks[np.argmin(np.abs(marks - half_load))])
         self._follow(marks)
@@ -375,31 +377,31 @@ class _NearIntegral:
         turn = self.turn
         at_low = self._root_of_rise(low)
         at_high = self._root_of_rise(high)
-        inner = np.minimum(at_low, at_high)
-        outer = np.maximum(at_low, at_high)
+        inner_end = np.minimum(at_low, at_high)
+        outer_end = np.maximum(at_low, at_high)
         square = turn.sign * (edge - turn.load)
         # An e of 0 would stretch the variable for ever.
-        least_square = 1e-36 * outer**2
+        least_square = 1e-36 * outer_end**2
         square = np.where(np.abs(square) < least_square, least_square, square)
         # The part on the side of P_x where the kernel is not 0: z^2 > e^2 or z^2 < e^2.
         limits = _limits_beyond if self.beyond else _limits_within
-        begin, end = limits(inner, outer, square)
+        begin, end = limits(inner_end, outer_end, square)
         length = end - begin
         is_rough = self._is_rough(begin, length, square)
-        shortest = -1.0
-        for longest, count in _SPANS:
-            is_of_rule = (length > shortest) & (length <= longest)
-            chosen = np.flatnonzero((length > 0) & ~is_rough & is_of_rule)
-            shortest = longest
+        shortest_span = -1.0
+        for longest_span, count in _SPANS:
+            is_of_rule = (length > shortest_span) & (length <= longest_span)
+            chosen_pieces = np.flatnonzero((length > 0) & ~is_rough & is_of_rule)
+            shortest_span = longest_span
             node, share = gauss(count)
-            for k in range(0, len(chosen), _NODES // count):
-                m = chosen[k : k + _NODES // count]
+            for k in range(0, len(chosen_pieces), _NODES // count):
+                m = chosen_pieces[k : k + _NODES // count]
                 s = begin[m, None] + length[m, None] * node
                 weight = length[m, None] * share
                 integrals[m] = self._sum(s, weight, x[m, None], square[m, None])
-        chosen = np.flatnonzero((length > 0) & is_rough)
-        for k in range(0, len(chosen), _NODES // len(ROOTS.up)):
-            m = chosen[k : k + _NODES // len(ROOTS.up)]
+        chosen_pieces = np.flatnonzero((length > 0) & is_rough)
+        for k in range(0, len(chosen_pieces), _NODES // len(ROOTS.up)):
+            m = chosen_pieces[k : k + _NODES // len(ROOTS.up)]
             s, weight = graded(begin[m], end[m])
             integrals[m] = self._sum(s, weight, x[m, None], square[m, None])
         return integrals
@@ -428,8 +430,8 @@ class _NearIntegral:
         z, root = _nodes(s, square, self.beyond)
         load = np.maximum(self.turn.load + self.turn.sign * z * z, 0.0)
         advance = self.contact.advance(load)
-        above = root * root if self.kernel != "slip" else -root * root
-        kernel = _kernel(self.contact, self.kernel, x, above, load, advance)
+        root_product = root * root if self.kernel != "slip" else -root * root
+        kernel = _kernel(self.contact, self.kernel, x, root_product, load, advance)
         force_rate = _force_over_root(self.leg, self.turn, z)
         return np.asarray(np.sum(weight * root * force_rate * kernel, axis=1))
 
@@ -555,22 +557,22 @@ class Integrals:
 
     def _remember(self, curves: Sequence[CurvePart | None]) -> None:
         """Sum the curves that are not known yet, each from the first known piece up."""
-        new: dict[int, CurvePart] = {}
+        new_parts: dict[int, CurvePart] = {}
 
         def is_unknown(piece: CurvePart) -> bool:
-            return id(piece) not in self._known and id(piece) not in new
+            return id(piece) not in self._known and id(piece) not in new_parts
 
         for curve in curves:
-            unknown = list(takewhile(is_unknown, pieces(curve)))
-            new.update({id(piece): piece for piece in reversed(unknown)})
-        if not new:
+            unknown_parts = list(takewhile(is_unknown, pieces(curve)))
+            new_parts.update({id(piece): piece for piece in reversed(unknown_parts)})
+        if not new_parts:
             return
-        slopes = np.array([piece.straight_slope for piece in new.values()])
-        bottoms = np.array([piece.bottom for piece in new.values()])
-        tops = np.array([piece.top for piece in new.values()])
+        slopes = np.array([piece.straight_slope for piece in new_parts.values()])
+        bottoms = np.array([piece.bottom for piece in new_parts.values()])
+        tops = np.array([piece.top for piece in new_parts.values()])
         lines = self._line(slopes, bottoms, tops)
-        curved = self._curved([(piece, np.array([piece.top])) for piece in new.values()])
-        for piece, of_line, of_arc in zip(new.values(), lines, curved, strict=True):
+        curved = self._curved([(piece, np.array([piece.top])) for piece in new_parts.values()])
+        for piece, of_line, of_arc in zip(new_parts.values(), lines, curved, strict=True):
             integral_below = self._known[id(piece.below)][1] if piece.below is not None else 0.0
             self._known[id(piece)] = piece, integral_below + of_line + np.ravel(of_arc)
 
@@ -615,16 +617,16 @@ class Integrals:
         end = np.minimum(top[:, None], edge)
         width = np.sqrt(np.maximum(end - bottom[:, None], 0.0))
         integrals = np.zeros(end.shape)
-        beyond = np.sqrt(np.maximum(edge - end, 0.0))
-        is_near = beyond < 0.5 * width
-        for chosen, count in ((~is_near, 12), (is_near, 32)):
-            row, point = np.nonzero((width > 0) & chosen)
-            e = np.maximum(beyond[row, point], 1e-4 * width[row, point])
+        root_beyond = np.sqrt(np.maximum(edge - end, 0.0))
+        is_near = root_beyond < 0.5 * width
+        for is_chosen, count in ((~is_near, 12), (is_near, 32)):
+            row, point = np.nonzero((width > 0) & is_chosen)
+            e = np.maximum(root_beyond[row, point], 1e-4 * width[row, point])
             node, weight = gauss(count)
             length = np.arcsinh(width[row, point] / e)[:, None]
             v = e[:, None] * np.sinh(length * node)
             root = e[:, None] * np.cosh(length * node)
-            excess = np.square(v) + np.square(beyond[row, point])[:, None]
+            excess = np.square(v) + np.square(root_beyond[row, point])[:, None]
             advance = contact.advance(end[row, point, None] - np.square(v))
             ratio = contact.arccosh_ratio(self.x[point, None], excess, advance)
             integrals[row, point] = np.sum(weight * length * 2 * v * root * ratio, axis=1)

@@ -168,9 +168,9 @@ def _over_spans(
 
         # 1e-14 across corners, for many small kinks may hide from one halving.
         share = min(CONVERGED, 25 * contact.noise) if len(marks[number]) else CONVERGED
-        allowed = share * max(size, float(np.max(np.abs(values[number]))))
+        allowed_error = share * max(size, float(np.max(np.abs(values[number]))))
         values[number, members], errors[number, members] = by_halving(
-            part, begin[members], end[members], allowed, marks[number]
+            part, begin[members], end[members], allowed_error, marks[number]
         )
     is_forward = np.array([span.direction > 0 for span, _, _ in ranges], dtype=bool)
     factor = 2 / (math.pi * modulus)
@@ -256,9 +256,9 @@ def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
     front_load = np.clip(edge_load, bottom, top)
     level_at_front = level_on(span.active, span.direction, span.friction, front_load)
     rise = level_at_front - float(change_from(span.active.anchor, leg, slip_level, first.time))
-    passed = leg.time_of(slip_level, rise, first.time, last.time)
-    passed = np.where(edge_load <= bottom, last.time, passed)
-    begin = np.where(edge_load >= top, first.time, passed)
+    time_passed = leg.time_of(slip_level, rise, first.time, last.time)
+    time_passed = np.where(edge_load <= bottom, last.time, time_passed)
+    begin = np.where(edge_load >= top, first.time, time_passed)
     meets = leg.time_of(NORMAL_LOAD, edge_load - first.normal, first.time, last.time)
     end_of_span = np.full(begin.shape, last.time)
     # Of the change itself: where P hardly moves, the last digits of both loads may say that it
@@ -327,14 +327,14 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
     return LoopWork(float(total), 2 / (math.pi * modulus) * rounding)
 
 
-def _flat_at(contact: Contact, largest: float) -> Contact:
+def _flat_at(contact: Contact, largest_load: float) -> Contact:
     """The contact with the datum of U set so that ln(2 L/a) is nothing where the contact is
     largest.
 
     That keeps the digits of a closed integral where the logarithm hardly varies, as for a face that
     is nearly all flat.
     """
-    moved_contact = replace(contact, datum_length=float(contact.half_width(largest)) / 2)
+    moved_contact = replace(contact, datum_length=float(contact.half_width(largest_load)) / 2)
     return (
         replace(moved_contact, rigid="loop")
         if isinstance(moved_contact, TiltedProfile)
@@ -368,8 +368,8 @@ def _means(contact: Contact, records: Records, values: Values) -> tuple[Array, i
         growth = parts_of_kind.load_after - parts_of_kind.load
         slip_growth = parts_of_kind.slipped_after - parts_of_kind.slipped
         load = parts_of_kind.load[:, None] + growth[:, None] * node
-        slipped = parts_of_kind.slipped[:, None] + slip_growth[:, None] * node
-        at_nodes = values(parts_of_kind.row, load, np.clip(slipped, 0.0, load))
+        slipped_load = parts_of_kind.slipped[:, None] + slip_growth[:, None] * node
+        at_nodes = values(parts_of_kind.row, load, np.clip(slipped_load, 0.0, load))
         means_of_parts = parts_of_kind.until * np.sum(weight * at_nodes, axis=1)
         means += np.bincount(parts_of_kind.row, means_of_parts, len(means))
         nodes += load.size
@@ -383,10 +383,14 @@ def _share_of_way(parts: Records, corners: Array) -> Array:
     front = parts.load - parts.slipped
     front_after = parts.load_after - parts.slipped_after
     for begin, end in ((parts.load, parts.load_after), (front, front_after)):
-        low = np.minimum(begin, end)
-        high = np.maximum(begin, end)
-        corner_below = np.append(0.0, corners)[np.searchsorted(corners, (low + high) / 2)]
-        ratio = np.maximum(low - corner_below, 0.0) / np.maximum(high - corner_below, tiny)
+        least_load = np.minimum(begin, end)
+        largest_load = np.maximum(begin, end)
+        corner_below = np.append(0.0, corners)[
+            np.searchsorted(corners, (least_load + largest_load) / 2)
+        ]
+        ratio = np.maximum(least_load - corner_below, 0.0) / np.maximum(
+            largest_load - corner_below, tiny
+        )
         share = np.maximum(share, 1 - ratio)
     return share
 
@@ -398,35 +402,38 @@ def _split(contact: Contact, records: Records) -> Records:
     `row` of a part is the number of its record, `until` its share of it. Loads are those of corners
     and, where P may hardly grow anywhere, of half-widths so close that a(P) is smooth in between.
     """
-    cuts = contact.break_loads
+    break_loads = contact.break_loads
     if contact.bends_anywhere and len(records.row):
         largest_load = max(float(np.max(records.load)), float(np.max(records.load_after)))
         largest_half_width = contact.half_width(largest_load)
-        cuts = np.append(cuts, contact.load(largest_half_width * _LADDER))
-    front = records.load - records.slipped
-    front_after = records.load_after - records.slipped_after
-    marks = [np.zeros((len(records.row), 1))]
-    for begin, end in ((records.load, records.load_after), (front, front_after)):
+        break_loads = np.append(break_loads, contact.load(largest_half_width * _LADDER))
+    stick_edge_load = records.load - records.slipped
+    stick_edge_load_after = records.load_after - records.slipped_after
+    shares_at_breaks = [np.zeros((len(records.row), 1))]
+    for begin, end in (
+        (records.load, records.load_after),
+        (stick_edge_load, stick_edge_load_after),
+    ):
         growth = np.where(end != begin, end - begin, np.inf)[:, None]
-        marks.append(np.clip((cuts - begin[:, None]) / growth, 0.0, 1.0))
-    low = np.concatenate(marks, axis=1)
-    low.sort(axis=1)
-    high = np.append(low[:, 1:], np.ones((len(low), 1)), axis=1)
-    row, number = np.nonzero(high > low)
-    first = low[row, number]
-    last = high[row, number]
+        shares_at_breaks.append(np.clip((break_loads - begin[:, None]) / growth, 0.0, 1.0))
+    share_at_begin = np.concatenate(shares_at_breaks, axis=1)
+    share_at_begin.sort(axis=1)
+    share_at_end = np.append(share_at_begin[:, 1:], np.ones((len(share_at_begin), 1)), axis=1)
+    row, mark_number = np.nonzero(share_at_end > share_at_begin)
+    first_share = share_at_begin[row, mark_number]
+    last_share = share_at_end[row, mark_number]
     load = records.load[row]
     load_growth = (records.load_after - records.load)[row]
     slipped = records.slipped[row]
     slip_growth = (records.slipped_after - records.slipped)[row]
     return Records(
         direction=records.direction[row],
-        load=load + first * load_growth,
-        load_after=load + last * load_growth,
-        slipped=slipped + first * slip_growth,
-        slipped_after=slipped + last * slip_growth,
-        rise=records.rise[row] * (last - first),
-        until=last - first,
+        load=load + first_share * load_growth,
+        load_after=load + last_share * load_growth,
+        slipped=slipped + first_share * slip_growth,
+        slipped_after=slipped + last_share * slip_growth,
+        rise=records.rise[row] * (last_share - first_share),
+        until=last_share - first_share,
         row=row,
     )
 
@@ -469,8 +476,8 @@ def density_of_records(contact: Contact, records: Records, x: Array) -> Array:
     density = np.zeros(len(x))
     parts = _split(contact, records)
     at_once = max(_CHUNK // len(x), 1)
-    for first in range(0, len(parts.load), at_once):
-        block = parts.take(slice(first, first + at_once))
+    for first_part in range(0, len(parts.load), at_once):
+        block = parts.take(slice(first_part, first_part + at_once))
         load = block.load[:, None]
         growth = (block.load_after - block.load)[:, None]
         front = load - block.slipped[:, None]
@@ -497,8 +504,8 @@ def _shares_in_slip(
     """Between which shares of a part, columns (n, 1), points of edge load P_x (k,) are in contact
     and outside the front: (n, k) each.
     """
-    passed = np.clip((front - edge) / np.where(drop > 0, drop, 1.0), 0.0, 1.0)
-    begin = np.where(drop > 0, passed, 1.0)
+    share_passed = np.clip((front - edge) / np.where(drop > 0, drop, 1.0), 0.0, 1.0)
+    begin = np.where(drop > 0, share_passed, 1.0)
     begin = np.where(edge >= front, 0.0, begin)
     meets = np.clip((edge - load) / np.where(growth != 0, growth, 1.0), 0.0, 1.0)
     end = np.where(growth < 0, meets, 1.0)
@@ -580,7 +587,7 @@ def by_halving(
     work: Callable[[Indices, Array, Array], Array],
     begin: ArrayLike,
     end: ArrayLike,
-    allowed: float,
+    allowed_error: float,
     marks: ArrayLike = (),
 ) -> Converged:
     """Integrals of m integrands, number k from begin[k] to end[k].
@@ -592,7 +599,7 @@ def by_halving(
         low[k] to high[k], (n,), by one rule
     begin, end
         (m,)
-    allowed
+    allowed_error
         the change at which a part has converged, `CONVERGED` of their size where rounding
         leaves as much. A part of 2^-17 of its range, or one that is not finite, is left as it
         is, and so are too many at once; the error shows that.
@@ -621,15 +628,15 @@ def by_halving(
         # to nothing would change nothing.
         number = np.searchsorted(cuts, middle)
         margin = (high - low) / 16
-        for nearest in (cuts[number - 1], cuts[number]):
-            is_inside = (nearest > low + margin) & (nearest < high - margin)
-            middle = np.where(is_inside, nearest, middle)
+        for nearest_cut in (cuts[number - 1], cuts[number]):
+            is_inside = (nearest_cut > low + margin) & (nearest_cut < high - margin)
+            middle = np.where(is_inside, nearest_cut, middle)
             depth = np.where(is_inside, -1, depth)
         halves = work(np.tile(members, 2), np.r_[low, middle], np.r_[middle, high])
         left, right = np.split(halves, 2)
         change = np.abs(left + right - estimate)
         is_last = (depth == _HALVINGS) | (len(members) > _MOST * len(value) + _FEW)
-        is_done = (change <= allowed) | ~np.isfinite(change) | is_last
+        is_done = (change <= allowed_error) | ~np.isfinite(change) | is_last
         np.add.at(value, members[is_done], (left + right)[is_done])
         np.add.at(error, members[is_done], change[is_done])
         goes_on = ~is_done

@@ -31,8 +31,8 @@ def log_excess(ratio: ArrayLike) -> Array:
     if not np.any(r > _SERIES_UP_TO):
         return _log_series(r)
     excess = np.asarray(-np.log1p(-np.minimum(r, _BELOW_ONE)) - r)
-    small = r <= _SERIES_UP_TO
-    excess[small] = _log_series(r[small])
+    is_small = r <= _SERIES_UP_TO
+    excess[is_small] = _log_series(r[is_small])
     return excess
 
 

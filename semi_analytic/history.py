@@ -161,28 +161,28 @@ def check(legs: Sequence[LoadSegment], friction: float) -> None:
 
 def _check_part(leg: LoadSegment, begin: float, end: float, friction: float, slack: float) -> None:
     """`check` of a part of a leg on which neither P, u nor v turns round; `slack` is that of P."""
-    last = instant(leg, end)
-    limits = [(NORMAL_LOAD, -last.normal, "separation", slack)]
+    last_instant = instant(leg, end)
+    excesses = [(NORMAL_LOAD, -last_instant.normal, "separation", slack)]
     for sense in (1, -1):
-        excess = sense * last.tangential - friction * last.normal
-        limits.append((level(sense, friction), excess, "gross sliding", slack * friction))
+        excess = sense * last_instant.tangential - friction * last_instant.normal
+        excesses.append((level(sense, friction), excess, "gross sliding", slack * friction))
     faults = []
-    for combination, excess, reason, tolerance in limits:
+    for combination, excess, reason, tolerance in excesses:
         if excess > tolerance:
             growth = -1.0 if combination is NORMAL_LOAD else 1.0
-            total = growth * float(leg.change_of(combination, end, begin))
-            time = float(leg.time_of(combination, growth * (total - excess), begin, end))
+            change_of_load = growth * float(leg.change_of(combination, end, begin))
+            time = float(leg.time_of(combination, growth * (change_of_load - excess), begin, end))
             faults.append((time, reason))
     if faults:
         # Where P runs out both limits of friction are met at the same instant: that is separation.
-        earliest = min(time for time, _ in faults) + _NEAR * (end - begin)
-        time, reason = next(fault for fault in faults if fault[0] <= earliest)
-        where = instant(leg, time)
+        latest_first = min(time for time, _ in faults) + _NEAR * (end - begin)
+        time, reason = next(fault for fault in faults if fault[0] <= latest_first)
+        fault_instant = instant(leg, time)
         raise InadmissibleLoadError(
             reason,
-            LoadedInstant(time, where.normal, where.tangential),
+            LoadedInstant(time, fault_instant.normal, fault_instant.tangential),
             # P, u and v are monotonic up to there
-            LoadedInstant(last.time, last.normal, last.tangential),
+            LoadedInstant(last_instant.time, last_instant.normal, last_instant.tangential),
             friction=friction,
         )
 
@@ -198,10 +198,10 @@ def monotonic_parts(leg: LoadSegment, friction: float) -> list[tuple[float, floa
     """
     combinations = (NORMAL_LOAD, level(1, friction), level(-1, friction))
     turns = sorted(time for combination in combinations for time in leg.turning_points(combination))
-    shortest = _ROUNDING * max(abs(leg.start), abs(leg.end), leg.end - leg.start)
+    shortest_part = _ROUNDING * max(abs(leg.start), abs(leg.end), leg.end - leg.start)
     marks = [leg.start]
     for time in turns:
-        if time - marks[-1] > shortest and leg.end - time > shortest:
+        if time - marks[-1] > shortest_part and leg.end - time > shortest_part:
             marks.append(time)
     return list(zip(marks, [*marks[1:], leg.end], strict=True))
 
@@ -242,29 +242,43 @@ def _spans_of_part(
     noise = _ROUNDING * (abs(tangential_rate) + friction * abs(normal_rate))
     slips_forward = float(leg.rate_of(level(1, friction), middle)) > noise
     slips_back = float(leg.rate_of(level(-1, friction), middle)) > noise
-    first = instant(leg, begin)
-    last = instant(leg, end)
+    first_instant = instant(leg, begin)
+    last_instant = instant(leg, end)
     if normal_rate > 0 and not (slips_forward or slips_back):
-        yield Span(first, last, delay, 0, load_in_stick(curve, leg, begin, last), friction)
+        yield Span(
+            first_instant,
+            last_instant,
+            delay,
+            0,
+            load_in_stick(curve, leg, begin, last_instant),
+            friction,
+        )
     elif normal_rate < 0 and slips_forward == slips_back:
-        yield from _unload(curve, first, last, friction, delay)
+        yield from _unload(curve, first_instant, last_instant, friction, delay)
     elif slips_forward or slips_back:
-        yield from _slip(curve, 1 if slips_forward else -1, first, last, friction, delay)
+        yield from _slip(
+            curve, 1 if slips_forward else -1, first_instant, last_instant, friction, delay
+        )
     else:
-        yield Span(first, last, delay, 0, curve, friction)
+        yield Span(first_instant, last_instant, delay, 0, curve, friction)
 
 
 def _slip(
-    curve: Curve, direction: int, first: Instant, last: Instant, friction: float, delay: float
+    curve: Curve,
+    direction: int,
+    begin_instant: Instant,
+    end_instant: Instant,
+    friction: float,
+    delay: float,
 ) -> Iterator[Span]:
     """Spans of slip in one direction: the edge load of the stick zone, P_c, goes down through the
     pieces of the curve, a span for each.
     """
-    leg = first.leg
+    leg = begin_instant.leg
     slip_level = level(direction, friction)
-    total_change = float(leg.change_of(slip_level, last.time, first.time))
-    last_digits = _LAST_DIGITS * friction * last.normal
-    begin = first
+    total_change = float(leg.change_of(slip_level, end_instant.time, begin_instant.time))
+    last_digits = _LAST_DIGITS * friction * end_instant.normal
+    begin = begin_instant
     # What slips already is at the limit, and the front is below it.
     if curve is not None and flat(curve, direction, friction):
         curve = curve.below
@@ -272,11 +286,11 @@ def _slip(
         if flat(curve, direction, friction):
             # nothing but rounding would take the front through it: it stays at its upper end
             if total_change <= last_digits:
-                curve = Piece(curve, curve.top, first, -direction * friction)
+                curve = Piece(curve, curve.top, begin_instant, -direction * friction)
                 break
             curve = curve.below
             continue
-        level_at_start = float(change_from(curve.anchor, leg, slip_level, first.time))
+        level_at_start = float(change_from(curve.anchor, leg, slip_level, begin_instant.time))
         level_at_bottom = float(level_on(curve, direction, friction, curve.bottom))
         change_to_bottom = level_at_bottom - level_at_start
         # A front that meets the lower end of the piece at the very end of the stretch, to rounding,
@@ -285,18 +299,20 @@ def _slip(
         rounding = _NEAR * (abs(level_at_bottom) + abs(level_at_start)) + last_digits
         if total_change <= change_to_bottom + rounding:
             break
-        passing_time = leg.time_of(slip_level, change_to_bottom, first.time, last.time)
-        passing = instant(leg, float(passing_time))
-        if passing.time > begin.time:
-            yield Span(begin, passing, delay, direction, curve, friction)
-            begin = passing
+        passing_time = leg.time_of(
+            slip_level, change_to_bottom, begin_instant.time, end_instant.time
+        )
+        passing_instant = instant(leg, float(passing_time))
+        if passing_instant.time > begin.time:
+            yield Span(begin, passing_instant, delay, direction, curve, friction)
+            begin = passing_instant
         curve = curve.below
-    if last.time > begin.time:
-        yield Span(begin, last, delay, direction, curve, friction)
+    if end_instant.time > begin.time:
+        yield Span(begin, end_instant, delay, direction, curve, friction)
 
 
 def _unload(
-    curve: Curve, first: Instant, last: Instant, friction: float, delay: float
+    curve: Curve, begin_instant: Instant, end_instant: Instant, friction: float, delay: float
 ) -> Iterator[Span]:
     """Spans of a stretch with P falling and |dQ/dP| <= f: slip to the side of the curve on which
     the path runs.
@@ -304,9 +320,11 @@ def _unload(
     The admissible cones of later points lie inside those of earlier ones, so the state is that of
     one step; only the direction may change, where the path crosses the curve.
     """
-    for begin_time, end_time, direction in slip_directions(curve, first, last, friction):
-        begin = instant(first.leg, begin_time)
-        end = instant(first.leg, end_time)
+    for begin_time, end_time, direction in slip_directions(
+        curve, begin_instant, end_instant, friction
+    ):
+        begin = instant(begin_instant.leg, begin_time)
+        end = instant(begin_instant.leg, end_time)
         if direction:
             for span in _slip(curve, direction, begin, end, friction, delay):
                 yield span
@@ -317,52 +335,60 @@ def _unload(
 
 
 def _retrace(
-    curve: Curve, first: Instant, last: Instant, friction: float, delay: float
+    curve: Curve, begin_instant: Instant, end_instant: Instant, friction: float, delay: float
 ) -> Iterator[Span]:
     """Spans of unloading back down the memory curve, without slip: a span for each of its pieces.
 
     `delay` is what makes the leg's time the history's time.
     """
-    begin = first
-    while curve is not None and curve.bottom > last.normal:
-        load_change = curve.bottom - first.normal
-        time_at_bottom = first.leg.time_of(NORMAL_LOAD, load_change, first.time, last.time)
-        end = instant(first.leg, float(time_at_bottom))
+    begin = begin_instant
+    while curve is not None and curve.bottom > end_instant.normal:
+        load_change = curve.bottom - begin_instant.normal
+        time_at_bottom = begin_instant.leg.time_of(
+            NORMAL_LOAD, load_change, begin_instant.time, end_instant.time
+        )
+        end = instant(begin_instant.leg, float(time_at_bottom))
         if end.time > begin.time:
             yield Span(begin, end, delay, 0, curve, friction)
             begin = end
         curve = curve.below
-    if last.time > begin.time:
-        yield Span(begin, last, delay, 0, curve, friction)
+    if end_instant.time > begin.time:
+        yield Span(begin, end_instant, delay, 0, curve, friction)
 
 
 def slip_directions(
-    curve: Curve, first: Instant, last: Instant, friction: float
+    curve: Curve, begin_instant: Instant, end_instant: Instant, friction: float
 ) -> list[tuple[float, float, int]]:
     """(begin, end, direction) where the path runs above (+1), below (-1) or along (0) the curve
     that it unloads.
     """
     runs: list[tuple[float, float, int]] = []
-    begin = first.time
+    begin = begin_instant.time
     for piece in pieces(curve):
-        change_to_bottom = piece.bottom - first.normal
-        total_change = float(first.leg.change_of(NORMAL_LOAD, last.time, first.time))
+        change_to_bottom = piece.bottom - begin_instant.normal
+        total_change = float(
+            begin_instant.leg.change_of(NORMAL_LOAD, end_instant.time, begin_instant.time)
+        )
         leaves_piece = total_change < change_to_bottom
-        end = last.time
+        end = end_instant.time
         if leaves_piece:
-            end = float(first.leg.time_of(NORMAL_LOAD, change_to_bottom, first.time, last.time))
+            end = float(
+                begin_instant.leg.time_of(
+                    NORMAL_LOAD, change_to_bottom, begin_instant.time, end_instant.time
+                )
+            )
         if end > begin:
-            runs += _directions_on(piece, first.leg, begin, end, friction)
+            runs += _directions_on(piece, begin_instant.leg, begin, end, friction)
         begin = max(begin, end)
         if not leaves_piece:
             break
-    merged: list[tuple[float, float, int]] = []
+    merged_parts: list[tuple[float, float, int]] = []
     for run in runs:
-        if merged and merged[-1][2] == run[2]:
-            merged[-1] = (merged[-1][0], run[1], run[2])
+        if merged_parts and merged_parts[-1][2] == run[2]:
+            merged_parts[-1] = (merged_parts[-1][0], run[1], run[2])
         else:
-            merged.append(run)
-    return merged
+            merged_parts.append(run)
+    return merged_parts
 
 
 def _directions_on(
@@ -375,8 +401,10 @@ def _directions_on(
     def excess(time: ArrayLike) -> Array:
         if piece.arc is None and piece.bend == 0:
             return change_from(piece.anchor, leg, Combination(-piece.slope, 1.0), time)
-        normal, tangential = leg.loads(time)
-        return tangential - value_on(piece, np.clip(normal, piece.bottom, piece.anchor.normal))
+        normal_load, tangential_load = leg.loads(time)
+        return tangential_load - value_on(
+            piece, np.clip(normal_load, piece.bottom, piece.anchor.normal)
+        )
 
     turns = leg.turning_points(Combination(-piece.slope, 1.0)) if piece.arc is None else []
     turns_inside = [time for time in turns if begin < time < end]
@@ -540,23 +568,23 @@ def history_of(path: LoadPath, friction: float, cycles: int, time: Array | None 
     covered_count = 0
     if path.period is not None:
         turn_count, covered_count = turns_of(path.cycle_start, path.period, cycles, time)
-    kept = _kept_histories.get()
-    if kept is None:
+    kept_histories = _kept_histories.get()
+    if kept_histories is None:
         return _followed_path(path, friction, turn_count, covered_count)
     key = path, friction, turn_count, covered_count
-    if key not in kept:
-        kept[key] = _followed_path(*key)
-    return kept[key]
+    if key not in kept_histories:
+        kept_histories[key] = _followed_path(*key)
+    return kept_histories[key]
 
 
 @contextmanager
 def histories_kept() -> Iterator[None]:
     """Meanwhile a path that is asked for again is not followed again."""
-    before = _kept_histories.set({})
+    token = _kept_histories.set({})
     try:
         yield
     finally:
-        _kept_histories.reset(before)
+        _kept_histories.reset(token)
 
 
 def _followed_path(path: LoadPath, friction: float, turn_count: int, covered_count: int) -> History:
@@ -669,21 +697,21 @@ def corner_times(contact: Contact, span: Span) -> Array:
     """
     loads = contact.break_loads
     leg = span.leg
-    first = span.begin
-    last = span.end
+    begin = span.begin
+    end = span.end
     if not len(loads):
         return loads
-    low = min(first.normal, last.normal)
-    high = max(first.normal, last.normal)
-    passed_loads = loads[(loads > low) & (loads < high)]
-    times = [leg.time_of(NORMAL_LOAD, passed_loads - first.normal, first.time, last.time)]
+    least_load = min(begin.normal, end.normal)
+    largest_load = max(begin.normal, end.normal)
+    passed_loads = loads[(loads > least_load) & (loads < largest_load)]
+    times = [leg.time_of(NORMAL_LOAD, passed_loads - begin.normal, begin.time, end.time)]
     if span.direction and span.active is not None:
         active_loads = loads[(loads > span.active.bottom) & (loads < span.active.top)]
         slip_level = level(span.direction, span.friction)
-        level_at_start = float(change_from(span.active.anchor, leg, slip_level, first.time))
+        level_at_start = float(change_from(span.active.anchor, leg, slip_level, begin.time))
         levels = level_on(span.active, span.direction, span.friction, active_loads)
-        times.append(leg.time_of(slip_level, levels - level_at_start, first.time, last.time))
-    shortest = 1e-12 * max(abs(first.time), abs(last.time), last.time - first.time)
+        times.append(leg.time_of(slip_level, levels - level_at_start, begin.time, end.time))
+    shortest_time = 1e-12 * max(abs(begin.time), abs(end.time), end.time - begin.time)
     marks = np.sort(np.concatenate(times))
-    marks = marks[(marks - first.time > shortest) & (last.time - marks > shortest)]
-    return marks[np.diff(marks, prepend=-np.inf) > shortest]
+    marks = marks[(marks - begin.time > shortest_time) & (end.time - marks > shortest_time)]
+    return marks[np.diff(marks, prepend=-np.inf) > shortest_time]

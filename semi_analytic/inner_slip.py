@@ -62,29 +62,29 @@ def _of_punches(x: Array, half_widths: Array, modulus: float) -> tuple[Array, Ar
     """
     place = x[:, None]
     # Beyond x nothing counts for w, within x nothing for r.
-    outer = np.maximum(half_widths, place)
-    root = np.sqrt((outer - place) * (outer + place))
+    larger_width = np.maximum(half_widths, place)
+    root = np.sqrt((larger_width - place) * (larger_width + place))
     with np.errstate(divide="ignore", invalid="ignore"):
-        arc = np.where(place > 0, place**2 * np.arccosh(outer / place), 0.0)
+        arc = np.where(place > 0, place**2 * np.arccosh(larger_width / place), 0.0)
     shear = root  # int c dc/sqrt(c^2 - x^2)
-    shear_moment = (outer * root + arc) / 2  # the same with c once more
-    inner = np.minimum(half_widths, place)
-    root = np.sqrt((place - inner) * (place + inner))
+    shear_moment = (larger_width * root + arc) / 2  # the same with c once more
+    smaller_width = np.minimum(half_widths, place)
+    root = np.sqrt((place - smaller_width) * (place + smaller_width))
     with np.errstate(divide="ignore", invalid="ignore"):
-        arc = np.where(inner > 0, np.arccosh(np.maximum(place / inner, 1.0)), 0.0)
-        turn = np.where(place > 0, np.arcsin(np.minimum(inner / place, 1.0)), 0.0)
-    slip = (inner**2 * arc + place * (place - root)) / 2  # int c arccosh(x/c) dc
-    slip_moment = inner**3 * arc / 3 + place * (place**2 * turn - inner * root) / 6
+        arc = np.where(smaller_width > 0, np.arccosh(np.maximum(place / smaller_width, 1.0)), 0.0)
+        turn = np.where(place > 0, np.arcsin(np.minimum(smaller_width / place, 1.0)), 0.0)
+    slip = (smaller_width**2 * arc + place * (place - root)) / 2  # int c arccosh(x/c) dc
+    slip_moment = smaller_width**3 * arc / 3 + place * (place**2 * turn - smaller_width * root) / 6
 
     def hats(integral: Array, moment: Array) -> Array:
         begin = half_widths[:-1]
         length = np.diff(half_widths)
         rise = np.diff(integral, axis=1)
-        upper = (np.diff(moment, axis=1) - begin * rise) / length
-        lower = rise - upper
-        of_hats = lower
-        of_hats[:, 1:] += upper[:, :-1]
-        of_hats[:, -1] += upper[:, -1]
+        upper_part = (np.diff(moment, axis=1) - begin * rise) / length
+        lower_part = rise - upper_part
+        of_hats = lower_part
+        of_hats[:, 1:] += upper_part[:, :-1]
+        of_hats[:, -1] += upper_part[:, -1]
         return of_hats
 
     return modulus / 2 * hats(shear, shear_moment), hats(slip, slip_moment)
@@ -178,48 +178,52 @@ def inner_slip(
     NotFoundError
         Where no slip zone is found.
     """
-    inside = ends[(ends > 0) & (ends < half_width * (1 - _AT_EDGE))]
-    step = _Step(tractions, sense, half_width, inside, edge_of_stick, modulus)
-    equal = half_width * np.sin(np.linspace(0.0, math.pi / 2, _PUNCHES + 1))
+    slip_ends = ends[(ends > 0) & (ends < half_width * (1 - _AT_EDGE))]
+    step = _Step(tractions, sense, half_width, slip_ends, edge_of_stick, modulus)
+    equal_widths = half_width * np.sin(np.linspace(0.0, math.pi / 2, _PUNCHES + 1))
     # A punch next to an end would be of no width.
-    apart = np.all(np.abs(equal[:, None] - inside) > half_width / _PUNCHES**2, axis=1)
-    apart[[0, -1]] = True
-    half_widths = np.union1d(equal[apart], inside)
-    found = _solved(step, half_widths, None)
-    if found is None:
+    is_apart = np.all(np.abs(equal_widths[:, None] - slip_ends) > half_width / _PUNCHES**2, axis=1)
+    is_apart[[0, -1]] = True
+    half_widths = np.union1d(equal_widths[is_apart], slip_ends)
+    solution = _solved(step, half_widths, None)
+    if solution is None:
         raise NotFoundError("no zone was found in which points inside the contact slip")
     for _ in range(_DIVISIONS):
-        half_widths = _divided(half_widths, found.slips, inside)
-        finer = _solved(step, half_widths, found)
-        if finer is None:  # what is left beyond the limit is looked at by whoever has the fields
-            return found
-        found = finer
-    return found
+        half_widths = _divided(half_widths, solution.slips, slip_ends)
+        finer_solution = _solved(step, half_widths, solution)
+        if (
+            finer_solution is None
+        ):  # what is left beyond the limit is looked at by whoever has the fields
+            return solution
+        solution = finer_solution
+    return solution
 
 
-def _divided(half_widths: Array, slips: NDArray[np.bool_], inside: Array) -> Array:
+def _divided(half_widths: Array, slips: NDArray[np.bool_], slip_ends: Array) -> Array:
     """The half-widths with more of them around the ends of the slip zone, and around others."""
     ends = np.flatnonzero(slips[1:] != slips[:-1]) + 1
-    ends = np.union1d(ends, np.searchsorted(half_widths, inside))
-    around = (ends[:, None] + np.arange(-_AROUND_END, _AROUND_END)).ravel()
-    punches = np.unique(np.clip(around, 0, len(slips) - 1))
+    ends = np.union1d(ends, np.searchsorted(half_widths, slip_ends))
+    punches_around = (ends[:, None] + np.arange(-_AROUND_END, _AROUND_END)).ravel()
+    punches = np.unique(np.clip(punches_around, 0, len(slips) - 1))
     share = np.arange(1, _PARTS) / _PARTS
-    between = half_widths[punches, None] + np.diff(half_widths)[punches, None] * share
-    return np.union1d(half_widths, between)
+    new_widths = half_widths[punches, None] + np.diff(half_widths)[punches, None] * share
+    return np.union1d(half_widths, new_widths)
 
 
 def _of_force(half_widths: Array) -> Array:
     """int r dx over pi E*/2 of the same mu, int mu c dc: (m,)."""
     begin = half_widths[:-1]
     length = np.diff(half_widths)
-    upper = length * (begin / 2 + length / 3)
+    upper_part = length * (begin / 2 + length / 3)
     force = length * (begin / 2 + length / 6)
-    force[1:] += upper[:-1]
-    force[-1] += upper[-1]
+    force[1:] += upper_part[:-1]
+    force[-1] += upper_part[-1]
     return np.asarray(force)
 
 
-def _solved(step: _Step, half_widths: Array, coarser: InnerSlip | None) -> InnerSlip | None:
+def _solved(
+    step: _Step, half_widths: Array, coarser_solution: InnerSlip | None
+) -> InnerSlip | None:
     """Slip by punches of given half-widths: the zone, at first that of a coarser answer, is
     corrected until no point is beyond the limit and none slips backward; None where that has no
     end.
@@ -229,15 +233,17 @@ def _solved(step: _Step, half_widths: Array, coarser: InnerSlip | None) -> Inner
     shear, limit = step.tractions(points)
     excess = step.sense * shear - limit
     excess_back = -step.sense * shear - limit
-    allowed = _ROUNDING * float(np.max(excess))
+    allowed_excess = _ROUNDING * float(np.max(excess))
     at_edge = points >= step.edge_of_stick
     count = len(points)
     matrix = np.zeros((count + 1, count + 1))
     matrix[count, :count] = _of_force(half_widths)
     right = np.zeros(count + 1)
-    zone = np.where(excess > allowed, _ON, _RESTS)
-    if coarser is not None:
-        zone = coarser.zone[np.searchsorted(coarser.half_widths, points, side="right") - 1]
+    zone = np.where(excess > allowed_excess, _ON, _RESTS)
+    if coarser_solution is not None:
+        zone = coarser_solution.zone[
+            np.searchsorted(coarser_solution.half_widths, points, side="right") - 1
+        ]
     zone = np.where(at_edge, _BACK, zone)
     for trial in range(_MOST_ZONES):
         rests = zone == _RESTS
@@ -246,20 +252,20 @@ def _solved(step: _Step, half_widths: Array, coarser: InnerSlip | None) -> Inner
         right[:count] = np.where(zone == _ON, -step.sense * excess, 0.0)
         right[:count] += np.where((zone == _BACK) & ~at_edge, step.sense * excess_back, 0.0)
         *slopes, shift = np.linalg.solve(matrix, right)
-        added = step.sense * (of_shear @ slopes)
+        added_shear = step.sense * (of_shear @ slopes)
         slip = step.sense * (of_slip @ slopes + shift)
         round_off = _ROUNDING * float(np.max(np.abs(slip)))
         turns_back = (zone == _ON) & (slip < -round_off)
         turns_back |= (zone == _BACK) & (slip > round_off) & ~at_edge
         new_zone = np.where(turns_back, _RESTS, zone)
-        new_zone = np.where(rests & (excess + added > allowed), _ON, new_zone)
-        new_zone = np.where(rests & (excess_back - added > allowed), _BACK, new_zone)
+        new_zone = np.where(rests & (excess + added_shear > allowed_excess), _ON, new_zone)
+        new_zone = np.where(rests & (excess_back - added_shear > allowed_excess), _BACK, new_zone)
         if np.array_equal(new_zone, zone):
             return InnerSlip(
                 step.modulus, half_widths, np.array(slopes), float(shift), step.sense, zone
             )
-        changed = np.flatnonzero(new_zone != zone)
+        changed_punches = np.flatnonzero(new_zone != zone)
         if trial > _AT_ONCE:
-            changed = changed[:1]
-        zone[changed] = new_zone[changed]
+            changed_punches = changed_punches[:1]
+        zone[changed_punches] = new_zone[changed_punches]
     return None

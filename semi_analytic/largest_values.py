@@ -92,7 +92,7 @@ SEARCHED = ("slip", "dissipation_density", "edge_tension")
 """What is looked for over x or time; all else is there at once."""
 
 
-def extremes(answer: ContactSolution, searched: Sequence[str] = SEARCHED) -> Extremes:
+def extremes(answer: ContactSolution, names: Sequence[str] = SEARCHED) -> Extremes:
     """The largest values of the theory that an answer is of, to 1e-9 of themselves; the answer's
     points play no part.
 
@@ -101,7 +101,7 @@ def extremes(answer: ContactSolution, searched: Sequence[str] = SEARCHED) -> Ext
     answer
         by `solve`, of a scene or of straight steps between its instants; its instants say which
         cycle is the last
-    searched
+    names
         which of `SEARCHED` are looked for; the others are NaN where one memory curve is followed
 
     Returns
@@ -127,10 +127,10 @@ def extremes(answer: ContactSolution, searched: Sequence[str] = SEARCHED) -> Ext
     (1.0, 1.0)
     """
     with histories_kept():
-        return _extremes(answer, tuple(searched))
+        return _extremes(answer, tuple(names))
 
 
-def _extremes(answer: ContactSolution, searched: tuple[str, ...]) -> Extremes:
+def _extremes(answer: ContactSolution, names: tuple[str, ...]) -> Extremes:
     """`extremes`: of theory of the answer's scene, by the way that its memory has."""
     scene = answer.scene
     contact = _contact(scene)
@@ -139,21 +139,21 @@ def _extremes(answer: ContactSolution, searched: tuple[str, ...]) -> Extremes:
     rows = answer.last_cycle
     has_cycle = "whole_cycle" not in answer.work.skipped and len(rows) > 1
     if not has_cycle or answer.settings.get("straight_steps"):
-        return _Search(answer, contact, has_cycle).extremes(searched)
+        return _Search(answer, contact, has_cycle).extremes(names)
     path = scene.load.path()
     # A path that does not repeat begins unloaded, wherever the first increment of a solver ends.
     start = float(path.start if path.period is None else answer.time[rows[0]])
     end = float(answer.time[rows[-1]])
-    return _of_cycle(scene, start, end, searched)
+    return _of_cycle(scene, start, end, names)
 
 
 @lru_cache(maxsize=32)
-def _of_cycle(scene: Scene, start: float, end: float, searched: tuple[str, ...]) -> Extremes:
+def _of_cycle(scene: Scene, start: float, end: float, names: tuple[str, ...]) -> Extremes:
     """The largest values between two instants of the scene's own path."""
     contact = _contact(scene)
     assert contact is not None
     ends = solve(scene, x=0.0, time=[start, end], fields=())
-    return _Search(ends, contact, has_cycle=True).extremes(searched)
+    return _Search(ends, contact, has_cycle=True).extremes(names)
 
 
 def _contact(scene: Scene) -> Contact | None:
@@ -186,24 +186,24 @@ class _Search:
         self.largest_load_time = float(self.turns[np.argmax(loads)])
         edges = solve(self.scene, x=0.0, time=self.turns, fields=()).contact_edges
         self.edges = edges[np.argmax(loads)]
-        touching = edges[loads > 0]
+        touching_edges = edges[loads > 0]
         corners = [side * mark for mark in contact.breaks for side in (-1.0, 1.0)]
         middles = [] if self.scene.unsymmetric else [0.0]
-        marks = np.array([*touching.ravel(), *corners, *middles, float(np.mean(self.edges))])
-        inside = marks[(marks >= self.edges[0]) & (marks <= self.edges[1])]
+        marks = np.array([*touching_edges.ravel(), *corners, *middles, float(np.mean(self.edges))])
+        inner_marks = marks[(marks >= self.edges[0]) & (marks <= self.edges[1])]
         if not self.scene.unsymmetric:
-            inside = inside[inside >= 0]  # the other side is its mirror image
-        self.marks = np.unique(inside)
+            inner_marks = inner_marks[inner_marks >= 0]  # the other side is its mirror image
+        self.marks = np.unique(inner_marks)
 
-    def extremes(self, searched: tuple[str, ...]) -> Extremes:
+    def extremes(self, names: tuple[str, ...]) -> Extremes:
         """Every maximum that is asked for; NaN for what needs a whole cycle where there is none."""
         pressure, pressure_place, half_width = self.pressure()
         slip = slip_place = density = density_place = tension = uncertainty = math.nan
-        if self.has_cycle and "slip" in searched:
+        if self.has_cycle and "slip" in names:
             slip, slip_place = self.slip()
-        if self.has_cycle and "dissipation_density" in searched:
+        if self.has_cycle and "dissipation_density" in names:
             density, density_place = self.dissipation_density()
-        if self.has_cycle and "edge_tension" in searched:
+        if self.has_cycle and "edge_tension" in names:
             tension, uncertainty = self.edge_tension()
         return Extremes(
             pressure=pressure,
@@ -223,10 +223,10 @@ class _Search:
             return self.steps
         times = [self.steps[0], self.steps[-1]]
         friction = self.scene.friction.coefficient
-        for leg, first, last in self.monotonic:
-            times += [first, last]
+        for leg, begin, end in self.monotonic:
+            times += [begin, end]
             for slip_level in (level(1, friction), level(-1, friction)):
-                times += [time for time in leg.turning_points(slip_level) if first < time < last]
+                times += [time for time in leg.turning_points(slip_level) if begin < time < end]
         return np.unique(times)
 
     def _solved(self, x: Array, time: Array, fields: tuple[str, ...]) -> ContactSolution:
@@ -241,8 +241,8 @@ class _Search:
         def values(x: Array) -> Array:
             return np.asarray(solve(self.scene, x=x, time=time, fields=("pressure",)).pressure[0])
 
-        largest, place = _largest(values, self.marks)
-        return largest, place, float(np.diff(self.edges)[0]) / 2
+        largest_pressure, place = _largest(values, self.marks)
+        return largest_pressure, place, float(np.diff(self.edges)[0]) / 2
 
     def slip(self) -> tuple[float, float]:
         """Largest range of the slip of a point while it is in contact, and its place."""
@@ -256,8 +256,8 @@ class _Search:
             edges = answer.contact_edges[rows]
             room = _AT_EDGE * float(np.diff(self.edges)[0])
             within_edges = (x >= edges[:, :1] - room) & (x <= edges[:, 1:] + room)
-            touching = within_edges & (answer.normal_load[rows] > 0)[:, None]
-            return range_of_slip(answer.slip[rows], touching)
+            is_touching = within_edges & (answer.normal_load[rows] > 0)[:, None]
+            return range_of_slip(answer.slip[rows], is_touching)
 
         return _largest(values, self.marks)
 
@@ -271,11 +271,11 @@ class _Search:
             return np.empty(0)
         edge_load = np.asarray(self.contact.load(x if self.scene.unsymmetric else np.abs(x)))
         times = []
-        for leg, first, last in self.monotonic:
-            begin, end = (float(leg.loads(time)[0]) for time in (first, last))
+        for leg, begin_time, end_time in self.monotonic:
+            begin, end = (float(leg.loads(time)[0]) for time in (begin_time, end_time))
             crossed = edge_load[(edge_load > min(begin, end)) & (edge_load < max(begin, end))]
             if len(crossed):
-                times.append(leg.time_of(NORMAL_LOAD, crossed - begin, first, last))
+                times.append(leg.time_of(NORMAL_LOAD, crossed - begin, begin_time, end_time))
         return np.concatenate(times) if times else np.empty(0)
 
     def dissipation_density(self) -> tuple[float, float]:
@@ -299,8 +299,10 @@ class _Search:
             uncertain = max(uncertain, float(errors.max()))
             return np.asarray(tension.max(axis=(1, 2)))
 
-        largest, _ = _largest(values, self.turns if self.monotonic else self.steps, _INSTANTS)
-        return max(largest, 0.0), uncertain
+        largest_tension, _ = _largest(
+            values, self.turns if self.monotonic else self.steps, _INSTANTS
+        )
+        return max(largest_tension, 0.0), uncertain
 
 
 def _monotonic_parts(
@@ -323,12 +325,15 @@ def _monotonic_parts(
         finish = min(leg.end, end)
         turns = [time for time in sorted(leg.turning_points(NORMAL_LOAD)) if begin < time < finish]
         if finish - begin > room:
-            parts += [(leg, first, last) for first, last in pairwise([begin, *turns, finish])]
+            parts += [
+                (leg, begin_time, end_time)
+                for begin_time, end_time in pairwise([begin, *turns, finish])
+            ]
     return parts
 
 
 def _largest(
-    values: Callable[[Array], Array], marks: Array, first: int = _FIRST
+    values: Callable[[Array], Array], marks: Array, first_count: int = _FIRST
 ) -> tuple[float, float]:
     """Largest value and its place, over the range of `marks`, between which the function is smooth.
 
@@ -338,24 +343,24 @@ def _largest(
     """
     if len(marks) == 1:
         return float(values(marks)[0]), float(marks[0])
-    places = _between(marks, first)
+    places = _between(marks, first_count)
     first_values = values(places)
-    best = int(np.argmax(first_values))
-    largest_value = float(first_values[best])
-    place = float(places[best])
+    best_place = int(np.argmax(first_values))
+    largest_value = float(first_values[best_place])
+    place = float(places[best_place])
     brackets = _brackets(places, first_values)
     settled_rounds = 0
     for _ in range(_ROUNDS):
         if not np.isfinite(largest_value) or settled_rounds == 2:
             break
-        places_by_bracket = [np.linspace(low, high, _AROUND + 2)[1:-1] for low, high in brackets]
+        places_by_bracket = [np.linspace(begin, end, _AROUND + 2)[1:-1] for begin, end in brackets]
         all_places = np.unique(np.concatenate(places_by_bracket))
         new_values = values(all_places)
-        best = int(np.argmax(new_values))
-        change = float(new_values[best]) - largest_value
+        best_place = int(np.argmax(new_values))
+        change = float(new_values[best_place]) - largest_value
         if change > 0:
-            largest_value = float(new_values[best])
-            place = float(all_places[best])
+            largest_value = float(new_values[best_place])
+            place = float(all_places[best_place])
         settled_rounds = settled_rounds + 1 if change <= _SETTLED * abs(largest_value) else 0
         brackets = [
             _closer(bracket, places, new_values[np.searchsorted(all_places, places)])
@@ -374,7 +379,7 @@ def _between(marks: Array, count: int) -> Array:
     if len(marks) == 1:
         return marks
     steps = max(count // (len(marks) - 1), 2)
-    return np.unique([np.linspace(low, high, steps + 1) for low, high in pairwise(marks)])
+    return np.unique([np.linspace(begin, end, steps + 1) for begin, end in pairwise(marks)])
 
 
 def _brackets(places: Array, values: Array) -> list[tuple[float, float]]:
@@ -383,16 +388,18 @@ def _brackets(places: Array, values: Array) -> list[tuple[float, float]]:
     rises = values >= np.concatenate([rim, values[:-1]])
     falls = values >= np.concatenate([values[1:], rim])
     peaks = np.flatnonzero(rises & falls & (values >= _NEARLY * np.max(values)))
-    highest = peaks[np.argsort(-values[peaks], kind="stable")][:_MOST_CANDIDATES]
-    last = len(places) - 1
-    return [(float(places[max(k - 1, 0)]), float(places[min(k + 1, last)])) for k in highest]
+    highest_peaks = peaks[np.argsort(-values[peaks], kind="stable")][:_MOST_CANDIDATES]
+    last_place = len(places) - 1
+    return [
+        (float(places[max(k - 1, 0)]), float(places[min(k + 1, last_place)])) for k in highest_peaks
+    ]
 
 
 def _closer(bracket: tuple[float, float], places: Array, values: Array) -> tuple[float, float]:
     """The neighbours of that place within a bracket at which the value is largest."""
     marks = np.concatenate([bracket[:1], places, bracket[1:]])
-    best = int(np.argmax(values)) + 1
-    return float(marks[best - 1]), float(marks[best + 1])
+    best_place = int(np.argmax(values)) + 1
+    return float(marks[best_place - 1]), float(marks[best_place + 1])
 
 
 # ------------------------------------------------------------------------------ no one memory curve
@@ -426,5 +433,5 @@ def _of_default_points(scene: Scene) -> Extremes:
 def _largest_tension(source: ContactSolution | Scene, time: Array) -> tuple[float, float]:
     """The largest tension at an edge of contact at some instants, and its uncertainty [stress]."""
     values, uncertainties = edge_tension(source, time)
-    worst = np.unravel_index(np.argmax(values), values.shape)
-    return float(max(values[worst], 0.0)), float(uncertainties[worst])
+    place_of_largest = np.unravel_index(np.argmax(values), values.shape)
+    return float(max(values[place_of_largest], 0.0)), float(uncertainties[place_of_largest])

@@ -175,8 +175,8 @@ class Recorder:
         self,
         line: Knot | None,
         direction: int,
-        first: Station,
-        last: Station,
+        begin: Station,
+        end: Station,
         slipped: tuple[float, float] = (0.0, 0.0),
         rise: float = 0.0,
     ) -> None:
@@ -186,8 +186,8 @@ class Recorder:
         if self._add_line is not None:
             self._add_line(line)
         _, top, force, length, line_rise, _ = line or _OPEN
-        load, _, _ = first
-        load_after, _, until = last
+        load, _, _ = begin
+        load_after, _, until = end
         self._add_numbers(
             (
                 direction,
@@ -237,47 +237,47 @@ def _shortened(curve: Knot, part: float) -> Knot:
 def _step(
     curve: Knot | None,
     side: int,
-    first: Station,
-    last: Station,
+    begin_station: Station,
+    end_station: Station,
     friction: float,
     recorder: Recorder,
 ) -> Knot | None:
     """The curve after a straight step, which it takes as `sides_of` says."""
     if side == _UNLOADS:
-        return _unload(curve, first, last, friction, recorder)
+        return _unload(curve, begin_station, end_station, friction, recorder)
     if side:
-        return _slip(curve, side, first, last, friction, recorder)
-    if last[0] > first[0]:
-        curve = _load_in_stick(curve, first, last)
-    recorder.add(curve, 0, first, last)
+        return _slip(curve, side, begin_station, end_station, friction, recorder)
+    if end_station[0] > begin_station[0]:
+        curve = _load_in_stick(curve, begin_station, end_station)
+    recorder.add(curve, 0, begin_station, end_station)
     return curve
 
 
-def _load_in_stick(curve: Knot | None, first: Station, last: Station) -> Knot:
+def _load_in_stick(curve: Knot | None, begin_station: Station, end_station: Station) -> Knot:
     """The curve with the step on top; one line with the line below where that goes straight on."""
-    load, force, _ = first
-    normal, tangential, _ = last
-    length = normal - load
-    rise = tangential - force
-    below = curve
+    load, force, _ = begin_station
+    load_at_end, force_at_end, _ = end_station
+    length = load_at_end - load
+    rise = force_at_end - force
+    knot_below = curve
     if curve is not None:
         new_rise_here = curve.rise * length
         old_rise_there = rise * curve.length
         size = abs(new_rise_here) + abs(old_rise_there)
         if abs(new_rise_here - old_rise_there) <= _STRAIGHT_ON * size:
-            below = curve.below
+            knot_below = curve.below
             length += curve.length
             rise += curve.rise
-    if below is None:
-        return _knot(Knot, (None, normal, tangential, normal, rise, 1))
-    return _knot(Knot, (below, normal, tangential, length, rise, below.depth + 1))
+    if knot_below is None:
+        return _knot(Knot, (None, load_at_end, force_at_end, load_at_end, rise, 1))
+    return _knot(Knot, (knot_below, load_at_end, force_at_end, length, rise, knot_below.depth + 1))
 
 
 def _slip(
     curve: Knot | None,
     s: int,
-    first: Station,
-    last: Station,
+    begin_station: Station,
+    end_station: Station,
     friction: float,
     recorder: Recorder,
 ) -> Knot | None:
@@ -286,15 +286,15 @@ def _slip(
     A line of `length` is passed when the level has grown by f length - s rise; P - P_c is the
     growth of P and the lengths of all lines passed.
     """
-    load, force, begin = first
-    normal, tangential, end = last
+    load, force, begin = begin_station
+    normal, tangential, end = end_station
     growth = normal - load
     level_rise = s * (tangential - force) - friction * growth
     level_left = level_rise
     digits = _LAST_DIGITS * friction * (load if load > normal else normal)
     length_passed = 0.0
     slipped = 0.0  # P - P_c at the end of the last record
-    station = first
+    station = begin_station
     # What slips already is at the limit, and the front is below it.
     if curve is not None and curve.below is not None and friction * curve.length <= s * curve.rise:
         length_passed = curve.length
@@ -333,7 +333,7 @@ def _slip(
         curve,
         s,
         station,
-        last,
+        end_station,
         (slipped, slipped_at_end if slipped_at_end > 0 else 0.0),
         level_left if level_left > 0 else 0.0,
     )
@@ -347,7 +347,11 @@ def _slip(
 
 
 def _unload(
-    curve: Knot | None, first: Station, last: Station, friction: float, recorder: Recorder
+    curve: Knot | None,
+    begin_station: Station,
+    end_station: Station,
+    friction: float,
+    recorder: Recorder,
 ) -> Knot | None:
     """P falls and |dQ| <= f |dP|: slip to the side of the curve on which the path runs, in parts
     where it crosses the curve.
@@ -355,19 +359,19 @@ def _unload(
     The admissible cones of later points lie inside those of earlier ones, so the state is that of
     one step.
     """
-    load, force, begin_share = first
-    normal, tangential, end_share = last
-    drop = load - normal
-    slope = (tangential - force) / (normal - load)
+    load, force, begin_share = begin_station
+    load_at_end, force_at_end, end_share = end_station
+    drop = load - load_at_end
+    slope = (force_at_end - force) / (load_at_end - load)
     *runs, last_run = _sides_of_unloading(curve, drop, slope, _ALONG * friction * load)
-    begin = first
+    begin = begin_station
     for run in runs:
         share = begin_share + run.fall / drop * (end_share - begin_share)
         end = (load - run.fall, force - slope * run.fall, share)
         curve = _unload_part(curve, run.side, begin, end, friction, recorder)
         begin = end
-    curve = _unload_part(curve, last_run.side, begin, last, friction, recorder)
-    return curve if normal > 0 else None
+    curve = _unload_part(curve, last_run.side, begin, end_station, friction, recorder)
+    return curve if load_at_end > 0 else None
 
 
 class _Run(NamedTuple):
@@ -411,29 +415,31 @@ def _sides_of_unloading(curve: Knot | None, drop: float, slope: float, noise: fl
 def _unload_part(
     curve: Knot | None,
     side: int,
-    first: Station,
-    last: Station,
+    begin_station: Station,
+    end_station: Station,
     friction: float,
     recorder: Recorder,
 ) -> Knot | None:
     """Unload on one side of the curve, which slips, or along it."""
     if side:
-        return _slip(curve, side, first, last, friction, recorder)
-    return _retrace(curve, first, last, recorder)
+        return _slip(curve, side, begin_station, end_station, friction, recorder)
+    return _retrace(curve, begin_station, end_station, recorder)
 
 
-def _retrace(curve: Knot | None, first: Station, last: Station, recorder: Recorder) -> Knot | None:
+def _retrace(
+    curve: Knot | None, begin_station: Station, end_station: Station, recorder: Recorder
+) -> Knot | None:
     """Unload along the curve itself: nothing slips."""
-    load, force, begin_share = first
-    normal, _, end_share = last
-    drop = load - normal
+    load, force, begin_share = begin_station
+    load_at_end, _, end_share = end_station
+    drop = load - load_at_end
     fall_left = drop
-    begin = first
-    while curve is not None and fall_left > 0 and begin is not last:
+    begin = begin_station
+    while curve is not None and fall_left > 0 and begin is not end_station:
         share_of_line = fall_left / curve.length
         fall_left -= curve.length
         if curve.below is None or fall_left <= 0:
-            end = last
+            end = end_station
         else:
             share = 1 - fall_left / drop
             # Q of a station inside a step plays no part in its record.
@@ -441,8 +447,8 @@ def _retrace(curve: Knot | None, first: Station, last: Station, recorder: Record
         recorder.add(curve, 0, begin, end)
         begin = end
         curve = _shortened(curve, share_of_line) if share_of_line < 1 else curve.below
-    if begin is not last:
-        recorder.add(curve, 0, begin, last)
+    if begin is not end_station:
+        recorder.add(curve, 0, begin, end_station)
     return curve
 
 
@@ -480,7 +486,7 @@ def follow(curve: Knot | None, rows: Array, friction: float, curves: bool = Fals
     """
     recorder = Recorder(curves)
     counts = [0]  # of numbers, after each step
-    alive = 0
+    n_alive = 0
     # A path that unloads fully may end below 0 by rounding.
     rows = np.stack([np.maximum(rows[:, 0], 0.0), rows[:, 1]], axis=1)
     load, force = rows[0].tolist()
@@ -490,17 +496,17 @@ def follow(curve: Knot | None, rows: Array, friction: float, curves: bool = Fals
     gc.disable()
     try:
         sides = sides_of(rows, friction).tolist()
-        for (normal, tangential), side in zip(rows[1:].tolist(), sides, strict=True):
-            first = (load, force, 0.0)
-            last = (normal, tangential, 1.0)
-            curve = _step(curve, side, first, last, friction, recorder)
-            if normal == 0:
+        for (next_load, next_force), side in zip(rows[1:].tolist(), sides, strict=True):
+            begin = (load, force, 0.0)
+            end = (next_load, next_force, 1.0)
+            curve = _step(curve, side, begin, end, friction, recorder)
+            if next_load == 0:
                 curve = None  # unloaded: a line that rounding left has no length
-            load = normal
-            force = tangential
+            load = next_load
+            force = next_force
             counts.append(len(recorder.numbers))
-            if curve is not None and curve.depth > alive:
-                alive = curve.depth
+            if curve is not None and curve.depth > n_alive:
+                n_alive = curve.depth
     finally:
         if collects:
             gc.enable()
@@ -509,7 +515,7 @@ def follow(curve: Knot | None, rows: Array, friction: float, curves: bool = Fals
     columns = [*table[:_RECORD_NUMBERS], step_of_record]
     records = Records._make(columns).with_front_in_contact()
     line_table = LineTable(*table[_RECORD_NUMBERS:])
-    return StepBlock(rows, records, line_table, recorder.lines, curve, alive)
+    return StepBlock(rows, records, line_table, recorder.lines, curve, n_alive)
 
 
 def knots_of(curve: Knot | None) -> Array:
@@ -705,8 +711,8 @@ def _rows_of(legs: Sequence[LoadSegment]) -> Array:
     stations += [(leg.end, leg) for leg in legs]
     rows = []
     for time, leg in stations:
-        normal, tangential = leg.loads(time)
-        rows.append([time, float(normal), float(tangential)])
+        normal_load, tangential_load = leg.loads(time)
+        rows.append([time, float(normal_load), float(tangential_load)])
     return np.array(rows).reshape(-1, 3)
 
 
@@ -725,8 +731,8 @@ def straight_series(path: LoadPath, friction: float, time: Array) -> LoadSeries:
         raise InputError(
             f"straight_steps: no time is after the start of the load path, {path.start:.6g}"
         )
-    normal, tangential = path.at(times)
-    rows = np.stack([times, normal, tangential], axis=1)
+    normal_load, tangential_load = path.at(times)
+    rows = np.stack([times, normal_load, tangential_load], axis=1)
     check_rows(rows, friction)
     slack = SLACK * (path.period or 0.0)
     if path.period is None or times[-1] <= path.cycle_start + slack:
@@ -739,8 +745,8 @@ def straight_series(path: LoadPath, friction: float, time: Array) -> LoadSeries:
     rows = np.stack(
         [
             all_times,
-            np.interp(all_times, times, normal),
-            np.interp(all_times, times, tangential),
+            np.interp(all_times, times, normal_load),
+            np.interp(all_times, times, tangential_load),
         ],
         axis=1,
     )
@@ -755,19 +761,19 @@ def check_rows(rows: Array, friction: float) -> None:
     """Raise InadmissibleLoadError at the first gross sliding or separation; lines between
     admissible points are admissible.
     """
-    normal = rows[:, 1]
-    tangential = rows[:, 2]
-    slack = _NOISE * float(np.max(np.abs(normal)))
-    separates = normal < -slack
-    slides = np.abs(tangential) > friction * (normal + slack)
-    bad = np.flatnonzero(separates | slides)
-    if not len(bad):
+    normal_load = rows[:, 1]
+    tangential_load = rows[:, 2]
+    slack = _NOISE * float(np.max(np.abs(normal_load)))
+    separates = normal_load < -slack
+    slides = np.abs(tangential_load) > friction * (normal_load + slack)
+    bad_rows = np.flatnonzero(separates | slides)
+    if not len(bad_rows):
         return
-    time_before, *loads_before = rows[max(int(bad[0]) - 1, 0)].tolist()
-    time_after, *loads_after = rows[bad[0]].tolist()
+    time_before, *loads_before = rows[max(int(bad_rows[0]) - 1, 0)].tolist()
+    time_after, *loads_after = rows[bad_rows[0]].tolist()
     step = StraightSegment(time_before, time_after, tuple(loads_before), tuple(loads_after))
     check([step], friction)
-    reason = "separation" if separates[bad[0]] else "gross sliding"
+    reason = "separation" if separates[bad_rows[0]] else "gross sliding"
     raise InadmissibleLoadError(reason, LoadedInstant(time_after, *loads_after), friction=friction)
 
 
@@ -799,11 +805,11 @@ def _followed(
         curve_at_start = curve
         cycle = turn._replace(curve=curve_at_start)
         cycles.append(cycle)
-        deepest = 0.0
+        deepest_load = 0.0
         for _, block in blocks(cycle, friction):
             curve = block.curve
-            deepest = max(deepest, block.deepest)
-        tolerance = repeats_within(deepest / turn.largest)
+            deepest_load = max(deepest_load, block.deepest)
+        tolerance = repeats_within(deepest_load / turn.largest)
         if steady_from is None and _agree(curve_at_start, curve, friction, tolerance):
             steady_from = len(cycles) - 1
             if repeats:
@@ -820,9 +826,9 @@ def blocks(
 ) -> Iterator[tuple[int, StepBlock]]:
     """The steps of a part, a block at a time, and the number of the first."""
     curve = part.curve
-    for first in range(0, len(part.rows) - 1, _BLOCK):
-        block = follow(curve, part.rows[first : first + _BLOCK + 1, 1:], friction, curves)
-        yield first, block
+    for first_row in range(0, len(part.rows) - 1, _BLOCK):
+        block = follow(curve, part.rows[first_row : first_row + _BLOCK + 1, 1:], friction, curves)
+        yield first_row, block
         curve = block.curve
 
 

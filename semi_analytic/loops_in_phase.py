@@ -180,20 +180,20 @@ class Way:
             middle, half_width = self.contact(u)
             return np.minimum(np.abs(x - m) - c, half_width - np.abs(x - middle))
 
-        inside = depth(x, _SHARES[:, None]) > 0
+        is_inside = depth(x, _SHARES[:, None]) > 0
         # Instants u at which an edge of the slip zone passes a point, by halving.
-        interval, point = np.nonzero(inside[1:] != inside[:-1])
-        low = _SHARES[interval]
-        high = _SHARES[interval + 1]
+        interval, point = np.nonzero(is_inside[1:] != is_inside[:-1])
+        least_share = _SHARES[interval]
+        largest_share = _SHARES[interval + 1]
         for _ in range(_HALVINGS):
-            middle = (low + high) / 2
-            has_passed = (depth(x[point], middle) > 0) != inside[interval, point]
-            low = np.where(has_passed, low, middle)
-            high = np.where(has_passed, middle, high)
+            middle = (least_share + largest_share) / 2
+            has_passed = (depth(x[point], middle) > 0) != is_inside[interval, point]
+            least_share = np.where(has_passed, least_share, middle)
+            largest_share = np.where(has_passed, middle, largest_share)
         # Parts of the way that begin and end at its ends or where an edge passes, point by point.
         every_point = np.arange(len(x))
         points = np.concatenate([every_point, point, every_point])
-        marks = np.concatenate([0 * x, low, 0 * x + 1])
+        marks = np.concatenate([0 * x, least_share, 0 * x + 1])
         order = np.lexsort((marks, points))
         points = points[order]
         marks = marks[order]

@@ -194,9 +194,11 @@ def friction_from(
             phase_in_radians(phase_degrees, phase_radians),
         )
         loads = dict(zip(_LOADS, load_values, strict=True))
-        missing = [name for name, value in (pair | loads).items() if value is None]
-        if missing:
-            raise InputError(f"friction_from: {', '.join(missing)} is missing; or give a scene")
+        missing_names = [name for name, value in (pair | loads).items() if value is None]
+        if missing_names:
+            raise InputError(
+                f"friction_from: {', '.join(missing_names)} is missing; or give a scene"
+            )
         return _of_ellipses(dissipation, pair, loads)
     parts_of_scene = (
         profile,
@@ -223,7 +225,7 @@ def friction_from(
 
 
 def sliding_limit(
-    mean: Array, amplitude: Array, force: Array, tangential: Array, phase: Array
+    mean: Array, amplitude: Array, force: Array, tangential_load: Array, phase: Array
 ) -> Array:
     """The largest |Q|/P of ellipses, below which f slides grossly; infinite where P reaches 0.
     Arrays that broadcast.
@@ -238,8 +240,10 @@ def sliding_limit(
     """
     # notation: a f^2 - 2 b f = Q1^2 - Q0^2, whose larger root is the limit
     a = (mean - amplitude) * (mean + amplitude)
-    b = np.abs(mean * force - amplitude * tangential * np.cos(phase))
-    root = np.sqrt(np.maximum(b**2 + a * (tangential - force) * (tangential + force), 0.0))
+    b = np.abs(mean * force - amplitude * tangential_load * np.cos(phase))
+    root = np.sqrt(
+        np.maximum(b**2 + a * (tangential_load - force) * (tangential_load + force), 0.0)
+    )
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray(np.where(a > 0, (b + root) / a, np.inf))
 
@@ -295,7 +299,8 @@ def _of_path(target: ArrayLike, scene: Scene) -> FrictionBatch:
     loads = [leg.loads(sampled(leg, 513)) for leg in (*path.initial_loading, *path.cycle)]
     with np.errstate(divide="ignore", invalid="ignore"):
         least_friction = max(
-            float(np.nanmax(np.abs(tangential) / normal)) for normal, tangential in loads
+            float(np.nanmax(np.abs(tangential_load) / normal_load))
+            for normal_load, tangential_load in loads
         )
     # Between the samples of a curved path |Q|/P may be a little larger.
     for excess in (0.0, *10.0 ** np.arange(-12, -3)):
@@ -307,10 +312,10 @@ def _of_path(target: ArrayLike, scene: Scene) -> FrictionBatch:
         break
     else:
         least_friction = math.inf
-    normal = np.concatenate([part[0] for part in loads])
-    tangential = np.concatenate([part[1] for part in loads])
-    varies = float(np.ptp(normal)) > 1e-9 * float(np.max(np.abs(normal)))
-    no_slip = float(np.ptp(tangential) / np.ptp(normal)) if varies else 0.0
+    normal_load = np.concatenate([part[0] for part in loads])
+    tangential_load = np.concatenate([part[1] for part in loads])
+    varies = float(np.ptp(normal_load)) > 1e-9 * float(np.max(np.abs(normal_load)))
+    no_slip = float(np.ptp(tangential_load) / np.ptp(normal_load)) if varies else 0.0
 
     def work(friction: Array, _member: NDArray[np.intp]) -> Array:
         return np.array([work_at(coefficient) for coefficient in friction.tolist()])
@@ -371,7 +376,7 @@ def _inverse(
     row, column = np.nonzero(is_solvable & sharp & (rise[:-1] * rise[1:] < 0))
     if len(row):
         sign = np.where(rise[row, column] < 0, 1.0, -1.0)  # W falls before a least value
-        turning = elementwise.find_minimum(
+        turning_point = elementwise.find_minimum(
             lambda at, member, side: (
                 side * work(np.exp(at).ravel(), member.ravel().astype(int)).reshape(at.shape)
             ),
@@ -382,8 +387,8 @@ def _inverse(
         order = np.argsort(column, kind="stable")
         log_f_at_turn = np.full((int(place.max()) + 1, n_members), np.nan)
         work_at_turn = log_f_at_turn.copy()
-        log_f_at_turn[place, column[order]] = turning.x[order]
-        work_at_turn[place, column[order]] = (sign * turning.f_x)[order]
+        log_f_at_turn[place, column[order]] = turning_point.x[order]
+        work_at_turn[place, column[order]] = (sign * turning_point.f_x)[order]
         log_f = np.concatenate([log_f, log_f_at_turn])
         works = np.concatenate([works, work_at_turn])
         ascending = np.argsort(log_f, axis=0)
@@ -401,7 +406,7 @@ def _inverse(
     column = column[order]
     n_roots = np.bincount(column, minlength=len(aim))
     roots = np.full((len(aim), max(1, int(n_roots.max(initial=0)))), np.nan)
-    unsettled = np.zeros(len(aim), dtype=bool)
+    is_unsettled = np.zeros(len(aim), dtype=bool)
     if len(row):
         loops = member[column]
         crossing = elementwise.find_root(
@@ -412,14 +417,14 @@ def _inverse(
             args=(loops.astype(float), aim[column]),
         )
         roots[column, np.arange(len(row)) - np.searchsorted(column, column)] = np.exp(crossing.x)
-        unsettled[column[~(np.abs(crossing.f_x) <= _FOUND * aim[column])]] = True
-    low = np.min(np.where(np.isfinite(works), works, np.inf), axis=0)[member]
-    high = np.max(np.where(np.isfinite(works), works, -np.inf), axis=0)[member]
+        is_unsettled[column[~(np.abs(crossing.f_x) <= _FOUND * aim[column])]] = True
+    least_work = np.min(np.where(np.isfinite(works), works, np.inf), axis=0)[member]
+    most_work = np.max(np.where(np.isfinite(works), works, -np.inf), axis=0)[member]
     conditions = [
         ~(np.isfinite(aim) & (aim > 0)),
         ~is_solvable[member],
-        unsettled,
-        (n_roots == 0) & (aim > high),
+        is_unsettled,
+        (n_roots == 0) & (aim > most_work),
         n_roots == 0,
     ]
     kinds = [
@@ -434,8 +439,8 @@ def _inverse(
     sentences = tuple(
         _SENTENCES[NoFriction(reason[k])].format(
             target=aim[k],
-            least=low[k],
-            most=high[k],
+            least=least_work[k],
+            most=most_work[k],
             f_min=least_friction_of_member[member[k]],
             top=top[member[k]],
         )
@@ -444,16 +449,16 @@ def _inverse(
     counted = np.where(reason == NoFriction.NONE, n_roots, 0)
     limits = (
         np.where(is_solvable[member], values, np.nan).reshape(full_shape)
-        for values in (least_friction_of_member[member], low, high)
+        for values in (least_friction_of_member[member], least_work, most_work)
     )
-    least_friction, low, high = (freeze(values) for values in limits)
+    least_friction, least_work, most_work = (freeze(values) for values in limits)
     return FrictionBatch(
         roots=freeze(roots.reshape(*full_shape, -1)),
         count=freeze(counted.reshape(full_shape), np.int64),
         reason=freeze(reason.reshape(full_shape), np.int8),
         least_friction=least_friction,
-        least=low,
-        most=high,
+        least=least_work,
+        most=most_work,
         sentences=sentences,
         notes=notes,
     )

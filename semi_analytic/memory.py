@@ -92,8 +92,8 @@ class Instant(NamedTuple):
 
 def instant(leg: LoadSegment, time: float) -> Instant:
     """The point of `leg` at `time`."""
-    normal, tangential = leg.loads(time)
-    return Instant(leg, float(time), float(normal), float(tangential))
+    normal_load, tangential_load = leg.loads(time)
+    return Instant(leg, float(time), float(normal_load), float(tangential_load))
 
 
 def change_from(
@@ -181,8 +181,10 @@ class Piece(NamedTuple):
         """dM/d eta at loads (n,): of an arc dQ/dP of the path, 0 where both loads turn at once."""
         if self.arc is None:
             return self.slope + 2 * self.bend * (eta - self.anchor.normal)
-        normal, tangential = self.anchor.leg.rates(front_time(self, eta))
-        return np.divide(tangential, normal, out=np.zeros(eta.shape), where=normal != 0)
+        normal_rate, tangential_rate = self.anchor.leg.rates(front_time(self, eta))
+        return np.divide(
+            tangential_rate, normal_rate, out=np.zeros(eta.shape), where=normal_rate != 0
+        )
 
 
 Curve: TypeAlias = Piece | None
@@ -217,9 +219,9 @@ def _whole_arc(piece: Piece) -> tuple[float, float]:
 
 def front_time(piece: Piece, front: ArrayLike) -> Array:
     """Time of an arc's leg at which its load is `front`, shape of `front`."""
-    first, last = _whole_arc(piece)
+    begin, end = _whole_arc(piece)
     return piece.anchor.leg.time_of(
-        NORMAL_LOAD, np.asarray(front, dtype=float) - piece.bottom, first, last
+        NORMAL_LOAD, np.asarray(front, dtype=float) - piece.bottom, begin, end
     )
 
 
@@ -363,19 +365,19 @@ def slipped_load(
 def _slipped_on_arc(
     piece: Piece, direction: int, friction: float, leg: LoadSegment, time: ArrayLike
 ) -> Array:
-    first, last = _whole_arc(piece)
+    begin, end = _whole_arc(piece)
     slip_level = level(direction, friction)
     arc_leg = piece.anchor.leg
     if arc_leg is leg:
-        mirrored_time = leg.mirrored(slip_level, time, (first + last) / 2)
+        mirrored_time = leg.mirrored(slip_level, time, (begin + end) / 2)
         if mirrored_time is not None:
             return leg.change_of(NORMAL_LOAD, time, mirrored_time)
     rise = change_from(piece.anchor, leg, slip_level, time)
     # Back from the end of the arc, where the path may have turned: counted from its begin, rounding
     # would leave half the digits.
-    front = arc_leg.time_of(slip_level, rise, last, first)
+    front = arc_leg.time_of(slip_level, rise, end, begin)
     return change_from(piece.anchor, leg, NORMAL_LOAD, time) - arc_leg.change_of(
-        NORMAL_LOAD, front, last
+        NORMAL_LOAD, front, end
     )
 
 

@@ -107,27 +107,27 @@ def next_order_works(
         none,
         none,
     )
-    largest = 1.3 * float(contact.half_width(float(np.max(normal_load))))
-    punches = _punches(contact, modulus, min(largest, contact.extent))
+    largest_width = 1.3 * float(contact.half_width(float(np.max(normal_load))))
+    punches = _punches(contact, modulus, min(largest_width, contact.extent))
     loads = (normal_load, tangential_load)
-    without = _course(*loads, friction, punches, terms)
-    more = replace(
+    works_without_punches = _course(*loads, friction, punches, terms)
+    finer_punches = replace(
         terms,
         gap_curvature=terms.gap_curvature
-        + 2 * effects.normal_mixed.value * without.pressure_second,
+        + 2 * effects.normal_mixed.value * works_without_punches.pressure_second,
         face_curvature=terms.face_curvature
-        + 2 * effects.tangential_mixed.value * without.shear_second,
+        + 2 * effects.tangential_mixed.value * works_without_punches.shear_second,
         gap_fourth=effects.normal_fourth.value * normal_load,
         face_fourth=effects.tangential_fourth.value * tangential_load,
     )
-    change = _course(*loads, friction, punches, more).work - without.work
+    change = _course(*loads, friction, punches, finer_punches).work - works_without_punches.work
     unit = 2 / (np.pi * modulus)
     return [unit * float(np.sum(change[rows][1:])) for rows in cycles]
 
 
-def _punches(contact: SymmetricContact, modulus: float, largest: float) -> _Punches:
+def _punches(contact: SymmetricContact, modulus: float, largest_width: float) -> _Punches:
     """Evenly spread half-widths."""
-    borders = np.linspace(0.0, largest, _PUNCHES + 1)
+    borders = np.linspace(0.0, largest_width, _PUNCHES + 1)
     half_width = (borders[1:] + borders[:-1]) / 2
     load = np.where(half_width > contact.least, contact.load(half_width), 0.0)
     parabola = np.pi * modulus / 4 * half_width**2
@@ -142,14 +142,14 @@ def _course(
     count = len(normal_load)
     work = np.zeros(count)
     seconds = np.zeros((2, count))
-    before = _Carried.at_rest(punches)
+    state_before = _Carried.at_rest(punches)
     for begin in range(0, count, _AT_ONCE):
         rows = slice(begin, begin + _AT_ONCE)
         loads = (normal_load[rows, None], tangential_load[rows, None])
-        block = _block(*loads, friction, punches, terms.at(rows), before)
+        block = _block(*loads, friction, punches, terms.at(rows), state_before)
         work[rows] = block.work
         seconds[:, rows] = block.seconds
-        before = block.last
+        state_before = block.last
     return _Course(work, *seconds)
 
 
@@ -185,15 +185,15 @@ def _block(
     friction: float,
     punches: _Punches,
     terms: _Terms,
-    before: _Carried,
+    state_before: _Carried,
 ) -> _Block:
-    """Some rows of a path, loads (n, 1) and terms (n, 1), after what was carried `before`."""
+    """Some rows of a path, loads (n, 1) and terms (n, 1), after what was carried `state_before`."""
     of_gap = terms.gap_curvature * punches.parabola + terms.gap_fourth * punches.fourth
     of_faces = terms.face_curvature * punches.parabola + terms.face_fourth * punches.fourth
     beyond = normal_load - punches.load - of_gap  # pi
     core = tangential_load - of_faces
-    beyond_before = np.vstack([before.beyond, beyond[:-1]])
-    core_before = np.vstack([before.core, core[:-1]])
+    beyond_before = np.vstack([state_before.beyond, beyond[:-1]])
+    core_before = np.vstack([state_before.core, core[:-1]])
     touches = beyond > 0
     is_new = touches & (beyond_before <= 0)
     share = beyond_before / np.where(is_new, beyond_before - beyond, 1.0)
@@ -202,21 +202,21 @@ def _block(
 
     forces = np.empty_like(core)
     starts = np.empty_like(core)
-    force = before.force
-    for row, (low, high) in enumerate(zip(core - reach, core + reach, strict=True)):
+    force = state_before.force
+    for row, (begin, end) in enumerate(zip(core - reach, core + reach, strict=True)):
         start = starts[row]
         start[:] = force
         np.copyto(start, at_touch[row], where=is_new[row])
-        force = np.minimum(np.maximum(start, low), high, out=forces[row])
+        force = np.minimum(np.maximum(start, begin), end, out=forces[row])
 
     mean_beyond = np.maximum(beyond, 0.0) + np.maximum(beyond_before, 0.0)
-    moved = np.where(touches, np.abs(forces - starts), 0.0)
-    work = friction * np.sum(mean_beyond / 2 * moved * punches.share, axis=1)
+    moved_force = np.where(touches, np.abs(forces - starts), 0.0)
+    work = friction * np.sum(mean_beyond / 2 * moved_force * punches.share, axis=1)
     arm = punches.half_width**2 / 2
     arm_falls = arm - np.append(arm[1:], 0.0)
-    carried = np.where(touches, punches.load + of_gap, normal_load)
+    carried_load = np.where(touches, punches.load + of_gap, normal_load)
     shear = np.where(touches, forces + of_faces, tangential_load)
     # int arm d(carried), in which carried is 0 at the middle: summed by parts
-    seconds = np.stack([carried @ arm_falls, shear @ arm_falls])
-    last = _Carried(beyond[-1], core[-1], forces[-1])
-    return _Block(work, seconds, last)
+    seconds = np.stack([carried_load @ arm_falls, shear @ arm_falls])
+    last_state = _Carried(beyond[-1], core[-1], forces[-1])
+    return _Block(work, seconds, last_state)

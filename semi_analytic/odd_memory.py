@@ -175,11 +175,11 @@ class OddAnswer:
         of_stick = np.zeros(len(time))
         for k in np.unique(number):
             span = spans[k]
-            inside = number == k
-            of_leg = np.clip(path_time[inside] - span.delay, span.begin.time, span.end.time)
+            is_inside = number == k
+            of_leg = np.clip(path_time[is_inside] - span.delay, span.begin.time, span.end.time)
             contact, stick = centres(span, self.radius, of_leg)
-            of_contact[inside] = contact @ self.numbers
-            of_stick[inside] = stick @ self.numbers
+            of_contact[is_inside] = contact @ self.numbers
+            of_stick[is_inside] = stick @ self.numbers
         return of_contact, of_stick
 
 
@@ -207,8 +207,8 @@ def odd_answer(scene: Scene, effects: BodyEffects) -> OddAnswer:
     odd = np.array([float(estimate.value) for estimate in estimates])
     spread = np.array([float(estimate.uncertainty) for estimate in estimates])
     works = []
-    for spans, before, following in _cycles(history):
-        work = odd_work(spans, profile.radius, modulus, before, following)
+    for spans, span_before, next_span in _cycles(history):
+        work = odd_work(spans, profile.radius, modulus, span_before, next_span)
         added = work.added(odd)
         of_numbers = 2 * float(np.abs(odd) @ np.abs(work.matrix) @ spread)
         works.append(Estimate(added.value, added.uncertainty + of_numbers))
@@ -217,24 +217,24 @@ def odd_answer(scene: Scene, effects: BodyEffects) -> OddAnswer:
 
 def _cycles(history: History) -> Iterator[tuple[tuple[Span, ...], Span | None, Span | None]]:
     """The spans of each cycle, or of the path, with the spans before and after them."""
-    earlier = history.loading
+    earlier_spans = history.loading
     for number, spans in enumerate(history.cycles):
-        before = earlier[-1] if earlier else None
-        following = spans[0] if history.repeats else None
+        span_before = earlier_spans[-1] if earlier_spans else None
+        next_span = spans[0] if history.repeats else None
         if history.repeats and number == history.steady_from:
-            before = spans[-1]
+            span_before = spans[-1]
         elif number + 1 < len(history.cycles):
-            following = history.cycles[number + 1][0]
-        yield spans, before, following
-        earlier = spans
+            next_span = history.cycles[number + 1][0]
+        yield spans, span_before, next_span
+        earlier_spans = spans
 
 
 def odd_work(
     spans: Sequence[Span],
     radius: float,
     modulus: float,
-    before: Span | None,
-    following: Span | None,
+    span_before: Span | None,
+    next_span: Span | None,
 ) -> OddWork:
     """The second order of tilt and bulk strain in the work of a cycle, or of a whole path.
 
@@ -244,19 +244,19 @@ def odd_work(
         of the cycle, or of the path
     radius, modulus
         R of the parabola, E*
-    before, following
+    span_before, next_span
         the spans on both sides; of a steady cycle its own last and first
     """
-    unknown = np.full((4, 4), np.nan)
-    strokes = _Strokes(tuple(spans), radius, before, following)
+    unknown_matrix = np.full((4, 4), np.nan)
+    strokes = _Strokes(tuple(spans), radius, span_before, next_span)
     try:
         strokes.require_no_limit_in_stick()
-        fine = strokes.matrix(_POINTS, _PANELS)
-        coarse = strokes.matrix(_POINTS // 2, _PANELS // 2)
+        fine_matrix = strokes.matrix(_POINTS, _PANELS)
+        coarse_matrix = strokes.matrix(_POINTS // 2, _PANELS // 2)
     except Declined as reason:
-        return OddWork(unknown, unknown, declined=str(reason))
+        return OddWork(unknown_matrix, unknown_matrix, declined=str(reason))
     one_sided = [rows for span in spans for rows in _one_sided(span, radius, modulus)]
-    return OddWork(fine, coarse, tuple(one_sided))
+    return OddWork(fine_matrix, coarse_matrix, tuple(one_sided))
 
 
 def centres(span: Span, radius: float, time: Array) -> tuple[Array, Array]:
@@ -265,8 +265,8 @@ def centres(span: Span, radius: float, time: Array) -> tuple[Array, Array]:
     First order, of a parabola. The centre of stick is that of contact where all of it sticks, NaN
     where none does.
     """
-    normal, tangential = span.leg.loads(time)
-    of_contact = -radius * _tilt(normal, tangential)
+    normal_load, tangential_load = span.leg.loads(time)
+    of_contact = -radius * _tilt(normal_load, tangential_load)
     if not span.direction:
         return of_contact, of_contact
     if span.active is None:
@@ -288,17 +288,17 @@ class _Strokes:
         """The form of work at a number of points a span and of panels."""
         total = np.zeros((4, 4))
         neighbours = (self.before, *self.spans, self.following)
-        for before, span, following in zip(
+        for span_before, span, next_span in zip(
             neighbours[:-2], self.spans, neighbours[2:], strict=True
         ):
             if not span.direction:
                 continue
-            if before is not None:
-                _require_no_return(before, span, self.radius)
-                total += _of_kink(before, span, self.radius)
+            if span_before is not None:
+                _require_no_return(span_before, span, self.radius)
+                total += _of_kink(span_before, span, self.radius)
             total += _of_span(span, self.radius, points)
             total += _of_passed_end(span, self.radius, panels)
-            if following is None or following.direction != span.direction:
+            if next_span is None or next_span.direction != span.direction:
                 total += _of_stroke_end(span, self.radius, panels)
         return total
 
@@ -313,26 +313,30 @@ class _Strokes:
 
 
 # ------------------------------------------------------------------------- numbers as row vectors
-def _tilt(normal: ArrayLike, tangential: ArrayLike) -> Array:
+def _tilt(normal_load: ArrayLike, tangential_load: ArrayLike) -> Array:
     """Alpha by the numbers at loads (n,): (n, 4)."""
-    zero = np.zeros(np.shape(normal))
-    return np.stack([np.asarray(normal), np.asarray(tangential), zero, zero], axis=-1)
+    zero = np.zeros(np.shape(normal_load))
+    return np.stack([np.asarray(normal_load), np.asarray(tangential_load), zero, zero], axis=-1)
 
 
-def _strain(normal: ArrayLike, tangential: ArrayLike) -> Array:
+def _strain(normal_load: ArrayLike, tangential_load: ArrayLike) -> Array:
     """Eps by the numbers at loads (n,): (n, 4)."""
-    zero = np.zeros(np.shape(normal))
-    return np.stack([zero, zero, np.asarray(normal), np.asarray(tangential)], axis=-1)
+    zero = np.zeros(np.shape(normal_load))
+    return np.stack([zero, zero, np.asarray(normal_load), np.asarray(tangential_load)], axis=-1)
 
 
-def _drive(friction: float, sense: int, normal: ArrayLike, tangential: ArrayLike) -> Array:
+def _drive(
+    friction: float, sense: int, normal_load: ArrayLike, tangential_load: ArrayLike
+) -> Array:
     """a_s = f alpha - s eps by the numbers at loads (n,): (n, 4)."""
-    return friction * _tilt(normal, tangential) - sense * _strain(normal, tangential)
+    return friction * _tilt(normal_load, tangential_load) - sense * _strain(
+        normal_load, tangential_load
+    )
 
 
-def _products(weights: Array, first: Array, second: Array) -> Array:
+def _products(weights: Array, left_factor: Array, right_factor: Array) -> Array:
     """Sum of weights (n,) times the symmetric products of rows (n, 4): (4, 4)."""
-    form = np.einsum("n,ni,nj->ij", weights, first, second)
+    form = np.einsum("n,ni,nj->ij", weights, left_factor, right_factor)
     return np.asarray((form + form.T) / 2)
 
 
@@ -402,8 +406,8 @@ def _slope_rate(piece: Piece, eta: Array) -> Array:
     time = front_time(piece, eta)
     step = _STEP * (piece.arc[1] - piece.arc[0])
     slopes = []
-    for moved in (time - step, time + step):
-        normal_rate, tangential_rate = leg.rates(moved)
+    for shifted_time in (time - step, time + step):
+        normal_rate, tangential_rate = leg.rates(shifted_time)
         slopes.append(tangential_rate / normal_rate)
     return np.asarray((slopes[1] - slopes[0]) / (2 * step * leg.rates(time)[0]))
 
@@ -441,25 +445,25 @@ def _of_span(span: Span, radius: float, points: int) -> Array:
     return work - of_bend - _products(passed, front.shift, rotation)
 
 
-def _of_kink(before: Span, span: Span, radius: float) -> Array:
+def _of_kink(span_before: Span, span: Span, radius: float) -> Array:
     """Term 3, where the front goes from the piece of the span before to that of this one."""
-    outer = before.active
-    inner = span.active
+    outer_piece = span_before.active
+    inner_piece = span.active
     nothing = np.zeros((4, 4))
-    if before.direction != span.direction or outer is None or inner is None:
+    if span_before.direction != span.direction or outer_piece is None or inner_piece is None:
         return nothing
-    tolerance = _SAME * outer.top
-    if inner.top > outer.bottom + tolerance:
+    tolerance = _SAME * outer_piece.top
+    if inner_piece.top > outer_piece.bottom + tolerance:
         return nothing  # the same piece goes on
-    if inner.top - inner.bottom <= tolerance:
+    if inner_piece.top - inner_piece.bottom <= tolerance:
         return nothing  # stands for a front that stays at the upper end of what is at the limit
     # Of a kink that stands for several, those between are at the limit: only both ends count.
     time = np.array([span.begin.time])
-    slipped = span.begin.normal - np.array([outer.bottom])
-    eta = np.array([outer.bottom])
+    slipped = span.begin.normal - np.array([outer_piece.bottom])
+    eta = np.array([outer_piece.bottom])
     centres = []
     steepness = []
-    for piece in (outer, inner):
+    for piece in (outer_piece, inner_piece):
         front = _front(span, piece, time, slipped, radius)
         touch = -radius * _tilt(*_set_loads(piece, span.friction, eta))
         centres.append(touch + front.shift)
@@ -472,7 +476,7 @@ def _of_kink(before: Span, span: Span, radius: float) -> Array:
     return _products(weight, jump, jump)
 
 
-def _require_no_return(before: Span, span: Span, radius: float) -> None:
+def _require_no_return(span_before: Span, span: Span, radius: float) -> None:
     """Declined where slip passes at once what an earlier stroke in its sense left at the limit.
 
     That is free of consequence where loads are the same as then: so are tilt and strain.
@@ -480,15 +484,21 @@ def _require_no_return(before: Span, span: Span, radius: float) -> None:
     friction = span.friction
     begin = span.begin
     top = span.active.top if span.active is not None else 0.0
-    for piece in pieces(before.curve(before.end.time)):
-        allowed = _SAME * max(piece.anchor.normal, begin.normal)
-        if piece.bottom < top - allowed:
+    for piece in pieces(span_before.curve(span_before.end.time)):
+        allowed_load = _SAME * max(piece.anchor.normal, begin.normal)
+        if piece.bottom < top - allowed_load:
             break
-        if piece.top - piece.bottom <= allowed or not flat(piece, span.direction, friction):
+        if piece.top - piece.bottom <= allowed_load or not flat(piece, span.direction, friction):
             continue
-        since = (begin.normal - piece.anchor.normal, begin.tangential - piece.anchor.tangential)
+        change_of_loads = (
+            begin.normal - piece.anchor.normal,
+            begin.tangential - piece.anchor.tangential,
+        )
         end = _end_of_piece(piece, span.direction, friction, radius)
-        if abs(since[0]) > allowed or abs(since[1]) > friction * allowed:
+        if (
+            abs(change_of_loads[0]) > allowed_load
+            or abs(change_of_loads[1]) > friction * allowed_load
+        ):
             raise Declined("slip comes back to an earlier limit under other loads")
         if end is not None and np.any(end.form):
             raise Declined("slip goes on after a smooth end of its stroke")
@@ -531,9 +541,9 @@ def _smooth_end(span: Span, time: float, front: float, radius: float) -> _Smooth
     if rates[2] > _AT_REST * max(rates) or front >= load * (1 - _SAME):
         return None
     step = _STEP * (leg.end - leg.start)
-    after = float(leg.rate_of(combination, time + step))
-    before = float(leg.rate_of(combination, time - step))
-    bend = (before - after) / (2 * step)  # N''
+    rate_after = float(leg.rate_of(combination, time + step))
+    rate_before = float(leg.rate_of(combination, time - step))
+    bend = (rate_before - rate_after) / (2 * step)  # N''
     if bend <= 0:
         return None
     drive_rate = _drive(span.friction, span.direction, *leg.rates(time))
@@ -570,9 +580,9 @@ def _of_passed_end(span: Span, radius: float, panels: int) -> Array:
         return np.zeros((4, 4))
     anchor = piece.anchor
     eta, force = end.left(panels)
-    last = span.end.normal - float(span.slipped(span.end.time))
-    first = span.begin.normal - float(span.slipped(span.begin.time))
-    is_passed = (eta < first) & (eta >= last)
+    front_at_end = span.end.normal - float(span.slipped(span.end.time))
+    front_at_begin = span.begin.normal - float(span.slipped(span.begin.time))
+    is_passed = (eta < front_at_begin) & (eta >= front_at_end)
     eta = eta[is_passed]
     slip_level = level(span.direction, span.friction)
     at_begin = float(change_from(anchor, span.leg, slip_level, span.begin.time))

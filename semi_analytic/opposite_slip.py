@@ -207,17 +207,17 @@ class OppositeSlip(TiltedProfile):
         """P_x: above P out of contact, 0 where nothing slips up to the largest Q."""
         largest_load, middle, contact_half_width = self._contact
         place = (np.asarray(half_width, dtype=float) - middle) / contact_half_width
-        low = np.zeros(place.shape)
-        high = np.full(place.shape, self._deepest)
+        load_below = np.zeros(place.shape)
+        load_above = np.full(place.shape, self._deepest)
         left, right = self._zones
         for _ in range(60):
-            v = (low + high) / 2
+            v = (load_below + load_above) / 2
             is_outside = np.where(place < 0, place < left(v), place > right(v))
-            low = np.where(is_outside, low, v)
-            high = np.where(is_outside, v, high)
-        deepest = np.array(self._deepest)
-        never_slips = (place >= left(deepest)) & (place <= right(deepest))
-        loads = np.where(never_slips, 0.0, largest_load - (low + high) / 2)
+            load_below = np.where(is_outside, load_below, v)
+            load_above = np.where(is_outside, v, load_above)
+        deepest_load = np.array(self._deepest)
+        never_slips = (place >= left(deepest_load)) & (place <= right(deepest_load))
+        loads = np.where(never_slips, 0.0, largest_load - (load_below + load_above) / 2)
         beyond_edge = np.abs(place) - 1
         return np.where(beyond_edge > 0, largest_load * (1 + beyond_edge), loads)
 
@@ -250,20 +250,20 @@ class OppositeSlip(TiltedProfile):
         )
         points, column = np.unique(places, return_inverse=True)
         stops, row = np.unique(loads, return_inverse=True)
-        low = stops[:, None]
-        high = np.append(stops[1:], largest_load)[:, None]
+        load_below = stops[:, None]
+        load_above = np.append(stops[1:], largest_load)[:, None]
         edge = self.load(points)
-        begin = low + 0 * edge
+        begin = load_below + 0 * edge
         if kernel == "inverse_root":
-            end = high + 0 * edge
-            to_edge = low - np.maximum(edge, least_load)
-            is_inside = (low >= edge) & (high > low)
+            end = load_above + 0 * edge
+            to_edge = load_below - np.maximum(edge, least_load)
+            is_inside = (load_below >= edge) & (load_above > load_below)
         else:
-            end = np.minimum(high, edge)
+            end = np.minimum(load_above, edge)
             to_edge = np.minimum(edge, largest_load) - end
             is_inside = end > begin
         cells = np.zeros(is_inside.shape)
-        is_near = to_edge < 3 * (high - low)
+        is_near = to_edge < 3 * (load_above - load_below)
         for selected, rule in ((is_inside & is_near, graded), (is_inside & ~is_near, _by_gauss)):
             cell, point = np.nonzero(selected)
             for k in range(0, len(cell), _MEMBERS):
@@ -287,8 +287,8 @@ class OppositeSlip(TiltedProfile):
     def log_distance(self, load: ArrayLike) -> Array:
         """Integral of `log_ratio` up to a load, less that up to P."""
         largest_load = self.intervals.most
-        low = np.clip(load, largest_load - self._deepest, largest_load)
-        eta, weight = graded(low, np.full(np.shape(low), largest_load))
+        least_load = np.clip(load, largest_load - self._deepest, largest_load)
+        eta, weight = graded(least_load, np.full(np.shape(least_load), largest_load))
         return np.asarray(-np.sum(weight * self.log_ratio(eta), axis=-1))
 
     def dissipation_kernel(self, load: ArrayLike, slipped: ArrayLike) -> Array:

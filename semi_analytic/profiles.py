@@ -213,10 +213,10 @@ def _convex_polynomial(profile: EvenPolynomial) -> ConvexProfile:
 
 
 def _convex_function(profile: CallableProfile) -> ConvexProfile:
-    least = profile.extent * 1e-15
+    least_distance = profile.extent * 1e-15
 
     def bend(x: Array) -> Array:
-        size = np.maximum(np.abs(x), least)
+        size = np.maximum(np.abs(x), least_distance)
         return np.asarray(profile.bend(size) / size)
 
     sample = np.unique(np.linspace(0, 1, 1001)[1:-1] ** 2 * profile.extent)
@@ -240,12 +240,14 @@ def _convex_function(profile: CallableProfile) -> ConvexProfile:
 _SHARPEST = 1.01
 
 
-def _parabolas(knots: list[float], bends: list[float], inner: float) -> PiecewiseParabola:
-    """Symmetric: h'' between and beyond the knots, `inner` where h' at the first knot, -b inner,
-    follows from it.
+def _parabolas(knots: list[float], bends: list[float], inner_curvature: float) -> PiecewiseParabola:
+    """Symmetric: h'' between and beyond the knots, `inner_curvature` where h' at the first knot,
+    -b inner, follows from it.
     """
     b = -knots[0]
-    return PiecewiseParabola(np.array(knots), np.array(bends), -b * inner, b * b * inner / 2)
+    return PiecewiseParabola(
+        np.array(knots), np.array(bends), -b * inner_curvature, b * b * inner_curvature / 2
+    )
 
 
 def _bends_down(x: float) -> InputError:
@@ -351,11 +353,15 @@ def load_factor(exponent: float) -> float:
     >>> round(load_factor(1.0), 15), round(load_factor(2.0), 15)  # 1 and pi/4
     (1.0, 0.785398163397448)
     """
-    upper = (exponent + 1) / 2
-    lower = exponent / 2 + 1
+    upper_argument = (exponent + 1) / 2
+    lower_argument = exponent / 2 + 1
     if exponent >= 300:  # their quotient is a number, they are not
-        return math.sqrt(math.pi) / 2 * math.exp(math.lgamma(upper) - math.lgamma(lower))
-    return math.sqrt(math.pi) / 2 * (math.gamma(upper) / math.gamma(lower))
+        return (
+            math.sqrt(math.pi)
+            / 2
+            * math.exp(math.lgamma(upper_argument) - math.lgamma(lower_argument))
+        )
+    return math.sqrt(math.pi) / 2 * (math.gamma(upper_argument) / math.gamma(lower_argument))
 
 
 def power_law(modulus: float, exponent: float, length: float, rise: float) -> ContactLaw:
@@ -389,16 +395,17 @@ def even_polynomial(modulus: float, length: float, rises: tuple[float, ...]) -> 
     1.0
     """
     k = np.arange(1.0, len(rises) + 1)
-    loads = modulus * 2 * k * np.array(rises) * np.array([load_factor(2 * each) for each in k])
+    loads = modulus * 2 * k * np.array(rises) * np.array([load_factor(2 * power) for power in k])
     # dP/da over a is a polynomial in a^2.
     square = first_fall(loads * k)
     if square is not None:
-        where = length * float(np.sqrt(square))
+        half_width = length * float(np.sqrt(square))
         raise InputError(
-            f"profile: the contact would split near a half-width of {where:.6g}; half-plane theory"
+            f"profile: the contact would split near a half-width of {half_width:.6g};"
+            " half-plane theory"
             " here needs one contact"
         )
-    first = int(np.flatnonzero(loads > 0)[0])
+    first_term = int(np.flatnonzero(loads > 0)[0])
 
     def load(a: Array) -> Array:
         square = np.square(a / length)
@@ -413,7 +420,7 @@ def even_polynomial(modulus: float, length: float, rises: tuple[float, ...]) -> 
         load,
         inverse_of(load, stiffness, length),
         stiffness,
-        power=2.0 * (first + 1),
+        power=2.0 * (first_term + 1),
         bends_anywhere=several,
     )
 
@@ -435,16 +442,16 @@ def load_function(tau: ArrayLike) -> Array:
     0.570796326795
     """
     t = np.asarray(tau, dtype=float)
-    closed = (1 + t * t) * np.arctan(t) - t
+    closed_form = (1 + t * t) * np.arctan(t) - t
     is_shallow = t < _SHALLOW
     if not np.any(is_shallow):
-        return closed
-    small = np.minimum(t, _SHALLOW)
-    square = small * small
+        return closed_form
+    shallow_tau = np.minimum(t, _SHALLOW)
+    square = shallow_tau * shallow_tau
     total = np.full(np.shape(t), _F_SERIES[-1])
     for coefficient in _F_SERIES[-2::-1].tolist():
         total = total * square + coefficient
-    return np.where(is_shallow, total * small * square, closed)
+    return np.where(is_shallow, total * shallow_tau * square, closed_form)
 
 
 def flat_and_rounded(modulus: float, radius: float, flat_half_length: float) -> ContactLaw:
@@ -493,18 +500,20 @@ def two_curvatures(
     1.0
     """
     b = inner_half_length
-    tip = modulus / inner_radius
-    outer = modulus / outer_radius * b * b / 2
+    tip_modulus = modulus / inner_radius
+    outer_load = modulus / outer_radius * b * b / 2
 
     def load(a: Array) -> Array:
         end = np.minimum(a, b)
         t = np.sqrt((a - end) * (a + end))
-        return tip / 2 * (end * t + a * a * np.arctan2(end, t)) + outer * load_function(t / b)
+        return tip_modulus / 2 * (
+            end * t + a * a * np.arctan2(end, t)
+        ) + outer_load * load_function(t / b)
 
     def stiffness(a: Array) -> Array:
         end = np.minimum(a, b)
         t = np.sqrt((a - end) * (a + end))
-        return a * (tip * np.arctan2(end, t) + modulus / outer_radius * np.arctan2(t, end))
+        return a * (tip_modulus * np.arctan2(end, t) + modulus / outer_radius * np.arctan2(t, end))
 
     return ContactLaw(load, inverse_of(load, stiffness, b, b), stiffness, breaks=(b,))
 
@@ -559,19 +568,23 @@ def tabulated(modulus: float, profile: Tabulated) -> ContactLaw:
     9.0
     """
     spline = profile.spline()
-    first = int(np.flatnonzero(spline.curvature > 0)[0])
-    knots = spline.x[first:]
-    bend = modulus * spline.curvature[first:]
-    least = float(knots[0])
+    first_knot = int(np.flatnonzero(spline.curvature > 0)[0])
+    knots = spline.x[first_knot:]
+    bend = modulus * spline.curvature[first_knot:]
+    least_width = float(knots[0])
     extent = float(knots[-1])
     # The first piece is Hertz, or flat and rounded with 1/R the first curvature.
-    head = flat_and_rounded(bend[0], 1.0, least) if least > 0 else power_law(bend[0], 2.0, 1.0, 0.5)
+    head = (
+        flat_and_rounded(bend[0], 1.0, least_width)
+        if least_width > 0
+        else power_law(bend[0], 2.0, 1.0, 0.5)
+    )
     rows = _series_of_rows(knots, bend)
 
     def series_or_head(d: Array, values: Powers, head_function: Callable[[Array], Array]) -> Array:
         if not len(rows.begin):
             return head_function(d)
-        a = d + least
+        a = d + least_width
         number = np.searchsorted(rows.edges, a, side="right") - 1
         u = np.sqrt(np.maximum(a - rows.begin[number], 0.0))
         at_widths = rows.on(np.maximum(number, 0), u, values)
@@ -587,11 +600,11 @@ def tabulated(modulus: float, profile: Tabulated) -> ContactLaw:
     def stiffness(d: Array) -> Array:
         return series_or_head(d, rows.rate, head.stiffness)
 
-    largest_load = float(load(np.array(extent - least)))
+    largest_load = float(load(np.array(extent - least_width)))
     inverse = head.advance
     if len(rows.begin):
-        corner = float(knots[1]) - least
-        inverse = inverse_of(load, stiffness, extent, corner, extent - least)
+        corner = float(knots[1]) - least_width
+        inverse = inverse_of(load, stiffness, extent, corner, extent - least_width)
 
     def advance(p: Array) -> Array:
         needed_load = float(np.max(p, initial=0.0))
@@ -602,13 +615,15 @@ def tabulated(modulus: float, profile: Tabulated) -> ContactLaw:
             )
         return np.asarray(inverse(p))
 
-    law = ContactLaw(load, advance, stiffness, least, tuple(knots[1:-1].tolist()), extent=extent)
+    law = ContactLaw(
+        load, advance, stiffness, least_width, tuple(knots[1:-1].tolist()), extent=extent
+    )
     if len(rows.begin):
         # Of every piece the ends too: where dP/da falls behind a knot it is least at the next one.
         t = np.concatenate([[-1.0], NODES, [1.0]])
         u = rows.low[:, None] + (rows.high - rows.low)[:, None] * (1 + t) / 2
         half_width = rows.begin[:, None] + np.square(u)
-        rate = stiffness(half_width - least)
+        rate = stiffness(half_width - least_width)
         # Round-off may leave that much below 0 where the profile is straight.
         falls = rate < -1e-12 * np.max(rate)
         if np.any(falls):
@@ -676,18 +691,20 @@ def _series_of_rows(knots: Array, bend: Array) -> _Series:
     half_widths = begin[:, None] + np.square(u)
     load_and_rate = np.zeros((*half_widths.shape, 2))
 
-    def sums(a: Array, since: Array, rises: Array, first: int, last: int) -> Array:
-        """P and dP/da/a by knots number `first` to `last`, at a = since + above: a - b is known
-        without cancellation.
+    def sums(
+        a: Array, begin_of_piece: Array, rises: Array, first_knot: int, knot_beyond: int
+    ) -> Array:
+        """P and dP/da/a by knots number `first_knot` to `knot_beyond`, at a = since + above: a -
+        b is known without cancellation.
         """
-        b = knots[first:last]
-        rise = np.maximum((since - b) + rises, 0.0)
+        b = knots[first_knot:knot_beyond]
+        rise = np.maximum((begin_of_piece - b) + rises, 0.0)
         tau = np.sqrt(rise * (a + b))
         angle = np.where(rise > 0, np.arctan2(tau, b), 0.0)
         # a^2 arccos(b/a) - b tau is twice the load of a flat with rounded edges; with b = 0 Hertz.
         twice_load = np.where(rise > 0, a * a * angle - b * tau, 0.0)
-        load = twice_load @ jumps[first:last] / 2
-        rate = angle @ jumps[first:last]
+        load = twice_load @ jumps[first_knot:knot_beyond] / 2
+        rate = angle @ jumps[first_knot:knot_beyond]
         return np.stack([load, rate], axis=-1)
 
     ranges: list[_Range] = []
@@ -703,22 +720,22 @@ def _series_of_rows(knots: Array, bend: Array) -> _Series:
         values = chebyshev.chebval(in_series, part.smooth).T
         column = place[:, None]
         values = values + sums(column, column, np.zeros((1, 1)), part.known, knots_far_below)
-        smooth = series(values.T).T
+        smooth_series = series(values.T).T
         if part.last - part.first > _TOGETHER:
             middle = (part.first + part.last) // 2
-            ranges.append(_Range(part.first, middle, knots_far_below, ends, smooth))
-            ranges.append(_Range(middle, part.last, knots_far_below, ends, smooth))
+            ranges.append(_Range(part.first, middle, knots_far_below, ends, smooth_series))
+            ranges.append(_Range(middle, part.last, knots_far_below, ends, smooth_series))
             continue
         rows = slice(part.first, part.last)
-        reached = int(np.searchsorted(knots[:-1], ends[1]))
+        knots_reached = int(np.searchsorted(knots[:-1], ends[1]))
         in_series = (half_widths[rows] - ends[0]) * 2 / length - 1
-        load_and_rate[rows] = np.moveaxis(chebyshev.chebval(in_series, smooth), 0, -1)
+        load_and_rate[rows] = np.moveaxis(chebyshev.chebval(in_series, smooth_series), 0, -1)
         load_and_rate[rows] += sums(
             half_widths[rows, :, None],
             begin[rows, None, None],
             rises[rows, :, None],
             knots_far_below,
-            reached,
+            knots_reached,
         )
     load = load_and_rate[..., 0]
     rate = load_and_rate[..., 1] * half_widths
@@ -750,9 +767,9 @@ def _splits(profile: Tabulated, half_width: float) -> InputError:
             "write h with more digits, leave rows out until each rises by many steps, or give a"
             " formula that fits them"
         )
-    where = f"{profile.place(row)}, x = {x:.6g} and h = {h:.6g}"
+    place = f"{profile.place(row)}, x = {x:.6g} and h = {h:.6g}"
     words = (
-        f"{where}: the contact would split near a half-width of {half_width:.6g}: {cause}; {cure}"
+        f"{place}: the contact would split near a half-width of {half_width:.6g}: {cause}; {cure}"
     )
     return InputError(words) if step is None else ProfileDataError(words)
 
@@ -780,21 +797,24 @@ class _Stretch:
     @property
     def power(self) -> float:
         """Power of u that P follows below the least octave."""
-        first = np.array(self.loads.edges[0])
+        first_edge = np.array(self.loads.edges[0])
         return float(
-            first * self.rates(first) / self.loads(first) * (2 * first if self.rooted else 1.0)
+            first_edge
+            * self.rates(first_edge)
+            / self.loads(first_edge)
+            * (2 * first_edge if self.rooted else 1.0)
         )
 
     def at(self, u: Array, order: int) -> Array:
         """P (order 0) or dP/da (1); below the least octave as a power."""
         pieces = (self.loads, self.rates)[order]
-        first = float(pieces.edges[0])
-        inside = pieces(np.maximum(u, first))
-        if first == 0:
-            return inside
+        first_edge = float(pieces.edges[0])
+        values_inside = pieces(np.maximum(u, first_edge))
+        if first_edge == 0:
+            return values_inside
         # of dP/da of a sharp wedge 0, to round-off
         power = max(self.power - order * (2 if self.rooted else 1), 0.0)
-        return inside * np.minimum(u / first, 1.0) ** power
+        return values_inside * np.minimum(u / first_edge, 1.0) ** power
 
 
 def slope_function(modulus: float, profile: CallableProfile) -> ContactLaw:
@@ -816,16 +836,16 @@ def slope_function(modulus: float, profile: CallableProfile) -> ContactLaw:
     1.0
     """
     corners = _corners(profile)
-    least = _flat_half_length(profile, corners)
-    cuts = [least, *(b for b in corners if least < b < profile.extent)]
+    least_width = _flat_half_length(profile, corners)
+    cuts = [least_width, *(b for b in corners if least_width < b < profile.extent)]
     ranges = list(pairwise([*cuts, profile.extent]))
-    cuts_behind = tuple(reversed(cuts if least else cuts[1:]))
+    cuts_behind = tuple(reversed(cuts if least_width else cuts[1:]))
     stretches = [_stretch(modulus, profile, begin, end, cuts_behind) for begin, end in ranges]
-    carried = float(stretches[-1].loads(stretches[-1].loads.edges[-1]))
+    carried_load = float(stretches[-1].loads(stretches[-1].loads.edges[-1]))
 
     def at(d: Array, order: int) -> Array:
         """P (order 0) or dP/da (1) where the half-width is d above the least one."""
-        half_width = least + d
+        half_width = least_width + d
         values = np.zeros(d.shape)
         begins = [stretch.begin for stretch in stretches]
         number = np.maximum(np.searchsorted(begins, half_width, side="right") - 1, 0)
@@ -838,20 +858,23 @@ def slope_function(modulus: float, profile: CallableProfile) -> ContactLaw:
         return values
 
     inverse = inverse_of(
-        partial(at, order=0), partial(at, order=1), profile.extent, extent=profile.extent - least
+        partial(at, order=0),
+        partial(at, order=1),
+        profile.extent,
+        extent=profile.extent - least_width,
     )
 
     def advance(p: Array) -> Array:
         needed_load = float(np.max(p, initial=0.0))
-        if needed_load > carried * (1 + 1e-12):
+        if needed_load > carried_load * (1 + 1e-12):
             raise ProfileDataError(
                 f"profile.extent = {profile.extent:.6g}: the normal load {needed_load:.6g} needs a"
-                f" wider contact, the extent carries {carried:.6g}"
+                f" wider contact, the extent carries {carried_load:.6g}"
             )
         return inverse(p)
 
     sample = np.unique(np.concatenate([np.linspace(begin, end, 200) for begin, end in ranges]))
-    rates = at(sample - least, 1)
+    rates = at(sample - least_width, 1)
     falls = rates < -1e-10 * np.max(rates)
     if np.any(falls):
         raise InputError(
@@ -861,9 +884,9 @@ def slope_function(modulus: float, profile: CallableProfile) -> ContactLaw:
         load=partial(at, order=0),
         advance=advance,
         stiffness=partial(at, order=1),
-        least=least,
+        least=least_width,
         breaks=tuple(cuts[1:]),
-        power=stretches[0].power if not least else 2.0,
+        power=stretches[0].power if not least_width else 2.0,
         extent=profile.extent,
         bends_anywhere=True,
         # A derivative was taken of h', and two of h.

@@ -302,21 +302,25 @@ class PunchSuperposition:
 
         0 is returned for eta = 0 and a = 0, where it is multiplied by eta.
         """
-        outer, rise, inner = np.broadcast_arrays(self._beyond(x), as_is(excess), as_is(advance))
-        half_width = inner + self.least
-        square = self._squares_apart(inner, np.maximum(outer, inner), rise)
+        outer_advance, rise, inner_advance = np.broadcast_arrays(
+            self._beyond(x), as_is(excess), as_is(advance)
+        )
+        half_width = inner_advance + self.least
+        square = self._squares_apart(inner_advance, np.maximum(outer_advance, inner_advance), rise)
         return np.arcsinh(np.sqrt(square) / np.where(half_width > 0, half_width, np.inf))
 
     def inverse_root(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
         """1/sqrt(a(eta)^2 - x^2) from eta - P_x > 0 and the advance d(eta): pi times the pressure
         of a flat punch of unit load.
         """
-        distance, rise, outer = np.broadcast_arrays(np.abs(as_is(x)), as_is(excess), as_is(advance))
-        inner = np.minimum(distance - self.least, outer)
-        square = self._squares_apart(inner, outer, rise)
+        distance, rise, outer_advance = np.broadcast_arrays(
+            np.abs(as_is(x)), as_is(excess), as_is(advance)
+        )
+        inner_advance = np.minimum(distance - self.least, outer_advance)
+        square = self._squares_apart(inner_advance, outer_advance, rise)
         return 1 / np.sqrt(np.where(square > 0, square, np.inf))
 
-    def _squares_apart(self, inner: Array, outer: Array, rise: Array) -> Array:
+    def _squares_apart(self, inner_advance: Array, outer_advance: Array, rise: Array) -> Array:
         """Difference of the squares of two half-widths of these advances; of close ones from the
         rise of P between them.
 
@@ -324,25 +328,29 @@ class PunchSuperposition:
         next to each other.
         """
         begins = self.law.begins
-        square = np.array((outer - inner) * (outer + inner + 2 * self.least))
-        corners_between = np.searchsorted(begins, outer) - np.searchsorted(begins, inner)
+        square = np.array(
+            (outer_advance - inner_advance) * (outer_advance + inner_advance + 2 * self.least)
+        )
+        corners_between = np.searchsorted(begins, outer_advance) - np.searchsorted(
+            begins, inner_advance
+        )
         share = np.where(corners_between > 1, _NEXT, _CLOSE)
-        is_close = (inner >= 0) & (square < share * np.square(outer + self.least))
+        is_close = (inner_advance >= 0) & (square < share * np.square(outer_advance + self.least))
         if np.any(is_close):
-            rate = self._mean_rate(inner[is_close], outer[is_close])
+            rate = self._mean_rate(inner_advance[is_close], outer_advance[is_close])
             square[is_close] = rise[is_close] / np.where(rate > 0, rate, np.inf)
         return square
 
-    def _mean_rate(self, inner: Array, outer: Array) -> Array:
+    def _mean_rate(self, inner_advance: Array, outer_advance: Array) -> Array:
         """Rise of P over rise of a^2 between two advances as close as may be: in two parts if there
         is a corner in between.
         """
-        end = np.maximum(outer, inner * (1 + 4 * _EPS))
+        end = np.maximum(outer_advance, inner_advance * (1 + 4 * _EPS))
         begins = self.law.begins
-        corner_below = np.searchsorted(begins, inner, side="right") - 1
+        corner_below = np.searchsorted(begins, inner_advance, side="right") - 1
         corner = np.append(begins, np.inf)[corner_below + 1]
         rise_of_load, rise_of_square = self._rises(
-            inner, np.minimum(corner, end), begins[corner_below]
+            inner_advance, np.minimum(corner, end), begins[corner_below]
         )
         crossing = np.flatnonzero(corner < end)
         load_behind, square_behind = self._rises(
@@ -352,13 +360,15 @@ class PunchSuperposition:
         rise_of_square[crossing] += square_behind
         return rise_of_load / np.where(rise_of_square > 0, rise_of_square, 1.0)
 
-    def _rises(self, first: Array, last: Array, corner: Array) -> tuple[Array, Array]:
+    def _rises(
+        self, begin_advance: Array, end_advance: Array, corner: Array
+    ) -> tuple[Array, Array]:
         """Rises of P and of a^2, times one half, between advances next to each other, (n,), behind
         a corner: by Gauss' rule in the root of the distance from it.
         """
         node, share = gauss(6)
-        begin = np.sqrt(np.maximum(first - corner, 0.0))
-        length = np.sqrt(np.maximum(last - corner, 0.0)) - begin
+        begin = np.sqrt(np.maximum(begin_advance - corner, 0.0))
+        length = np.sqrt(np.maximum(end_advance - corner, 0.0)) - begin
         root = begin[:, None] + length[:, None] * node
         advance = corner[:, None] + root * root
         weight = length[:, None] * share * root
@@ -413,15 +423,17 @@ class PunchSuperposition:
         logarithm for 700.
         """
         front = np.maximum(load - slipped, _EPS / 4 * load)
-        outer, inner = self.law.advance(np.stack([load, front]))
-        least_half = np.finfo(float).tiny * np.maximum(outer, 1.0)
-        ratio = (outer - inner) / np.maximum(self.least + inner, least_half)
-        return np.log1p(ratio), outer, inner
+        outer_advance, inner_advance = self.law.advance(np.stack([load, front]))
+        least_half = np.finfo(float).tiny * np.maximum(outer_advance, 1.0)
+        ratio = (outer_advance - inner_advance) / np.maximum(self.least + inner_advance, least_half)
+        return np.log1p(ratio), outer_advance, inner_advance
 
     def _kernel_as_difference(self, load: Array, slipped: Array) -> Array:
         """P ln(a/c) - int_c^a P/alpha d alpha."""
-        logarithm, outer, inner = self._log_of_widths(load, slipped)
-        outer_integral, inner_integral = self._logarithm(0, np.stack([outer, inner]))[0]
+        logarithm, outer_advance, inner_advance = self._log_of_widths(load, slipped)
+        outer_integral, inner_integral = self._logarithm(
+            0, np.stack([outer_advance, inner_advance])
+        )[0]
         return load * logarithm - (outer_integral - inner_integral)
 
     def _kernel_as_integral(self, load: Array, slipped: Array) -> Array:
@@ -432,16 +444,18 @@ class PunchSuperposition:
         """
         kernel = np.zeros(load.shape)
         front = load - slipped
-        first = np.searchsorted(self._begin_loads, front, side="right")
-        last = np.maximum(np.searchsorted(self._begin_loads, load, side="left"), first)
-        parts = last - first + 1  # of each integral, from corner to corner
+        first_corner = np.searchsorted(self._begin_loads, front, side="right")
+        last_corner = np.maximum(
+            np.searchsorted(self._begin_loads, load, side="left"), first_corner
+        )
+        parts = last_corner - first_corner + 1  # of each integral, from corner to corner
         bounds = np.arange(_MEMBERS, len(load), _MEMBERS)
         for members in np.split(np.arange(len(load)), bounds):
             # a part is of the member `which`, behind the corner number `behind`
             member = np.repeat(members, parts[members])
             parts_before = np.cumsum(parts[members]) - parts[members]
             number_of_part = np.arange(len(member)) - np.repeat(parts_before, parts[members])
-            corner_below = number_of_part + first[member] - 1
+            corner_below = number_of_part + first_corner[member] - 1
             integral = self._integrals_of_parts(load[member], slipped[member], corner_below)
             kernel += np.bincount(member, integral, len(kernel))
         return kernel
@@ -450,19 +464,19 @@ class PunchSuperposition:
         """int (P - eta) d ln(a) from P_c, or a corner's load, to P, or the next corner's, (n,)."""
         corners = np.append(self._begin_loads, np.inf)
         front = load - slipped
-        low = np.maximum(front, corners[corner_below])
-        high = np.minimum(load, corners[corner_below + 1])
+        load_below = np.maximum(front, corners[corner_below])
+        end = np.minimum(load, corners[corner_below + 1])
         # Up to P it is what is left of P - P_c, whose digits a difference of loads would lose.
         ends_at_load = corners[corner_below + 1] >= load
-        left_of_slipped = np.maximum(slipped - (low - front), 0.0)
-        length = np.where(ends_at_load, left_of_slipped, high - low)
+        left_of_slipped = np.maximum(slipped - (load_below - front), 0.0)
+        length = np.where(ends_at_load, left_of_slipped, end - load_below)
         integral = np.zeros(len(load))
-        is_smooth = (corner_below > 0) | (length < _NEARBY * low)
+        is_smooth = (corner_below > 0) | (length < _NEARBY * load_below)
         for rooted in (True, False):
             members = is_smooth == rooted
             if not np.any(members):
                 continue
-            begin = low[members, None]
+            begin = load_below[members, None]
             way = length[members, None]
             if rooted:
                 rise, weight = _nodes_in_root(begin - corners[corner_below[members], None], way)
@@ -513,8 +527,8 @@ class PunchSuperposition:
         less, and what the series of the second leaves out.
         """
         kernel = self.dissipation_kernel(load, slipped)
-        logarithm, outer, _ = self._log_of_widths(load, slipped)
-        integral, series_error = self._logarithm(0, outer)
+        logarithm, outer_advance, _ = self._log_of_widths(load, slipped)
+        integral, series_error = self._logarithm(0, outer_advance)
         size_of_terms = load * logarithm + np.abs(integral)
         of_difference = series_error + (8 * _EPS + self.noise) * size_of_terms
         of_difference = np.where(self._is_far(load, slipped), of_difference, 0.0)
@@ -528,8 +542,8 @@ class PunchSuperposition:
         |x|^20 that is 2e-13 of p.
         """
         half_width = self.least + advance
-        ahead = half_width - distance
-        way = np.maximum(ahead, 0.0)
+        distance_to_edge = half_width - distance
+        way = np.maximum(distance_to_edge, 0.0)
         root = np.sqrt(way / np.where(half_width > 0, half_width + distance, np.inf))
         # Of dp/da = g/(pi sqrt(a^2 - x^2)), times the way ahead.
         change = self.law.stiffness(advance) * root / np.pi
@@ -643,12 +657,14 @@ class PunchSuperposition:
         end.
         """
         advance = self.law.advance(load)
-        outer = self._beyond(distance)
-        inner = np.minimum(advance, outer)
-        integral, error = self._primitive("outside", order, distance, inner)
-        force = np.minimum(load, self.law.load(outer))
-        half_width = inner + self.least
-        root = np.sqrt((outer - inner) * (outer + inner + 2 * self.least))
+        outer_advance = self._beyond(distance)
+        inner_advance = np.minimum(advance, outer_advance)
+        integral, error = self._primitive("outside", order, distance, inner_advance)
+        force = np.minimum(load, self.law.load(outer_advance))
+        half_width = inner_advance + self.least
+        root = np.sqrt(
+            (outer_advance - inner_advance) * (outer_advance + inner_advance + 2 * self.least)
+        )
         arccosh = np.arcsinh(root / np.where(half_width > 0, half_width, np.inf))
         return integral + _weight_of_order(order, force) * arccosh, error
 
@@ -684,9 +700,9 @@ class Panels:
     def halved(self) -> Panels:
         """The lower halves of all, then the upper ones."""
         middle = (self.begin + self.end) / 2
-        lower = replace(self, end=middle)
-        upper = replace(self, begin=middle)
-        return Panels.together([lower, upper])
+        lower_half = replace(self, end=middle)
+        upper_half = replace(self, begin=middle)
+        return Panels.together([lower_half, upper_half])
 
     def advance(self, kind: Kind, v: Array) -> Array:
         """Delta - `low` at v, (n,) or (n, nodes)."""
@@ -804,12 +820,12 @@ def primitive_of(kind: Kind, order: int, x: Array, top: float, law: ContactLaw) 
     octaves = top / law.octave ** np.arange(1, _OCTAVES)
     marks = np.append(np.union1d(begins[begins < top], octaves), top)
     ranges = _ranges(kind, x, law.least, marks, begins)
-    resolved = _with_empty_panels(_resolved(kind, order, ranges, law), x)
-    panels = resolved.panels
-    resolved = resolved.take(np.lexsort((panels.begin, panels.low, panels.point)))
-    panels = resolved.panels
-    tails = resolved.tails
-    coefficients = chebyshev.chebint(resolved.coefficients.T, lbnd=-1)
+    resolved_panels = _with_empty_panels(_resolved(kind, order, ranges, law), x)
+    panels = resolved_panels.panels
+    resolved_panels = resolved_panels.take(np.lexsort((panels.begin, panels.low, panels.point)))
+    panels = resolved_panels.panels
+    tails = resolved_panels.tails
+    coefficients = chebyshev.chebint(resolved_panels.coefficients.T, lbnd=-1)
     coefficients = _without_round_off(coefficients * ((panels.end - panels.begin) / 2))
     # Sums run from panel to panel of a point: one sum through all points would leave the round-off
     # of the largest in the smallest.
@@ -862,18 +878,18 @@ def _resolved(kind: Kind, order: int, ranges: Panels, law: ContactLaw) -> _Resol
     )
 
 
-def _with_empty_panels(resolved: _Resolved, x: Array) -> _Resolved:
+def _with_empty_panels(resolved_panels: _Resolved, x: Array) -> _Resolved:
     """The same; a point without a panel gets one on which its integral is 0."""
-    missing = np.setdiff1d(np.arange(len(x)), resolved.panels.point)
-    if not len(missing):
-        return resolved
-    zero = np.zeros(len(missing))
-    empty = Panels(missing, x[missing], zero, zero + 1, zero, zero + 1)
-    no_terms = np.zeros((len(missing), resolved.coefficients.shape[1]))
+    missing_points = np.setdiff1d(np.arange(len(x)), resolved_panels.panels.point)
+    if not len(missing_points):
+        return resolved_panels
+    zero = np.zeros(len(missing_points))
+    empty_panels = Panels(missing_points, x[missing_points], zero, zero + 1, zero, zero + 1)
+    no_terms = np.zeros((len(missing_points), resolved_panels.coefficients.shape[1]))
     return _Resolved(
-        Panels.together([resolved.panels, empty]),
-        np.concatenate([resolved.coefficients, no_terms]),
-        np.append(resolved.tails, zero),
+        Panels.together([resolved_panels.panels, empty_panels]),
+        np.concatenate([resolved_panels.coefficients, no_terms]),
+        np.append(resolved_panels.tails, zero),
     )
 
 
@@ -881,8 +897,8 @@ def _without_round_off(coefficients: Array) -> Array:
     """Series (m, n) without the orders that are round-off of all of them."""
     largest_coefficient = np.maximum(np.max(np.abs(coefficients), axis=0), 1e-300)
     size_of_order = np.max(np.abs(coefficients) / largest_coefficient, axis=1, initial=0.0)
-    last = int(np.max(np.flatnonzero(size_of_order > _EPS), initial=0))
-    return coefficients[: last + 1]
+    last_order = int(np.max(np.flatnonzero(size_of_order > _EPS), initial=0))
+    return coefficients[: last_order + 1]
 
 
 def _ranges(kind: Kind, x: Array, least_half_width: float, marks: Array, begins: Array) -> Panels:
@@ -932,8 +948,16 @@ def _integrand(kind: Kind, order: int, panels: Panels, v: Array, law: ContactLaw
     half_width = law.least + advance
     if kind == "pressure":
         weight = law.stiffness(advance) * (law.load(advance) if order else 1.0)
-        inside = np.maximum(low - (x - law.least), 0.0) + advance_at_v
-        return weight * 2 * root * scale * np.cosh(v) / np.sqrt(inside * (half_width + x)) / np.pi
+        advance_at_x = np.maximum(low - (x - law.least), 0.0) + advance_at_v
+        return (
+            weight
+            * 2
+            * root
+            * scale
+            * np.cosh(v)
+            / np.sqrt(advance_at_x * (half_width + x))
+            / np.pi
+        )
     force = law.load(advance)
     ratio = _weight_of_order(order, force) / np.where(half_width > 0, half_width, 1.0)
     weight = np.where(half_width > 0, ratio, 0.0)

@@ -64,11 +64,11 @@ def graded(begin: ArrayLike, end: ArrayLike, every: int = 1) -> tuple[Array, Arr
     >>> round(float(np.sum(weights * np.sqrt(nodes))), 12)  # 2/3 4^(3/2)
     5.333333333333
     """
-    first = np.asarray(begin, dtype=float)[..., None]
-    last = np.asarray(end, dtype=float)[..., None]
-    length = last - first
+    begin_column = np.asarray(begin, dtype=float)[..., None]
+    end_column = np.asarray(end, dtype=float)[..., None]
+    length = end_column - begin_column
     distance = length * _FROM_NEARER_END[::every]
-    nodes = np.where(_IN_LOWER_HALF[::every], first + distance, last - distance)
+    nodes = np.where(_IN_LOWER_HALF[::every], begin_column + distance, end_column - distance)
     return nodes, length * (every * ROOTS.weight[::every])
 
 
@@ -100,9 +100,9 @@ def crowded(begin: ArrayLike, end: ArrayLike) -> tuple[Array, Array]:
     5.333333333333
     """
     t, weight = gauss(24)
-    first = np.asarray(begin, dtype=float)[..., None]
-    length = np.asarray(end, dtype=float)[..., None] - first
-    return first + length * (t * t * (3 - 2 * t)), length * (weight * 6 * t * (1 - t))
+    begin_column = np.asarray(begin, dtype=float)[..., None]
+    length = np.asarray(end, dtype=float)[..., None] - begin_column
+    return begin_column + length * (t * t * (3 - 2 * t)), length * (weight * 6 * t * (1 - t))
 
 
 class Nodes(NamedTuple):
@@ -120,15 +120,21 @@ def panels(begin: ArrayLike, end: ArrayLike, breaks: Iterable[ArrayLike] = ()) -
     """A rule for singular ends on [begin, end], cut at those of `breaks` (ascending, arrays like
     `end`) that lie inside.
     """
-    first, last = np.broadcast_arrays(np.asarray(begin, dtype=float), np.asarray(end, dtype=float))
-    breaks_inside = [b for b in breaks if np.any((first < b) & (b < last))]
-    marks = [first, *(np.clip(b, first, last) for b in breaks_inside), last]
-    low = np.stack(marks[:-1], axis=-1)[..., None]
-    high = np.stack(marks[1:], axis=-1)[..., None]
-    length = high - low
+    begin_places, end_places = np.broadcast_arrays(
+        np.asarray(begin, dtype=float), np.asarray(end, dtype=float)
+    )
+    breaks_inside = [b for b in breaks if np.any((begin_places < b) & (b < end_places))]
+    marks = [
+        begin_places,
+        *(np.clip(b, begin_places, end_places) for b in breaks_inside),
+        end_places,
+    ]
+    panel_begin = np.stack(marks[:-1], axis=-1)[..., None]
+    panel_end = np.stack(marks[1:], axis=-1)[..., None]
+    length = panel_end - panel_begin
     up = length * ROOTS.up
-    down = length * ROOTS.down
-    from_begin = (low - first[..., None, None]) + up
-    from_end = (last[..., None, None] - high) + down
-    nodes = np.where(_IN_LOWER_HALF, low + up, high - down)
+    distance_to_end = length * ROOTS.down
+    from_begin = (panel_begin - begin_places[..., None, None]) + up
+    from_end = (end_places[..., None, None] - panel_end) + distance_to_end
+    nodes = np.where(_IN_LOWER_HALF, panel_begin + up, panel_end - distance_to_end)
     return Nodes(nodes, from_begin, from_end, length * ROOTS.weight)

@@ -177,10 +177,10 @@ def _steady_alone(question: Question) -> Findings | None:
         ' `cycles="all"` finds them on grids'
     )
     loading = len(scene.load.path().initial_loading)
-    unknown = np.full(len(findings.time), np.nan)
+    unknown_values = np.full(len(findings.time), np.nan)
     return replace(
         findings,
-        values={**findings.values, "shear_moment": unknown},
+        values={**findings.values, "shear_moment": unknown_values},
         termination="steady",
         message="the steady cycle alone: it does not depend on the initial loading",
         notes=(*findings.notes, note),

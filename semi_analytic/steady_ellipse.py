@@ -141,7 +141,7 @@ class Ellipses:
 
 
 def ellipses_of(
-    mean: Array, amplitude: Array, tangential: Array, phase: Array, friction: Array
+    mean: Array, amplitude: Array, tangential_amplitude: Array, phase: Array, friction: Array
 ) -> Ellipses:
     """The geometry of the loops, the permanent stick load P_T among it; arrays (m,) of admissible
     values, friction > 0.
@@ -152,15 +152,17 @@ def ellipses_of(
     >>> loop.permanent.round(12).tolist()  # u = v = sqrt 2: 3 - sqrt 2
     [1.585786437627]
     """
-    ratio = tangential / friction
+    ratio = tangential_amplitude / friction
     # cos and sin of the phase from half of it; the mirrored loop, Q -> -Q, goes round the other
     # way: phase + pi.
     half_tangent = np.tan(phase / 2)
     share = ratio / (1 + half_tangent * half_tangent)
-    along = np.where(half_tangent < 0, -1.0, 1.0) * share * (1 - half_tangent) * (1 + half_tangent)
-    across = 2 * share * np.abs(half_tangent)
-    u = np.hypot(along - amplitude, across)
-    v = np.hypot(along + amplitude, across)
+    along_axis = (
+        np.where(half_tangent < 0, -1.0, 1.0) * share * (1 - half_tangent) * (1 + half_tangent)
+    )
+    across_axis = 2 * share * np.abs(half_tangent)
+    u = np.hypot(along_axis - amplitude, across_axis)
+    v = np.hypot(along_axis + amplitude, across_axis)
     size = np.where(u > 0, u, 1.0)
     real_part = (amplitude - ratio) * (amplitude + ratio)
     return Ellipses(
@@ -168,9 +170,9 @@ def ellipses_of(
         amplitude=amplitude,
         u=u,
         v=v,
-        cosine=(along - amplitude) / size,
-        sine=across / size,
-        turn=np.arctan2(2 * amplitude * across, real_part),
+        cosine=(along_axis - amplitude) / size,
+        sine=across_axis / size,
+        turn=np.arctan2(2 * amplitude * across_axis, real_part),
         # P_T < 0 is admitted to rounding only: it is gross sliding.
         permanent=np.maximum(mean - (u + v) / 2, 0.0),
     )
@@ -223,15 +225,20 @@ def corner_angles(e: Ellipses, corners: Array) -> dict[str, Array]:
     """Ends of the pieces of each phase, ascending, (marks, m), for the loads of corners (c, 1)."""
     cosine = (corners - e.mean) / np.where(e.moving, e.amplitude, np.inf)
     # Corners that are not met, but nearly: a cut at the greatest or least load.
-    high = np.arccos(np.clip(cosine, -1.0, 1.0))
-    low = np.arccos(np.clip(-cosine, -1.0, 1.0))
+    rising_angle = np.arccos(np.clip(cosine, -1.0, 1.0))
+    falling_angle = np.arccos(np.clip(-cosine, -1.0, 1.0))
     by_v, by_u = _front_angles(e, corners)
     start = e.start
-    full = 2 * math.pi
+    full_turn = 2 * math.pi
     inside = {
-        "E-G": (high - start, full - high - start, e.turn - by_v),
-        "I-J": (low - start, full - low - start, start - low, start + low),
-        "J-M": (start - high, start + high, by_u),
+        "E-G": (rising_angle - start, full_turn - rising_angle - start, e.turn - by_v),
+        "I-J": (
+            falling_angle - start,
+            full_turn - falling_angle - start,
+            start - falling_angle,
+            start + falling_angle,
+        ),
+        "J-M": (start - rising_angle, start + rising_angle, by_u),
     }
     lengths = {"E-G": e.turn, "I-J": math.pi - e.turn, "J-M": e.turn}
     angles = {}
@@ -262,8 +269,8 @@ def density_of(e: Ellipses, contact: Contact, x: Array, every: int = 1) -> tuple
     With `every` = 2 by every second node of the rule, to some 1e-6.
     """
     works = np.zeros((len(PHASES), len(x)))
-    for first in range(0, len(x), _POINTS):
-        block = np.arange(first, min(first + _POINTS, len(x)))
+    for first_point in range(0, len(x), _POINTS):
+        block = np.arange(first_point, min(first_point + _POINTS, len(x)))
         works[:, block] = _densities(e.take(block[:, None]), contact, x[block, None], every)
     return works[1] + works[2], works[0]
 
@@ -283,11 +290,11 @@ def _densities(e: Ellipses, contact: Contact, x: Array, every: int) -> Array:
     start = e.start
     turn = e.turn
     by_v, by_u = _front_angles(e, edge)
-    passed = np.maximum(turn - by_v, 0.0)
+    passed_load = np.maximum(turn - by_v, 0.0)
     # (phase, begin, end): E-G before and after the least load, I-J, J-M
     ranges = (
-        (0, passed, np.minimum(turn, math.pi - open_angle - start)),
-        (0, np.maximum(passed, math.pi + open_angle - start), turn),
+        (0, passed_load, np.minimum(turn, math.pi - open_angle - start)),
+        (0, np.maximum(passed_load, math.pi + open_angle - start), turn),
         (
             1,
             np.abs(start - open_angle),
@@ -345,9 +352,9 @@ def _halves() -> PieceRule:
     weight = graded(0.0, 1.0)[1]
     check = weight.copy()
     check[::2] -= 2 * weight[::2]
-    lower = ROOTS.up[:, None] < 0.5
-    way = np.where(lower, ROOTS.up[:, None], -ROOTS.down[:, None])
-    return PieceRule(way, lower, weight, check[None])
+    is_lower = ROOTS.up[:, None] < 0.5
+    way = np.where(is_lower, ROOTS.up[:, None], -ROOTS.down[:, None])
+    return PieceRule(way, is_lower, weight, check[None])
 
 
 def _legendre(count: int, ends: int) -> PieceRule:
@@ -364,10 +371,10 @@ def _legendre(count: int, ends: int) -> PieceRule:
         weight = weight * 2 * t
         return PieceRule(t[:, None] ** 2, np.array(True), weight, weight * check)
     to_end = np.minimum(t, 1 - t)
-    lower = t[:, None] < 0.5
+    is_lower = t[:, None] < 0.5
     weight = weight * 6 * t * (1 - t)
     share = (to_end * to_end * (3 - 2 * to_end))[:, None]
-    return PieceRule(np.where(lower, share, -share), lower, weight, weight * check)
+    return PieceRule(np.where(is_lower, share, -share), is_lower, weight, weight * check)
 
 
 # For all that is singular; for pieces without corners, and for others; for those of one course, by
@@ -474,10 +481,10 @@ def digits_of_loop(e: Ellipses) -> Array:
     """
     size = e.amplitude + (e.u + e.v) / 2
     least_swing = np.minimum(e.u, e.v)
-    across = e.u * e.sine
-    along = e.u * e.cosine + e.amplitude
-    ratio = -along / np.where(across > _TINY * size, across, np.inf)
-    lost_by_phase = np.where(along < 0, ratio, 0.0)
+    across_axis = e.u * e.sine
+    along_axis = e.u * e.cosine + e.amplitude
+    ratio = -along_axis / np.where(across_axis > _TINY * size, across_axis, np.inf)
+    lost_by_phase = np.where(along_axis < 0, ratio, 0.0)
     lost_by_size = size / np.where(least_swing > _TINY * size, least_swing, np.inf)
     return _OF_LOOP * _DIGITS * (1 + lost_by_size + math.pi * lost_by_phase)
 
@@ -524,11 +531,11 @@ def by_largest_load(e: Ellipses) -> Iterator[tuple[Indices, int, int]]:
     largest_load = (e.mean + e.amplitude) * (1 + _MARGIN)
     least_load = np.maximum(e.permanent, LEAST_LOAD * e.mean) * (1 - _MARGIN)
     group = (np.frexp(largest_load)[1] - 1) // _STEP_OF_TABLES
-    first = (np.frexp(least_load)[1] - 1) // _STEP_OF_TABLES
+    first_table = (np.frexp(least_load)[1] - 1) // _STEP_OF_TABLES
     for number in np.unique(group).tolist():
         members = np.flatnonzero(group == number)
-        lowest = int(np.min(first[members]))
-        yield members, lowest * _STEP_OF_TABLES, (number + 1) * _STEP_OF_TABLES - 1
+        lowest_table = int(np.min(first_table[members]))
+        yield members, lowest_table * _STEP_OF_TABLES, (number + 1) * _STEP_OF_TABLES - 1
 
 
 def dissipation_of(e: Ellipses, contact: SymmetricContact) -> Array:
@@ -558,14 +565,16 @@ def dissipation_and_error(e: Ellipses, contact: SymmetricContact) -> Array:
     m).
     """
     works = np.empty((3, len(e.mean)))
-    for members, first, last in by_largest_load(e):
-        works[:, members] = _dissipation_of_group(e.take(members), contact, first, last)
+    for members, first_load, last_load in by_largest_load(e):
+        works[:, members] = _dissipation_of_group(e.take(members), contact, first_load, last_load)
     total = works[0] + works[1]
     works[2] += roundoff_error(e, total) + contact.noise * np.abs(total)
     return works
 
 
-def _dissipation_of_group(e: Ellipses, contact: SymmetricContact, first: int, last: int) -> Array:
+def _dissipation_of_group(
+    e: Ellipses, contact: SymmetricContact, first_load: int, last_load: int
+) -> Array:
     """The same of members all of whose loads are between 2^first and 2^(last + 1), but for
     round-off of the loads.
     """
@@ -578,7 +587,7 @@ def _dissipation_of_group(e: Ellipses, contact: SymmetricContact, first: int, la
     log = _log_of(contact)
     table = None
     if len(e.mean) > _DIRECT and np.any(share > _SHALLOW):
-        table = _log_half_width(contact, first, last + 1)
+        table = _log_half_width(contact, first_load, last_load + 1)
         edges = table.edges
         log = table
         is_by_series = (share > _SHALLOW) & ~is_deep
@@ -606,9 +615,9 @@ def _over_phases(
     # A corner that is nearly met counts too.
     is_above_least = corners > 0.99 * np.min(e.permanent, initial=math.inf)
     is_below_most = corners < 1.01 * np.max(e.mean + e.amplitude, initial=0.0)
-    met = corners[is_above_least & is_below_most, None]
+    met_corners = corners[is_above_least & is_below_most, None]
     parts = []
-    for number, ends in enumerate(corner_angles(e, met).values()):
+    for number, ends in enumerate(corner_angles(e, met_corners).values()):
         is_long = np.diff(ends, axis=0) > 1e-14 * ends[-1]
         member, row = np.nonzero(is_long.T & (e.deepest > 0)[:, None])
         low = ends[row, member]
@@ -619,8 +628,8 @@ def _over_phases(
     def terms(phase: Indices, member: Indices, s: Array) -> Array:
         rate, slipped, load = np.empty((3, *s.shape))
         for number, name in enumerate(PHASES):
-            first, last = np.searchsorted(phase, [number, number + 1])
-            columns = slice(first, last)
+            begin, end = np.searchsorted(phase, [number, number + 1])
+            columns = slice(begin, end)
             rate[:, columns], slipped[:, columns], load[:, columns] = phase_of(
                 name, e.take(member[columns]), s[:, columns]
             )
@@ -645,19 +654,19 @@ def _over_loads(e: Ellipses, edges: Array, log: Callable[[Array], Array]) -> Arr
     is_met = (edges > 0.99 * np.min(e.permanent)) & (edges < np.max(e.mean + e.amplitude))
     edges = edges[is_met, None]
     start = e.start
-    full = 2 * math.pi
+    full_turn = 2 * math.pi
     cosine = (edges - e.mean) / np.where(e.moving, e.amplitude, np.inf)
     time = np.arccos(np.clip(cosine, -1.0, 1.0))
     by_v, by_u = _front_angles(e, edges)
     # The greatest and the least load too: a piece has one end that is the lower load.
     zero = np.zeros(len(start))
-    least = np.full((1, len(start)), math.pi)
-    most = np.full((1, len(start)), full)
+    least_angle = np.full((1, len(start)), math.pi)
+    largest_angle = np.full((1, len(start)), full_turn)
     courses = (
-        (start, start + e.turn, (time, least, full - time, most)),
-        (start + math.pi, start + full, (full - time, most, full + time)),
+        (start, start + e.turn, (time, least_angle, full_turn - time, largest_angle)),
+        (start + math.pi, start + full_turn, (full_turn - time, largest_angle, full_turn + time)),
         (zero, e.turn, (by_v,)),
-        (start + e.turn, start + math.pi, (full - time,)),
+        (start + e.turn, start + math.pi, (full_turn - time,)),
         (zero, e.turn, (by_u,)),
     )
     parts = []
@@ -669,7 +678,7 @@ def _over_loads(e: Ellipses, edges: Array, log: Callable[[Array], Array]) -> Arr
         high = ends[row + 1, member]
         if number in (0, 1, 3):
             # P grows from pi to 2 pi
-            grows = (low + high) / full % 2 > 1
+            grows = (low + high) / full_turn % 2 > 1
             low, high = np.where(grows, [low, high], [high, low])
         rule = np.searchsorted(_SHORT, np.abs(high - low))
         parts.append(Pieces.of_group(number, member, low, high, rule))
@@ -679,8 +688,8 @@ def _over_loads(e: Ellipses, edges: Array, log: Callable[[Array], Array]) -> Arr
     def terms(course: Indices, member: Indices, angle: Array) -> Array:
         weight, load = np.empty((2, *angle.shape))
         for number, name in enumerate(_COURSES):
-            first, last = np.searchsorted(course, [number, number + 1])
-            columns = slice(first, last)
+            begin, end = np.searchsorted(course, [number, number + 1])
+            columns = slice(begin, end)
             weight[:, columns], load[:, columns] = course_of(
                 name, e.take(member[columns]), angle[:, columns]
             )
@@ -709,9 +718,9 @@ def course_of(name: str, e: Ellipses, angle: Array) -> tuple[Array, Array]:
         return _course_of_front(e, e.u, e.v, -e.turn, square * share, cosine, sine)
     load = (e.mean - e.amplitude) + 2 * e.amplitude * share
     if name == "P_c, I-J":
-        along = e.cosine * cosine + e.sine * sine
-        across = e.cosine * sine - e.sine * cosine
-        weight = (1 - along) * sine + 2 * e.sine * across * across
+        along_axis = e.cosine * cosine + e.sine * sine
+        across_axis = e.cosine * sine - e.sine * cosine
+        weight = (1 - along_axis) * sine + 2 * e.sine * across_axis * across_axis
         return -e.u * e.amplitude * weight, load
     size = e.v if name == "P, E-G" else e.u
     end = e.start + e.turn if name == "P, E-G" else e.start
@@ -729,10 +738,10 @@ def _course_of_front(
     sine: Array,
 ) -> tuple[Array, Array]:
     """The same for P_c = P_T + `amplitude` sin^2 of half the angle, which is `half_square`."""
-    above = amplitude * half_square
+    load_above = amplitude * half_square
     cosine_to_turn = np.cos(turn) * cosine + np.sin(turn) * sine
     slipped = other_amplitude / 2 * (1 - cosine_to_turn)
-    return amplitude * sine * (above - slipped), e.permanent + above
+    return amplitude * sine * (load_above - slipped), e.permanent + load_above
 
 
 def _over_pieces(
@@ -815,20 +824,20 @@ class LogHalfWidth:
         (n,) loads between which each series holds, without the first and the last
     """
 
-    def __init__(self, contact: SymmetricContact, first: int, last: int) -> None:
+    def __init__(self, contact: SymmetricContact, first_load: int, last_load: int) -> None:
         """From the load 2^first to 2^last, or to where the profile ends; below 2^first L is that of
         2^first.
         """
         corners = contact.break_loads
-        largest_load = 2.0**last
+        largest_load = 2.0**last_load
         if contact.extent != math.inf:
             largest_load = min(largest_load, float(contact.load(contact.extent)))
-        corners_inside = corners[(corners > 2.0**first) & (corners < largest_load)]
+        corners_inside = corners[(corners > 2.0**first_load) & (corners < largest_load)]
         corner_loads = np.array([0.0, *corners_inside, largest_load])
         # places on one axis on which the v of each corner begins where that of the one before ends
         corner_places = np.append(0.0, np.cumsum(np.sqrt(np.diff(corner_loads))))
         log = _log_of(contact)
-        octaves = max(math.ceil(math.log2(corner_places[1]) - first / 2), 1)
+        octaves = max(math.ceil(math.log2(corner_places[1]) - first_load / 2), 1)
 
         def log_at(place: Array) -> Array:
             corner = np.searchsorted(corner_places[1:-1], place, side="right")
@@ -884,8 +893,8 @@ class LogHalfWidth:
 
 
 @lru_cache(maxsize=8)
-def _log_half_width(contact: SymmetricContact, first: int, last: int) -> LogHalfWidth:
-    return LogHalfWidth(contact, first, last)
+def _log_half_width(contact: SymmetricContact, first_load: int, last_load: int) -> LogHalfWidth:
+    return LogHalfWidth(contact, first_load, last_load)
 
 
 # ------------------------------------------------ Hertz, power laws, flat and rounded faces: by Lam
@@ -999,11 +1008,11 @@ def _rows(e: Ellipses, least_share: float) -> Array:
     np.maximum(e.mean - e.amplitude, least_share * e.mean, out=rows[3])
     rows[4] = e.u
     rows[5] = e.v
-    larger = np.sqrt(e.amplitude * (1 + np.abs(e.cosine)))
-    smaller = e.amplitude * e.sine / np.where(larger > 0, larger, 1.0)
+    larger_axis = np.sqrt(e.amplitude * (1 + np.abs(e.cosine)))
+    smaller_axis = e.amplitude * e.sine / np.where(larger_axis > 0, larger_axis, 1.0)
     cosine_is_negative = e.cosine < 0
-    rows[6] = np.where(cosine_is_negative, larger, smaller)
-    rows[7] = np.where(cosine_is_negative, smaller, larger)
+    rows[6] = np.where(cosine_is_negative, larger_axis, smaller_axis)
+    rows[7] = np.where(cosine_is_negative, smaller_axis, larger_axis)
     rows[8] = 4 * e.amplitude * e.sine
     return rows
 
@@ -1115,12 +1124,12 @@ class LamTable:
     1e-13. `largest` is the largest L.
     """
 
-    def __init__(self, contact: Contact, first: int, last: int) -> None:
+    def __init__(self, contact: Contact, first_load: int, last_load: int) -> None:
         """From 2^first to 2^(last + 1); a load beyond them is refused, never read from another
         cell.
         """
-        self._first = (1023 + first) << _CELL_BITS
-        octave, cell = (grid.ravel() for grid in np.mgrid[first : last + 1, :_CELLS])
+        self._first = (1023 + first_load) << _CELL_BITS
+        octave, cell = (grid.ravel() for grid in np.mgrid[first_load : last_load + 1, :_CELLS])
         load = np.ldexp(1 + (cell[:, None] + (1 + _PLACES) / 2) / _CELLS, octave[:, None])
         # L = ln(a/b) keeps its digits beside the flat
         contact = replace(contact, datum_length=contact.least / 2)
@@ -1153,10 +1162,10 @@ class LamTable:
         # one phase after the other: it stays in the cache
         for edge_load, way, area in zip(front, slipped, free, strict=True):
             cell, fraction = self._place(np.stack([edge_load + way, edge_load]))
-            upper, lower = _series(self._area, cell, fraction)
-            upper -= lower
+            upper_area, lower_area = _series(self._area, cell, fraction)
+            upper_area -= lower_area
             np.multiply(way, _series(self._log, cell[1], fraction[1]), out=area)
-            np.subtract(upper, area, out=area)
+            np.subtract(upper_area, area, out=area)
         return free
 
     def careful(self, front: Array, slipped: Array, free: Array) -> Array:

@@ -65,22 +65,24 @@ def left_over(stick_ratio: float, panels: int) -> LeftOver:
     """
     angle = np.linspace(0.0, np.pi, panels + 1)
     borders = stick_ratio + (1 - stick_ratio) * (1 - np.cos(angle)) / 2
-    low, high = borders[:-1], borders[1:]
+    inner_border, outer_border = borders[:-1], borders[1:]
     # in the order in which panels come to rest
-    first = np.concatenate([-high[::-1], low])
-    last = np.concatenate([-low[::-1], high])
-    density = _density(stick_ratio, first, last)
-    even = (density[panels:] + density[:panels][::-1]) / 2
-    middle = (low + high) / 2
-    upper_root = np.sqrt(np.maximum(high**2 - middle[:, None] ** 2, 0.0))
-    lower_root = np.sqrt(np.maximum(low**2 - middle[:, None] ** 2, 0.0))
-    return LeftOver(middle, high - low, 2 * (upper_root - lower_root) @ even)
+    panel_begin = np.concatenate([-outer_border[::-1], inner_border])
+    panel_end = np.concatenate([-inner_border[::-1], outer_border])
+    density = _density(stick_ratio, panel_begin, panel_end)
+    even_density = (density[panels:] + density[:panels][::-1]) / 2
+    middle = (inner_border + outer_border) / 2
+    upper_root = np.sqrt(np.maximum(outer_border**2 - middle[:, None] ** 2, 0.0))
+    lower_root = np.sqrt(np.maximum(inner_border**2 - middle[:, None] ** 2, 0.0))
+    return LeftOver(
+        middle, outer_border - inner_border, 2 * (upper_root - lower_root) @ even_density
+    )
 
 
-def _density(stick_ratio: float, first: Array, last: Array) -> Array:
+def _density(stick_ratio: float, panel_begin: Array, panel_end: Array) -> Array:
     """L^-T (y^2/z)/2 on panels, (n,) in the order in which they come to rest."""
-    x = (first + last) / 2
-    width = last - first
+    x = (panel_begin + panel_end) / 2
+    width = panel_end - panel_begin
     arc = np.arccosh(np.abs(x) / stick_ratio)
     root = np.sign(x) * np.sqrt(x**2 - stick_ratio**2)
     image = np.sign(x) * np.exp(-arc)
@@ -89,9 +91,9 @@ def _density(stick_ratio: float, first: Array, last: Array) -> Array:
     distance = np.abs(x[:, None] - x)
     np.fill_diagonal(spread, np.abs(image / root))
     np.fill_diagonal(distance, 1.0)
-    smooth = np.log1p(-np.outer(image, image)) - np.log(spread / distance)
-    of_panels = _log_primitive(x[:, None] - first) - _log_primitive(x[:, None] - last)
-    influence = (smooth * width - of_panels) * width[:, None]
+    smooth_part = np.log1p(-np.outer(image, image)) - np.log(spread / distance)
+    of_panels = _log_primitive(x[:, None] - panel_begin) - _log_primitive(x[:, None] - panel_end)
+    influence = (smooth_part * width - of_panels) * width[:, None]
     factor = scipy.linalg.cholesky((influence + influence.T) / 2, lower=True)
     of_root = scipy.linalg.solve_triangular(factor, root * width, lower=True)
     of_arc = scipy.linalg.solve_triangular(factor, arc * width, lower=True)

@@ -124,16 +124,16 @@ def stress(
     0.3003
     """
     scene = source.scene if isinstance(source, ContactSolution) else scene_of(source)
-    across = vector(x, "x")
+    x_places = vector(x, "x")
     height = vector(y, "y")
     times = vector(instants, "instants")
     if body not in ("lower", "upper"):
         raise InputError(f"body: {body!r} is neither 'lower' nor 'upper'")
-    if across is None or height is None or times is None:
+    if x_places is None or height is None or times is None:
         raise InputError("stress: x, y and instants are needed")
-    if len(across) != len(height) and min(len(across), len(height)) > 1:
-        raise InputError(f"x and y: {len(across)} and {len(height)} places; give as many of both")
-    across, height = np.broadcast_arrays(across, height)
+    if len(x_places) != len(height) and min(len(x_places), len(height)) > 1:
+        raise InputError(f"x and y: {len(x_places)} and {len(height)} places; give as many of both")
+    x_places, height = np.broadcast_arrays(x_places, height)
     side = 1.0 if body == "lower" else -1.0
     if np.any(side * height > 0):
         raise InputError(
@@ -142,21 +142,24 @@ def stress(
         )
     depth = side * height
     poisson_ratio = getattr(scene.material, body).poisson_ratio
-    stresses = np.zeros((len(times), len(across), 4))
+    stresses = np.zeros((len(times), len(x_places), 4))
     if scene.unsymmetric:
         answers = _with_tractions(source, times)
         _, profile = leaning_profile(scene)
         for k, (answer, row) in enumerate(answers):
-            stresses[k, :, :3] = _from_sines(answer, row, profile, across, depth, side)
+            stresses[k, :, :3] = _from_sines(answer, row, profile, x_places, depth, side)
         stresses[..., 0] += _bulk(answers)[:, int(body == "upper"), None]
     else:
         contact, snapshot = memory_at(scene, times)
         for k in np.flatnonzero(snapshot.load > 0).tolist():
-            normal, tangential, of_normal, of_tangential = _potentials(
-                contact, _lines(snapshot, k), across, depth
+            normal_potential, tangential_potential, of_normal, of_tangential = _potentials(
+                contact, _lines(snapshot, k), x_places, depth
             )
             stresses[k, :, :3] = _from_potentials(
-                normal, side * tangential, depth * of_normal, depth * side * of_tangential
+                normal_potential,
+                side * tangential_potential,
+                depth * of_normal,
+                depth * side * of_tangential,
             )
     stresses[..., 2] *= side
     stresses[..., 3] = poisson_ratio * (stresses[..., 0] + stresses[..., 1])
@@ -248,16 +251,18 @@ def _tensions_of_curves(
     """
     panels = _panels_of_curves(contact, snapshot, in_contact, edges)
     instants = np.array([panel.instant for panel in panels])
-    first = np.array([panel.first for panel in panels])[:, None]
-    last = np.array([panel.last for panel in panels])[:, None]
+    panel_begin = np.array([panel.first for panel in panels])[:, None]
+    panel_end = np.array([panel.last for panel in panels])[:, None]
     edge = edges[instants, None]
-    half_widths = _nodes_from(0.0, first, last)
-    delta = _nodes_from(edge, first, last)  # a(eta) - a(P)
+    half_widths = _nodes_from(0.0, panel_begin, panel_end)
+    delta = _nodes_from(edge, panel_begin, panel_end)  # a(eta) - a(P)
     loads = contact.load(half_widths)
     rates = np.empty_like(loads)  # M'
     for number, panel in enumerate(panels):
         rates[number] = panel.slope(loads[number])
-    rises = contact.stiffness(half_widths) * (last - first) * INVERSE_ROOTS.weight  # d eta
+    rises = (
+        contact.stiffness(half_widths) * (panel_end - panel_begin) * INVERSE_ROOTS.weight
+    )  # d eta
     of_panels = (rises * rates / np.sqrt(-delta * (2 * edge + delta))).sum(axis=1)
     sums = np.bincount(instants, weights=of_panels, minlength=len(in_contact))
     return np.asarray(2 / math.pi * sums)
@@ -285,11 +290,11 @@ def _panels_of_curves(
     half_width_at_top = np.minimum(contact.half_width(np.array(tops)), edge_of_line)
     highs = np.where(reaches_edge, edge_of_line, half_width_at_top)
     return [
-        _Panel(instant, first, last, slope)
-        for instant, low, high, slope in zip(
+        _Panel(instant, panel_begin, panel_end, slope)
+        for instant, least_width, largest_width, slope in zip(
             instants, lows.tolist(), highs.tolist(), slopes, strict=True
         )
-        for first, last in _cut(contact, low, high)
+        for panel_begin, panel_end in _cut(contact, least_width, largest_width)
     ]
 
 
@@ -308,9 +313,9 @@ def _with_tractions(
         answers = _rows_with_tractions(source, times)
     else:
         scene = scene_of(source)
-    missing = np.array(sorted(set(times.tolist()) - answers.keys()))
-    if len(missing):
-        for some_times in np.array_split(missing, -(-len(missing) // _TOGETHER)):
+    missing_times = np.array(sorted(set(times.tolist()) - answers.keys()))
+    if len(missing_times):
+        for some_times in np.array_split(missing_times, -(-len(missing_times) // _TOGETHER)):
             edges = solve(scene, x=0.0, time=some_times, fields=()).contact_edges
             places = _places_in(edges[np.argsort(edges[:, 1] - edges[:, 0])])
             answer = solve(scene, x=places, time=some_times, fields=("pressure", "shear"))
@@ -365,8 +370,10 @@ def _tensions(answer: ContactSolution, row: int) -> tuple[Array, float]:
     second place alone changes, the shear's own, and `_BETWEEN`.
     """
     left, right = answer.contact_edges[row]
-    touching = np.flatnonzero((answer.pressure[row] > 0) & (answer.x > left) & (answer.x < right))
-    if not len(touching):
+    touching_points = np.flatnonzero(
+        (answer.pressure[row] > 0) & (answer.x > left) & (answer.x < right)
+    )
+    if not len(touching_points):
         return np.zeros(2), 0.0
 
     def integral(from_edge: Array, shear: Array) -> float:
@@ -381,9 +388,9 @@ def _tensions(answer: ContactSolution, row: int) -> tuple[Array, float]:
         at_right = integral((right - x)[::-1], shear[::-1])
         return 2 / math.pi * np.array([at_left, -at_right])
 
-    tension = tensions(touching)
+    tension = tensions(touching_points)
     change = 0.0
-    for every_second in (touching[::2], touching[1::2]):
+    for every_second in (touching_points[::2], touching_points[1::2]):
         if len(every_second):
             change = max(change, float(np.abs(tensions(every_second) - tension).max()))
     largest_limit = answer.scene.friction.coefficient * float(answer.pressure[row].max())
@@ -397,16 +404,16 @@ def _from_sines(
     """(n, 3) s_xx, s_yy, s_xy of a body below y = 0, without the bulk stress: q/p between places, p
     exact, as series of sines.
     """
-    touching = answer.pressure[row] > 0
-    if not touching.any():
+    is_touching = answer.pressure[row] > 0
+    if not is_touching.any():
         return np.zeros((len(x), 3))
     left, right = answer.contact_edges[row]
     middle = (left + right) / 2
     half_width = (right - left) / 2
     at = middle + half_width * np.cos(math.pi * (np.arange(_TERMS) + 0.5) / _TERMS)
     pressure = profile.pressure_over(at, np.atleast_1d(middle), np.atleast_1d(half_width))[0]
-    ratio = answer.shear[row, touching] / answer.pressure[row, touching]
-    share = np.interp(at, answer.x[touching], ratio)
+    ratio = answer.shear[row, is_touching] / answer.pressure[row, is_touching]
+    share = np.interp(at, answer.x[is_touching], ratio)
     series = scipy.fft.dst(np.stack([pressure, side * share * pressure]), 2) / _TERMS
     # In the mirror image, from above the cut of the root: the series have real coefficients.
     zeta = (x - middle + 0j) / half_width
@@ -432,15 +439,18 @@ def _from_sines(
 
 
 def _from_potentials(
-    normal: Complex, tangential: Complex, of_normal: Complex, of_tangential: Complex
+    normal_potential: Complex,
+    tangential_potential: Complex,
+    of_normal: Complex,
+    of_tangential: Complex,
 ) -> Array:
     """(n, 3) s_xx, s_yy, s_xy of a body below y = 0 from N, T, y N' and y T'."""
-    bent = of_normal.real - of_tangential.imag
-    pressed = -normal.imag
+    curved_part = of_normal.real - of_tangential.imag
+    pressed = -normal_potential.imag
     rows = (
-        pressed - 2 * tangential.real - bent,
-        pressed + bent,
-        tangential.imag + of_normal.imag + of_tangential.real,
+        pressed - 2 * tangential_potential.real - curved_part,
+        pressed + curved_part,
+        tangential_potential.imag + of_normal.imag + of_tangential.real,
     )
     return np.stack(rows, axis=-1) / math.pi
 
