@@ -432,10 +432,7 @@ FACE_OF = solids.face_of
 def test_faces_that_overlap_before_any_load_are_refused(turned, tmp_path, monkeypatch):
     order = (PAD, BLOCK) if turned else (BLOCK, PAD)
     monkeypatch.setattr(solids, "face_of", humped(0.002))
-    with pytest.raises(
-        InputError,
-        match=r"^bodies: initial penetration: the faces overlap by 0\.00[12]\d* at x = -?0\.\d+$",
-    ):
+    with pytest.raises(InputError, match=r"^bodies: .* overlap by 0\.00[12]\d* at x = -?0\.\d+$"):
         halfplane_fe.solve(bodies(tmp_path, *order), MeshSettings.coarse())
 
 

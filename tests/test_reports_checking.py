@@ -26,6 +26,7 @@ import semi_analytic
 from command_line import COARSE, ROOT, halfplane, refused, require_schema
 from halfplane_fe import scales
 from halfplane_fe.scales import estimate_room, find_scales
+from refusals import refused_for, require_facts
 from reports import checking
 from reports.checking import (
     bulk_and_tilt,
@@ -127,11 +128,7 @@ def test_a_table_is_found_too_short_where_theory_finds_it_so(share: float, held:
         return
     with pytest.raises(InputError, match="needs a contact wider than the table"):
         semi_analytic.solve(short, x=[0.0], fields=())
-    words = (
-        r"^mine\.toml: half-plane theory refuses it: profile: the normal load 110 needs a contact"
-        r" wider than the table"
-    )
-    with pytest.raises(InputError, match=words):
+    with refused_for("mine.toml: ", "profile: ", "normal load 110", "wider than the table"):
         largest_contact(short, "mine.toml")
 
 
@@ -187,8 +184,7 @@ def test_gross_sliding_and_separation_are_found_where_they_start(
     )
     if abs(way[-1][1]) == 60:
         assert (near.ratio, near.time, near.part) == (pytest.approx(1.2), 2.0, "path")
-        words = r"my\.toml: load: gross sliding from time 1\.83333 on, at time 2 with P = 100, "
-        with pytest.raises(InputError, match=words):
+        with refused_for("my.toml: load: ", "gross sliding", "1.83333", "time 2", "P = 100"):
             require_admissible(path, "my.toml")
 
 
@@ -486,7 +482,7 @@ BLOCK = Block(width=20.0, height=8.0)
 REFUSED = {
     "a pad narrower than its contact": (
         pressed(8.0, bodies=Bodies(lower=BLOCK, upper=Pad(width=0.1, height=8.0))),
-        "the contact at the largest load reaches past the end of the narrower face, at |x| = 0.05",
+        "the end of the narrower face, at |x| = 0.05",
     ),
     "a pad as deep as it is high": (
         pressed(
@@ -552,10 +548,7 @@ ALONE = {
     "a tilt of what bends down": (
         "fe",
         {"load": CORNERS | {"tilt": 1e-4}, "profile": DENTED},
-        (
-            "profile: it bends down near x = 0.979796: under bulk stress or tilt half-plane theory"
-            " takes"
-        ),
+        "profile: it bends down near x = 0.979796",
     ),
     "nearly no load": (
         "exact",
@@ -620,10 +613,7 @@ def test_what_neither_engine_takes_is_refused_with_both_reasons(tmp_path: Path) 
     )
     refusal = refused(tmp_path, "check", "mine.toml")
     assert "nothing pulls the ends of the lower body" in refusal
-    assert (
-        "half-plane theory refuses the scene too: profile: it bends down near x = 0.979796: under"
-        " bulk stress or tilt" in refusal
-    )
+    require_facts(refusal, "half-plane theory refuses", "profile: it bends down near x = 0.979796")
     assert refused(tmp_path, "run", "mine.toml", "--quiet") == refusal
 
 
@@ -633,10 +623,7 @@ def test_a_record_too_long_for_finite_elements_is_checked_without_them(tmp_path:
     BASE.vary(load=TimeSeriesLoad(rows=rows)).save(tmp_path / "mine.json")
     outcome = halfplane(tmp_path, "check", "mine.json")
     assert outcome.returncode == 0
-    assert (
-        "Remark: The record has 10001 rows, and finite elements take at least two increments a row"
-        in outcome.stdout
-    )
+    require_facts(outcome.stdout, "Remark: ", "10001 rows", "finite elements")
 
 
 ROWS = MeasuredLoop("rig", np.zeros(1), np.zeros(1), np.zeros(1))
@@ -910,7 +897,7 @@ def test_reports_of_abaqus_are_scored_as_the_theory_that_they_hold(tmp_path: Pat
 REPORTED = {
     "two surfaces": (
         ("PAD-1", "BLOCK-1"),
-        "'BLOCK-1', 'PAD-1' carry pressure, master and slave perhaps: say which by surface",
+        "'BLOCK-1', 'PAD-1' carry pressure",
     ),
     "elements": (
         ("at nodes for part", "at integration points for part"),
@@ -918,18 +905,18 @@ REPORTED = {
     ),
     "no places": (
         ("COORD.COORD1", "S.S11"),
-        "the nodes of BLOCK-1 have no places: report COORD with COORD1 beside CPRESS",
+        "the nodes of BLOCK-1 have no places",
     ),
     "no pressure": (
         ("CPRESS", "S.S22"),
-        "no pressure that is not zero everywhere (looked for CPRESS)",
+        "(looked for CPRESS)",
     ),
     "a word": (("-1.16000", "NoValue"), "COORD1 = 'NoValue' is not a finite number"),
     "a short row": (
         ("          -1.16000", ""),
-        "5 values (Node Label, COORD1, COORD2, CPRESS, CSHEAR1) are needed, not",
+        "5 values (Node Label, COORD1, COORD2, CPRESS, CSHEAR1)",
     ),
-    "no table": (("-" * 90, "="), "the report holds no table of values below a line of dashes"),
+    "no table": (("-" * 90, "="), "no table of values"),
 }
 
 
@@ -1017,7 +1004,7 @@ UNITS = {
     "width in m": (
         {},
         20e-3,
-        "Check the units first: loads are in N per mm of thickness, E is in MPa, sizes are in mm",
+        "loads are in N per mm of thickness, E is in MPa, sizes are in mm",
     ),
 }
 

@@ -194,7 +194,7 @@ def test_a_cycle_that_is_its_own_mirror_image_can_not_tell_the_sign_of_the_shear
         solution = exact(name)
         path = _table(tmp_path, solution, sign=sign, loads=loads)
         report = score_file(path, Mapping.model_validate(mapping), solution.scene)
-        words = "the shear acts on the lower body: its instants were found from the shear itself"
+        words = "the shear acts on the lower body"
         assert within(report)
         assert any(words in sentence for sentence in report.guesses) == is_named, (
             name,
@@ -218,7 +218,7 @@ def test_the_first_revolution_is_taken_for_steady_and_told_what_it_is_and_what_w
     assert not report.passed
     first = diagnose(report.comparison)[0]
     assert first.fault == "not_steady"
-    assert "state its times on the scene's path (times of a mapping)" in first.sentence
+    assert "(times of a mapping)" in first.sentence
     right = score_file(path, Mapping(times=tuple(times.tolist())), scene)
     assert within(right)
     assert not diagnose(right.comparison)
@@ -230,7 +230,7 @@ BENT = (HERTZ.normal_load, HERTZ.tangential_load + 30.0 * (np.arange(25) == 9))
 REFUSED: dict[str, tuple[dict[str, Any], str]] = {
     "a factor of two is no unit": (
         {"time": HERTZ.time, "loads": (2 * LOADS[0], 2 * LOADS[1])},
-        "2 times as much at every instant: a thickness of that size",
+        "2 times as much at every instant",
     ),
     "another history": (
         {"loads": BENT},
@@ -256,7 +256,7 @@ REFUSED: dict[str, tuple[dict[str, Any], str]] = {
     ),
     "a stated sign that is wrong": (
         {"p": -HERTZ.pressure, "mapping": {"signs": {"pressure": "compression positive"}}},
-        "no point is in compression: state the other sign, or leave it out",
+        "no point is in compression",
     ),
     "a shape": ({"q": np.zeros(3), "time": HERTZ.time}, "shear has the shape"),
     "no pressure": (
@@ -270,7 +270,7 @@ REFUSED: dict[str, tuple[dict[str, Any], str]] = {
     "beside the contact": (
         # stated, so that no middle is guessed
         {"x": X + 3.0, "time": HERTZ.time, "mapping": {"x_offset": 1e-9}},
-        "none of its points lies in the contact: they go from x = 1.7 to 4.3",
+        "from x = 1.7 to 4.3",
     ),
     "no contact at that time": (
         {
@@ -279,7 +279,7 @@ REFUSED: dict[str, tuple[dict[str, Any], str]] = {
             "time": [HERTZ.scene.load.path().start],
             "mapping": {"factors": {"stress": 1.0}},
         },
-        "where the scene has no contact: state the scene's times of its instants",
+        "where the scene has no contact",
     ),
 }
 
@@ -385,11 +385,11 @@ def test_states_and_edges_are_those_of_the_engine_within_what_is_stated(
 
 # ---------------------------------------------------------------------------------- what is guessed
 GUESSES: dict[str, tuple[dict[str, float], str]] = {
-    "x in m": ({"x": 1e-3}, "x multiplied by 1000, for the contact's half-width is 0.00"),
+    "x in m": ({"x": 1e-3}, "x multiplied by 1000"),
     "x in um": ({"x": 1e3}, "x multiplied by 0.001"),
     "Pa": (
         {"p": 1e6, "q": 1e6},
-        "pressure and shear multiplied by 1e-06, for the largest pressure is",
+        "pressure and shear multiplied by 1e-06",
     ),
     "GPa": ({"p": 1e-3, "q": 1e-3}, "pressure and shear multiplied by 1000"),
     "N/m": ({"P": 1e3, "Q": 1e3}, "P and Q multiplied by 0.001, for the largest P is"),
@@ -549,9 +549,7 @@ def test_the_finite_elements_can_be_the_reference(monkeypatch: pytest.MonkeyPatc
     assert any("was interpolated" in note for note in report.comparison.notes)
     # a coarse mesh and linear interpolation between its nodes
     assert 1e-4 < report.metric("pressure").value < 0.15
-    with pytest.raises(
-        InputError, match=r"none of its points lies in the contact: they go from x = 1\.7 to 4\.3"
-    ):
+    with refused_for("from x = 1.7 to 4.3"):
         scored(theory, x=X + 3.0, time=theory.time, against="fe", mapping={"x_offset": 1e-9})
 
 

@@ -21,6 +21,7 @@ from hypothesis import strategies as st
 
 from meshes import write_pvd
 from meshes.files import PvdEntry
+from refusals import refused_for, require_facts
 from reports.comparison.words import verdict
 from reports.scoring import calculix_files, field_files, vtk_files
 from reports.scoring.against import diagnosed, score_file
@@ -169,14 +170,9 @@ def test_a_pressure_without_a_shear_is_scored_for_what_it_has(tmp_path: Path) ->
     assert "outside" not in {metric.verdict for metric in comparison.metrics}
     assert diagnosed(report).diagnoses == ()
     assert [check.name for check in comparison.result_certificates] == ["tension"]
-    assert (
-        "No law of contact is violated, as far as a pressure without a shear can show."
-        in verdict(report.comparison)
-    )
+    require_facts(verdict(report.comparison), "No law of contact is violated", "shear")
     written(table[["x", "pressure"]].iloc[:53], path)
-    with pytest.raises(
-        InputError, match="without a shear the pressure alone does not say which instant is which"
-    ):
+    with refused_for("without a shear", "which instant is which"):
         score_file(path, Mapping(), solution.scene)
 
 
@@ -439,7 +435,7 @@ READ: dict[str, tuple[Make, dict[str, Any], float, list[str]]] = {
         parts(BARE, WHOLE),
         {},
         1.0,
-        ["CSLIP1 is not in all of the files that hold CPRESS and CSHEAR1, and was left out"],
+        ["CSLIP1 is not in all of the files"],
     ),
     "slip of one part, asked for": (
         parts(BARE, WHOLE),
@@ -531,7 +527,7 @@ ENDS = {
         "of another form (VTK's reader ended with code -11)"
     ),
     "import time; time.sleep(60)": "reading takes longer than 2 s, which is the limit",
-    "raise MemoryError": "unpacked it takes more than 2.15 GB of memory, which is the limit",
+    "raise MemoryError": "more than 2.15 GB of memory",
 }
 
 
@@ -605,11 +601,7 @@ def test_equilibrium_holds_every_sign_of_calculix(name: str) -> None:
     if name.startswith("surface"):
         np.testing.assert_allclose(surface.normal_load, [P, P], rtol=1e-4)
         np.testing.assert_allclose(surface.tangential_load, [0.0, Q], atol=1e-4 * Q)
-        words = (
-            "resultants of the contact pair in surface-to-surface.dat, divided by the mapping's"
-            " thickness, 1"
-        )
-        assert any(words in note for note in surface.notes)
+        require_facts("\n".join(surface.notes), "in surface-to-surface.dat", "thickness, 1")
 
 
 def test_either_body_as_slave_gives_the_same_tractions_those_of_hertz() -> None:
@@ -892,7 +884,7 @@ FAULTS: dict[str, tuple[Any, ...]] = {
     ),
     "a column that is none": (
         file(LONG, "result.csv"),
-        "columns.pressure = 'presure', which is not there; did you mean 'pressure'?",
+        "columns.pressure = 'presure'",
         {"columns": {"pressure": "presure"}},
     ),
     "another program's": (file("x", "a.odb"), "no reader for '.odb'; it reads .csv"),
@@ -915,7 +907,7 @@ FAULTS: dict[str, tuple[Any, ...]] = {
     "cell of less": (file(CELL_OF_LESS, "a.vtk"), "a cell has no points"),
     "no field": (
         file(partial(mesh, force=traction)),
-        "neither contact pressure, nor contact traction, nor stress at points among 'force'",
+        "among 'force'",
     ),
     "no such field": (
         file(lambda: mesh(CPRESS=lambda p: fields(p)[0])),
@@ -924,11 +916,11 @@ FAULTS: dict[str, tuple[Any, ...]] = {
     ),
     "values of cells": (
         file(AVERAGE),
-        "values of cells, 'CPRESS', 'CSHEAR1', are not read: average them to points",
+        "values of cells, 'CPRESS', 'CSHEAR1', are not read",
     ),
     "no face": (
         file(raised),
-        "no point of a face at y = 0 (y goes from 4.5 to 5.5); say where it lies by y_offset",
+        "y = 0 (y goes from 4.5 to 5.5)",
     ),
     "a mark of nothing": (file(marked), "marks nothing", {"surface": "tag=5"}),
     "a mark by a word": (file(marked), "'x' is no number", {"surface": "tag=x"}),
@@ -939,7 +931,7 @@ FAULTS: dict[str, tuple[Any, ...]] = {
     ),
     "parts unlike": (
         parts(WHOLE, WHOLE | {"CPRESS": POINTS}),
-        "body0.vtu: CPRESS has another number of components than in body1.vtu",
+        "body0.vtu: CPRESS has another number of components",
     ),
     **{
         fact: (partial(spoilt_instant, name, change), fact)
@@ -1260,7 +1252,7 @@ FRD_FAULTS = [
         GOOD[GOOD.rindex(" -3") :],
         "",
         28,
-        "the file breaks off after 2 of 2 records of block CONTACT",
+        "breaks off after 2 of 2 records of block CONTACT",
     ),
     (f"{4:12d}{'':37}1\n", f"{4:12d}{'':37}3\n", 4, r"the file is binary \(form 3\).*\*NODE FILE"),
     (GOOD, "x,p,q\n0,1,2\n", 0, "no block of nodes"),

@@ -247,10 +247,7 @@ CALLS: list[tuple[Callable[[Path], object], str]] = [
         for enter in (semi_analytic.solve, halfplane_fe.solve)
         for scene, said in OF_NO_SCENE.items()
     ),
-    (
-        lambda _: semi_analytic.events("hertz-paper"),
-        "a Scene is needed, not 'hertz-paper'; load_scene reads one",
-    ),
+    (lambda _: semi_analytic.events("hertz-paper"), "a Scene is needed, not 'hertz-paper'"),
 ]
 
 

@@ -572,7 +572,7 @@ def record(repeats, *last):
         (
             record(False, 2, 3.0),
             1.0,
-            r"gross sliding from time 0\.5 on, at time 1 with P = 2, Q = 3, f = 1:",
+            r"gross sliding .* 0\.5 .* time 1 .*P = 2, Q = 3, f = 1:",
             0.5,
             1.5,
             1.5,
@@ -580,7 +580,7 @@ def record(repeats, *last):
         (
             record(False, -1, 0),
             1.0,
-            r"separation from time 0\.5 on, at time 1 with P = -1, Q = 0:",
+            r"separation .* 0\.5 .* time 1 .*P = -1, Q = 0:",
             0.5,
             0.0,
             0.0,
@@ -704,10 +704,7 @@ REFUSED = [
         ),
         "numbers that broadcast",
     ),
-    (
-        lambda: friction_from("much", scene=UPRIGHT),
-        "dissipation = 'much' is refused: real numbers are needed",
-    ),
+    (lambda: friction_from("much", scene=UPRIGHT), "dissipation = 'much'"),
     # What has no formula with bulk stress or tilt says so in a sentence.
     (lambda: friction_from(0.1, scene=LEANS), "bulk stress"),
     (lambda: hysteresis(solve(LEANS, **ONCE)), "bulk stress"),

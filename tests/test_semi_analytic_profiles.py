@@ -613,7 +613,7 @@ REFUSED = {
     },
     "close rows": (
         lambda: Tabulated(points=[[0, 0], [1, 1], [1 + 1e-10, 1.1], [2, 3]]),
-        r"row 3: x = 1.0000000001 is nearer to the row before than 1e-09 of itself",
+        r"row 3: x = 1.0000000001 .* than 1e-09",
     ),
     "rows that fall": (
         lambda: Tabulated(points=[[0, 0], [1, 1], [2, 0.1]]),
@@ -621,7 +621,7 @@ REFUSED = {
     ),
     "many rows": (
         lambda: Tabulated(points=[[k, k * k] for k in range(2001)]),
-        r"row 2001: the profile has 2,001 rows of x >= 0, and at most 2,000 are taken",
+        r"row 2001: .* 2,001 rows .* 2,000",
     ),
     # h' >= 0 everywhere, but not dP/da.
     "a contact that splits": (
@@ -640,7 +640,7 @@ REFUSED = {
     ),
     "beyond the table": (
         lambda: contact_on(PARABOLA_ROWS).half_width(2.0),
-        r"normal load 2 needs a contact wider than the table, whose last x = 1 carries 0\.785",
+        r"normal load 2 .* last x = 1 carries 0\.785",
     ),
     "unknown": (
         lambda: contact_on(type("Wedge", (), {"kind": "cone"})()),
