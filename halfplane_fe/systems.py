@@ -12,10 +12,10 @@ shear. Where the movement of an actuator stands in the place of a load, its row 
 `actuators`. A state of a node is a choice of rows, so that the matrix of a set differs from that of
 a base set in a few rows alone (Sherman-Morrison-Woodbury).
 
-Of a base the answers to a unit in a load or in a row are kept, each as values of an
-`InterfaceState`: approach, shift, tilt, then slip, pressure, shear and gap of the nodes. With v the
-base's answer to the loads, c_r that to a unit in row r, and R the rows of the set, read off values,
-its answer is
+Of a base the answers to a unit in a load or in a row are kept. In a row that holds, gap or slip is
+known and the force follows; in one that does not hold, the other way round. An answer is what
+follows, a number each row, for what is known is the unit in its own row and 0 elsewhere. With v the
+base's answer to the loads, c_r that to a unit in row r, and R the rows of the set, its answer is
 
     v + sum_r y_r c_r,   sum_r R(c_r) y_r = b - R(v),
 
@@ -46,11 +46,13 @@ from scenes.array_types import Array, Indices, Mask, States
 Factors = tuple[Array, NDArray[np.int32]]
 
 # Bytes of bases, and so many at least: a cycle meets the same sets again and again. With 75 MB a
-# record of 2,000 rows on a pad takes a fifth longer.
+# record of 2,000 rows on a pad takes a fifth longer (measured at 96 rows).
 _BYTES = 130_000_000
 _LEAST_BASES = 4
-# Rows in which a set may differ from its base: beyond that the set becomes a base itself.
-_MOST_ROWS = 96
+# Rows in which a set may differ from its base: beyond that the set becomes a base itself. Of a
+# record on a pad a pass needs 13 bases then, which have room in `_BYTES`; with 96 rows it needs 24,
+# and most of them are made again and again.
+_MOST_ROWS = 144
 # Sets of which `corrections` keeps the factors: the iterations of an increment go to and fro
 # between few of them.
 _FACTORISED = 8
@@ -103,6 +105,8 @@ class _Base:
         (k,) rows of gap, slip and loads that hold; the unknowns of these numbers are solved for
     place
         (2 n + 5,) of each row among `held`, -1 of others
+    holds
+        (2 n,) rows of gap and slip that hold
     factors
         of the equations of `held`
     free
@@ -112,7 +116,9 @@ class _Base:
     number
         (2 n + 5,) place in `answers` of the answer to each row or load, -1 where it is unknown
     answers
-        (m, 3 + 4 n), of which `count` are known
+        (m, 2 n + 3), of which `count` are known: the force of each row that holds, gap or slip
+        of the others, then approach, shift and tilt. Of a node that slides the force beyond f p
+        is known, and its row does not hold
     met
         sets that were reached from it: met again, they have the same bits
     """
@@ -121,6 +127,7 @@ class _Base:
     traction: Array
     held: Indices
     place: Indices
+    holds: Mask
     factors: Factors
     free: Indices
     beyond: Array
@@ -380,31 +387,60 @@ class Systems:
             differs[rows] = True
         updated = np.flatnonzero(differs)
         loads = np.arange(2 * n, 2 * n + n_loads)
-        self._find(base, np.concatenate([updated, loads]))
-        values = np.zeros((n_loads + (rows is not None), 3 + 4 * n))
-        values[:n_loads] = base.answers[base.number[loads]]
-        if not len(updated):
-            return values
-        self.work["factor updates"] += 1
-        # What a row of the set holds is one of the values of its node, minus slope times p: p or
-        # gap of a normal row; slip or q - (+-f) p of a tangential one.
-        node = updated % n
-        is_normal = updated < n
+        units = np.concatenate([loads, updated])
+        self._find(base, units)
+        columns = base.answers[base.number[units]]
+        n_cases = n_loads + (rows is not None)
+        unknowns = np.zeros((n_cases, 2 * n + 3))
+        unknowns[:n_loads] = columns[:n_loads]
+        givens = np.zeros((n_cases, 2 * n))
+        if len(updated):
+            self.work["factor updates"] += 1
+            by_units = self._rows_of_set(base, states, updated, units, columns)
+            small_system = by_units[n_loads:].T
+            right = np.zeros((n_cases, len(updated)))
+            right[:n_loads] = -by_units[:n_loads]
+            if rows is not None:
+                change = np.zeros(2 * n)
+                change[rows] = changes
+                right[n_loads] = change[updated]
+            factors = _lu_solve(_lu(small_system), right.T).T
+            unknowns += factors @ columns[n_loads:]
+            givens[:, updated] = factors
+        forces = np.where(base.holds, unknowns[:, : 2 * n], givens)
+        displacements = np.where(base.holds, givens, unknowns[:, : 2 * n])
+        values = np.empty((n_cases, 3 + 4 * n))
+        values[:, :3] = unknowns[:, 2 * n :]
+        slip, pressure, shear, gap = values[:, 3:].reshape(-1, 4, n).transpose(1, 0, 2)
+        slip[:] = displacements[:, n:]
+        pressure[:] = forces[:, :n]
+        shear[:] = forces[:, n:] + base.traction * forces[:, :n]
+        gap[:] = displacements[:, :n]
+        return values
+
+    def _rows_of_set(
+        self, base: _Base, states: States, rows: Indices, units: Indices, columns: Array
+    ) -> Array:
+        """(k, m) what m rows of a set read in k answers of a base, (k, 2 n + 3), each to a unit in
+        a row or load.
+
+        A normal row reads p of an open node, else the gap; a tangential one the slip of a node
+        that sticks, else q - (+-f) p.
+        """
+        n = len(states)
+        node = rows % n
+        is_normal = rows < n
         state = states[node]
-        of_normal = np.where(state == OPEN, n, 3 * n)
-        of_tangential = np.where((state == STICK) & self.shears, 0, 2 * n)
-        place = 3 + np.where(is_normal, of_normal, of_tangential) + node
-        place_of_pressure = 3 + n + node
-        slope = np.where(is_normal, 0, slip_sign(state)) * self.friction
-        columns = base.answers[base.number[updated]]
-        right = values[:, place_of_pressure] * slope - values[:, place]
-        if rows is not None:
-            change = np.zeros(2 * n)
-            change[rows] = changes
-            right[n_loads:] += change[updated]
-        small_system = (columns[:, place] - columns[:, place_of_pressure] * slope).T
-        factors = _lu_solve(_lu(small_system), right.T).T
-        return np.asarray(values + factors @ columns)
+        unit_of_row = np.equal.outer(units, rows)
+        force = np.where(base.holds[rows], columns[:, rows], unit_of_row)
+        displacement = np.where(base.holds[rows], unit_of_row, columns[:, rows])
+        unit_of_normal_row = np.equal.outer(units, node)
+        pressure = np.where(base.holds[node], columns[:, node], unit_of_normal_row)
+        # The force of a tangential row is q beyond what the base takes along with p.
+        slope = base.traction[node] - slip_sign(state) * self.friction
+        beyond_cone = force + np.where(is_normal, 0.0, slope) * pressure
+        reads_displacement = np.where(is_normal, state != OPEN, (state == STICK) & self.shears)
+        return np.where(reads_displacement, displacement, beyond_cone)
 
     def corrections(self, states: States, n_loads: int, changes: Array) -> Array:
         """`answers`, with changes of all rows: by the factors of the set itself.
@@ -509,11 +545,12 @@ class Systems:
             traction=traction,
             held=held_rows,
             place=place,
+            holds=holds[: 2 * n],
             factors=_lu(columns[held_rows]),
             free=free_rows,
             beyond=columns[free_rows],
             number=np.full_like(place, -1),
-            answers=np.empty((0, 3 + 4 * n)),
+            answers=np.empty((0, 2 * n + 3)),
             met=set(),
         )
 
@@ -534,25 +571,15 @@ class Systems:
         right = -by_unknown[base.held]
         right[place[is_held], number[is_held]] += 1.0
         solutions = _lu_solve(base.factors, right)
-        z = np.zeros((2 * n + 5, len(rows)))
-        z[base.held] = solutions
-        z[rows[~is_held], number[~is_held]] = 1.0
-        z[n : 2 * n] += base.traction[:, None] * z[:n]
-        displacements = np.zeros((2 * n, len(rows)))
-        displacements[base.free] = base.beyond @ solutions + by_unknown[base.free]
-        of_nodes = is_held & (rows < 2 * n)
-        displacements[rows[of_nodes], number[of_nodes]] = 1.0
         first_number = base.count
         base.count += len(rows)
         if base.count > len(base.answers):  # twice the room, so that it is seldom copied
-            base.answers = np.concatenate(
-                [base.answers[:first_number], np.empty((base.count, 3 + 4 * n))]
-            )
+            room = np.empty((base.count, 2 * n + 3))
+            base.answers = np.concatenate([base.answers[:first_number], room])
         base.number[rows] = first_number + number
         answers = base.answers[first_number : base.count]
-        answers[:, :3] = z[[2 * n, 2 * n + 1, 2 * n + 4]].T  # approach, shift, tilt
-        answers[:, 3 : 3 + n] = displacements[n:].T  # slip
-        answers[:, 3 + n : 3 + 3 * n] = z[: 2 * n].T  # pressure and shear
-        answers[:, 3 + 3 * n :] = displacements[:n].T  # gap
+        answers[:, base.held] = solutions.T
+        answers[:, base.free] = (base.beyond @ solutions + by_unknown[base.free]).T
+        answers[:, 2 * n + 2] = rows == 2 * n + 4  # the tilt
         while len(self._bases) > _LEAST_BASES and sum(base.nbytes for base in self._bases) > _BYTES:
             self._bases.pop(0)

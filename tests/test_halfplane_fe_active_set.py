@@ -385,7 +385,7 @@ def test_a_compliance_that_is_not_positive_definite_is_refused() -> None:
 def test_bytes_kept_stay_within_the_bound(every: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """Room for two bases or three, with their answers; none suffers."""
     n = 60
-    base_bytes = 8 * (122**2 + 120 * (3 + 4 * n))  # of a base all of whose answers are there
+    base_bytes = 8 * (122**2 + 120 * (3 + 2 * n))  # of a base all of whose answers are there
     monkeypatch.setattr(systems, "_BYTES", bound := 3 * base_bytes)
     monkeypatch.setattr(systems, "_LEAST_BASES", 1)
     monkeypatch.setattr(systems, "_MOST_ROWS", 40)
