@@ -135,12 +135,6 @@ ROWS = (
         f"import halfplane_fe\nhalfplane_fe.solve({str(_DOVETAIL)!r})",
         memory=True,
     ),
-    Row(
-        "finite elements, dovetail-in-phase: peak memory",
-        0.55,
-        f"import halfplane_fe\nhalfplane_fe.solve({str(_DOVETAIL)!r})",
-        memory=True,
-    ),
 )
 
 
