@@ -11,6 +11,11 @@ planted fault fall on?
                                                             and tilt, beside finer meshes; with
                                                             `store` the tables are kept for the
                                                             manual, benchmarks/covered.json
+    python benchmarks/covered.py theory [COUNT] [SEED] [store]
+                                                            what half-plane theory states of its own
+                                                            errors, by closed forms, quadratures,
+                                                            callables and grids (20 scenes each:
+                                                            four minutes)
     python benchmarks/covered.py models [COUNT] [SEED]      W on random scenes, half of them blocks
                                                             (60 scenes: three minutes)
     python benchmarks/covered.py profiles [COUNT] [SEED]    noisy profilometer rows (200 cases);
@@ -47,12 +52,12 @@ import must_fail
 import numpy as np
 from claims import Row
 from random_bodies import judge_bodies
-from random_scenes import Tables, judge
+from random_scenes import LITTLE_SLIP, Tables, judge
+from random_theory import judge_theory
 
 import halfplane_fe
 import semi_analytic
 from halfplane_fe import SolverSettings
-from halfplane_fe.uncertainty import LITTLE_WORK
 from meshes import MeshSettings
 from reports import Comparison, compare
 from reports.comparison.budget import (
@@ -470,7 +475,7 @@ def cheap() -> Iterator[Row]:
 
 # ------------------------------------------------------------------------------------ random models
 # W below this share of A f^2 P^2, P the largest load, hardly slips, and is counted apart.
-LITTLE = LITTLE_WORK
+LITTLE = LITTLE_SLIP
 MEAN = 90.0
 
 
@@ -594,6 +599,28 @@ def bodies(
     return _shown("bodies", judge_bodies, count, seed, preset, store)
 
 
+def theory_errors(count: int = 20, seed: int | None = None, store: str = "") -> int:
+    """Whether the errors that half-plane theory states of its own values cover the true ones."""
+    table = judge_theory(count, _seed(seed), functools.partial(print, flush=True))
+    for line in table.lines():
+        print(line)
+    if store:
+        _keep(f"theory {table.seed}", table.content())
+    return 0
+
+
+def _seed(seed: int | None) -> int:
+    """The seed that is asked for, or another one each time."""
+    return int(np.random.SeedSequence().generate_state(1)[0]) if seed is None else seed
+
+
+def _keep(name: str, table: dict[str, Any]) -> None:
+    """Put a table into the store, with the commit that made it."""
+    content = json.loads(STORE.read_text("utf-8")) if STORE.exists() else {}
+    content[name] = table | {"commit": code_commit("*.py")}
+    STORE.write_text(json.dumps(content, indent=1) + "\n", "utf-8")
+
+
 def _shown(
     kind: str,
     tables_of: Callable[[int, int, str, Callable[[str], None]], Tables],
@@ -603,15 +630,11 @@ def _shown(
     store: str,
 ) -> int:
     """Prints a line for each scene as it is done, then the tables; keeps them where asked to."""
-    if seed is None:
-        seed = int(np.random.SeedSequence().generate_state(1)[0])
-    tables = tables_of(count, seed, preset, functools.partial(print, flush=True))
+    tables = tables_of(count, _seed(seed), preset, functools.partial(print, flush=True))
     for line in tables.lines():
         print(line)
     if store:
-        content = json.loads(STORE.read_text("utf-8")) if STORE.exists() else {}
-        content[f"{kind} {seed} {preset}"] = tables.content() | {"commit": code_commit("*.py")}
-        STORE.write_text(json.dumps(content, indent=1) + "\n", "utf-8")
+        _keep(f"{kind} {tables.seed} {preset}", tables.content())
     return 0
 
 
@@ -709,6 +732,7 @@ def profiles(count: int = 200, seed: int = 1) -> int:
 COMMANDS: dict[str, Callable[..., int]] = {
     "values": values,
     "bodies": bodies,
+    "theory": theory_errors,
     "models": models,
     "profiles": profiles,
 }

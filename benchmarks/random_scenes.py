@@ -22,7 +22,7 @@ import semi_analytic
 from halfplane_fe import FiniteElementSolution
 from halfplane_fe.fields import edge_tension
 from meshes import MeshSettings
-from scenes import OPEN, ConvergenceError, InputError, Scene, load_scene
+from scenes import OPEN, ContactSolution, ConvergenceError, InputError, Scene, load_scene
 from scenes.solution import range_of_slip
 from semi_analytic.profiles import contact_of
 
@@ -214,6 +214,7 @@ def errors_of(answer: FiniteElementSolution) -> dict[str, Errors]:
             uncertainties["normal_approach"],
         ),
     }
+    values |= _norms(answer, theory)
     tension = halfplane_fe.largest_edge_tension(answer)
     if tension is not None:
         values["largest edge tension"] = (tension.value, largest.edge_tension, tension.uncertainty)
@@ -223,6 +224,28 @@ def errors_of(answer: FiniteElementSolution) -> dict[str, Errors]:
     by_theory, _ = semi_analytic.edge_tension(theory, answer.time[steps])
     values["edge tension, all instants"] = (by_elements, by_theory, stated)
     return {name: _errors(*three) for name, three in values.items()}
+
+
+def _norms(
+    answer: FiniteElementSolution, theory: ContactSolution
+) -> dict[str, tuple[float, float, float]]:
+    """The largest L2 errors of p and q in the last cycle, as the statements are."""
+    friction = answer.scene.friction.coefficient
+    cycle = answer.last_cycle
+    loaded = np.zeros(len(answer.time), dtype=bool)
+    loaded[cycle] = answer.normal_load[cycle] > 0
+    norm_of_p = _norm(answer.x, theory.pressure[loaded])
+    names = {"p, L2": ("pressure", 1.0), "q, L2": ("shear", friction)}
+    errors = {}
+    for words, (name, unit) in names.items():
+        difference = getattr(answer, name)[loaded] - getattr(theory, name)[loaded]
+        largest = float(np.max(_norm(answer.x, difference) / (unit * norm_of_p)))
+        errors[words] = (largest, 0.0, answer.uncertainties[name])
+    return errors
+
+
+def _norm(x: Array, values: Array) -> Array:
+    return np.asarray(np.sqrt(np.trapezoid(np.square(values), x, axis=-1)))
 
 
 def _errors(value: Any, true: Any, stated: Any) -> Errors:

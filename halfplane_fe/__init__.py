@@ -31,6 +31,7 @@ In the order in which a scene passes through::
     between_nodes.py                       what edges between nodes add to the dissipation, which is
                                            taken off
     edges.py                               edges of contact and stick, states as a reader sees them
+    permanent_stick.py                     ends of the permanent stick zone, by friction work
     task.py, solve.py, answer.py           scene, mesh, settings and scales in one; `solve`; the
                                            arrays of the answer; cost of a penalty layer
     answer_uncertainty.py, answer_notes.py how uncertain each value is; what a reader must know of

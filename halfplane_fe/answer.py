@@ -26,13 +26,15 @@ from halfplane_fe.edges import (
     fitted_contact_edges,
     fitted_stick_edges,
     reported_states,
+    roughness_of,
     stick_edges,
     stick_uncertainty,
 )
 from halfplane_fe.law import slip_sign
+from halfplane_fe.permanent_stick import working_nodes
 from halfplane_fe.run import PathRun
 from halfplane_fe.scales import Scales
-from scenes import OPEN, STICK, Interrupted, Record, Scene, Tabulated, freeze
+from scenes import OPEN, STICK, Interrupted, Record, Scene, freeze
 from scenes.array_types import Array, Mask, States
 
 # Instants whose edges are found together: a few, so that the arrays of a long run stay small.
@@ -72,6 +74,9 @@ def answer_arrays(
         has_no_slip_zone = _grows_within_cone(loads, scene.friction.coefficient)
     edges = _edges_of_all(problem, states, surface_states, has_no_slip_zone[run.stored], scene)
     permanent = _permanent_stick(scene, problem, run, all_states, edges["stick_edges"])
+    if len(densities) and edges_are_sharp(scene, problem):
+        nodes = working_nodes(problem.interface.x, densities[-1] / weights, permanent)
+        permanent = nodes.confine(permanent)
     edges = {name: values * scales.half_width for name, values in edges.items()}
     # In place: of a fine mesh with thousands of steps each copy is half a gigabyte and more.
     np.multiply(pressure, scales.load / weights, out=pressure)
@@ -127,6 +132,13 @@ def answer_arrays(
     }
 
 
+def edges_are_sharp(scene: Scene, problem: ContactProblem) -> bool:
+    """Whether what slips at all counts as slip: not between coupled bodies, and not under bulk
+    stress or tilt, where what only creeps counts as stuck.
+    """
+    return not scene.unsymmetric and problem.interface.coupling is None
+
+
 def _grows_within_cone(loads: Array, friction: float) -> Mask:
     """(n,) instants since whose forerunner P has grown by |dQ|/f at least: half-planes of like
     materials stick in full then, whatever was before.
@@ -176,7 +188,7 @@ def _edges(
         (n_steps,) instants at which theory has none
     """
     anywhere = scene.unsymmetric  # then the stick zone may be anywhere in the contact
-    tabulated = isinstance(scene.profile, Tabulated)
+    roughness = roughness_of(scene.profile)
     x = problem.interface.x
     weights = problem.interface.weights
     _, normal_force, tangential_force, gap = nodal(np.stack([state.values for state in states]))
@@ -194,7 +206,7 @@ def _edges(
     limit = problem.friction * pressure
     stick_zones = fitted_stick_edges(x, stick, is_closed, contact, limit, shear, anywhere)
     edges = stick_zones.places
-    of_contact = contact_uncertainty(x, pressure, is_closed, contact, form, tabulated)
+    of_contact = contact_uncertainty(x, pressure, is_closed, contact, form, roughness)
     of_stick = stick_uncertainty(
         x,
         (stick, states_by_law == STICK),
@@ -267,7 +279,7 @@ def _permanent_stick(
     left, right = np.concatenate([edges[in_cycle[run.stored]], zones_of_dropped]).T
     common_zone = np.array([left.max(), right.min()])  # NaN where nothing sticks at some instant
     permanent = common_zone if common_zone[0] < common_zone[1] else nothing
-    if not (scene.unsymmetric or problem.interface.coupling is not None):
+    if edges_are_sharp(scene, problem):
         return permanent
     is_closed = surface_states[in_cycle] != OPEN
     slip = np.array([run.states[k].slip for k in np.flatnonzero(in_cycle)])

@@ -10,9 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from halfplane_fe.answer import in_last_cycle
+from halfplane_fe.answer import edges_are_sharp, in_last_cycle
 from halfplane_fe.contact import ContactProblem
 from halfplane_fe.interface import least_depth, shapes_alike
+from halfplane_fe.permanent_stick import working_nodes
 from halfplane_fe.resolution import Revolution
 from halfplane_fe.run import PathRun
 from halfplane_fe.scales import COARSE_CYCLES, contact_modulus, needs_shear
@@ -20,6 +21,9 @@ from halfplane_fe.task import Task, surface_grading
 from halfplane_fe.uncertainty import (
     Meshes,
     Peak,
+    RunValues,
+    density_uncertainty,
+    norm_uncertainties,
     of_small_contacts,
     peak_uncertainty,
     run_values,
@@ -29,7 +33,7 @@ from halfplane_fe.uncertainty import (
     uncertainty,
 )
 from scenes import Scene
-from scenes.array_types import Array
+from scenes.array_types import Array, Mask
 
 # Share of what kinks between the first and the last start of sliding add to W that counts as
 # uncertain.
@@ -126,11 +130,48 @@ def value_uncertainties(
         by_meshes[name] += of_small_contacts(
             load, elements, arrays["contact_half_width"], scales.modulus
         )
-    return by_meshes | {
-        "largest_pressure": _peak_uncertainty(task, arrays),
-        "largest_half_width": float(np.mean(arrays["contact_edge_uncertainty"][step])),
-        "permanent_stick_half_width": _of_permanent_stick(task.scene, arrays),
-    }
+    of_density = 0.0
+    if sheared:
+        of_density = density_uncertainty(arrays["x"], arrays["dissipation_density"])
+        if task.has_plain_errors:
+            of_density = max(of_density, _from_coarse_run(values, scales.values))
+    of_norms = norm_uncertainties(
+        arrays["x"],
+        arrays["pressure"],
+        arrays["shear"],
+        _under_load(task.scene, arrays),
+        task.scene.friction.coefficient,
+    )
+    if task.has_plain_errors:
+        # Linear elements and penalty layers have errors that nodes do not show.
+        of_norms = dict.fromkeys(of_norms, math.nan)
+    return (
+        by_meshes
+        | of_norms
+        | {
+            "largest_dissipation_density": of_density,
+            "largest_pressure": _peak_uncertainty(task, arrays),
+            "largest_half_width": float(np.mean(arrays["contact_edge_uncertainty"][step])),
+            "permanent_stick_half_width": _of_permanent_stick(
+                task.scene, arrays, is_sharp=edges_are_sharp(task.scene, problem)
+            ),
+        }
+    )
+
+
+def _under_load(scene: Scene, arrays: Mapping[str, Any]) -> Mask:
+    """(n_steps,) instants of the last cycle under load, of the whole path where none repeats."""
+    in_cycle = in_last_cycle(scene, arrays["time"], arrays["normal_load"])
+    if in_cycle.any():
+        return in_cycle
+    return np.asarray(arrays["normal_load"] > 0)
+
+
+def _from_coarse_run(values: RunValues, of_coarse_run: RunValues | None) -> float:
+    """How far the largest W(x) is from that of the coarse run [energy / area]; NaN without one."""
+    if of_coarse_run is None or not values.is_comparable(of_coarse_run):
+        return math.nan
+    return values.difference("largest_dissipation_density", of_coarse_run)
 
 
 def _spacing_at_edges(x: Array, edges: Array) -> Array:
@@ -139,8 +180,9 @@ def _spacing_at_edges(x: Array, edges: Array) -> Array:
     return np.asarray(np.max(x[node_after] - x[node_after - 1], axis=1))
 
 
-def _of_permanent_stick(scene: Scene, arrays: Mapping[str, Any]) -> float:
-    """Uncertainty of the permanent stick half-width [length]: of the stick edges that bound it.
+def _of_permanent_stick(scene: Scene, arrays: Mapping[str, Any], is_sharp: bool) -> float:
+    """Uncertainty of the permanent stick half-width [length]: of the stick edges that bound it, and
+    of the nodes that do friction work beside it where its edges are sharp.
 
     The zone ends at the innermost edge of the last cycle. With edges e +- u, that edge is between
     the innermost e - u and the innermost e + u. Between coupled bodies, and under bulk stress or
@@ -159,7 +201,12 @@ def _of_permanent_stick(scene: Scene, arrays: Mapping[str, Any]) -> float:
     innermost = edges.min(axis=0)
     innermost_nearest = (edges - edge_uncertainty).min(axis=0)
     innermost_farthest = (edges + edge_uncertainty).min(axis=0)
-    return float(np.mean(np.maximum(innermost - innermost_nearest, innermost_farthest - innermost)))
+    by_stick_zones = np.maximum(innermost - innermost_nearest, innermost_farthest - innermost)
+    if not is_sharp:
+        return float(np.mean(by_stick_zones))
+    places = arrays["permanent_stick_edges"]
+    nodes = working_nodes(arrays["x"], arrays["dissipation_density"], places)
+    return float(np.mean(nodes.uncertainty(places, by_stick_zones)))
 
 
 def _peak_uncertainty(task: Task, arrays: Mapping[str, Any]) -> float:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.law import slip_sign
-from scenes import STICK
+from scenes import STICK, Profile, Tabulated
 from scenes.array_types import Array, Indices, Mask, States
 
 # Shares of the distance of two nodes by which an edge between them is uncertain whatever else is
@@ -23,15 +23,17 @@ from scenes.array_types import Array, Indices, Mask, States
 # half-planes, seeds 62 and 64 of benchmarks/covered.py values, both presets. Contact edges by their
 # form err by 0.26 at most on hertz-paper, cattaneo-mindlin and flat-rounded-paper:
 _SHARE = 0.3
-# those by p^2, and that share times the nodes in contact, for a parabola lacks the more of p^2 the
-# fewer there are:
-_SHARE_BY_SQUARES = 0.1
-_NODES_BY_SQUARES = 9.0
-# Their share of the distance from the edge by its form.
+# those by p^2: a share that is left, and what a parabola lacks of p^2 the more the fewer nodes are
+# in contact, n: 0.04 + 2/n + 800/n^2.
+_SHARE_BY_SQUARES = 0.04
+_NODES_BY_SQUARES = 2.0
+_SQUARED_NODES_BY_SQUARES = 800.0
+# They are so many times as large where the curvature of the profile jumps, and on a tabulated one,
+# where it bends at every row.
+_OF_KINKS = 2.0
+_OF_TABLE = 5.0
+# Share of the distance from the edge by its form.
 _BY_FORM = 0.35
-# Both are so many times as large on a tabulated profile, whose curvature bends at every row: edges
-# of tables missed by up to 2.2 times what is enough for others.
-_OF_TABLE = 2.0
 # Fitted stick edges, whose straight line is a chord:
 _FITTED_SHARE = 0.3
 # and their share of the distance between the two fits.
@@ -59,7 +61,7 @@ _UNSEEN = 2.0
 # singularity spoils.
 _FITTED = (7, 4)
 # Distances of nodes that a stick edge moves in one increment above which it jumps.
-_JUMP = 8.0
+_JUMP = 6.0
 # Elements by which two fits of a stick edge may differ.
 _AGREE = 0.1
 
@@ -339,13 +341,22 @@ def _zero_of_parabola(
     return behind_rim + 2 * c / divisor * element, residual
 
 
+def roughness_of(profile: Profile) -> float:
+    """By how much more contact edges that are fitted by p^2 are uncertain than those of a smooth
+    profile.
+    """
+    if isinstance(profile, Tabulated):
+        return _OF_TABLE
+    return _OF_KINKS if profile.kinks else 1.0
+
+
 def contact_uncertainty(
     x: Array,
     pressure: Array,
     closed: Mask,
     contact: Array,
     form: Array | None = None,
-    tabulated: bool = False,
+    roughness: float = 1.0,
 ) -> Array:
     """How far each contact edge may be from the true one, by the mesh.
 
@@ -362,15 +373,18 @@ def contact_uncertainty(
         (k, 2) ends of the contact
     form
         the same by `contact_edges`, where they are fitted
-    tabulated
-        whether the profile is a curve through rows
+    roughness
+        `roughness_of` the profile
     """
     form = contact if form is None else form
     width = contact[:, 1:] - contact[:, :1]
     uncertainty = np.repeat(width, 2, axis=1)
     n_closed = np.count_nonzero(closed, axis=1)
     row = np.flatnonzero(n_closed > _EXTRAPOLATED)
-    share_by_squares = _SHARE_BY_SQUARES + _NODES_BY_SQUARES / n_closed[row]
+    nodes = n_closed[row]
+    share_by_squares = roughness * (
+        _SHARE_BY_SQUARES + _NODES_BY_SQUARES / nodes + _SQUARED_NODES_BY_SQUARES / nodes**2
+    )
     for side in _sides(x):
         p, inside = side.outwards(pressure[row], closed[row])
         last = _last(inside)
@@ -382,8 +396,6 @@ def contact_uncertainty(
         to_zero = np.minimum(np.abs(zero - edge), np.abs(farthest - edge))
         spacing = _spacing(side.x, last)
         by_squares = share_by_squares * spacing + _BY_FORM * np.abs(edge - edge_by_form)
-        if tabulated:
-            by_squares *= _OF_TABLE
         by_form = _SHARE * spacing + to_zero
         uncertainty[row, side.column] = np.where(edge == edge_by_form, by_form, by_squares)
     return uncertainty

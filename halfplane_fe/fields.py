@@ -266,40 +266,41 @@ def edge_tension(solution: ContactSolution, steps: Sequence[int]) -> tuple[Array
         )
     tension = _edge_tension(solution, steps)
     of_new_contact = np.array([_of_new_contact(solution, step) for step in steps])
-    return (
-        tension.values,
-        tension.uncertainties + tension.of_unseen_slip + of_new_contact.reshape(-1, 1, 2),
-    )
+    seen = tension.uncertainties + of_new_contact.reshape(-1, 1, 2)
+    return tension.values, np.maximum(seen, tension.of_unseen_slip)
 
 
 def _of_new_contact(solution: ContactSolution, step: int) -> Array:
     """(2,) change of the tension at both edges by contact that is new since P began to grow in full
     stick, where it is too narrow for the nodes of the rim to show its shear [stress].
 
-    Within the width w of new contact q/p near the edge is dQ/dP, behind it what the slip before has
-    left. With p = K sqrt(d) a difference c of the two changes s_xx by (4/pi) c K sqrt(w).
+    Within new contact q/p near the edge is dQ/dP of the time since, behind it what the slip before
+    has left. With p = K sqrt(d) a difference c of the two changes s_xx by (4/pi) c K sqrt(w), w the
+    width of what is newer: the largest of these counts, of all times since which w is within the
+    rim.
     """
-    if not _sticks_in_full(solution, step):
+    if not step or not _sticks_in_full(solution, step):
         return np.zeros(2)
+    rise_of_p = np.diff(solution.normal_load[: step + 1])
+    rise_of_q = np.diff(solution.tangential_load[: step + 1])
     start = step
-    while (
-        start > 0
-        and solution.normal_load[start - 1] < solution.normal_load[start]
-        and _sticks_in_full(solution, start - 1)
-    ):
+    while start > 0 and rise_of_p[start - 1] > 0 and _sticks_in_full(solution, start):
         start -= 1
     nodal = _nodal(solution, step)
     if start == step or len(nodal.x) <= 2 * RIM:
         return np.zeros(2)
-    rise_of_p = float(solution.normal_load[step] - solution.normal_load[step - 1])
-    rise_of_q = float(solution.tangential_load[step] - solution.tangential_load[step - 1])
     at_rim = [RIM, -1 - RIM]
-    depth = np.abs(nodal.x[at_rim] - solution.contact_edges[step])
-    width = np.abs(solution.contact_edges[step] - solution.contact_edges[start])
     pressure = nodal.pressure[at_rim]
-    change_of_ratio = np.abs(rise_of_q / rise_of_p - nodal.shear[at_rim] / pressure)
+    depth = np.abs(nodal.x[at_rim] - solution.contact_edges[step])
+    ratio = rise_of_q[start:] / rise_of_p[start:]
+    # q/p that was at the edge before each increment since: at the first, what the rim has.
+    ratio_before = np.tile(np.append(np.nan, ratio[:-1])[:, None], 2)
+    ratio_before[0] = nodal.shear[at_rim] / pressure
+    width = np.abs(solution.contact_edges[step] - solution.contact_edges[start:step])
+    change_of_ratio = np.abs(ratio[-1] - ratio_before)
     pressure_at_width = pressure * np.sqrt(width / depth)
-    return np.where(width < depth, 4 / np.pi * change_of_ratio * pressure_at_width, 0.0)
+    changes = np.where(width < depth, 4 / np.pi * change_of_ratio * pressure_at_width, 0.0)
+    return np.asarray(changes.max(axis=0))
 
 
 def _sticks_in_full(solution: ContactSolution, step: int) -> bool:

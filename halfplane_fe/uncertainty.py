@@ -27,7 +27,7 @@ import numpy as np
 from halfplane_fe.resolution import SMOOTH_TIP, flanks, tip_power
 from halfplane_fe.run import PathRun
 from meshes import MeshSettings, SurfaceGrading
-from scenes import Profile, Scene, Tolerances
+from scenes import Profile, Scene, Tabulated, Tolerances
 from scenes.array_types import Array, Indices, Mask
 from scenes.solution import range_of_slip
 
@@ -112,15 +112,12 @@ class Rule:
         return self.factor * error + _ROUND_OFF * value
 
 
-LITTLE_WORK = 1e-4
-"""W over A f^2 P^2, P the largest load, of a scene that hardly slips."""
-
-# The same, below which the largest slip has no estimate: of a tabulated profile in full stick but
-# for 1e-12 of A f^2 P^2 the mesh saw a thousandth of the slip.
+# W over A f^2 P^2, P the largest load, below which the largest slip has no estimate: of a tabulated
+# profile in full stick but for 1e-12 of A f^2 P^2 the mesh saw a thousandth of the slip.
 _LEAST_WORK_OF_SLIP = 1e-8
 
-# Fitted to scenes that slip, seeds 21, 22, 31, 32 and 62 of benchmarks/covered.py values, both
-# presets.
+# Fitted to scenes that slip, seeds 21, 22, 31, 32, 62, 201 and 202 of benchmarks/covered.py values,
+# both presets.
 RULES: dict[str, Rule] = {
     # U and the approach are those of all the body. Its elements grow away from the contact, and
     # behind it they differ less from those of the coarse run than at the edges: the error falls by
@@ -128,10 +125,7 @@ RULES: dict[str, Rule] = {
     "tangential_displacement": Rule(order=1.0, factor=2.0),
     "normal_approach": Rule(order=1.0, factor=3.0),
     # Slip is largest next to an edge of contact, where it ends as a root.
-    "largest_slip": Rule(order=0.5, factor=1.1, least=0.04, least_work=_LEAST_WORK_OF_SLIP),
-    # W(x) has a kink where an edge of contact or stick turns, and its largest value is near one.
-    # With 1.6 two of ten scenes of seed 61 were not covered, by 1.3 and 1.4.
-    "largest_dissipation_density": Rule(order=1.0, factor=2.4, least=0.05, least_work=LITTLE_WORK),
+    "largest_slip": Rule(order=0.5, factor=0.55, least=0.06, least_work=_LEAST_WORK_OF_SLIP),
 }
 """By the name of the quantity."""
 
@@ -139,6 +133,108 @@ RULES: dict[str, Rule] = {
 # Error of U and the approach over Q/E* (h/a)^2 and P/E* (h/a)^2, h the element at the edges of a
 # contact as small as at the start of the loading: 0.04 to 0.11 where it is the largest of a path.
 _BY_SMALL_CONTACT = 0.08
+
+
+# Shares of how far W(x) stands off the straight line between its neighbours: of its largest value,
+# and of the mean over five nodes around that. With 0.2 and 0.6 they cover 96 to 100 % of seeds 201
+# and 202, 87 and 94 % of seed 204.
+_BY_NEIGHBOURS = 0.25
+_BY_MEAN_OF_NEIGHBOURS = 0.7
+# Share of the largest W(x) by which it stands off where it is that of single nodes: of scenes that
+# hardly slip it may be wrong altogether. At most 0.36 of others.
+_ALONE = 0.5
+# Nodes beside the largest value that the mean takes.
+_BESIDE_PEAK = 2
+# Shares, for p and for q, of the norm of what stands off the line between neighbours that the norm
+# of the error is, each the largest of a cycle: 0.14 to 0.39 and 0.10 to 0.43 on seed 205, both
+# presets.
+_PRESSURE_BY_NEIGHBOURS = 0.36
+_SHEAR_BY_NEIGHBOURS = 0.38
+# Instants whose norms are taken together.
+_AT_ONCE = 256
+# Share of `slip_between_instants` that counts.
+_BETWEEN_INSTANTS = 0.8
+
+
+def density_uncertainty(x: Array, density: Array) -> float:
+    """u of the largest W(x): by how far nodes there stand off the straight line between their
+    neighbours, which is what every second node alone would give [energy / area].
+
+    W(x) has a kink where an edge of contact or stick turns, and its largest value is near one. What
+    a coarse run says of it is a matter of chance. NaN where no node between others does friction
+    work, and where the largest value stands alone.
+
+    Parameters
+    ----------
+    x
+        (n,) nodes in ascending order [length]
+    density
+        (n,) W(x) [energy / area]
+
+    >>> x = np.arange(7.0)
+    >>> round(density_uncertainty(x, np.array([0.0, 1, 2, 3, 2, 1, 0])), 12)
+    0.39
+    """
+    peak = int(np.argmax(density))
+    if not 0 < peak < len(x) - 1 or density[peak] <= 0:
+        return math.nan
+    stands_off = np.abs(_off_neighbours(x, density))
+    at_peak = peak - 1
+    if stands_off[at_peak] > _ALONE * density[peak]:
+        return math.nan
+    beside = slice(max(at_peak - _BESIDE_PEAK, 0), at_peak + _BESIDE_PEAK + 1)
+    of_mean = _BY_MEAN_OF_NEIGHBOURS * np.mean(stands_off[beside])
+    return float(_BY_NEIGHBOURS * stands_off[at_peak] + of_mean)
+
+
+def _off_neighbours(x: Array, values: Array) -> Array:
+    """(..., n - 2) how far values (..., n) at nodes x (n,) are from the straight line between their
+    neighbours.
+    """
+    share = (x[1:-1] - x[:-2]) / (x[2:] - x[:-2])
+    return np.asarray(values[..., 1:-1] - (1 - share) * values[..., :-2] - share * values[..., 2:])
+
+
+def norm_uncertainties(
+    x: Array, pressure: Array, shear: Array, counts: Mask, friction: float
+) -> dict[str, float]:
+    """u of p and q in L2 over x, over the norms of p and f p, by what every second node alone would
+    give: "pressure" and "shear", each the largest of the instants that count. NaN without contact.
+
+    Parameters
+    ----------
+    x
+        (n,) nodes in ascending order [length]
+    pressure, shear
+        (k, n) [stress]
+    counts
+        (k,) instants that count, all of them in contact
+    friction
+        f; 0 has no error of q
+    """
+    off_p = [0.0]
+    off_q = [0.0]
+    instants = np.flatnonzero(counts)
+    # Some instants at a time: of a fine mesh with thousands of steps each copy takes gigabytes.
+    for start in range(0, len(instants), _AT_ONCE):
+        rows = instants[start : start + _AT_ONCE]
+        norm_of_p = _norm(x, pressure[rows])
+        share_of_p = _norm(x[1:-1], _off_neighbours(x, pressure[rows])) / norm_of_p
+        off_p.append(float(share_of_p.max()))
+        if friction:
+            share_of_q = _norm(x[1:-1], _off_neighbours(x, shear[rows])) / norm_of_p
+            off_q.append(float(share_of_q.max()) / friction)
+    if not len(instants):
+        return {"pressure": math.nan, "shear": math.nan}
+    return {
+        "pressure": _PRESSURE_BY_NEIGHBOURS * max(off_p),
+        "shear": _SHEAR_BY_NEIGHBOURS * max(off_q),
+    }
+
+
+def _norm(x: Array, values: Array) -> Array:
+    """(k,) L2 norm over x of (k, n)."""
+    return np.asarray(np.sqrt(np.trapezoid(np.square(values), x, axis=-1)))
 
 
 def of_small_contacts(load: Array, elements: Array, half_width: Array, modulus: float) -> float:
@@ -300,7 +396,7 @@ def uncertainties(
         estimate = rule.uncertainty(largest, difference, meshes.refinement, meshes.coarse)
         estimates[name] = max(estimate, difference) if meshes.plain else estimate
     # Not of the mesh: between two instants nobody sees when a node opens.
-    estimates["largest_slip"] += values.slip_between_instants
+    estimates["largest_slip"] += _BETWEEN_INSTANTS * values.slip_between_instants
     return estimates
 
 
@@ -378,6 +474,9 @@ _PEAK_GROWN = 0.005
 # Share of p0 that eight elements within a rounded tip leave: 1.6e-4 of a sharp wedge on the default
 # mesh, 1.3e-4 on a fine one.
 _PEAK_WITHIN_TIP = 3e-4
+# Share of p0 h/a of a tabulated profile, whose curvature bends at every row: on one of seed 204 the
+# error is 0.1.
+_PEAK_OF_TABLE = 0.05
 
 
 def uncertainty(
@@ -542,9 +641,10 @@ def peak_uncertainty(
     of_middle = _PEAK_BY_MIDDLE * (fine.size / a) ** 2 * (fine.inner / a) ** 4
     of_depth = _PEAK_BY_DEPTH * (fine.size / depth) ** 2
     of_growth = _PEAK_GROWN * mesh.growth**4
+    of_rows = _PEAK_OF_TABLE * fine.edge_size / a if isinstance(profile, Tabulated) else 0.0
     return (
         _SAFETY * peak.difference * share
-        + (of_edges + of_middle + of_depth + of_growth + within_tip) * peak.value
+        + (of_edges + of_middle + of_depth + of_growth + within_tip + of_rows) * peak.value
     )
 
 

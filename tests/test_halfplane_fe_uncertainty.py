@@ -18,13 +18,15 @@ import halfplane_fe
 import semi_analytic
 from halfplane_fe import FiniteElementSolution, SolverSettings
 from halfplane_fe.edges import uncertainty_at_jumps
-from halfplane_fe.uncertainty import RULES, Place, Rule
+from halfplane_fe.permanent_stick import working_nodes
+from halfplane_fe.uncertainty import RULES, Place, Rule, density_uncertainty
 from meshes import MeshSettings
 from reports import Comparison, compare
 from reports.comparison.words import first_rows, first_table
 from reports.page.content import whole_content
 from reports.report import Report
 from scenes import OPEN, ContactSolution, Scene, load_scene
+from scenes.array_types import Array
 from scenes.solution import range_of_slip
 
 COARSE = MeshSettings.coarse()
@@ -154,15 +156,44 @@ def test_stick_edges_next_to_a_jump_are_covered() -> None:
     assert answer.uncertainties["permanent_stick_half_width"] < 0.01 * half_width
 
 
+def norm(x: Array, values: Array) -> Array:
+    """L2 over x, by the trapezoidal rule."""
+    return np.asarray(np.sqrt(np.trapezoid(values**2, x, axis=-1)))
+
+
+def test_the_permanent_stick_zone_ends_just_before_the_first_node_that_works() -> None:
+    """An edge that one instant misread is put there; an edge far from it is of another kind."""
+    x = np.linspace(-1.0, 1.0, 41)
+    density = np.where(np.abs(x) > 0.52, np.abs(x) - 0.5, 0.0)  # the first nodes at +-0.55
+    nodes = working_nodes(x, density, np.array([-0.45, 0.53]))
+    assert nodes.places == pytest.approx([-0.55, 0.55])
+    assert nodes.confine(np.array([-0.45, 0.53])) == pytest.approx([-0.517, 0.53])
+    stated = nodes.uncertainty(np.array([-0.52, 0.53]), np.array([0.2, 0.01]))
+    assert stated == pytest.approx([0.65 * 0.05, 0.01])
+    far = working_nodes(x, density, np.array([-0.2, 0.2]))
+    assert np.isnan(far.places).all()
+    assert far.confine(np.array([-0.2, 0.2])).tolist() == [-0.2, 0.2]
+    assert far.uncertainty(np.array([-0.2, 0.2]), np.array([0.3, 0.3])).tolist() == [0.3, 0.3]
+
+
+def test_a_largest_density_that_stands_alone_has_no_estimate() -> None:
+    x = np.arange(7.0)
+    assert math.isnan(density_uncertainty(x, np.array([0.0, 0, 0, 1, 0, 0, 0])))
+    assert math.isnan(density_uncertainty(x, np.zeros(7)))
+    smooth = density_uncertainty(x, np.array([0.0, 5, 8, 9, 8, 5, 0]))
+    assert smooth == pytest.approx(0.25 * 1 + 0.7 * 1)
+
+
 @pytest.fixture(scope="module")
 def paper() -> FiniteElementSolution:
     return halfplane_fe.solve(load_scene("hertz-paper"), COARSE, SolverSettings(steps_per_cycle=12))
 
 
 def test_every_stated_uncertainty_covers_its_known_error(paper: FiniteElementSolution) -> None:
-    theory = semi_analytic.solve(paper.scene, x=[0.0], time=paper.time)
+    theory = semi_analytic.solve(paper.scene, x=paper.x, time=paper.time)
     largest = semi_analytic.extremes(theory)
     cycle = paper.last_cycle
+    norm_of_p = norm(paper.x, theory.pressure[cycle])
     slip = range_of_slip(paper.slip[cycle], paper.state[cycle] != OPEN)
     errors: Mapping[str, float] = {
         "tangential_displacement": np.max(
@@ -178,6 +209,9 @@ def test_every_stated_uncertainty_covers_its_known_error(paper: FiniteElementSol
         "permanent_stick_half_width": abs(
             paper.permanent_stick_half_width - theory.permanent_stick_half_width
         ),
+        "pressure": np.max(norm(paper.x, (paper.pressure - theory.pressure)[cycle]) / norm_of_p),
+        "shear": np.max(norm(paper.x, (paper.shear - theory.shear)[cycle]) / norm_of_p)
+        / paper.scene.friction.coefficient,
     }
     assert set(errors) == set(paper.uncertainties)
     for name, error in errors.items():

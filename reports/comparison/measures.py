@@ -491,14 +491,24 @@ def pressure(pair: Pair) -> Measured:
     """L2 norm of the difference of the pressure over that of the pressure."""
     x = pair.found.x
     difference = norm(x, pair.found.pressure - pair.expected.pressure)
-    return _at_worst(pair, over(difference, norm(x, pair.expected.pressure)))
+    series = over(difference, norm(x, pair.expected.pressure))
+    return _at_worst(pair, series, stated=_stated_norms(pair, "pressure"), denominator=1.0)
 
 
 def shear(pair: Pair) -> Measured:
     """L2 norm of the difference of the shear over f times that of the pressure."""
     x = pair.found.x
     difference = norm(x, pair.found.shear - pair.expected.shear)
-    return _at_worst(pair, over(difference, pair.scales.friction * norm(x, pair.expected.pressure)))
+    series = over(difference, pair.scales.friction * norm(x, pair.expected.pressure))
+    return _at_worst(pair, series, stated=_stated_norms(pair, "shear"), denominator=1.0)
+
+
+def _stated_norms(pair: Pair, name: str) -> tuple[float | None, float | None]:
+    """Uncertainty that the reference and the result state of p or q in L2, as a share."""
+    return (
+        _uncertainty_stated(pair.plain_reference, 1.0, name, name),
+        _uncertainty_stated(pair.result, 1.0, name, name),
+    )
 
 
 def normal_resultant(pair: Pair) -> Measured:

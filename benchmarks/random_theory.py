@@ -1,0 +1,406 @@
+"""Does half-plane theory state its own errors? Random scenes of each of its ways to a value, beside
+references that share no code with it, or finer ones.
+
+`python benchmarks/covered.py theory` prints the tables.
+
+| way | reference |
+|---|---|
+| closed forms; tables and series, by quadratures | integrals in extended precision, 18 digits |
+| callables, that are known by values alone | the same profile in closed form |
+| grids, under bulk stress or tilt out of phase | grids of three times the cells, twice the steps |
+
+# notation: f friction, E* = 1, R = 1
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+import sys
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+from unittest import mock
+
+import numpy as np
+from numpy.typing import NDArray
+from random_scenes import HEAD, Coverage, Errors, share_of_sliding
+
+import semi_analytic
+from scenes import (
+    CallableProfile,
+    ContactSolution,
+    FlatRounded,
+    Hertz,
+    InputError,
+    PowerLaw,
+    Profile,
+    Scene,
+)
+from semi_analytic import answer_on_grids
+from semi_analytic.grid import CELLS, INCREMENTS, GridRequest
+from semi_analytic.memory import PROMISED
+from semi_analytic.profiles import contact_of
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+from semi_analytic_oracle import Oracle, Work
+
+Array = NDArray[np.float64]
+
+# Finer grids: times as many cells and increments.
+_CELLS = 3
+_INCREMENTS = 2
+# A reference whose own error is above this share of the statement judges nothing.
+_GOOD_REFERENCE = 1 / 3
+# Instants of the last cycle, and points, at which fields are compared.
+_INSTANTS = 5
+_POINTS = 9
+# Points nearer to an edge of contact or of stick than this share of a: "at the edge", where a last
+# digit of the edge counts for more.
+_NEAR = 0.01
+# Shares of f P that slip, down to which the tiny ones are drawn: below, the references lose digits.
+_LEAST_SHARE = 1e-6
+
+# E* = 1: two bodies of E = 2 without a Poisson's ratio.
+_BODY = {"young_modulus": 2.0, "poisson_ratio": 0.0}
+_FIELDS = ("pressure", "shear", "slip", "tangential_displacement", "dissipation")
+_WORDS = {
+    "pressure": "p",
+    "shear": "q",
+    "slip": "s",
+    "tangential_displacement": "U",
+    "dissipation": "W",
+    "dissipation_density": "W(x)",
+}
+
+
+class Way(NamedTuple):
+    """A way to a value, how its scenes are drawn, and how their errors are told.
+
+    Attributes
+    ----------
+    name
+        in the table
+    draw
+        a scene of it
+    errors_of
+        true and stated errors by the name of the quantity; None of what the reference is too coarse
+        to judge
+    """
+
+    name: str
+    draw: Callable[[np.random.Generator], Scene]
+    errors_of: Callable[[Scene], dict[str, Errors | None]]
+
+
+# --------------------------------------------------------------------------------------- the scenes
+def _closed_form(draw: np.random.Generator) -> dict[str, Any]:
+    kinds: list[dict[str, Any]] = [
+        {"kind": "hertz", "radius": 1.0},
+        {"kind": "flat_rounded", "radius": 1.0, "flat_half_length": draw.uniform(0.1, 0.95)},
+        {"kind": "power_law", "exponent": draw.uniform(1.15, 6.0), "length": 1.0, "rise": 0.5},
+        {
+            "kind": "compound",
+            "inner_radius": 1.0,
+            "outer_radius": draw.uniform(0.3, 3.0),
+            "inner_half_length": draw.uniform(0.2, 0.95),
+        },
+        {"kind": "wedge", "tip_radius": 1.0, "tip_half_length": draw.uniform(0.05, 0.5)},
+    ]
+    return kinds[int(draw.integers(len(kinds)))]
+
+
+def _by_quadratures(draw: np.random.Generator) -> dict[str, Any]:
+    """Rows of x^2 and x^4, or a series of them."""
+    share = draw.uniform(0.0, 1.0)
+    if draw.random() < 0.5:
+        return {"kind": "polynomial", "length": 1.0, "rises": [0.5, 0.5 * share]}
+    x = np.linspace(0.0, 1.6, int(draw.integers(8, 16)))
+    height = 0.5 * (x**2 + share * x**4)
+    return {"kind": "tabulated", "points": np.column_stack([x, height]).tolist()}
+
+
+def _with_slope(draw: np.random.Generator) -> dict[str, Any]:
+    """A closed form whose slope is one, too."""
+    while True:
+        profile = _closed_form(draw)
+        if profile["kind"] in _SLOPES:
+            return profile
+
+
+def _hertz_slope(profile: Profile, x: Array) -> Array:
+    assert isinstance(profile, Hertz)
+    return x / profile.radius
+
+
+def _flat_slope(profile: Profile, x: Array) -> Array:
+    assert isinstance(profile, FlatRounded)
+    beyond = np.maximum(np.abs(x) - profile.flat_half_length, 0.0)
+    return np.sign(x) * beyond / profile.radius
+
+
+def _power_slope(profile: Profile, x: Array) -> Array:
+    assert isinstance(profile, PowerLaw)
+    n = profile.exponent
+    return n * profile.rise / profile.length * np.sign(x) * np.abs(x / profile.length) ** (n - 1)
+
+
+_SLOPES: dict[str, Callable[[Profile, Array], Array]] = {
+    "hertz": _hertz_slope,
+    "flat_rounded": _flat_slope,
+    "power_law": _power_slope,
+}
+
+
+def _waves(draw: np.random.Generator, largest: float, friction: float) -> dict[str, Any]:
+    """An ellipse, half of them with very little slip."""
+    swing = draw.uniform(0.0, 0.95)
+    phase = draw.uniform(0.0, 180.0)
+    mean = largest / (1 + swing)
+    angle = np.linspace(0, 2 * np.pi, 4001)
+    limit = friction * mean * (1 + swing * np.cos(angle))
+    share = share_of_sliding(draw)
+    if draw.random() < 0.5:
+        # Under a varying P even a small Q slips where P is unloaded: only at a constant P, or with
+        # Q in proportion to P, does next to nothing slip.
+        share = math.exp(draw.uniform(math.log(_LEAST_SHARE), 0.0)) * share
+        swing = 0.0
+        mean = largest
+        limit = np.full_like(angle, friction * largest)
+    amplitude = share / np.max(np.abs(np.cos(angle - np.radians(phase))) / limit)
+    return {
+        "kind": "ellipse",
+        "mean_normal_load": mean,
+        "normal_amplitude": mean * swing,
+        "mean_tangential_load": 0.0,
+        "tangential_amplitude": amplitude,
+        "phase_degrees": phase,
+        "initial_loading": "straight",
+    }
+
+
+def _scene(
+    draw: np.random.Generator, profile: Mapping[str, Any], more: Mapping[str, Any] = {}
+) -> Scene:
+    """Of a profile, with a = 1 at the largest load, f from 0.05 to 1.5, and further loads."""
+    friction = math.exp(draw.uniform(math.log(0.05), math.log(1.5)))
+    content = {
+        "name": "random theory",
+        "material": {"lower": _BODY, "upper": _BODY},
+        "profile": profile,
+        "friction": {"coefficient": friction},
+    }
+    at_rest = _waves(np.random.default_rng(0), 1.0, friction)
+    unloaded = Scene.model_validate(content | {"load": at_rest})
+    largest = float(contact_of(unloaded.profile, unloaded.material).load(1.0))
+    return Scene.model_validate(content | {"load": _waves(draw, largest, friction) | more})
+
+
+def _scene_with_bulk_or_tilt(draw: np.random.Generator) -> Scene:
+    """Bulk stress of a quarter to half the largest pressure, or a tilt that moves the contact by up
+    to a tenth of its half-width; out of phase with Q.
+    """
+    wave = {"mean": 0.0, "phase_degrees": draw.uniform(0.0, 180.0)}
+    # E* a/(2 R) = 0.5 is the largest pressure of a parabola.
+    loads: dict[str, Any] = {"bulk_stress_lower": wave | {"amplitude": draw.uniform(0.05, 0.25)}}
+    if draw.random() < 0.5:
+        loads = {"tilt": wave | {"amplitude": draw.uniform(0.01, 0.1)}}
+    return _scene(draw, {"kind": "hertz", "radius": 1.0}, loads)
+
+
+# ------------------------------------------------------------------------------ errors of one scene
+def _errors(true_error: Any, stated: float) -> Errors:
+    error = np.atleast_1d(np.asarray(true_error, dtype=float))
+    return Errors(error, np.full(error.shape, stated))
+
+
+def _stated(answer: ContactSolution, name: str) -> float:
+    """What an answer states over the largest value: its error, or what all closed forms promise."""
+    return answer.record.errors.get(name, 0.0) + PROMISED
+
+
+def _places(scene: Scene) -> tuple[Array, Array]:
+    """Instants of the last cycle, and points of the contact."""
+    path = scene.load.path()
+    first = path.cycle_start + (scene.cycles - 1) * float(path.period or 0.0)
+    time = first + float(path.period or 0.0) * (np.arange(_INSTANTS) + 0.37) / _INSTANTS
+    return time, np.linspace(0.03, 0.98, _POINTS)
+
+
+def _away_from_edges(answer: ContactSolution) -> NDArray[np.bool_]:
+    """(n, k) points that are not at an edge of contact or stick."""
+    edges = np.stack([answer.contact_half_width, np.nan_to_num(answer.stick_half_width)])
+    distance = np.min(np.abs(np.abs(answer.x) - edges[:, :, None]), axis=0)
+    return np.asarray(distance > _NEAR * answer.contact_half_width[:, None])
+
+
+def _beside_fields(
+    answer: ContactSolution, true_fields: Mapping[str, Array], true_work: float
+) -> dict[str, Errors | None]:
+    """True and stated errors of an answer, each over the largest value."""
+    away = _away_from_edges(answer)
+    friction = answer.scene.friction.coefficient
+    largest = {name: float(np.max(np.abs(values))) for name, values in true_fields.items()}
+    largest["shear"] = friction * largest["pressure"]
+    errors: dict[str, Errors | None] = {}
+    for name, values in true_fields.items():
+        difference = np.abs(getattr(answer, name) - values)
+        if name in ("pressure", "shear"):
+            difference = difference[away]
+        if largest[name] > 0:
+            error = np.max(difference, initial=0.0) / largest[name]
+            errors[_WORDS[name]] = _errors(error, _stated(answer, name))
+    if true_work > 0:
+        error = abs(float(answer.dissipation) / true_work - 1)
+        errors["W"] = _errors(error, _stated(answer, "dissipation"))
+    return errors
+
+
+def beside_extended_precision(scene: Scene) -> dict[str, Errors | None]:
+    """Beside the integrals of `tests/semi_analytic_oracle.py`."""
+    time, x = _places(scene)
+    answer = semi_analytic.solve(scene, x=x, time=time, fields=_FIELDS)
+    oracle = Oracle(scene, time)
+    rows = [oracle.at(instant, x) for instant in range(len(time))]
+    names = ("pressure", "shear", "slip", "tangential_displacement")
+    true_fields = {name: np.array([row[name] for row in rows], dtype=float) for name in names}
+    true_work = float(Work(scene, scene.cycles - 1).whole().sum())
+    return _beside_fields(answer, true_fields, true_work)
+
+
+def beside_closed_form(scene: Scene) -> dict[str, Errors | None]:
+    """The slope of the profile as a function alone, beside the profile."""
+    time, x = _places(scene)
+    slope = functools.partial(_SLOPES[scene.profile.kind], scene.profile)
+    by_slope = CallableProfile(slope_function=slope, extent=1.6)
+    answer = semi_analytic.solve(scene.vary(profile=by_slope), x=x, time=time, fields=_FIELDS)
+    true = semi_analytic.solve(scene, x=x, time=time, fields=_FIELDS)
+    names = ("pressure", "shear", "slip")
+    fields = {name: getattr(true, name) for name in names}
+    return _beside_fields(answer, fields, float(true.dissipation))
+
+
+def beside_finer_grids(scene: Scene) -> dict[str, Errors | None]:
+    """Root mean squares over the points, over the largest value, as the statements are."""
+    x = np.linspace(-1.1, 1.1, 45)
+    fields = (*_FIELDS, "dissipation_density")
+    answer = semi_analytic.solve(scene, x=x, fields=fields)
+    finer = functools.partial(
+        GridRequest, cells=_CELLS * CELLS, increments=_INCREMENTS * INCREMENTS
+    )
+    with mock.patch.object(answer_on_grids, "GridRequest", finer):
+        true = semi_analytic.solve(scene, x=x, time=answer.time, fields=fields)
+    errors: dict[str, Errors | None] = {}
+    for name in ("shear", "slip", "dissipation", "dissipation_density"):
+        true_values = np.asarray(getattr(true, name))
+        largest = float(np.max(np.abs(true_values)))
+        difference = np.asarray(getattr(answer, name)) - true_values
+        error = float(np.sqrt(np.mean(difference**2))) / largest
+        stated = _stated(answer, name)
+        judges = _stated(true, name) <= _GOOD_REFERENCE * stated
+        errors[_WORDS[name]] = _errors(error, stated) if judges else None
+    return errors
+
+
+WAYS = (
+    Way(
+        "closed forms",
+        lambda draw: _scene(draw, _closed_form(draw)),
+        beside_extended_precision,
+    ),
+    Way(
+        "tables and series",
+        lambda draw: _scene(draw, _by_quadratures(draw)),
+        beside_extended_precision,
+    ),
+    Way(
+        "callables",
+        lambda draw: _scene(draw, _with_slope(draw)),
+        beside_closed_form,
+    ),
+    Way("grids", _scene_with_bulk_or_tilt, beside_finer_grids),
+)
+
+
+# ---------------------------------------------------------------------------------------- the table
+class TheoryTable:
+    """What theory's statements did over random scenes, by way and quantity.
+
+    Attributes
+    ----------
+    seed
+        of the scenes
+    counts
+        scenes of each way, those refused, and quantities that no reference could judge
+    """
+
+    def __init__(self, seed: int) -> None:
+        self.seed = seed
+        self.coverage: dict[tuple[str, str], Coverage] = {}
+        self.counts: dict[str, dict[str, int]] = {}
+
+    def add(self, way: str, scene: str, errors: Mapping[str, Errors | None]) -> str:
+        """Count a scene; returns its line."""
+        of_way = self.counts.setdefault(way, {"scenes": 0, "refused": 0, "not judged": 0})
+        of_way["scenes"] += 1
+        missed = []
+        for quantity, of_quantity in errors.items():
+            if of_quantity is None:
+                of_way["not judged"] += 1
+                continue
+            self.coverage.setdefault((way, quantity), Coverage()).add(scene, of_quantity)
+            ratio = float(np.max(of_quantity.error / of_quantity.stated))
+            if ratio > 1:
+                missed.append(f"{quantity} {ratio:.2g}")
+        return f"{way}, {scene}: {'; '.join(missed) or 'all covered'}"
+
+    def refuse(self, way: str) -> None:
+        """Count a scene that was refused."""
+        self.counts.setdefault(way, {"scenes": 0, "refused": 0, "not judged": 0})["refused"] += 1
+
+    def lines(self) -> Iterable[str]:
+        """The table."""
+        yield f"seed {self.seed}"
+        for way, counts in self.counts.items():
+            words = ", ".join(f"{number} {word}" for word, number in counts.items())
+            yield f"{way}: {words}"
+        yield from ("", *HEAD)
+        for (way, quantity), coverage in self.coverage.items():
+            yield coverage.row(f"{way}: {quantity}")
+
+    def content(self) -> dict[str, Any]:
+        """The same as one value that JSON can hold."""
+        return {
+            "seed": self.seed,
+            "counts": self.counts,
+            "quantities": {
+                f"{way}: {quantity}": coverage.content()
+                for (way, quantity), coverage in self.coverage.items()
+            },
+        }
+
+
+def judge_theory(
+    count: int, seed: int, report: Callable[[str], None] = lambda _line: None
+) -> TheoryTable:
+    """`count` scenes of each way; a fifth as many on grids, whose references are dear."""
+    table = TheoryTable(seed)
+    for number_of_way, way in enumerate(WAYS):
+        draw = np.random.default_rng([seed, number_of_way])
+        n_scenes = max(count // 5, 1) if way.name == "grids" else count
+        for number in range(n_scenes):
+            scene = way.draw(draw)
+            words = f"{number} {_profile_words(scene.profile)}"
+            try:
+                errors = way.errors_of(scene)
+            except InputError as reason:
+                table.refuse(way.name)
+                report(f"{way.name}, {words}: refused, {reason}")
+                continue
+            report(table.add(way.name, words, errors))
+    return table
+
+
+def _profile_words(profile: Profile) -> str:
+    exponent = f" n = {profile.exponent:.3g}" if profile.kind == "power_law" else ""
+    return f"{profile.kind}{exponent}"
