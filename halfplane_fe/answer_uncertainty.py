@@ -131,7 +131,7 @@ def value_uncertainties(
             load, elements, arrays["contact_half_width"], scales.modulus
         )
     of_density = 0.0
-    if sheared:
+    if has_shear:
         of_density = density_uncertainty(arrays["x"], arrays["dissipation_density"])
         if task.has_plain_errors:
             of_density = max(of_density, _from_coarse_run(values, scales.values))
