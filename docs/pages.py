@@ -160,6 +160,22 @@ def coverage_tables() -> Iterator[str]:
     )
     yield ""
     yield from _coverage_table(of_bodies, "slip", "Real bodies that slip, against finer meshes")
+    for run in (run for name, run in content.items() if name.startswith("theory ")):
+        yield ""
+        yield from _theory_coverage(run)
+
+
+def _theory_coverage(run: Mapping[str, Any]) -> Iterator[str]:
+    """What half-plane theory stated of its own errors, with a head line."""
+    drawn = ", ".join(f"{way} {counts['scenes']}" for way, counts in run["counts"].items())
+    yield f"Half-plane theory's own errors (seed {run['seed']}; scenes: {drawn}):"
+    yield ""
+    rows = []
+    for quantity, coverage in run["quantities"].items():
+        shown = [coverage[key] for key in ("generosity", "shortfall")]
+        ratios = ["–" if ratio is None else f"{ratio:g}" for ratio in shown]
+        rows.append([quantity, f"{coverage['covered']} %", *ratios])
+    yield from table("quantity | covered | stated over true | true over stated", rows)
 
 
 def _runs_by_preset(content: Mapping[str, Any], kind: str) -> dict[str, list[dict[str, Any]]]:
