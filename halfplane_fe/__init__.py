@@ -39,6 +39,8 @@ In the order in which a scene passes through::
     answer_of_rig.py                       the loads that a rig's movements lead to; gross sliding
     remainder.py                           what finite bodies add to half-planes: remainder of the
                                            Green's function, without contact
+    kernel_bodies.py                       half-planes with these remainder kernels in the place of
+                                           meshed bodies: `solve(..., bodies="kernel")`
     uncertainty.py                         how far each value may be from the true one: one rule
                                            from two meshes, Richardson
     resolution.py, dundurs.py              what the mesh can't see, how unlike the bodies are

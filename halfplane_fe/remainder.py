@@ -283,8 +283,7 @@ def face_series(kernels: RemainderKernels, degree: int = _DEGREE) -> FaceSeries:
     """
     reach = float(np.abs(kernels.x).max())
     x, s = np.meshgrid(kernels.x / reach, kernels.forces_at / reach, indexing="ij")
-    even = _exponents(range(0, degree + 1, 2))
-    even = [(i, j) for i, j in even if i <= j]
+    even = [(i, j) for i, j in even_exponents(degree) if i <= j]
     terms = np.stack([(x**i * s**j + x**j * s**i).ravel() for i, j in even], axis=1)
     kernels_of_one_load = np.stack([kernels.normal.ravel(), kernels.tangential.ravel()], axis=1)
     coefficients = np.linalg.lstsq(terms, kernels_of_one_load, rcond=None)[0]
@@ -293,7 +292,7 @@ def face_series(kernels: RemainderKernels, degree: int = _DEGREE) -> FaceSeries:
     fourth = 24 * coefficients[even.index((0, 4))] / reach**4
     mixed = 2 * coefficients[even.index((2, 2))] / reach**4
 
-    odd = _exponents(range(1, degree, 2))
+    odd = odd_exponents(degree)
     by_pressure = np.stack([(x**i * s**j).ravel() for i, j in odd], axis=1)
     by_shear = np.stack([(s**i * x**j).ravel() for i, j in odd], axis=1)
     cross = np.concatenate([kernels.along_by_pressure.ravel(), -kernels.outward_by_shear.ravel()])
@@ -310,6 +309,16 @@ def face_series(kernels: RemainderKernels, degree: int = _DEGREE) -> FaceSeries:
         normal_mixed=float(mixed[0]),
         tangential_mixed=float(mixed[1]),
     )
+
+
+def even_exponents(degree: int) -> list[tuple[int, int]]:
+    """(i, j) of x^i s^j with even sums i + j up to the degree."""
+    return _exponents(range(0, degree + 1, 2))
+
+
+def odd_exponents(degree: int) -> list[tuple[int, int]]:
+    """The same with odd sums."""
+    return _exponents(range(1, degree, 2))
 
 
 def _exponents(totals: Iterable[int]) -> list[tuple[int, int]]:
@@ -338,7 +347,7 @@ def face_kernels(
         how many times as large the elements are as those of the numbers; the part of the face is
         wider too
     """
-    reach = _REACH * _nearest_end(shape)
+    reach = _REACH * nearest_end(shape)
     if coarser > 1:
         reach *= _WIDER
     size = coarser * reach / _ELEMENTS
@@ -371,7 +380,7 @@ def body_numbers(
     return BodyNumbers(**estimates, unknowns=fine.unknowns + coarse.unknowns, factorisations=2)
 
 
-def _nearest_end(shape: Solid) -> float:
+def nearest_end(shape: Solid) -> float:
     """Distance from the middle of the face to the nearest place where the body ends [length]."""
     return min(shape.face_half_width, shape.least_depth)
 
@@ -413,12 +422,12 @@ def _numbers_in(scene: Scene, name: Literal["lower", "upper"]) -> BodyNumbers:
     shape = getattr(scene.bodies, name)
     if isinstance(shape, HalfPlane):
         return OF_HALF_PLANE
-    _check(name, shape, scene)
+    require_flat(name, shape, scene)
     material = getattr(scene.material, name)
     return body_numbers(name, shape, scene.profile, material, scene.profile.datum_length)
 
 
-def _check(name: str, shape: Shape, scene: Scene) -> None:
+def require_flat(name: str, shape: Shape, scene: Scene) -> None:
     """InputError where the numbers are not derived for this body or its loads."""
     if not isinstance(shape, Block | TShape):
         raise InputError(

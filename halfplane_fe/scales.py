@@ -226,7 +226,7 @@ def _load_of_approach(scene: Scene, work: Counter[str]) -> float:
     depths = [body.least_depth for body in (scene.bodies.lower, scene.bodies.upper)]
     lengths = [min(depth, scene.profile.datum_length) for depth in depths]
     datum = scene.rig.datum_length or float(np.sqrt(lengths[0] * lengths[1]))
-    half_planes = _on_half_planes(scene, datum)
+    half_planes = on_half_planes(scene, datum)
     pair = _CoarsePair(half_planes, 1.0, modulus, work)
 
     def excess(logarithm: float) -> float:
@@ -249,7 +249,7 @@ def _load_of_approach(scene: Scene, work: Counter[str]) -> float:
     )
 
 
-def _on_half_planes(scene: Scene, datum: float) -> Scene:
+def on_half_planes(scene: Scene, datum: float) -> Scene:
     """The scene of half-planes, at which a displacement is prescribed in a distance `datum`."""
     if not scene.load.is_driven:
         return scene.vary(bodies=Bodies())
@@ -388,7 +388,7 @@ def _size_near_contact(pair: _CoarsePair) -> float:
     """Half-width of the side that may touch of which the contact at the largest load takes a good
     part, found from the contact on another such side.
     """
-    size = min(_size_on_half_planes(pair), pair.room)
+    size = min(_sizeon_half_planes(pair), pair.room)
     for _ in range(_ENLARGEMENTS):
         fraction = _contact_fraction(pair, size)
         if fraction == 1 and size == pair.room:
@@ -528,7 +528,7 @@ def _fitting_size(pair: _CoarsePair) -> float:
     """
     too_small = 0.0
     too_large = np.inf
-    size = min(_size_on_half_planes(pair), pair.room)
+    size = min(_sizeon_half_planes(pair), pair.room)
     for _ in range(400):  # a factor of 3 each, then halved: more than floating-point numbers have
         fraction = _contact_fraction(pair, size)
         if _FRACTION[0] <= fraction <= _FRACTION[1]:
@@ -550,11 +550,11 @@ def _fitting_size(pair: _CoarsePair) -> float:
     )
 
 
-def _size_on_half_planes(pair: _CoarsePair) -> float:
+def _sizeon_half_planes(pair: _CoarsePair) -> float:
     """The same of half-planes, which is near and cheap to find; a first guess if they are these."""
     if pair.scene.bodies.half_planes:
         return pair.scene.profile.datum_length
-    half_planes = _on_half_planes(pair.scene, pair.scene.profile.datum_length)
+    half_planes = on_half_planes(pair.scene, pair.scene.profile.datum_length)
     return _fitting_size(_CoarsePair(half_planes, pair.load, pair.modulus, pair.work))
 
 

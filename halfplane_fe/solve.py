@@ -10,6 +10,7 @@ from dataclasses import asdict, dataclass, fields, replace
 from functools import cache, partial
 from importlib.metadata import version
 from pathlib import Path
+from typing import Literal, NamedTuple, get_args, overload
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -37,6 +38,7 @@ from halfplane_fe.interface import (
     meshed_pair,
     without_local_difference,
 )
+from halfplane_fe.kernel_bodies import KernelPair, check_kernels, kernel_pair
 from halfplane_fe.mirror import half, unfolded
 from halfplane_fe.path import check_admissible
 from halfplane_fe.run import Pace, PathRun, Progress, run_path
@@ -49,6 +51,7 @@ from halfplane_fe.scales import (
     is_record,
     needs_shear,
     on_half,
+    on_half_planes,
     sheared,
 )
 from halfplane_fe.settings import SolverSettings
@@ -65,6 +68,12 @@ from scenes import (
 )
 from scenes.array_types import Array
 
+Bodies = Literal["meshed", "kernel"]
+
+_NOTE_OF_KERNELS = (
+    "bodies: half-planes with the remainder kernels of the bodies; contact solver, increments and"
+    " elements are those of the finite elements: a comparison with these checks the kernels alone"
+)
 # Share of the largest P by which the loads of a rig's cycle may end elsewhere than they began
 # without a note.
 _CLOSED = 1e-9
@@ -114,6 +123,7 @@ class FiniteElementSolution(ContactSolution):
     stick_edge_uncertainty: Array
 
 
+@overload
 def solve(
     scene: Scene | str | Path,
     mesh: MeshSettings | None = None,
@@ -121,7 +131,31 @@ def solve(
     progress: Progress | None = None,
     *,
     scales: Scales | None = None,
-) -> FiniteElementSolution:
+    bodies: Literal["meshed"] = "meshed",
+) -> FiniteElementSolution: ...
+
+
+@overload
+def solve(
+    scene: Scene | str | Path,
+    mesh: MeshSettings | None = None,
+    settings: SolverSettings | None = None,
+    progress: Progress | None = None,
+    *,
+    scales: Scales | None = None,
+    bodies: Literal["kernel"],
+) -> ContactSolution: ...
+
+
+def solve(
+    scene: Scene | str | Path,
+    mesh: MeshSettings | None = None,
+    settings: SolverSettings | None = None,
+    progress: Progress | None = None,
+    *,
+    scales: Scales | None = None,
+    bodies: Bodies = "meshed",
+) -> ContactSolution:
     """Solve a scene by finite elements, on the mesh's own points and the stepping's own instants.
 
     Parameters
@@ -135,11 +169,16 @@ def solve(
     scales
         those of an earlier solution of the same scene, on whatever mesh: spares the coarse run,
         moves no number
+    bodies
+        "meshed"; or "kernel": half-planes with the remainder kernels of the bodies, which a coarse
+        mesh of each gives (`kernel_bodies`). The answer to this is a ContactSolution, for it has no
+        meshes and no fields inside the bodies
 
     Raises
     ------
     InputError
-        For a scene that does not pass its own check.
+        For a scene that does not pass its own check; with "kernel" for bodies that `body_effects`
+        refuses.
     InadmissibleLoadError
         If the path has gross sliding or separation, with instant and loads.
     ConvergenceError
@@ -155,9 +194,24 @@ def solve(
     # where they share busy cores.
     with threadpool_limits(limits=1, user_api="blas"):
         report = progress or (lambda _step, _of_steps, _text: None)
+        if bodies not in get_args(Bodies):
+            raise InputError(f"bodies = {bodies!r} is refused: it is 'meshed' or 'kernel'")
         return _solve(
-            scene_of(scene), mesh or MeshSettings(), settings or SolverSettings(), report, scales
+            scene_of(scene),
+            mesh or MeshSettings(),
+            settings or SolverSettings(),
+            report,
+            scales,
+            by_kernels=bodies == "kernel",
         )
+
+
+def _without_meshes(answer: FiniteElementSolution) -> ContactSolution:
+    """What of an answer by kernels is that of the bodies: all but the meshes, which are those of
+    half-planes.
+    """
+    names = [item.name for item in fields(ContactSolution)]
+    return ContactSolution(**{name: getattr(answer, name) for name in names})
 
 
 def _solve(
@@ -166,9 +220,13 @@ def _solve(
     settings: SolverSettings,
     report: Progress,
     known_scales: Scales | None,
-) -> FiniteElementSolution:
+    *,
+    by_kernels: bool,
+) -> ContactSolution:
     watch = _Watch()
     _check_loads(scene)
+    if by_kernels:
+        check_kernels(scene)
     report(0, None, "coarse run")
     coarse_work: Counter[str] = Counter()
     scales = known_scales or find_scales(scene, coarse_work)
@@ -176,14 +234,22 @@ def _solve(
     watch.lap("coarse run")
     report(0, None, "meshing and condensing the bodies")
     work: Counter[str] = Counter({f"coarse {name}": count for name, count in coarse_work.items()})
-    bodies = meshed_pair(scene, mesh, partial(surface_grading, mesh, scales, scene.profile))
-    watch.lap("mesh")
     # A datum inside the contact would lift the faces towards the load: no compliance that can be
     # factorised.
     datum = max(scene.profile.datum_length, scales.reach)
-    condensed = condensed_pair(scene, bodies, datum, work)
+    meshed_scene = on_half_planes(scene, datum) if by_kernels else scene
+    grading = partial(surface_grading, mesh, scales, scene.profile)
+    bodies = meshed_pair(meshed_scene, mesh, grading)
+    watch.lap("mesh")
+    condensed = condensed_pair(meshed_scene, bodies, datum, work)
     watch.lap("condensation")
-    problem, run = _solve_path(task, couple(*condensed), datum, work, report)
+    true_faces = couple(*condensed)
+    faces = _Faces(true_faces, without_local_difference(true_faces, meshed_scene))
+    if by_kernels:
+        kernels = kernel_pair(scene, float(np.abs(true_faces.x).max()), datum, work)
+        faces = faces.with_kernels(kernels)
+        watch.lap("kernels")
+    problem, run = _solve_path(task, faces, datum, work, report)
     notes_on_rig = notes_of_rig(scene, problem, run, scales) if scene.load.is_driven else ()
     if datum > scene.profile.datum_length:
         run = from_datum(scene, run, scene.profile.datum_length / datum)
@@ -191,12 +257,27 @@ def _solve(
     if scene.load.is_driven:
         task = replace(task, scene=scene_of_loads(scene, run, scales.load))
     answer = _solution(task, condensed, problem, run, watch.seconds)
+    if by_kernels:
+        answer = _of_kernels(answer, kernels)
     if scene.load.is_driven:
         answer = _of_last_cycle(answer, notes_on_rig)
+    given = _without_meshes(answer) if by_kernels else answer
     if run.failure is not None:
-        raise type(run.failure)(str(run.failure), answer) from run.failure
-    _check_room(answer, run)
-    return answer
+        raise type(run.failure)(str(run.failure), given) from run.failure
+    _check_room(given, run, scales)
+    return given
+
+
+def _of_kernels(answer: FiniteElementSolution, kernels: KernelPair) -> FiniteElementSolution:
+    """The answer with what the kernels are uncertain by, and a note of what it is."""
+    share = kernels.share_of_work(answer.x, answer.scales.modulus)
+    record = replace(answer.record, notes=(*answer.record.notes, _NOTE_OF_KERNELS))
+    return replace(
+        answer,
+        record=record,
+        dissipation_uncertainty=answer.dissipation_uncertainty + share * answer.dissipation,
+        settings={**answer.settings, "bodies": "kernel"},
+    )
 
 
 def _of_last_cycle(answer: FiniteElementSolution, notes: tuple[str, ...]) -> FiniteElementSolution:
@@ -232,8 +313,22 @@ def _of_last_cycle(answer: FiniteElementSolution, notes: tuple[str, ...]) -> Fin
     )
 
 
+class _Faces(NamedTuple):
+    """The faces as their meshes are, and without the mesh's part of N - T; None where that can't
+    be told.
+    """
+
+    true: Interface
+    cured: Interface | None
+
+    def with_kernels(self, kernels: KernelPair) -> _Faces:
+        """Those of half-planes with what finite bodies add."""
+        cured = None if self.cured is None else kernels.added_to(self.cured)
+        return _Faces(kernels.added_to(self.true), cured)
+
+
 def _solve_path(
-    task: Task, true_faces: Interface, datum: float, work: Counter[str], report: Progress
+    task: Task, faces: _Faces, datum: float, work: Counter[str], report: Progress
 ) -> tuple[ContactProblem, PathRun]:
     """Follow the load path on faces without the mesh's part of N - T; on the faces as they are
     where there is none, or where the contact does not converge without it.
@@ -242,7 +337,7 @@ def _solve_path(
     # Increments of coupled bodies are dear, and a record has many; elsewhere short ones also place
     # the edges, which are fitted there.
     expected_dissipation = 0.0
-    if true_faces.coupling is not None or is_record(scene):
+    if faces.true.coupling is not None or is_record(scene):
         expected_dissipation = float(np.nan_to_num(task.scales.dissipation)) / task.work_unit
     pace = Pace(
         load=task.scales.load,
@@ -253,11 +348,11 @@ def _solve_path(
         dissipation=expected_dissipation,
         of_kinks=task.steps_by_kinks,
     )
-    cured_faces = without_local_difference(true_faces, scene)
-    for faces in (true_faces,) if cured_faces is None else (cured_faces, true_faces):
-        problem = _contact_problem(task, faces, datum, work)
-        halved = on_half(scene, faces)
-        solved_problem = _contact_problem(task, half(faces), datum, work) if halved else problem
+    candidates = (faces.true,) if faces.cured is None else (faces.cured, faces.true)
+    for tried in candidates:
+        problem = _contact_problem(task, tried, datum, work)
+        halved = on_half(scene, tried)
+        solved_problem = _contact_problem(task, half(tried), datum, work) if halved else problem
         run = run_path(
             solved_problem,
             path_of(scene),
@@ -268,11 +363,11 @@ def _solve_path(
         )
         if not isinstance(run.failure, ConvergenceError):
             break
-    if faces is cured_faces:
+    if tried is faces.cured:
         work[CURED] += 1
-    elif cured_faces is not None:
+    elif faces.cured is not None:
         work[REPEATED] += 1
-    return problem, unfolded(run, faces) if halved else run
+    return problem, unfolded(run, tried) if halved else run
 
 
 def require_solvable(scene: Scene, mesh: MeshSettings | None = None) -> RoomForContact | None:
@@ -374,12 +469,12 @@ def _contact_problem(
     )
 
 
-def _check_room(answer: FiniteElementSolution, run: PathRun) -> None:
+def _check_room(answer: ContactSolution, run: PathRun, scales: Scales) -> None:
     """The contact must end before the last node that may touch."""
     if any(state.closed[0] or state.closed[-1] for state in run.states):
         raise ConvergenceError(
             f"the contact reached the end of the meshed side at |x| = {answer.x[-1]:.6g}: the"
-            f" coarse run took it for smaller, {answer.scales.reach:.6g}",
+            f" coarse run took it for smaller, {scales.reach:.6g}",
             answer,
         )
 

@@ -30,6 +30,7 @@ EDGE = (
 )
 FLAT = "at b the pressure has a steep flank (a logarithm's derivative) and no node stands there"
 MESH = "elements of a/16 and a/12, quadratic"
+KERNELS = "elements of the bodies, which the kernels do not have"
 ALGEBRA = "an identity of the discrete problem: rounding, of sums over a few hundred nodes"
 
 TOLERANCES = {
@@ -64,6 +65,16 @@ TOLERANCES = {
     "interface, others": Tolerance(
         4.9e-3, 1e-2, "the loads are spread over a tenth of the block's width"
     ),
+    "kernels: work": Tolerance(2.1e-5, 1e-4, KERNELS + "; promised: 5e-4"),
+    "kernels: pressure": Tolerance(1.5e-4, 2e-4, KERNELS + "; promised: 2e-4"),
+    "kernels: displacement": Tolerance(1.8e-5, 1e-4, KERNELS),
+    "kernels: approach": Tolerance(4.4e-5, 1e-4, KERNELS),
+    "kernels, unlike materials: work": Tolerance(3.2e-5, 1e-4, KERNELS + "; promised: 1.5e-3"),
+    "kernels, unlike materials: pressure": Tolerance(3.1e-4, 6e-4, KERNELS),
+    "kernels, coarse mesh: work": Tolerance(1.3e-4, 4e-4, KERNELS),
+    "kernels, coarse mesh: pressure": Tolerance(1e-3, 3e-3, KERNELS),
+    "kernels, coarse mesh: displacement": Tolerance(1e-3, 3e-3, KERNELS),
+    "kernels, coarse mesh: approach": Tolerance(1e-3, 3e-3, KERNELS),
     # Cycles on the coarse mesh.
     "certificates": Tolerance(1.8e-12, 1e-9, "promised: 1e-9; " + ALGEBRA),
     "open pressure": Tolerance(

@@ -1,0 +1,211 @@
+r"""Contact of finite bodies without fine meshes of them: the interface of two half-planes plus the
+remainder kernels of the bodies.
+
+A body displaces its face as a half-plane does plus the smooth kernels of `remainder`, here by
+polynomials over all of the side that may touch. So with N, T and K of half-planes (`interface`)::
+
+    N += k_nn of both bodies,   T += k_tt of both,   K += k_tn of the upper body - k_tn of the lower
+
+for in the common frame the two bodies' displacements along x by a pressure have one sign, and slip
+is the upper one minus the lower one. That is all that bodies with flat faces are, in every order of
+their size, for unlike materials (Dundurs' beta not 0) as well. One pair of condensed half-planes
+serves all bodies of these materials.
+
+Contact solver, increments and elements of half-planes are those of the finite elements: a
+comparison with them checks the kernels, not the solver.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from halfplane_fe.interface import Interface, shapes_alike
+from halfplane_fe.remainder import (
+    RemainderKernels,
+    even_exponents,
+    nearest_end,
+    odd_exponents,
+    remainder_kernels,
+    require_flat,
+)
+from meshes import MeshSettings, SurfaceGrading, build
+from scenes import HalfPlane, Scene, freeze
+from scenes.array_types import Array
+
+# Largest degree of the polynomials in x and s together, and places of forces at x >= 0; those at x
+# < 0 would repeat them as mirror images.
+_DEGREE = 12
+_FORCES = 8
+# Elements over the distance of the nearest place where the body ends, and at least on the side that
+# may touch; growth of their size.
+_ELEMENTS = 48
+_LEAST_ELEMENTS = 12
+_GROWTH = 0.1
+# The second mesh, by which the first one's error is judged.
+_COARSER = 2.0
+# Change of the dissipation by a change d of the kernels over the contact, over d E*: by a curvature
+# T P0 R = tau, where d = T a^2/2, W of Hertz' contact changes by -2.5 tau = -2 T a^2 E* at most
+# (the cycles of `benchmarks/bound.py`).
+_WORK_BY_KERNELS = 4.0
+
+
+@dataclass(frozen=True, eq=False)
+class FaceKernels:
+    """The kernels of one body over |x| <= `reach`, as polynomials of T_i(x/reach) T_j(s/reach).
+
+    Attributes
+    ----------
+    reach
+        half-width of the side that may touch [length]
+    normal, tangential
+        (d+1, d+1) coefficients of k_nn and k_tt, symmetric [1 / stress]
+    along_by_pressure
+        (d+1, d+1) of k_tn [1 / stress]
+    """
+
+    reach: float
+    normal: Array
+    tangential: Array
+    along_by_pressure: Array
+
+    def at(self, x: Array) -> tuple[Array, Array, Array]:
+        """k_nn, k_tt, k_tn between all places x (n,): (n, n) each."""
+        terms = np.polynomial.chebyshev.chebvander(x / self.reach, len(self.normal) - 1)
+        return (
+            terms @ self.normal @ terms.T,
+            terms @ self.tangential @ terms.T,
+            terms @ self.along_by_pressure @ terms.T,
+        )
+
+
+def fitted_kernels(kernels: RemainderKernels, degree: int = _DEGREE) -> FaceKernels:
+    """Least-squares fit of polynomials to the kernels of a body whose mirror line is x = 0: of the
+    parities and the symmetries that `remainder` states.
+    """
+    reach = float(np.abs(kernels.x).max())
+    chebyshev = np.polynomial.chebyshev.chebvander
+    of_x = chebyshev(kernels.x / reach, degree)
+    of_s = chebyshev(kernels.forces_at / reach, degree)
+
+    def products(i: int, j: int) -> Array:
+        """T_i(x) T_j(s), (n, m)."""
+        return np.multiply.outer(of_x[:, i], of_s[:, j])
+
+    even = [(i, j) for i, j in even_exponents(degree) if i <= j]
+    terms = np.stack([(products(i, j) + products(j, i)).ravel() for i, j in even], axis=1)
+    of_one_load = np.stack([kernels.normal.ravel(), kernels.tangential.ravel()], axis=1)
+    of_even = np.linalg.lstsq(terms, of_one_load, rcond=None)[0]
+    symmetric = np.zeros((2, degree + 1, degree + 1))
+    for (i, j), of_term in zip(even, of_even, strict=True):
+        symmetric[:, i, j] += of_term
+        symmetric[:, j, i] += of_term
+
+    odd = odd_exponents(degree)
+    by_pressure = np.stack([products(i, j).ravel() for i, j in odd], axis=1)
+    by_shear = np.stack([products(j, i).ravel() for i, j in odd], axis=1)
+    cross = np.concatenate([kernels.along_by_pressure.ravel(), -kernels.outward_by_shear.ravel()])
+    of_odd = np.linalg.lstsq(np.concatenate([by_pressure, by_shear]), cross, rcond=None)[0]
+    coupling = np.zeros((degree + 1, degree + 1))
+    coupling[tuple(np.transpose(odd))] = of_odd
+    return FaceKernels(reach, symmetric[0], symmetric[1], coupling)
+
+
+@dataclass(frozen=True, eq=False)
+class BodyKernels:
+    """The kernels of one body by two meshes."""
+
+    fine: FaceKernels
+    coarse: FaceKernels
+
+
+@dataclass(frozen=True, eq=False)
+class KernelPair:
+    """What finite bodies add to two half-planes; None of a body that is a half-plane."""
+
+    lower: BodyKernels | None
+    upper: BodyKernels | None
+
+    def added_to(self, faces: Interface) -> Interface:
+        """The faces of half-planes with what the bodies add."""
+        normal, tangential, coupling = self.sums(faces.x, "fine")
+        if faces.coupling is not None:
+            coupling = coupling + faces.coupling
+        return replace(
+            faces,
+            normal=freeze(faces.normal + normal),
+            tangential=freeze(faces.tangential + tangential),
+            coupling=freeze(coupling) if coupling.any() else None,
+        )
+
+    def share_of_work(self, x: Array, modulus: float) -> float:
+        """About what share of the dissipation the difference of both meshes may be; constants move
+        no dissipation.
+        """
+        difference = 0.0
+        for fine, coarse in zip(self.sums(x, "fine"), self.sums(x, "coarse"), strict=True):
+            change = fine - coarse
+            difference += float(np.ptp(change)) / 2
+        return _WORK_BY_KERNELS * difference * modulus
+
+    def sums(self, x: Array, mesh: Literal["fine", "coarse"]) -> tuple[Array, Array, Array]:
+        """What is added to N, T and K, (n, n) each; K is exactly 0 of like bodies."""
+        zero = np.zeros((len(x), len(x)))
+        normal, tangential, coupling = zero, zero, zero
+        for body, sign in ((self.lower, -1.0), (self.upper, 1.0)):
+            if body is None:
+                continue
+            of_body = getattr(body, mesh).at(x)
+            normal = normal + of_body[0]
+            tangential = tangential + of_body[1]
+            if self.lower is not self.upper:
+                coupling = coupling + sign * of_body[2]
+        return normal, tangential, coupling
+
+
+def check_kernels(scene: Scene) -> None:
+    """Refuse what the kernels do not cover.
+
+    Raises
+    ------
+    InputError
+        For bodies and loads that `body_effects` refuses.
+    """
+    for name in ("lower", "upper"):
+        shape = getattr(scene.bodies, name)
+        if not isinstance(shape, HalfPlane):
+            require_flat(name, shape, scene)
+
+
+def kernel_pair(scene: Scene, reach: float, datum_length: float, work: Counter[str]) -> KernelPair:
+    """The kernels of both bodies of a scene over |x| <= `reach`; `work` counts."""
+    bodies: dict[str, BodyKernels | None] = {}
+    for name in ("lower", "upper"):
+        if name == "upper" and shapes_alike(scene):
+            bodies[name] = bodies["lower"]
+            continue
+        bodies[name] = _kernels_in(scene, name, reach, datum_length, work)
+    return KernelPair(bodies["lower"], bodies["upper"])
+
+
+def _kernels_in(
+    scene: Scene, name: str, reach: float, datum_length: float, work: Counter[str]
+) -> BodyKernels | None:
+    shape = getattr(scene.bodies, name)
+    if isinstance(shape, HalfPlane):
+        return None
+    by_mesh = []
+    for coarser in (1.0, _COARSER):
+        elements_of_body = nearest_end(shape) / _ELEMENTS
+        size = coarser * min(elements_of_body, reach / _LEAST_ELEMENTS)
+        grading = SurfaceGrading(inner=0.0, outer=reach, size=size, edge_size=size)
+        body = build(name, shape, scene.profile, grading, MeshSettings(growth=coarser * _GROWTH))
+        places = reach * np.sin(np.linspace(0.0, np.pi / 2, _FORCES))
+        kernels = remainder_kernels(body, getattr(scene.material, name), places, datum_length)
+        by_mesh.append(fitted_kernels(kernels))
+        work["kernel unknowns"] += kernels.unknowns
+        work["kernel solves"] += 1
+    return BodyKernels(*by_mesh)
