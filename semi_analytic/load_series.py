@@ -56,8 +56,11 @@ _BLOCK = 10_000
 # Rows beyond which a path is answered at its rows, with pointwise fields at about so many of them.
 _MANY = 1000
 _FEW = 400
-# Share of a step within which somebody else's instant is a row.
-_SLACK_OF_STEP = 1e-6
+# Share of a step within which somebody else's instant is a row, so that its loads are the row's,
+# which are to be those of the instant to the 1e-9 of the admissibility check. Spacings of the
+# numbers around an instant, where they are more.
+_SLACK_OF_STEP = 1e-10
+_SPACINGS = 8
 
 
 # --------------------------------------------------------------------------- the curve and one step
@@ -661,7 +664,9 @@ class LoadSeries:
         times = self.times
         path_time, slack = within(time, float(times[0]), float(times[-1]), self.period)
         row = np.clip(np.searchsorted(times, path_time, side="left"), 1, len(times) - 1)
-        slack_of_step = np.minimum(slack / np.diff(times), _SLACK_OF_STEP)
+        steps = np.diff(times)
+        rounding = _SPACINGS * np.spacing(np.max(np.abs(times))) / steps
+        slack_of_step = np.minimum(slack / steps, np.maximum(_SLACK_OF_STEP, rounding))
         # A row that somebody else found to rounding is still the row.
         since_row_before = path_time - times[row - 1]
         row_length = times[row] - times[row - 1]

@@ -319,6 +319,19 @@ def test_rows_and_functions_with_corners_are_the_polygon():
     )
 
 
+@pytest.mark.parametrize("share_of_step", [-3e-7, -2e-9, 2e-9, 3e-7])
+def test_loads_just_beside_a_row_are_those_of_their_instant(share_of_step: float) -> None:
+    """Of a record of 2,000 rows they were those of the row, and its loads counted as violated."""
+    count = np.arange(2000.0)
+    rows = np.column_stack([0.01 * count, 90 + 30 * np.cos(count), 10 * np.sin(2 * count)])
+    scene = make_scene(TimeSeriesLoad(rows=rows.tolist()), 0.7)
+    time = rows[1000, 0] + 0.01 * share_of_step
+    solution = solve(scene, x=[0.0], time=[time], fields=("pressure",))
+    normal_load, tangential_load = scene.load.path().at(time)[:2]
+    assert solution.normal_load == pytest.approx(normal_load, rel=3e-10, abs=0)
+    assert solution.tangential_load == pytest.approx(tangential_load, rel=0, abs=3e-9)
+
+
 # powers of the load that a field goes with
 SIZES = {"dissipation": 2, "cycle_dissipation": 2, "dissipation_density": 1}
 ROUNDING = {

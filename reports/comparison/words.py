@@ -49,9 +49,11 @@ def stretch(scene: Scene) -> str:
     >>> [stretch(load_scene(name)) for name in ("hertz-paper", "time-series", "hertz-normal")]
     ['last cycle', 'whole record', 'whole path']
     """
-    if scene.load.path().period is not None:
-        return "last cycle"
-    return "whole record" if isinstance(scene.load, TimeSeriesLoad) else "whole path"
+    load = scene.load
+    # The path of a record has a leg for each row.
+    if isinstance(load, TimeSeriesLoad):
+        return "last cycle" if load.repeats else "whole record"
+    return "whole path" if load.path().period is None else "last cycle"
 
 
 def of_stretch(text: str, scene: Scene) -> str:
