@@ -453,49 +453,59 @@ def _condensed_mode(
         # The loads balance, so that holding a half-disc at as few of its nodes as it has rigid
         # motions changes nothing.
         held_dofs, arc_dofs = _held_on_arc(system, mode, arc_dofs)
-    inner = np.delete(np.arange(len(mode.dofs)), np.concatenate([held_dofs, arc_dofs, contact]))
-    inner = inner[np.argsort(ranks[mode.dofs[inner]], kind="stable")]
-    order = np.concatenate([inner, arc_dofs, contact])
-    n = len(inner)
+    inner_dofs = np.delete(
+        np.arange(len(mode.dofs)), np.concatenate([held_dofs, arc_dofs, contact])
+    )
+    inner_dofs = inner_dofs[np.argsort(ranks[mode.dofs[inner_dofs]], kind="stable")]
+    order = np.concatenate([inner_dofs, arc_dofs, contact])
+    n = len(inner_dofs)
     m = len(arc_dofs)
-    last = slice(n, None)
+    last_rows = slice(n, None)
     all_motions = mode.motions(np.arange(len(mode.column)), order)
-    ordered = (all_motions.T @ stiffness @ all_motions).tocsc()
+    ordered_stiffness = (all_motions.T @ stiffness @ all_motions).tocsc()
     units = sparse.eye_array(len(order), len(order) - n, k=-n, format="csc")
-    factors = factorise(sparse.hstack([ordered[:, :n], units], format="csc"), "NATURAL")
-    eliminated = _outer_product(factors.L[last, :n], factors.U.diagonal()[:n])
-    root = cholesky(ordered[last, last].toarray() - eliminated, lower=True)
+    factors = factorise(sparse.hstack([ordered_stiffness[:, :n], units], format="csc"), "NATURAL")
+    eliminated_stiffness = _outer_product(factors.L[last_rows, :n], factors.U.diagonal()[:n])
+    root = cholesky(
+        ordered_stiffness[last_rows, last_rows].toarray() - eliminated_stiffness, lower=True
+    )
     triangle = np.tril(dpotri(root, lower=1)[0])
     inverse = triangle + np.tril(triangle, -1).T
     motions = mode.motions(system.contact.ravel(), contact)
-    on_arc = mode.motions(system.arc.ravel(), arc_dofs).T @ (arc.by_nodes @ motions)
-    by_forces = inverse[:, :m] @ on_arc + inverse[:, m:]
+    arc_loads = mode.motions(system.arc.ravel(), arc_dofs).T @ (arc.by_nodes @ motions)
+    displacement_by_forces = inverse[:, :m] @ arc_loads + inverse[:, m:]
     tractions = (arc.tractions @ motions).T
     displacements = arc.displacements @ motions
-    compliance = on_arc.T @ by_forces[:m] + by_forces[m:] - tractions @ displacements
+    compliance = (
+        arc_loads.T @ displacement_by_forces[:m]
+        + displacement_by_forces[m:]
+        - tractions @ displacements
+    )
     # The solution of the mesh under a random load, and under tension on the ends.
     forces = np.random.default_rng(0).standard_normal(len(contact))
     loads = np.zeros((len(order), 2))
-    loads[last, 0] = np.concatenate([on_arc @ forces, forces])
+    loads[last_rows, 0] = np.concatenate([arc_loads @ forces, forces])
     loads[:, 1] = all_motions.T @ system.pull
-    solved = factors.solve(loads)  # of the last ones the load that is left to them
-    solved[last] = cho_solve((root, True), solved[last])
-    solved[:n] -= factors.solve(ordered[:, last] @ solved[last])[:n]
-    displacement, by_stress = (on_arc.T @ solved[n : n + m] + solved[n + m :]).T
+    solutions = factors.solve(loads)  # of the last ones the load that is left to them
+    solutions[last_rows] = cho_solve((root, True), solutions[last_rows])
+    solutions[:n] -= factors.solve(ordered_stiffness[:, last_rows] @ solutions[last_rows])[:n]
+    displacement, displacement_by_stress = (
+        arc_loads.T @ solutions[n : n + m] + solutions[n + m :]
+    ).T
     displacement = displacement - tractions @ (displacements @ forces)
     largest_loads = np.maximum(np.abs(loads).max(axis=0), 1e-300)
-    residuals = np.abs(ordered @ solved - loads).max(axis=0) / largest_loads
+    residuals = np.abs(ordered_stiffness @ solutions - loads).max(axis=0) / largest_loads
     error_of_compliance = np.abs(compliance @ forces - displacement).max()
     # Betti's theorem: the load does the work in the displacement by tension that the tension does
     # in its own.
-    error_of_work = np.abs(forces @ by_stress - loads[:, 1] @ solved[:, 0])
-    largest_work = max(np.linalg.norm(forces) * np.linalg.norm(by_stress), 1e-300)
+    error_of_work = np.abs(forces @ displacement_by_stress - loads[:, 1] @ solutions[:, 0])
+    largest_work = max(np.linalg.norm(forces) * np.linalg.norm(displacement_by_stress), 1e-300)
     errors = [
         *residuals,
         error_of_compliance / np.abs(displacement).max(),
         error_of_work / largest_work,
     ]
-    return _CondensedMode(motions, compliance, by_stress, float(np.max(errors)))
+    return _CondensedMode(motions, compliance, displacement_by_stress, float(np.max(errors)))
 
 
 def _held_on_arc(system: System, mode: _Mode, around: Indices) -> tuple[Indices, Indices]:

@@ -148,8 +148,8 @@ class Advice:
         """Why the numbers give no more than the size of the change; empty where they give it with
         an uncertainty that was held to finite elements.
         """
-        odd = max(abs(self.parts.get(ODD, Estimate(0.0)).value), self.left_out)
-        if odd > _MOST_ODD:
+        odd_part = max(abs(self.parts.get(ODD, Estimate(0.0)).value), self.left_out)
+        if odd_part > _MOST_ODD:
             return f"tilt and bulk strain make more than {100 * _MOST_ODD:g} % of it"
         if self.work.uncertainty > _MOST_UNCERTAIN:
             return f"the uncertainty is above {100 * _MOST_UNCERTAIN:g} %"
@@ -195,30 +195,32 @@ def advise(scene: Scene, limit: float = 0.05, effects: BodyEffects | None = None
         raise InputError(
             f"{scene.name}: half-plane theory dissipates nothing: no error is relative to it"
         )
-    corrected = semi_analytic.solve(
+    corrected_solution = semi_analytic.solve(
         scene, x=theory.x, time=theory.time, effects=_even(effects), fields=(WORK, "pressure")
     )
-    largest = semi_analytic.extremes(theory)
-    half_width = largest.half_width
-    own_values = {"peak_pressure": largest.pressure, "half_width": half_width}
+    largest_values = semi_analytic.extremes(theory)
+    half_width = largest_values.half_width
+    own_values = {"peak_pressure": largest_values.pressure, "half_width": half_width}
     uncertainties = {
-        words: _relative_uncertainty(effects, leading, half_width)
-        for words, (leading, *_) in _CURVATURES.items()
+        words: _relative_uncertainty(effects, leading_name, half_width)
+        for words, (leading_name, *_) in _CURVATURES.items()
     }
-    ratio = max(_next_order(effects, leading, half_width) for leading, *_ in _CURVATURES.values())
-    parts = _parts(effects, theory, corrected, uncertainties)
+    ratio = max(
+        _next_order(effects, leading_name, half_width) for leading_name, *_ in _CURVATURES.values()
+    )
+    parts = _parts(effects, theory, corrected_solution, uncertainties)
     left_out = _size_of_odd_part(effects, scene, half_width)
     has_odd_part = left_out > 0
     if left_out > _LEAST_ODD_PART:
-        even = sum(part.value for part in parts.values())
-        odd = _odd_part_of_work(effects, scene, even, ratio)
-        if odd is not None:
-            parts[ODD] = odd
+        even_part = sum(part.value for part in parts.values())
+        odd_change = _odd_part_of_work(effects, scene, even_part, ratio)
+        if odd_change is not None:
+            parts[ODD] = odd_change
             left_out = 0.0
     changes = {}
     for key, (name, words) in _VALUES.items():
-        before = QUANTITIES[name].of(theory)
-        change = QUANTITIES[name].of(corrected) / before - 1
+        theory_value = QUANTITIES[name].of(theory)
+        change = QUANTITIES[name].of(corrected_solution) / theory_value - 1
         # pressure and half-widths follow the curvature under P, the stick zone both
         uncertainty = abs(change) * (max(uncertainties.values()) + _NEXT_OF_OTHERS * ratio)
         if key == WORK:
@@ -226,20 +228,20 @@ def advise(scene: Scene, limit: float = 0.05, effects: BodyEffects | None = None
             uncertainty = sum(part.uncertainty for part in parts.values()) + left_out
         estimate = Estimate(change, uncertainty + _LEFT_OF_WORK)
         if has_odd_part and key == "permanent_stick":
-            estimate = _change_of_stick(scene, effects, before, uncertainty)
-        changes[key] = Change(words, own_values.get(key, before), estimate)
+            estimate = _change_of_stick(scene, effects, theory_value, uncertainty)
+        changes[key] = Change(words, own_values.get(key, theory_value), estimate)
     return Advice(scene, effects, changes, parts, left_out, limit)
 
 
 def _odd_part_of_work(
-    effects: BodyEffects, scene: Scene, even: float, ratio: float
+    effects: BodyEffects, scene: Scene, even_part: float, ratio: float
 ) -> Estimate | None:
     """What tilt and bulk strain make of the dissipation; None where neither the second order nor
     grids take the scene: then their size stays, and the sentence says it.
 
     Parameters
     ----------
-    even
+    even_part
         change by the curvatures
     ratio
         of the next order of the bodies
@@ -247,19 +249,19 @@ def _odd_part_of_work(
     import semi_analytic
 
     try:
-        odd = semi_analytic.change_by_tilt_and_strain(scene, effects)
+        odd_change = semi_analytic.change_by_tilt_and_strain(scene, effects)
     except InputError:
         return None
-    next_order = _NEXT_OF_ODD * ratio * abs(odd.value)
-    product = _PRODUCT * abs(even * odd.value)
-    return Estimate(odd.value, odd.uncertainty + next_order + product)
+    next_order = _NEXT_OF_ODD * ratio * abs(odd_change.value)
+    product = _PRODUCT * abs(even_part * odd_change.value)
+    return Estimate(odd_change.value, odd_change.uncertainty + next_order + product)
 
 
 def _change_of_stick(
-    scene: Scene, effects: BodyEffects, before: float, uncertainty: float
+    scene: Scene, effects: BodyEffects, theory_value: float, uncertainty: float
 ) -> Estimate:
-    """Change of the half-width that always sticks from `before`, tilt and bulk strain in the first
-    order; NaN where that does not hold.
+    """Change of the half-width that always sticks from `theory_value`, tilt and bulk strain in
+    the first order; NaN where that does not hold.
 
     Parameters
     ----------
@@ -274,10 +276,10 @@ def _change_of_stick(
     except Declined:
         return Estimate(math.nan, math.nan)
     # edges alone: no work is followed again
-    corrected = semi_analytic.solve(
+    corrected_solution = semi_analytic.solve(
         scene, x=0.0, cycles="steady", effects=effects, fields="pressure"
     ).permanent_stick_half_width
-    return Estimate(corrected / before - 1, uncertainty + _LEFT_OF_STICK)
+    return Estimate(corrected_solution / theory_value - 1, uncertainty + _LEFT_OF_STICK)
 
 
 def split(comparison: JudgedPair, budget: ErrorBudget | None) -> Why:
@@ -296,10 +298,10 @@ def split(comparison: JudgedPair, budget: ErrorBudget | None) -> Why:
         return Why(Estimate(math.nan, math.nan), not_split="the dissipation was not compared")
     uncertainty = math.nan if metric.uncertainty is None else metric.uncertainty
     total = Estimate(metric.value, uncertainty)
-    numerical = 0.0
+    numerical_part = 0.0
     if budget is not None:
         terms = next(row.terms for row in budget.budgets if row.metric.key == WORK)
-        numerical = sum(term.value or 0.0 for term in terms)
+        numerical_part = sum(term.value or 0.0 for term in terms)
     try:
         advice = advise(comparison.scene, effects=comparison.effects)
     except InputError as reason:
@@ -307,7 +309,7 @@ def split(comparison: JudgedPair, budget: ErrorBudget | None) -> Why:
     parts = dict(advice.parts)
     if advice.left_out:
         parts[ODD] = Estimate(0.0, advice.left_out)
-    return Why(total, parts, Estimate(numerical))
+    return Why(total, parts, Estimate(numerical_part))
 
 
 # Key of an answer -> the quantity of a solution, whose change is taken on common points, and its
@@ -323,7 +325,7 @@ _VALUES = {
 def _parts(
     effects: BodyEffects,
     theory: ContactSolution,
-    corrected: ContactSolution,
+    corrected_solution: ContactSolution,
     uncertainties: Mapping[str, float],
 ) -> dict[str, Estimate]:
     """What each curvature alone makes of the dissipation, and what both together make more.
@@ -336,11 +338,11 @@ def _parts(
     import semi_analytic
 
     parts = {}
-    rest = corrected.dissipation / theory.dissipation - 1
+    rest = corrected_solution.dissipation / theory.dissipation - 1
     for words, names in _CURVATURES.items():
-        alone = _with_these_alone(effects, *names)
+        effects_alone = _with_these_alone(effects, *names)
         solution = semi_analytic.solve(
-            theory.scene, x=0.0, time=theory.time, effects=alone, fields=WORK
+            theory.scene, x=0.0, time=theory.time, effects=effects_alone, fields=WORK
         )
         change = solution.dissipation / theory.dissipation - 1
         parts[words] = Estimate(change, abs(change) * uncertainties[words])
@@ -351,12 +353,12 @@ def _parts(
 
 def _with_these_alone(effects: BodyEffects, *names: str) -> BodyEffects:
     """The effects with all curvatures but these left out, and with nothing odd."""
-    others: dict[str, Any] = {}
+    other_effects: dict[str, Any] = {}
     for numbers in _CURVATURES.values():
         for name in numbers:
             if name not in names:
-                others[name] = Estimate(0.0)
-    return replace(_even(effects), **others)
+                other_effects[name] = Estimate(0.0)
+    return replace(_even(effects), **other_effects)
 
 
 def _even(effects: BodyEffects) -> BodyEffects:
@@ -379,9 +381,13 @@ def _relative_uncertainty(effects: BodyEffects, curvature: str, half_width: floa
 
 def _next_order(effects: BodyEffects, curvature: str, half_width: float) -> float:
     """The next order of a body over the order of a curvature, |N_4 a^2/N|."""
-    leading: Estimate = getattr(effects, curvature)
+    leading_estimate: Estimate = getattr(effects, curvature)
     fourth: Estimate = getattr(effects, curvature.replace("curvature", "fourth"))
-    return abs(fourth.value / leading.value) * half_width**2 if leading.value else 0.0
+    return (
+        abs(fourth.value / leading_estimate.value) * half_width**2
+        if leading_estimate.value
+        else 0.0
+    )
 
 
 def _size_of_odd_part(effects: BodyEffects, scene: Scene, half_width: float) -> float:
@@ -390,8 +396,8 @@ def _size_of_odd_part(effects: BodyEffects, scene: Scene, half_width: float) -> 
     from semi_analytic.elasticity import composite_modulus
     from semi_analytic.odd_memory import ODD_NUMBERS
 
-    odd = odd_part(effects, half_width, composite_modulus(scene.material))
-    sizes = {name: abs(size) for name, size in zip(ODD_NUMBERS, odd, strict=True)}
+    odd_estimate = odd_part(effects, half_width, composite_modulus(scene.material))
+    sizes = {name: abs(size) for name, size in zip(ODD_NUMBERS, odd_estimate, strict=True)}
     tilt = sizes["tilt_under_pressure"] + sizes["tilt_under_shear"]
     strain = sizes["strain_under_pressure"] + sizes["strain_under_shear"]
     friction = scene.friction.coefficient
@@ -425,8 +431,8 @@ def _what_to_do(advice: Advice) -> str:
         return f"That is within {limit}: theory may be used."
     if advice.verdict is Verdict.UNDECIDED:
         return f"Whether it is within {limit} is undecided: solve the scene (`halfplane run`)."
-    odd = advice.parts.get(ODD, Estimate(0.0))
-    if advice.declined or max(advice.left_out, abs(odd.value)) > advice.limit / 2:
+    odd_estimate = advice.parts.get(ODD, Estimate(0.0))
+    if advice.declined or max(advice.left_out, abs(odd_estimate.value)) > advice.limit / 2:
         return f"It is outside {limit}: solve the scene (`halfplane run`)."
     return (
         f"That is outside {limit}: correct theory (`halfplane exact --corrected`), or solve the"

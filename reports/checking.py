@@ -90,12 +90,12 @@ def nearest_to_sliding(scene: Scene) -> _NearestToSliding:
     def worst_of(leg: LoadSegment) -> tuple[float, float]:
         return _highest(leg, lambda time: _ratio(*leg.loads(time), scene.friction.coefficient))
 
-    worst = [worst_of(leg) for leg, _ in legs]
-    place = int(np.argmax([ratio for ratio, _ in worst]))
-    ratio, time = worst[place]
+    worst_instants = [worst_of(leg) for leg, _ in legs]
+    place = int(np.argmax([ratio for ratio, _ in worst_instants]))
+    ratio, time = worst_instants[place]
     leg, part = legs[place]
-    normal, tangential = leg.loads(time)
-    return _NearestToSliding(ratio, part, time, float(normal), float(tangential))
+    normal_load, tangential_load = leg.loads(time)
+    return _NearestToSliding(ratio, part, time, float(normal_load), float(tangential_load))
 
 
 def _deciding_legs(scene: Scene) -> list[tuple[LoadSegment, str]]:
@@ -108,28 +108,28 @@ def _deciding_legs(scene: Scene) -> list[tuple[LoadSegment, str]]:
     load = scene.load
     if not isinstance(load, TimeSeriesLoad):
         path = load.path()
-        first = "initial loading" if path.cycle else "path"
-        parts = [(leg, first) for leg in path.initial_loading]
+        name_of_first = "initial loading" if path.cycle else "path"
+        parts = [(leg, name_of_first) for leg in path.initial_loading]
         return parts + [(leg, "cycle") for leg in path.cycle]
-    first = "initial loading" if load.repeats else "path"
-    later = "cycle" if load.repeats else "path"
+    name_of_first = "initial loading" if load.repeats else "path"
+    name_of_later = "cycle" if load.repeats else "path"
     rows = load.series()
     legs: list[tuple[LoadSegment, str]] = []
     for begin in range(0, len(rows) - 1, _BLOCK):
         block = rows[begin : begin + _BLOCK + 1]
-        normal, tangential = (
+        normal_load, tangential_load = (
             np.stack([block[:-1, column], block[1:, column]], axis=1) for column in (1, 2)
         )
-        ratio = np.max(_ratio(normal, tangential, scene.friction.coefficient), axis=1)
+        ratio = np.max(_ratio(normal_load, tangential_load, scene.friction.coefficient), axis=1)
         highest_ratio = np.argmax(ratio)
-        highest_load = np.argmax(np.max(normal, axis=1))
+        highest_load = np.argmax(np.max(normal_load, axis=1))
         for k in np.unique([highest_ratio, highest_load]).tolist():
             start, *loads_before = block[k].tolist()
             end, *loads_after = block[k + 1].tolist()
             leg = StraightSegment(
                 start, end, (loads_before[0], loads_before[1]), (loads_after[0], loads_after[1])
             )
-            legs.append((leg, later if begin + k > 0 else first))
+            legs.append((leg, name_of_later if begin + k > 0 else name_of_first))
     return legs
 
 
@@ -163,27 +163,27 @@ def _cure_of_record(load: TimeSeriesLoad, friction: float, time: float) -> str:
     or end.
     """
     rows = load.rows.values
-    first, beyond = load.bounds()
-    row = first + int(np.argmax(np.append(rows[first:beyond, 0] >= time, True)))
-    row = min(row, beyond - 1)
-    used = rows[first:beyond]
-    bad = np.abs(used[:, 2]) > friction * used[:, 1]
+    first_row, row_beyond = load.bounds()
+    row = first_row + int(np.argmax(np.append(rows[first_row:row_beyond, 0] >= time, True)))
+    row = min(row, row_beyond - 1)
+    used_rows = rows[first_row:row_beyond]
+    slides = np.abs(used_rows[:, 2]) > friction * used_rows[:, 1]
     place = f"; that is row {row + 1:,} of {len(rows):,}"
-    noise = float(np.max(used[bad, 1], initial=0.0))
-    largest = float(np.max(used[:, 1]))
+    noise = float(np.max(used_rows[slides, 1], initial=0.0))
+    largest_load = float(np.max(used_rows[:, 1]))
     if (
         load.least_normal_load is None
         and not load.repeats
         and not load.has_bulk_or_tilt
-        and noise < _NOISE * largest
+        and noise < _NOISE * largest_load
     ):
         # Twice the largest P of the bad rows, to two digits: noise does not end there.
-        noise = max(2 * noise, _NOISE / 50 * largest)
+        noise = max(2 * noise, _NOISE / 50 * largest_load)
         step = 10.0 ** (np.floor(np.log10(noise)) - 1)
-        least = float(np.floor(noise / step) + 1) * step
+        least_load = float(np.floor(noise / step) + 1) * step
         return (
             f"{place}. Rows of so little load are noise where it is: write load.least_normal_load ="
-            f" {least:.6g}"
+            f" {least_load:.6g}"
         )
     return (
         f"{place}. To leave rows out, write load.start or load.end: a time, or {{row = {row + 2}}}"
@@ -213,18 +213,20 @@ def _when_largest(scene: Scene) -> tuple[float, float]:
     )
 
 
-def _ratio(normal: Array, tangential: Array, friction: float) -> Array:
+def _ratio(normal_load: Array, tangential_load: Array, friction: float) -> Array:
     """|Q|/(f P) of legs (..., n samples each); 0 at P = Q = 0, infinite at P < 0 or at Q beside P =
     0 or f = 0.
     """
-    size = np.abs(tangential)
+    size = np.abs(tangential_load)
     # A load that is zero but for the rounding of its own leg is zero.
     size = np.where(
-        size <= _ROUNDING * friction * np.max(np.abs(normal), axis=-1, keepdims=True), 0.0, size
+        size <= _ROUNDING * friction * np.max(np.abs(normal_load), axis=-1, keepdims=True),
+        0.0,
+        size,
     )
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        ratio = size / (friction * normal)
-    return np.asarray(np.where(normal < 0, np.inf, np.where(size == 0, 0.0, ratio)))
+        ratio = size / (friction * normal_load)
+    return np.asarray(np.where(normal_load < 0, np.inf, np.where(size == 0, 0.0, ratio)))
 
 
 def _highest(leg: LoadSegment, value_at: Callable[[Array], Array]) -> tuple[float, float]:
@@ -235,12 +237,12 @@ def _highest(leg: LoadSegment, value_at: Callable[[Array], Array]) -> tuple[floa
     for _ in range(3):
         value = value_at(time)
         place = int(np.argmax(value))
-        highest = float(value[place])
+        highest_value = float(value[place])
         time_of_highest = float(time[place])
-        if not np.isfinite(highest) or place in (0, len(time) - 1):
+        if not np.isfinite(highest_value) or place in (0, len(time) - 1):
             break
         time = np.linspace(time[place - 1], time[place + 1], _SAMPLES)
-    return highest, time_of_highest
+    return highest_value, time_of_highest
 
 
 _NO_THEORY_OF_CURVED_FACES = (
@@ -360,17 +362,18 @@ def _require_room(scene: Scene, source: str) -> None:
         float(getattr(body, "height", np.inf)) for body in (scene.bodies.lower, scene.bodies.upper)
     ]
     limit = _ROOM if min(heights) >= 1.5 * room else _ROOM_OF_LAYERS
-    largest = largest_contact(scene, source)
-    if largest.half_width <= limit * room:
+    contact = largest_contact(scene, source)
+    if contact.half_width <= limit * room:
         return
     force, length, stress = units(scene)
-    first = "".join(f"{remark} " for remark in remarks(scene, largest))
+    remarks_before = "".join(f"{remark} " for remark in remarks(scene, contact))
     raise InputError(
-        f"{source}: {first}Check the units first: loads are in {force} per {length} of thickness, E"
+        f"{source}: {remarks_before}Check the units first: loads are in {force} per {length} of"
+        " thickness, E"
         f" is in {stress}, sizes are in {length}. bodies: the contact at the largest load reaches"
         f" past the end of the narrower face, at |x| = {room:.6g}: by half-plane theory P ="
-        f" {largest.normal_load:.6g} gives the half-width {largest.half_width:.4g}, which is"
-        f" {largest.half_width / room:.3g} times that. If the units are right, make the bodies"
+        f" {contact.normal_load:.6g} gives the half-width {contact.half_width:.4g}, which is"
+        f" {contact.half_width / room:.3g} times that. If the units are right, make the bodies"
         f" wider, or the load less; `halfplane exact {source}` gives half-plane theory's answer,"
         " which knows no bodies"
     )
@@ -401,8 +404,8 @@ def largest_contact(scene: Scene, source: str) -> _LargestContact:
     from semi_analytic.elasticity import composite_modulus
 
     load, time = _when_largest(scene)
-    pressed = PolygonLoad(initial_loading=((load, 0.0),), **_tilt_or_moment_at(scene, time))
-    pressed_scene = scene.model_copy(update={"load": pressed})
+    pressed_load = PolygonLoad(initial_loading=((load, 0.0),), **_tilt_or_moment_at(scene, time))
+    pressed_scene = scene.model_copy(update={"load": pressed_load})
 
     def solved(x: Array, *fields: str) -> ContactSolution:
         return semi_analytic.solve(pressed_scene, x=x, time=[1.0], fields=fields)
@@ -418,9 +421,11 @@ def largest_contact(scene: Scene, source: str) -> _LargestContact:
     kinks = np.array([*scene.profile.kinks, *(-kink for kink in scene.profile.kinks)])
     x = np.union1d(x, kinks[(left < kinks) & (kinks < right)])
     pressure = solved(x, "pressure").pressure[0]
-    best = int(np.argmax(pressure))
-    x_around_best = np.linspace(x[max(best - 1, 0)], x[min(best + 1, len(x) - 1)], 65)
-    peak = max(float(pressure[best]), float(np.max(solved(x_around_best, "pressure").pressure)))
+    best_place = int(np.argmax(pressure))
+    x_around_best = np.linspace(x[max(best_place - 1, 0)], x[min(best_place + 1, len(x) - 1)], 65)
+    peak = max(
+        float(pressure[best_place]), float(np.max(solved(x_around_best, "pressure").pressure))
+    )
     ends = np.array([left, right])
     heights = scene.profile.height(ends[:, None] * np.array([1 - 1e-6, 1 + 1e-6]))
     slopes = (heights[:, 1] - heights[:, 0]) / (2e-6 * np.abs(ends))
@@ -477,18 +482,24 @@ def bulk_and_tilt(scene: Scene) -> _BulkAndTilt | None:
         time = sampled(leg, 129)
         zeros = np.zeros((2, len(time)))
         bulk = leg.bulk.loads(time) if leg.bulk is not None else zeros
-        turning = leg.turning.loads(time) if leg.turning is not None else zeros
-        lower = strain_per_stress[0] * np.asarray(bulk[0])
-        upper = strain_per_stress[1] * np.asarray(bulk[1])
-        samples.append(np.array([leg.loads(time)[0], lower + upper, *turning]))
+        tilt_or_moment = leg.turning.loads(time) if leg.turning is not None else zeros
+        strain_of_lower = strain_per_stress[0] * np.asarray(bulk[0])
+        strain_of_upper = strain_per_stress[1] * np.asarray(bulk[1])
+        samples.append(
+            np.array([leg.loads(time)[0], strain_of_lower + strain_of_upper, *tilt_or_moment])
+        )
     load, strain, tilt, moment = np.concatenate(samples, axis=1)
     centre = None
     if isinstance(scene.profile, Hertz):
-        pressed = load > 0
+        is_pressed = load > 0
         radius = scene.profile.radius
         modulus = composite_modulus(scene.material)
-        half_width = np.sqrt(4 * radius * load[pressed] / (np.pi * modulus))
-        middle = moment[pressed] / load[pressed] if path.moment_given else -radius * tilt[pressed]
+        half_width = np.sqrt(4 * radius * load[is_pressed] / (np.pi * modulus))
+        middle = (
+            moment[is_pressed] / load[is_pressed]
+            if path.moment_given
+            else -radius * tilt[is_pressed]
+        )
         shift = middle / half_width
         centre = float(shift[np.argmax(np.abs(shift))])
     largest_strain = float(np.max(np.abs(strain)))

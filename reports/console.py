@@ -267,8 +267,8 @@ def _words(cell: str) -> list[str]:
     >>> _words("-56 ± 74 % of a")
     ['-56', '± 74 %', 'of', 'a']
     """
-    joined = cell.replace(" %", "\N{NO-BREAK SPACE}%").replace("± ", "±\N{NO-BREAK SPACE}")
-    words = joined.split(" ")
+    joined_text = cell.replace(" %", "\N{NO-BREAK SPACE}%").replace("± ", "±\N{NO-BREAK SPACE}")
+    words = joined_text.split(" ")
     return [word.replace("\N{NO-BREAK SPACE}", " ") for word in words]
 
 

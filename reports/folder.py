@@ -102,12 +102,12 @@ def _made(folder: Path) -> Generator[None, None, None]:
     """`folder` is there, with all above it; what had to be made for that goes again after an error,
     unless something lies in it.
     """
-    missing = [path for path in (folder, *folder.parents) if not path.exists()]
+    missing_folders = [path for path in (folder, *folder.parents) if not path.exists()]
     try:
         folder.mkdir(parents=True, exist_ok=True)
         yield
     except BaseException:
-        for path in missing:
+        for path in missing_folders:
             with suppress(OSError):
                 path.rmdir()
         raise
@@ -116,12 +116,12 @@ def _made(folder: Path) -> Generator[None, None, None]:
 def remove_left_behind(folder: Path) -> None:
     """Remove what killed processes left in `folder` under a hidden name of ours."""
     with suppress(OSError), os.scandir(folder) as entries:
-        hidden = [
+        hidden_folders = [
             Path(entry.path)
             for entry in entries
             if _OURS.fullmatch(entry.name) and not entry.is_symlink()
         ]
-        for path in hidden:
+        for path in hidden_folders:
             with suppress(OSError):
                 if _is_dead(path):
                     _remove(path)
@@ -136,7 +136,7 @@ def _is_dead(path: Path) -> bool:
         machine, process = name.groups()
         if machine == _HERE and process:
             return _has_ended(int(process))
-    last_change = max(inner.stat().st_mtime for inner in (path, *path.rglob("*")))
+    last_change = max(inner_path.stat().st_mtime for inner_path in (path, *path.rglob("*")))
     return time.time() - last_change > _LEFT_BEHIND
 
 
@@ -221,8 +221,8 @@ def add_to_log(folder: Path, text: str) -> Path:
     """Append `text` to run.log in `folder`, where all else stays; returns its path."""
     with filled(folder, fresh=()) as staging:
         log = folder / "run.log"
-        before = log.read_text("utf-8", errors="replace") if log.is_file() else ""
-        (staging / "run.log").write_text(before + text, encoding="utf-8")
+        log_before = log.read_text("utf-8", errors="replace") if log.is_file() else ""
+        (staging / "run.log").write_text(log_before + text, encoding="utf-8")
     return log
 
 
@@ -260,7 +260,7 @@ def filled(
         For a Ctrl-C that came while files were moved: they are whole.
     """
     folder = claim(out)
-    moving = False
+    is_moving = False
     try:
         staging = _staging(folder)
     except OSError as reason:
@@ -271,25 +271,25 @@ def filled(
         try:
             results.mkdir(mode=0o700)
             yield results
-            moving = True
+            is_moving = True
             _move(staging, folder, fresh, out)
         except InputError as fault:
-            if not moving:
+            if not is_moving:
                 raise
             at_the_end.pop_all()  # nothing is removed
             raise InputError(f"{fault}{_kept_beside(staging)}") from fault
         except OSError as fault:
-            of_this_folder = moving or not _is_about_another_file(fault, staging)
+            of_this_folder = is_moving or not _is_about_another_file(fault, staging)
             if not of_this_folder:
                 _move_solutions(staging, folder, fresh, out, solutions, fault)
                 raise
-            kept = ""
-            if moving or _leave_only(results, solutions):
+            sentence = ""
+            if is_moving or _leave_only(results, solutions):
                 at_the_end.pop_all()  # nothing is removed
-                kept = _kept_beside(staging)
-            raise InputError(f"{_unwritable(out, fault)}{kept}") from fault
+                sentence = _kept_beside(staging)
+            raise InputError(f"{_unwritable(out, fault)}{sentence}") from fault
         except Exception as fault:
-            if not moving:
+            if not is_moving:
                 _move_solutions(staging, folder, fresh, out, solutions, fault)
             raise
 
@@ -301,10 +301,10 @@ def _kept_beside(staging: Path) -> str:
 
 def _leave_only(results: Path, names: Iterable[str]) -> list[str]:
     """Those of `names` that were written, all else in `results` removed."""
-    written = [name for name in names if (results / name).is_file()]
-    for name in set(_files(results)) - set(written):
+    written_names = [name for name in names if (results / name).is_file()]
+    for name in set(_files(results)) - set(written_names):
         (results / name).unlink()
-    return written
+    return written_names
 
 
 def _move_solutions(
@@ -319,10 +319,11 @@ def _move_solutions(
     names them.
     """
     with suppress(OSError, InputError):  # the fault itself is what has to be said
-        if written := _leave_only(staging / "results", solutions):
+        if written_names := _leave_only(staging / "results", solutions):
             _move(staging, folder, fresh, out)
             fault.add_note(
-                f"the solutions are saved: {' and '.join(str(folder / name) for name in written)}"
+                "the solutions are saved:"
+                f" {' and '.join(str(folder / name) for name in written_names)}"
             )
 
 
@@ -399,12 +400,12 @@ def _owned(folder: Path) -> list[str]:
     none.
     """
     try:
-        stored = parsed_json(text_of(folder / MANIFEST, "the manifest"))
+        manifest = parsed_json(text_of(folder / MANIFEST, "the manifest"))
     except (OSError, ValueError):
         return []
-    if not isinstance(stored, dict) or stored.get("written by") != "halfplane":
+    if not isinstance(manifest, dict) or manifest.get("written by") != "halfplane":
         return []
-    names = stored.get("files")
+    names = manifest.get("files")
     if not isinstance(names, list):
         return []
     return [name for name in names if isinstance(name, str) and _lies_in(folder, name)]
@@ -430,20 +431,20 @@ def _move(staging: Path, folder: Path, fresh: tuple[str, ...], out: str | Path) 
     """
     results = staging / "results"
     before = staging / "before"
-    new = _files(results)
+    new_names = _files(results)
     with _made(folder), _alone_in(folder, out, make=True), ExitStack() as folders:
-        _refuse_foreign(folder, new, out)
-        others = set(_owned(folder)) - {*new, MANIFEST}
-        stale = {name for name in others if name.startswith(fresh)}
+        _refuse_foreign(folder, new_names, out)
+        other_names = set(_owned(folder)) - {*new_names, MANIFEST}
+        stale = {name for name in other_names if name.startswith(fresh)}
         old = sorted(
-            (name for name in {*new, *stale} if os.path.lexists(folder / name)),
+            (name for name in {*new_names, *stale} if os.path.lexists(folder / name)),
             key=lambda name: (name != _PAGE, name),
         )
-        begun = _manifest(staging / "begun.json", {*new, *others})
-        ended = _manifest(staging / "ended.json", {*new, *(others - stale)})
+        begun = _manifest(staging / "begun.json", {*new_names, *other_names})
+        ended = _manifest(staging / "ended.json", {*new_names, *(other_names - stale)})
         for name in old:
             (before / name).parent.mkdir(parents=True, exist_ok=True)
-        for parent in {(folder / name).parent for name in new} - {folder}:
+        for parent in {(folder / name).parent for name in new_names} - {folder}:
             folders.enter_context(_made(parent))
         try:
             with interrupts_wait(), ExitStack() as undo:
@@ -456,7 +457,7 @@ def _move(staging: Path, folder: Path, fresh: tuple[str, ...], out: str | Path) 
                 for name in old:
                     os.rename(folder / name, before / name)
                     undo.callback(os.rename, before / name, folder / name)
-                for name in sorted(new, key=lambda name: (name == _PAGE, name)):
+                for name in sorted(new_names, key=lambda name: (name == _PAGE, name)):
                     os.replace(results / name, folder / name)
                     undo.callback(os.replace, folder / name, results / name)
                 os.replace(ended, folder / MANIFEST)

@@ -44,13 +44,13 @@ def stated_in_words(scene: Scene) -> str:
     if not scene.inputs:
         return ""
     assert scene.uncertainty is not None
-    stated = ", ".join(entry.in_words for entry in scene.inputs)
+    stated_words = ", ".join(entry.in_words for entry in scene.inputs)
     pairs = [
-        f"{first} and {second} {coefficient:g}"
-        for first, second, coefficient in scene.uncertainty.correlations
+        f"{first_key} and {second_key} {coefficient:g}"
+        for first_key, second_key, coefficient in scene.uncertainty.correlations
     ]
     together = f"correlated: {', '.join(pairs)}" if pairs else "independent of each other"
-    return f"Standard uncertainties of the inputs, as stated: {stated}; {together}."
+    return f"Standard uncertainties of the inputs, as stated: {stated_words}; {together}."
 
 
 def stated_content(scene: Scene) -> list[dict[str, Any]] | None:
@@ -84,24 +84,25 @@ def sentences(
     """
     if effects.unknown:
         return [f"What the inputs make of the answer is not known: {_ended(effects.unknown)}"]
-    said = [*_of_difference(effects, comparison), *_of_measurement(effects, comparison)]
-    said += [_matters_most(effects)]
+    all_sentences = [*_of_difference(effects, comparison), *_of_measurement(effects, comparison)]
+    all_sentences += [_matters_most(effects)]
     if effects.draws is not None:
-        said.append(_drawn(effects.draws, scene))
-    drawn = effects.draws.values if effects.draws is not None else {}
-    drawn_words = {QUANTITIES_OF_THEORY[key].words for key in drawn}
-    rough = [
+        all_sentences.append(_drawn(effects.draws, scene))
+    drawn_values = effects.draws.values if effects.draws is not None else {}
+    drawn_words = {QUANTITIES_OF_THEORY[key].words for key in drawn_values}
+    rough_keys = [
         value.words
         for key, value in (*effects.values.items(), *effects.difference.items())
         if value.uncertainty > 0 and not value.is_nearly_linear and value.words not in drawn_words
     ]
-    if rough:
-        said.append(
-            f"Rough, by derivatives that are not enough: {', '.join(rough)}. There the second order"
+    if rough_keys:
+        all_sentences.append(
+            f"Rough, by derivatives that are not enough: {', '.join(rough_keys)}. There the"
+            " second order"
             " is above a tenth of the uncertainty."
         )
-    said += [f"{note[:1].upper()}{_ended(note[1:])}" for note in effects.notes]
-    return [sentence for sentence in said if sentence]
+    all_sentences += [f"{note[:1].upper()}{_ended(note[1:])}" for note in effects.notes]
+    return [sentence for sentence in all_sentences if sentence]
 
 
 def sentences_of_report(report: Report) -> list[str]:
@@ -114,8 +115,8 @@ def sentences_of_report(report: Report) -> list[str]:
         return []
     if not report.validation:
         return sentences(effects, comparison.scene, comparison)
-    said = validation.sentences(report.validation, is_measured=report.is_measured)
-    return [*said, _matters_most(effects)]
+    all_sentences = validation.sentences(report.validation, is_measured=report.is_measured)
+    return [*all_sentences, _matters_most(effects)]
 
 
 def _ended(sentence: str) -> str:
@@ -151,15 +152,17 @@ def _of_measurement(effects: InputEffects, comparison: JudgedPair | None) -> Ite
     """What a measurement of W with these inputs is uncertain by, and whether it could see the
     difference.
     """
-    relative = effects.work_uncertainty
-    if not math.isfinite(relative):
+    relative_uncertainty = effects.work_uncertainty
+    if not math.isfinite(relative_uncertainty):
         return
-    amount = f"A measurement of W with these inputs has ± {significant(100 * relative, 2)} %"
+    amount = (
+        f"A measurement of W with these inputs has ± {significant(100 * relative_uncertainty, 2)} %"
+    )
     if WORK not in effects.difference:
         yield f"{amount}."
         return
     share, _ = _difference_of_work(effects.difference[WORK], comparison)
-    if abs(share) >= _SEEN * relative:
+    if abs(share) >= _SEEN * relative_uncertainty:
         yield f"{amount} and can see it, if it adds less of its own."
     else:
         yield f"{amount} and cannot see it."
@@ -172,34 +175,34 @@ def _matters_most(effects: InputEffects) -> str:
         if value is None or not value.ranking:
             continue
         words = {entry.key: entry.words for entry in effects.inputs}
-        first, *others = value.ranking
+        first_key, *other_keys = value.ranking
         sizes = {name: abs(change.value) for name, change in value.changes.items()}
-        named = f"{words[first][:1].upper()}{words[first][1:]} matters most"
+        first_words = f"{words[first_key][:1].upper()}{words[first_key][1:]} matters most"
         if key != WORK:
-            named = f"For {_SYMBOLS[key]} {words[first]} matters most"
-        if others and sizes[others[0]] >= _NAMED * sizes[first]:
-            named += f", then {words[others[0]]}"
-        return f"{named}."
+            first_words = f"For {_SYMBOLS[key]} {words[first_key]} matters most"
+        if other_keys and sizes[other_keys[0]] >= _NAMED * sizes[first_key]:
+            first_words += f", then {words[other_keys[0]]}"
+        return f"{first_words}."
     return ""
 
 
 def _drawn(draws: Draws, scene: Scene) -> str:
     unit = energy_unit(scene)
     work = draws.values[WORK]
-    kept = with_uncertainty(work.mean, work.uncertainty)
-    said = (
+    mean_in_words = with_uncertainty(work.mean, work.uncertainty)
+    sentence = (
         f"{draws.reason[:1].upper()}{draws.reason[1:]}. So W is taken from {draws.count:,} random"
-        f" draws of the inputs: {kept} {unit}. 95 % of them lie from {work.low:.4g} to"
+        f" draws of the inputs: {mean_in_words} {unit}. 95 % of them lie from {work.low:.4g} to"
         f" {work.high:.4g}."
     )
     if draws.sliding:
-        said += (
+        sentence += (
             f" {significant(100 * draws.sliding, 2)} % of the draws slide as a whole, have no W,"
             " and are in neither mean nor deviation."
         )
     if draws.impossible > 0:
-        said += f" {100 * draws.impossible:.2g} % are of inputs that no scene can have."
-    return minus(said)
+        sentence += f" {100 * draws.impossible:.2g} % are of inputs that no scene can have."
+    return minus(sentence)
 
 
 MODELS_ALONE = (
@@ -220,7 +223,7 @@ def rows(effects: InputEffects, scene: Scene) -> list[tuple[str, ...]]:
     table: list[tuple[str, ...]] = []
     for value in effects.values.values():
         unit = _unit(value, scene)
-        relative = value.relative
+        relative_uncertainty = value.relative
         shares = [
             f"{words[key]} {_in_percent(value.changes[key], value.value)}"
             for key in value.ranking[:3]
@@ -230,16 +233,16 @@ def rows(effects: InputEffects, scene: Scene) -> list[tuple[str, ...]]:
                 f"{value.words} [{unit}]",
                 significant(value.value, 6),
                 significant(value.uncertainty, 2),
-                significant(100 * relative, 2),
+                significant(100 * relative_uncertainty, 2),
                 ", ".join(shares) or "–",
             )
         )
     if effects.draws is not None:
-        for key, drawn in effects.draws.values.items():
+        for key, drawn_value in effects.draws.values.items():
             value = effects.values[key]
             name = f"{value.words}, {effects.draws.count:,} draws [{_unit(value, scene)}]"
-            cells = (significant(drawn.mean, 6), significant(drawn.uncertainty, 2))
-            table.append((name, *cells, significant(100 * drawn.relative, 2), "all"))
+            cells = (significant(drawn_value.mean, 6), significant(drawn_value.uncertainty, 2))
+            table.append((name, *cells, significant(100 * drawn_value.relative, 2), "all"))
     return table
 
 
@@ -271,8 +274,10 @@ def table_of_inputs(effects: InputEffects) -> tuple[tuple[str, ...], list[tuple[
     work = effects.values.get(WORK)
     table: list[tuple[str, ...]] = []
     for entry in effects.inputs:
-        moved = "–" if work is None else _signed(100 * work.changes[entry.key].value, work.value)
-        table.append((entry.words.removeprefix("the "), f"± {entry.stated}", moved))
+        change_in_words = (
+            "–" if work is None else _signed(100 * work.changes[entry.key].value, work.value)
+        )
+        table.append((entry.words.removeprefix("the "), f"± {entry.stated}", change_in_words))
     total = f"± {significant(100 * effects.work_uncertainty, 2)}"
     table.append(("all inputs", "", total if math.isfinite(effects.work_uncertainty) else "–"))
     difference = effects.difference.get(WORK)
@@ -310,11 +315,15 @@ def _in_percent(change: Estimate, value: float) -> str:
 # ------------------------------------------------------------------------------------------ as JSON
 def content_of_report(report: Report) -> dict[str, Any] | None:
     """All of it by names; None where no uncertainty is stated. Numbers may be not finite."""
-    whole = content(report.inputs, report.comparison.scene, report.comparison)
-    if whole is None:
+    content_of_inputs = content(report.inputs, report.comparison.scene, report.comparison)
+    if content_of_inputs is None:
         return None
-    against = {entry.words: entry.content() for entry in report.validation}
-    return {**whole, "sentences": sentences_of_report(report), "validation": against or None}
+    measurements = {entry.words: entry.content() for entry in report.validation}
+    return {
+        **content_of_inputs,
+        "sentences": sentences_of_report(report),
+        "validation": measurements or None,
+    }
 
 
 def content(
@@ -325,7 +334,9 @@ def content(
         return None
     draws = None
     if effects.draws is not None:
-        of_values = {key: drawn._asdict() for key, drawn in effects.draws.values.items()}
+        of_values = {
+            key: drawn_value._asdict() for key, drawn_value in effects.draws.values.items()
+        }
         draws = vars(effects.draws) | {"values": of_values}
     return {
         "stated": stated_content(scene),

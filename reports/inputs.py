@@ -155,8 +155,8 @@ class Propagated:
     def ranking(self) -> list[str]:
         """Keys of the inputs that change the value, that with the largest change first."""
         sizes = {key: abs(change.value) for key, change in self.changes.items()}
-        moving = [key for key, size in sizes.items() if size > 0]
-        return sorted(moving, key=lambda key: -sizes[key])
+        moving_keys = [key for key, size in sizes.items() if size > 0]
+        return sorted(moving_keys, key=lambda key: -sizes[key])
 
 
 class Drawn(NamedTuple):
@@ -298,14 +298,14 @@ def values_of_theory(scene: Scene, effects: BodyEffects | None = None) -> _Value
             "half_width": float(np.max(answer.contact_half_width[answer.last_cycle])),
             "permanent_stick": answer.permanent_stick_half_width,
         }
-    largest = semi_analytic.extremes(answer, names=("slip", "edge_tension"))
+    largest_values = semi_analytic.extremes(answer, names=("slip", "edge_tension"))
     return {
         WORK: answer.dissipation,
-        PEAK: largest.pressure,
-        "half_width": largest.half_width,
+        PEAK: largest_values.pressure,
+        "half_width": largest_values.half_width,
         "permanent_stick": answer.permanent_stick_half_width,
-        "slip": largest.slip,
-        "edge_tension": largest.edge_tension,
+        "slip": largest_values.slip,
+        "edge_tension": largest_values.edge_tension,
     }
 
 
@@ -342,26 +342,26 @@ def central_differences(
     for share in _STEPS:
         step = share * entry.standard
         try:
-            above = values_at(scene.moved({entry.key: step}))
-            below = values_at(scene.moved({entry.key: -step}))
+            values_above = values_at(scene.moved({entry.key: step}))
+            values_below = values_at(scene.moved({entry.key: -step}))
         except InadmissibleLoadError:
             if share == _STEPS[-1]:
                 raise
             continue
-        return _Move(entry.key, _differences(middle, above, below, share))
+        return _Move(entry.key, _differences(middle, values_above, values_below, share))
     raise AssertionError  # the last step returns or raises
 
 
 def _differences(
-    middle: _Values, above: _Values, below: _Values, share: float
+    middle: _Values, values_above: _Values, values_below: _Values, share: float
 ) -> dict[str, Estimate]:
     """Change for one standard uncertainty and the second order of it, from values at a share of it
     on both sides.
     """
     changes = {}
     for key, value in middle.items():
-        change = (above[key] - below[key]) / (2 * share)
-        second_order = abs(above[key] + below[key] - 2 * value) / (2 * share**2)
+        change = (values_above[key] - values_below[key]) / (2 * share)
+        second_order = abs(values_above[key] + values_below[key] - 2 * value) / (2 * share**2)
         changes[key] = Estimate(change, second_order)
     return changes
 
@@ -370,9 +370,9 @@ def _change_of_modulus(scene: Scene, entry: Input) -> float:
     """Share by which E* changes for one standard uncertainty of a constant of a material."""
     from semi_analytic.elasticity import composite_modulus
 
-    above = composite_modulus(scene.moved({entry.key: entry.standard}).material)
-    below = composite_modulus(scene.moved({entry.key: -entry.standard}).material)
-    return (above - below) / (2 * composite_modulus(scene.material))
+    modulus_above = composite_modulus(scene.moved({entry.key: entry.standard}).material)
+    modulus_below = composite_modulus(scene.moved({entry.key: -entry.standard}).material)
+    return (modulus_above - modulus_below) / (2 * composite_modulus(scene.material))
 
 
 # ----------------------------------------------------------------------------------- theory's moves
@@ -453,8 +453,8 @@ class _ScalingLaws:
             return self.derivative("normal_load")
         heights = self._exponents("of_heights")
         radius = self.of_radius()
-        tangential = self.of_tangential_load()
-        return {key: heights[key] + radius[key] - tangential[key] for key in self.middle}
+        of_force = self.of_tangential_load()
+        return {key: heights[key] + radius[key] - of_force[key] for key in self.middle}
 
     def of_radius(self) -> _Values:
         """Of a parabola."""
@@ -462,15 +462,15 @@ class _ScalingLaws:
 
     def of_friction(self) -> _Values:
         shear = self._exponents("of_shear")
-        tangential = self.of_tangential_load()
-        return {key: shear[key] - tangential[key] for key in self.middle}
+        of_force = self.of_tangential_load()
+        return {key: shear[key] - of_force[key] for key in self.middle}
 
     def of_modulus(self) -> _Values:
         """Of E*."""
         stress = self._exponents("of_stress")
-        normal = self.of_normal_load()
-        tangential = self.of_tangential_load()
-        return {key: stress[key] - normal[key] - tangential[key] for key in self.middle}
+        of_load = self.of_normal_load()
+        of_force = self.of_tangential_load()
+        return {key: stress[key] - of_load[key] - of_force[key] for key in self.middle}
 
     def _exponents(self, law: str) -> _Values:
         """Exponent of each value in a law, times the value."""
@@ -482,8 +482,8 @@ class _ScalingLaws:
     def by_differences(self, key: str) -> _Move:
         """Central differences for P or Q, by its standard uncertainty where one is stated."""
         if key not in self._measured:
-            stated = [entry for entry in self.scene.inputs if entry.key == key]
-            entry = stated[0] if stated else Input(key, "", "", None, _STEP_OF_LOAD)
+            stated_inputs = [entry for entry in self.scene.inputs if entry.key == key]
+            entry = stated_inputs[0] if stated_inputs else Input(key, "", "", None, _STEP_OF_LOAD)
             move = central_differences(self.values_at, self.scene, entry, self.middle)
             self._measured[key] = move
             self._derivatives[key] = {
@@ -565,11 +565,11 @@ class _LawOfModulus:
 
     def move(self, entry: Input) -> _Move:
         """Of Young's modulus of both bodies, which are of one material."""
-        normal = self.loads.derivative("normal_load")
-        tangential = self.loads.derivative("tangential_load")
+        by_normal_load = self.loads.derivative("normal_load")
+        by_tangential_load = self.loads.derivative("tangential_load")
         changes = {}
-        for key in normal:
-            change = -entry.standard * (normal[key] + tangential[key])
+        for key in by_normal_load:
+            change = -entry.standard * (by_normal_load[key] + by_tangential_load[key])
             # E is linear in small 1/E: the second order is the first times the share
             changes[key] = Estimate(change, abs(change) * entry.standard)
         return _Move(entry.key, changes)
@@ -606,8 +606,8 @@ def difference_at(scene: Scene, effects: BodyEffects, *, by_batch: bool) -> _Val
 def _difference_of_work(scene: Scene, effects: BodyEffects, by_batch: bool) -> float:
     """NaN where nothing is dissipated."""
     works = _works_by_batch if by_batch else _works_by_solving
-    theory, corrected = works(scene, effects)
-    return corrected / theory - 1 if theory else math.nan
+    theory, corrected_work = works(scene, effects)
+    return corrected_work / theory - 1 if theory else math.nan
 
 
 def _works_by_batch(scene: Scene, effects: BodyEffects) -> tuple[float, float]:
@@ -642,8 +642,8 @@ def _works_by_solving(scene: Scene, effects: BodyEffects) -> tuple[float, float]
     import semi_analytic
 
     theory = semi_analytic.solve(scene, x=0.0, fields=(WORK,))
-    corrected = semi_analytic.solve(scene, x=0.0, effects=effects, fields=(WORK,))
-    return theory.dissipation, corrected.dissipation
+    corrected_solution = semi_analytic.solve(scene, x=0.0, effects=effects, fields=(WORK,))
+    return theory.dissipation, corrected_solution.dissipation
 
 
 def _difference_of_peak(scene: Scene, effects: BodyEffects) -> float:
@@ -653,11 +653,11 @@ def _difference_of_peak(scene: Scene, effects: BodyEffects) -> float:
     profile = scene.profile
     if not isinstance(profile, Hertz):
         return math.nan
-    normal, tangential = _loads_of_last_cycle(scene)
-    bend = effects.normal_curvature.value * normal
-    bend = bend + effects.normal_curvature_under_shear.value * tangential
-    squared = normal * (1 + profile.radius * bend)
-    return math.sqrt(float(np.max(squared) / np.max(normal))) - 1
+    normal_load, tangential_load = _loads_of_last_cycle(scene)
+    bend = effects.normal_curvature.value * normal_load
+    bend = bend + effects.normal_curvature_under_shear.value * tangential_load
+    squared = normal_load * (1 + profile.radius * bend)
+    return math.sqrt(float(np.max(squared) / np.max(normal_load))) - 1
 
 
 def _loads_of_last_cycle(scene: Scene) -> tuple[Array, Array]:
@@ -672,8 +672,8 @@ def _loads_of_last_cycle(scene: Scene) -> tuple[Array, Array]:
     for leg in path.cycle or path.initial_loading:
         times = np.union1d(sampled(leg, 129), leg.turning_points(NORMAL_LOAD))
         loads.append(np.array(leg.loads(times)))
-    normal, tangential = np.concatenate(loads, axis=1)
-    return normal, tangential
+    normal_load, tangential_load = np.concatenate(loads, axis=1)
+    return normal_load, tangential_load
 
 
 # ------------------------------------------------------------------------------------------- draws
@@ -692,12 +692,12 @@ def draws_of_work(scene: Scene, reason: str) -> Draws | None:
     samples = samples_of(scene, count)
     draw = values_of_ellipses if is_ellipse else values_one_by_one
     values, slides = draw(scene, samples)
-    sliding = float(np.mean(slides))
+    sliding_share = float(np.mean(slides))
     return Draws(
         count=count,
-        sliding=sliding,
-        impossible=float(np.mean(~np.isfinite(values[WORK]))) - sliding,
-        values={key: _drawn(drawn) for key, drawn in values.items()},
+        sliding=sliding_share,
+        impossible=float(np.mean(~np.isfinite(values[WORK]))) - sliding_share,
+        values={key: _drawn(drawn_values) for key, drawn_values in values.items()},
         reason=reason,
     )
 
@@ -707,8 +707,8 @@ def _drawn(values: Array) -> Drawn:
     possible = values[np.isfinite(values)]
     if len(possible) < 2:
         return Drawn(math.nan, math.nan, math.nan, math.nan)
-    low, high = np.quantile(possible, (0.025, 0.975)).tolist()
-    return Drawn(float(possible.mean()), float(possible.std(ddof=1)), low, high)
+    lower_bound, upper_bound = np.quantile(possible, (0.025, 0.975)).tolist()
+    return Drawn(float(possible.mean()), float(possible.std(ddof=1)), lower_bound, upper_bound)
 
 
 def samples_of(scene: Scene, count: int) -> dict[str, Array]:
@@ -745,8 +745,8 @@ def values_of_ellipses(
         modulus = _moduli(scene, samples) / composite_modulus(scene.material)
     load = scene.load
     assert isinstance(load, EllipseLoad)  # for the type checker: others take no batch
-    normal = factor("normal_load") / modulus
-    tangential = factor("tangential_load") / modulus
+    normal_factor = factor("normal_load") / modulus
+    tangential_factor = factor("tangential_load") / modulus
     profile: Any = scene.profile
     if any(key.startswith("profile.") or key.endswith(".radius") for key in samples):
         profile = _profiles(scene, samples)
@@ -754,10 +754,10 @@ def values_of_ellipses(
         profile=profile,
         material=scene.material,
         friction_coefficient=scene.friction.coefficient * factor("friction"),
-        mean_normal_load=load.mean_normal_load * normal,
-        normal_amplitude=load.normal_amplitude * normal,
-        mean_tangential_load=load.mean_tangential_load * tangential,
-        tangential_amplitude=load.tangential_amplitude * tangential,
+        mean_normal_load=load.mean_normal_load * normal_factor,
+        normal_amplitude=load.normal_amplitude * normal_factor,
+        mean_tangential_load=load.mean_tangential_load * tangential_factor,
+        tangential_amplitude=load.tangential_amplitude * tangential_factor,
         phase_degrees=load.phase_degrees + samples.get("phase_degrees", 0.0),
     )
     values = {WORK: batch.value * modulus}
@@ -815,8 +815,8 @@ def values_one_by_one(scene: Scene, samples: Mapping[str, Array]) -> tuple[dict[
     slides = np.zeros(count, dtype=bool)
     for k in range(count):
         try:
-            moved = scene.moved({key: float(row[k]) for key, row in samples.items()})
-            answer = semi_analytic.solve(moved, x=0.0, fields=(WORK,))
+            moved_scene = scene.moved({key: float(row[k]) for key, row in samples.items()})
+            answer = semi_analytic.solve(moved_scene, x=0.0, fields=(WORK,))
         except InadmissibleLoadError:
             slides[k] = True
         except InputError:  # no scene can have these inputs: counted by its NaN
@@ -873,8 +873,8 @@ def _input_effects(scene: Scene, effects: BodyEffects | None) -> InputEffects:
     notes = []
     quantities = OF_DRIVEN if scene.load.is_driven else QUANTITIES_OF_THEORY
 
-    def effects_of(moved: Scene) -> BodyEffects | None:
-        return _effects_of_driven(moved, scene, effects)
+    def effects_of(moved_scene: Scene) -> BodyEffects | None:
+        return _effects_of_driven(moved_scene, scene, effects)
 
     middle = values_of_theory(scene, effects_of(scene))
     values = {}
@@ -918,17 +918,17 @@ def _unknown(entry: Input, middle: _Values) -> _Move:
 
 
 def _effects_of_driven(
-    moved: Scene, scene: Scene, effects: BodyEffects | None
+    moved_scene: Scene, scene: Scene, effects: BodyEffects | None
 ) -> BodyEffects | None:
     """What theory of a prescribed displacement needs of the bodies; None of given loads."""
-    if not moved.load.is_driven or moved.bodies.half_planes:
+    if not moved_scene.load.is_driven or moved_scene.bodies.half_planes:
         return None
     import halfplane_fe
 
-    is_same = moved.bodies == scene.bodies and moved.material == scene.material
+    is_same = moved_scene.bodies == scene.bodies and moved_scene.material == scene.material
     if effects is not None and is_same:
         return effects
-    return halfplane_fe.body_effects(moved)
+    return halfplane_fe.body_effects(moved_scene)
 
 
 def _difference(
@@ -939,13 +939,13 @@ def _difference(
     if effects is None:
         effects = halfplane_fe.body_effects(scene)
     middle, moves = moves_of_difference(scene, effects)
-    found = {}
+    differences = {}
     for key, value in middle.items():
         if math.isfinite(value):
             words = f"difference of the {QUANTITIES_OF_THEORY[key].words}"
             quantity = QUANTITIES_OF_THEORY[key]._replace(words=words, unit="share")
-            found[key] = propagated(quantity, value, moves, key, correlation)
-    return found
+            differences[key] = propagated(quantity, value, moves, key, correlation)
+    return differences
 
 
 def _reason_for_draws(scene: Scene, values: Mapping[str, Propagated]) -> str:
@@ -976,9 +976,9 @@ def _distance_to_sliding(scene: Scene) -> float:
         elif entry.key == "tangential_load":
             change = ratio * entry.standard
         elif entry.key == "phase_degrees":
-            above = nearest_to_sliding(scene.moved({entry.key: entry.standard})).ratio
-            below = nearest_to_sliding(scene.moved({entry.key: -entry.standard})).ratio
-            change = (above - below) / 2
+            ratio_above = nearest_to_sliding(scene.moved({entry.key: entry.standard})).ratio
+            ratio_below = nearest_to_sliding(scene.moved({entry.key: -entry.standard})).ratio
+            change = (ratio_above - ratio_below) / 2
         changes.append(change)
     moves = np.array(changes)
     variance = float(moves @ scene.uncertainty.correlation_matrix() @ moves)

@@ -74,10 +74,10 @@ def check_record(scene: Scene) -> RecordCheck | None:
     if not isinstance(load, TimeSeriesLoad):
         return None
     rows = load.used_rows().values
-    kept = len(load.kept_rows())
+    n_kept = len(load.kept_rows())
     noise = (noise_of(rows[:, _NORMAL]), noise_of(rows[:, _TANGENTIAL]))
     if len(rows) > _MOST_ROWS or load.repeats:
-        return RecordCheck(len(rows), kept, None, None, None, None, noise, 1, None)
+        return RecordCheck(len(rows), n_kept, None, None, None, None, noise, 1, None)
 
     all_kept: dict[str, Any] = {"reduce": None, "threshold": None}
     dissipation = _work(scene)
@@ -95,7 +95,7 @@ def check_record(scene: Scene) -> RecordCheck | None:
             averaged = _work(scene, average=average, **all_kept)
     return RecordCheck(
         len(rows),
-        kept,
+        n_kept,
         dissipation,
         unreduced,
         all_rows,
@@ -111,9 +111,11 @@ def _work(scene: Scene, **changes: Any) -> float | None:
     import semi_analytic
 
     try:
-        other = scene.vary(load=changes) if changes else scene
-        ends = other.load.series()[[0, -1], 0]  # type: ignore[union-attr]
-        return semi_analytic.solve(other, x=[0.0], time=ends, fields=("dissipation",)).dissipation
+        changed_scene = scene.vary(load=changes) if changes else scene
+        ends = changed_scene.load.series()[[0, -1], 0]  # type: ignore[union-attr]
+        return semi_analytic.solve(
+            changed_scene, x=[0.0], time=ends, fields=("dissipation",)
+        ).dissipation
     except InputError:
         return None
 
@@ -136,15 +138,15 @@ def noise_of(values: Array) -> float:
     values = values[:_PREDICTED]
     if len(values) < _LEAST_ROWS:
         return 0.0
-    second = _sigma_of_differences(values, 2, 6)
+    sigma_of_second = _sigma_of_differences(values, 2, 6)
     fourth = _sigma_of_differences(values, 4, 70)
-    if not (fourth > 0 and _LEAST_RATIO < second / fourth < _MOST_RATIO):
+    if not (fourth > 0 and _LEAST_RATIO < sigma_of_second / fourth < _MOST_RATIO):
         return 0.0
     windows = np.lib.stride_tricks.sliding_window_view(values - np.mean(values), _LAGS + 1)
-    before = windows[:, :-1]
-    after = windows[:, -1]
-    weights = np.linalg.lstsq(before, after, rcond=None)[0]
-    not_predicted = float(np.std(after - before @ weights))
+    values_before = windows[:, :-1]
+    value_after = windows[:, -1]
+    weights = np.linalg.lstsq(values_before, value_after, rcond=None)[0]
+    not_predicted = float(np.std(value_after - values_before @ weights))
     return fourth if not_predicted > _LEAST_RATIO * fourth else 0.0
 
 
@@ -177,24 +179,24 @@ class Sentence(NamedTuple):
     warns: bool
 
 
-def record_in_words(scene: Scene, found: RecordCheck) -> Iterator[Sentence]:
+def record_in_words(scene: Scene, record: RecordCheck) -> Iterator[Sentence]:
     """What counts of a record, and what reduction, threshold and noise change in W."""
     load = scene.load
     assert isinstance(load, TimeSeriesLoad)
     yield from _rows_in_words(scene, load)
     if load.reduce is not None:
-        yield _reduction_in_words(scene, load, found)
-    if found.half_threshold is not None and found.dissipation:
-        share = _change(found.half_threshold, found.dissipation)
+        yield _reduction_in_words(scene, load, record)
+    if record.half_threshold is not None and record.dissipation:
+        share = _change(record.half_threshold, record.dissipation)
         text = f"With half the threshold W changes by {_per_cent(share)}."
         yield Sentence(text, abs(share) > _WARNED)
-    if any(found.noise):
-        yield _noise_in_words(scene, load, found)
+    if any(record.noise):
+        yield _noise_in_words(scene, load, record)
 
 
-def _change(value: float | None, before: float | None) -> float:
+def _change(value: float | None, value_before: float | None) -> float:
     """Relative change of a value; 0 where either is unknown."""
-    return value / before - 1 if value is not None and before else 0.0
+    return value / value_before - 1 if value is not None and value_before else 0.0
 
 
 def _per_cent(share: float) -> str:
@@ -203,15 +205,16 @@ def _per_cent(share: float) -> str:
 
 def _rows_in_words(scene: Scene, load: TimeSeriesLoad) -> Iterator[Sentence]:
     """Which rows count, where not all do."""
-    first, beyond = load.bounds()
-    if beyond - first < len(load.rows):
+    first_row, row_beyond = load.bounds()
+    if row_beyond - first_row < len(load.rows):
         yield Sentence(
-            f"Rows {first + 1:,} to {beyond:,} of {len(load.rows):,} count, by the keys start and"
+            f"Rows {first_row + 1:,} to {row_beyond:,} of {len(load.rows):,} count, by the keys"
+            " start and"
             " end.",
             warns=False,
         )
     if load.least_normal_load is not None:
-        is_below = load.rows.values[first:beyond, _NORMAL] < load.least_normal_load
+        is_below = load.rows.values[first_row:row_beyond, _NORMAL] < load.least_normal_load
         yield Sentence(
             f"P is below least_normal_load = {number(load.least_normal_load)} {load_unit(scene)} in"
             f" {np.count_nonzero(is_below):,} of the rows: Q counts as 0 there. Of these the first"
@@ -220,33 +223,33 @@ def _rows_in_words(scene: Scene, load: TimeSeriesLoad) -> Iterator[Sentence]:
         )
 
 
-def _reduction_in_words(scene: Scene, load: TimeSeriesLoad, found: RecordCheck) -> Sentence:
+def _reduction_in_words(scene: Scene, load: TimeSeriesLoad, record: RecordCheck) -> Sentence:
     """How many rows the path goes through, and what leaving out the others changes in W."""
-    path = f"The path goes through {found.kept:,} of {found.rows:,} rows"
+    path = f"The path goes through {record.kept:,} of {record.rows:,} rows"
     all_of = "all of them" if load.average == 1 else f"all means of {load.average}"
-    if found.dissipation is None and found.unreduced is None:
+    if record.dissipation is None and record.unreduced is None:
         return Sentence(f"{path}; what that changes in W was not computed.", warns=False)
-    if found.unreduced is None:
+    if record.unreduced is None:
         text = f"{path}; {all_of} have no solution, so the change of W is not known."
         return Sentence(text, warns=True)
-    share = _change(found.dissipation, found.unreduced)
+    share = _change(record.dissipation, record.unreduced)
     text = (
-        f"{path}: by half-plane theory W = {number(found.dissipation or 0.0)}"
-        f" {energy_unit(scene)}, and {number(found.unreduced)} with {all_of}"
+        f"{path}: by half-plane theory W = {number(record.dissipation or 0.0)}"
+        f" {energy_unit(scene)}, and {number(record.unreduced)} with {all_of}"
         f" ({_per_cent(share)})."
     )
     return Sentence(text, abs(share) > _WARNED)
 
 
-def _noise_in_words(scene: Scene, load: TimeSeriesLoad, found: RecordCheck) -> Sentence:
+def _noise_in_words(scene: Scene, load: TimeSeriesLoad, record: RecordCheck) -> Sentence:
     """How noisy the rows are, and what that makes of W."""
-    sigma_normal, sigma_tangential = found.noise
+    sigma_normal, sigma_tangential = record.noise
     noise = (
         f"The rows look noisy: standard deviation {sigma_normal:.2g} of P and"
         f" {sigma_tangential:.2g} {load_unit(scene)} of Q"
     )
     if load.average > 1:
-        share = _change(found.unreduced, found.all_rows)
+        share = _change(record.unreduced, record.all_rows)
         cause = ""
         if abs(share) > _WARNED:
             cause = (
@@ -255,16 +258,16 @@ def _noise_in_words(scene: Scene, load: TimeSeriesLoad, found: RecordCheck) -> S
             )
         text = f"{noise}. The means of {load.average} rows change W by {_per_cent(share)}{cause}."
         return Sentence(text, warns=False)
-    if found.by_noise is None:
+    if record.by_noise is None:
         text = (
             f"{noise}. How much of W is noise can't be told: there are too few rows a cycle, or the"
             " record repeats."
         )
         return Sentence(text, warns=False)
-    share = _change(found.averaged, found.all_rows)
+    share = _change(record.averaged, record.all_rows)
     warns = abs(share) > _WARNED
-    cure = f"; load.average = {found.average} takes it out" if warns else ""
-    text = f"{noise}. Means of {found.average} rows change W by {_per_cent(share)}{cure}."
+    cure = f"; load.average = {record.average} takes it out" if warns else ""
+    text = f"{noise}. Means of {record.average} rows change W by {_per_cent(share)}{cure}."
     return Sentence(text, warns)
 
 
@@ -308,14 +311,14 @@ class LoadCycles:
 
     def content(self) -> dict[str, Any]:
         """For JSON: of many cycles those of most dissipation, of many instants some, evenly."""
-        most = sorted(self.cycles, key=lambda cycle: -cycle.dissipation)[:_LISTED]
+        cycles_listed = sorted(self.cycles, key=lambda cycle: -cycle.dissipation)[:_LISTED]
         instants = np.unique(np.linspace(0, len(self.time) - 1, _INSTANTS).astype(int))
         return {
             "method": "rainflow count of Q, ASTM E1049",
             "counted": self.counted,
             "dissipation_per_cycle": self.per_cycle,
-            "not_listed": len(self.cycles) - len(most),
-            "cycles": [asdict(cycle) for cycle in most],
+            "not_listed": len(self.cycles) - len(cycles_listed),
+            "cycles": [asdict(cycle) for cycle in cycles_listed],
             "cumulative": {
                 "time": self.time[instants],
                 "dissipation": self.cumulative[instants],
@@ -355,15 +358,17 @@ def load_cycles(solution: ContactSolution) -> LoadCycles | None:
     time = time[in_record]
     so_far = np.cumsum(work[in_record])
     so_far -= so_far[0]
-    solved = rows[rows[:, _TIME] <= time[-1] + slack]
+    solved_rows = rows[rows[:, _TIME] <= time[-1] + slack]
     cycles = [
         replace(cycle, start=cycle.start + last_start, end=cycle.end + last_start)
-        for cycle in with_work(counted(solved[:, _TIME], solved[:, _TANGENTIAL]), time, so_far)
+        for cycle in with_work(
+            counted(solved_rows[:, _TIME], solved_rows[:, _TANGENTIAL]), time, so_far
+        )
     ]
     return LoadCycles(tuple(cycles), time + last_start, so_far)
 
 
-def _work_at_rows(scene: Scene, rows: Array, late: float) -> tuple[Array, Array]:
+def _work_at_rows(scene: Scene, rows: Array, late_time: float) -> tuple[Array, Array]:
     """Times of rows (n, 3) and of the ends of their cycles, and W since the time before each, by
     half-plane theory.
 
@@ -374,18 +379,18 @@ def _work_at_rows(scene: Scene, rows: Array, late: float) -> tuple[Array, Array]
 
     row_times = rows[:, _TIME]
     ends = np.unique([cycle.end for cycle in counted(row_times, rows[:, _TANGENTIAL])])
-    after = np.clip(np.searchsorted(row_times, ends), 1, len(rows) - 1)
-    to_after = np.abs(row_times[after] - ends)
-    from_before = np.abs(ends - row_times[after - 1])
-    spacing = row_times[after] - row_times[after - 1]
+    row_after = np.clip(np.searchsorted(row_times, ends), 1, len(rows) - 1)
+    to_after = np.abs(row_times[row_after] - ends)
+    from_before = np.abs(ends - row_times[row_after - 1])
+    spacing = row_times[row_after] - row_times[row_after - 1]
     between_rows = ends[np.minimum(to_after, from_before) > 1e-9 * spacing]
     time = np.sort(np.concatenate([row_times, between_rows]))
-    normal = np.interp(time, row_times, rows[:, _NORMAL])
-    tangential = np.interp(time, row_times, rows[:, _TANGENTIAL])
-    path = np.column_stack([time, normal, tangential])
+    normal_load = np.interp(time, row_times, rows[:, _NORMAL])
+    tangential_load = np.interp(time, row_times, rows[:, _TANGENTIAL])
+    path = np.column_stack([time, normal_load, tangential_load])
     repeats = scene.load.repeats  # type: ignore[union-attr]
     closer = scene.vary(load=TimeSeriesLoad(rows=path, repeats=repeats))
-    solution = semi_analytic.solve(closer, x=[0.0], time=time + late, fields=("dissipation",))
+    solution = semi_analytic.solve(closer, x=[0.0], time=time + late_time, fields=("dissipation",))
     return time, solution.record.energy["dissipation"]
 
 
@@ -399,9 +404,9 @@ def counted(time: Array, force: Array) -> list[LoadCycle]:
     from rainflow import extract_cycles
 
     cycles = []
-    for size, mean, count, first, last in extract_cycles(force.tolist()):
-        end = _back(time, force, first, last) if count == 1 else float(time[last])
-        cycles.append(LoadCycle(count, size, mean, float(time[first]), end, 0.0))
+    for size, mean, count, first_row, last_row in extract_cycles(force.tolist()):
+        end = _back(time, force, first_row, last_row) if count == 1 else float(time[last_row])
+        cycles.append(LoadCycle(count, size, mean, float(time[first_row]), end, 0.0))
     return sorted(cycles, key=lambda cycle: (cycle.end, -cycle.start))
 
 
@@ -421,16 +426,16 @@ def with_work(cycles: Sequence[LoadCycle], time: Array, so_far: Array) -> Iterat
         yield replace(cycle, dissipation=work_alone)
 
 
-def _back(time: Array, force: Array, first: int, last: int) -> float:
-    """When the force, after the row `last`, is again what it was at the row `first`."""
-    level = force[first]
-    direction = np.sign(level - force[last])
-    begin = last + 1
+def _back(time: Array, force: Array, first_row: int, last_row: int) -> float:
+    """When the force, after the row `last_row`, is again what it was at the row `first_row`."""
+    level = force[first_row]
+    direction = np.sign(level - force[last_row])
+    begin = last_row + 1
     count = 64  # rows that are looked at together
     while begin < len(force):
-        beyond = np.flatnonzero(direction * (force[begin : begin + count] - level) >= 0)
-        if len(beyond):
-            row = begin + int(beyond[0])
+        rows_beyond = np.flatnonzero(direction * (force[begin : begin + count] - level) >= 0)
+        if len(rows_beyond):
+            row = begin + int(rows_beyond[0])
             share = (level - force[row - 1]) / (force[row] - force[row - 1])
             return float(time[row - 1] + share * (time[row] - time[row - 1]))
         begin += count

@@ -88,8 +88,8 @@ def fit_uncertainty(scene: Scene, resamples: int = _RESAMPLES, seed: int = 0) ->
     InputError
         For a scene whose profile is not fitted.
     """
-    fitted = fit_of(scene)
-    if fitted is None:
+    fit = fit_of(scene)
+    if fit is None:
         raise InputError(
             f"{scene.name}: its profile is not fitted to rows, so that there is no noise to follow"
         )
@@ -100,7 +100,7 @@ def fit_uncertainty(scene: Scene, resamples: int = _RESAMPLES, seed: int = 0) ->
     of_fit = _values(scene, way)
     resampled = []
     for _ in range(count):
-        noise = _noise(random, fitted, pattern)
+        noise = _noise(random, fit, pattern)
         values = _values_of_another_fit(scene, fitted_again(scene.profile, noise), way)
         if values is not None:
             resampled.append(values)
@@ -114,13 +114,13 @@ def fit_uncertainty(scene: Scene, resamples: int = _RESAMPLES, seed: int = 0) ->
     # The mean is what the fit itself errs by at this noise: a curve that may not bend down, or is
     # smoothed, has some.
     bias = np.abs(np.mean(changes, axis=0))
-    if fitted.weight:
+    if fit.weight:
         less_smoothed = fitted_again(scene.profile, smoothing=0.1)
         closer = _values_of_another_fit(scene, less_smoothed, way)
         if closer is not None:
             bias = np.maximum(bias, np.abs(closer - of_fit))
     uncertainty = 2 * np.std(changes, axis=0) + bias
-    if pattern is not None and fitted.kind != "smoothing_spline":
+    if pattern is not None and fit.kind != "smoothing_spline":
         spline = _values_of_another_fit(scene, fitted_by_spline(scene.profile), way)
         if spline is None:
             raise InputError(
@@ -177,13 +177,15 @@ def _pattern(scene: Scene) -> NDArray[np.float64] | None:
     Of white noise neighbouring residuals are not correlated, and the mean of m of them has a
     variance m times less. Chance alone misses either in one case of 1,000.
     """
-    fitted = fit_of(scene)
-    assert fitted is not None
-    used = fitted.used_rows()
-    residuals = fitted.residuals(scene.profile.height)[used]
+    fit = fit_of(scene)
+    assert fit is not None
+    used_rows = fit.used_rows()
+    residuals = fit.residuals(scene.profile.height)[used_rows]
     residuals = residuals - np.mean(residuals)
     square = float(residuals @ residuals)
-    if np.sqrt(square / len(residuals)) <= _ROUND_OFF * float(np.ptp(fitted.rows.values[used, 1])):
+    if np.sqrt(square / len(residuals)) <= _ROUND_OFF * float(
+        np.ptp(fit.rows.values[used_rows, 1])
+    ):
         return None
     count = len(residuals)
     correlation = float(residuals[1:] @ residuals[:-1]) / square
@@ -191,21 +193,21 @@ def _pattern(scene: Scene) -> NDArray[np.float64] | None:
     blocks = count // size
     means = residuals[: blocks * size].reshape(blocks, size).mean(axis=1)
     excess = size * float(np.mean(means**2)) / (square / count) - 1
-    alike = correlation * np.sqrt(count) > _CHANCE or excess > _CHANCE * np.sqrt(2 / blocks)
-    return residuals if alike else None
+    has_pattern = correlation * np.sqrt(count) > _CHANCE or excess > _CHANCE * np.sqrt(2 / blocks)
+    return residuals if has_pattern else None
 
 
 def _noise(
-    random: np.random.Generator, fitted: Fitted, pattern: NDArray[np.float64] | None
+    random: np.random.Generator, fit: Fitted, pattern: NDArray[np.float64] | None
 ) -> NDArray[np.float64]:
     """Noise (n,) of another measurement over that of the fit, with the pattern of the residuals
     moved along x.
     """
-    noise = random.standard_normal(len(fitted.rows) - fitted.left_out)
+    noise = random.standard_normal(len(fit.rows) - fit.left_out)
     if pattern is None:
         return noise
-    moved = np.roll(pattern, random.integers(len(pattern)))[:: random.choice([-1, 1])]
-    return np.asarray(noise + random.choice([-1.0, 1.0]) * moved / fitted.noise)
+    shifted_pattern = np.roll(pattern, random.integers(len(pattern)))[:: random.choice([-1, 1])]
+    return np.asarray(noise + random.choice([-1.0, 1.0]) * shifted_pattern / fit.noise)
 
 
 def _values(scene: Scene, way: _Work) -> NDArray[np.float64]:
@@ -249,24 +251,24 @@ def fit_in_words(scene: Scene, half_width: float) -> list[str]:
     half_width
         of the largest contact
     """
-    fitted = fit_of(scene)
-    if fitted is None:
+    fit = fit_of(scene)
+    if fit is None:
         return []
     _, length, _ = units(scene)
-    how_centred = "fitted" if fitted.centre_fitted else "given"
-    centre = f"Its middle, {how_centred}, is x = {number(fitted.centre)} {length}"
-    if fitted.tilt_fitted:
-        centre += f", and its tilt, fitted and taken out, is {number(fitted.tilt)} rad"
-    elif fitted.tilt:
-        centre += f", and a tilt of {number(fitted.tilt)} rad was taken out, as stated"
-    left_out = f", {fitted.left_out} beyond the extent left out" if fitted.left_out else ""
-    noise_source = "stated" if fitted.noise_stated else "taken from these residuals"
-    rows = len(fitted.rows) - fitted.left_out
+    how_centred = "fitted" if fit.centre_fitted else "given"
+    centre = f"Its middle, {how_centred}, is x = {number(fit.centre)} {length}"
+    if fit.tilt_fitted:
+        centre += f", and its tilt, fitted and taken out, is {number(fit.tilt)} rad"
+    elif fit.tilt:
+        centre += f", and a tilt of {number(fit.tilt)} rad was taken out, as stated"
+    left_out = f", {fit.left_out} beyond the extent left out" if fit.left_out else ""
+    noise_source = "stated" if fit.noise_stated else "taken from these residuals"
+    rows = len(fit.rows) - fit.left_out
     return [
         (
             f"The profile is {_shape_in_words(scene)}, fitted to {rows} rows of"
-            f" {fitted.source}{left_out}. {centre}. Residuals are {fitted.residual:.3g} {length}"
-            f" (root mean square), the noise is {fitted.noise:.3g} {length} ({noise_source})."
+            f" {fit.source}{left_out}. {centre}. Residuals are {fit.residual:.3g} {length}"
+            f" (root mean square), the noise is {fit.noise:.3g} {length} ({noise_source})."
         ),
         *fit_warnings(scene, half_width),
     ]
@@ -298,8 +300,8 @@ def fit_warnings(scene: Scene, half_width: float) -> list[str]:
     half_width
         of the largest contact
     """
-    fitted = fit_of(scene)
-    if fitted is None:
+    fit = fit_of(scene)
+    if fit is None:
         return []
     _, length, _ = units(scene)
     warnings = []
@@ -307,14 +309,14 @@ def fit_warnings(scene: Scene, half_width: float) -> list[str]:
     if pattern is not None:
         warnings.append(
             "The residuals are no noise: they have a pattern along x. Rows that are"
-            f" {fitted.kind.replace('_', ' ')} do not leave one: take another kind of fit, or a"
+            f" {fit.kind.replace('_', ' ')} do not leave one: take another kind of fit, or a"
             " smaller extent. The uncertainty is widened: by this pattern moved along x, and by"
             " the change that a smoothing spline makes."
         )
-    rows = len(fitted.rows) - fitted.left_out
+    rows = len(fit.rows) - fit.left_out
     # of the residuals' variance over that of the noise
-    excess = (fitted.residual / fitted.noise) ** 2 * rows / fitted.freedom
-    if fitted.noise_stated and abs(excess - 1) > _CHANCE * np.sqrt(2 / fitted.freedom):
+    excess = (fit.residual / fit.noise) ** 2 * rows / fit.freedom
+    if fit.noise_stated and abs(excess - 1) > _CHANCE * np.sqrt(2 / fit.freedom):
         cause = "the noise is smaller than stated, or the rows were smoothed before"
         if excess > 1:
             cause = "this kind of profile does not describe the rows, or the noise is larger"
@@ -324,16 +326,16 @@ def fit_warnings(scene: Scene, half_width: float) -> list[str]:
             f"The residuals are {np.sqrt(excess):.2g} times what the stated noise explains:"
             f" {cause}."
         )
-    if half_width > fitted.extent:
+    if half_width > fit.extent:
         warnings.append(
             f"The largest contact, a = {half_width:.4g} {length}, is wider than the rows, which"
-            f" reach {fitted.extent:.4g} {length} from the middle: beyond them the fit is an"
+            f" reach {fit.extent:.4g} {length} from the middle: beyond them the fit is an"
             " extrapolation."
         )
     return warnings
 
 
-def _uncertainty_in_words(scene: Scene, found: FitUncertainty) -> str:
+def _uncertainty_in_words(scene: Scene, uncertainty: FitUncertainty) -> str:
     """The three values, with what makes them uncertain."""
     _, length, stress = units(scene)
 
@@ -342,12 +344,14 @@ def _uncertainty_in_words(scene: Scene, found: FitUncertainty) -> str:
             return "0"
         return f"{spread.value:.6g} ± {100 * spread.uncertainty / spread.value:.2g} %"
 
-    work = f"W = {share(found.dissipation)}, " if found.dissipation else ""
-    failed = f", {found.failed} of them unfit" if found.failed else ""
+    work = f"W = {share(uncertainty.dissipation)}, " if uncertainty.dissipation else ""
+    words_of_failed = f", {uncertainty.failed} of them unfit" if uncertainty.failed else ""
     return (
-        f"The noise of the rows leaves open (95 %): {work}a = {share(found.half_width)} {length},"
-        f" p0 = {share(found.peak_pressure)} {stress}. That is by {found.resamples} other"
-        f" measurements with this noise{failed}."
+        f"The noise of the rows leaves open (95 %): {work}a = {share(uncertainty.half_width)}"
+        f" {length},"
+        f" p0 = {share(uncertainty.peak_pressure)} {stress}. That is by {uncertainty.resamples}"
+        " other"
+        f" measurements with this noise{words_of_failed}."
     )
 
 

@@ -166,6 +166,6 @@ def with_budget(comparison: Comparison, budget: ErrorBudget) -> Report:
     """A report of `comparison` with its budget, every metric with the uncertainty that it is judged
     with.
     """
-    judged = {entry.metric.key: entry.judged for entry in budget.budgets}
-    metrics = tuple(judged.get(metric.key, metric) for metric in comparison.metrics)
+    judged_by_key = {entry.metric.key: entry.judged for entry in budget.budgets}
+    metrics = tuple(judged_by_key.get(metric.key, metric) for metric in comparison.metrics)
     return Report(replace(comparison, metrics=metrics), budget)

@@ -103,13 +103,13 @@ class AgainstMeasurement:
                 ("measurement", self.measurement),
             )
         ]
-        said = (
+        sentence = (
             f"E of {self.words}, {self.model} minus measured, is {amount} % (u_val of"
             f" {', '.join(parts)}): {self.verdict}."
         )
         if self.not_stated:
-            said += f" Not stated, and so taken as 0: {', '.join(self.not_stated)}."
-        return said
+            sentence += f" Not stated, and so taken as 0: {', '.join(self.not_stated)}."
+        return sentence
 
     def content(self) -> dict[str, Any]:
         """For JSON."""
@@ -149,21 +149,21 @@ def _against_result(
     for key, (name, words) in _SCORED.items():
         metric = comparison.metric(key)
         value = effects.values.get(name)
-        known = metric.value is not None and not metric.absolute and math.isfinite(metric.value)
-        if not known or value is None or not value.value:
+        is_known = metric.value is not None and not metric.absolute and math.isfinite(metric.value)
+        if not is_known or value is None or not value.value:
             continue
-        relative = effects.work_uncertainty if name == WORK else value.relative
+        relative_uncertainty = effects.work_uncertainty if name == WORK else value.relative
         result = value.value * (1 + float(metric.value or 0.0))
-        stated = measured.share(key)
+        stated_share = measured.share(key)
         yield AgainstMeasurement(
             words=words,
             model="theory",
             computed=value.value,
             measured=result,
             numerical=0.0,
-            inputs=relative * value.value,
-            measurement=(stated or 0.0) * result,
-            not_stated=("u_D of the result",) if stated is None else (),
+            inputs=relative_uncertainty * value.value,
+            measurement=(stated_share or 0.0) * result,
+            not_stated=("u_D of the result",) if stated_share is None else (),
         )
 
 
@@ -180,31 +180,31 @@ def against_loop(
         return ()
     area = score.rows[0]
     of_rows = math.hypot(area.by_distance / math.sqrt(3), area.by_noise / _OF_95)
-    stated = measured.share("dissipation")
-    measurement = math.hypot(of_rows, (stated or 0.0) * area.area)
-    found = []
+    stated_share = measured.share("dissipation")
+    measurement = math.hypot(of_rows, (stated_share or 0.0) * area.area)
+    entries = []
     for row in score.rows[1:]:
-        model, _, which = row.name.partition(", ")
-        if which != OF_SCENE:
+        model, _, engine = row.name.partition(", ")
+        if engine != OF_SCENE:
             continue
-        not_stated = [] if stated is not None else ["u_D of all but the rows' scatter"]
-        numerical = _OF_THEORY * row.area
+        not_stated = [] if stated_share is not None else ["u_D of all but the rows' scatter"]
+        numerical_error = _OF_THEORY * row.area
         if model != "theory":
-            numerical = 0.0
+            numerical_error = 0.0
             not_stated.append(f"u_num of the {model}")
-        found.append(
+        entries.append(
             AgainstMeasurement(
                 words="W",
                 model=model,
                 computed=row.area,
                 measured=area.area,
-                numerical=numerical,
+                numerical=numerical_error,
                 inputs=effects.work_uncertainty * row.area,
                 measurement=measurement,
                 not_stated=tuple(not_stated),
             )
         )
-    return tuple(found)
+    return tuple(entries)
 
 
 IF_MEASURED = (
@@ -217,9 +217,9 @@ OF_A_MODEL = (
 )
 
 
-def sentences(found: Sequence[AgainstMeasurement], *, is_measured: bool) -> list[str]:
+def sentences(entries: Sequence[AgainstMeasurement], *, is_measured: bool) -> list[str]:
     """What they say of a result, which may be a measurement or not."""
-    said = [entry.sentence for entry in found]
-    if not said or is_measured:
-        return said
-    return [IF_MEASURED, *said, OF_A_MODEL]
+    sentences_of_entries = [entry.sentence for entry in entries]
+    if not sentences_of_entries or is_measured:
+        return sentences_of_entries
+    return [IF_MEASURED, *sentences_of_entries, OF_A_MODEL]

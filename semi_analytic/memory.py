@@ -375,9 +375,9 @@ def _slipped_on_arc(
     rise = change_from(piece.anchor, leg, slip_level, time)
     # Back from the end of the arc, where the path may have turned: counted from its begin, rounding
     # would leave half the digits.
-    front = arc_leg.time_of(slip_level, rise, end, begin)
+    time_at_front = arc_leg.time_of(slip_level, rise, end, begin)
     return change_from(piece.anchor, leg, NORMAL_LOAD, time) - arc_leg.change_of(
-        NORMAL_LOAD, front, end
+        NORMAL_LOAD, time_at_front, end
     )
 
 

@@ -907,22 +907,26 @@ _LEAST_SUMS = np.cosh(30.0 / (2 * np.array(_COUNTS)))[:, None]
 
 
 def works_by_lam(
-    e: Ellipses, quick: Area, careful: Area, deep_share: float, least: float = _FLOOR
+    e: Ellipses,
+    quick_area: Area,
+    careful_area: Area,
+    deep_share: float,
+    least_share: float = _FLOOR,
 ) -> tuple[Array, Array]:
     """Forward and reverse part of W pi E*/(2 f^2), (m,), over what the areas are of Lam: each
     member by as many nodes as it needs.
 
-    `quick` is right to rounding of P - P_c and serves where that reaches a share `deep` of P0;
-    `careful` to rounding of itself. The areas are asked for no load below the share `least` of P0,
-    and for none above P0 + P1 but for rounding.
+    `quick_area` is right to rounding of P - P_c and serves where that reaches the share
+    `deep_share` of P0; `careful_area` to rounding of itself. The areas are asked for no load
+    below the share `least_share` of P0, and for none above P0 + P1 but for rounding.
     """
     # Where u is next to nothing, as at tangency, a phase with no slip to speak of would add
     # rounding times v.
-    unlike = np.minimum(e.u, e.v) <= deep_share * np.maximum(e.u, e.v)
+    is_unlike = np.minimum(e.u, e.v) <= deep_share * np.maximum(e.u, e.v)
     # Members alike together: the same rule, and the same way to Lam.
-    kind = 2 * _rule_of(e) + ((e.deepest <= deep_share * e.mean) | unlike)
+    kind = 2 * _rule_of(e) + ((e.deepest <= deep_share * e.mean) | is_unlike)
     order = np.argsort(kind, kind="stable")
-    loops = _rows(e, least).take(order, axis=1)
+    loops = _rows(e, least_share).take(order, axis=1)
     sums = np.empty((3, len(order)))
     bounds = np.cumsum(np.bincount(kind, minlength=2 * len(_RULES)))
     # Used again and again: what is allocated once stays in the cache.
@@ -931,14 +935,14 @@ def works_by_lam(
         step = max(_NODES // len(_RULES[number // 2][0]), 64)
         for begin in range(bounds[number - 1] if number else 0, bounds[number], step):
             block = slice(begin, min(begin + step, bounds[number]))
-            area = careful if number % 2 else quick
+            area = careful_area if number % 2 else quick_area
             sums[:, order[block]] = phase_integrals(
                 loops[:, block], _RULES[number // 2], area, memory
             )
-    reverse, sum_later, sum_early = 2 * sums
+    reverse_sum, sum_later, sum_early = 2 * sums
     k = 4 * e.amplitude * e.sine
     sum_early *= (math.pi - e.turn) * e.u / np.where(k > _FLOOR * e.mean, k, np.inf)
-    return sum_later * e.turn * e.u + sum_early, reverse * e.turn * e.v
+    return sum_later * e.turn * e.u + sum_early, reverse_sum * e.turn * e.v
 
 
 def lam_error(e: Ellipses, work: Array, deep_share: float, size: Array | float) -> Array:

@@ -56,13 +56,13 @@ class Scale:
         (array([25.]), array([0.5]))
         """
         numbers = np.asarray(values, dtype=float)
-        low = self.low
-        high = self.high
+        low_value = self.low
+        high_value = self.high
         if self.log:
             numbers = np.log10(np.where(numbers > 0, numbers, np.nan))
-            low = float(np.log10(low))
-            high = float(np.log10(high))
-        share = (numbers - low) / (high - low)
+            low_value = float(np.log10(low_value))
+            high_value = float(np.log10(high_value))
+        share = (numbers - low_value) / (high_value - low_value)
         return np.asarray(self.start + share * (self.end - self.start))
 
     @property
@@ -86,9 +86,9 @@ def _ticks(low: float, high: float, count: int = 5, *, log: bool = False) -> lis
 
 def _ticks_of_powers(low: float, high: float, count: int) -> list[float]:
     """Powers of ten, at most about `count`; with two and five times them where there are few."""
-    first = np.ceil(np.log10(low) - 1e-9)
-    last = np.floor(np.log10(high) + 1e-9)
-    powers = np.arange(first, last + 1)
+    first_power = np.ceil(np.log10(low) - 1e-9)
+    last_power = np.floor(np.log10(high) + 1e-9)
+    powers = np.arange(first_power, last_power + 1)
     if len(powers) >= 3:
         stride = -(-len(powers) // (count + 1))
         return [10.0**power for power in powers[::stride]]
@@ -99,23 +99,23 @@ def _ticks_of_powers(low: float, high: float, count: int) -> list[float]:
 
 def _even_ticks(low: float, high: float, count: int) -> list[float]:
     """Multiples of 1, 2, 2.5 or 5 times a power of ten, about `count` of them."""
-    rough = (high - low) / count
-    power = 10.0 ** np.floor(np.log10(rough))
+    rough_step = (high - low) / count
+    power = 10.0 ** np.floor(np.log10(rough_step))
     steps = [step * power for step in (1, 2, 2.5, 5, 10)]
-    coarse = next(k for k, step in enumerate(steps) if step >= 0.999 * rough)
-    numbers = _multiples(low, high, steps[coarse])
+    coarse_step = next(k for k, step in enumerate(steps) if step >= 0.999 * rough_step)
+    numbers = _multiples(low, high, steps[coarse_step])
     # One number says nothing of an axis' scale: then the next finer step, which is below `rough`
     # and has more than one.
-    if len(numbers) <= 1 and coarse > 0:
-        numbers = _multiples(low, high, steps[coarse - 1])
+    if len(numbers) <= 1 and coarse_step > 0:
+        numbers = _multiples(low, high, steps[coarse_step - 1])
     return numbers.tolist()
 
 
 def _multiples(low: float, high: float, step: float) -> Array:
     """The multiples of a step from low to high."""
-    first = np.ceil(low / step - 1e-9)
-    last = np.floor(high / step + 1e-9)
-    return np.asarray(np.arange(first, last + 1) * step)
+    first_multiple = np.ceil(low / step - 1e-9)
+    last_multiple = np.floor(high / step + 1e-9)
+    return np.asarray(np.arange(first_multiple, last_multiple + 1) * step)
 
 
 def labels(numbers: Sequence[float]) -> list[str]:
@@ -153,17 +153,19 @@ def limits(
     """
     numbers = np.concatenate([np.ravel(np.asarray(array, dtype=float)) for array in values])
     finite = numbers[np.isfinite(numbers)]
-    low = float(finite.min()) if finite.size else 0.0
-    high = float(finite.max()) if finite.size else 1.0
+    least_value = float(finite.min()) if finite.size else 0.0
+    largest_value = float(finite.max()) if finite.size else 1.0
     if zero:
-        low = min(low, 0.0)
-        high = max(high, 0.0)
-    spread = max(high - low, least, 1e-9 * max(abs(low), abs(high)), 1e-300)
-    if high - low < spread:
-        middle = (low + high) / 2
-        low = middle - spread / 2
-        high = middle + spread / 2
-    return low - margin * spread, high + margin * spread
+        least_value = min(least_value, 0.0)
+        largest_value = max(largest_value, 0.0)
+    spread = max(
+        largest_value - least_value, least, 1e-9 * max(abs(least_value), abs(largest_value)), 1e-300
+    )
+    if largest_value - least_value < spread:
+        middle = (least_value + largest_value) / 2
+        least_value = middle - spread / 2
+        largest_value = middle + spread / 2
+    return least_value - margin * spread, largest_value + margin * spread
 
 
 @dataclass(frozen=True)
@@ -374,10 +376,10 @@ class Panel:
         low_y = self.y.low
         high_y = self.y.high
         if self.equal:
-            across = self.width - left - right
+            panel_width = self.width - left - right
             up = self.height - top - bottom
-            unit = max((high_x - low_x) / across, (high_y - low_y) / up)
-            low_x, high_x = _about_the_middle(low_x, high_x, unit * across)
+            unit = max((high_x - low_x) / panel_width, (high_y - low_y) / up)
+            low_x, high_x = _about_the_middle(low_x, high_x, unit * panel_width)
             low_y, high_y = _about_the_middle(low_y, high_y, unit * up)
         horizontal = Scale(low_x, high_x, left, self.width - right, self.x.log)
         vertical = Scale(low_y, high_y, self.height - bottom, top, self.y.log)
@@ -452,10 +454,10 @@ class Plate:
         columns_of_stacks = [panel_stacks[column::columns] for column in range(columns)]
         widths = [_width_of(column) for column in columns_of_stacks]
         width = sum(widths)
-        drawn, top = self._legend(width)
-        for first in range(0, len(panel_stacks), columns):
-            lowest = top
-            for column, stack in enumerate(panel_stacks[first : first + columns]):
+        elements, top = self._legend(width)
+        for first_stack in range(0, len(panel_stacks), columns):
+            lowest_place = top
+            for column, stack in enumerate(panel_stacks[first_stack : first_stack + columns]):
                 place = top
                 for panel in stack:
                     box = {
@@ -464,14 +466,14 @@ class Plate:
                         "width": panel.width,
                         "height": panel.height,
                     }
-                    drawn.append(_panel_svg(panel, alone=True, **box))
+                    elements.append(_panel_svg(panel, alone=True, **box))
                     place += panel.height
-                lowest = max(lowest, place)
-            top = lowest
+                lowest_place = max(lowest_place, place)
+            top = lowest_place
         ground = _element("rect", width=width, height=top, fill="#ffffff")
         return _element(
             "svg",
-            f"<title>{escape(self.title)}</title>{ground}{''.join(drawn)}",
+            f"<title>{escape(self.title)}</title>{ground}{''.join(elements)}",
             xmlns="http://www.w3.org/2000/svg",
             width=f"{width:g}",
             height=f"{top:g}",
@@ -485,7 +487,7 @@ class Plate:
         pen = _Pen(Frame(_UNIT, _UNIT, 0, 0), alone=True)
         left = 10.0
         top = 6.0
-        drawn = []
+        elements = []
         for key in self.keys:
             size = 44.0 + 6.6 * len(key.text)  # letters 12 high are 6.6 wide in the mean
             if left > 10.0 and left + size > width:
@@ -493,13 +495,15 @@ class Plate:
                 top += 18.0
             if key.patch:
                 look = pen.look(f"{key.css} patch")
-                drawn.append(_element("rect", x=left + 4, y=top + 2, width=16, height=10, **look))
+                elements.append(
+                    _element("rect", x=left + 4, y=top + 2, width=16, height=10, **look)
+                )
             else:
                 path = f"M{left:g} {top + 7:g}L{left + 24:g} {top + 7:g}"
-                drawn.append(_element("path", d=path, **pen.look(f"curve {key.css}")))
-            drawn.append(pen.words(left + 30, top + 11, key.text, "word"))
+                elements.append(_element("path", d=path, **pen.look(f"curve {key.css}")))
+            elements.append(pen.words(left + 30, top + 11, key.text, "word"))
             left += size
-        return drawn, top + 22.0 if self.keys else 0.0
+        return elements, top + 22.0 if self.keys else 0.0
 
     def csv(self) -> str:
         """The table, numbers to the last digit; an empty cell stands for "no such thing"."""
@@ -523,8 +527,8 @@ def worded(
     """A figure of the page: its title, its caption and what it shows are in templates/figures.txt
     under `words`, or its name.
     """
-    written = getattr(template("figures.txt").module, words or name)(**numbers)
-    title, caption, alt = str(written).strip().split("\n")
+    text = getattr(template("figures.txt").module, words or name)(**numbers)
+    title, caption, alt = str(text).strip().split("\n")
     return Plate(name, title, caption, alt, tuple(panels), table, tuple(keys), columns)
 
 
@@ -551,18 +555,18 @@ def colour_scale(
     """What the colours of a map stand for, from the lower to the upper of `ends`; ticks at these
     values, or at round numbers.
     """
-    low, high = ends
-    if high <= low:
-        high = low + (abs(low) or 1.0)
-    numbers = [value for value in tick_values if low <= value <= high]
+    low_end, high_end = ends
+    if high_end <= low_end:
+        high_end = low_end + (abs(low_end) or 1.0)
+    numbers = [value for value in tick_values if low_end <= value <= high_end]
     if not tick_values:
-        numbers = _ticks(low, high, 4, log=log)
+        numbers = _ticks(low_end, high_end, 4, log=log)
     middles = (np.arange(64) + 0.5) / 64
     row = Bitmap(np.arange(64, dtype=np.uint8)[None, :], shades(middles, colours))
     ticks = tuple(zip(numbers, labels(numbers), strict=True))
     return Panel(
         name,
-        Axis(low, high, words, log, ticks=ticks),
+        Axis(low_end, high_end, words, log, ticks=ticks),
         Axis(0.0, 1.0, "", count=0),
         [row],
         f"Colours: {words}",
@@ -616,53 +620,55 @@ def _path_of(
     >>> _path_of([0, np.nan, 2], [0, 1, 1])
     'M0 0L0 0M2 1L2 1'
     """
-    across = np.round(np.asarray(horizontal, dtype=float), 2)
-    down = np.round(np.asarray(vertical, dtype=float), 2)
-    known = np.isfinite(across) & np.isfinite(down)
-    if len(across) > _LONG_LINE:
-        rows = _places_that_show(across, down, known)
-        across = across[rows]
-        down = down[rows]
-        known = known[rows]
-    moved = np.ones(len(across), dtype=bool)
-    moved[1:] = (across[1:] != across[:-1]) | (down[1:] != down[:-1]) | ~known[:-1]
-    starts = known & ~np.concatenate([[False], known[:-1]])
-    alone = starts & ~np.concatenate([known[1:], [False]])
-    rows = np.flatnonzero(known & moved)
+    x = np.round(np.asarray(horizontal, dtype=float), 2)
+    y = np.round(np.asarray(vertical, dtype=float), 2)
+    is_known = np.isfinite(x) & np.isfinite(y)
+    if len(x) > _LONG_LINE:
+        rows = _places_that_show(x, y, is_known)
+        x = x[rows]
+        y = y[rows]
+        is_known = is_known[rows]
+    has_moved = np.ones(len(x), dtype=bool)
+    has_moved[1:] = (x[1:] != x[:-1]) | (y[1:] != y[:-1]) | ~is_known[:-1]
+    starts = is_known & ~np.concatenate([[False], is_known[:-1]])
+    is_alone = starts & ~np.concatenate([is_known[1:], [False]])
+    rows = np.flatnonzero(is_known & has_moved)
     for _ in range(passes):
-        before = rows[: len(rows) - 2 : 2]
+        rows_before = rows[: len(rows) - 2 : 2]
         middle = rows[1 : len(rows) - 1 : 2]
-        after = rows[2::2]
-        chord_x = across[after] - across[before]
-        chord_y = down[after] - down[before]
-        to_middle_x = across[middle] - across[before]
-        to_middle_y = down[middle] - down[before]
+        rows_after = rows[2::2]
+        chord_x = x[rows_after] - x[rows_before]
+        chord_y = y[rows_after] - y[rows_before]
+        to_middle_x = x[middle] - x[rows_before]
+        to_middle_y = y[middle] - y[rows_before]
         # twice the area of the triangle is its height times its base, the chord
         area = np.abs(chord_x * to_middle_y - chord_y * to_middle_x)
         on_chord = area <= tolerance * np.hypot(chord_x, chord_y)
-        spared = middle[on_chord & ~starts[middle] & ~starts[after]]
+        spared = middle[on_chord & ~starts[middle] & ~starts[rows_after]]
         rows = rows[~np.isin(rows, spared)]
     path = ""
     for k in rows.tolist():
-        place = f"{across[k]:g} {down[k]:g}"
-        if alone[k]:
+        place = f"{x[k]:g} {y[k]:g}"
+        if is_alone[k]:
             path += f"M{place}L{place}"
         else:
             path += f"M{place}" if starts[k] else f"L{place}"
     return path
 
 
-def _places_that_show(across: Array, down: Array, known: NDArray[np.bool_]) -> NDArray[np.int_]:
+def _places_that_show(x: Array, y: Array, is_known: NDArray[np.bool_]) -> NDArray[np.int_]:
     """Of a long line the first, the last, the highest and the lowest place of each strip, see
     `_LONG_LINE`.
     """
-    strips = np.where(known, np.floor(across / _STRIP), np.nan)
+    strips = np.where(is_known, np.floor(x / _STRIP), np.nan)
     # of places that follow each other
     strip = np.concatenate([[0], np.cumsum(strips[1:] != strips[:-1])])
-    by_height = np.lexsort((np.where(known, down, 0.0), strip))
-    first = np.flatnonzero(np.diff(strip, prepend=-1))
-    last = np.append(first[1:], len(strip)) - 1
-    return np.unique(np.concatenate([first, last, by_height[first], by_height[last]]))
+    by_height = np.lexsort((np.where(is_known, y, 0.0), strip))
+    first_place = np.flatnonzero(np.diff(strip, prepend=-1))
+    last_place = np.append(first_place[1:], len(strip)) - 1
+    return np.unique(
+        np.concatenate([first_place, last_place, by_height[first_place], by_height[last_place]])
+    )
 
 
 def _png(
@@ -709,14 +715,14 @@ class _Pen:
         parts = pieces(text)
         content = ""
         was_low = False
-        for part, low in parts if len(parts) > 1 else []:
+        for part, is_low in parts if len(parts) > 1 else []:
             shift: dict[str, object] = {}
-            if low is not was_low:
-                shift = {"dy": DOWN if low else f"-{DOWN}"}
-            size = self.look("sub") if low else {}
+            if is_low is not was_low:
+                shift = {"dy": DOWN if is_low else f"-{DOWN}"}
+            size = self.look("sub") if is_low else {}
             written = escape(part)
             content += _element("tspan", written, **shift, **size) if shift or size else written
-            was_low = low
+            was_low = is_low
         look = self.look(css, text=True)
         return _element(
             "text", content or escape(text), x=float(x), y=float(y), **look, **attributes
@@ -788,14 +794,14 @@ class _Pen:
     def band(self, mark: Band) -> str:
         """An area: a gap ends one outline, and the next begins behind it."""
         x = np.asarray(mark.x, dtype=float)
-        low = np.asarray(mark.low, dtype=float)
-        high = np.asarray(mark.high, dtype=float)
-        known = np.isfinite(low) & np.isfinite(high)
+        lower_edge = np.asarray(mark.low, dtype=float)
+        upper_edge = np.asarray(mark.high, dtype=float)
+        is_known = np.isfinite(lower_edge) & np.isfinite(upper_edge)
         path = ""
-        for run in np.split(np.arange(len(known)), np.flatnonzero(np.diff(known)) + 1):
-            if len(run) and known[run[0]]:
+        for run in np.split(np.arange(len(is_known)), np.flatnonzero(np.diff(is_known)) + 1):
+            if len(run) and is_known[run[0]]:
                 around_x = np.concatenate([x[run], x[run][::-1]])
-                around_y = np.concatenate([low[run], high[run][::-1]])
+                around_y = np.concatenate([lower_edge[run], upper_edge[run][::-1]])
                 path += _path_of(self.frame.x.place(around_x), self.frame.y.place(around_y)) + "Z"
         return _element("path", d=path or "M0 0", **self.look(f"band {mark.css}"))
 
@@ -818,9 +824,9 @@ class _Pen:
         """
         if self.alone or not mark.name:
             return _element("path", d=self.visible(mark) or "M0 0", **self.look(mark.css))
-        across = self.frame.x
-        zoom = (across.end - across.start) / (across.high - across.low) * _GRAIN
-        x = float(across.place(0.0))
+        x_scale = self.frame.x
+        zoom = (x_scale.end - x_scale.start) / (x_scale.high - x_scale.low) * _GRAIN
+        x = float(x_scale.place(0.0))
         y = float(self.frame.y.place(0.0))
         transform = f"translate({x:.3f} {y:.3f}) scale({zoom:.7g} {-zoom:.7g})"
         name, *repeated = mark.name.split()
@@ -850,23 +856,23 @@ class _Pen:
     def block(self, mark: Block) -> str:
         """A rectangle, with lines of slope 1 over it where it is hatched."""
         left, right = np.sort(self.frame.x.place(mark.x))
-        low, high = np.sort(self.frame.y.place(mark.y))
+        lower_edge, upper_edge = np.sort(self.frame.y.place(mark.y))
         place = {
             "x": float(left),
-            "y": float(low),
+            "y": float(lower_edge),
             "width": float(right - left),
-            "height": float(high - low),
+            "height": float(upper_edge - lower_edge),
         }
         attributes = {"fill": mark.fill or None} | self.data_attributes({"label": mark.label})
         rectangle = _element("rect", **place, **self.look(mark.css), **attributes)
         if not mark.hatched:
             return rectangle
         # x + y is constant along each line
-        first = np.ceil((left + low) / _HATCH)
-        last = np.floor((right + high) / _HATCH)
-        sums = np.arange(first, last + 1) * _HATCH
-        starts = np.maximum(left, sums - high)
-        ends = np.minimum(right, sums - low)
+        first_line = np.ceil((left + lower_edge) / _HATCH)
+        last_line = np.floor((right + upper_edge) / _HATCH)
+        sums = np.arange(first_line, last_line + 1) * _HATCH
+        starts = np.maximum(left, sums - upper_edge)
+        ends = np.minimum(right, sums - lower_edge)
         path = ""
         for start, end, total in zip(starts.tolist(), ends.tolist(), sums.tolist(), strict=True):
             if end > start:
@@ -881,10 +887,16 @@ class _Pen:
         start_y, end_y = self.frame.y.place([mark.start[1], mark.end[1]])
         tip = np.array([end_x, end_y])
         from_start = tip - np.array([start_x, start_y])
-        along = from_start / np.hypot(*from_start)
-        across = np.array([-along[1], along[0]])
-        head = np.array([tip, tip - 11 * along + 4.5 * across, tip - 11 * along - 4.5 * across])
-        end_of_line = tip - 9 * along
+        direction = from_start / np.hypot(*from_start)
+        normal_direction = np.array([-direction[1], direction[0]])
+        head = np.array(
+            [
+                tip,
+                tip - 11 * direction + 4.5 * normal_direction,
+                tip - 11 * direction - 4.5 * normal_direction,
+            ]
+        )
+        end_of_line = tip - 9 * direction
         path = _path_of([start_x, end_of_line[0]], [start_y, end_of_line[1]])
         line = _element("path", d=path, **self.look(f"curve {mark.css}"))
         outline = _path_of(head[:, 0], head[:, 1]) + "Z"
@@ -914,9 +926,9 @@ class _Pen:
             parts.append(self.words(middle, bottom + 36, x.words, "name", text_anchor="middle"))
         if y.words:
             middle = (top + bottom) / 2
-            turned = f"rotate(-90 12 {middle:g})"
+            rotation = f"rotate(-90 12 {middle:g})"
             parts.append(
-                self.words(12, middle, y.words, "name", text_anchor="middle", transform=turned)
+                self.words(12, middle, y.words, "name", text_anchor="middle", transform=rotation)
             )
         return "".join(parts)
 
@@ -951,9 +963,9 @@ def _panel_svg(panel: Panel, *, alone: bool = False, **place: object) -> str:
         ]
     lines = [(left, panel.title, "title")] if panel.title else []
     lines += [(24.0, note, "measure") for note in panel.notes]
-    first = top - 9.0 - _LINE * (len(lines) - 1)
+    first_line = top - 9.0 - _LINE * (len(lines) - 1)
     for k, (start, text, css) in enumerate(lines):
-        parts.append(pen.words(start, first + _LINE * k, text, css))
+        parts.append(pen.words(start, first_line + _LINE * k, text, css))
     box = {"viewBox": f"0 0 {frame.width:g} {frame.height:g}"}
     if alone:
         return _element("svg", "".join(parts), **box, **place)

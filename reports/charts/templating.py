@@ -61,8 +61,8 @@ def pieces(text: str) -> list[tuple[str, bool]]:
     parts = re.split(r"(?<![^\W_])([^\W\d_])_([A-Za-z0-9]+)", text)
     text_parts: list[tuple[str, bool]] = []
     for k in range(0, len(parts) - 2, 3):
-        before, symbol, subscript = parts[k : k + 3]
-        text_parts += [(before + symbol, False), (subscript, True)]
+        text_before, symbol, subscript = parts[k : k + 3]
+        text_parts += [(text_before + symbol, False), (subscript, True)]
     if parts[-1]:
         text_parts.append((parts[-1], False))
     return text_parts

@@ -614,10 +614,11 @@ def requested_tolerances(words: Sequence[str]) -> dict[str, float]:
     for word in words:
         key, equals, text = word.rpartition("=")
         if equals and key not in METRICS:
-            known = list(METRICS)
+            known_names = list(METRICS)
             raise InputError(
-                f"--tolerance {word}: unknown metric {key!r};{did_you_mean(key, known)} there are"
-                f" {', '.join(known)}"
+                f"--tolerance {word}: unknown metric {key!r};{did_you_mean(key, known_names)}"
+                " there are"
+                f" {', '.join(known_names)}"
             )
         unjudged = bool(equals) and text.strip() == "none"
         value = math.inf if unjudged else share_of(text)
@@ -848,12 +849,12 @@ def _warnings_in_sentences() -> Generator[None, None, None]:
     """Each warning of a library once, as one line on stderr, without the path and the line of its
     source.
     """
-    printed: set[str] = set()
+    sentences_printed: set[str] = set()
 
     def show(message: Warning | str, category: type[Warning], *_place: Any, **_names: Any) -> None:
         sentence = f"halfplane: warning: {_one_line(str(message))} ({category.__name__})"
-        if sentence not in printed:
-            printed.add(sentence)
+        if sentence not in sentences_printed:
+            sentences_printed.add(sentence)
             complain(sentence)
 
     with warnings.catch_warnings():
@@ -875,17 +876,17 @@ def _report_fault(fault: Exception, tokens: list[str], received: Sequence[int]) 
     if isinstance(fault, CycloptsError):
         return _refused(_misspelt(fault))
     if isinstance(fault, MemoryError):
-        why = f" ({_one_line(str(fault))})" if str(fault) else ""
+        cause = f" ({_one_line(str(fault))})" if str(fault) else ""
         cure = "ask for a coarser mesh, fewer steps or fewer instants"
-        return _refused(f"there is not enough memory for this{why}; {cure}{_notes_of(fault)}")
+        return _refused(f"there is not enough memory for this{cause}; {cure}{_notes_of(fault)}")
     if isinstance(fault, OSError):  # that no door has words for
-        where = (
+        place = (
             f"{_one_line(os.fsdecode(fault.filename))}: "
             if isinstance(fault.filename, str | bytes)
             else "a file: "
         )
         return _refused(
-            f"cannot read or write {where}{fault.strerror or _one_line(str(fault))}; mend that and"
+            f"cannot read or write {place}{fault.strerror or _one_line(str(fault))}; mend that and"
             f" run the command again{_notes_of(fault)}"
         )
     # Compiled modules and locks make another error of Ctrl-C.
@@ -955,8 +956,8 @@ def _misspelt(fault: CycloptsError) -> str:
     """
     from scenes.frozen import did_you_mean
 
-    def nearest(word: str, known: Iterable[str]) -> str:
-        return f"{did_you_mean(word.lower(), known).strip()} ".lstrip()
+    def nearest(word: str, known_words: Iterable[str]) -> str:
+        return f"{did_you_mean(word.lower(), known_words).strip()} ".lstrip()
 
     if isinstance(fault, UnknownCommandError):
         words = list(fault.unused_tokens or [""])
@@ -982,18 +983,18 @@ def _misspelt(fault: CycloptsError) -> str:
         )
     if isinstance(fault, UnusedCliTokensError):
         # `sweep` takes a misspelt command of its own for a study, and what follows is left over.
-        first = (fault.root_input_tokens or [])[len(chain) :][:1]
+        first_token = (fault.root_input_tokens or [])[len(chain) :][:1]
         left = " ".join(fault.unused_tokens or [])
         hint = (
-            nearest(first[0], [name for name in fault.app or () if not name.startswith("-")])
-            if first
+            nearest(first_token[0], [name for name in fault.app or () if not name.startswith("-")])
+            if first_token
             else ""
         )
         if (
-            first
+            first_token
             and not hint
             and left.endswith((".toml", ".json"))
-            and not first[0].endswith((".toml", ".json"))
+            and not first_token[0].endswith((".toml", ".json"))
         ):
             hint = f"write `halfplane {command} {left}`; "
         return (

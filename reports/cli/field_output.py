@@ -97,20 +97,20 @@ def fields(job: Job) -> Answer:
             names = files.write_fields(
                 solution, passing(), staging / "fields", report, len(instants)
             )
-        written = [f"fields/{name}" for name in names]
+        written_names = [f"fields/{name}" for name in names]
         measures: dict[str, Any] = {}
         if criteria is not None:
             with stages.stage("measures of fatigue"):
                 places = fatigue.survey(solution, criteria)
             places.to_csv(staging / "fields" / "fatigue.csv", index=False, float_format="%.9g")
-            written.append("fields/fatigue.csv")
+            written_names.append("fields/fatigue.csv")
             measures = {"fatigue": fatigue.largest(places)}
         content = files.record(
             solution,
             command=options.command("fields", job.source, job.folder),
             instants=rows,
             notes=notes,
-            files=written,
+            files=written_names,
             pictures=[],
             seconds=dict(stages.seconds),
             **measures,
@@ -123,7 +123,7 @@ def fields(job: Job) -> Answer:
             pictures = _draw(solution, stills, staging / "pictures", stages)
         content |= {"pictures": pictures, "seconds": dict(stages.seconds)}
         replace_text(job.folder / "fields" / "fields.json", as_json(content))
-    names_of_files = ["fields/fields.json", *written, *pictures]
+    names_of_files = ["fields/fields.json", *written_names, *pictures]
     pvd = str(job.folder / "fields" / "fields.pvd")
     copied = ("instants", "largest nodal stresses", "notes", *measures)
     answer = {
@@ -154,11 +154,11 @@ def _parts(
 
     _, length, stress = units(scene)
     load = load_unit(scene)
-    listed = instants
+    instants_listed = instants
     if len(instants) > _ROWS:
-        listed = [max(instants, key=lambda row: row["largest_nodal_von_mises"]["value"])]
+        instants_listed = [max(instants, key=lambda row: row["largest_nodal_von_mises"]["value"])]
     rows = []
-    for instant in listed:
+    for instant in instants_listed:
         peak = instant["largest_nodal_von_mises"]
         edge = instant["tension_at_edge"]
         nodal = f"{number(peak['value'])} at {_place(peak)}, {peak['body']}"
@@ -184,7 +184,7 @@ def _parts(
         " face at an edge of contact"
     )
     yield NO_PEAK
-    if len(listed) < len(instants):
+    if len(instants_listed) < len(instants):
         yield (
             f"shown: of {len(instants)} instants the one with the largest stress; all are in"
             " fields/fields.json"
@@ -222,12 +222,12 @@ def _largest_measures(measures: Sequence[dict[str, Any]], stress: str) -> list[t
     rows: list[tuple[str, ...]] = []
     for name in dict.fromkeys(row["measure"] for row in measures):
         of_measure = [row for row in measures if row["measure"] == name]
-        largest = max(of_measure, key=lambda row: row["finite_elements"]["value"])
-        theory = largest["theory"]["value"]
-        elements = largest["finite_elements"]["value"]
+        largest_row = max(of_measure, key=lambda row: row["finite_elements"]["value"])
+        theory = largest_row["theory"]["value"]
+        elements = largest_row["finite_elements"]["value"]
         unit = "–" if name == "Fatemi-Socie" else stress
         difference = f"{100 * (elements / theory - 1):+.2f} %" if theory else "–"
-        place = f"{_place(largest['finite_elements'])}, {largest['body']}"
+        place = f"{_place(largest_row['finite_elements'])}, {largest_row['body']}"
         rows.append(
             (f"{name} [{unit}]", f"{theory:.4g}", f"{elements:.4g}", minus(difference), place)
         )

@@ -95,10 +95,10 @@ def _packages() -> tuple[bool, str]:
         with suppress(PackageNotFoundError):
             version_of[name] = version(name)
     words = ", ".join(f"{name} {number}" for name, number in version_of.items())
-    missing = [name for name in _PACKAGES if name not in version_of]
-    if missing:
-        words += f"; missing: {', '.join(missing)}"
-    return not missing, words
+    missing_packages = [name for name in _PACKAGES if name not in version_of]
+    if missing_packages:
+        words += f"; missing: {', '.join(missing_packages)}"
+    return not missing_packages, words
 
 
 def _alone(program: str, hint: str) -> tuple[bool, str]:

@@ -108,15 +108,15 @@ def _folder_of(path: Path, loop: bool) -> Path:
     folder = default_folder(f"score-{path.resolve().stem}")
     for name, of_loop in (("comparison.json", False), ("loop.json", True)):
         try:
-            stored = parsed_json(text_of(folder / name, "the score"))
-            words = shlex.split(stored["command"])
-            earlier = Path(words[words.index("score") + 1])
+            score = parsed_json(text_of(folder / name, "the score"))
+            words = shlex.split(score["command"])
+            earlier_path = Path(words[words.index("score") + 1])
         except (OSError, InputError, ValueError, KeyError, IndexError, TypeError):
             continue  # not there, or not of a score
-        if of_loop != loop or earlier.resolve() != path.resolve():
+        if of_loop != loop or earlier_path.resolve() != path.resolve():
             kind = "the loop" if of_loop else "the score"
             raise InputError(
-                f"{folder}: it holds {kind} of {earlier}, which this one would replace; name a"
+                f"{folder}: it holds {kind} of {earlier_path}, which this one would replace; name a"
                 f" folder for {path} by --out"
             )
     return folder
@@ -204,13 +204,13 @@ def _scored_loop(
         with stages.stage("uncertainty of the inputs"):
             inputs = input_effects(scene)
     against = validation.against_loop(score, inputs, mapping.measured)
-    said = validation.sentences(against, is_measured=True)
-    further = {
+    sentences = validation.sentences(against, is_measured=True)
+    further_content = {
         "validation": [entry.content() for entry in against],
         "inputs": input_content(inputs, scene),
     }
     with stages.stage("report"):
-        page = str(loops.write(score, folder, command, further, said))
+        page = str(loops.write(score, folder, command, further_content, sentences))
     heads, cells = loops.table(score)
     sheet = Sheet(
         f"{scene.title or scene.name}: measured loop {path.name}",
@@ -225,10 +225,10 @@ def _scored_loop(
             *(f"Assumed: {sentence}." for sentence in score.said),
             sheet,
             score.sentence,
-            *said,
+            *sentences,
             page,
         ],
-        lambda: loops.content(score) | further | {"page": page, "seconds": stages.seconds},
+        lambda: loops.content(score) | further_content | {"page": page, "seconds": stages.seconds},
         scene.name,
     )
 
@@ -277,8 +277,8 @@ def _inputs_said(report: Report) -> Iterator[Part]:
     """What the inputs make of theory, and the result against it."""
     from reports.input_words import sentences_of_report
 
-    if said := sentences_of_report(report):
-        yield " ".join(said)
+    if input_sentences := sentences_of_report(report):
+        yield " ".join(input_sentences)
 
 
 # ------------------------------------------------------------------ two runs, or one and a baseline
@@ -295,25 +295,29 @@ def diff(a: str, b: str, options: Options) -> Answer:
 
     tolerances = patterned_tolerances(options.tolerance)
     path = Path(b)
-    first = read_findings(a)
+    findings = read_findings(a)
     if not options.accept:
         if not path.exists():
             raise InputError(
                 f"{b}: there is no such file or folder; `halfplane diff {a} {b} --accept` writes it"
                 " as a baseline"
             )
-        return _difference_answer(difference(first, read_findings(b), tolerances))
+        return _difference_answer(difference(findings, read_findings(b), tolerances))
     if path.exists() and not is_baseline(path):
         raise InputError(
             f"{b}: this is not a baseline, and --accept writes over nothing else; name another file"
         )
-    before = read_findings(b) if path.exists() else None
+    findings_before = read_findings(b) if path.exists() else None
     # Compared with itself where there is nothing yet: that is how an unknown key of --tolerance is
     # found.
-    change = difference(first, before or first, tolerances)
-    write_baseline(first, path, {**(before.tolerances if before else {}), **tolerances})
-    last = f"{b}: {len(first.figures)} values of {first.scene.name or first.source} accepted"
-    parts = [*(_difference_parts(change) if before else ()), last]
+    change = difference(findings, findings_before or findings, tolerances)
+    write_baseline(
+        findings, path, {**(findings_before.tolerances if findings_before else {}), **tolerances}
+    )
+    last_sentence = (
+        f"{b}: {len(findings.figures)} values of {findings.scene.name or findings.source} accepted"
+    )
+    parts = [*(_difference_parts(change) if findings_before else ()), last_sentence]
     return Answer(WITHIN, parts, change.content, change.scene)
 
 
@@ -325,18 +329,20 @@ def _difference_answer(change: Difference) -> Answer:
 def _difference_parts(change: Difference) -> Iterator[Part]:
     from reports.comparison.findings import SAME
 
-    listed = [
+    listed_rows = [
         _cells(row)
         for row in change.rows
         if not (row.verdict == SAME and (row.difference == 0 or row.a == row.b))
     ]
     title = f"{change.scene}: A = {change.a}, B = {change.b}"
     yield (
-        Sheet(title, ("value", "A", "B", "B − A", "tolerance", "verdict"), listed, (1, 2, 3, 4))
-        if listed
+        Sheet(
+            title, ("value", "A", "B", "B − A", "tolerance", "verdict"), listed_rows, (1, 2, 3, 4)
+        )
+        if listed_rows
         else title
     )
-    if identical := len(change.rows) - len(listed):
+    if identical := len(change.rows) - len(listed_rows):
         yield f"{identical} values are the same to the last digit and not listed (--json has them)"
     yield from change.notes
     different = [row.key for row in change.rows if row.verdict != SAME]

@@ -144,13 +144,13 @@ def check(scene: str, options: Options) -> Answer:
         rows = len(problem.load.kept_rows())
     load_engines(Stages(quiet=True))
     engines = engines_for(problem, scene, finite_elements=rows <= _MOST_ROWS)
-    nearest = nearest_to_sliding(problem)
+    nearest_instant = nearest_to_sliding(problem)
     bulk = bulk_and_tilt(problem)
-    largest = None
+    contact = None
     doubts: list[str] = []
     with suppress(InputError):  # of theory, where finite elements alone take the scene
-        largest = largest_contact(problem, scene)
-        doubts += remarks(problem, largest)
+        contact = largest_contact(problem, scene)
+        doubts += remarks(problem, contact)
     if no_comparison := engines.in_words(scene):
         doubts.append(f"{no_comparison}.")
     elif rows > _MOST_ROWS:
@@ -168,30 +168,32 @@ def check(scene: str, options: Options) -> Answer:
                 doubts.append(sentence)
             else:
                 notes.append(sentence)
-    doubts += fit_warnings(problem, largest.half_width if largest else 0.0)
+    doubts += fit_warnings(problem, contact.half_width if contact else 0.0)
     notes += [sentence for sentence in findings(problem)[0] if sentence not in doubts]
     notes += filter(None, [stated_in_words(problem)])
-    last = (
+    last_sentence = (
         f"{scene}: the scene is well formed and its load path admissible. |Q|/(f P) is at most"
-        f" {nearest.ratio:.4g}, in the {nearest.part} at time {number(nearest.time)} (P ="
-        f" {number(nearest.normal_load)}, Q = {number(nearest.tangential_load)}). Gross sliding"
+        f" {nearest_instant.ratio:.4g}, in the {nearest_instant.part} at time"
+        f" {number(nearest_instant.time)} (P ="
+        f" {number(nearest_instant.normal_load)}, Q ="
+        f" {number(nearest_instant.tangential_load)}). Gross sliding"
         " starts at 1."
     )
     size = []
-    if largest:
-        size.append(in_words(problem, largest))
+    if contact:
+        size.append(in_words(problem, contact))
     size.append(engines.room)
     if bulk:
         size.append(bulk_in_words(bulk))
     content = {
         "passed": True,
-        "sentence": last,
+        "sentence": last_sentence,
         "notes": notes,
         "remarks": doubts,
         "read_as": tables_read,
         "engines": engines.reasons,
-        "largest_contact": vars(largest) if largest else None,
-        "nearest_to_sliding": vars(nearest),
+        "largest_contact": vars(contact) if contact else None,
+        "nearest_to_sliding": vars(nearest_instant),
         "profile_fit": fit_content(problem),
         "uncertainty_of_inputs": stated_content(problem),
     }
@@ -199,7 +201,7 @@ def check(scene: str, options: Options) -> Answer:
         content["bulk_and_tilt"] = vars(bulk)
     marked = [f"Remark: {doubt}" for doubt in doubts]
     return Answer(
-        WITHIN, [*notes, *filter(None, size), *marked, last], lambda: content, problem.name
+        WITHIN, [*notes, *filter(None, size), *marked, last_sentence], lambda: content, problem.name
     )
 
 
@@ -235,14 +237,16 @@ def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
         "uncertainty_of_inputs": stated_content(scene),
     }
     if engines.half_plane:
-        last = f"{source}: the scene is well formed. `halfplane fe {source}` finds its loads."
+        last_sentence = (
+            f"{source}: the scene is well formed. `halfplane fe {source}` finds its loads."
+        )
     else:
         solution = _answer_of_theory(scene, source)
         force, length, _ = scene.unit_words
-        least = number(float(solution.tangential_load.min()))
-        largest = number(float(solution.tangential_load.max()))
-        last = (
-            f"{source}: the scene is well formed. Q goes from {least} to {largest}"
+        least_load = number(float(solution.tangential_load.min()))
+        largest_load = number(float(solution.tangential_load.max()))
+        last_sentence = (
+            f"{source}: the scene is well formed. Q goes from {least_load} to {largest_load}"
             f" {force}/{length}, and P up to {number(float(solution.normal_load.max()))}."
             f" `halfplane exact {source}` writes the answer, and a scene with these loads."
         )
@@ -252,8 +256,10 @@ def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
             "largest_half_width": float(solution.contact_half_width.max()),
             "largest_tangential_load": float(np.abs(solution.tangential_load).max()),
         }
-    content |= {"sentence": last, "notes": notes}
-    return Answer(WITHIN, [*notes, f"Remark: {no_comparison}.", last], lambda: content, scene.name)
+    content |= {"sentence": last_sentence, "notes": notes}
+    return Answer(
+        WITHIN, [*notes, f"Remark: {no_comparison}.", last_sentence], lambda: content, scene.name
+    )
 
 
 def _answer_of_theory(scene: Scene, source: str) -> ContactSolution:
@@ -346,7 +352,7 @@ def _details(scene: Scene) -> Iterator[str]:
     from reports.comparison.words import bodies_in_words, idealisation, question, unlike_materials
 
     admitted = tolerances_of(scene, are_half_planes(scene)).items()
-    expected = [
+    expected_lines = [
         f"{number.quantity.replace('_', ' ')} = {number.value:.9g} to {number.tolerance:g},"
         f" {number.engine}: {number.source}"
         for number in scene.expected
@@ -362,7 +368,7 @@ def _details(scene: Scene) -> Iterator[str]:
     sections.append(("tolerances", limits))
     if companions := _companions(scene):
         sections.append(("files", ", ".join(companions)))
-    sections += [("expected", text) for text in expected or ["no number"]]
+    sections += [("expected", text) for text in expected_lines or ["no number"]]
     for head, text in sections:
         yield from textwrap.wrap(
             text, max(width(), 40), initial_indent=f"{head:<12}", subsequent_indent=" " * 12
@@ -380,8 +386,8 @@ def _record(scene: Scene) -> dict[str, Any]:
     from reports.comparison.words import question
 
     content = scene.model_dump(mode="json")
-    first = ("name", "title", "purpose", "source", "tags", "expected", "tolerances")
-    record = {key: content.pop(key) for key in first}
+    first_keys = ("name", "title", "purpose", "source", "tags", "expected", "tolerances")
+    record = {key: content.pop(key) for key in first_keys}
     return {
         **record,
         "question": question(scene),

@@ -93,17 +93,22 @@ def at_work(work: Callable[[Job], Answer]) -> Callable[[str, Options], Answer]:
             # One about an option or the file names that already, one of an engine does not.
             if str(fault).startswith((scene, "--")):
                 raise
-            named = InputError(f"{scene}: {fault}")
+            named_error = InputError(f"{scene}: {fault}")
             for note in getattr(fault, "__notes__", ()):  # of what was saved
-                named.add_note(note)
-            raise named from fault
+                named_error.add_note(note)
+            raise named_error from fault
         except Interrupted as stop:
-            solved = stop.partial
-            if solved is None or len(solved.time) < 2:
+            partial_solution = stop.partial
+            if partial_solution is None or len(partial_solution.time) < 2:
                 raise KeyboardInterrupt from stop
-            path = write_solution(solved, folder, name="" if solved.record.converged else "partial")
+            path = write_solution(
+                partial_solution,
+                folder,
+                name="" if partial_solution.record.converged else "partial",
+            )
             complain(
-                f"halfplane: {stop}; what was solved is kept in {path} ({len(solved.time) - 1}"
+                f"halfplane: {stop}; what was solved is kept in {path}"
+                f" ({len(partial_solution.time) - 1}"
                 " steps)"
             )
             return Answer(INTERRUPTED)
@@ -337,8 +342,8 @@ def _compared(job: Job, tolerances: dict[str, float]) -> Report:
             inputs = _effects_of_inputs(job, comparison.effects)
             report = replace(report, inputs=inputs)
             if job.options.third:
-                third = _third_solver(job.options.third).answer(job, fe)
-                report = replace(report, third=third)
+                third_answer = _third_solver(job.options.third).answer(job, fe)
+                report = replace(report, third=third_answer)
         _write_page(job, report)
     return report
 
@@ -392,8 +397,8 @@ def _measured(job: Job, comparison: Comparison, begun: float | None) -> Report:
     with job.stages.stage("why"):
         from reports.advising import split
 
-        why = split(report.comparison, report.budget)
-    return replace(report, comparison=replace(report.comparison, why=why))
+        causes = split(report.comparison, report.budget)
+    return replace(report, comparison=replace(report.comparison, why=causes))
 
 
 def _effects_of_inputs(job: Job, effects: BodyEffects | None = None) -> InputEffects | None:
@@ -486,14 +491,14 @@ def _answer_of_both(job: Job, report: Report) -> Answer:
     from reports.page.content import whole_content
 
     comparison = report.comparison
-    third = report.third
+    third_answer = report.third
     scene = comparison.scene
     stages = job.stages
     verbose = job.options.verbose
     page = job.folder / "report.html"
     findings = list(laws.expected_numbers(scene, (comparison.reference, comparison.result)))
-    if third is not None and third.failure:
-        complain(f"halfplane: {scene.name}: {third.failure}")
+    if third_answer is not None and third_answer.failure:
+        complain(f"halfplane: {scene.name}: {third_answer.failure}")
         code = NOT_CONVERGED
     else:
         code = exit_code(comparison)
@@ -506,9 +511,11 @@ def _answer_of_both(job: Job, report: Report) -> Answer:
         yield from _notes_shown(report)
         if report.budget is not None and (verbose or job.options.budget):
             yield from _budget_shown(report, report.budget)
-        if third is not None:
-            yield Sheet("A third solver", third.heads, third.rows(comparison), (1, 2, 3))
-            yield from third.sentences
+        if third_answer is not None:
+            yield Sheet(
+                "A third solver", third_answer.heads, third_answer.rows(comparison), (1, 2, 3)
+            )
+            yield from third_answer.sentences
         yield from _expected_shown(findings, verbose)
         if verbose:
             times = [(stage, f"{seconds:.2f}") for stage, seconds in stages.seconds.items()]
@@ -522,7 +529,7 @@ def _answer_of_both(job: Job, report: Report) -> Answer:
         for key, metric in of_report["metrics"].items():
             metrics[key] = {name: metric[name] for name in _OF_A_METRIC}
         work = ("dissipation", "dissipation_uncertainty", "dissipation_drift")
-        last = ("expected", "profile_fit", "notes", "seconds")
+        last_keys = ("expected", "profile_fit", "notes", "seconds")
         return {
             "headline": of_report["headline"],
             "table": of_report["table"],
@@ -532,7 +539,7 @@ def _answer_of_both(job: Job, report: Report) -> Answer:
             "why": of_report["why"],
             "inputs": of_report["inputs"],
             **{name: of_fe[name] for name in work},
-            **{name: of_report[name] for name in last},
+            **{name: of_report[name] for name in last_keys},
             "page": str(page),
         }
 

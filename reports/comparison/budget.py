@@ -315,8 +315,8 @@ def _far_field_runs(
     for words, size in (("2 L", 0.5), ("L/2", 2.0)):
         scaled_mesh = replace(mesh, far_radius=mesh.far_radius / size)
         runs.append(solver.run(f"{coarse_run.label}, {words}", size, scaled_mesh, settings))
-    large, small = runs
-    return (large, replace(coarse_run, size=1.0), small)
+    large, small_run = runs
+    return (large, replace(coarse_run, size=1.0), small_run)
 
 
 def _penalty_runs(
@@ -518,34 +518,34 @@ def _mesh(metric: Metric, comparison: Comparison, refinements: Refinements) -> T
     if term.uncertainty is None:
         return term
     labels = ", ".join(run.label for run in refinements.mesh if not run.failure)
-    how = f"{labels}: {term.kind}; {term.how}"
-    stated = _stated_by_mesh(metric, comparison)
-    if stated is None:
-        return _no_less_than_stated(replace(term, how=how), metric, comparison)
-    if term.value is not None and abs(term.value) > stated:
-        return replace(term, how=f"{how}; the run itself states less, {stated:.1e}")
-    if stated < term.uncertainty:
+    method = f"{labels}: {term.kind}; {term.how}"
+    stated_uncertainty = _stated_by_mesh(metric, comparison)
+    if stated_uncertainty is None:
+        return _no_less_than_stated(replace(term, how=method), metric, comparison)
+    if term.value is not None and abs(term.value) > stated_uncertainty:
+        return replace(term, how=f"{method}; the run itself states less, {stated_uncertainty:.1e}")
+    if stated_uncertainty < term.uncertainty:
         # Where edges stand in their elements moves a value from mesh to mesh: a few meshes show
         # that scatter, and no order.
-        how = (
-            f"{how}, {term.uncertainty:.1e}; instead the smaller uncertainty that the run itself"
+        method = (
+            f"{method}, {term.uncertainty:.1e}; instead the smaller uncertainty that the run itself"
             " states"
         )
-        return Term("mesh", None, stated, how)
-    return replace(term, uncertainty=stated, how=f"{how}; {_BY_RUN}")
+        return Term("mesh", None, stated_uncertainty, method)
+    return replace(term, uncertainty=stated_uncertainty, how=f"{method}; {_BY_RUN}")
 
 
 def _no_less_than_stated(term: Term, metric: Metric, comparison: Comparison) -> Term:
     """The term of a metric whose value has no uncertainty of its own: no less doubtful than what
     the run states of edges and peaks.
     """
-    least = max(
+    least_uncertainty = max(
         metric.uncertainty or 0.0,
         _stated_of_edges(metric, comparison),
         _stated_of_peak(metric, comparison),
     )
-    if (term.uncertainty or 0.0) < least < math.inf:
-        return replace(term, uncertainty=least, how=f"{term.how}; {_BY_RUN}")
+    if (term.uncertainty or 0.0) < least_uncertainty < math.inf:
+        return replace(term, uncertainty=least_uncertainty, how=f"{term.how}; {_BY_RUN}")
     return term
 
 
@@ -582,8 +582,8 @@ def _stated_of_peak(metric: Metric, comparison: Comparison) -> float:
     uncertainty = comparison.result.uncertainties.get("largest_pressure", math.nan)
     if not math.isfinite(uncertainty):
         return 0.0
-    over_result = float(uncertainty / comparison.result.pressure.max())
-    return over_result * abs(1 + (metric.value or 0.0))
+    share_of_result = float(uncertainty / comparison.result.pressure.max())
+    return share_of_result * abs(1 + (metric.value or 0.0))
 
 
 def _step(metric: Metric, refinements: Refinements) -> Term:
@@ -596,26 +596,28 @@ def _step(metric: Metric, refinements: Refinements) -> Term:
     if refinements.step is not None:
         values = [value for _, value in _sizes_and_values(metric, refinements.step)]
         if len(values) < 2:
-            before = "half-plane theory has no answer on the polygon of the steps, and "
-            return _not_measured("step", refinements.step, before=before)
+            words_before = "half-plane theory has no answer on the polygon of the steps, and "
+            return _not_measured("step", refinements.step, before=words_before)
         change = values[0] - values[1]
-        how = (
+        method = (
             f"halved increments at {refinements.coarse}, second order; half-plane theory has no"
             " answer on the polygon of the steps"
         )
-        return Term("step", 4 / 3 * change, abs(change) + ROUNDING, how)
+        return Term("step", 4 / 3 * change, abs(change) + ROUNDING, method)
     value_on_polygon = refinements.mesh[0].values.get(metric.key)
     if value_on_polygon is None or not math.isfinite(value_on_polygon) or metric.value is None:
         return _not_measured("step", why="theory on the polygon of the steps has no such value")
-    how = "exact: half-plane theory on the smooth path against itself on the polygon of the steps"
-    return Term("step", metric.value - value_on_polygon, ROUNDING, how, bound=True)
+    method = (
+        "exact: half-plane theory on the smooth path against itself on the polygon of the steps"
+    )
+    return Term("step", metric.value - value_on_polygon, ROUNDING, method, bound=True)
 
 
 def _penalty(metric: Metric, comparison: Comparison, refinements: Refinements) -> Term:
     """With the layer less without; uncertain by what one coarser mesh makes of that, twice."""
     if comparison.result.settings.get("solver", {}).get("method") != "penalty":
-        how = "none by construction: the law is met exactly"
-        return Term("penalty", None, 0.0, how, bound=True)
+        method = "none by construction: the law is met exactly"
+        return Term("penalty", None, 0.0, method, bound=True)
     shares = []
     for pair in refinements.penalty:
         values = [value for _, value in _sizes_and_values(metric, pair)]
@@ -625,10 +627,10 @@ def _penalty(metric: Metric, comparison: Comparison, refinements: Refinements) -
     if "penalty" in refinements.not_measured or len(shares) < 2:
         reason = refinements.not_measured.get("penalty", "")
         return _not_measured("penalty", chain(*refinements.penalty), reason)
-    how = (
+    method = (
         "with the layer less without it, at h; twice what that changes by at the next coarser mesh"
     )
-    return Term("penalty", shares[0], 2 * abs(shares[0] - shares[1]), how)
+    return Term("penalty", shares[0], 2 * abs(shares[0] - shares[1]), method)
 
 
 def _far_field(metric: Metric, comparison: Comparison, refinements: Refinements) -> Term:
@@ -638,12 +640,12 @@ def _far_field(metric: Metric, comparison: Comparison, refinements: Refinements)
     term = _extrapolated("far field", metric, refinements, refinements.far_field, 4.0)
     if term.uncertainty is None:
         return term
-    how = f"radius 2 L, L, L/2 on the mesh of {refinements.coarse}: {term.kind}"
+    method = f"radius 2 L, L, L/2 on the mesh of {refinements.coarse}: {term.kind}"
     if term.kind == "exact" or _plausible(term.order, 4.0):
-        return replace(term, how=how)
+        return replace(term, how=method)
     values = [value for _, value in _sizes_and_values(metric, refinements.far_field)]
-    how += "; not resolved: the scatter between meshes is as large"
-    return replace(term, value=None, uncertainty=max(values) - min(values), how=how)
+    method += "; not resolved: the scatter between meshes is as large"
+    return replace(term, value=None, uncertainty=max(values) - min(values), how=method)
 
 
 def _solver(comparison: Comparison) -> Term:
@@ -653,9 +655,9 @@ def _solver(comparison: Comparison) -> Term:
     checks = [check for check in comparison.result_certificates if check.source == "record"]
     if not checks:
         return _not_measured("solver", why="the result states no residuals")
-    worst = max(checks, key=lambda check: check.value)
-    how = f"worst residual of any step: {worst.name}"
-    return Term("solver", None, worst.value, how, bound=True)
+    worst_check = max(checks, key=lambda check: check.value)
+    method = f"worst residual of any step: {worst_check.name}"
+    return Term("solver", None, worst_check.value, method, bound=True)
 
 
 def _theory(metric: Metric, comparison: Comparison) -> Term:
@@ -674,11 +676,11 @@ def _theory(metric: Metric, comparison: Comparison) -> Term:
     if metric.stated_by_reference:
         error_estimates.append(metric.stated_by_reference)
     uncertainty = ROUNDING
-    how = "closed forms: rounding"
+    method = "closed forms: rounding"
     if error_estimates:
         uncertainty = max(error_estimates) + ROUNDING
-        how = "its own estimate of quadratures and series"
-    return Term("half-plane theory", None, uncertainty, how, bound=True)
+        method = "its own estimate of quadratures and series"
+    return Term("half-plane theory", None, uncertainty, method, bound=True)
 
 
 # --------------------------------------------------------------- mesh-refinement study of one value
@@ -765,10 +767,10 @@ def observed_order(sizes: tuple[float, ...], values: tuple[float, ...]) -> float
         growth = math.expm1(p * coarse_log_ratio) / math.expm1(p * fine_log_ratio)
         return p * fine_log_ratio + math.log(growth) - log_of_changes
 
-    low, high = _ORDERS
-    if excess(low) >= 0 or excess(high) <= 0:
+    least_order, largest_order = _ORDERS
+    if excess(least_order) >= 0 or excess(largest_order) <= 0:
         return None
-    return float(brentq(excess, low, high, xtol=1e-14))
+    return float(brentq(excess, least_order, largest_order, xtol=1e-14))
 
 
 def kind_of(refinement: Refinement) -> _Kind:
@@ -805,16 +807,18 @@ def extrapolate(refinement: Refinement) -> Extrapolation:
     """
     kind = kind_of(refinement)
     count = len(refinement.values)
-    finest = refinement.values[0]
+    finest_value = refinement.values[0]
     if count == 1:
         return Extrapolation(None, kind, None, None, "a single solution says nothing")
     if refinement.spread <= refinement.rounding:
         rule = "all solutions agree to rounding"
-        return Extrapolation(None, kind, finest, refinement.rounding, rule)
+        return Extrapolation(None, kind, finest_value, refinement.rounding, rule)
     if count == 2:
         correction = _richardson(refinement, refinement.formal_order)
         rule = "formal order assumed, safety factor 3"
-        return Extrapolation(None, kind, finest + correction, _DOUBTFUL * abs(correction), rule)
+        return Extrapolation(
+            None, kind, finest_value + correction, _DOUBTFUL * abs(correction), rule
+        )
     orders = [
         observed_order(refinement.sizes[i : i + 3], refinement.values[i : i + 3])
         for i in range(count - 2)
@@ -823,24 +827,24 @@ def extrapolate(refinement: Refinement) -> Extrapolation:
         order for order in orders if order is not None and refinement.plausible(order)
     ]
     if len(plausible_orders) == len(orders):
-        lowest = min(plausible_orders)
-        if max(plausible_orders) - lowest <= refinement.formal_order / 4:
+        lowest_order = min(plausible_orders)
+        if max(plausible_orders) - lowest_order <= refinement.formal_order / 4:
             finest_order = plausible_orders[0]
-            limit = finest + _richardson(refinement, finest_order)
-            uncertainty = _SAFE * abs(_richardson(refinement, lowest))
+            limit = finest_value + _richardson(refinement, finest_order)
+            uncertainty = _SAFE * abs(_richardson(refinement, lowest_order))
             rule = "Roache, safety factor 1.25"
             return Extrapolation(finest_order, kind, limit, uncertainty, rule)
     if count == 3:
         rule = "the finest, three times the spread"
-        return Extrapolation(orders[0], kind, finest, _DOUBTFUL * refinement.spread, rule)
+        return Extrapolation(orders[0], kind, finest_value, _DOUBTFUL * refinement.spread, rule)
     return _least_squares(refinement, kind)
 
 
 def _richardson(refinement: Refinement, order: float) -> float:
     """phi_0 - phi_1 by Richardson's extrapolation from the two finest solutions."""
-    finest, second = refinement.values[:2]
+    finest_value, second_value = refinement.values[:2]
     log_ratio = math.log(refinement.sizes[1] / refinement.sizes[0])
-    return (finest - second) / math.expm1(order * log_ratio)
+    return (finest_value - second_value) / math.expm1(order * log_ratio)
 
 
 @dataclass(frozen=True)
@@ -858,9 +862,9 @@ class _Fit:
 def _least_squares(refinement: Refinement, kind: _Kind) -> Extrapolation:
     """Eca and Hoekstra (2014), section 3, with the floors of `extrapolate`."""
     fit, words, order = _trusted_curve(refinement)
-    finest = refinement.values[0]
+    finest_value = refinement.values[0]
     mean_change = refinement.spread / (len(refinement.values) - 1)
-    residual = abs(finest - fit.finest)
+    residual = abs(finest_value - fit.finest)
     distance = abs(fit.limit - fit.finest)
     safety = _SAFE if refinement.plausible(order) else _DOUBTFUL
     uncertainty = safety * distance + fit.deviation + residual
@@ -872,7 +876,9 @@ def _least_squares(refinement: Refinement, kind: _Kind) -> Extrapolation:
         uncertainty = max(uncertainty, spread_of_finest)
         return Extrapolation(order, kind, fit.limit, uncertainty, f"least squares, {words}")
     uncertainty = max(uncertainty, refinement.spread)
-    return Extrapolation(None, kind, finest, uncertainty, f"the finest; scatter about {words}")
+    return Extrapolation(
+        None, kind, finest_value, uncertainty, f"the finest; scatter about {words}"
+    )
 
 
 def _trusted_curve(refinement: Refinement) -> tuple[_Fit, str, float | None]:
@@ -955,7 +961,7 @@ def _fit(
     columns = np.column_stack([np.ones_like(h), *(h**p for p in powers)])
     root = np.sqrt(weights)
     coefficients = np.linalg.lstsq(columns * root[:, None], values * root, rcond=None)[0]
-    fitted = columns @ coefficients
+    fitted_values = columns @ coefficients
     freedom = max(len(h) - len(coefficients) - (order is not None), 1)
-    deviation = math.sqrt(float(np.sum(weights * (values - fitted) ** 2)) / freedom)
-    return _Fit(float(coefficients[0]), float(fitted[0]), deviation, order)
+    deviation = math.sqrt(float(np.sum(weights * (values - fitted_values) ** 2)) / freedom)
+    return _Fit(float(coefficients[0]), float(fitted_values[0]), deviation, order)

@@ -159,8 +159,8 @@ def sample_instants(reference: ContactSolution, like: Cycle) -> Cycle:
         time_after_end = np.maximum(like.time - cycle.time[-1], 0.0)
         periods_after_end = np.ceil(time_after_end / period - _SAME_FRACTION)
         time_in_path = like.time - period * periods_after_end
-    sampled = sample(cycle, replace(like, fraction=freeze(time_in_path)), reference.engine)
-    return replace(sampled, time=like.time, fraction=like.time)
+    sampled_cycle = sample(cycle, replace(like, fraction=freeze(time_in_path)), reference.engine)
+    return replace(sampled_cycle, time=like.time, fraction=like.time)
 
 
 def sample(cycle: Cycle, like: Cycle, engine: str) -> Cycle:
@@ -207,14 +207,14 @@ def _sample_from_elsewhere(cycle: Cycle, like: Cycle, engine: str) -> Cycle:
     like_in_order = replace(
         like, fraction=freeze(fraction_in_cycle[order]), time=freeze(like.time[order])
     )
-    sampled = sample(cycle, like_in_order, engine)
+    sampled_cycle = sample(cycle, like_in_order, engine)
 
     order_of_like = np.argsort(order, kind="stable")
     over_time: dict[str, Any] = {}
-    for name in (*_FIELDS, "state", *_EDGES, *sampled.series):
-        values = getattr(sampled, name)
+    for name in (*_FIELDS, "state", *_EDGES, *sampled_cycle.series):
+        values = getattr(sampled_cycle, name)
         over_time[name] = freeze(values[order_of_like], values.dtype)
-    return replace(sampled, time=like.time, fraction=like.fraction, **over_time)
+    return replace(sampled_cycle, time=like.time, fraction=like.fraction, **over_time)
 
 
 def _refuse_points_beyond(cycle: Cycle, x: Array, engine: str) -> None:
@@ -238,16 +238,16 @@ def _at_instants(cycle: Cycle, like: Cycle) -> tuple[Cycle, dict[str, float]]:
         values_over_time[name] = freeze(
             _linear(like.fraction, cycle.fraction, getattr(cycle, name))
         )
-    nearest = _nearest(like.fraction, cycle.fraction)
-    sampled = replace(
+    nearest_rows = _nearest(like.fraction, cycle.fraction)
+    sampled_cycle = replace(
         cycle,
         time=like.time,
         fraction=like.fraction,
-        state=freeze(cycle.state[nearest], np.int8),
+        state=freeze(cycle.state[nearest_rows], np.int8),
         **values_over_time,
     )
     values_at_instants = {name: getattr(cycle, name) for name in (*_FIELDS, *_EDGES)}
-    return sampled, _errors(cycle.fraction, values_at_instants)
+    return sampled_cycle, _errors(cycle.fraction, values_at_instants)
 
 
 def _at_points(cycle: Cycle, x: Array) -> tuple[Cycle, dict[str, float]]:
@@ -262,8 +262,8 @@ def _at_points(cycle: Cycle, x: Array) -> tuple[Cycle, dict[str, float]]:
         values_over_x[name] = freeze(_linear(x, cycle.x, values).T)
     is_beyond = (x < cycle.x[0]) | (x > cycle.x[-1])
     state = np.where(is_beyond, 0, cycle.state[:, _nearest(x, cycle.x)])
-    sampled = replace(cycle, x=x, state=freeze(state, np.int8), **values_over_x)
-    return sampled, _errors(cycle.x, values_at_points)
+    sampled_cycle = replace(cycle, x=x, state=freeze(state, np.int8), **values_over_x)
+    return sampled_cycle, _errors(cycle.x, values_at_points)
 
 
 def _nearest(places: Array, samples: Array) -> NDArray[np.intp]:
@@ -278,16 +278,18 @@ def _errors(samples: Array, values_at_samples: Mapping[str, Array]) -> dict[str,
 
 def _linear(places: Array, samples: Array, values: Array) -> Array:
     """`values` (len(samples), ...) at `places`, linear between samples and constant beyond them."""
-    upper = np.clip(np.searchsorted(samples, places, side="right"), 1, len(samples) - 1)
-    lower = upper - 1
-    weight = np.clip((places - samples[lower]) / (samples[upper] - samples[lower]), 0.0, 1.0)
+    sample_above = np.clip(np.searchsorted(samples, places, side="right"), 1, len(samples) - 1)
+    sample_below = sample_above - 1
+    weight = np.clip(
+        (places - samples[sample_below]) / (samples[sample_above] - samples[sample_below]), 0.0, 1.0
+    )
     weight = weight.reshape(-1, *(1,) * (values.ndim - 1))
-    value_below = values[lower]
-    value_above = values[upper]
-    between = (1 - weight) * value_below + weight * value_above
+    value_below = values[sample_below]
+    value_above = values[sample_above]
+    interpolated = (1 - weight) * value_below + weight * value_above
     # A weight of exactly 0 or 1 must not let a NaN of the other end in.
-    between = np.where(weight == 1, value_above, between)
-    return np.where(weight == 0, value_below, between)
+    interpolated = np.where(weight == 1, value_above, interpolated)
+    return np.where(weight == 0, value_below, interpolated)
 
 
 def _halving(samples: Array, values: Array) -> float:
@@ -297,17 +299,17 @@ def _halving(samples: Array, values: Array) -> float:
     Both halves are tried: a square-root edge errs most where it falls into the middle of an
     interval.
     """
-    largest = float(np.nanmax(np.abs(values), initial=0.0))
-    if len(samples) < 4 or largest == 0.0:
+    largest_value = float(np.nanmax(np.abs(values), initial=0.0))
+    if len(samples) < 4 or largest_value == 0.0:
         return 0.0
-    worst = 0.0
-    for first in (1, 2):
-        left_out = np.arange(first, len(samples) - 1, 2)
-        coarse = np.delete(np.arange(len(samples)), left_out)
-        interpolated = _linear(samples[left_out], samples[coarse], values[coarse])
+    worst_error = 0.0
+    for first_left_out in (1, 2):
+        left_out = np.arange(first_left_out, len(samples) - 1, 2)
+        coarse_samples = np.delete(np.arange(len(samples)), left_out)
+        interpolated = _linear(samples[left_out], samples[coarse_samples], values[coarse_samples])
         difference = np.abs(interpolated - values[left_out])
-        worst = max(worst, float(np.nanmax(difference, initial=0.0)))
-    return worst / largest
+        worst_error = max(worst_error, float(np.nanmax(difference, initial=0.0)))
+    return worst_error / largest_value
 
 
 # ------------------------------------------------------------------------------------------- events
@@ -333,11 +335,11 @@ def events(cycle: Cycle, friction: float) -> tuple[Event, ...]:
         labels[0] = "the only instant" if len(cycle.time) == 1 else "between"
     for _ in range(min(_EVENTS, len(cycle.time) - 1) - len(labels)):
         distance = _distance_in_time(cycle, labels)
-        farthest = int(np.argmax(distance))
+        farthest_row = int(np.argmax(distance))
         # instants may share one time, where a result was placed on the path by its loads
-        if distance[farthest] <= 0:
+        if distance[farthest_row] <= 0:
             break
-        labels[farthest] = "between"
+        labels[farthest_row] = "between"
     return tuple(Event(index, labels[index]) for index in sorted(labels))
 
 
@@ -345,19 +347,21 @@ def _extremes(cycle: Cycle, friction: float) -> dict[int, str]:
     """Index -> label of the first instants at which a load, or its distance to sliding, is extreme;
     none of a quantity that is constant.
     """
-    normal = cycle.normal_load
-    tangential = cycle.tangential_load
+    normal_load = cycle.normal_load
+    tangential_load = cycle.tangential_load
     # With bulk stress or tilt each edge has a law of its own, and slip ends elsewhere.
     ends_slip = cycle.tilt is None and cycle.shear_moment is None
     quantities = {
-        "P largest": normal,
-        "P least": -normal,
-        "Q largest": tangential,
-        "Q least": -tangential,
-        ("forward slip ends" if ends_slip else "Q − f P largest"): tangential - friction * normal,
-        ("reverse slip ends" if ends_slip else "Q + f P least"): -tangential - friction * normal,
+        "P largest": normal_load,
+        "P least": -normal_load,
+        "Q largest": tangential_load,
+        "Q least": -tangential_load,
+        ("forward slip ends" if ends_slip else "Q − f P largest"): tangential_load
+        - friction * normal_load,
+        ("reverse slip ends" if ends_slip else "Q + f P least"): -tangential_load
+        - friction * normal_load,
     }
-    size = float(np.max(np.abs(normal)))
+    size = float(np.max(np.abs(normal_load)))
     labels: dict[int, str] = {}
     for label, quantity in quantities.items():
         if np.ptp(quantity) > 1e-9 * size:

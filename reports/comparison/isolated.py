@@ -49,9 +49,9 @@ def _stands_out(values: Array, over_all: float) -> Mask:
     padded = np.pad(size, 1)
     left = padded[1:-1, :-2]
     right = padded[1:-1, 2:]
-    before = padded[:-2, 1:-1]
-    after = padded[2:, 1:-1]
-    largest_neighbour = np.maximum.reduce([left, right, before, after])
+    value_before = padded[:-2, 1:-1]
+    value_after = padded[2:, 1:-1]
+    largest_neighbour = np.maximum.reduce([left, right, value_before, value_after])
     stands_out = (size > 0) & (size > _OVER_NEIGHBOURS * largest_neighbour)
     largest_of_rest = float(np.max(size, where=~stands_out, initial=0.0))
     return np.asarray(stands_out & (size > over_all * largest_of_rest))
@@ -102,9 +102,9 @@ def _near(edges: Sequence[Array], cycle: Cycle) -> Mask:
     """(k, n) points within two spacings of one of the edges (k, 2) at their instant."""
     steps = np.diff(cycle.x)
     spacing = np.maximum(np.append(steps, steps[-1]), np.insert(steps, 0, steps[0]))
-    near = np.zeros(cycle.pressure.shape, dtype=bool)
+    is_near = np.zeros(cycle.pressure.shape, dtype=bool)
     with np.errstate(invalid="ignore"):
         for left_and_right in edges:
             for edge in left_and_right.T:
-                near |= np.abs(cycle.x - edge[:, None]) <= _NEAR_EDGE * spacing
-    return near
+                is_near |= np.abs(cycle.x - edge[:, None]) <= _NEAR_EDGE * spacing
+    return is_near

@@ -35,9 +35,9 @@ class JudgedPair(Pair):
         judges any.
         """
         verdicts = {metric.verdict for metric in self.metrics}
-        for worst in (Verdict.OUTSIDE, Verdict.UNDECIDED, Verdict.WITHIN):
-            if worst in verdicts:
-                return worst
+        for candidate in (Verdict.OUTSIDE, Verdict.UNDECIDED, Verdict.WITHIN):
+            if candidate in verdicts:
+                return candidate
         return None
 
     @property

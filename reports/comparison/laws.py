@@ -111,9 +111,14 @@ def certificates(solution: ContactSolution) -> tuple[Certificate, ...]:
 
 def _certificate(name: str, source: str, series: Array, time: Array, limit: float) -> Certificate:
     """The check of a law, judged at the instant of its largest residual."""
-    worst = int(np.argmax(np.where(np.isnan(series), np.inf, series)))
+    worst_step = int(np.argmax(np.where(np.isnan(series), np.inf, series)))
     return Certificate(
-        name.replace("_", " "), source, series, float(series[worst]), float(time[worst]), limit
+        name.replace("_", " "),
+        source,
+        series,
+        float(series[worst_step]),
+        float(time[worst_step]),
+        limit,
     )
 
 
@@ -127,8 +132,8 @@ def _cone(solution: ContactSolution) -> Array:
     (n_steps,).
     """
     friction = solution.scene.friction.coefficient
-    outside = np.max(np.abs(solution.shear) - friction * solution.pressure, axis=1)
-    return np.maximum(outside, 0.0) / ((friction or 1.0) * _largest_pressure(solution))
+    excess = np.max(np.abs(solution.shear) - friction * solution.pressure, axis=1)
+    return np.maximum(excess, 0.0) / ((friction or 1.0) * _largest_pressure(solution))
 
 
 def _slip(solution: ContactSolution) -> Array:
@@ -137,24 +142,25 @@ def _slip(solution: ContactSolution) -> Array:
     """
     friction = solution.scene.friction.coefficient
     sign = (solution.state == SLIP_FORWARD) * 1.0 - (solution.state == SLIP_REVERSE)
-    short = np.max(
+    shortfall = np.max(
         np.abs(sign * solution.shear - friction * solution.pressure),
         axis=1,
         where=sign != 0,
         initial=0.0,
     )
-    return np.asarray(short / ((friction or 1.0) * _largest_pressure(solution)))
+    return np.asarray(shortfall / ((friction or 1.0) * _largest_pressure(solution)))
 
 
 def _loads(solution: ContactSolution) -> Array:
     """Largest of |P - P(t)| and |Q - Q(t)| over the largest P, P(t) and Q(t) being the scene's,
     (n_steps,).
     """
-    normal, tangential = solution.scene.load.path().at(solution.time)
+    normal_load, tangential_load = solution.scene.load.path().at(solution.time)
     off = np.maximum(
-        np.abs(solution.normal_load - normal), np.abs(solution.tangential_load - tangential)
+        np.abs(solution.normal_load - normal_load),
+        np.abs(solution.tangential_load - tangential_load),
     )
-    return np.asarray(off / np.max(normal))
+    return np.asarray(off / np.max(normal_load))
 
 
 def _largest_pressure(solution: ContactSolution) -> float:
@@ -185,8 +191,8 @@ def _lower_face_displacement(solution: ContactSolution) -> float:
         or solution.scene.bodies.lower.kind == "half_plane"
     ):
         return math.nan
-    lower = fields(solution, [solution.time[_when_largest(solution)]])[0].bodies[0]
-    return float(lower.displacement[np.argmin(np.hypot(*lower.points.T)), 1])
+    lower_body = fields(solution, [solution.time[_when_largest(solution)]])[0].bodies[0]
+    return float(lower_body.displacement[np.argmin(np.hypot(*lower_body.points.T)), 1])
 
 
 def _when_largest(solution: ContactSolution) -> int:

@@ -183,8 +183,8 @@ def _worst(series: Array, applies: Mask, places: Array) -> tuple[float | None, f
     if not applies.any():
         return None, None
     size = np.where(np.isnan(series), np.inf, np.abs(series))
-    worst = _first_largest(np.where(applies, size, -1.0))
-    return float(series[worst]), float(places[worst])
+    worst_place = _first_largest(np.where(applies, size, -1.0))
+    return float(series[worst_place]), float(places[worst_place])
 
 
 def _at_worst(
@@ -312,18 +312,22 @@ def _place_of_largest(pair: Pair, values: Array) -> float:
 
 def largest_pressure(pair: Pair) -> Measured:
     """Largest p of the cycle."""
-    common = float(pair.expected.pressure.max())
-    measured = float(pair.found.pressure.max())
-    beside = _beside_theory(pair, "pressure", common, measured, pair.scales.pressure)
-    return _with_stated(pair, beside, "largest_pressure", "pressure")
+    reference_value = float(pair.expected.pressure.max())
+    result_value = float(pair.found.pressure.max())
+    beside_theory = _beside_theory(
+        pair, "pressure", reference_value, result_value, pair.scales.pressure
+    )
+    return _with_stated(pair, beside_theory, "largest_pressure", "pressure")
 
 
 def largest_half_width(pair: Pair) -> Measured:
     """Largest half distance of the contact edges in the cycle."""
-    common = _largest_half_distance(pair.expected)
-    measured = _largest_half_distance(pair.found)
-    beside = _beside_theory(pair, "half_width", common, measured, pair.scales.half_width)
-    return _with_stated(pair, beside, "largest_half_width")
+    reference_value = _largest_half_distance(pair.expected)
+    result_value = _largest_half_distance(pair.found)
+    beside_theory = _beside_theory(
+        pair, "half_width", reference_value, result_value, pair.scales.half_width
+    )
+    return _with_stated(pair, beside_theory, "largest_half_width")
 
 
 def _largest_half_distance(cycle: Cycle) -> float:
@@ -332,15 +336,15 @@ def _largest_half_distance(cycle: Cycle) -> float:
 
 def permanent_stick(pair: Pair) -> Measured:
     """Half-width of what sticks through the whole cycle."""
-    measured = _length_of_stick_zone(pair, _permanent_half_width)
-    return _with_stated(pair, measured, "permanent_stick_half_width")
+    length = _length_of_stick_zone(pair, _permanent_half_width)
+    return _with_stated(pair, length, "permanent_stick_half_width")
 
 
 def stick_eccentricity(pair: Pair) -> Measured:
     """Middle of what sticks through the whole cycle."""
-    measured = _length_of_stick_zone(pair, _middle_of_stick)
+    distance = _length_of_stick_zone(pair, _middle_of_stick)
     # Half the sum of two edges is as uncertain as half their distance.
-    return _with_stated(pair, measured, "permanent_stick_half_width")
+    return _with_stated(pair, distance, "permanent_stick_half_width")
 
 
 def _permanent_half_width(solution: ContactSolution) -> float:
@@ -382,15 +386,15 @@ def largest_slip(pair: Pair) -> Measured:
     if not touches_in_result.any():
         return _nothing_to_compare(_NOT_IN_CONTACT)
     range_in_result = range_of_slip(pair.found.slip, touches_in_result)
-    common = float(range_of_slip(pair.expected.slip, touches_in_reference).max())
-    largest = float(range_in_result.max())
-    measured = _beside_theory(pair, "slip", common, largest, pair.scales.slip)
-    measured = _with_stated(pair, measured, "largest_slip", "slip")
-    if pair.result.engine == "halfplane_fe" and measured.amounts is not None:
+    reference_value = float(range_of_slip(pair.expected.slip, touches_in_reference).max())
+    result_value = float(range_in_result.max())
+    beside_theory = _beside_theory(pair, "slip", reference_value, result_value, pair.scales.slip)
+    beside_theory = _with_stated(pair, beside_theory, "largest_slip", "slip")
+    if pair.result.engine == "halfplane_fe" and beside_theory.amounts is not None:
         round_off = _ROUND_OFF_OF_SLIP * float(np.max(np.abs(pair.found.slip)))
-        if largest <= round_off < measured.amounts[0]:
-            return replace(measured, value=None, note=_NO_SLIP_RESOLVED)
-    return replace(measured, place=_place_of_largest(pair, range_in_result))
+        if result_value <= round_off < beside_theory.amounts[0]:
+            return replace(beside_theory, value=None, note=_NO_SLIP_RESOLVED)
+    return replace(beside_theory, place=_place_of_largest(pair, range_in_result))
 
 
 def largest_slip_common(pair: Pair) -> Measured:
@@ -807,8 +811,8 @@ def bulk_term(pair: Pair) -> Measured:
     difference = bulk_work(pair.found, materials) - bulk_work(pair.expected, materials)
     work = pair.reference.dissipation
     scale = pair.scales.dissipation
-    absolute = abs(work) <= _NO_DISSIPATION * scale
-    return Measured(value=difference / (scale if absolute else work), absolute=absolute)
+    is_absolute = abs(work) <= _NO_DISSIPATION * scale
+    return Measured(value=difference / (scale if is_absolute else work), absolute=is_absolute)
 
 
 def drift(pair: Pair) -> Measured:

@@ -168,9 +168,9 @@ def judge(pair: Pair, tolerances: Mapping[str, float]) -> tuple[Metric, ...]:
             tolerance = admitted if is_open else None
             metrics.append(replace(metric, note=lacking, tolerance=tolerance, lacking=True))
         else:
-            measured = metric.measure(pair)
+            measurement = metric.measure(pair)
             metrics.append(
-                metric.with_value(measured, None if measured.value is None else admitted)
+                metric.with_value(measurement, None if measurement.value is None else admitted)
             )
     return tuple(metrics)
 
@@ -221,17 +221,17 @@ def _markdown_rows() -> Iterator[str]:
         unit = metric.unit
         if metric.absolute_unit:
             unit += f"; {metric.absolute_unit} where that is 0"
-        where = f"{metric.norm}; {metric.region}"
+        norm_and_region = f"{metric.norm}; {metric.region}"
         if not metric.signed:
-            where += "; no sign"
+            norm_and_region += "; no sign"
         tolerance = "–"
         if metric.tolerance is not None:
             tolerance = f"{metric.tolerance:g}"
             if metric.judged_by:
                 tolerance += f" (`{metric.judged_by}`)"
         name = f"{metric.label}: `{metric.key}`"
-        how = metric.how.replace("|", "\\|")
-        yield _cells((name, how, metric.why, unit, where, tolerance))
+        method = metric.how.replace("|", "\\|")
+        yield _cells((name, method, metric.why, unit, norm_and_region, tolerance))
 
 
 # ---------------------------------------------------------------------------------------- the table

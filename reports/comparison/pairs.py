@@ -139,8 +139,8 @@ class Pair:
         sides.
         """
         scene = self.result.scene
-        stated = (scene.load.tilt, scene.load.moment, scene.load.line_of_action)
-        return any(value is not None for value in stated) or not scene.profile.symmetric
+        stated_tilts = (scene.load.tilt, scene.load.moment, scene.load.line_of_action)
+        return any(value is not None for value in stated_tilts) or not scene.profile.symmetric
 
     @property
     def unsymmetric(self) -> bool:

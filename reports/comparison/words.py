@@ -118,9 +118,9 @@ def _over_time(scene: Scene, pair: str, place: int, value: Any, of: str = "of") 
     values = np.concatenate(
         [np.ravel(leg.loads(sampled(leg, 65))[place]) for leg in legs if leg is not None]
     )
-    least = number(float(f"{values.min():.4g}"))
-    largest = number(float(f"{values.max():.4g}"))
-    return f"from {least} to {largest}"
+    least_value = number(float(f"{values.min():.4g}"))
+    largest_value = number(float(f"{values.max():.4g}"))
+    return f"from {least_value} to {largest_value}"
 
 
 def bodies_in_words(scene: Scene) -> str:
@@ -303,9 +303,9 @@ def headline(comparison: JudgedPair) -> str:
     stated_errors = None
     if all(metric.uncertainty is None for metric in metrics):
         stated_errors = _stated_errors(comparison)
-    worst = _furthest_outside(comparison)
-    if worst is not None and {worst.key, worst.judged_by} & set(keys):
-        worst = None  # it is one of the two already
+    worst_metric = _furthest_outside(comparison)
+    if worst_metric is not None and {worst_metric.key, worst_metric.judged_by} & set(keys):
+        worst_metric = None  # it is one of the two already
     return in_template(
         "headline",
         comparison,
@@ -313,7 +313,7 @@ def headline(comparison: JudgedPair) -> str:
         kind,
         claims,
         stated_errors,
-        _in_sentence(worst) if worst else None,
+        _in_sentence(worst_metric) if worst_metric else None,
     )
 
 
@@ -432,26 +432,30 @@ def not_scored(comparison: JudgedPair) -> str:
     """What has no value for want of what it needs, in a sentence: what a tolerance judges, then the
     rest of the first table.
     """
-    judged = [_name(metric) for metric in comparison.unscored]
+    names = [_name(metric) for metric in comparison.unscored]
     headlines = [
         _name(metric)
         for metric in comparison.headlines
         if metric.lacking and metric.tolerance is None
     ]
-    return in_template("not_scored", judged, headlines)
+    return in_template("not_scored", names, headlines)
 
 
 def how_judged(comparison: JudgedPair, *, has_budget: bool) -> str:
     """What the verdicts rest on: sizes and uncertainties, or sizes alone where no uncertainty is
     known.
     """
-    judged = [
+    judged_metrics = [
         metric
         for metric in comparison.metrics
         if metric.tolerance is not None and metric.value is not None
     ]
-    unknown = [_name(metric) for metric in judged if metric.uncertainty is None]
-    return in_template("how_judged", unknown, has_budget, _both_ours(comparison)) if judged else ""
+    unknown_names = [_name(metric) for metric in judged_metrics if metric.uncertainty is None]
+    return (
+        in_template("how_judged", unknown_names, has_budget, _both_ours(comparison))
+        if judged_metrics
+        else ""
+    )
 
 
 def lead(comparison: JudgedPair) -> str:
@@ -604,11 +608,11 @@ def _with_stated(value: float, stated: float | None, factor: float) -> str:
     """
     if math.isnan(value):
         return "–"
-    plain = minus(f"{factor * value:.5g}")
+    plain_text = minus(f"{factor * value:.5g}")
     if stated is None or stated <= _EXACT * abs(value):
-        return plain
+        return plain_text
     if math.isnan(stated):
-        return f"{plain}, no estimate"
+        return f"{plain_text}, no estimate"
     return with_uncertainty(factor * value, factor * stated)
 
 
@@ -667,8 +671,8 @@ def in_five_lines(comparison: JudgedPair, kind: str) -> str:
     for metric, cells in zip(comparison.headlines, rows, strict=True):
         if metric.key in ("dissipation", "largest_pressure"):
             label, *values = cells
-            named = zip(heads[1:], values, strict=True)
-            lines.append(f"  {label}: " + ", ".join(" ".join(pair) for pair in named))
+            named_values = zip(heads[1:], values, strict=True)
+            lines.append(f"  {label}: " + ", ".join(" ".join(pair) for pair in named_values))
     return "\n".join([*lines, f"  {verdict(comparison)}"])
 
 
@@ -800,8 +804,8 @@ def summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
     rows += [("note", note) for note in solution.record.notes]
     # What the engine counted of its own work is in the file beside it, and on the page.
     return rows + [
-        (f"skipped: {name.replace('_', ' ')}", f"{count}: {why}")
-        for name, (count, why) in solution.work.skipped.items()
+        (f"skipped: {name.replace('_', ' ')}", f"{count}: {reason}")
+        for name, (count, reason) in solution.work.skipped.items()
     ]
 
 

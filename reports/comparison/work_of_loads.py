@@ -26,10 +26,10 @@ def bulk_strains(materials: Materials) -> tuple[float, float]:
     >>> [round(1 / compliance) for compliance in bulk_strains(steel)]
     [230769, -230769]
     """
-    lower, upper = (
+    lower_compliance, upper_compliance = (
         (1 - m.poisson_ratio**2) / m.young_modulus for m in (materials.lower, materials.upper)
     )
-    return lower, -upper
+    return lower_compliance, -upper_compliance
 
 
 def bulk_strain(of: ContactSolution | Cycle, materials: Materials) -> Array:

@@ -107,8 +107,8 @@ def survey(solution: FiniteElementSolution, criteria: Criteria) -> pd.DataFrame:
     middles = edges.mean(axis=1)
     half_widths = (edges[:, 1] - edges[:, 0]) / 2
     depths, weights = _depths_and_weights(criteria, half_widths[0])
-    depth, across = (axis.ravel() for axis in np.meshgrid(depths, _ACROSS, indexing="ij"))
-    x_theory, x_elements = middles[:, None] + half_widths[:, None] * across
+    depth, x = (axis.ravel() for axis in np.meshgrid(depths, _ACROSS, indexing="ij"))
+    x_theory, x_elements = middles[:, None] + half_widths[:, None] * x
     tables = []
     bodies: tuple[Literal["lower", "upper"], ...] = ("lower", "upper")
     for body in bodies:
@@ -118,7 +118,7 @@ def survey(solution: FiniteElementSolution, criteria: Criteria) -> pd.DataFrame:
             semi_analytic.stress(reference, x_theory, y, times, body=body),
             halfplane_fe.stress(solution, x_elements, y, times, body=body),
         ]
-        places = across
+        places = x
         if weights is not None:
             stresses = [_averaged_over_depth(stress, weights) for stress in stresses]
             places = _ACROSS
@@ -206,10 +206,10 @@ def measures(
     for angle in np.pi * np.arange(_PLANES) / _PLANES:
         cosine = np.cos(2 * angle)
         sine = np.sin(2 * angle)
-        normal = (xx + yy) / 2 + (xx - yy) / 2 * cosine + xy * sine
-        strain = (normal - poisson_ratio * (xx + yy - normal + zz)) / young_modulus
+        normal_stress = (xx + yy) / 2 + (xx - yy) / 2 * cosine + xy * sine
+        strain = (normal_stress - poisson_ratio * (xx + yy - normal_stress + zz)) / young_modulus
         tau = np.ptp(-(xx - yy) / 2 * sine + xy * cosine, axis=0) / 2
-        largest_normal = normal.max(axis=0)
+        largest_normal = normal_stress.max(axis=0)
         of_plane = {"Smith-Watson-Topper": largest_normal * np.ptp(strain, axis=0) / 2}
         if criteria.fatemi_socie is not None:
             k, yield_stress = criteria.fatemi_socie
@@ -234,12 +234,12 @@ def measures(
 
 def _von_mises_range(stress: Array) -> Array:
     """Largest von Mises stress of the difference of two instants, at each point."""
-    largest = np.zeros(stress.shape[1])
+    largest_range = np.zeros(stress.shape[1])
     for stress_at_instant in stress:
         xx, yy, xy, zz = np.moveaxis(stress - stress_at_instant, -1, 0)
         squares = ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2 + 3 * xy**2
-        largest = np.maximum(largest, np.sqrt(squares.max(axis=0)))
-    return largest
+        largest_range = np.maximum(largest_range, np.sqrt(squares.max(axis=0)))
+    return largest_range
 
 
 def principal(stress: Array) -> Array:

@@ -148,9 +148,10 @@ def snapshots_of(
     """Snapshots at `instants`, so many at once as memory is for."""
     import halfplane_fe
 
-    for first in range(0, len(instants), _AT_ONCE):
+    for first_instant in range(0, len(instants), _AT_ONCE):
         yield from halfplane_fe.fields(
-            solution, [instant.time for instant in instants[first : first + _AT_ONCE]]
+            solution,
+            [instant.time for instant in instants[first_instant : first_instant + _AT_ONCE]],
         )
 
 
@@ -197,13 +198,13 @@ def write_fields(
                 "von_mises": body.von_mises,
             }
             parts.append((body.name, body.points, body.cells, nodal_values))
-        lower = snapshot.bodies[0]
+        lower_fields = snapshot.bodies[0]
         tractions = {name: getattr(solution, name)[step] for name in ("pressure", "shear", "slip")}
         states = {
             "state": solution.state[step].astype(np.int32),
-            "displacement": lower.displacement[line],
+            "displacement": lower_fields.displacement[line],
         }
-        parts.append(("contact", lower.points[line], chain, tractions | states))
+        parts.append(("contact", lower_fields.points[line], chain, tractions | states))
         for part, (name, points, cells, nodal_values) in enumerate(parts):
             file = f"{name}_{number:03d}.vtu"
             meshes.write_vtu(folder / file, points, cells, nodal_values)

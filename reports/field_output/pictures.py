@@ -219,11 +219,15 @@ def mesh(
         sides[body_name] = ends * (1.0, flip) / half_width
         quality |= {f"{body_name} {key}": value for key, value in body.quality.items()}
     points = np.concatenate([lines.reshape(-1, 2) for lines in sides.values()])
-    low = points.min(axis=0)
-    high = points.max(axis=0)
+    least_corner = points.min(axis=0)
+    largest_corner = points.max(axis=0)
     edge_over_a = edge / half_width if np.isfinite(edge) else 1.0
     views = (
-        ("whole", (low + high) / 2, 0.54 * float(max(high - low))),
+        (
+            "whole",
+            (least_corner + largest_corner) / 2,
+            0.54 * float(max(largest_corner - least_corner)),
+        ),
         ("at the contact", np.zeros(2), 1.35 * max(edge_over_a, 1.0)),
         ("at the contact's edge", np.array([edge_over_a, 0.0]), 0.06),
     )
@@ -381,11 +385,11 @@ def _whole_bodies(
     points = np.concatenate(
         [*(skin.points for skin in skins), *(lines.reshape(-1, 2) for lines in outlines)]
     )
-    low = points.min(axis=0)
-    high = points.max(axis=0)
-    margin = 0.04 * (high - low)
-    left, bottom = (low - margin).tolist()
-    right, top = (high + margin).tolist()
+    least_corner = points.min(axis=0)
+    largest_corner = points.max(axis=0)
+    margin = 0.04 * (largest_corner - least_corner)
+    left, bottom = (least_corner - margin).tolist()
+    right, top = (largest_corner + margin).tolist()
     loads = (
         f"P = {number(snapshot.normal_load)}, Q = {number(snapshot.tangential_load)}"
         f" {load_unit(solution.scene)}"
@@ -428,9 +432,10 @@ def _at_the_contact(
         rise = np.outer(gap_share(solution, body), (0.0, 1.0))
         points = body.points + body.displacement + rise
         skins.append(Skin(points, body.cells, body.von_mises, (0.0, largest_stress), edges=0.22))
-    largest = peak(snapshot)
+    largest_value = peak(snapshot)
     note = minus(
-        f"largest nodal value {largest['value']:.4g} {stress_unit}, {largest['body']} body"
+        f"largest nodal value {largest_value['value']:.4g} {stress_unit},"
+        f" {largest_value['body']} body"
     )
     words = PanelWords(length_unit, "at the contact, to true scale", note)
     window = (-half_size, half_size, -half_size, half_size)
@@ -479,6 +484,10 @@ def state_blocks(
     middles = np.concatenate([x[:1], (x[1:] + x[:-1]) / 2, x[-1:]])
     first_points = [0, *(np.flatnonzero(np.diff(states)) + 1).tolist(), len(states)]
     return [
-        Block((float(middles[first]), float(middles[end])), (low, high), f"state-{states[first]}")
-        for first, end in itertools.pairwise(first_points)
+        Block(
+            (float(middles[first_point]), float(middles[end])),
+            (low, high),
+            f"state-{states[first_point]}",
+        )
+        for first_point, end in itertools.pairwise(first_points)
     ]

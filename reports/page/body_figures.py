@@ -139,8 +139,8 @@ def fit_residuals(scene: Scene, half_width: float) -> Plate | None:
     for k in drawn_rows:
         label = f"x = {x[k]:.4g}, {residuals[k]:.3g} {length}"
         marks.append(Dot(float(x[k]), float(residuals[k]), "p0", 2.2, label))
-    largest = float(np.abs(residuals[is_fitted]).max())
-    top = 1.1 * max(largest, 2.2 * fit.noise)
+    largest_residual = float(np.abs(residuals[is_fitted]).max())
+    top = 1.1 * max(largest_residual, 2.2 * fit.noise)
     panel = Panel(
         "profile-fit",
         Axis(*limits(x[is_fitted], margin=0.02), f"x from the middle  [{length}]"),
@@ -172,17 +172,17 @@ def _frame(outlines: dict[str, Array]) -> Frame:
     supports.
     """
     points = np.concatenate(list(outlines.values()))
-    left, low = points.min(axis=0)
-    right, high = points.max(axis=0)
+    left, lower_end = points.min(axis=0)
+    right, upper_end = points.max(axis=0)
     unit_across = (right - left) / (_WIDTH - 2 * _SIDE)
-    unit_up = (high - low) / (_LARGEST_HEIGHT - _ROOM - _SIDE)
+    unit_up = (upper_end - lower_end) / (_LARGEST_HEIGHT - _ROOM - _SIDE)
     unit = max(unit_across, unit_up)
-    height = float((high - low) / unit + _ROOM + _SIDE)
+    height = float((upper_end - lower_end) / unit + _ROOM + _SIDE)
     middle = (left + right) / 2
     half = (_WIDTH / 2 - _SIDE) * unit
-    across = Scale(float(middle - half), float(middle + half), _SIDE, _WIDTH - _SIDE)
-    up = Scale(float(low), float(high), height - _SIDE, _ROOM)
-    return Frame(across, up, _WIDTH, height)
+    x_scale = Scale(float(middle - half), float(middle + half), _SIDE, _WIDTH - _SIDE)
+    up = Scale(float(lower_end), float(upper_end), height - _SIDE, _ROOM)
+    return Frame(x_scale, up, _WIDTH, height)
 
 
 def outline(scene: Scene, name: str, half_width: float) -> Array:
@@ -208,8 +208,12 @@ def outline(scene: Scene, name: str, half_width: float) -> Array:
         return face
     right = [(width, height)]
     if isinstance(shape, TShape | ShoulderedPad):
-        below = shape.step.half_width
-        right = [(width, shape.step.depth), (below, shape.step.depth), (below, height)]
+        half_width_below = shape.step.half_width
+        right = [
+            (width, shape.step.depth),
+            (half_width_below, shape.step.depth),
+            (half_width_below, height),
+        ]
     left = [(-x, depth) for x, depth in reversed(right)]
     return np.vstack([face, np.array(right + left) * [1.0, -side]])
 
@@ -237,11 +241,11 @@ def _supports(frame: Frame, shape: Shape, points: Array, side: float) -> Iterato
     if isinstance(shape, HalfPlane):
         return
     top = float(frame.y.place(points[0, 1]))
-    lowest = np.argmax(-side * points[:, 1])
-    at_base = points[:, 1] == points[lowest, 1]
+    lowest_point = np.argmax(-side * points[:, 1])
+    at_base = points[:, 1] == points[lowest_point, 1]
     half_width = float(np.abs(points[at_base, 0]).max())
     left, right = frame.x.place([-half_width, half_width]).tolist()
-    base = float(frame.y.place(points[lowest, 1]))
+    base = float(frame.y.place(points[lowest_point, 1]))
     base_rolls = getattr(shape, "base", "") == "rollers"
     yield from _plane((left, base), (right, base), (0.0, side), base_rolls)
     if getattr(shape, "sides", "") == "guided":
@@ -257,21 +261,21 @@ def _plane(
 ) -> Iterator[Mark]:
     """A rigid plane with hatching from one end to the other; rollers between it and the body."""
     size = 10.0  # of the hatching, and three times the radius of a roller
-    first = np.array(start)
-    last = np.array(end)
-    normal = np.array(outward)
+    first_point = np.array(start)
+    last_point = np.array(end)
+    outward_normal = np.array(outward)
     if rollers:
         parts = np.linspace(0.08, 0.92, 7)[:, None]
-        for x, y in first + parts * (last - first) + normal * size / 3:
+        for x, y in first_point + parts * (last_point - first_point) + outward_normal * size / 3:
             yield Dot(float(x), float(y), "roller", size / 3)
-        first = first + normal * 2 * size / 3
-        last = last + normal * 2 * size / 3
-    length = np.hypot(*(last - first))
-    along = (last - first) / length
+        first_point = first_point + outward_normal * 2 * size / 3
+        last_point = last_point + outward_normal * 2 * size / 3
+    length = np.hypot(*(last_point - first_point))
+    direction = (last_point - first_point) / length
     count = max(int(length / 8), 4)
-    feet = first + np.linspace(0, 1, count)[:, None] * (last - first)
-    tips = feet + 0.7 * size * (normal - along)
-    yield Curve([first[0], last[0]], [first[1], last[1]], "wall")
+    feet = first_point + np.linspace(0, 1, count)[:, None] * (last_point - first_point)
+    tips = feet + 0.7 * size * (outward_normal - direction)
+    yield Curve([first_point[0], last_point[0]], [first_point[1], last_point[1]], "wall")
     yield Segments(np.stack([feet, tips], axis=1), "curve hatch")
 
 
@@ -339,14 +343,14 @@ def _bulk_arrows(frame: Frame, points: Array) -> Iterator[Mark]:
 
 def _normal_loads(scene: Scene) -> Array:
     """P all along the path."""
-    normal, _ = scene.load.path().at(_instants(scene))
-    return np.asarray(normal)
+    normal_load, _ = scene.load.path().at(_instants(scene))
+    return np.asarray(normal_load)
 
 
 def _tangential_loads(scene: Scene) -> Array:
     """Q all along the path."""
-    _, tangential = scene.load.path().at(_instants(scene))
-    return np.asarray(tangential)
+    _, tangential_load = scene.load.path().at(_instants(scene))
+    return np.asarray(tangential_load)
 
 
 def _instants(scene: Scene) -> Array:
@@ -356,6 +360,10 @@ def _instants(scene: Scene) -> Array:
 
 def _range_in_words(loads: Array) -> str:
     """Least and largest of loads in words."""
-    least = number(float(f"{loads.min():.4g}"))
-    most = number(float(f"{loads.max():.4g}"))
-    return f"= {most}" if least == most else f"from {least} to {most}"
+    least_load = number(float(f"{loads.min():.4g}"))
+    largest_load = number(float(f"{loads.max():.4g}"))
+    return (
+        f"= {largest_load}"
+        if least_load == largest_load
+        else f"from {least_load} to {largest_load}"
+    )

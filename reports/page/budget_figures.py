@@ -39,26 +39,26 @@ def budget_bars(budget: ErrorBudget) -> Plate | None:
     if not budgets:
         return None
 
-    judged = bool(with_tolerance)
+    is_judged = bool(with_tolerance)
     rest_name = "unexplained" if budgets[0].half_planes else "idealisation"
     term_names = [term.name for term in budgets[0].terms]
     names = [*term_names, rest_name]
-    stacks = [_stack_of(row, judged) for row in budgets]
-    half_width = _half_width_of_bars(stacks, judged)
+    stacks = [_stack_of(row, is_judged) for row in budgets]
+    half_width = _half_width_of_bars(stacks, is_judged)
 
     marks: list[Mark] = []
     for row, stack in enumerate(stacks):
-        low = float(len(stacks) - row - 1)
-        marks += _limits_of_bar(low, judged)
-        marks += _blocks_of_bar(low, stack, names, judged)
-        marks += _marks_of_total(low, stack.total, stack.uncertainty, half_width)
+        lower_edge = float(len(stacks) - row - 1)
+        marks += _limits_of_bar(lower_edge, is_judged)
+        marks += _blocks_of_bar(lower_edge, stack, names, is_judged)
+        marks += _marks_of_total(lower_edge, stack.total, stack.uncertainty, half_width)
         cut_off = ", cut off" if stack.reach > half_width else ""
         text = f"{stack.budget.metric.label}: {value_of(stack.budget.metric)}{cut_off}"
-        marks.append(Note(-half_width, low + 0.7, text, "tick over", shift=(6.0, 0.0)))
+        marks.append(Note(-half_width, lower_edge + 0.7, text, "tick over", shift=(6.0, 0.0)))
 
     panel = broad_panel(
         "budget",
-        Axis(-half_width, half_width, _axis_of_bars(judged), count=8),
+        Axis(-half_width, half_width, _axis_of_bars(is_judged), count=8),
         Axis(0.0, float(len(budgets)), "", count=0),
         marks,
         "Error budget as stacked bars",
@@ -67,12 +67,12 @@ def budget_bars(budget: ErrorBudget) -> Plate | None:
     )
     keys = [Key(f"term-{place}", name, patch=True) for place, name in enumerate(names)]
     table = _budget_table(budgets, term_names, rest_name)
-    return worded("budget", [panel], table, keys, columns=1, judged=judged)
+    return worded("budget", [panel], table, keys, columns=1, judged=is_judged)
 
 
-def _axis_of_bars(judged: bool) -> str:
+def _axis_of_bars(is_judged: bool) -> str:
     """Words of the axis along the bars."""
-    return "share of the tolerance" if judged else "per cent"
+    return "share of the tolerance" if is_judged else "per cent"
 
 
 def waterfall(why: Why) -> Plate | None:
@@ -87,10 +87,10 @@ def waterfall(why: Why) -> Plate | None:
     uncertainty = 100 * why.total.uncertainty
     if not math.isfinite(uncertainty):
         uncertainty = 0.0
-    low = min(0.0, *ends, total - uncertainty)
-    high = max(0.0, *ends, total + uncertainty)
-    room = 0.08 * (high - low) or 1.0
-    axis = Axis(low - room, high + room, "change of W, per cent", count=8)
+    least_value = min(0.0, *ends, total - uncertainty)
+    largest_value = max(0.0, *ends, total + uncertainty)
+    room = 0.08 * (largest_value - least_value) or 1.0
+    axis = Axis(least_value - room, largest_value + room, "change of W, per cent", count=8)
     marks: list[Mark] = []
     row_count = len(steps) + 1
     for number, (step, end) in enumerate(zip(steps, ends, strict=True)):
@@ -139,10 +139,10 @@ class _Stack(NamedTuple):
         return max(right, left, abs(self.total) + self.uncertainty)
 
 
-def _stack_of(budget: Budget, judged: bool) -> _Stack:
+def _stack_of(budget: Budget, is_judged: bool) -> _Stack:
     """The stack of a metric; what is unknown or infinite has no length."""
     unit = 0.01
-    if judged:
+    if is_judged:
         unit = budget.metric.tolerance or 1.0
 
     def share(value: float | None) -> float:
@@ -156,31 +156,33 @@ def _stack_of(budget: Budget, judged: bool) -> _Stack:
     return _Stack(budget, np.array(shares), total, uncertainty)
 
 
-def _half_width_of_bars(stacks: Sequence[_Stack], judged: bool) -> float:
+def _half_width_of_bars(stacks: Sequence[_Stack], is_judged: bool) -> float:
     """Half the width of the axis: the longest bar, or where one is far longer than the middle one
     a multiple of that; the limits at 1 are always on it.
     """
     reaches = [stack.reach for stack in stacks]
-    longest = min(max(reaches), _LONGEST_OVER_MEDIAN * float(np.median(reaches))) or 1.0
-    return 1.08 * max(1.05 if judged else 0.0, longest)
+    longest_bar = min(max(reaches), _LONGEST_OVER_MEDIAN * float(np.median(reaches))) or 1.0
+    return 1.08 * max(1.05 if is_judged else 0.0, longest_bar)
 
 
-def _limits_of_bar(low: float, judged: bool) -> Iterator[Mark]:
+def _limits_of_bar(lower_edge: float, is_judged: bool) -> Iterator[Mark]:
     """Zero, and the limits of the tolerance, beside the bar alone: on a phone labels reach across
     them.
     """
     lines = [(0.0, "zero")]
-    if judged:
+    if is_judged:
         lines += [(-1.0, "limit"), (1.0, "limit")]
     for place, css in lines:
-        yield Segments(np.array([[[place, low + 0.06], [place, low + 0.56]]]), css)
+        yield Segments(np.array([[[place, lower_edge + 0.06], [place, lower_edge + 0.56]]]), css)
 
 
-def _blocks_of_bar(low: float, stack: _Stack, names: Sequence[str], judged: bool) -> Iterator[Mark]:
+def _blocks_of_bar(
+    lower_edge: float, stack: _Stack, names: Sequence[str], is_judged: bool
+) -> Iterator[Mark]:
     """A block for each term, to the right of those that add, to the left of those that take."""
     right_end = 0.0
     left_end = 0.0
-    unit = "of the tolerance" if judged else "%"
+    unit = "of the tolerance" if is_judged else "%"
     for place, (share, name) in enumerate(zip(stack.shares.tolist(), names, strict=True)):
         if share > 0:
             start = right_end
@@ -191,7 +193,7 @@ def _blocks_of_bar(low: float, stack: _Stack, names: Sequence[str], judged: bool
         if share:
             label = minus(f"{name}: {share:+.3g} {unit}")
             ends = (start, start + share)
-            yield Block(ends, (low + 0.14, low + 0.5), f"term-{place} edge", label)
+            yield Block(ends, (lower_edge + 0.14, lower_edge + 0.5), f"term-{place} edge", label)
 
 
 def _budget_table(budgets: Sequence[Budget], term_names: Sequence[str], rest_name: str) -> Table:
@@ -211,14 +213,14 @@ def _budget_table(budgets: Sequence[Budget], term_names: Sequence[str], rest_nam
 
 
 def _marks_of_total(
-    low: float, total: float, uncertainty: float, half_width: float
+    lower_edge: float, total: float, uncertainty: float, half_width: float
 ) -> Iterator[Mark]:
     """E as an upright mark with its uncertainty across it; a head at the edge where it goes on
     beyond.
     """
-    middle = low + 0.32
+    middle = lower_edge + 0.32
     if abs(total) <= half_width:
-        yield Curve([total, total], [low + 0.06, low + 0.58], "total")
+        yield Curve([total, total], [lower_edge + 0.06, lower_edge + 0.58], "total")
     left = max(total - uncertainty, -half_width)
     right = min(total + uncertainty, half_width)
     if right > left:
@@ -239,19 +241,21 @@ def mesh_refinement(budget: ErrorBudget) -> Plate | None:
     for row in budget.budgets:
         metric = row.metric
         points = [(run.size, run.values.get(metric.key)) for run in runs]
-        known = [
+        known_rows = [
             (size, float(value))
             for size, value in points
             if value is not None and math.isfinite(value)
         ]
-        if not metric.headline or len(known) < 3:
+        if not metric.headline or len(known_rows) < 3:
             continue
-        sizes = tuple(size for size, _ in known)
-        values = tuple(value for _, value in known)
+        sizes = tuple(size for size, _ in known_rows)
+        values = tuple(value for _, value in known_rows)
         limit = extrapolate(Refinement(sizes, values, 2.0, ROUNDING))
         if limit.kind == "monotone" and limit.value is not None:
             curves[metric.label] = [
-                (size, abs(value - limit.value)) for size, value in known if value != limit.value
+                (size, abs(value - limit.value))
+                for size, value in known_rows
+                if value != limit.value
             ]
     axes = "element size, over that of the run", "distance from the value at size zero"
     return _convergence("mesh_refinement", axes, curves, [run.size for run in runs])
@@ -320,12 +324,12 @@ def _convergence(
         keys.append(Key(css, label))
 
     words_across, words_up = axes
-    across = Axis(0.8 * float(sizes.min()), 1.25 * float(sizes.max()), words_across, log=True)
+    x_axis = Axis(0.8 * float(sizes.min()), 1.25 * float(sizes.max()), words_across, log=True)
     # Below a millionth of the largest distance a curve is round-off.
-    lowest = max(min(positive), 1e-6 * top)
-    up = Axis(lowest / 3, 3 * top, words_up, log=True)
+    lowest_error = max(min(positive), 1e-6 * top)
+    up = Axis(lowest_error / 3, 3 * top, words_up, log=True)
     alt = "Convergence with the mesh, both axes logarithmic"
-    panel = broad_panel(name, across, up, marks, alt, 360.0)
+    panel = broad_panel(name, x_axis, up, marks, alt, 360.0)
     table: dict[str, Any] = {
         "metric": [label for label, points in curves.items() for _ in points],
         "size": [size for size, _ in all_points],

@@ -83,14 +83,16 @@ class CycleView:
 
     def _slip_and_load(self, instant: int) -> tuple[int, float]:
         """How many points slip at an instant, and P there."""
-        slipping = int((self.result_cycle.state[instant] >= 2).sum())
-        return slipping, float(self.result_cycle.normal_load[instant])
+        n_slipping = int((self.result_cycle.state[instant] >= 2).sum())
+        return n_slipping, float(self.result_cycle.normal_load[instant])
 
     def _largest_distance(self) -> float:
         """The largest |x| that is drawn [length]; every point where nothing touches."""
         edges = (self.reference_cycle.contact_edges, self.result_cycle.contact_edges)
-        outer = max(float(np.nanmax(np.abs(edge), initial=0.0)) for edge in edges) or np.inf
-        return min(1.12 * outer, float(np.abs(self.result_cycle.x).max()))
+        outer_distance = (
+            max(float(np.nanmax(np.abs(edge), initial=0.0)) for edge in edges) or np.inf
+        )
+        return min(1.12 * outer_distance, float(np.abs(self.result_cycle.x).max()))
 
     def over_time(self, count: int = 5) -> Axis:
         """The axis of time."""
@@ -102,8 +104,8 @@ class CycleView:
 
     def difference_over_time(self, difference: Array, unit: str) -> str:
         """The numbers of a difference over time."""
-        where = "t/T = {}" if "period" in self.time_words else "t = {}"
-        return difference_in_words(difference, self.time, where, unit)
+        words_of_place = "t/T = {}" if "period" in self.time_words else "t = {}"
+        return difference_in_words(difference, self.time, words_of_place, unit)
 
 
 def difference_in_words(
@@ -121,15 +123,20 @@ def difference_in_words(
     ... )
     'rms 1.7 %, largest −3 % at x = 1 a_ref'
     """
-    known = np.isfinite(difference) & (True if weight is None else weight)
-    if not known.any():
+    is_known = np.isfinite(difference) & (True if weight is None else weight)
+    if not is_known.any():
         return "nothing to compare"
     lengths = np.gradient(along) if len(along) > 1 else np.ones(1)
-    rms = np.sqrt(np.average(difference[known] ** 2, weights=np.maximum(lengths[known], 1e-300)))
-    worst = int(np.argmax(np.where(known, np.abs(difference), -1.0)))
-    place = where.format(minus(f"{along[worst] + 0.0:.3g}"))
-    largest = difference[worst] + 0.0
-    return minus(f"rms {_two_digits(rms)}{unit}, largest {_two_digits(largest)}{unit} at ") + place
+    rms = np.sqrt(
+        np.average(difference[is_known] ** 2, weights=np.maximum(lengths[is_known], 1e-300))
+    )
+    worst_place = int(np.argmax(np.where(is_known, np.abs(difference), -1.0)))
+    place = where.format(minus(f"{along[worst_place] + 0.0:.3g}"))
+    largest_difference = difference[worst_place] + 0.0
+    return (
+        minus(f"rms {_two_digits(rms)}{unit}, largest {_two_digits(largest_difference)}{unit} at ")
+        + place
+    )
 
 
 def _two_digits(value: float) -> str:
@@ -166,13 +173,13 @@ def slip_points(comparison: Comparison, count: int = 4) -> list[int]:
     edges = comparison.expected.contact_edges
     x = comparison.found.x
     if comparison.turned:
-        outer = float(np.nanmax(edges, initial=float(x[0])))
+        outer_edge = float(np.nanmax(edges, initial=float(x[0])))
     else:
-        outer = float(np.nanmax(np.abs(edges), initial=0.0)) or float(np.abs(x).max())
-    inner = float(permanent_edges(comparison.reference)[1])
-    if not np.isfinite(inner) or inner >= outer:
-        inner = min(0.0, outer)
-    places = inner + np.linspace(0.12, 0.97, count) * (outer - inner)
+        outer_edge = float(np.nanmax(np.abs(edges), initial=0.0)) or float(np.abs(x).max())
+    inner_edge = float(permanent_edges(comparison.reference)[1])
+    if not np.isfinite(inner_edge) or inner_edge >= outer_edge:
+        inner_edge = min(0.0, outer_edge)
+    places = inner_edge + np.linspace(0.12, 0.97, count) * (outer_edge - inner_edge)
     return sorted({int(np.abs(x - place).argmin()) for place in places})
 
 

@@ -139,13 +139,13 @@ def traction_panels(
         difference_lines.append(curve(values, f"d {letter}", label, f"d{letter}"))
 
     pressures = traction_pairs["p"]
-    touching = (pressures[0][0] != 0) | (pressures[1][0] != 0)
+    is_touching = (pressures[0][0] != 0) | (pressures[1][0] != 0)
     notes = []
     for letter in "pq":
-        numbers = difference_in_words(differences[letter][0], x, "x = {} a_ref", " %", touching)
+        numbers = difference_in_words(differences[letter][0], x, "x = {} a_ref", " %", is_touching)
         notes.append(f"{letter}: {numbers}")
     series = [values for pair in traction_pairs.values() for values in pair]
-    above = Panel(
+    upper_panel = Panel(
         name,
         view.over_x(""),
         Axis(*limits(*series, zero=True), "p/p_ref,  q/(f p_ref)"),
@@ -156,7 +156,7 @@ def traction_panels(
         title,
         room=(72.0, 26.0 if title else 12.0, 20.0, 20.0),
     )
-    below = Panel(
+    lower_panel = Panel(
         f"{name}-difference",
         view.over_x(),
         Axis(*limits(*differences.values(), zero=True, least=1e-9), "difference, %", count=3),
@@ -166,7 +166,7 @@ def traction_panels(
         0.56 * height + 56,
         notes=notes,
     )
-    return above, below
+    return upper_panel, lower_panel
 
 
 def moving_instant(view: CycleView) -> Plate:
@@ -326,8 +326,8 @@ def dissipation_density(view: CycleView) -> Plate | None:
         css="pick",
     )
 
-    largest = float(np.nanmax(np.abs(of_reference), initial=0.0)) or 1.0
-    difference = 100 * (of_result - of_reference) / largest
+    largest_density = float(np.nanmax(np.abs(of_reference), initial=0.0)) or 1.0
+    difference = 100 * (of_result - of_reference) / largest_density
     dissipates = (of_reference != 0) | (of_result != 0)
     note = difference_in_words(
         difference, x, "x = {} a_ref", " %", (np.abs(x) <= view.largest_x) & dissipates

@@ -66,7 +66,7 @@ def half_widths(view: CycleView) -> Plate:
             half_widths_of[kind].append((right - left) / 2 / half_width)
             table[f"left_{kind}_edges_{role}"] = left
             table[f"right_{kind}_edges_{role}"] = right
-    above = Panel(
+    upper_panel = Panel(
         "edges",
         view.over_time(),
         Axis(*limits(*(line.y for line in lines)), X_OVER_A),
@@ -86,7 +86,7 @@ def half_widths(view: CycleView) -> Plate:
         *limits(*differences.values(), zero=True, least=1e-12),
         "difference of half-widths / a_ref",
     )
-    below = Panel(
+    lower_panel = Panel(
         "edges-difference",
         view.over_time(),
         difference_axis,
@@ -103,7 +103,7 @@ def half_widths(view: CycleView) -> Plate:
     legend = (*keys, Key("d p", "difference, contact"), Key("d q", "difference, stick"))
     return worded(
         "half_widths",
-        (above, below),
+        (upper_panel, lower_panel),
         table,
         legend,
         stretch=view.stretch,
@@ -115,10 +115,10 @@ def _spacing_at_the_edge(cycle: Cycle) -> float:
     """The middle distance of points about the contact edges [length]; NaN where nothing
     touches.
     """
-    outer = float(np.nanmax(np.abs(cycle.contact_edges), initial=0.0))
-    if not outer:
+    outer_edge = float(np.nanmax(np.abs(cycle.contact_edges), initial=0.0))
+    if not outer_edge:
         return math.nan
-    about_the_edge = np.abs(np.abs(cycle.x[1:]) - outer) < 0.3 * outer
+    about_the_edge = np.abs(np.abs(cycle.x[1:]) - outer_edge) < 0.3 * outer_edge
     return float(np.median(np.diff(cycle.x)[about_the_edge]))
 
 
@@ -130,31 +130,33 @@ def discrepancies(view: CycleView) -> Plate:
     """
     metrics = [metric for metric in view.comparison.metrics if metric.series is not None]
     with_tolerance = [metric for metric in metrics if metric.tolerance is not None]
-    judged = bool(with_tolerance)
+    is_judged = bool(with_tolerance)
     drawn_metrics = with_tolerance or [metric for metric in metrics if metric.key in OWN_TOLERANCES]
     lines: list[Mark] = []
-    if judged:
+    if is_judged:
         lines.append(Rule(1.0, "limit"))
     keys = []
-    largest = 0.0
+    largest_ratio = 0.0
     for metric, css in zip(drawn_metrics, LINE_LOOKS, strict=False):
-        unit = (metric.tolerance or 1.0) if judged else 0.01
+        unit = (metric.tolerance or 1.0) if is_judged else 0.01
         shares = np.abs(np.asarray(metric.series)) / unit
         size = np.where(view.comparison.judged, shares, np.nan)
-        worst = int(np.nanargmax(size)) if np.isfinite(size).any() else 0
-        largest = max(largest, float(np.nanmax(size, initial=0.0)))
+        worst_instant = int(np.nanargmax(size)) if np.isfinite(size).any() else 0
+        largest_ratio = max(largest_ratio, float(np.nanmax(size, initial=0.0)))
         lines.append(Curve(view.time, size, css, metric.label))
-        per_cent = "" if judged else " %"
-        text = f"{metric.label}: {size[worst]:.2g}{per_cent} at {view.time[worst]:.3g}"
+        per_cent = "" if is_judged else " %"
+        text = (
+            f"{metric.label}: {size[worst_instant]:.2g}{per_cent} at {view.time[worst_instant]:.3g}"
+        )
         keys.append(Key(css, minus(text)))
-    if judged:
+    if is_judged:
         end = float(view.time[-1])
         lines.append(Note(end, 1.0, "tolerance", anchor="end", shift=(-4.0, -5.0)))
-    if judged:
-        top = min(max(1.0, largest), _MOST_TOLERANCES)
+    if is_judged:
+        top = min(max(1.0, largest_ratio), _MOST_TOLERANCES)
         axis_words = "|discrepancy| / tolerance"
     else:
-        top = largest or 1.0
+        top = largest_ratio or 1.0
         axis_words = "|discrepancy|, %"
     panel = broad_panel(
         "errors",
@@ -172,8 +174,8 @@ def discrepancies(view: CycleView) -> Plate:
         table,
         keys,
         columns=1,
-        judged=judged,
-        cut=judged and largest > _MOST_TOLERANCES,
+        judged=is_judged,
+        cut=is_judged and largest_ratio > _MOST_TOLERANCES,
         stretch=view.stretch,
     )
 
@@ -194,21 +196,21 @@ def slip_histories(view: CycleView) -> Plate:
     of_reference, of_result = slips
     table = {"time": view.result_cycle.time}
     for place, point in enumerate(points):
-        where = f"(x = {view.result_cycle.x[point]:.6g}) [{length}]"
-        table[f"slip_reference{where}"] = of_reference[:, place]
-        table[f"slip_result{where}"] = of_result[:, place]
+        words_of_place = f"(x = {view.result_cycle.x[point]:.6g}) [{length}]"
+        table[f"slip_reference{words_of_place}"] = of_reference[:, place]
+        table[f"slip_result{words_of_place}"] = of_result[:, place]
 
     difference = of_result - of_reference
-    worst = int(np.argmax(np.nanmax(np.abs(np.nan_to_num(difference)), axis=0)))
+    worst_point = int(np.argmax(np.nanmax(np.abs(np.nan_to_num(difference)), axis=0)))
     notes = [
-        f"result − reference at {names[worst]}, where it is largest:",
-        view.difference_over_time(difference[:, worst], f" {length}"),
+        f"result − reference at {names[worst_point]}, where it is largest:",
+        view.difference_over_time(difference[:, worst_point], f" {length}"),
     ]
-    least = 1e-12 * view.scales.half_width
+    least_slip = 1e-12 * view.scales.half_width
     panel = broad_panel(
         "slip",
         view.over_time(8),
-        Axis(*limits(*slips, zero=True, least=least), f"slip since the start  [{length}]"),
+        Axis(*limits(*slips, zero=True, least=least_slip), f"slip since the start  [{length}]"),
         lines,
         "Slip of chosen points over time",
         320.0,
@@ -229,10 +231,10 @@ def load_path(view: CycleView) -> Plate:
     friction = view.comparison.result.scene.friction.coefficient
     unit = load_unit(view.comparison.result.scene)
     parts = _parts_of_path(view.comparison.result.scene)
-    normal = np.concatenate([part.normal_load for part in parts])
-    tangential = np.concatenate([part.tangential_load for part in parts])
-    largest_normal = 1.08 * float(normal.max())
-    largest_tangential = 1.25 * max(float(np.abs(tangential).max()), 0.15 * largest_normal)
+    normal_load = np.concatenate([part.normal_load for part in parts])
+    tangential_load = np.concatenate([part.tangential_load for part in parts])
+    largest_normal = 1.08 * float(normal_load.max())
+    largest_tangential = 1.25 * max(float(np.abs(tangential_load).max()), 0.15 * largest_normal)
 
     marks: list[Mark] = []
     if friction:
@@ -240,11 +242,11 @@ def load_path(view: CycleView) -> Plate:
             limit = sign * largest_normal * friction
             marks.append(Curve([0, largest_normal], [0, limit], "cone", "|Q| = f P"))
     marks += [Curve(part.normal_load, part.tangential_load, part.look, part.name) for part in parts]
-    lowest = min(-0.3 * largest_tangential, 1.25 * float(tangential.min()))
+    lowest_load = min(-0.3 * largest_tangential, 1.25 * float(tangential_load.min()))
     panel = Panel(
         "load-path",
         Axis(0.0, largest_normal, f"normal load P  [{unit}]"),
-        Axis(lowest, largest_tangential, f"tangential load Q  [{unit}]"),
+        Axis(lowest_load, largest_tangential, f"tangential load Q  [{unit}]"),
         marks,
         "Load path in the plane of P and Q",
         height=330.0,
@@ -276,8 +278,8 @@ def load_path(view: CycleView) -> Plate:
     table: Table = {
         "time": np.concatenate([part.time for part in parts]),
         "part": [part.name for part in parts for _ in part.time],
-        "P": normal,
-        "Q": tangential,
+        "P": normal_load,
+        "Q": tangential_load,
     }
     has_bulk_or_tilt = len(panels) > 1
     return worded(
@@ -308,8 +310,10 @@ def _parts_of_path(scene: Scene) -> list[_PathPart]:
     for name, look, legs in named_legs:
         if legs:
             time = np.concatenate([sampled(leg, 257) for leg in legs])
-            normal, tangential = path.at(time)
-            parts.append(_PathPart(name, look, time, np.asarray(normal), np.asarray(tangential)))
+            normal_load, tangential_load = path.at(time)
+            parts.append(
+                _PathPart(name, look, time, np.asarray(normal_load), np.asarray(tangential_load))
+            )
     return parts
 
 
@@ -338,14 +342,14 @@ def _beside_the_forces(view: CycleView) -> Iterator[tuple[str, str, list[_Line]]
         yield "moment", f"moment M  [{force}]", [_Line("line-3 fine", "moment", cycle.moment)]
 
 
-def _events(panel: Panel, across: Array, up: Array, chosen: Sequence[Event]) -> Iterator[Mark]:
+def _events(panel: Panel, across: Array, up: Array, events: Sequence[Event]) -> Iterator[Mark]:
     """Numbered dots, numbers outside the loop that the dots lie on; a number that would stand on
     another one is left out.
     """
     x = panel.frame.x.place(across)
     y = panel.frame.y.place(up)
     numbers: list[Array] = []  # places of those that are drawn
-    for count, event in enumerate(chosen, start=1):
+    for count, event in enumerate(events, start=1):
         k = event.index
         index = {"event": k}
         shift = 13 * _outward(x, y, k)
@@ -366,15 +370,17 @@ def _events(panel: Panel, across: Array, up: Array, chosen: Sequence[Event]) -> 
 
 def _outward(x: Array, y: Array, k: int) -> Array:
     """Unit vector across the line at its k-th place, away from the middle of all places."""
-    before = max(k - 1, 0)
-    after = min(k + 1, len(x) - 1)
-    across = np.array([y[before] - y[after], x[after] - x[before]])
+    place_before = max(k - 1, 0)
+    place_after = min(k + 1, len(x) - 1)
+    normal_direction = np.array(
+        [y[place_before] - y[place_after], x[place_after] - x[place_before]]
+    )
     from_middle = np.array([x[k] - x.mean(), y[k] - y.mean()])
-    if not np.all(np.isfinite(across)) or not np.hypot(*across):
-        across = from_middle
-    if across @ from_middle < 0:
-        across = -across
-    return np.asarray(across / (np.hypot(*across) or 1.0))
+    if not np.all(np.isfinite(normal_direction)) or not np.hypot(*normal_direction):
+        normal_direction = from_middle
+    if normal_direction @ from_middle < 0:
+        normal_direction = -normal_direction
+    return np.asarray(normal_direction / (np.hypot(*normal_direction) or 1.0))
 
 
 def _follower(x: str, across: float, up: float, css: str) -> Dot:
@@ -400,11 +406,11 @@ def hysteresis(view: CycleView) -> Plate | None:
         return None
 
     _, length, _ = units(scene)
-    sheared = [sheared_displacement(cycle) for cycle in cycles]
+    displacements = [sheared_displacement(cycle) for cycle in cycles]
     panels = [
         _loop_panel(view, "hysteresis", ("U", shifts), f"tangential displacement U  [{length}]"),
         _loop_panel(
-            view, "hysteresis-sheared", ("V", sheared), f"U − k Q, about its mean  [{length}]"
+            view, "hysteresis-sheared", ("V", displacements), f"U − k Q, about its mean  [{length}]"
         ),
     ]
     if comparison.pulled and all(cycle.shear_moment is not None for cycle in cycles):

@@ -23,22 +23,22 @@ if TYPE_CHECKING:
 
 def scene_html(scene: Scene) -> str:
     """Name, bodies, material, profile, friction and loads of a scene."""
-    upper = scene.material.upper
-    lower = scene.material.lower
-    normal, tangential = scene.ranges_of_load()
-    first = "approach of the actuator" if scene.load.states_approach else "P"
-    second = "U of the actuator" if scene.load.is_driven else "Q"
+    upper_material = scene.material.upper
+    lower_material = scene.material.lower
+    normal_range, tangential_range = scene.ranges_of_load()
+    normal_words = "approach of the actuator" if scene.load.states_approach else "P"
+    tangential_words = "U of the actuator" if scene.load.is_driven else "Q"
     bodies = f"upper {scene.bodies.upper.kind}, lower {scene.bodies.lower.kind}"
     rows = [
         ("name", scene.name or "–"),
         ("bodies", bodies.replace("_", "-")),
-        ("E, ν upper", f"{upper.young_modulus:.6g}, {upper.poisson_ratio:.4g}"),
-        ("E, ν lower", f"{lower.young_modulus:.6g}, {lower.poisson_ratio:.4g}"),
+        ("E, ν upper", f"{upper_material.young_modulus:.6g}, {upper_material.poisson_ratio:.4g}"),
+        ("E, ν lower", f"{lower_material.young_modulus:.6g}, {lower_material.poisson_ratio:.4g}"),
         ("profile", scene.profile.kind.replace("_", " ")),
         ("friction coefficient", f"{scene.friction.coefficient:.4g}"),
         ("load", scene.load.kind.replace("_", " ")),
-        (first, f"{normal[0]:.6g} to {normal[1]:.6g}"),
-        (second, f"{tangential[0]:.6g} to {tangential[1]:.6g}"),
+        (normal_words, f"{normal_range[0]:.6g} to {normal_range[1]:.6g}"),
+        (tangential_words, f"{tangential_range[0]:.6g} to {tangential_range[1]:.6g}"),
     ]
     beside_forces = bulk_and_tilt(scene)
     if beside_forces:
@@ -85,7 +85,7 @@ def _step_shown(solution: ContactSolution, time: float | None) -> int:
     """The stored instant next to `time`, or that of the largest |Q| of the last cycle; refused as
     `solution_figure` states.
     """
-    times = solution.time
+    stored_times = solution.time
     if not np.isfinite(solution.pressure).any():
         raise InputError(
             "plot: the solution holds no pressure; solve it with fields='pressure' and 'shear' at"
@@ -94,12 +94,13 @@ def _step_shown(solution: ContactSolution, time: float | None) -> int:
     if time is None:
         cycle = solution.last_cycle
         return int(cycle[np.argmax(np.abs(solution.tangential_load[cycle]))])
-    if not times.min() <= time <= times.max():
+    if not stored_times.min() <= time <= stored_times.max():
         raise InputError(
-            f"plot: time = {time:g} lies outside the solution, which goes from {times.min():.6g} to"
-            f" {times.max():.6g}"
+            f"plot: time = {time:g} lies outside the solution, which goes from"
+            f" {stored_times.min():.6g} to"
+            f" {stored_times.max():.6g}"
         )
-    return int(np.argmin(np.abs(times - time)))
+    return int(np.argmin(np.abs(stored_times - time)))
 
 
 def _draw_tractions(axes: Axes, solution: ContactSolution, step: int) -> None:

@@ -146,11 +146,11 @@ class RigMotion:
         sense = np.where(~is_apart & np.isnan(stick) & (np.abs(force) >= limit), np.sign(force), 0)
         sticks = stick >= contact * (1 - _SAME)
         motions = np.full(len(load), Motion.PARTIAL, dtype=np.int64)
-        before = np.maximum(np.arange(len(load)) - 1, 0)
-        motions[sticks & (sense[before] == 0)] = Motion.STICK
-        motions[(sense > 0) & (sense[before] > 0)] = Motion.FORWARD
-        motions[(sense < 0) & (sense[before] < 0)] = Motion.BACK
-        motions[is_apart | is_apart[before]] = Motion.APART
+        row_before = np.maximum(np.arange(len(load)) - 1, 0)
+        motions[sticks & (sense[row_before] == 0)] = Motion.STICK
+        motions[(sense > 0) & (sense[row_before] > 0)] = Motion.FORWARD
+        motions[(sense < 0) & (sense[row_before] < 0)] = Motion.BACK
+        motions[is_apart | is_apart[row_before]] = Motion.APART
         return motions
 
     @cached_property
@@ -223,15 +223,15 @@ def _loop_panel(rig: RigMotion, name: str, width: float, height: float, title: s
     curves = [Curve(rig.contact, rig.tangential_load, of_contact.css, of_contact.text)]
     if rig.scene.rig.tangential_stiffness is not None:
         curves.append(Curve(rig.actuator, rig.tangential_load, of_actuator.css, of_actuator.text))
-    if (beside := rig.elements) is not None:
+    if (elements := rig.elements) is not None:
         of_elements = _KEY_OF_ELEMENTS
         curves.append(
-            Curve(beside.contact, beside.tangential_load, of_elements.css, of_elements.text)
+            Curve(elements.contact, elements.tangential_load, of_elements.css, of_elements.text)
         )
-    across = limits(*(curve.x for curve in curves))
+    x_limits = limits(*(curve.x for curve in curves))
     return Panel(
         name,
-        Axis(*across, f"displacement U  [{units(rig.scene)[1]}]"),
+        Axis(*x_limits, f"displacement U  [{units(rig.scene)[1]}]"),
         Axis(*limits(*(curve.y for curve in curves)), f"Q  [{load_unit(rig.scene)}]"),
         [Rule(0.0, "zero"), *curves],
         "Loop of the tangential load over the displacement",
@@ -272,7 +272,7 @@ def _over_time(rig: RigMotion) -> Plate:
         Curve(rig.time, -limit, "cone", "−f P"),
         Curve(rig.time, rig.tangential_load, "c5 bold", "Q"),
     ]
-    moved = [
+    moved_curves = [
         Curve(rig.time, rig.actuator, "c1 dash", "U of the actuator"),
         Curve(rig.time, rig.contact, "c0", "U of the contact"),
         Curve(rig.time, rig.way, "c2 bold", "way that the bodies slide"),
@@ -286,15 +286,15 @@ def _over_time(rig: RigMotion) -> Plate:
         panel("rig-force", Axis(*force_range, f"Q  [{load}]"), force_marks, "Q over time"),
         panel(
             "rig-way",
-            Axis(*limits(*(curve.y for curve in moved)), f"displacement  [{length}]"),
-            [Rule(0.0, "zero"), *moved],
+            Axis(*limits(*(curve.y for curve in moved_curves)), f"displacement  [{length}]"),
+            [Rule(0.0, "zero"), *moved_curves],
             "Displacements over time",
         ),
     ]
     keys = [Key("c5 bold", "Q"), Key("cone", "±f P")]
-    keys += [Key(curve.css, curve.label) for curve in moved]
-    shown = {motion for motion, _, _ in rig.stretches()}
-    keys += [Key(*_MOTIONS[motion], patch=True) for motion in Motion if motion in shown]
+    keys += [Key(curve.css, curve.label) for curve in moved_curves]
+    motions_shown = {motion for motion, _, _ in rig.stretches()}
+    keys += [Key(*_MOTIONS[motion], patch=True) for motion in Motion if motion in motions_shown]
     columns: Table = {
         "time": rig.time,
         f"Q [{load}]": rig.tangential_load,
@@ -368,10 +368,10 @@ def _sentence(rig: RigMotion) -> str:
     length = units(rig.scene)[1]
     way = rig.distance(Motion.FORWARD) + rig.distance(Motion.BACK)
     if way:
-        first = f"The bodies slide as a whole by {way:.6g} {length} in the {rig.noun}."
+        sentence_on_slides = f"The bodies slide as a whole by {way:.6g} {length} in the {rig.noun}."
     else:
-        first = f"Nothing slides as a whole in the {rig.noun}."
-    return f"{first} W = {rig.solution.dissipation:.6g} {energy_unit(rig.scene)}."
+        sentence_on_slides = f"Nothing slides as a whole in the {rig.noun}."
+    return f"{sentence_on_slides} W = {rig.solution.dissipation:.6g} {energy_unit(rig.scene)}."
 
 
 def _notes_of(rig: RigMotion) -> Iterator[str]:

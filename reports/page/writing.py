@@ -130,9 +130,9 @@ def write(
         (folder / "comparison.json").write_text(comparison_text, encoding="utf-8")
         if vtu_instants is not None and len(vtu_instants):
             _write_vtu(comparison, vtu_instants, folder / "fields")
-        third = _write_third(comparison, report.third, folder) if report.third else None
+        third_content = _write_third(comparison, report.third, folder) if report.third else None
         live = _cycle_data(CycleView(comparison)) | {"tables": _tables(tables)}
-        page = render(report, drawings, command, seconds or {}, live, third)
+        page = render(report, drawings, command, seconds or {}, live, third_content)
         (folder / "report.html").write_text(page, encoding="utf-8")
         if log:
             log_text = "\n".join([*log, headline(comparison), verdict(comparison)]) + "\n"
@@ -158,13 +158,13 @@ def _write_vtu(comparison: Comparison, times: Sequence[float], folder: Path) -> 
     write_fields(answer, halfplane_fe.fields(answer, times), folder)
 
 
-def _write_third(comparison: Comparison, third: ThirdAnswer, folder: Path) -> dict[str, Any]:
+def _write_third(comparison: Comparison, third_answer: ThirdAnswer, folder: Path) -> dict[str, Any]:
     """Files of a third solver; returns what the page states of it."""
-    (folder / "third.inp").write_text(third.text, encoding="utf-8")
-    (folder / "third.json").write_text(third.as_json(comparison), encoding="utf-8")
-    if third.comparison is not None:
-        third.comparison.result.save(folder / "third.nc")
-    return third.page_words(comparison)
+    (folder / "third.inp").write_text(third_answer.text, encoding="utf-8")
+    (folder / "third.json").write_text(third_answer.as_json(comparison), encoding="utf-8")
+    if third_answer.comparison is not None:
+        third_answer.comparison.result.save(folder / "third.nc")
+    return third_answer.page_words(comparison)
 
 
 def render(
@@ -280,10 +280,10 @@ def _dissipations(comparison: Comparison) -> Iterator[dict[str, str]]:
             name += ", on the polygon of the steps"
         work = solution.dissipation
         loop = solution.loop_work
-        normal = normal_work(solution)
+        work_of_normal_load = normal_work(solution)
         difference = "–"
         if work and not np.isnan(loop):
-            difference = minus(f"{abs((loop + (normal or 0.0)) / work - 1):.1e}")
+            difference = minus(f"{abs((loop + (work_of_normal_load or 0.0)) / work - 1):.1e}")
         yield {
             "name": name,
             "value": in_digits(work),
@@ -291,25 +291,27 @@ def _dissipations(comparison: Comparison) -> Iterator[dict[str, str]]:
             "loop": in_digits(loop),
             # of the instants that the solution has
             "bulk": in_digits(bulk_work(last_cycle(solution), solution.scene.material)),
-            "normal": in_digits(normal),
+            "normal": in_digits(work_of_normal_load),
             "apart": difference,
             "cycles": ", ".join(in_digits(of_cycle, 6) for of_cycle in solution.cycle_dissipation),
         }
 
 
-def _flat(settings: Mapping[str, Any], above: str = "") -> dict[str, str]:
+def _flat(settings: Mapping[str, Any], prefix: str = "") -> dict[str, str]:
     """Nested settings as one list, names joined by dots, numbers to six digits.
 
     >>> _flat({"mesh": {"order": 2}, "element_size": 0.0144202817})
     {'mesh.order': '2', 'element_size': '0.0144203'}
     """
-    flat: dict[str, str] = {}
+    settings_by_name: dict[str, str] = {}
     for name, value in settings.items():
         if isinstance(value, Mapping):
-            flat |= _flat(value, f"{above}{name}.")
+            settings_by_name |= _flat(value, f"{prefix}{name}.")
         else:
-            flat[above + name] = f"{value:.6g}" if isinstance(value, float) else str(value)
-    return flat
+            settings_by_name[prefix + name] = (
+                f"{value:.6g}" if isinstance(value, float) else str(value)
+            )
+    return settings_by_name
 
 
 # Largest number of instants, and of instants times points, that a page carries: 1.6 MB.
@@ -374,10 +376,12 @@ def _cycle_data(view: CycleView) -> dict[str, Any]:
 
 def _carried_instants(view: CycleView) -> NDArray[np.int_]:
     """All instants, or evenly many of them with the first, the last and the chosen ones."""
-    last = len(view.result_cycle.time) - 1
-    spaced_instants = np.linspace(0, last, min(last + 1, _MOST_INSTANTS)).round().astype(int)
+    last_instant = len(view.result_cycle.time) - 1
+    spaced_instants = (
+        np.linspace(0, last_instant, min(last_instant + 1, _MOST_INSTANTS)).round().astype(int)
+    )
     chosen_instants = [event.index for event in view.chosen_events]
-    return np.unique([*spaced_instants.tolist(), 0, last, *chosen_instants])
+    return np.unique([*spaced_instants.tolist(), 0, last_instant, *chosen_instants])
 
 
 def _carried_points(view: CycleView, instants: int) -> NDArray[np.int_]:
@@ -435,10 +439,10 @@ def _carried_in_words(cycle_data: dict[str, Any]) -> str:
 
 def _tables(texts: Mapping[str, str]) -> dict[str, str]:
     """Name -> the CSV of each figure, deflated; those over `_LETTERS` stay beside the page only."""
-    short = {name: text for name, text in texts.items() if len(text) <= _LETTERS}
+    short_texts = {name: text for name, text in texts.items() if len(text) <= _LETTERS}
     return {
         name: base64.b64encode(zlib.compress(text.encode(), 9)).decode()
-        for name, text in short.items()
+        for name, text in short_texts.items()
     }
 
 
@@ -538,17 +542,17 @@ def published(comparison: Comparison) -> str:
     """
     view = CycleView(comparison)
     scene = comparison.scene
-    expected = comparison.expected
+    expected_cycle = comparison.expected
     # Where P is largest, and of these instants where |Q| is.
-    at_largest_load = expected.normal_load >= expected.normal_load.max() * (1 - 1e-9)
-    shear_loads = np.where(at_largest_load, np.abs(expected.tangential_load), -1.0)
+    at_largest_load = expected_cycle.normal_load >= expected_cycle.normal_load.max() * (1 - 1e-9)
+    shear_loads = np.where(at_largest_load, np.abs(expected_cycle.tangential_load), -1.0)
     instant = int(np.argmax(shear_loads))
-    title = f"t = {expected.time[instant]:.4g}"
+    title = f"t = {expected_cycle.time[instant]:.4g}"
     size = (440.0, 330.0)
     traction_panel, _ = traction_panels(view, instant, [instant], "tractions", size, title)
     traction_panel = replace(traction_panel, x=view.over_x(), room=None)
 
-    moves = np.ptp(expected.tangential_displacement) > 1e-9 * comparison.scales.shift
+    moves = np.ptp(expected_cycle.tangential_displacement) > 1e-9 * comparison.scales.shift
     loop = hysteresis(view) if moves else None
     view.time = view.result_cycle.time
     view.time_words = "time"

@@ -194,7 +194,7 @@ def _columns(
 def _blocks(path: Path) -> Iterator[_Block]:
     """The tables of a report that have rows, in its order."""
     about = dict.fromkeys(("step", "frame", "where", "region"), "")
-    above: list[str] = []  # lines since the last empty one: headings, if dashes come
+    lines_above: list[str] = []  # lines since the last empty one: headings, if dashes come
     names: list[str] = []
     rows: list[list[float]] = []
     dashes = count = 0
@@ -214,34 +214,34 @@ def _blocks(path: Path) -> Iterator[_Block]:
                     raise InputError(
                         f"{path}: more than {_MOST_ROWS:,} rows; report the contact surface alone"
                     )
-                names = names or _names(text, above)
+                names = names or _names(text, lines_above)
                 rows.append(_numbers(f"{path}, line {number}", text, names))
             elif rows:
                 yield _Block(**about, names=names, values=np.array(rows), line=dashes)
-                above = []
+                lines_above = []
                 names = []
                 rows = []
                 dashes = 0
             elif not text:
-                above = above if dashes else []
-            elif re.fullmatch(r"\s*-{12,}", text) and above:
+                lines_above = lines_above if dashes else []
+            elif re.fullmatch(r"\s*-{12,}", text) and lines_above:
                 dashes = number
             else:
-                above.append(text)
+                lines_above.append(text)
                 match = _HEADER.match(text)
                 if match:
                     words = match.groupdict()
                     about |= {key: value for key, value in words.items() if value is not None}
 
 
-def _names(row: str, above: list[str]) -> list[str]:
+def _names(row: str, lines_above: list[str]) -> list[str]:
     """The names of the columns, which end where the numbers of the first row do, in the lines above
     it.
     """
     ends = [0, *(cell.end() for cell in re.finditer(r"\S+", row))]
     names = []
-    for first, last in pairwise(ends):
-        parts = [heading[first:last].strip() for heading in above]
+    for begin, end in pairwise(ends):
+        parts = [heading[begin:end].strip() for heading in lines_above]
         words = [part for part in parts if part and not part.startswith("@Loc")]
         names.append(_name(" ".join(words)))
     return names

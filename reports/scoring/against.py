@@ -90,7 +90,7 @@ def score(
     >>> round(found.metric("peak_pressure").value, 9), found.metric("dissipation").value is None
     (0.01, True)
     """
-    asked = validated(scene, Scene) if isinstance(scene, Scene) else load_scene(scene)
+    scene_asked = validated(scene, Scene) if isinstance(scene, Scene) else load_scene(scene)
     fields: dict[str, ArrayLike | None] = {"pressure": p, "shear": q, "slip": slip}
     series = {
         "time": time,
@@ -99,7 +99,9 @@ def score(
     }
     result = surface_result(code or "the arrays", code, x, fields, series)
     return diagnosed(
-        score_surface(result, mapping or Mapping(), asked, against=against, tolerances=tolerances)
+        score_surface(
+            result, mapping or Mapping(), scene_asked, against=against, tolerances=tolerances
+        )
     )
 
 
@@ -145,11 +147,12 @@ def own_solution(path: Path, scene: Scene) -> ContactSolution:
             f"{path}: this is no solution that halfplane wrote ({type(reason).__name__}: {reason})"
         ) from reason
     for part in ("material", "profile", "friction", "load"):
-        own = getattr(solution.scene, part)
-        asked = getattr(scene, part)
-        if own != asked:
+        solved_part = getattr(solution.scene, part)
+        scene_part = getattr(scene, part)
+        if solved_part != scene_part:
             raise InputError(
-                f"{path}: it answers another scene: {part} is {own!r} there and {asked!r} in"
+                f"{path}: it answers another scene: {part} is {solved_part!r} there and"
+                f" {scene_part!r} in"
                 f" {scene.name}"
             )
     return solution
@@ -165,9 +168,11 @@ def score_surface(
     tolerances: dict[str, float] | None = None,
 ) -> Report:
     """A result in the common form, guesses applied, without diagnoses."""
-    whole = whole_path(scene)
-    solution, guesses = contact_solution(result, mapping, whole, sure_of_times=sure_of_times)
-    return score_solution(solution, guesses, whole, against=against, tolerances=tolerances)
+    path_solution = whole_path(scene)
+    solution, guesses = contact_solution(
+        result, mapping, path_solution, sure_of_times=sure_of_times
+    )
+    return score_solution(solution, guesses, path_solution, against=against, tolerances=tolerances)
 
 
 def score_solution(
@@ -199,9 +204,12 @@ def score_solution(
 
         reference = semi_analytic.solve(solution.scene, x=solution.x, time=solution.time)
     # the reference then holds none too
-    lacking = {name: why for name, why in solution.work.skipped.items() if name == WHOLE_CYCLE}
+    reasons_lacking = {
+        name: reason for name, reason in solution.work.skipped.items() if name == WHOLE_CYCLE
+    }
     reference = replace(
-        reference, work=replace(reference.work, skipped={**reference.work.skipped, **lacking})
+        reference,
+        work=replace(reference.work, skipped={**reference.work.skipped, **reasons_lacking}),
     )
     _refuse_beside(solution, reference)
     steps = None  # theory on the increments of a solver; none for an answer that takes no steps
@@ -222,21 +230,24 @@ def score_solution(
         else by_same_rule(reference, solution, scales(whole).half_width)
     )
     # Without a rule that both follow the reference stands for itself.
-    plain = None if like is reference else reference
-    found = compare(
+    plain_reference = None if like is reference else reference
+    comparison = compare(
         like,
         solution,
         polygon_reference=steps,
         scales_from=whole,
-        plain_reference=plain,
+        plain_reference=plain_reference,
         tolerances=tolerances,
         effects=effects_between(reference, solution),
     )
     checks = certificates(reference)
-    found = replace(
-        found, reference=reference, reference_certificates=checks, notes=(*words, *found.notes)
+    comparison = replace(
+        comparison,
+        reference=reference,
+        reference_certificates=checks,
+        notes=(*words, *comparison.notes),
     )
-    return Report(found, guesses=guesses)
+    return Report(comparison, guesses=guesses)
 
 
 def _refuse_beside(solution: ContactSolution, reference: ContactSolution) -> None:
@@ -254,9 +265,10 @@ def _refuse_beside(solution: ContactSolution, reference: ContactSolution) -> Non
         return
     source = solution.settings.get("source", solution.engine)
     if np.all(left >= right):
-        first, last = solution.time[[0, -1]]
+        first_time, last_time = solution.time[[0, -1]]
         raise InputError(
-            f"{source}: it has pressure at times {first:.6g} to {last:.6g}, where the scene has no"
+            f"{source}: it has pressure at times {first_time:.6g} to {last_time:.6g}, where the"
+            " scene has no"
             " contact: state the scene's times of its instants, by a column or by times of a"
             " mapping"
         )

@@ -182,13 +182,13 @@ def read_results(path: Path, mapping: Mapping) -> SurfaceResult:
         values = np.array([mesh.scattered(block, name)[rows] for block in blocks])
         fields[quantity] = factors[quantity] * values
     printed_path = path.with_suffix(".dat")
-    printed = None
+    printed_file = None
     if printed_path.exists() and printed_path.stat().st_size:
-        printed = read_dat(printed_path)
+        printed_file = read_dat(printed_path)
     face_values = _FaceValues(
         mesh.points[rows, 0], depth, fields, np.array([block.time for block in blocks])
     )
-    return _result(path, mapping, file.version, face_values, printed, [*notes, *planes])
+    return _result(path, mapping, file.version, face_values, printed_file, [*notes, *planes])
 
 
 def _face_by_stress(
@@ -242,11 +242,13 @@ def read_printed(path: Path, mapping: Mapping) -> SurfaceResult:
         File and what is wrong: see `read_dat`; no contact stress in it; no .frd beside it; a node
         or element that is not there.
     """
-    printed = read_dat(path)
-    stress_at = {table.time: table for table in printed.tables if table.kind == "contact stress"}
+    printed_file = read_dat(path)
+    stress_at = {
+        table.time: table for table in printed_file.tables if table.kind == "contact stress"
+    }
     slip_at = {
         table.time: table
-        for table in printed.tables
+        for table in printed_file.tables
         if table.kind == "relative contact displacement"
     }
     filled_tables = [table for table in stress_at.values() if len(table.ids)]
@@ -271,16 +273,16 @@ def read_printed(path: Path, mapping: Mapping) -> SurfaceResult:
     if keys.shape[1] == 1:
         node_rows = mesh.rows(keys[:, 0])
         places = mesh.points[node_rows]
-        above = mesh.above[node_rows]
+        is_above = mesh.above[node_rows]
     else:
         faces = [mesh.face(int(element), int(face)) for element, face in keys]
         places = np.array([middle for middle, _ in faces])
-        above = np.array([height for _, height in faces])
+        is_above = np.array([height for _, height in faces])
         notes = [
             "CalculiX prints integration points of faces without place or weight: the plain mean of"
             " each face stands at its middle"
         ]
-    body = _body_of_face(path, above)
+    body = _body_of_face(path, is_above)
     rows, _, plane_notes = one_plane(places, np.arange(len(keys)))
     face_note = f"contact values stand at the slave face, that of the {body} body"
     notes = [face_note, *notes, *plane_notes]
@@ -305,7 +307,7 @@ def read_printed(path: Path, mapping: Mapping) -> SurfaceResult:
         notes.append(_SLIP_NOTE)
     depth = float(np.ptp(mesh.points[:, 2]))
     face_values = _FaceValues(places[rows, 0], depth, fields, np.array(list(stress_at)))
-    return _result(path, mapping, "CalculiX", face_values, printed, notes)
+    return _result(path, mapping, "CalculiX", face_values, printed_file, notes)
 
 
 def _factor(mapping: Mapping, quantity: _Quantity, body: str) -> float:
@@ -326,10 +328,11 @@ def _one_block_a_time(
     doubles are named.
     """
     for block in file.blocks:
-        missing = [name for name in components if name not in block.components]
-        if missing:
+        missing_names = [name for name in components if name not in block.components]
+        if missing_names:
             raise InputError(
-                f"{file.path}: line {block.line}: block {block.name} has no {missing[0]}; it needs"
+                f"{file.path}: line {block.line}: block {block.name} has no {missing_names[0]};"
+                " it needs"
                 f" {', '.join(components)}"
             )
     last_block_at = {block.time: block for block in file.blocks}
@@ -389,14 +392,14 @@ def _result(
     mapping: Mapping,
     code: str,
     values: _FaceValues,
-    printed: DatFile | None,
+    printed_file: DatFile | None,
     notes: list[str],
 ) -> SurfaceResult:
     """The face's values with times and loads; everything checked and sorted."""
     series: dict[str, ArrayLike | None] = {}
     load_notes: list[str] = []
-    if printed is not None:
-        loads, load_notes = _pair_loads(printed, mapping, values.times, values.depth)
+    if printed_file is not None:
+        loads, load_notes = _pair_loads(printed_file, mapping, values.times, values.depth)
         series |= loads
     if mapping.times is not None:
         series["time"] = stated_times(str(path), mapping, len(values.times))

@@ -421,13 +421,13 @@ def _printed_table(
     file: _Lines, lines: Sequence[str], title_line: int, title: re.Match[str]
 ) -> DatTable:
     """The table below a title and blank lines, up to the next blank line or title."""
-    first = title_line
-    while first < len(lines) and not lines[first].strip():
-        first += 1
-    end = first
+    first_line = title_line
+    while first_line < len(lines) and not lines[first_line].strip():
+        first_line += 1
+    end = first_line
     while end < len(lines) and lines[end].strip() and " time" not in lines[end]:
         end += 1
-    rows = [row.split() for row in lines[first:end]]
+    rows = [row.split() for row in lines[first_line:end]]
     columns = title["columns"].split(",")
     first_column = columns[0].strip()
     n_values = len(columns)
@@ -438,12 +438,12 @@ def _printed_table(
         n_ids = max(len(rows[0]) - n_values, 0) if rows else 0
     ids = []
     values = []
-    for number, row in enumerate(rows, start=first + 1):
+    for number, row in enumerate(rows, start=first_line + 1):
         if len(row) != n_ids + n_values:
             raise file.refusal(
                 f"{n_ids + n_values} numbers ({title['columns']}), found {len(row)}", number
             )
-    for number, row in enumerate(rows, start=first + 1):
+    for number, row in enumerate(rows, start=first_line + 1):
         noun = "the number of a node, element or face"
         ids.append([file.integer(word, noun, number) for word in row[:n_ids]])
         values.append([file.float(word, line=number) for word in row[n_ids:]])

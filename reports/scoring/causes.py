@@ -96,8 +96,8 @@ def _moments(discrepancy: Discrepancy) -> tuple[float, float, float]:
         width = float(np.sqrt(np.sum(weight * (discrepancy.x - centre) ** 2) / total))
         sums.append((total, centre, width))
     (total, centre, width), (total_expected, centre_expected, width_expected) = sums
-    wider = width / width_expected if width and width_expected else 1.0
-    return total / total_expected, wider, centre - centre_expected
+    width_ratio = width / width_expected if width and width_expected else 1.0
+    return total / total_expected, width_ratio, centre - centre_expected
 
 
 def _away_from_zero(value: float) -> float:
@@ -105,8 +105,8 @@ def _away_from_zero(value: float) -> float:
 
 
 def _of_stiffness(discrepancy: Discrepancy) -> Sequence[float]:
-    _, wider, _ = _moments(discrepancy)
-    return (_away_from_zero(-2 * np.log(wider)),)
+    _, width_ratio, _ = _moments(discrepancy)
+    return (_away_from_zero(-2 * np.log(width_ratio)),)
 
 
 def _of_factor(discrepancy: Discrepancy) -> Sequence[float]:
@@ -142,8 +142,8 @@ def _of_pressure_alone(discrepancy: Discrepancy) -> Sequence[float]:
 
 def _of_stretch(discrepancy: Discrepancy) -> Sequence[float]:
     """By the second moment of the pressure, and by its sum, which a coarse mesh leaves alone."""
-    _, wider, _ = _moments(discrepancy)
-    starts = [_away_from_zero(np.log(wider))]
+    _, width_ratio, _ = _moments(discrepancy)
+    starts = [_away_from_zero(np.log(width_ratio))]
     if discrepancy.resultant_ratio > 0:
         starts.append(_away_from_zero(np.log(discrepancy.resultant_ratio)))
     return starts
@@ -177,8 +177,8 @@ def _of_cycle(discrepancy: Discrepancy) -> Sequence[float]:
 
 
 def _of_ends(discrepancy: Discrepancy) -> Sequence[float]:
-    short = len(discrepancy.comparison.found.time) - 1 <= _MOST_STEPS
-    return (1.0,) if _of_cycle(discrepancy) and short and not discrepancy.unsymmetric else ()
+    is_short = len(discrepancy.comparison.found.time) - 1 <= _MOST_STEPS
+    return (1.0,) if _of_cycle(discrepancy) and is_short and not discrepancy.unsymmetric else ()
 
 
 def _of_mesh(discrepancy: Discrepancy) -> Sequence[float]:
@@ -191,8 +191,8 @@ def _of_body(discrepancy: Discrepancy) -> Sequence[float]:
 
 def _of_layer(discrepancy: Discrepancy) -> Sequence[float]:
     """Of a contact that is wider than theory's, by both moments."""
-    _, wider, _ = _moments(discrepancy)
-    return _LAYERS if wider > 1 and not discrepancy.unsymmetric else ()
+    _, width_ratio, _ = _moments(discrepancy)
+    return _LAYERS if width_ratio > 1 and not discrepancy.unsymmetric else ()
 
 
 def _of_coupling(discrepancy: Discrepancy) -> Sequence[float]:
@@ -221,8 +221,8 @@ def _scaled(variant: Variant, log_factor: float) -> Variant:
 
 def _loaded(variant: Variant, log_factor: float) -> Variant:
     """Loads k times too large: bodies 1/k times as stiff, and every traction times k."""
-    scaled = _scaled(variant, log_factor)
-    return replace(scaled, stiffness=variant.stiffness * float(np.exp(-log_factor)))
+    scaled_tractions = _scaled(variant, log_factor)
+    return replace(scaled_tractions, stiffness=variant.stiffness * float(np.exp(-log_factor)))
 
 
 def _factor(size: float) -> float:

@@ -62,13 +62,13 @@ def pressure_on_layer(scene: Scene, x: Array, normal_load: Array, layer: float) 
     gap = np.asarray(scene.profile.height(middle))
     pressures = np.zeros((len(normal_load), _CELLS))
     for place, load in enumerate(normal_load):
-        closed = np.full(_CELLS, load > 0)
-        while closed.any():  # each pass opens a cell, or is the last
-            pressure, _ = _bordered(matrix, closed, -gap[closed], width, float(load))
+        is_closed = np.full(_CELLS, load > 0)
+        while is_closed.any():  # each pass opens a cell, or is the last
+            pressure, _ = _bordered(matrix, is_closed, -gap[is_closed], width, float(load))
             if np.all(pressure >= 0):
-                pressures[place, closed] = pressure
+                pressures[place, is_closed] = pressure
                 break
-            closed[closed] = pressure > 0
+            is_closed[is_closed] = pressure > 0
     return np.array([np.interp(x, middle, row, left=0.0, right=0.0) for row in pressures])
 
 
@@ -115,7 +115,7 @@ def _followed(
 
 
 def _sheared(
-    matrix: Array, width: float, limit: Array, held: Array, force: float
+    matrix: Array, width: float, limit: Array, held_shear: Array, force: float
 ) -> tuple[Array, float]:
     """q of cells with |q| <= limit that add up to `force`, and the relative displacement U.
 
@@ -126,38 +126,38 @@ def _sheared(
     InputError
         Where all cells slip, or no state is found.
     """
-    pressed = limit > 1e-9 * limit.max(initial=0.0)
+    is_pressed = limit > 1e-9 * limit.max(initial=0.0)
     scale = max(float(limit.max(initial=0.0)), 1e-300)
     slip_scale = scale * float(np.abs(np.diag(matrix)).max())
     sense = np.zeros(len(limit))  # of slip: 0 for stick
     for attempt in range(_MOST_STATES + 2 * len(limit)):
-        stick = pressed & (sense == 0)
+        stick = is_pressed & (sense == 0)
         if not stick.any():
             break
-        shear = np.where(pressed, sense * limit, 0.0)
+        shear = np.where(is_pressed, sense * limit, 0.0)
         rest = force - width * float(shear.sum())
-        right = -held[stick] - matrix[stick] @ shear
+        right = -held_shear[stick] - matrix[stick] @ shear
         shear[stick], shift = _bordered(matrix, stick, right, width, rest)
-        slip = shift - matrix @ shear - held
-        beyond = np.where(stick, (np.abs(shear) - limit) / scale, 0.0)
-        back = np.where(pressed & (sense != 0), -slip * sense / slip_scale, 0.0)
-        wrong = np.maximum(beyond, back)
-        changed = wrong > _ROUND_OFF
-        if not changed.any():
+        slip = shift - matrix @ shear - held_shear
+        excess = np.where(stick, (np.abs(shear) - limit) / scale, 0.0)
+        back = np.where(is_pressed & (sense != 0), -slip * sense / slip_scale, 0.0)
+        wrong = np.maximum(excess, back)
+        has_changed = wrong > _ROUND_OFF
+        if not has_changed.any():
             return shear, shift
         if attempt >= _MOST_STATES:  # one cell at a time, which ends where all at once do not
-            changed = wrong == wrong.max()
-        sense = np.where(changed, np.where(stick, np.sign(shear), 0.0), sense)
+            has_changed = wrong == wrong.max()
+        sense = np.where(has_changed, np.where(stick, np.sign(shear), 0.0), sense)
     raise InputError("no state of stick and slip on cells")
 
 
 def _bordered(
-    matrix: Array, chosen: Array, right: Array, width: float, total: float
+    matrix: Array, chosen_cells: Array, right: Array, width: float, total: float
 ) -> tuple[Array, float]:
     """Tractions of the chosen cells, A t - shift = right, that add up to `total`, and the shift."""
-    count = int(chosen.sum())
+    count = int(chosen_cells.sum())
     system = np.zeros((count + 1, count + 1))
-    system[:-1, :-1] = matrix[np.ix_(chosen, chosen)]
+    system[:-1, :-1] = matrix[np.ix_(chosen_cells, chosen_cells)]
     system[:-1, -1] = -1.0
     system[-1, :-1] = width
     solution = np.linalg.solve(system, np.append(right, total))

@@ -56,18 +56,18 @@ def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
         *alternating_nodes(discrepancy),
     ]
     if discrepancy.within:
-        named = (*cells, *traces) or tuple(long_steps_by_work(comparison))
-        if named or comparison.verdict == "within":
-            return named
+        named_causes = (*cells, *traces) or tuple(long_steps_by_work(comparison))
+        if named_causes or comparison.verdict == "within":
+            return named_causes
     judgement = Judgement(discrepancy, Search(discrepancy, Predictions(discrepancy)))
     verdict = judgement.verdict()
     causes = list(_named(judgement, verdict, is_traced=bool(traces)))
-    turned = [cause for cause in causes if cause.fault == SHEAR_SIGN.key]
-    if turned and not traces:
+    turned_causes = [cause for cause in causes if cause.fault == SHEAR_SIGN.key]
+    if turned_causes and not traces:
         traces_of_turned = list(elastic_slip(discrepancy, shear_sign=-1.0))
         if traces_of_turned:
             of_pressure = _named(judgement, verdict, is_traced=True)
-            causes = [*of_pressure, *turned, *traces_of_turned]
+            causes = [*of_pressure, *turned_causes, *traces_of_turned]
     if not traces and not (verdict.fit is not None and judgement.is_whole(verdict.fit)):
         causes = list(other_problems(discrepancy, verdict.fit)) or causes
     if not causes and not traces:
@@ -86,13 +86,13 @@ def _named(judgement: Judgement, verdict: Verdict, *, is_traced: bool) -> Iterat
     for place, cause in enumerate(fit.causes):
         if cause.key not in shared:
             continue
-        before = _without_cause(judgement, fit, cause)
+        fit_before = _without_cause(judgement, fit, cause)
         # What has a trace of its own in the shear needs no second explanation of it.
-        if is_traced and not explains(fit, before, (PRESSURE,)):
+        if is_traced and not explains(fit, fit_before, (PRESSURE,)):
             continue
         # a layer's effect on the shear is not predicted
         channels = (PRESSURE,) if cause is SOFT_NORMAL else judgement.channels
-        left = share_left(fit, before, channels)
+        left = share_left(fit, fit_before, channels)
         evidence = list(_evidence(judgement, fit, left))
         if verdict.is_shear_left:
             evidence.append("it explains the pressure; the shear differs for a reason not found")
@@ -106,8 +106,8 @@ def _named(judgement: Judgement, verdict: Verdict, *, is_traced: bool) -> Iterat
 
 def _without_cause(judgement: Judgement, fit: Fit, cause: Cause) -> Fit:
     """The fit of the other causes alone."""
-    others = tuple(other for other in fit.causes if other is not cause)
-    return judgement.search.fit(others, judgement.channels) or judgement.no_cause
+    other_causes = tuple(next_cause for next_cause in fit.causes if next_cause is not cause)
+    return judgement.search.fit(other_causes, judgement.channels) or judgement.no_cause
 
 
 def _evidence(judgement: Judgement, fit: Fit, left: float) -> Iterator[str]:
@@ -124,11 +124,11 @@ def _evidence(judgement: Judgement, fit: Fit, left: float) -> Iterator[str]:
     of_which = " of the pressure" if SOFT_NORMAL in fit.causes else ""
     yield f"a result with just this fault leaves {max(left, 0.0):.1%} of the difference{of_which}"
     pressure, shear = discrepancy.errors()
-    after = replace(discrepancy, expected=fit.predicted).errors()
+    errors_after = replace(discrepancy, expected=fit.predicted).errors()
     yield (
         f"error of the pressure {pressure:.2g} of its norm, of the shear {shear:.2g} of f times"
         " that, at the worst instant; with the fault taken out, "
-        f"{after[0]:.2g} and {after[1]:.2g}"
+        f"{errors_after[0]:.2g} and {errors_after[1]:.2g}"
     )
     if discrepancy.missing:
         yield f"{discrepancy.missing:.1%} of the tractions are no numbers and were left out"
@@ -151,8 +151,8 @@ def _own_bodies(judgement: Judgement) -> Iterator[Diagnosis]:
         [reference.pressure[discrepancy.rows], reference.shear[discrepancy.rows]]
     )
     half_planes = np.where(np.isfinite(half_planes), half_planes, discrepancy.expected)
-    before = Fit((), (), half_planes, discrepancy.residuals(half_planes))
-    left = share_left(judgement.no_cause, before, judgement.channels)
+    fit_before = Fit((), (), half_planes, discrepancy.residuals(half_planes))
+    left = share_left(judgement.no_cause, fit_before, judgement.channels)
     if left < MOST_LEFT:
         evidence = tuple(_evidence(judgement, judgement.no_cause, left))
         yield Diagnosis(OWN_BODIES, WORDS["others"][OWN_BODIES], evidence, 1 - left)
@@ -166,17 +166,17 @@ def _mesh_at_edges(judgement: Judgement) -> Iterator[Diagnosis]:
     edges = coarse_edge(discrepancy)
     if edges is None or judgement.is_right(judgement.no_cause, PRESSURE):
         return  # a mesh that errs at stick edges errs at the edges of contact as well
-    predicted, is_near = edges
-    fit = Fit((), (), predicted, discrepancy.residuals(predicted))
+    predicted_values, is_near = edges
+    fit = Fit((), (), predicted_values, discrepancy.residuals(predicted_values))
     left = share_left(fit, judgement.no_cause, judgement.channels)
     values = np.array(
         [judgement.no_cause.residuals[channel].values for channel in judgement.channels]
     )
     contact = judgement.no_cause.residuals[PRESSURE].inside
-    near = values[:, contact & is_near].ravel()
+    values_near = values[:, contact & is_near].ravel()
     far = values[:, contact & ~is_near].ravel()
-    ratio = np.mean(near**2) / max(float(np.mean(far**2)), ROUND_OFF)
-    chance = float(f_distribution.sf(ratio, len(near), len(far)))
+    ratio = np.mean(values_near**2) / max(float(np.mean(far**2)), ROUND_OFF)
+    chance = float(f_distribution.sf(ratio, len(values_near), len(far)))
     if left > MOST_LEFT or ratio < MOST_LEFT**-2 or chance > CHANCE:
         return
     sentence = FAULTS["coarse_edge"].format(spacing=1 / discrepancy.elements)
@@ -213,15 +213,15 @@ def _left_by_each(judgement: Judgement) -> Iterator[str]:
     """What each cause that was tried alone leaves, the least first; of those that gain more than
     chance would.
     """
-    least: dict[str, float] = {}
+    least_left: dict[str, float] = {}
     for fit in judgement.search.done.values():
         if fit is None or len(fit.causes) != 1:
             continue
         (cause,) = fit.causes
         left = share_left(fit, judgement.no_cause, (cause.channel,))
         if left < 1 and by_chance(fit, judgement.no_cause, (cause.channel,)) < CHANCE:
-            least[cause.key] = min(left, least.get(cause.key, 1.0))
-    ranked = sorted(least.items(), key=lambda item: item[1])
+            least_left[cause.key] = min(left, least_left.get(cause.key, 1.0))
+    ranked = sorted(least_left.items(), key=lambda item: item[1])
     words = ", ".join(f"{WORDS['names'][key]} {left:.0%}" for key, left in ranked)
     if words:
         yield f"each alone leaves of the difference (pressure, or shear): {words}; all others all"

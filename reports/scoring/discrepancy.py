@@ -140,8 +140,8 @@ class Discrepancy:
     @property
     def elements(self) -> float:
         """Spacings of the points over a_ref, the median in and beside the contact."""
-        inside = self.x[np.abs(self.x) <= 1.5 * self.half_width]
-        spacing = float(np.median(np.diff(inside if len(inside) > 1 else self.x)))
+        inner_x = self.x[np.abs(self.x) <= 1.5 * self.half_width]
+        spacing = float(np.median(np.diff(inner_x if len(inner_x) > 1 else self.x)))
         return self.half_width / spacing
 
     @property
@@ -157,13 +157,13 @@ class Discrepancy:
     def in_contact(self, predicted: Tractions) -> Mask:
         """(k, n) points with a pressure in the result or in the prediction, and with numbers."""
         limit = _LOADED * self.comparison.scales.pressure
-        loaded = (np.abs(self.found[PRESSURE]) > limit) | (np.abs(predicted[PRESSURE]) > limit)
-        return loaded & (self.weight > 0)
+        is_loaded = (np.abs(self.found[PRESSURE]) > limit) | (np.abs(predicted[PRESSURE]) > limit)
+        return is_loaded & (self.weight > 0)
 
     def residual(self, predicted: Tractions, channel: int) -> Residual:
         """What a prediction leaves of the pressure (0) or of the shear (1)."""
-        scaled = (self.found[channel] - predicted[channel]) / self.units[channel]
-        return Residual(scaled, self.weight, self.in_contact(predicted))
+        scaled_difference = (self.found[channel] - predicted[channel]) / self.units[channel]
+        return Residual(scaled_difference, self.weight, self.in_contact(predicted))
 
     def residuals(self, predicted: Tractions) -> tuple[Residual, Residual]:
         """Of pressure and shear."""
@@ -173,8 +173,8 @@ class Discrepancy:
         """||p - p_ref||/||p_ref|| and ||q - q_ref||/(f ||p_ref||) at the worst of the instants."""
         friction = self.comparison.scales.friction
         sizes = norm(self.x, self.expected[0]) * pair(1, friction)[:, :, 0]
-        relative = over(norm(self.x, self.found - self.expected), sizes)
-        p, q = np.nanmax(relative, axis=1, initial=0.0).tolist()
+        relative_errors = over(norm(self.x, self.found - self.expected), sizes)
+        p, q = np.nanmax(relative_errors, axis=1, initial=0.0).tolist()
         return p, q
 
     def is_within(self, channel: int) -> bool:
@@ -239,9 +239,9 @@ class Residual:
         """Half the mean squared difference of neighbours in contact, and how many pairs there are;
         the mean square itself where there is none.
         """
-        inside = np.moveaxis(self.inside, axis, -1)
+        is_inside = np.moveaxis(self.inside, axis, -1)
         weight = np.moveaxis(self.weight, axis, -1)
-        both = inside[..., 1:] & inside[..., :-1]
+        both = is_inside[..., 1:] & is_inside[..., :-1]
         if not both.any():
             return self.square, 0
         steps = np.diff(np.moveaxis(self.values, axis, -1))
@@ -259,8 +259,8 @@ class Residual:
             return False
         for axis in self._axes:
             noise, pairs = self._differences(axis)
-            lowest = max(1 - 3 / np.sqrt(max(pairs, 1)), _LEAST_RATIO)
-            if noise < lowest * self.square:
+            lowest_ratio = max(1 - 3 / np.sqrt(max(pairs, 1)), _LEAST_RATIO)
+            if noise < lowest_ratio * self.square:
                 return False
         return True
 
@@ -272,10 +272,10 @@ def fraction_of_cycle(comparison: Comparison) -> Array:
     cycle each counts from the start of its own revolution. The time itself where nothing repeats.
     """
     path = comparison.scene.load.path()
-    found = comparison.found
-    if path.period is None or found.whole:
-        return found.fraction
-    return np.asarray(np.mod((found.time - path.cycle_start) / path.period, 1.0))
+    result_cycle = comparison.found
+    if path.period is None or result_cycle.whole:
+        return result_cycle.fraction
+    return np.asarray(np.mod((result_cycle.time - path.cycle_start) / path.period, 1.0))
 
 
 def pair(of_pressure: float, of_shear: float) -> Array:
@@ -293,33 +293,35 @@ def discrepancy_of(comparison: Comparison) -> Discrepancy | None:
     count = min(len(usable), _MOST_INSTANTS)
     places = np.linspace(0, len(usable) - 1, count).round().astype(int)
     rows = usable[np.unique(places)]
-    expected, found = (
+    expected_tractions, result_tractions = (
         np.array([side.pressure[rows], side.shear[rows]])
         for side in (comparison.expected, comparison.found)
     )
-    sheared = not np.isnan(found[SHEAR]).all()
-    if not sheared:  # a file without shear: it counts for nothing
-        found[SHEAR] = np.nan_to_num(expected[SHEAR])
-    known = np.isfinite(expected).all(axis=0) & np.isfinite(found).all(axis=0)
+    has_shear = not np.isnan(result_tractions[SHEAR]).all()
+    if not has_shear:  # a file without shear: it counts for nothing
+        result_tractions[SHEAR] = np.nan_to_num(expected_tractions[SHEAR])
+    is_known = np.isfinite(expected_tractions).all(axis=0) & np.isfinite(result_tractions).all(
+        axis=0
+    )
     isolated = comparison.isolated
-    known &= ~(isolated["pressure"] | isolated["shear"])[rows]
-    if not known.any():
+    is_known &= ~(isolated["pressure"] | isolated["shear"])[rows]
+    if not is_known.any():
         return None
     bodies = _with_bodies(comparison, rows)
     if bodies is not None:
-        expected = bodies
-        found = np.where(known, found, expected)
-    weight = known * shares(comparison.found.time[rows])[:, None] * shares(comparison.found.x)
-    expected = np.nan_to_num(expected)
+        expected_tractions = bodies
+        result_tractions = np.where(is_known, result_tractions, expected_tractions)
+    weight = is_known * shares(comparison.found.time[rows])[:, None] * shares(comparison.found.x)
+    expected_tractions = np.nan_to_num(expected_tractions)
     return Discrepancy(
         comparison,
         rows,
-        expected,
-        np.where(known, found, expected),
+        expected_tractions,
+        np.where(is_known, result_tractions, expected_tractions),
         weight / weight.sum(),
-        missing=float(1 - known.mean()),
+        missing=float(1 - is_known.mean()),
         exact=comparison.reference.engine == "semi_analytic" and bodies is None,
-        sheared=sheared,
+        sheared=has_shear,
         has_bodies=bodies is not None,
     )
 

@@ -62,39 +62,42 @@ def evidence(comparison: Comparison) -> tuple[Step, ...]:
 
 def _reading(comparison: Comparison) -> str:
     """Rows and their range."""
-    found = comparison.found
+    result_cycle = comparison.found
     shear = "pressure alone"
-    if not np.isnan(found.shear).all():
+    if not np.isnan(result_cycle.shear).all():
         shear = "pressure and shear"
-    if np.isfinite(found.slip).any():
+    if np.isfinite(result_cycle.slip).any():
         shear += ", slip"
     return (
-        f"{shear} at {len(found.x)} points from x = {minus(f'{found.x[0]:.4g}')} to"
-        f" {minus(f'{found.x[-1]:.4g}')} and {len(found.time)} instants of the last cycle"
+        f"{shear} at {len(result_cycle.x)} points from x = {minus(f'{result_cycle.x[0]:.4g}')} to"
+        f" {minus(f'{result_cycle.x[-1]:.4g}')} and {len(result_cycle.time)} instants of the"
+        " last cycle"
     )
 
 
 def _equilibrium(discrepancy: Discrepancy) -> Iterator[str]:
     """Sums over the points against P, Q and the moment, at the instants that are loaded."""
-    loaded = discrepancy.loaded
-    if not loaded.any():
+    is_loaded = discrepancy.loaded
+    if not is_loaded.any():
         return
     x = discrepancy.x
-    pressure = np.trapezoid(discrepancy.found[PRESSURE], x, axis=1)[loaded]
-    normal = discrepancy.normal_load[loaded]
+    pressure = np.trapezoid(discrepancy.found[PRESSURE], x, axis=1)[is_loaded]
+    normal_load = discrepancy.normal_load[is_loaded]
     ratio = discrepancy.resultant_ratio
-    words = f"the sum of p is {ratio:.4g} P ({_range(pressure / normal)} by instants)"
+    words = f"the sum of p is {ratio:.4g} P ({_range(pressure / normal_load)} by instants)"
     if abs(ratio - 1) < _BALANCED:
         words += ", so that no load, thickness or unit of it is wrong"
     yield words
     friction = discrepancy.comparison.scene.friction.coefficient
     if discrepancy.sheared and friction:
-        shear = np.trapezoid(discrepancy.found[SHEAR], x, axis=1)[loaded]
-        tangential = discrepancy.comparison.expected.tangential_load[discrepancy.rows][loaded]
-        off = float(np.max(np.abs(shear - tangential) / (friction * normal)))
+        shear = np.trapezoid(discrepancy.found[SHEAR], x, axis=1)[is_loaded]
+        tangential_load = discrepancy.comparison.expected.tangential_load[discrepancy.rows][
+            is_loaded
+        ]
+        off = float(np.max(np.abs(shear - tangential_load) / (friction * normal_load)))
         yield f"the sum of q differs from Q by {off:.2g} f P at most"
     if not discrepancy.unsymmetric:
-        moment = np.trapezoid(x * discrepancy.found[PRESSURE], x, axis=1)[loaded]
+        moment = np.trapezoid(x * discrepancy.found[PRESSURE], x, axis=1)[is_loaded]
         off_centre = float(np.max(np.abs(moment / pressure))) / discrepancy.half_width
         yield f"the centre of p is {_rounded(off_centre):.2g} a_ref from x = 0 at most"
 
@@ -105,8 +108,8 @@ def _range(values: Array) -> str:
     >>> _range(np.array([3, 3])), _range(np.array([1.0, 1.25]))
     ('3', '1 to 1.25')
     """
-    least, largest = (f"{value:.4g}" for value in (values.min(), values.max()))
-    return least if least == largest else f"{least} to {largest}"
+    least_value, largest_value = (f"{value:.4g}" for value in (values.min(), values.max()))
+    return least_value if least_value == largest_value else f"{least_value} to {largest_value}"
 
 
 def _rounded(value: float) -> float:
@@ -151,16 +154,20 @@ def _laws(discrepancy: Discrepancy) -> Iterator[str]:
 
 def _shape(discrepancy: Discrepancy) -> Iterator[str]:
     """Peak, width and centre of the pressure, sign and size of the shear, beside the reference."""
-    found, expected = discrepancy.found, discrepancy.expected
-    yield f"peak of p {found[PRESSURE].max() / expected[PRESSURE].max():.4g} times the reference's"
-    widths = [_width(discrepancy, tractions[PRESSURE]) for tractions in (found, expected)]
+    result_tractions, expected_tractions = discrepancy.found, discrepancy.expected
+    ratio_of_peaks = result_tractions[PRESSURE].max() / expected_tractions[PRESSURE].max()
+    yield f"peak of p {ratio_of_peaks:.4g} times the reference's"
+    widths = [
+        _width(discrepancy, tractions[PRESSURE])
+        for tractions in (result_tractions, expected_tractions)
+    ]
     if min(widths) > 0:
         yield f"width by second moments {widths[0] / widths[1]:.4g} times"
-    largest = float(np.abs(expected[SHEAR]).max())
-    if discrepancy.sheared and largest:
+    largest_shear = float(np.abs(expected_tractions[SHEAR]).max())
+    if discrepancy.sheared and largest_shear:
         weight = discrepancy.weight
-        product = float(np.sum(weight * found[SHEAR] * expected[SHEAR]))
-        size = float(np.sum(weight * expected[SHEAR] ** 2))
+        product = float(np.sum(weight * result_tractions[SHEAR] * expected_tractions[SHEAR]))
+        size = float(np.sum(weight * expected_tractions[SHEAR] ** 2))
         yield minus(f"q {product / size:.3g} times that of the reference, by least squares")
 
 

@@ -165,11 +165,16 @@ def _read_apart(paths: Sequence[Path]) -> bytes:
     harm to this one.
     """
     command = [sys.executable, "-P", str(vtk_files.__file__), str(UNPACKED), str(int(SECONDS) + 1)]
-    asked = json.dumps([str(path.absolute()) for path in paths]).encode()
+    request = json.dumps([str(path.absolute()) for path in paths]).encode()
     environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
     try:
         done = subprocess.run(
-            command, input=asked, capture_output=True, timeout=SECONDS, env=environment, check=False
+            command,
+            input=request,
+            capture_output=True,
+            timeout=SECONDS,
+            env=environment,
+            check=False,
         )
     except subprocess.TimeoutExpired as late:
         raise InputError(
@@ -187,15 +192,15 @@ def _read_apart(paths: Sequence[Path]) -> bytes:
     raise _broken(path, reason or f"VTK's reader ended with code {done.returncode}")
 
 
-def _last(paths: Sequence[Path], printed: bytes) -> tuple[Path, str]:
+def _last(paths: Sequence[Path], output: bytes) -> tuple[Path, str]:
     """The file that `vtk_files` was reading when it ended, and its reason if it gave one."""
     lines = [
         line
-        for line in printed.decode(errors="replace").splitlines()
+        for line in output.decode(errors="replace").splitlines()
         if line.startswith('{"file": ')
     ]
-    last: dict[str, Any] = json.loads(lines[-1]) if lines else {"file": 0}
-    return paths[int(last["file"])], str(last.get("reason", ""))
+    last_line: dict[str, Any] = json.loads(lines[-1]) if lines else {"file": 0}
+    return paths[int(last_line["file"])], str(last_line.get("reason", ""))
 
 
 def _part(path: Path, prefix: str, arrays: dict[str, NDArray[Any]]) -> FieldPart:
@@ -262,4 +267,4 @@ def joined(parts: Sequence[FieldPart]) -> FieldPart:
 
 def _names_in_all(fields: Sequence[Mapping[str, Any]]) -> list[str]:
     """The names of the first that all of them have."""
-    return [name for name in fields[0] if all(name in others for others in fields)]
+    return [name for name in fields[0] if all(name in other_fields for other_fields in fields)]

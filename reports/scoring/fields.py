@@ -156,8 +156,8 @@ def _named_tractions(
     quantities: tuple[Quantity, ...] = ("pressure", "shear", "slip")
     components: _Components = {}
     for quantity in quantities:
-        needed = quantity == "pressure"
-        name = find_column(mapping, quantity, names, str(path), needed=needed)
+        is_needed = quantity == "pressure"
+        name = find_column(mapping, quantity, names, str(path), needed=is_needed)
         if name is not None:
             components[quantity] = name
     words = f"tractions are the fields {components['pressure']}"
@@ -193,11 +193,11 @@ def _parts_with(
     numbers = []
     faults = []
     for number, part in enumerate(frame.parts):
-        missing = [name for name in names if not _holds(part, name)]
+        missing_names = [name for name in names if not _holds(part, name)]
         if any(has_marker) and not has_marker[number]:
-            missing.append(marker)
-        if missing:
-            faults.append(f"{part.name} has no {listed(missing)}")
+            missing_names.append(marker)
+        if missing_names:
+            faults.append(f"{part.name} has no {listed(missing_names)}")
         else:
             numbers.append(number)
     if not numbers:
@@ -233,10 +233,10 @@ def _surface(path: Path, mesh: FieldPart, mapping: Mapping) -> tuple[Integers, s
     bulk_cells = _bulk_cells(mesh)
     tolerance = SAME * extent(mesh.points)
     is_on_face = np.abs(height) <= tolerance
-    above = material_above(mesh.points, bulk_cells)
+    is_above = material_above(mesh.points, bulk_cells)
     rows_of_face = {
-        "lower": np.flatnonzero(is_on_face & (above < 0)),
-        "upper": np.flatnonzero(is_on_face & (above > 0)),
+        "lower": np.flatnonzero(is_on_face & (is_above < 0)),
+        "upper": np.flatnonzero(is_on_face & (is_above > 0)),
     }
     bodies = [body for body, rows in rows_of_face.items() if len(rows)]
     if mapping.surface is not None:
@@ -255,11 +255,11 @@ def _surface(path: Path, mesh: FieldPart, mapping: Mapping) -> tuple[Integers, s
             f" {mesh.points[:, 1].min():.6g} to {mesh.points[:, 1].max():.6g}); say where it lies"
             " by y_offset, or what marks it by surface of a mapping"
         )
-    if np.any(above[surface_rows] < 0) and np.any(above[surface_rows] > 0):
-        surface_rows = surface_rows[above[surface_rows] < 0]
+    if np.any(is_above[surface_rows] < 0) and np.any(is_above[surface_rows] > 0):
+        surface_rows = surface_rows[is_above[surface_rows] < 0]
         notes.append("the surface has points of both bodies: those of the lower one were taken")
     rows, _, plane_notes = one_plane(mesh.points, surface_rows)
-    body = "upper" if np.any(above[rows] > 0) else "lower"
+    body = "upper" if np.any(is_above[rows] > 0) else "lower"
     return rows, body, [*notes, *plane_notes]
 
 
@@ -270,7 +270,7 @@ def _marked_rows(path: Path, mesh: FieldPart, surface: str) -> Integers:
     A set that meshio writes into a VTU is -1 outside and counts from 0 inside: where -1 occurs it
     is what is not marked.
     """
-    name, equal, value = surface.partition("=")
+    name, equal_sign, value = surface.partition("=")
     fault = f"{path}: surface = {surface!r}"
     fields: Fields[str, tuple[Array, ...]] = {n: (v,) for n, v in mesh.point_fields.items()}
     places: list[Integers] = [np.arange(len(mesh.points))]
@@ -286,7 +286,7 @@ def _marked_rows(path: Path, mesh: FieldPart, surface: str) -> Integers:
     if any(block.ndim != 1 for block in blocks):
         raise InputError(f"{fault}: {name} is a vector and can't mark a surface")
     try:
-        mark = float(value) if equal else None
+        mark = float(value) if equal_sign else None
     except ValueError as reason:
         raise InputError(f"{fault}: {value!r} is no number") from reason
     no_mark = -1.0 if any(np.any(block == -1) for block in blocks) else 0.0

@@ -90,9 +90,9 @@ class Fit:
         """N over some channels; that of the shear is of the size of that of the pressure, both over
         the largest pressure.
         """
-        most = (np.inf, max(self.square((PRESSURE,)), ROUND_OFF) * self.noisier**2)
+        largest_noise = (np.inf, max(self.square((PRESSURE,)), ROUND_OFF) * self.noisier**2)
         return sum(
-            min(self.residuals[channel].noise, self.square((channel,)), most[channel])
+            min(self.residuals[channel].noise, self.square((channel,)), largest_noise[channel])
             for channel in channels
         )
 
@@ -136,9 +136,9 @@ class Search:
         """The best of all starts, from which least squares go on: roughly, and closely where that
         is worth it.
         """
-        searched = causes[len(known) :]
+        searched_causes = causes[len(known) :]
         starts: list[tuple[float, ...]] = [(size,) for size in known]
-        starts += [self._starts(cause, searched, channels) for cause in searched]
+        starts += [self._starts(cause, searched_causes, channels) for cause in searched_causes]
         if not all(starts):
             return None
         trials = list(itertools.product(*starts))
@@ -147,45 +147,45 @@ class Search:
         if squares[order[0]] >= _NO_SOLUTION**2:
             return None
         sizes = trials[order[0]]
-        fitted = [
+        fitted_places = [
             place for place, cause in enumerate(causes) if cause.sized and place >= len(known)
         ]
-        if fitted:
+        if fitted_places:
             # Few points know of an edge of slip only when it passes them: a search may stop early.
             count = _SEARCHES_OF_SHEAR if SHEAR in channels else 1
-            rough = [
-                self._least_squares(causes, trials[trial], fitted, channels, _ROUGH)
+            rough_fits = [
+                self._least_squares(causes, trials[trial], fitted_places, channels, _ROUGH)
                 for trial in order[:count]
                 if squares[trial] < _NO_SOLUTION**2
             ]
-            sizes = min(rough, key=lambda trial: self._square(causes, trial, channels))
-            without = self._square((), (), channels)
-            if self._square(causes, sizes, channels) <= _HOPELESS**2 * without:
-                sizes = self._least_squares(causes, sizes, fitted, channels, _CLOSE)
+            sizes = min(rough_fits, key=lambda trial: self._square(causes, trial, channels))
+            square_without = self._square((), (), channels)
+            if self._square(causes, sizes, channels) <= _HOPELESS**2 * square_without:
+                sizes = self._least_squares(causes, sizes, fitted_places, channels, _CLOSE)
         return self._fit_of(causes, sizes, channels)
 
     def refined(
         self, causes: tuple[Cause, ...], sizes: tuple[float, ...], channels: tuple[int, ...]
     ) -> Fit | None:
         """All sizes fitted at once, from these on."""
-        fitted = [place for place, cause in enumerate(causes) if cause.sized]
-        if fitted:
-            sizes = self._least_squares(causes, sizes, fitted, channels, _CLOSE)
+        fitted_places = [place for place, cause in enumerate(causes) if cause.sized]
+        if fitted_places:
+            sizes = self._least_squares(causes, sizes, fitted_places, channels, _CLOSE)
         return self._fit_of(causes, sizes, channels)
 
     def _starts(
-        self, cause: Cause, searched: tuple[Cause, ...], channels: tuple[int, ...]
+        self, cause: Cause, searched_causes: tuple[Cause, ...], channels: tuple[int, ...]
     ) -> tuple[float, ...]:
         """Sizes at which a search starts: beside another cause, the size fitted alone as well."""
         starts = tuple(cause.starts(self.discrepancy))
-        if len(searched) == 1 or not starts or not cause.sized:
+        if len(searched_causes) == 1 or not starts or not cause.sized:
             return starts
-        alone = self.fit((cause,), channels)
-        if alone is None:
+        fit_alone = self.fit((cause,), channels)
+        if fit_alone is None:
             return starts[:1]
         if SHEAR in channels:
-            return (*starts[::_STRIDE], alone.sizes[0])
-        return (alone.sizes[0],) if len(starts) > _FEW_STARTS else (*starts, alone.sizes[0])
+            return (*starts[::_STRIDE], fit_alone.sizes[0])
+        return (fit_alone.sizes[0],) if len(starts) > _FEW_STARTS else (*starts, fit_alone.sizes[0])
 
     def _least_squares(
         self,
@@ -228,13 +228,13 @@ class Search:
         """Weighted residuals, flat; large where there is no solution."""
         size = self.discrepancy.weight.size
         try:
-            predicted = self._predicted(causes, sizes, channels)
+            predicted_values = self._predicted(causes, sizes, channels)
         except InputError:  # gross sliding, separation, a size that means nothing
             return np.full(size * len(channels), _NO_SOLUTION)
         weight = np.sqrt(self.discrepancy.weight)
         parts = [
             weight
-            * (self.discrepancy.found[channel] - predicted[channel])
+            * (self.discrepancy.found[channel] - predicted_values[channel])
             / self.discrepancy.units[channel]
             for channel in channels
         ]
@@ -254,12 +254,14 @@ class Search:
         self, causes: tuple[Cause, ...], sizes: tuple[float, ...], channels: tuple[int, ...]
     ) -> Fit | None:
         try:
-            predicted = self._predicted(causes, sizes, channels)
+            predicted_values = self._predicted(causes, sizes, channels)
         except InputError:
             return None
         friction = self.discrepancy.comparison.scales.friction
         noisier = NOISIER / friction if friction else np.inf
-        return Fit(causes, sizes, predicted, self.discrepancy.residuals(predicted), noisier)
+        return Fit(
+            causes, sizes, predicted_values, self.discrepancy.residuals(predicted_values), noisier
+        )
 
 
 def share_left(fit: Fit, before: Fit, channels: Sequence[int]) -> float:
@@ -301,13 +303,13 @@ def gain_by_chance(
     if gain <= 0:
         return 1.0
     left = max(left, 1e-300)
-    fitted = sizes - sizes_before
-    if fitted < 1:
+    n_fitted = sizes - sizes_before
+    if n_fitted < 1:
         return float((left / before) ** (count / 2)) * _WITHOUT_SIZE
     freedom = count - sizes
     if freedom < 1:
         return 1.0
-    return float(f_distribution.sf(gain / fitted / (left / freedom), fitted, freedom))
+    return float(f_distribution.sf(gain / n_fitted / (left / freedom), n_fitted, freedom))
 
 
 def are_apart(left: float, least: float, count: int, *, is_noise: bool) -> bool:

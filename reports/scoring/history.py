@@ -59,9 +59,9 @@ class History:
 
 def resultants(surface: SurfaceResult) -> Loads:
     """int p dx and int q dx by the trapezoidal rule, (n_steps,) each [force / thickness]."""
-    normal = np.trapezoid(surface.pressure, surface.x, axis=1)
-    tangential = np.trapezoid(surface.shear, surface.x, axis=1)
-    return np.asarray(normal), np.asarray(tangential)
+    normal_force = np.trapezoid(surface.pressure, surface.x, axis=1)
+    tangential_force = np.trapezoid(surface.shear, surface.x, axis=1)
+    return np.asarray(normal_force), np.asarray(tangential_force)
 
 
 def without_tangential_load(scene: Scene) -> bool:
@@ -69,8 +69,8 @@ def without_tangential_load(scene: Scene) -> bool:
     which.
     """
     path = scene.load.path()
-    normal, tangential = path.at(_samples(path, 1))
-    return float(np.max(np.abs(tangential))) <= _SAME * float(np.max(normal))
+    normal_load, tangential_load = path.at(_samples(path, 1))
+    return float(np.max(np.abs(tangential_load))) <= _SAME * float(np.max(normal_load))
 
 
 def matched(surface: SurfaceResult, scene: Scene, *, sure_of_times: bool = True) -> History:
@@ -121,20 +121,22 @@ def _by_resultants(surface: SurfaceResult, scene: Scene) -> History:
     if not surface.sheared:
         sign = "the integral of its pressure over x, with Q = 0 as throughout the scene"
         surface = replace(surface, shear=freeze(np.zeros_like(surface.pressure)))
-    normal, tangential = resultants(surface)
+    normal_force, tangential_force = resultants(surface)
     if surface.normal_load is not None:
-        normal = surface.normal_load
+        normal_force = surface.normal_load
 
     def with_shear_times(sense: float, words: str) -> History | None:
         """The instants with the shear as it is (1) or turned (-1); None where they don't fit."""
         try:
-            return _by_loads(surface, scene, (normal, sense * tangential), _INTEGRATED, words)
+            return _by_loads(
+                surface, scene, (normal_force, sense * tangential_force), _INTEGRATED, words
+            )
         except InputError:
             return None
 
     sense = 1.0
     try:
-        history = _by_loads(surface, scene, (normal, tangential), _INTEGRATED, sign)
+        history = _by_loads(surface, scene, (normal_force, tangential_force), _INTEGRATED, sign)
     except InputError:
         # Shear on the other body: matched all the same, scored as it is, and named by the oddities.
         sense = -1.0
@@ -147,16 +149,16 @@ def _by_resultants(surface: SurfaceResult, scene: Scene) -> History:
             scene, x=surface.x, time=history.time, fields=("pressure", "shear")
         )
         # what the trapezoidal rule makes of theory, beside the loads of theory
-        corrected_normal = normal
+        corrected_normal = normal_force
         if surface.normal_load is None:
             integral = np.trapezoid(theory.pressure, surface.x, axis=1)
-            corrected_normal = normal - (integral - history.normal_load)
+            corrected_normal = normal_force - (integral - history.normal_load)
         integral = np.trapezoid(theory.shear, surface.x, axis=1)
-        corrected_tangential = sense * tangential - (integral - history.tangential_load)
+        corrected_tangential = sense * tangential_force - (integral - history.tangential_load)
         loads = (corrected_normal, corrected_tangential)
         words = f"{sign}, less what that misses of theory"
         history = _by_loads(surface, scene, loads, _INTEGRATED, words)
-    has_shear = float(np.max(np.abs(tangential))) > _INTEGRATED * float(np.max(normal))
+    has_shear = float(np.max(np.abs(tangential_force))) > _INTEGRATED * float(np.max(normal_force))
     either_sign = has_shear and with_shear_times(-sense, sign) is not None
     return replace(history, either_sign=either_sign)
 
@@ -165,9 +167,9 @@ def _by_time(surface: SurfaceResult, stated_time: Array, scene: Scene, *, sure: 
     """At the times that the file states; InputError where they or the loads there don't fit."""
     path = scene.load.path()
     if path.period is None:
-        last = path.initial_loading[-1].end
+        last_time = path.initial_loading[-1].end
     else:
-        last = path.cycle_start + scene.cycles * path.period
+        last_time = path.cycle_start + scene.cycles * path.period
     time = _snapped(stated_time, path, scene)
     if np.any(np.diff(time) <= 0):
         step = int(np.flatnonzero(np.diff(time) <= 0)[0]) + 1
@@ -175,26 +177,28 @@ def _by_time(surface: SurfaceResult, stated_time: Array, scene: Scene, *, sure: 
             f"{surface.source}: time does not ascend: instant {step + 1} is at {time[step]:.9g}"
             f" after {time[step - 1]:.9g}"
         )
-    beyond = np.flatnonzero((time < path.start) | (time > last))
-    if len(beyond):
+    instants_beyond = np.flatnonzero((time < path.start) | (time > last_time))
+    if len(instants_beyond):
         rounds = f" in {scene.cycles} cycles" if path.period is not None else ""
         raise InputError(
-            f"{surface.source}: instant {beyond[0] + 1} is at time {time[beyond[0]]:.6g}, outside"
-            f" the scene's path, which goes from {path.start:.6g} to {last:.6g}{rounds}; state each"
+            f"{surface.source}: instant {instants_beyond[0] + 1} is at time"
+            f" {time[instants_beyond[0]]:.6g}, outside"
+            f" the scene's path, which goes from {path.start:.6g} to {last_time:.6g}{rounds};"
+            " state each"
             " instant's time there by the key times of a mapping"
         )
-    normal, tangential = path.at(time)
+    normal_load, tangential_load = path.at(time)
     # At the times stated, loads stated must be the scene's, and so must the integral of the
     # pressure.
-    size = float(np.max(normal)) or 1.0
+    size = float(np.max(normal_load)) or 1.0
     integral, _ = resultants(surface)
     for name, of_result, of_scene, limit in (
-        ("P", surface.normal_load, normal, _STATED),
-        ("Q", surface.tangential_load, tangential, _STATED),
+        ("P", surface.normal_load, normal_load, _STATED),
+        ("Q", surface.tangential_load, tangential_load, _STATED),
         (
             "the integral of the pressure",
             integral,
-            normal,
+            normal_load,
             _INTEGRATED_AT_TIMES if sure else _UNSURE,
         ),
     ):
@@ -209,7 +213,7 @@ def _by_time(surface: SurfaceResult, stated_time: Array, scene: Scene, *, sure: 
                 f" {of_scene[step]:.6g}{_constant_ratio(of_result, of_scene, size)}"
             )
     note = "its instants were matched by the times that it states"
-    return History(time, normal, tangential, (note,))
+    return History(time, normal_load, tangential_load, (note,))
 
 
 def _snapped(time: Array, path: LoadPath, scene: Scene) -> Array:
@@ -218,9 +222,11 @@ def _snapped(time: Array, path: LoadPath, scene: Scene) -> Array:
     """
     ends = np.array([path.start, *(leg.end for leg in path.legs(scene.cycles))])
     close = (path.period or ends[-1] - ends[0]) * _PRINTED_TIME
-    after = np.clip(np.searchsorted(ends, time), 1, len(ends) - 1)
-    nearest = np.where(time - ends[after - 1] < ends[after] - time, ends[after - 1], ends[after])
-    return np.where(np.abs(time - nearest) <= close, nearest, time)
+    end_after = np.clip(np.searchsorted(ends, time), 1, len(ends) - 1)
+    nearest_end = np.where(
+        time - ends[end_after - 1] < ends[end_after] - time, ends[end_after - 1], ends[end_after]
+    )
+    return np.where(np.abs(time - nearest_end) <= close, nearest_end, time)
 
 
 def _constant_ratio(of_result: Array, of_scene: Array, size: float) -> str:
@@ -249,26 +255,26 @@ def _by_loads(surface: SurfaceResult, scene: Scene, loads: Loads, limit: float, 
             f" {size:.4g}: too little to tell its instants by; see to thickness and factors of the"
             " mapping, or state the times"
         )
-    best: tuple[float, Array] | None = None
+    best_match: tuple[float, Array] | None = None
     for times in _windows(path, scene):
         candidate = _in_order(times, path, scene, loads, size)
         misfit = float(np.max(_distance(path, candidate, loads))) / size
-        if best is None or misfit < best[0]:
-            best = (misfit, candidate)
+        if best_match is None or misfit < best_match[0]:
+            best_match = (misfit, candidate)
         if misfit <= limit:
             break
-    assert best is not None
-    misfit, time = best
+    assert best_match is not None
+    misfit, time = best_match
     time = _closed(time, scene, loads, misfit * size)
-    normal, tangential = path.at(time)
+    normal_load, tangential_load = path.at(time)
     if misfit > limit:
         step = int(np.flatnonzero(_distance(path, time, loads) / size > limit)[0])
         raise InputError(
             f"{surface.source}: its history is not the scene's: at instant {step + 1} P ="
             f" {loads[0][step]:.6g} and Q = {loads[1][step]:.6g} (from {by}), and the nearest that"
-            f" the scene's path has, in order, is P = {normal[step]:.6g} and Q ="
-            f" {tangential[step]:.6g} at time"
-            f" {time[step]:.6g}{_constant_ratio(loads[0], normal, size)}"
+            f" the scene's path has, in order, is P = {normal_load[step]:.6g} and Q ="
+            f" {tangential_load[step]:.6g} at time"
+            f" {time[step]:.6g}{_constant_ratio(loads[0], normal_load, size)}"
         )
     notes = [
         f"its instants were matched to the load path by {by}; the farthest is {misfit:.1e} of the"
@@ -288,7 +294,7 @@ def _by_loads(surface: SurfaceResult, scene: Scene, loads: Loads, limit: float, 
             "where the path passes the same loads more than once between two instants, the wrong"
             " pass may have been taken"
         )
-    return History(time, normal, tangential, tuple(notes))
+    return History(time, normal_load, tangential_load, tuple(notes))
 
 
 def _closed(time: Array, scene: Scene, loads: Loads, distance: float) -> Array:
@@ -301,10 +307,13 @@ def _closed(time: Array, scene: Scene, loads: Loads, distance: float) -> Array:
     path = scene.load.path()
     if path.period is None or len(time) < 3:
         return time
-    earlier = int(np.argmin(np.abs(time[:-1] - (time[-1] - path.period))))
-    period_later = time[earlier] + path.period
-    normal, tangential = loads
-    load_change = np.hypot(normal[-1] - normal[earlier], tangential[-1] - tangential[earlier])
+    earlier_instant = int(np.argmin(np.abs(time[:-1] - (time[-1] - path.period))))
+    period_later = time[earlier_instant] + path.period
+    normal_load, tangential_load = loads
+    load_change = np.hypot(
+        normal_load[-1] - normal_load[earlier_instant],
+        tangential_load[-1] - tangential_load[earlier_instant],
+    )
     print_error = _PRINTED_LOAD * float(np.max(np.abs(loads)))
     step = time[-1] - time[-2]
     end_of_path = path.cycle_start + scene.cycles * path.period
@@ -343,8 +352,11 @@ def _in_order(times: Array, path: LoadPath, scene: Scene, loads: Loads, size: fl
     taken: two instants alike on both sides of a turn of the loads are one on each side. Noise next
     to a turn may put an instant before the last one, by a small part of a revolution.
     """
-    normal, tangential = path.at(times)
-    squares = [_squares(normal - p, tangential - q) / size**2 for p, q in zip(*loads, strict=True)]
+    normal_load, tangential_load = path.at(times)
+    squares = [
+        _squares(normal_load - p, tangential_load - q) / size**2
+        for p, q in zip(*loads, strict=True)
+    ]
     noise = max(float(square.min()) for square in squares) + _SAME**2
     duration = times[-1] - times[0]
     mean_step = duration / len(squares)
@@ -362,9 +374,9 @@ def _in_order(times: Array, path: LoadPath, scene: Scene, loads: Loads, size: fl
     best_from_end = [int(np.argmin(cost))]
     for predecessor in reversed(predecessors):
         best_from_end.append(int(predecessor[best_from_end[-1]]))
-    best = reversed(best_from_end)
-    chosen = np.array([place[k] for place, k in zip(places, best, strict=True)])
-    return np.maximum.accumulate(_snapped(_refined(times, chosen, path, loads), path, scene))
+    best_places = reversed(best_from_end)
+    chosen_places = np.array([place[k] for place, k in zip(places, best_places, strict=True)])
+    return np.maximum.accumulate(_snapped(_refined(times, chosen_places, path, loads), path, scene))
 
 
 def _nearest(squares: Array) -> Places:
@@ -374,9 +386,9 @@ def _nearest(squares: Array) -> Places:
     >>> _nearest(np.array([4.0, 1.0, 1.0, 4.0, 1.5])).tolist()
     [1, 4]
     """
-    before = np.append(np.inf, squares[:-1])
-    after = np.append(squares[1:], np.inf)
-    minima = np.flatnonzero((squares < before) & (squares <= after))
+    square_before = np.append(np.inf, squares[:-1])
+    square_after = np.append(squares[1:], np.inf)
+    minima = np.flatnonzero((squares < square_before) & (squares <= square_after))
     order = np.argsort(squares[minima], kind="stable")
     return np.sort(minima[order[:_PLACES]])
 
@@ -408,30 +420,32 @@ def _squares(across: Array, up: Array) -> Array:
     return np.minimum(of_chord_after, of_chord_before)
 
 
-def _refined(times: Array, chosen: Places, path: LoadPath, loads: Loads) -> Array:
-    """The nearest times between the neighbours of the samples `chosen`: the feet on chords ten
-    times shorter, six times over.
+def _refined(times: Array, chosen_places: Places, path: LoadPath, loads: Loads) -> Array:
+    """The nearest times between the neighbours of the samples `chosen_places`: the feet on chords
+    ten times shorter, six times over.
 
     A foot misses the path's by the square of its chord; squares of distances alone are flat to 1e-8
     of a cycle around it.
     """
-    time = times[chosen]
-    rows = np.arange(len(chosen))
-    low = times[np.maximum(chosen - 1, 0)]
-    high = times[np.minimum(chosen + 1, len(times) - 1)]
+    time = times[chosen_places]
+    rows = np.arange(len(chosen_places))
+    time_below = times[np.maximum(chosen_places - 1, 0)]
+    time_above = times[np.minimum(chosen_places + 1, len(times) - 1)]
     for _ in range(6):
-        step = (high - low) / 20
-        grid = low[:, None] + step[:, None] * np.arange(21)
-        normal, tangential = path.at(grid)
-        share, square = _chords(normal - loads[0][:, None], tangential - loads[1][:, None])
-        nearest = np.argmin(square, axis=1)
-        time = grid[rows, nearest] + share[rows, nearest] * step
-        low = np.maximum(time - step, times[0])
-        high = np.minimum(time + step, times[-1])
+        step = (time_above - time_below) / 20
+        grid = time_below[:, None] + step[:, None] * np.arange(21)
+        normal_load, tangential_load = path.at(grid)
+        share, square = _chords(
+            normal_load - loads[0][:, None], tangential_load - loads[1][:, None]
+        )
+        nearest_place = np.argmin(square, axis=1)
+        time = grid[rows, nearest_place] + share[rows, nearest_place] * step
+        time_below = np.maximum(time - step, times[0])
+        time_above = np.minimum(time + step, times[-1])
     return time
 
 
 def _distance(path: LoadPath, time: Array, loads: Loads) -> Array:
     """Of the loads from the path at these times, (n_steps,) [force / thickness]."""
-    normal, tangential = path.at(time)
-    return np.hypot(normal - loads[0], tangential - loads[1])
+    normal_load, tangential_load = path.at(time)
+    return np.hypot(normal_load - loads[0], tangential_load - loads[1])

@@ -141,22 +141,22 @@ class Judgement:
             return Verdict(None)
         # A cause that needs a size to do what another does without is no rival: a tilt of a
         # parabola is an offset of just that size, half a cycle late is the other sign of Q.
-        least = min(candidates, key=lambda fit: fit.square(self.channels))
-        best = min(candidates, key=lambda fit: self._rank(fit, least))
+        least_fit = min(candidates, key=lambda fit: fit.square(self.channels))
+        best_fit = min(candidates, key=lambda fit: self._rank(fit, least_fit))
         rivals = tuple(
             fit
             for fit in candidates
-            if fit.keys != best.keys
-            and not self._told_apart(fit, best)
-            and fit.parameters <= best.parameters
+            if fit.keys != best_fit.keys
+            and not self._told_apart(fit, best_fit)
+            and fit.parameters <= best_fit.parameters
         )
-        return Verdict(best, rivals, is_shear_left=not explanations)
+        return Verdict(best_fit, rivals, is_shear_left=not explanations)
 
-    def _rank(self, fit: Fit, least: Fit) -> tuple[bool, int, int, float]:
+    def _rank(self, fit: Fit, least_fit: Fit) -> tuple[bool, int, int, float]:
         """For sorting: what does as well as the best first, of these the fewest causes, then the
         fewest sizes.
         """
-        told_apart = self._told_apart(fit, least)
+        told_apart = self._told_apart(fit, least_fit)
         return told_apart, len(fit.causes), fit.parameters, fit.square(self.channels)
 
     def _named_alone(self, pressure_fit: Fit) -> list[Fit]:
@@ -195,17 +195,17 @@ class Judgement:
         """
         if not explanations or len(pressure_fits) < 2 or not self.discrepancy.sheared:
             return []
-        best = min(explanations, key=lambda fit: fit.square(self.channels))
-        if best.square(self.channels) <= _EXACT * self.no_cause.square(self.channels):
+        best_explanation = min(explanations, key=lambda fit: fit.square(self.channels))
+        if best_explanation.square(self.channels) <= _EXACT * self.no_cause.square(self.channels):
             return []
-        starts_of_best = [fit for fit in pressure_fits if fit.keys <= best.keys]
+        starts_of_best = [fit for fit in pressure_fits if fit.keys <= best_explanation.keys]
         if not starts_of_best:
             return []
         count = len(starts_of_best[0].causes)
         joint_fits = []
         for pressure_fit in pressure_fits:
-            causes = (*pressure_fit.causes, *best.causes[count:])
-            sizes = (*pressure_fit.sizes, *best.sizes[count:])
+            causes = (*pressure_fit.causes, *best_explanation.causes[count:])
+            sizes = (*pressure_fit.sizes, *best_explanation.sizes[count:])
             if not _may_meet(causes):
                 continue
             fit = self.search.refined(causes, sizes, self.channels)
@@ -241,13 +241,13 @@ class Judgement:
         explain; few values may look like noise by chance.
         """
         if not singles:
-            best = self.no_cause
-            is_right = best.is_noise((PRESSURE,))
+            best_cause = self.no_cause
+            is_right = best_cause.is_noise((PRESSURE,))
         else:
-            best = singles[0]
-            is_right = self.is_right(best, PRESSURE)
-        is_exact = share_left(best, self.no_cause, (PRESSURE,)) <= _COMPLETE
-        return is_right and (is_exact or best.count((PRESSURE,)) >= _FEW_VALUES)
+            best_cause = singles[0]
+            is_right = self.is_right(best_cause, PRESSURE)
+        is_exact = share_left(best_cause, self.no_cause, (PRESSURE,)) <= _COMPLETE
+        return is_right and (is_exact or best_cause.count((PRESSURE,)) >= _FEW_VALUES)
 
     def _explanations_of_pressure(self, choices: Sequence[tuple[Cause, ...]]) -> list[Fit]:
         """Fits that explain the pressure, the best first; those of bodies and layers beside the
@@ -267,8 +267,8 @@ class Judgement:
         helpful = [cause for cause in quick_causes if self._helps(cause)]
         pairs = list(itertools.combinations(helpful, 2))
         if helpful:
-            best = min(helpful, key=self._left_alone)
-            pairs += [(best, cause) for cause in quick_causes if cause not in helpful]
+            best_cause = min(helpful, key=self._left_alone)
+            pairs += [(best_cause, cause) for cause in quick_causes if cause not in helpful]
         for fit in singles:
             if not fit.causes[0].sized:
                 pairs += [(fit.causes[0], cause) for cause in quick_causes if cause.sized]
@@ -302,8 +302,8 @@ class Judgement:
 
     def _needs_both(self, pair: Fit) -> bool:
         """Whether neither cause of a pair does as well alone."""
-        alone = [self.search.fit((cause,), (PRESSURE,)) for cause in pair.causes]
-        return all(fit is None or self._better(pair, fit, (PRESSURE,)) for fit in alone)
+        fits_alone = [self.search.fit((cause,), (PRESSURE,)) for cause in pair.causes]
+        return all(fit is None or self._better(pair, fit, (PRESSURE,)) for fit in fits_alone)
 
     def _of_model(self, fits: Sequence[Fit]) -> list[tuple[Cause, ...]]:
         """Bodies too small, or faces that sink into each other, in place of the factor of E*, loads
@@ -315,15 +315,15 @@ class Judgement:
         sized = [fit for fit in fits if any(cause.group == "size" for cause in fit.causes)]
         if not sized:
             return []
-        best = min(sized, key=lambda fit: fit.square((PRESSURE,)))
-        if best.square((PRESSURE,)) <= _EXACT * self.no_cause.square((PRESSURE,)):
+        best_fit = min(sized, key=lambda fit: fit.square((PRESSURE,)))
+        if best_fit.square((PRESSURE,)) <= _EXACT * self.no_cause.square((PRESSURE,)):
             return []
-        return [(cause, *_without_size(best)) for cause in _OF_MODEL]
+        return [(cause, *_without_size(best_fit)) for cause in _OF_MODEL]
 
     def _near_the_best(self, fits: Sequence[Fit]) -> list[Fit]:
         """Those that the pressure does not tell apart from the first."""
-        near = [fit for fit in fits if not self._told_apart(fit, fits[0], (PRESSURE,))]
-        return near[:_MOST_OF_PRESSURE]
+        near_fits = [fit for fit in fits if not self._told_apart(fit, fits[0], (PRESSURE,))]
+        return near_fits[:_MOST_OF_PRESSURE]
 
     def _explanations(
         self,
@@ -376,21 +376,23 @@ class Judgement:
         """
         if not self.discrepancy.sheared:
             return [pressure_fit] if pressure_fit.causes else []
-        before = self.search.fit(pressure_fit.causes, (PRESSURE, SHEAR), known=pressure_fit.sizes)
-        if before is None:
+        fit_before = self.search.fit(
+            pressure_fit.causes, (PRESSURE, SHEAR), known=pressure_fit.sizes
+        )
+        if fit_before is None:
             return []
-        if self.is_right(before, SHEAR):
-            return [before] if before.causes else []
-        explanations = self._causes_of_shear(before, 1)
+        if self.is_right(fit_before, SHEAR):
+            return [fit_before] if fit_before.causes else []
+        explanations = self._causes_of_shear(fit_before, 1)
         if self._is_shear_explained(explanations):
             return explanations
-        if len(before.causes) < 2:
-            coupled = self._coupled(explanations[0] if explanations else before)
+        if len(fit_before.causes) < 2:
+            coupled = self._coupled(explanations[0] if explanations else fit_before)
             if coupled is not None:
                 return [coupled]
         # Friction follows the pressure: where that has no cause, no pair is looked for.
-        if not before.causes and self.is_right(pressure_fit, PRESSURE):
-            pairs = self._causes_of_shear(before, 2)
+        if not fit_before.causes and self.is_right(pressure_fit, PRESSURE):
+            pairs = self._causes_of_shear(fit_before, 2)
             if explanations:
                 pairs = [fit for fit in pairs if self._better(fit, explanations[0], (SHEAR,))]
             explanations = pairs or explanations
@@ -400,11 +402,11 @@ class Judgement:
         """Whether the best of them leaves noise alone."""
         return bool(explanations) and self.is_right(explanations[0], SHEAR)
 
-    def _causes_of_shear(self, before: Fit, count: int) -> list[Fit]:
+    def _causes_of_shear(self, fit_before: Fit, count: int) -> list[Fit]:
         """So many causes of the shear beside those of the pressure, two in all at most; the best
         first.
         """
-        if len(before.causes) + count > 2:
+        if len(fit_before.causes) + count > 2:
             return []
         causes = [
             cause
@@ -412,22 +414,28 @@ class Judgement:
             if (cause.channel == SHEAR and cause.key != COUPLING.key)
             or cause.key in ("other_times", "coarse_edge")
         ]
-        choices = [(*before.causes, *chosen) for chosen in itertools.combinations(causes, count)]
-        return self._explanations_of_shear(filter(_may_meet, choices), before)
+        choices = [
+            (*fit_before.causes, *chosen_causes)
+            for chosen_causes in itertools.combinations(causes, count)
+        ]
+        return self._explanations_of_shear(filter(_may_meet, choices), fit_before)
 
-    def _coupled(self, before: Fit) -> Fit | None:
-        """Unlike bodies beside the causes of `before`, where most of what these leave is odd in x.
+    def _coupled(self, fit_before: Fit) -> Fit | None:
+        """Unlike bodies beside the causes of `fit_before`, where most of what these leave is odd
+        in x.
 
         Theory is known to lack what the scene's own materials make: there the odd part is enough.
         """
-        if len(before.causes) > 1:
+        if len(fit_before.causes) > 1:
             return None
-        odd = self.search.fit((*before.causes, ODD_PART), self.channels, known=before.sizes)
-        if odd is None or share_left(odd, before, (SHEAR,)) > _MOST_LEFT_OF_ODD:
+        odd_fit = self.search.fit(
+            (*fit_before.causes, ODD_PART), self.channels, known=fit_before.sizes
+        )
+        if odd_fit is None or share_left(odd_fit, fit_before, (SHEAR,)) > _MOST_LEFT_OF_ODD:
             return None
         if abs(dundurs(self.discrepancy.comparison.scene.material).beta) > NO_COUPLING:
-            return odd if by_chance(odd, before, (SHEAR,)) < CHANCE else None
-        fits = self._explanations_of_shear([(*before.causes, COUPLING)], before)
+            return odd_fit if by_chance(odd_fit, fit_before, (SHEAR,)) < CHANCE else None
+        fits = self._explanations_of_shear([(*fit_before.causes, COUPLING)], fit_before)
         return fits[0] if fits else None
 
     def _explanations_of_shear(
@@ -469,18 +477,21 @@ class Judgement:
 
     def _better(self, fit: Fit, than: Fit, channels: Sequence[int] | None = None) -> bool:
         """Whether more causes leave so much less that they are called for."""
-        over = self.channels if channels is None else channels
+        channels_compared = self.channels if channels is None else channels
         if len(fit.causes) <= len(than.causes):
-            return fit.square(over) < than.square(over)
-        gain = fit.square(over) <= _PAIR_GAIN * than.square(over)
-        significant = by_chance(fit, than, over) < CHANCE
-        return significant and (gain or not than.is_noise(over))
+            return fit.square(channels_compared) < than.square(channels_compared)
+        gain = fit.square(channels_compared) <= _PAIR_GAIN * than.square(channels_compared)
+        is_significant = by_chance(fit, than, channels_compared) < CHANCE
+        return is_significant and (gain or not than.is_noise(channels_compared))
 
-    def _told_apart(self, fit: Fit, best: Fit, channels: Sequence[int] | None = None) -> bool:
-        """Whether `fit` leaves so much more than `best` that it is out."""
-        over = self.channels if channels is None else channels
+    def _told_apart(self, fit: Fit, best_fit: Fit, channels: Sequence[int] | None = None) -> bool:
+        """Whether `fit` leaves so much more than `best_fit` that it is out."""
+        channels_compared = self.channels if channels is None else channels
         return are_apart(
-            fit.square(over), best.square(over), best.count(over), is_noise=best.is_noise(over)
+            fit.square(channels_compared),
+            best_fit.square(channels_compared),
+            best_fit.count(channels_compared),
+            is_noise=best_fit.is_noise(channels_compared),
         )
 
 

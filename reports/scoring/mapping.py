@@ -90,8 +90,8 @@ class Measured(Frozen):
 
     def share(self, key: str) -> float | None:
         """That of a value; None where none is stated."""
-        stated: str | None = getattr(self, key)
-        return None if stated is None else share_of(stated)
+        stated_unit: str | None = getattr(self, key)
+        return None if stated_unit is None else share_of(stated_unit)
 
 
 class Mapping(Frozen):
@@ -138,14 +138,14 @@ class Mapping(Frozen):
 
     def sign(self, quantity: Quantity) -> float:
         """-1 where the file counts `quantity` the other way than the project does, else 1."""
-        turned = {
+        turned_words = {
             "pressure": "compression negative",
             "shear": "on upper",
             "slip": "lower over upper",
         }
         return (
             -1.0
-            if quantity in turned and getattr(self.signs, quantity) == turned[quantity]
+            if quantity in turned_words and getattr(self.signs, quantity) == turned_words[quantity]
             else 1.0
         )
 
@@ -172,32 +172,33 @@ def find_column(
         Where the mapping names one that is not there, where two names answer to the same alias, or
         where none does and it is `needed`.
     """
-    stated = getattr(mapping.columns, quantity)
-    if isinstance(stated, int):
-        if stated > len(names):
+    stated_name = getattr(mapping.columns, quantity)
+    if isinstance(stated_name, int):
+        if stated_name > len(names):
             raise InputError(
-                f"{where}: the mapping says columns.{quantity} = {stated}, and there are"
+                f"{where}: the mapping says columns.{quantity} = {stated_name}, and there are"
                 f" {len(names)} columns"
             )
-        return names[stated - 1]
-    if stated is not None:
-        if stated not in names:
-            near = difflib.get_close_matches(stated, names, n=1)
-            hint = f"did you mean {near[0]!r}?" if near else f"it has {listed(names)}"
+        return names[stated_name - 1]
+    if stated_name is not None:
+        if stated_name not in names:
+            near_names = difflib.get_close_matches(stated_name, names, n=1)
+            hint = f"did you mean {near_names[0]!r}?" if near_names else f"it has {listed(names)}"
             raise InputError(
-                f"{where}: the mapping says columns.{quantity} = {stated!r}, which is not there;"
+                f"{where}: the mapping says columns.{quantity} = {stated_name!r}, which is not"
+                " there;"
                 f" {hint}"
             )
-        return stated
+        return stated_name
     for alias in ALIASES[quantity]:
-        found = [name for name in names if plain(name) == plain(alias)]
-        if len(found) > 1:
+        matching_names = [name for name in names if plain(name) == plain(alias)]
+        if len(matching_names) > 1:
             raise InputError(
-                f"{where}: {listed(found)} could each be {quantity}; say which by"
+                f"{where}: {listed(matching_names)} could each be {quantity}; say which by"
                 f" columns.{quantity} of a mapping"
             )
-        if found:
-            return found[0]
+        if matching_names:
+            return matching_names[0]
     if needed:
         raise InputError(
             f"{where}: no column for {quantity} (looked for {', '.join(ALIASES[quantity][:4])} ...)"
@@ -208,8 +209,8 @@ def find_column(
 
 def listed(names: Sequence[str]) -> str:
     """Names in a sentence, at most eight of them."""
-    more = f" and {len(names) - 8} more" if len(names) > 8 else ""
-    return ", ".join(map(repr, names[:8])) + more
+    words_of_more = f" and {len(names) - 8} more" if len(names) > 8 else ""
+    return ", ".join(map(repr, names[:8])) + words_of_more
 
 
 def converted(mapping: Mapping, quantity: Quantity, values: Array) -> Array:
@@ -230,10 +231,14 @@ def converted(mapping: Mapping, quantity: Quantity, values: Array) -> Array:
     if quantity == "frame":
         return values
     with np.errstate(over="ignore"):  # what is not finite is refused by the reader, with its place
-        scaled = values * (getattr(mapping.factors, kind or "load") or 1.0) * mapping.sign(quantity)
+        scaled_values = (
+            values * (getattr(mapping.factors, kind or "load") or 1.0) * mapping.sign(quantity)
+        )
         if quantity in ("x", "y"):
-            return np.asarray(scaled - (mapping.x_offset if quantity == "x" else mapping.y_offset))
-        return np.asarray(scaled / mapping.thickness if kind is None else scaled)
+            return np.asarray(
+                scaled_values - (mapping.x_offset if quantity == "x" else mapping.y_offset)
+            )
+        return np.asarray(scaled_values / mapping.thickness if kind is None else scaled_values)
 
 
 def conversion_in_words(mapping: Mapping, quantity: Quantity) -> str:

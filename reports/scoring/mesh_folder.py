@@ -47,12 +47,12 @@ def score_folder(
             reports.append(report)
             levels.append(level)
     if not levels:
-        more = (
+        words_of_more = (
             f" ({len(faults) - 1} other files of the folder can't be scored either)"
             if len(faults) > 1
             else ""
         )
-        raise InputError(f"{next(iter(faults.values()))}{more}")
+        raise InputError(f"{next(iter(faults.values()))}{words_of_more}")
     unscored = tuple(
         UnscoredFile(name, str(fault).replace(str(folder / name), name))
         for name, fault in faults.items()
@@ -63,9 +63,9 @@ def score_folder(
         noted = replace(report.comparison, notes=(*notes, *report.comparison.notes))
         with stages.stage("diagnosis"):
             return diagnosed(replace(report, comparison=noted, unscored=unscored))
-    known = study(levels, notes)
+    mesh_study = study(levels, notes)
     with stages.stage("diagnosis"):
-        finest = next(
-            report for report in reports if report.comparison is known.levels[0].comparison
+        finest_level = next(
+            report for report in reports if report.comparison is mesh_study.levels[0].comparison
         )
-        return diagnosed(replace(finest, study=known, unscored=unscored))
+        return diagnosed(replace(finest_level, study=mesh_study, unscored=unscored))

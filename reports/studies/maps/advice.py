@@ -138,13 +138,14 @@ def sentence(advice: Advice) -> str:
             " the very model"
         )
     if advice.verdict is None:
-        missing = len(advice.parts) - len(advice.known)
+        n_missing = len(advice.parts) - len(advice.known)
         return (
-            f"Not known: departures that are in no map: {missing} of {len(advice.parts)}. Solve the"
+            f"Not known: departures that are in no map: {n_missing} of {len(advice.parts)}."
+            " Solve the"
             " scene (`halfplane run`)."
         )
-    off = cell(*total(advice.known, "error.dissipation"), advice.extrapolated)
-    words = f"dissipation of the bodies over that of half-plane theory, minus 1: {off}"
+    error_in_words = cell(*total(advice.known, "error.dissipation"), advice.extrapolated)
+    words = f"dissipation of the bodies over that of half-plane theory, minus 1: {error_in_words}"
     words += ", cross terms left out" * (len(advice.parts) > 1)
     words += (
         "; outside the maps, so solve the scene (`halfplane run`) before you rely on it"
@@ -222,47 +223,60 @@ def _size(scene: Scene, half_width: float, folder: Path) -> list[Part]:
     upper = scene.bodies.upper
     if isinstance(lower, Block) and lower == upper:
         try:
-            found = correction(scene)
+            map_correction = correction(scene)
         except InputError as refused:
             return [Part("two equal blocks", None, str(refused))]
-        errors = (found.dissipation, found.peak_pressure, found.contact_half_width)
+        errors = (
+            map_correction.dissipation,
+            map_correction.peak_pressure,
+            map_correction.contact_half_width,
+        )
         values = {
             name: (error, _LEFT * abs(error)) for name, error in zip(FIGURES, errors, strict=True)
         }
         size = (
-            f"height/a = {lower.height / half_width:.3g}, width/height = {found.aspect:.3g}, base"
+            f"height/a = {lower.height / half_width:.3g}, width/height ="
+            f" {map_correction.aspect:.3g}, base"
             f" {lower.base}"
         )
-        how = "correction of the map `block` for this very loop; p0 and a at the largest load"
-        return [Part(f"two equal blocks, {size}", values, how)]
+        source = "correction of the map `block` for this very loop; p0 and a at the largest load"
+        return [Part(f"two equal blocks, {size}", values, source)]
     parts = []
     for name, body in (("lower", lower), ("upper", upper)):
         if isinstance(body, Pad) and isinstance(scene.profile, FlatRounded):
-            if too_small := smaller_than_the_maps(scene.profile, body):
+            if refusal := smaller_than_the_maps(scene.profile, body):
                 parts.append(
                     Part(
                         f"the {name} body, a pad {body.width:g} wide and {body.height:g} high",
                         None,
-                        too_small,
+                        refusal,
                     )
                 )
         elif isinstance(body, TShape | ShoulderedPad):
-            what = f"the {name} body, a {body.kind}"
-            parts.append(Part(what, None, "no map has bodies with a step in their sides"))
+            words_of_body = f"the {name} body, a {body.kind}"
+            parts.append(Part(words_of_body, None, "no map has bodies with a step in their sides"))
         elif isinstance(body, Block | Pad):
             height = body.height / half_width
             aspect = body.width / body.height
-            what = (
+            words_of_body = (
                 f"the {name} body, a {body.kind}: height/a = {height:.3g}, width/height ="
                 f" {aspect:.3g}, base {body.base}"
             )
             if body.base != "fixed" or body.sides != "free":
                 parts.append(
-                    Part(what, None, "the map `one-block` has a fixed base and free sides alone")
+                    Part(
+                        words_of_body,
+                        None,
+                        "the map `one-block` has a fixed base and free sides alone",
+                    )
                 )
             else:
-                at = {"aspect": aspect, "f": scene.friction.coefficient}
-                parts.append(_from_map(what, MAPS["one-block"].charts[0], 1 / height, at, folder))
+                coordinates = {"aspect": aspect, "f": scene.friction.coefficient}
+                parts.append(
+                    _from_map(
+                        words_of_body, MAPS["one-block"].charts[0], 1 / height, coordinates, folder
+                    )
+                )
     return parts
 
 

@@ -94,20 +94,20 @@ def write(folder: Path) -> None:
     """Laws, drawings and pages of the maps whose tables are in `folder`: all, or none after an
     error; InputError without tables.
     """
-    there = present(folder)
-    if not there:
+    maps_present = present(folder)
+    if not maps_present:
         raise InputError(f"{folder}: no map has its tables here; make them by `halfplane map all`")
     with filled(folder, fresh=()) as made:
         # Pages read tables and laws from one folder; the tables themselves are not written again.
-        for study in {study for asked in there for study in asked.studies}:
+        for study in {study for asked in maps_present for study in asked.studies}:
             shutil.copyfile(folder / f"{study}.csv", made / f"{study}.csv")
-        (made / "laws.json").write_text(laws_text(made, there), encoding="utf-8")
-        for asked in there:
+        (made / "laws.json").write_text(laws_text(made, maps_present), encoding="utf-8")
+        for asked in maps_present:
             for chart in asked.charts:
                 for name, svg, _ in _drawings(chart, read(made, chart.study)):
                     (made / name).write_text(svg, encoding="utf-8")
             (made / f"{asked.name}.md").write_text(page(asked, made), encoding="utf-8")
-        (made / "README.md").write_text(index(made, there), encoding="utf-8")
+        (made / "README.md").write_text(index(made, maps_present), encoding="utf-8")
         for table in made.glob("*.csv"):
             table.unlink()
 
@@ -115,9 +115,9 @@ def write(folder: Path) -> None:
 def present(folder: Path) -> list[Map]:
     """The maps whose studies all have their tables in `folder`."""
     return [
-        one
-        for one in MAPS.values()
-        if all((folder / f"{study}.csv").exists() for study in one.studies)
+        idealisation_map
+        for idealisation_map in MAPS.values()
+        if all((folder / f"{study}.csv").exists() for study in idealisation_map.studies)
     ]
 
 
@@ -125,13 +125,13 @@ def laws_text(folder: Path, there: list[Map]) -> str:
     """laws.json: the laws of every map, and the constants that the corrections take; six digits,
     which every machine gives.
     """
-    charts = [chart for asked in there for chart in asked.charts]
-    found = [
+    charts = [chart for idealisation_map in there for chart in idealisation_map.charts]
+    found_lines = [
         (chart.study, line) for chart in charts for line in lines(chart, read(folder, chart.study))
     ]
     laws = [
         {"study": study, "figure": line.figure, **line.at, **asdict(line.law)}
-        for study, line in found
+        for study, line in found_lines
         if line.law
     ]
 
@@ -214,22 +214,22 @@ def _drawings(chart: Chart, table: pd.DataFrame) -> Iterator[tuple[str, str, str
 
 def page(asked: Map, folder: Path) -> str:
     """Markdown of a map from the tables in `folder`."""
-    made = [f"# {asked.title}", f"<!-- written by `halfplane map {asked.name}` -->"]
-    made.append(f"**{asked.question}** {_answer(asked, folder)}")
+    page_lines = [f"# {asked.title}", f"<!-- written by `halfplane map {asked.name}` -->"]
+    page_lines.append(f"**{asked.question}** {_answer(asked, folder)}")
     for chart in asked.charts:
         table = read(folder, chart.study)
-        found = list(lines(chart, table, _TABLED))
-        made += [f"## {chart.study}"] * (len(asked.charts) > 1)
-        made += [
+        found_lines = list(lines(chart, table, _TABLED))
+        page_lines += [f"## {chart.study}"] * (len(asked.charts) > 1)
+        page_lines += [
             f"![{caption}]({name})\n\n*{caption}*" for name, _, caption in _drawings(chart, table)
         ]
         if chart.expected is not None:
-            made += [
-                *_within(chart, found),
-                *_laws(chart, [line for line in found if line.figure in _DRAWN]),
+            page_lines += [
+                *_within(chart, found_lines),
+                *_laws(chart, [line for line in found_lines if line.figure in _DRAWN]),
             ]
     for section in _TRIALS.get(asked.name, ()):
-        made += section(folder)
+        page_lines += section(folder)
     costs = [(study, numbers(read(folder, study), "seconds")) for study in asked.studies]
     rows = [
         [
@@ -241,48 +241,48 @@ def page(asked: Map, folder: Path) -> str:
         for study, s in costs
     ]
     head = ["study", "points", "median seconds of a point", "minutes in all"]
-    made += [
+    page_lines += [
         "## How it was made",
         PAGE_WORDS["cost"].format(name=asked.name),
         markdown_table(head, rows),
     ]
-    return "\n\n".join(made) + "\n"
+    return "\n\n".join(page_lines) + "\n"
 
 
 def index(folder: Path, there: list[Map]) -> str:
     """Markdown of reports/published/maps/README.md: the designer's question answered from the
     tables, and what is where.
     """
-    _, found = parts_of(load_scene(DESIGNER), folder)
-    known = [part for part in found if part.values is not None]
-    error, doubt = total(known, "error.dissipation")
+    _, parts_found = parts_of(load_scene(DESIGNER), folder)
+    known_parts = [part for part in parts_found if part.values is not None]
+    error, doubt = total(known_parts, "error.dissipation")
     missing = (
         ""
-        if len(known) == len(found)
-        else f" (without {len(found) - len(known)} departures that no map here has)"
+        if len(known_parts) == len(parts_found)
+        else f" (without {len(parts_found) - len(known_parts)} departures that no map here has)"
     )
     says = "no" if abs(error) + doubt > 0.05 else "not known" if missing else "yes"
-    pressure = percent(*total(known, "error.p0"))
+    pressure = percent(*total(known_parts, "error.p0"))
     question = PAGE_WORDS["question"].format(
         says=says, dissipation=percent(error, doubt), missing=missing, pressure=pressure
     )
     head = ["departure", *(WORDS[figure] for figure in FIGURES), "where from"]
-    made = [
+    page_lines = [
         "# Where the half-plane holds, and by how much it fails",
         "<!-- written by `halfplane map all` -->",
         question,
     ]
-    made += [
-        markdown_table(head, [[part.what, *cells(part), part.how] for part in found]),
+    page_lines += [
+        markdown_table(head, [[part.what, *cells(part), part.how] for part in parts_found]),
         PAGE_WORDS["index"],
     ]
     for asked in there:
         points = sum(len(read(folder, study)) for study in asked.studies)
-        made += [
+        page_lines += [
             f"## [{asked.title}]({asked.name}.md)",
             f"*{asked.question}* {_answer(asked, folder)} ({points} points.)",
         ]
-    return "\n\n".join(made) + "\n"
+    return "\n\n".join(page_lines) + "\n"
 
 
 def _answer(asked: Map, folder: Path) -> str:
@@ -300,25 +300,27 @@ def _answer(asked: Map, folder: Path) -> str:
 
 
 def _read_off(chart: Chart, table: pd.DataFrame) -> str:
-    found = list(lines(chart, table, FIGURES[:2]))
-    said: dict[str, list[str]] = {WORDS[figure]: [] for figure in FIGURES[:2]}
-    for line in found:
+    found_lines = list(lines(chart, table, FIGURES[:2]))
+    words_by_figure: dict[str, list[str]] = {WORDS[figure]: [] for figure in FIGURES[:2]}
+    for line in found_lines:
         value = reading_at(line, chart.sample["s"])
-        said[WORDS[line.figure]].append(
+        words_by_figure[WORDS[line.figure]].append(
             f"{percent(*value) if value else 'outside the study'} ({place(line.at)})"
         )
-    works = [line for line in found if line.figure == "error.dissipation"]
+    works = [line for line in found_lines if line.figure == "error.dissipation"]
     holds = ", ".join(
         f"{bound_in_words(bound(line, 0.05), chart.inverse)} ({place(line.at)})" for line in works
     )
-    off = "; ".join(f"{words}: error of {', '.join(ends)}" for words, ends in said.items())
+    off = "; ".join(
+        f"{words}: error of {', '.join(ends)}" for words, ends in words_by_figure.items()
+    )
     return f"{chart.sample['words']} {off}. Dissipation is within 5 % if {chart.within} {holds}."
 
 
 def reading_at(line: Line, s: float) -> tuple[float, float] | None:
     """Error and uncertainty at s between the points of a line; None outside them."""
-    inside = line.s.min() * (1 - 1e-9) <= s <= line.s.max() * (1 + 1e-9)
-    return along(line, s) if inside else None
+    is_inside = line.s.min() * (1 - 1e-9) <= s <= line.s.max() * (1 + 1e-9)
+    return along(line, s) if is_inside else None
 
 
 def _mesh_refinement(study: str, table: pd.DataFrame) -> str:
@@ -338,10 +340,12 @@ def _worst_loops(table: pd.DataFrame) -> str:
     pressure = errors(table, "error.p0")[0]
     size = np.where(np.abs(error) > doubt, np.abs(error), np.nan)
     ends = {"worst": int(np.nanargmax(size)), "least": int(np.nanargmin(size))}
-    said = {name: with_uncertainty(100 * error[k], 100 * doubt[k]) for name, k in ends.items()}
+    errors_in_words = {
+        name: with_uncertainty(100 * error[k], 100 * doubt[k]) for name, k in ends.items()
+    }
     for name, k in ends.items():
         row = table.iloc[k]
-        said[f"{name} loop"] = (
+        errors_in_words[f"{name} loop"] = (
             f"P1/P0 = {row['amplitude']}, phase {row['phase']}°, {row['margin']} from sliding"
         )
     counts = {
@@ -351,7 +355,9 @@ def _worst_loops(table: pd.DataFrame) -> str:
     }
     return str(
         PAGE_WORDS["loop"].format(
-            **said, **counts, p0=f"{100 * pressure.min():+.3f} to {100 * pressure.max():+.3f}"
+            **errors_in_words,
+            **counts,
+            p0=f"{100 * pressure.min():+.3f} to {100 * pressure.max():+.3f}",
         )
     )
 
@@ -407,10 +413,14 @@ def _laws(chart: Chart, found: Sequence[Line]) -> list[str]:
     span = f"range of {chart.small} (points)"
     head = ["figure", "where", "exponent", "theory", constant, span, "χ²"]
     prediction = f"Predicted exponent {chart.expected:g}: {chart.prediction}."
-    straight = [_straight_exponent(line) for line in found if line.figure == "error.dissipation"]
+    straight_exponents = [
+        _straight_exponent(line) for line in found if line.figure == "error.dissipation"
+    ]
     fits = PAGE_WORDS["fits"].format(power="²" if chart.step == 2 else "")
-    if straight and np.isfinite(straight).all():
-        fits += PAGE_WORDS["straight"].format(low=min(straight), high=max(straight))
+    if straight_exponents and np.isfinite(straight_exponents).all():
+        fits += PAGE_WORDS["straight"].format(
+            low=min(straight_exponents), high=max(straight_exponents)
+        )
     return ["### Laws", prediction, markdown_table(head, rows), fits]
 
 
@@ -418,8 +428,8 @@ def _straight_exponent(line: Line) -> float:
     """The exponent of a straight line through all resolved points, log e over log s, without the
     next term of the series.
     """
-    used = line.known & (np.abs(line.error) > line.uncertainty)
-    s, error, doubt = (column[used] for column in (line.s, np.abs(line.error), line.uncertainty))
+    is_used = line.known & (np.abs(line.error) > line.uncertainty)
+    s, error, doubt = (column[is_used] for column in (line.s, np.abs(line.error), line.uncertainty))
     return (
         float(np.polyfit(np.log(s), np.log(error), 1, w=error / doubt)[0])
         if len(s) > 1
@@ -433,12 +443,12 @@ def _heat(chart: Chart, table: pd.DataFrame, shown: Sequence[str]) -> Plate:
     resolved.
     """
     columns = list(parts(table, (chart.panels,)))
-    every = 100 * np.abs(np.concatenate([errors(table, figure)[0] for figure in shown]))
-    low = max(_LEAST, float(np.nanmin(every)))
-    high = min(_MOST, float(np.nanmax(every)))
+    all_errors = 100 * np.abs(np.concatenate([errors(table, figure)[0] for figure in shown]))
+    least_error = max(_LEAST, float(np.nanmin(all_errors)))
+    largest_error = min(_MOST, float(np.nanmax(all_errors)))
     bar = colour_scale(
         "heat-colours",
-        (low, high),
+        (least_error, largest_error),
         "|error of half-plane theory|, %",
         log=True,
         tick_values=_BAR,
@@ -447,9 +457,13 @@ def _heat(chart: Chart, table: pd.DataFrame, shown: Sequence[str]) -> Plate:
     panels = []
     for number, figure in enumerate(shown):
         for k, (at, part) in enumerate(columns):
-            where = ", ".join(f"{AXES.get(name, name)} = {value}" for name, value in at.items())
-            title = f"{WORDS[figure]}{'; ' + where if where else ''}"
-            panel = _cells(chart, part, figure, f"heat-{number}-{k}", title, (low, high))
+            words_of_place = ", ".join(
+                f"{AXES.get(name, name)} = {value}" for name, value in at.items()
+            )
+            title = f"{WORDS[figure]}{'; ' + words_of_place if words_of_place else ''}"
+            panel = _cells(
+                chart, part, figure, f"heat-{number}-{k}", title, (least_error, largest_error)
+            )
             panels.append(
                 Cell((panel, bar) if number == len(shown) - 1 and k == 0 else (panel,), None)
             )
@@ -466,7 +480,7 @@ def _cells(
     """
     error, doubt = errors(part, figure)
     size = 100 * np.abs(error)
-    hidden = ~(np.abs(error) > doubt)
+    is_hidden = ~(np.abs(error) > doubt)
     axes = list[Axis]()
     places = list[Array]()
     steps = list[Array]()
@@ -486,10 +500,10 @@ def _cells(
         steps.append(values)
     names = [
         f"{value:.3g} %" + (", not resolved" if dim else "")
-        for value, dim in zip(size, hidden, strict=True)
+        for value, dim in zip(size, is_hidden, strict=True)
     ]
     share = np.log(np.clip(size, *ends) / ends[0]) / np.log(ends[1] / ends[0])
-    marks = heat_map((axes[0], axes[1]), (places[0], places[1]), share, names, hidden)
+    marks = heat_map((axes[0], axes[1]), (places[0], places[1]), share, names, is_hidden)
     if min(map(len, steps)) > 1:
         grid = np.full((len(steps[1]), len(steps[0])), np.nan)
         grid[np.searchsorted(steps[1], places[1]), np.searchsorted(steps[0], places[0])] = size
@@ -522,8 +536,8 @@ def _level_lines(axes: Sequence[Axis], steps: Sequence[Array], size: Array) -> I
             for points in pieces:
                 x, y = scaled(points)
                 yield Curve(x, y, css)
-            longest = max(pieces, key=len)
-            x, y = scaled(longest[len(longest) // 2 - 1 :][:2].mean(axis=0)[None])
+            longest_piece = max(pieces, key=len)
+            x, y = scaled(longest_piece[len(longest_piece) // 2 - 1 :][:2].mean(axis=0)[None])
             yield Note(float(x[0]), float(y[0]), f"{level:g} %", "tick over", "middle", (0.0, -3.0))
 
 
@@ -534,40 +548,45 @@ def _slopes(chart: Chart, found: Sequence[Line], shown: Sequence[str]) -> Plate:
     panels = []
     keys = dict[str, Key]()
     for number, figure in enumerate(shown):
-        chosen = [line for line in found if line.figure == figure]
-        marks = [mark for k, line in enumerate(chosen) for mark in _points(line, k)]
+        lines_of_figure = [line for line in found if line.figure == figure]
+        marks = [mark for k, line in enumerate(lines_of_figure) for mark in _points(line, k)]
         keys |= {
             place(line.at, "points"): Key(f"c{k % _LOOKS}", place(line.at, "points"))
-            for k, line in enumerate(chosen)
+            for k, line in enumerate(lines_of_figure)
         }
         s, size = (
-            np.concatenate([column(line) for line in chosen])
+            np.concatenate([column(line) for line in lines_of_figure])
             for column in (lambda one: one.s, lambda one: np.abs(one.error))
         )
-        known = size[np.isfinite(size) & (size > 0)]
+        known_sizes = size[np.isfinite(size) & (size > 0)]
         if (order := chart.order(figure)) is not None:
             ends = np.array([s.min(), s.max()])
-            others = "".join(f"; {WORDS[name]}: {power:g}" for name, power in chart.others.items())
-            label = f"slope {chart.expected:g}, predicted{others}"
+            words_of_others = "".join(
+                f"; {WORDS[name]}: {power:g}" for name, power in chart.others.items()
+            )
+            label = f"slope {chart.expected:g}, predicted{words_of_others}"
             marks.append(
                 Curve(
                     ends,
-                    60 * float(known.max()) * (ends / ends[1]) ** order,
+                    60 * float(known_sizes.max()) * (ends / ends[1]) ** order,
                     "slope order-2",
                     label,
                 )
             )
             keys[label] = Key("slope order-2", label)
-        wanted = [mark for mark in _MARKED if s.min() * 0.9 <= mark <= s.max() * 1.1]
-        ticks = tuple(zip(wanted, labels(wanted), strict=True))
-        across = Axis(
+        marks_shown = [mark for mark in _MARKED if s.min() * 0.9 <= mark <= s.max() * 1.1]
+        ticks = tuple(zip(marks_shown, labels(marks_shown), strict=True))
+        x_axis = Axis(
             0.9 * float(s.min()), 1.1 * float(s.max()), chart.small, log=True, ticks=ticks
         )
         up = Axis(
-            max(50 * float(known.min()), 1e-6), 150 * float(known.max()), "|error|, %", log=True
+            max(50 * float(known_sizes.min()), 1e-6),
+            150 * float(known_sizes.max()),
+            "|error|, %",
+            log=True,
         )
         panels.append(
-            Panel(f"slopes-{number}", across, up, marks, WORDS[figure], 460.0, 340.0, WORDS[figure])
+            Panel(f"slopes-{number}", x_axis, up, marks, WORDS[figure], 460.0, 340.0, WORDS[figure])
         )
     return Plate(
         "law",
@@ -586,10 +605,13 @@ def _points(line: Line, number: int) -> Iterator[Mark]:
     size = 100 * np.abs(line.error)
     doubt = np.nan_to_num(100 * line.uncertainty)
     yield bars(line.s, np.maximum(size - doubt, 1e-3 * size), size + doubt, look)
-    for s, value, hidden in zip(line.s, size, size <= doubt, strict=True):
+    for s, value, is_hidden in zip(line.s, size, size <= doubt, strict=True):
         if np.isfinite(value):
             yield Dot(
-                float(s), float(value), f"{look} hollow" if hidden else f"p{number % _LOOKS}", 2.8
+                float(s),
+                float(value),
+                f"{look} hollow" if is_hidden else f"p{number % _LOOKS}",
+                2.8,
             )
     if line.law is not None:
         s = np.geomspace(line.law.smallest, line.law.largest, 40)
@@ -639,9 +661,9 @@ def _derived_blocks(folder: Path) -> list[str]:
         # notation: N and T, nu = N (a/h)^2, tau = T (a/h)^2
         width = aspect if base == "rollers" else np.inf
         n, t = (-curvature_sum(base, tangential=way, aspect=width) / 2 for way in (False, True))
-        known = n / 2
+        known_exponent = n / 2
         if law["figure"] == "error.dissipation":
-            known = (
+            known_exponent = (
                 dissipation_error(p, q, 1.0, Curvatures(n * _SMALL**2, t * _SMALL**2), cycle)
                 / _SMALL**2
             )
@@ -656,9 +678,9 @@ def _derived_blocks(folder: Path) -> list[str]:
             law["figure"].removeprefix("error."),
             f"{base}, {aspect:g}",
             f"{fit:.3f} ± {doubt:.3f}",
-            f"{known:.3f}",
+            f"{known_exponent:.3f}",
         ]
-        rows.append([*row, _beside(fit, doubt, known), whose])
+        rows.append([*row, _beside(fit, doubt, known_exponent), whose])
     return _section("derived_blocks", rows)
 
 
@@ -666,14 +688,14 @@ def _derived_pads(folder: Path) -> list[str]:
     """The first-order constant of dissipation by the contour's law beside the fitted one."""
     rows = []
     for line in work_lines(folder):
-        known = work_constant(float(line.at["flat"]), RATIO)
+        known_constant = work_constant(float(line.at["flat"]), RATIO)
         fit, doubt = leading_constant(line.s, line.error, line.uncertainty, line.order)
         rows.append(
             [
                 line.at["flat"],
                 f"{fit:.3f} ± {doubt:.3f}",
-                f"{known:.4f}",
-                _beside(fit, doubt, known),
+                f"{known_constant:.4f}",
+                _beside(fit, doubt, known_constant),
             ]
         )
     return _section("derived_pads", rows)
@@ -724,31 +746,31 @@ def _tried(folder: Path, name: str, study: str, *columns: str) -> list[str]:
             continue
         cells += [*_percent(error), f"{100 * doubt:.1g}"]
         try:
-            predicted = corrected_dissipation(scene, 1.0) - 1
+            predicted_error = corrected_dissipation(scene, 1.0) - 1
         except InputError as refused:
             rows.append([*cells, "", "refused", str(refused)])
             continue
-        rest = left(error, predicted)
+        rest = left(error, predicted_error)
         sizes.append((abs(error), abs(rest)))
         rows.append(
             [
                 *cells,
-                *_percent(predicted, rest),
+                *_percent(predicted_error, rest),
                 "resolved" if abs(rest) > doubt else "not resolved",
             ]
         )
-    before, after = 100 * np.array(sizes).T
-    removed = 100 * (1 - after / before)
+    errors_before, errors_after = 100 * np.array(sizes).T
+    removed = 100 * (1 - errors_after / errors_before)
     spans = {
         "least": removed.min(),
         "most": removed.max(),
-        "before": before.max(),
-        "after": after.max(),
+        "before": errors_before.max(),
+        "after": errors_after.max(),
     }
     medians = {
         "median": np.median(removed),
-        "median before": np.median(before),
-        "median after": np.median(after),
+        "median before": np.median(errors_before),
+        "median after": np.median(errors_after),
     }
     return _section(name, rows, **spans, **medians)
 
@@ -776,7 +798,7 @@ def _other_sign(folder: Path) -> list[str]:
         error, doubt = _work(row)
         f = float(row["f"])
         square = float(row["beta"]) ** 2
-        said = "none"
+        sentence = "none"
         if len(fs) > 1 and fs[0] <= f <= fs[-1]:
             columns = (
                 [law["sign"] * law["fixed"] for law in laws],
@@ -785,14 +807,14 @@ def _other_sign(folder: Path) -> list[str]:
             constant, following = (
                 float(np.interp(np.log(f), np.log(fs), column)) for column in columns
             )
-            said = f"{100 * constant * square * math.exp(following * square):+.2f}"
+            sentence = f"{100 * constant * square * math.exp(following * square):+.2f}"
         rows.append(
             [
                 row["beta"],
                 row["poisson"],
                 row["f"],
                 with_uncertainty(100 * error, 100 * doubt),
-                said,
+                sentence,
             ]
         )
     return _section("other_sign", rows)

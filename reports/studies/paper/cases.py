@@ -117,8 +117,8 @@ class Case:
 
     def loads(self, time: ArrayLike) -> tuple[Array, Array]:
         """P and Q at times, scaled."""
-        normal, tangential = self.scene.load.path().at(time)
-        return normal / self.unit, tangential / self.unit
+        normal_load, tangential_load = self.scene.load.path().at(time)
+        return normal_load / self.unit, tangential_load / self.unit
 
     def round_times(self, count: int = 361) -> Array:
         """(count,) instants of one steady revolution that starts at M, and ends there."""
@@ -238,11 +238,11 @@ class Formulas:
         """P and Q, equations (3) and (4)."""
         load = self.case.load
         time = np.asarray(t, dtype=float)
-        normal = load.mean_normal_load + load.normal_amplitude * np.cos(time)
+        normal_load = load.mean_normal_load + load.normal_amplitude * np.cos(time)
         shear = load.mean_tangential_load + load.tangential_amplitude * np.cos(
             time - load.phase_radians
         )
-        return normal, shear
+        return normal_load, shear
 
     def rates(self, t: ArrayLike) -> tuple[Array, Array]:
         """dP/dt and dQ/dt."""
@@ -423,7 +423,7 @@ class Sweep:
     place: Array
 
 
-def _sweep(case: Case, largest: float = 6.0, count: int = 33) -> Sweep:
+def _sweep(case: Case, largest_ratio: float = 6.0, count: int = 33) -> Sweep:
     """The sweep over f and P0/P1 on the case's profile, its radius such that a(P0) and b stay what
     they are: one call each.
     """
@@ -431,7 +431,7 @@ def _sweep(case: Case, largest: float = 6.0, count: int = 33) -> Sweep:
     # A share of 1e-9 above the limit: the logarithm of gross sliding is harmless, the limit itself
     # is rounding's.
     ratio = sliding_limit(friction)[:, None] * (1 + 1e-9)
-    ratio = ratio * (largest / ratio) ** (np.linspace(0, 1, count) ** 2)
+    ratio = ratio * (largest_ratio / ratio) ** (np.linspace(0, 1, count) ** 2)
     profile = case.scene.profile.model_dump()
     arguments = case.circles(
         friction[:, None], ratio, profile=profile | {"radius": profile["radius"] * 3 / ratio}

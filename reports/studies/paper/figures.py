@@ -230,13 +230,13 @@ def _figure_2(case: Case) -> Plate:
         groups.setdefault((p, q), []).append(letter)
     for (p, q), letters in groups.items():
         from_centre = np.array([p - 3.0, q - case.load.mean_tangential_load / case.unit])
-        outward = from_centre / np.hypot(*from_centre)
-        shift = (14.0 * float(outward[0]), 12.0 * float(outward[1]))
+        outward_direction = from_centre / np.hypot(*from_centre)
+        shift = (14.0 * float(outward_direction[0]), 12.0 * float(outward_direction[1]))
         marks += _named(p, q, ", ".join(letters), shift, dot=True)
     marks += _named(0.0, 0.0, "O", (18.0, -9.0), dot=True)
-    across = Axis(0.0, 4.6, "normal load P / (P₀/3)")
-    up = Axis(-0.7, 2.8, "tangential load Q / (P₀/3)")
-    panel = _panel("figure_02", across, up, marks, "Load path with its letters", (640.0, 480.0))
+    x_axis = Axis(0.0, 4.6, "normal load P / (P₀/3)")
+    y_axis = Axis(-0.7, 2.8, "tangential load Q / (P₀/3)")
+    panel = _panel("figure_02", x_axis, y_axis, marks, "Load path with its letters", (640.0, 480.0))
     order = sorted(case.events, key=case.time)
     points_in_order = np.array([points[letter] for letter in order])
     table: Table = {"letter": order, "t": [case.time(letter) for letter in order]}
@@ -256,8 +256,8 @@ def _figure_3(case: Case) -> Plate:
     limits = case.friction * solution.pressure * scale
     shears = solution.shear * scale
     loads = np.column_stack([solution.normal_load, solution.tangential_load]) / case.unit
-    across = Axis(-1.25, 1.25, "x / a(P₀)")
-    up = Axis(-2.4, 2.4, "traction · a(P₀) / (P₀/3)")
+    x_axis = Axis(-1.25, 1.25, "x / a(P₀)")
+    y_axis = Axis(-2.4, 2.4, "traction · a(P₀) / (P₀/3)")
     panels = []
     table = {"x / a(P0)": x}
     for letter, limit, shear, state, (p, q) in zip(
@@ -275,7 +275,9 @@ def _figure_3(case: Case) -> Plate:
         marks.append(_line(x, shear, "shear traction q", "shear-q"))
         title = f"{letter}   P = {p:.2f}, Q = {q:.2f}"
         alt = f"Tractions at {letter}"
-        panels.append(_panel(f"figure_03-{letter}", across, up, marks, alt, (270.0, 240.0), title))
+        panels.append(
+            _panel(f"figure_03-{letter}", x_axis, y_axis, marks, alt, (270.0, 240.0), title)
+        )
         table[f"f p at {letter}"] = limit
     table |= {f"q at {letter}": shear for letter, shear in zip(LETTERS, shears, strict=True)}
     return _plate("figure_03", panels, table, columns=4)
@@ -304,9 +306,9 @@ class Zones:
         """What slips, a band for each direction."""
         for sign, (css, label) in _DIRECTIONS.items():
             slips = self.direction == sign
-            inner = np.where(slips, self.stick, np.nan)
-            outer = np.where(slips, self.contact, np.nan)
-            yield Band(x, inner, outer, css, label + label_end)
+            inner_edge = np.where(slips, self.stick, np.nan)
+            outer_edge = np.where(slips, self.contact, np.nan)
+            yield Band(x, inner_edge, outer_edge, css, label + label_end)
 
     def table(self, case: Case, first: str, x: Array) -> Table:
         """The numbers of the figure."""
@@ -368,9 +370,9 @@ def _figure_4a(case: Case) -> Plate:
         for letter in "ACDFHKLM"
     ]
     end = float(way[-1]) + 0.05
-    across = Axis(0.0, end, "normal load P / (P₀/3), along its path", ticks=tuple(ticks))
+    x_axis = Axis(0.0, end, "normal load P / (P₀/3), along its path", ticks=tuple(ticks))
     alt = "Half-widths over the path of P"
-    panel = _panel("figure_04a", across, _HALF_WIDTH, marks, alt, (820.0, 420.0))
+    panel = _panel("figure_04a", x_axis, _HALF_WIDTH, marks, alt, (820.0, 420.0))
     return _plate("figure_04a", [panel], zones.table(case, "way of P / (P0/3)", way))
 
 
@@ -407,9 +409,9 @@ def _figure_4b(case: Case) -> Plate:
     contact = case.width(case_of_largest.solve(time=start + np.radians(grid)).normal_load)
     curves.append(_line(grid, contact, "contact, a / a(P₀)", "bold"))
     words = "angle θ of the cycle after M for f = 1  [degrees]"
-    across = Axis(0.0, 360.0, words, ticks=_DEGREES)
+    x_axis = Axis(0.0, 360.0, words, ticks=_DEGREES)
     alt = "Half-widths over the angle"
-    panel = _panel("figure_04b", across, _HALF_WIDTH, [*bands, *curves], alt, (700.0, 430.0))
+    panel = _panel("figure_04b", x_axis, _HALF_WIDTH, [*bands, *curves], alt, (700.0, 430.0))
     table = {"theta [degrees]": grid, "a / a(P0)": contact} | {
         f"c / a(P0), f = {f}": c for f, c in columns.items()
     }
@@ -422,43 +424,47 @@ def _figure_5(case: Case) -> Plate:
     """
     start = case.time("M")
     zones = _zones(case, _steady_marks(case))
-    above = list(zones.drawn(np.degrees(zones.time - start)))
+    marks_above = list(zones.drawn(np.degrees(zones.time - start)))
     for letter in "MFGHIKJL":
         time = case.time(letter) + (2 * math.pi if case.time(letter) < start else 0.0)
         shift = {"M": (8.0, 9.0), "I": (0.0, -12.0), "J": (-6.0, -12.0)}.get(letter, (0.0, 9.0))
         height = float(case.width(case.events[letter].normal_load))
-        above += _named(math.degrees(time - start), height, letter, shift, dot=True)
+        marks_above += _named(math.degrees(time - start), height, letter, shift, dot=True)
     turn = np.linspace(0.0, 360.0, 721)
-    below: list[Mark] = []
+    marks_below: list[Mark] = []
     solution = case.solve(time=start + np.radians(turn), x=POINTS, fields=("slip", "state"))
-    moved = (solution.slip - solution.slip[0]) / (case.compliance * case.unit)
-    for x, look, y, state in zip(POINTS, "d435", moved.T, solution.state.T, strict=True):
+    displacement = (solution.slip - solution.slip[0]) / (case.compliance * case.unit)
+    for x, look, y, state in zip(POINTS, "d435", displacement.T, solution.state.T, strict=True):
         css = look if look == "d" else f"c{look}"
-        above.append(_line([0.0, 360.0], [x, x], "", f"{css} dot"))
-        above += _named(360.0, x, f"{x:.2f}", (-14.0, 5.0), look)
+        marks_above.append(_line([0.0, 360.0], [x, x], "", f"{css} dot"))
+        marks_above += _named(360.0, x, f"{x:.2f}", (-14.0, 5.0), look)
         for slip_state, direction in (
             (SurfaceState.SLIP_FORWARD, "forward"),
             (SurfaceState.SLIP_REVERSE, "reverse"),
         ):
             slips = state == slip_state
             if slips.any():
-                slipping = np.where(_grown(slips), y, np.nan)
-                below.append(_line(turn, slipping, "", f"{direction} broad-line"))
+                slipping_y = np.where(_grown(slips), y, np.nan)
+                marks_below.append(_line(turn, slipping_y, "", f"{direction} broad-line"))
         is_open = state == SurfaceState.OPEN
-        below.append(_line(turn, np.where(is_open, np.nan, y), "", css))
-        below.append(_line(turn, np.where(_grown(is_open), y, np.nan), "", f"{css} dot"))
+        marks_below.append(_line(turn, np.where(is_open, np.nan, y), "", css))
+        marks_below.append(_line(turn, np.where(_grown(is_open), y, np.nan), "", f"{css} dot"))
         peak = int(np.argmin(y))
-        below += _named(float(turn[peak]), float(y[peak]), f"{x:.2f}", (0.0, -10.0), look)
-    low = float(moved.min())
-    high = float(moved.max())
-    room = high - low
-    up = Axis(low - 0.12 * room, high + 0.08 * room, "displacement / (A P₀/3)")
+        marks_below += _named(float(turn[peak]), float(y[peak]), f"{x:.2f}", (0.0, -10.0), look)
+    least_displacement = float(displacement.min())
+    largest_displacement = float(displacement.max())
+    room = largest_displacement - least_displacement
+    up = Axis(
+        least_displacement - 0.12 * room,
+        largest_displacement + 0.08 * room,
+        "displacement / (A P₀/3)",
+    )
     extent = Axis(0.5, 1.28, "x / a(P₀)")
     alt_of_zones = "Zones over the angle"
     alt_of_slip = "Displacement of four points over the angle"
     panels = [
-        _panel("figure_05-zones", _REVOLUTION, extent, above, alt_of_zones, (760.0, 330.0)),
-        _panel("figure_05-slip", _REVOLUTION, up, below, alt_of_slip, (760.0, 360.0)),
+        _panel("figure_05-zones", _REVOLUTION, extent, marks_above, alt_of_zones, (760.0, 330.0)),
+        _panel("figure_05-slip", _REVOLUTION, up, marks_below, alt_of_slip, (760.0, 360.0)),
     ]
     looks = {
         "faint solid": "sticking",
@@ -467,7 +473,7 @@ def _figure_5(case: Case) -> Plate:
     }
     keys = [Key(css, text) for css, text in (looks | {"faint dot": "separated"}).items()]
     table: dict[str, Any] = {"theta [degrees]": turn}
-    for x, y in zip(POINTS, moved.T, strict=True):
+    for x, y in zip(POINTS, displacement.T, strict=True):
         table[f"s/(A P0/3) at x = {x}"] = y
     for x, state in zip(POINTS, solution.state.T, strict=True):
         table[f"state at x = {x}"] = list(map(int, state))
@@ -504,11 +510,11 @@ def _pointwise(name: str, paper: Paper, number: int) -> Plate:
     """Figures 6 and 9: W(x) with its parts."""
     case = (paper.hertz, paper.rounded)[number]
     peak = paper.peaks[number]
-    inner = case.stick_edge
-    outer = case.outer_edge
+    inner_edge = case.stick_edge
+    outer_edge = case.outer_edge
     share = float(peak.fraction)
-    zone = inner + (outer - inner) * (1 - np.cos(np.linspace(0, np.pi, 241))) / 2
-    x = np.concatenate([[0.95 * inner], zone, [outer + 0.05 * inner]])
+    zone = inner_edge + (outer_edge - inner_edge) * (1 - np.cos(np.linspace(0, np.pi, 241))) / 2
+    x = np.concatenate([[0.95 * inner_edge], zone, [outer_edge + 0.05 * inner_edge]])
     phases = case.density(x)
     density = total(phases)
     place = float(peak.place) / case.length
@@ -518,14 +524,19 @@ def _pointwise(name: str, paper: Paper, number: int) -> Plate:
         _line(x, phases["IJ"], "forward, I–J", "c1 dash"),
         _line(x, phases["JM"], "forward, J–M", "c4 dashdot"),
         _line(x, phases["EG"], "reverse, E–G", "c0 dot"),
-        *(_line([edge, edge], [0.0, 1.12 * top], "", "faint dot fine") for edge in (inner, outer)),
-        *_named(inner, 1.12 * top, f"stick edge {inner:.3f}", (42.0, 6.0), css="tick"),
-        *_named(outer, 1.12 * top, f"edge of contact {outer:.3f}", (-50.0, 6.0), css="tick"),
+        *(
+            _line([edge, edge], [0.0, 1.12 * top], "", "faint dot fine")
+            for edge in (inner_edge, outer_edge)
+        ),
+        *_named(inner_edge, 1.12 * top, f"stick edge {inner_edge:.3f}", (42.0, 6.0), css="tick"),
+        *_named(
+            outer_edge, 1.12 * top, f"edge of contact {outer_edge:.3f}", (-50.0, 6.0), css="tick"
+        ),
         *_named(place, top, f"{share:.1%} of the way", (0.0, 10.0), dot=True),
     ]
-    across = Axis(0.95 * inner, outer + 0.05 * inner, "x / a(P₀)")
+    x_axis = Axis(0.95 * inner_edge, outer_edge + 0.05 * inner_edge, "x / a(P₀)")
     up = Axis(0.0, 1.22 * top, "W(x) · a(P₀) / (A f² P₀²)")
-    panel = _panel(name, across, up, marks, "Pointwise dissipation over x", (640.0, 400.0))
+    panel = _panel(name, x_axis, up, marks, "Pointwise dissipation over x", (640.0, 400.0))
     table = {"x / a(P0)": x, "W a(P0)/(A f^2 P0^2)": density}
     table |= {f"in {phase}": phases[phase] for phase in ("IJ", "JM", "EG")}
     return _plate(name, [panel], table, fraction=share, place=place)
@@ -537,11 +548,11 @@ def _swept(name: str, quantity: str, sweep: Sweep, pale_sweep: Sweep | None = No
     """
     label = {"work": "W / (A P₁²)", "peak": "max W(x) · a(P₀) / (A P₁²)"}[quantity]
     values = getattr(sweep, quantity)
-    largest = float(values.max())
+    largest_value = float(values.max())
     marks: list[Mark] = []
     if pale_sweep is not None:
         pale_values = getattr(pale_sweep, quantity)
-        largest = max(largest, float(pale_values.max()))
+        largest_value = max(largest_value, float(pale_values.max()))
         for number, (ratio, value) in enumerate(zip(pale_sweep.ratio, pale_values, strict=True)):
             marks.append(_line(ratio, value, "" if number else "Hertz, same f", "faint solid fine"))
     for number, (f, ratio, value) in enumerate(
@@ -549,9 +560,9 @@ def _swept(name: str, quantity: str, sweep: Sweep, pale_sweep: Sweep | None = No
     ):
         marks.append(_line(ratio, value, f"f = {f:g}", _FAMILY[number]))
         marks += _named(float(ratio[0]), float(value[0]), "", look=f"{number}", dot=True)
-    across = Axis(1.0, float(sweep.ratio.max()), "P₀ / P₁")
-    up = Axis(0.0, 1.08 * largest, label)
-    panel = _panel(name, across, up, marks, f"{label} over P₀/P₁", (620.0, 400.0))
+    x_axis = Axis(1.0, float(sweep.ratio.max()), "P₀ / P₁")
+    up = Axis(0.0, 1.08 * largest_value, label)
+    panel = _panel(name, x_axis, up, marks, f"{label} over P₀/P₁", (620.0, 400.0))
     table = {
         f"P0/P1, f = {f:g}": ratio for f, ratio in zip(sweep.frictions, sweep.ratio, strict=True)
     }

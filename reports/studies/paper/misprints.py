@@ -59,7 +59,7 @@ def _cycle(case: Case) -> dict[str, Found]:
     solution = case.solve(time=times)
     sticks = solution.contact_half_width - solution.stick_half_width <= EXACT * case.length
     dp, dq = formulas.rates(times)
-    printed = float(np.mean((dq / dp < case.friction) != sticks))
+    printed_share = float(np.mean((dq / dp < case.friction) != sticks))
     right = float(np.mean(((np.abs(dq / dp) < case.friction) & (dp > 0)) != sticks))
 
     level_of_e = formulas.level("E", -1)
@@ -70,7 +70,7 @@ def _cycle(case: Case) -> dict[str, Found]:
     p, q = (float(loads.min()) for loads in case.loads(case.round_times(3601)))
     at = {f"P at {letter}": events[letter].normal_load / case.unit for letter in "HF"}
     at |= {f"Q at {letter}": events[letter].tangential_load / case.unit for letter in "HF"}
-    least = abs(at["P at F"] - p) < EXACT < at["P at H"] - p and abs(at["Q at H"] - q) < EXACT
+    is_least = abs(at["P at F"] - p) < EXACT < at["P at H"] - p and abs(at["Q at H"] - q) < EXACT
     j, i = (math.degrees(case.time(letter) - case.time("K")) for letter in "JI")
     front = _relative_error(events["J"].front_load, events["G"].normal_load)
     degrees = {"J after K in degrees": j, "I after K in degrees": i, "I before K in degrees": -i}
@@ -88,12 +88,15 @@ def _cycle(case: Case) -> dict[str, Found]:
     net_slip = abs(formulas.moved(0.8 * case.length, start, start + 2 * math.pi))
     net = net_slip / float(np.ptp(slip))
     dissipation = case.steady.dissipation / case.work_unit
-    named = {"with B": b, "with G": g, "permanent stick": case.stick_edge}
+    named_numbers = {"with B": b, "with G": g, "permanent stick": case.stick_edge}
     return {
         "(2)": _corrective_load(case),
-        "condition of stick": (right == 0 and printed > 0.01, {"printed": printed, "right": right}),
-        "(9), (10)": _proof(g, b, case.stick_edge, named),
-        "3H": (least, at | {"least P": p, "least Q": q}),
+        "condition of stick": (
+            right == 0 and printed_share > 0.01,
+            {"printed": printed_share, "right": right},
+        ),
+        "(9), (10)": _proof(g, b, case.stick_edge, named_numbers),
+        "3H": (is_least, at | {"least P": p, "least Q": q}),
         "J and K": (front <= EXACT and i < 0 < j, degrees | {"front at J against P_G": front}),
         "mean shear force": _proof(
             work_at_half_mean, work_at_half_amplitude, case.steady.loop_work, {}
@@ -134,7 +137,7 @@ def _sliding_condition(case: Case) -> Found:
     """
     friction = np.array([0.1, 0.4, 0.6, 0.8, 1.0, 1.25, 1.5, 2.0])
     right = sliding_limit(friction)
-    printed = math.sqrt(2) * (1 + friction) / (2 * friction)
+    printed_limit = math.sqrt(2) * (1 + friction) / (2 * friction)
     bracket = 1e-10
 
     def slides(f: Array, ratio: Array) -> NDArray[np.bool_]:
@@ -143,22 +146,22 @@ def _sliding_condition(case: Case) -> Found:
         return np.asarray(batch.reason == semi_analytic.Reason.SLIDING)
 
     is_not_one = np.abs(friction - 1) > EXACT  # at f = 1 both formulas agree
-    distance = (right - printed)[is_not_one]
-    between = printed[is_not_one] + distance * np.linspace(0.01, 0.99, 99)[:, None]
-    sliding = float(np.mean(slides(friction[is_not_one], between)))
+    distance = (right - printed_limit)[is_not_one]
+    ratios_between = printed_limit[is_not_one] + distance * np.linspace(0.01, 0.99, 99)[:, None]
+    sliding_share = float(np.mean(slides(friction[is_not_one], ratios_between)))
     slides_below = slides(friction, right * (1 - bracket))
     slides_above = slides(friction, right * (1 + bracket))
     error_of_right = bracket if (slides_below & ~slides_above).all() else math.nan
     errors = {
         "right": error_of_right,
-        "printed": float(np.min(np.abs(printed / right - 1)[is_not_one])),
+        "printed": float(np.min(np.abs(printed_limit / right - 1)[is_not_one])),
     }
-    return sliding == 1 and proves(errors["right"], errors["printed"]), errors | {
-        "apart at f = 1": _relative_error(float(printed[4]), float(right[4])),
-        "sliding share between": sliding,
-        "circles between": between.size,
+    return sliding_share == 1 and proves(errors["right"], errors["printed"]), errors | {
+        "apart at f = 1": _relative_error(float(printed_limit[4]), float(right[4])),
+        "sliding share between": sliding_share,
+        "circles between": ratios_between.size,
         "mended limit at f = 0.4": float(right[1]),
-        "printed limit at f = 0.4": float(printed[1]),
+        "printed limit at f = 0.4": float(printed_limit[1]),
     }
 
 
@@ -179,10 +182,11 @@ def _rounded_law(case: Case) -> Found:
             case.contact.pressure(case.length * np.sin(angle), load) * case.length * np.cos(angle)
         )
 
-    carried = 2 * (integral(pressure, 0.0, corner) + integral(pressure, corner, math.pi / 2))
+    carried_load = 2 * (integral(pressure, 0.0, corner) + integral(pressure, corner, math.pi / 2))
     right_side = (math.pi - 2 * corner) / (4 * math.sin(corner) ** 2) - 1 / math.tan(corner) / 2
     a, b = (
-        carried * radius * 2 * case.compliance / (4 * length**2) for length in (case.length, flat)
+        carried_load * radius * 2 * case.compliance / (4 * length**2)
+        for length in (case.length, flat)
     )
     sides = {
         "left side over a²": a,
@@ -208,7 +212,7 @@ def _slip(case: Case) -> dict[str, Found]:
 
     # In contact from I to J: C dP or C dP_Y, and dQ/dP times or at P_Y.
     x = 1.05 * case.length
-    moved = formulas.moved(x, t["I"], t["J"])
+    moved_distance = formulas.moved(x, t["I"], t["J"])
 
     def by_14(time: Array) -> Array:
         """Rate of slip by equation (14) as printed, C dP."""
@@ -229,11 +233,17 @@ def _slip(case: Case) -> dict[str, Found]:
         return formulas.rubbing("IJ", x, rate)
 
     right = by_18(None)
-    printed = formulas.rubbing("IJ", x, by_14)
-    after = integral(by_14, t["K"], t["J"]) / moved
-    halves = {"printed I-K": printed / moved - after, "printed K-J": after}
-    products = {"printed in N/mm": by_18(1.0) / moved, "printed in P0/3": by_18(case.unit) / moved}
-    nearest = min(products.values(), key=lambda ratio: abs(ratio - 1)) * moved
+    printed_value = formulas.rubbing("IJ", x, by_14)
+    ratio_after = integral(by_14, t["K"], t["J"]) / moved_distance
+    halves = {
+        "printed I-K": printed_value / moved_distance - ratio_after,
+        "printed K-J": ratio_after,
+    }
+    products = {
+        "printed in N/mm": by_18(1.0) / moved_distance,
+        "printed in P0/3": by_18(case.unit) / moved_distance,
+    }
+    nearest_value = min(products.values(), key=lambda ratio: abs(ratio - 1)) * moved_distance
 
     # Out of contact from E to F; as printed: int_a^x dx / sqrt(x^2 - c^2).
     x1 = case.length
@@ -241,18 +251,18 @@ def _slip(case: Case) -> dict[str, Found]:
 
     def by_16(time: Array) -> Array:
         """Rate of slip by equation (16) as printed."""
-        inside = reach(x1, front("EG", time))
-        root = inside - reach(case.contact.half_width(loads(time)[0]), front("EG", time))
-        return factor * (2 * formulas.front_rate("EG", time) * inside - rates(time)[0] * root)
+        inner_reach = reach(x1, front("EG", time))
+        root = inner_reach - reach(case.contact.half_width(loads(time)[0]), front("EG", time))
+        return factor * (2 * formulas.front_rate("EG", time) * inner_reach - rates(time)[0] * root)
 
     mended = integral(lambda time: formulas.slip_rate("EG", x1, time), *phase)
-    second = _proof(mended, integral(by_16, *phase), formulas.moved(x1, *phase), {})
+    second_proof = _proof(mended, integral(by_16, *phase), formulas.moved(x1, *phase), {})
 
     # After J: P_K is a front; as a constant load it leaves what the open surface does.
     phase = t["J"], (t["J"] + t["M"]) / 2
     mended = integral(lambda time: formulas.slip_rate("JM", x1, time), *phase)
-    outside = integral(lambda time: factor * rates(time)[0] * reach(x1, loads(time)[0]), *phase)
-    named = {
+    outer_value = integral(lambda time: factor * rates(time)[0] * reach(x1, loads(time)[0]), *phase)
+    named_numbers = {
         "front at M": float(front("JM", t["M"])) / case.unit,
         "load at K": case.events["K"].normal_load / case.unit,
     }
@@ -263,12 +273,14 @@ def _slip(case: Case) -> dict[str, Found]:
     forward_slip = formulas.moved(x2, t["I"], t["M"])
     net = formulas.moved(x2, t["G"], t["G"] + 2 * math.pi)
     return {
-        "(14), I–J": _proof(right, printed, moved, halves, halves["printed I-K"] * after < 0),
+        "(14), I–J": _proof(
+            right, printed_value, moved_distance, halves, halves["printed I-K"] * ratio_after < 0
+        ),
         "(15)": _gap_for_slope(case),
-        "(16), second line": second,
+        "(16), second line": second_proof,
         "(17)": _stick_displacement(case),
-        "(18)": _proof(right, nearest, moved, products),
-        "P_K in (19)": _proof(mended, outside, formulas.moved(x1, *phase), named),
+        "(18)": _proof(right, nearest_value, moved_distance, products),
+        "P_K in (19)": _proof(mended, outer_value, formulas.moved(x1, *phase), named_numbers),
         "reference before (23)": _proof(
             slip_by_15, net, forward_slip, {"net over the slip": abs(net / forward_slip)}
         ),
@@ -291,12 +303,12 @@ def _gap_for_slope(case: Case) -> Found:
         errors[name] = _relative_error(by_15_of_small, slip_of_small)
         powers[name] = math.log10(by_15_of_large / by_15_of_small)
     error_of_slope = errors.pop("slope")
-    printed = min(errors.values())
-    numbers = {"right": error_of_slope, "printed": printed, "power of the slip": power}
+    least_error = min(errors.values())
+    numbers = {"right": error_of_slope, "printed": least_error, "power of the slip": power}
     numbers |= {f"power with the {name}": value for name, value in powers.items()}
     numbers |= {f"error with the {name}": error for name, error in errors.items()}
     grows_alike = abs(powers["slope"] - power) <= EXACT
-    return proves(error_of_slope, printed) and grows_alike, numbers
+    return proves(error_of_slope, least_error) and grows_alike, numbers
 
 
 def _slip_after_j(case: Case) -> float:
@@ -342,8 +354,10 @@ def _stick_displacement(hertz: Case) -> Found:
             _, tangential_rate = formulas.rates(t)
             return tangential_rate * formulas.reach(x, load)
 
-        sheared = integral(rate, time_of_g, time_of_h)
-        return case.compliance / math.pi * sheared / formulas.moved(x, time_of_g, time_of_h)
+        sheared_distance = integral(rate, time_of_g, time_of_h)
+        return (
+            case.compliance / math.pi * sheared_distance / formulas.moved(x, time_of_g, time_of_h)
+        )
 
     ratios = {f: ratio(f) for f in (1.0, 0.6)}
     errors = {
@@ -373,8 +387,10 @@ def work(case: Case, x: float) -> dict[str, Found]:
         """Part of W with the multiplier C of (14) for c in the arccosh, lengths in a unit."""
 
         def rate(t: Array) -> Array:
-            reached = np.arccosh(np.maximum(unit * x / np.abs(formulas.multiplier(phase, t)), 1.0))
-            return root(t) * np.abs(formulas.driving(phase, t)) * reached
+            reach_ratio = np.arccosh(
+                np.maximum(unit * x / np.abs(formulas.multiplier(phase, t)), 1.0)
+            )
+            return root(t) * np.abs(formulas.driving(phase, t)) * reach_ratio
 
         return formulas.rubbing(phase, x, rate)
 
@@ -386,8 +402,8 @@ def work(case: Case, x: float) -> dict[str, Found]:
         """Part of W with arccosh(x/c) and the size of C dP."""
 
         def rate(t: Array) -> Array:
-            reached = formulas.reach(x, formulas.front(phase, t))
-            return root(t) * np.abs(formulas.driving(phase, t)) * reached
+            reach_ratio = formulas.reach(x, formulas.front(phase, t))
+            return root(t) * np.abs(formulas.driving(phase, t)) * reach_ratio
 
         return formulas.rubbing(phase, x, rate)
 
@@ -396,8 +412,8 @@ def work(case: Case, x: float) -> dict[str, Found]:
 
         def rate(t: Array) -> Array:
             load_rate, _ = formulas.rates(t)
-            reached = formulas.reach(x, formulas.front(phase, t))
-            return -root(t) * reached * formulas.multiplier(phase, t) * load_rate
+            reach_ratio = formulas.reach(x, formulas.front(phase, t))
+            return -root(t) * reach_ratio * formulas.multiplier(phase, t) * load_rate
 
         return formulas.rubbing(phase, x, rate)
 

@@ -69,38 +69,46 @@ def tractions(case: Case) -> dict[str, Found]:
     between_b_and_c = (b + c) / 2
     stick = max(error(t, formulas.stuck(x, load(t))) for t in (a, b))
     slip = error(between_b_and_c, formulas.stuck(x, load(between_b_and_c)))
-    forward = {}
+    errors_forward = {}
     for name, t in {"B-C": between_b_and_c, "C": c, "D": d, "E": e}.items():
-        met = formulas.initial_meeting(t)
-        q = formulas.stuck(x, met) + f * (pressure(x, load(t)) - pressure(x, met))
-        forward[f"error at {name}"] = error(t, q)
-    reverse = {}
-    met = formulas.initial_meeting(e)
+        load_met = formulas.initial_meeting(t)
+        q = formulas.stuck(x, load_met) + f * (pressure(x, load(t)) - pressure(x, load_met))
+        errors_forward[f"error at {name}"] = error(t, q)
+    errors_reverse = {}
+    load_met = formulas.initial_meeting(e)
     for name, t in {"E-F": (e + case.time("F")) / 2, "F": case.time("F"), "G": g}.items():
         pressure_at_edge = pressure(x, float(formulas.front("EG", t)))
-        slipped = 2 * pressure_at_edge - pressure(x, load(t)) - pressure(x, met)
-        reverse[f"error at {name}"] = error(t, formulas.stuck(x, met) + f * slipped)
-    worst_forward = max(forward.values())
-    worst_reverse = max(reverse.values())
+        slipped_pressure = 2 * pressure_at_edge - pressure(x, load(t)) - pressure(x, load_met)
+        errors_reverse[f"error at {name}"] = error(
+            t, formulas.stuck(x, load_met) + f * slipped_pressure
+        )
+    worst_forward = max(errors_forward.values())
+    worst_reverse = max(errors_reverse.values())
 
     # Slip comes to rest at E everywhere; reverse slip then starts from the edges.
-    before = 1e-6
-    around_e = case.solve(time=[e - before, e + before])
+    time_before = 1e-6
+    around_e = case.solve(time=[e - time_before, e + time_before])
     ratio = (around_e.stick_half_width / around_e.contact_half_width).tolist()
-    moved = case.solve(time=[b, e - before, e], x=[0.8, 0.85], fields=("slip",)).slip
-    slowest = float(np.max((moved[2] - moved[1]) / before / ((moved[2] - moved[0]) / (e - b))))
-    rest = {"stick before": ratio[0], "slip after": 1 - ratio[1], "speed before": slowest}
+    slip_at_times = case.solve(time=[b, e - time_before, e], x=[0.8, 0.85], fields=("slip",)).slip
+    slowest_ratio = float(
+        np.max(
+            (slip_at_times[2] - slip_at_times[1])
+            / time_before
+            / ((slip_at_times[2] - slip_at_times[0]) / (e - b))
+        )
+    )
+    rest = {"stick before": ratio[0], "slip after": 1 - ratio[1], "speed before": slowest_ratio}
     return {
         "(5)": (
             judge(max(stick, slip) <= EXACT, nearly=stick <= EXACT),
             {"error in full stick": stick, "error in slip": slip},
         ),
-        "(6)": (judge(worst_forward <= EXACT), forward | {"largest error": worst_forward}),
+        "(6)": (judge(worst_forward <= EXACT), errors_forward | {"largest error": worst_forward}),
         "full stick at E": (
-            judge(ratio[0] < 1 - EXACT and 1 - ratio[1] <= EXACT and slowest <= 1e-5),
+            judge(ratio[0] < 1 - EXACT and 1 - ratio[1] <= EXACT and slowest_ratio <= 1e-5),
             rest,
         ),
-        "(7)": (judge(worst_reverse <= EXACT), reverse | {"largest error": worst_reverse}),
+        "(7)": (judge(worst_reverse <= EXACT), errors_reverse | {"largest error": worst_reverse}),
         "residual tractions": _residual_tractions(case),
     }
 
@@ -110,17 +118,17 @@ def _residual_tractions(case: Case) -> Found:
     loading alone has not.
     """
     formulas = Formulas(case)
-    inner = formulas.initial_meeting(case.time("E"))
-    outer = float(formulas.front("EG", case.time("G")))
-    bounds = case.width([inner, outer])
+    inner_load = formulas.initial_meeting(case.time("E"))
+    outer_load = float(formulas.front("EG", case.time("G")))
+    bounds = case.width([inner_load, outer_load])
     shares = np.linspace(0.01, 0.99, 50)
     x = np.concatenate([bounds[0] * shares, bounds[0] + (bounds[1] - bounds[0]) * shares])
     times = [case.time(letter) for letter in "BGM"]
     slip = case.solve(time=times, x=x, fields=("slip",)).slip / (case.compliance * case.unit)
     locked = np.abs(slip[1] - slip[0])
-    later = float(np.max(np.abs(slip[2] - slip[1])))
+    later_change = float(np.max(np.abs(slip[2] - slip[1])))
     within = float(np.max(locked[:50]))
-    between = float(np.min(locked[50:]))
+    least_locked = float(np.min(locked[50:]))
 
     # At G: the engine's q without the hooks of reverse slip, and without what loading in stick to
     # P_T would have left.
@@ -129,20 +137,20 @@ def _residual_tractions(case: Case) -> Found:
     shear = case.solve(time=[case.time("G")], x=x, fields=("shear",)).shear[0]
     place = x * case.length
     load_at_g = case.events["G"].normal_load
-    hooks = case.contact.pressure(place, load_at_g) - case.contact.pressure(place, outer)
-    residual = shear + case.friction * hooks - formulas.stuck(place, outer)
-    new = residual * case.length / case.unit
-    share = float(new[0] / new[1])
-    beyond = float(np.max(np.abs(new[2:])))
-    holds = max(within, later, beyond) <= _ROUNDING < between
+    hooks = case.contact.pressure(place, load_at_g) - case.contact.pressure(place, outer_load)
+    residual = shear + case.friction * hooks - formulas.stuck(place, outer_load)
+    scaled_residual = residual * case.length / case.unit
+    share = float(scaled_residual[0] / scaled_residual[1])
+    largest_beyond = float(np.max(np.abs(scaled_residual[2:])))
+    holds = max(within, later_change, largest_beyond) <= _ROUNDING < least_locked
     return judge(holds and abs(share) <= _ROUNDING, nearly=holds), {
         "a(P_Z)/a0": float(bounds[0]),
         "a(P_T)/a0": float(bounds[1]),
         "slip within a(P_Z)": within,
-        "slip beyond a(P_Z)": between,
-        "change in later cycles": later,
+        "slip beyond a(P_Z)": least_locked,
+        "change in later cycles": later_change,
         "traction at the centre over that at a(P_Z)": share,
-        "traction beyond a(P_T)": beyond,
+        "traction beyond a(P_T)": largest_beyond,
     }
 
 
@@ -245,10 +253,10 @@ def _point_history(case: Case, x: float) -> Found:
     times = case.round_times(1441)
     states = case.solve(time=(times[1:] + times[:-1]) / 2, x=[x], fields=("state",)).state[:, 0]
     names = _sequence([STATE_NAMES[SurfaceState(int(state))] for state in states])
-    stated = _sequence(_HISTORIES[x])
+    stated_sequence = _sequence(_HISTORIES[x])
     letter_of = {"stick": "S", "forward slip": "F", "reverse slip": "R", "open": "O"}
     letters = [letter_of[name] for name in names]
-    turns = [stated[k:] + stated[:k] for k in range(len(stated))]
+    turns = [stated_sequence[k:] + stated_sequence[:k] for k in range(len(stated_sequence))]
     numbers = {
         "share of separation": float(np.mean(states == SurfaceState.OPEN)),
         "runs": len(names),
@@ -269,14 +277,14 @@ def _sequence(states: Sequence[str]) -> list[str]:
 
 def one_way_slip(case: Case) -> Found:
     """Beyond which half-width no reverse slip rubs."""
-    low = case.stick_edge
-    high = case.outer_edge
+    inner_edge = case.stick_edge
+    outer_edge = case.outer_edge
     for _ in range(5):
-        grid = np.linspace(low, high, 101)
+        grid = np.linspace(inner_edge, outer_edge, 101)
         last_rubbed = np.flatnonzero(case.density(grid)["EG"] > 0)[-1]
-        low = float(grid[last_rubbed])
-        high = float(grid[last_rubbed + 1])
-    edge = (low + high) / 2
+        inner_edge = float(grid[last_rubbed])
+        outer_edge = float(grid[last_rubbed + 1])
+    edge = (inner_edge + outer_edge) / 2
     widest = max(float(case.width(case.events[letter].normal_load)) for letter in "EG")
     return judge_number(edge, 0.88, 2), {"edge": edge, "largest a in E-G": widest}
 
@@ -291,13 +299,13 @@ def loads(paper: Paper) -> dict[str, Found]:
     times = {}
     for letter in "EGI":
         times[letter] = np.array([case_of_friction.time(letter) for case_of_friction in cases])
-    later = {letter: bool(np.all(np.diff(row) > 0)) for letter, row in times.items()}
+    is_later = {letter: bool(np.all(np.diff(row) > 0)) for letter, row in times.items()}
     shift = {
         f"shift of {letter} in degrees": math.degrees(row[-1] - row[0])
         for letter, row in times.items()
     }
     shift["G earlier in degrees"] = -shift["shift of G in degrees"]
-    onset = later["E"] and later["I"]
+    onset = is_later["E"] and is_later["I"]
 
     mean = case.load.mean_tangential_load
     arguments = case.batch(
@@ -309,7 +317,7 @@ def loads(paper: Paper) -> dict[str, Found]:
         "sliding with Q0 = 0": int(slides[1].sum()),
         "Q0": mean / case.unit,
     }
-    sliding = {"which slide": ", ".join(f"{f:g}" for f in frictions[slides[0]])}
+    sliding_words = {"which slide": ", ".join(f"{f:g}" for f in frictions[slides[0]])}
 
     means = [
         case.with_load(mean_tangential_load=q * case.unit, initial_loading="straight")
@@ -331,21 +339,21 @@ def loads(paper: Paper) -> dict[str, Found]:
         return max(float(np.max(np.abs(shear(way, x) - shear(case, x)))) for way in ways)
 
     within = change_of_shear(np.linspace(0, case.stick_edge * 0.999, 50))
-    beyond = change_of_shear(np.linspace(case.stick_edge * 1.001, case.outer_edge, 50))
-    forgets = max(by_way.values()) <= _ROUNDING and beyond <= _ROUNDING < within
+    change_beyond = change_of_shear(np.linspace(case.stick_edge * 1.001, case.outer_edge, 50))
+    forgets = max(by_way.values()) <= _ROUNDING and change_beyond <= _ROUNDING < within
     flat = float(rounded.width(0.0))
     band = case.outer_edge - case.stick_edge
     band_of_rounded = rounded.outer_edge - rounded.stick_edge
     return {
-        "friction delays slip": (judge(onset and later["G"], nearly=onset), shift),
+        "friction delays slip": (judge(onset and is_later["G"], nearly=onset), shift),
         "coefficients of figure 4b": (
             judge(not slides[0].any(), nearly=not slides[1].any()),
-            counts | sliding,
+            counts | sliding_words,
         ),
         "mean shear force": (judge(max(by_mean.values()) <= _ROUNDING), by_mean),
         "initial loading": (
             judge(forgets),
-            by_way | {"change of q inside": within, "change of q outside": beyond},
+            by_way | {"change of q inside": within, "change of q outside": change_beyond},
         ),
         "slip in the radii": (
             judge(rounded.stick_edge > flat),
@@ -380,36 +388,38 @@ def _changes(case: Case, changed_cases: Sequence[Case]) -> dict[str, float]:
 def work(case: Case) -> dict[str, Found]:
     """The phases' shares of the work, and W(x) at the ends of the slip zone."""
     batch = semi_analytic.dissipation(**case.batch())
-    inner = case.stick_edge
-    outer = case.outer_edge
+    inner_edge = case.stick_edge
+    outer_edge = case.outer_edge
     share = float(batch.forward / batch.value)
     shares = {"share of forward slip": share, "share of reverse slip": 1 - share}
     values = total(
-        case.density(inner + (outer - inner) * np.array([-0.5, -1e-9, 0.5, 1 - 1e-9]))
+        case.density(
+            inner_edge + (outer_edge - inner_edge) * np.array([-0.5, -1e-9, 0.5, 1 - 1e-9])
+        )
     ).tolist()
-    stuck = max(values[:2])
+    work_of_stuck = max(values[:2])
     middle = values[2]
-    last = values[3]
+    last_value = values[3]
     ends = {
-        "largest at the ends over mid-zone": max(stuck, last) / middle,
-        "in the stick zone": stuck,
+        "largest at the ends over mid-zone": max(work_of_stuck, last_value) / middle,
+        "in the stick zone": work_of_stuck,
     }
 
     def exponent(origin: float, sense: float) -> float:
         """d ln W / d ln(distance) close to an end."""
-        distance = (outer - inner) * np.array([1e-6, 1e-5])
+        distance = (outer_edge - inner_edge) * np.array([1e-6, 1e-5])
         return float(
             np.diff(np.log(total(case.density(origin + sense * distance))))[0]
             / np.diff(np.log(distance))[0]
         )
 
-    at_stick = exponent(inner, 1.0)
-    at_edge = exponent(outer, -1.0)
+    at_stick = exponent(inner_edge, 1.0)
+    at_edge = exponent(outer_edge, -1.0)
     return {
         "most work in forward slip": (judge(share > 0.75, nearly=share > 0.5), shares),
         "no work at the ends": (
-            judge(stuck == 0 and max(stuck, last) / middle < 1e-6),
-            ends | {"at the outer edge over mid-zone": last / middle},
+            judge(work_of_stuck == 0 and max(work_of_stuck, last_value) / middle < 1e-6),
+            ends | {"at the outer edge over mid-zone": last_value / middle},
         ),
         "slope at the stick edge": (judge(at_stick > 1 + _EXPONENT_SLACK), {"exponent": at_stick}),
         "slope at the outer edge": (
@@ -500,7 +510,7 @@ def _falls_towards_far_loads(paper: Paper) -> dict[str, Found]:
 
 def _flat_over_hertz(paper: Paper) -> dict[str, Found]:
     """Work and peak of the flat and rounded contact over those of Hertz."""
-    hertz, rounded = paper.sweeps
+    hertz, rounded_sweep = paper.sweeps
     cases = (paper.hertz, paper.rounded)
     works = [case.steady.dissipation / case.work_unit for case in cases]
     peaks = [
@@ -512,11 +522,11 @@ def _flat_over_hertz(paper: Paper) -> dict[str, Found]:
     return {
         "five times the energy": (
             judge_number(quotient_of_works, 5, 0, slack=0.2),
-            {"quotient of work": quotient_of_works} | _span(rounded.work / hertz.work),
+            {"quotient of work": quotient_of_works} | _span(rounded_sweep.work / hertz.work),
         ),
         "eight times the peak": (
             judge_number(quotient_of_peaks, 8, 0, slack=0.2),
-            {"quotient of peaks": quotient_of_peaks} | _span(rounded.peak / hertz.peak),
+            {"quotient of peaks": quotient_of_peaks} | _span(rounded_sweep.peak / hertz.peak),
         ),
         "figure of merit": (
             judge(quotient_of_works < quotient_of_peaks),
@@ -537,13 +547,13 @@ def _dependence_of_the_peak(paper: Paper) -> Found:
     """The peak of the flat and rounded contact falls less with P0 than that of Hertz, but where
     its place jumps from one shoulder to the other.
     """
-    hertz, rounded = paper.sweeps
+    hertz, rounded_sweep = paper.sweeps
     # At constant P0 the peak goes as (P1/P0)^2 times what the sweep has at constant P1.
     fall_of_hertz = hertz.peak[:, 0] / hertz.peak[:, -1]
-    fall_of_rounded = rounded.peak[:, 0] / rounded.peak[:, -1]
-    share = float(np.mean(_exponents(rounded, "peak") > _exponents(hertz, "peak")))
-    ratio = rounded.ratio[-1]
-    place = rounded.place[-1]
+    fall_of_rounded = rounded_sweep.peak[:, 0] / rounded_sweep.peak[:, -1]
+    share = float(np.mean(_exponents(rounded_sweep, "peak") > _exponents(hertz, "peak")))
+    ratio = rounded_sweep.ratio[-1]
+    place = rounded_sweep.place[-1]
     last_on_shoulder = int(np.argmax(np.abs(np.diff(place))))
     numbers = {
         "fall, hertz": float(fall_of_hertz[0]),

@@ -44,12 +44,13 @@ def swept(source: str, options: Options, *, announced: bool = False) -> Answer:
         )
     for line in _announced(prepared) if announced else ():
         say(line)
-    again = replace(options, resume=False).command("sweep", source, folder)
+    command_again = replace(options, resume=False).command("sweep", source, folder)
 
     def stored() -> str:
-        known = prepared.store.addresses()
+        known_addresses = prepared.store.addresses()
         return (
-            f"{sum(point.address in known for point in prepared.points)} of {len(prepared.points)}"
+            f"{sum(point.address in known_addresses for point in prepared.points)} of"
+            f" {len(prepared.points)}"
             " points are stored"
         )
 
@@ -57,10 +58,12 @@ def swept(source: str, options: Options, *, announced: bool = False) -> Answer:
         with stages.stage("sweep", "points") as report:
             table = work(prepared, report=report, **workers)
     except KeyboardInterrupt:
-        complain(f"halfplane: interrupted; {stored()}; resume with: {again}")
+        complain(f"halfplane: interrupted; {stored()}; resume with: {command_again}")
         return Answer(INTERRUPTED)
     except StoreError as fault:
-        raise StoreError(f"{fault}; {stored()}; once there is room resume with: {again}") from fault
+        raise StoreError(
+            f"{fault}; {stored()}; once there is room resume with: {command_again}"
+        ) from fault
     state = _content(prepared.store) | {"file": str(prepared.store.folder / "index.csv")}
     code = WITHIN if (table["status"] == "done").all() else NOT_CONVERGED
     return Answer(code, _points(prepared, table, state), lambda: state, prepared.study.scene.name)
@@ -69,13 +72,13 @@ def swept(source: str, options: Options, *, announced: bool = False) -> Answer:
 def _announced(prepared: Prepared) -> Iterator[str]:
     study = prepared.study
     points = len(prepared.points)
-    waiting = len(prepared.waiting)
+    n_waiting = len(prepared.waiting)
     yield (
         f"{study.title or study.scene.name}: {points} points, {' and '.join(study.engines)};"
         f" {', '.join(study.figures)}"
     )
-    if waiting < points:
-        yield f"{points - waiting} points have results already, {waiting} are left"
+    if n_waiting < points:
+        yield f"{points - n_waiting} points have results already, {n_waiting} are left"
     if damaged := prepared.store.damaged():
         yield (
             f"{len(damaged)} damaged results were set aside and are made again:"
@@ -90,8 +93,8 @@ def _points(prepared: Prepared, table: DataFrame, state: dict[str, Any]) -> Iter
     from reports.units import number
 
     axes = prepared.study.axes
-    solved = table[table["status"] == "done"]
-    failed = table[table["status"] != "done"]
+    solved_rows = table[table["status"] == "done"]
+    failed_rows = table[table["status"] != "done"]
     columns = ["number"]
     for axis in axes:
         columns += axis.columns
@@ -100,7 +103,7 @@ def _points(prepared: Prepared, table: DataFrame, state: dict[str, Any]) -> Iter
     def cells(values: list[Any]) -> list[str]:
         return [str(v) if isinstance(v, str | int) else number(v) for v in values]
 
-    rows = [cells(values) for values in solved[columns][:_SHOWN].to_numpy().tolist()]
+    rows = [cells(values) for values in solved_rows[columns][:_SHOWN].to_numpy().tolist()]
     if rows:
         yield Sheet(
             prepared.study.title or prepared.study.scene.name,
@@ -108,17 +111,20 @@ def _points(prepared: Prepared, table: DataFrame, state: dict[str, Any]) -> Iter
             rows,
             range(len(columns)),
         )
-    if len(solved) > _SHOWN:
-        yield f"... and {len(solved) - _SHOWN} other points; see index.csv"
-    if len(failed):
-        at = [described(prepared.points[k].coordinates) for k in failed["number"][:_SHOWN]]
-        reasons = list(zip(map(str, failed["number"]), at, failed["reason"], strict=False))
+    if len(solved_rows) > _SHOWN:
+        yield f"... and {len(solved_rows) - _SHOWN} other points; see index.csv"
+    if len(failed_rows):
+        at = [described(prepared.points[k].coordinates) for k in failed_rows["number"][:_SHOWN]]
+        reasons = list(
+            zip(map(str, failed_rows["number"]), at, failed_rows["reason"], strict=False)
+        )
         yield Sheet(
-            f"{len(failed)} of {len(table)} points failed", ("point", "at", "reason"), reasons
+            f"{len(failed_rows)} of {len(table)} points failed", ("point", "at", "reason"), reasons
         )
     folder = prepared.store.folder
     yield (
-        f"{len(solved)} points done, {len(failed)} failed; `halfplane sweep report {folder}` draws"
+        f"{len(solved_rows)} points done, {len(failed_rows)} failed; `halfplane sweep report"
+        f" {folder}` draws"
         " them"
     )
     for note in state["notes"][:_NOTES]:

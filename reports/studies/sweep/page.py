@@ -72,7 +72,7 @@ def state_of(store: Store) -> Mapping[str, Any]:
         for row in table.itertuples()
         if row.status != "done"
     ]
-    waiting = len(points) - len(table)
+    n_waiting = len(points) - len(table)
     times = []
     for address in set(table["address"]):
         with suppress(FileNotFoundError):  # set aside meanwhile
@@ -81,8 +81,8 @@ def state_of(store: Store) -> Mapping[str, Any]:
     counts = {"done": len(table) - len(failures), "failed": len(failures)}
     return {
         "title": study.get("title", ""),
-        "points": counts | {"waiting": waiting, "total": len(points)},
-        "seconds_left": waiting / rate if waiting and rate else None,
+        "points": counts | {"waiting": n_waiting, "total": len(points)},
+        "seconds_left": n_waiting / rate if n_waiting and rate else None,
         "damaged": store.damaged(),
         "failures": failures,
         "notes": [
@@ -301,13 +301,13 @@ class _Sheet:
             ends = np.array(limits(places, margin=0.05))
             if log:
                 ends = np.exp(ends)
-        low, high = ends.tolist()
+        least_value, largest_value = ends.tolist()
         ticks: tuple[tuple[float, str], ...] = ()
         are_few = len(values) <= 8 and np.all(np.diff(places) > 0.04 * np.ptp(places))
         if (log or cells) and are_few:
             texts = labels([float(f"{value:.3g}") for value in values])
             ticks = tuple(zip(values.tolist(), texts, strict=True))
-        return ChartAxis(low, high, self.label(column), log, ticks=ticks)
+        return ChartAxis(least_value, largest_value, self.label(column), log, ticks=ticks)
 
     def line(self, name: str, masks: Sequence[tuple[str, Mask]], column: str) -> Panel:
         """Curves over one axis: dots with bars; of many points a band, and dots where unresolved,
@@ -347,28 +347,34 @@ class _Sheet:
 
     def map(self, name: str, mask: Mask, columns: list[str], part: str) -> Cell:
         """Coloured cells over two axes."""
-        across, up = (self.axis(column, cells=True) for column in columns)
-        low = float(np.nanmin(self.value))
-        high = float(np.nanmax(self.value))
+        x_axis, y_axis = (self.axis(column, cells=True) for column in columns)
+        least_value = float(np.nanmin(self.value))
+        largest_value = float(np.nanmax(self.value))
         colours = "viridis"
-        if low < 0:  # zero in the middle of the colours
-            high = float(np.nanmax(np.abs(self.value)))
-            low = -high
+        if least_value < 0:  # zero in the middle of the colours
+            largest_value = float(np.nanmax(np.abs(self.value)))
+            least_value = -largest_value
             colours = "RdBu_r"
-        share = np.where(mask, (self.value - low) / ((high - low) or 1.0), np.nan)
+        share = np.where(
+            mask, (self.value - least_value) / ((largest_value - least_value) or 1.0), np.nan
+        )
         names = [self.title(row) for row in range(len(share))]
         x, y = map(self.numbers, columns)
-        marks = heat_map((across, up), (x, y), share, names, self.unresolved, colours)
+        marks = heat_map((x_axis, y_axis), (x, y), share, names, self.unresolved, colours)
         alt = f"Map of {_plain(self.name)}, {part}"
-        panel = Panel(name, across, up, marks, alt, 480.0, 360.0, _plain(part))
+        panel = Panel(name, x_axis, y_axis, marks, alt, 480.0, 360.0, _plain(part))
         return Cell(
-            (panel, colour_scale(f"{name}-colours", (low, high), self.words, colours)), None
+            (
+                panel,
+                colour_scale(f"{name}-colours", (least_value, largest_value), self.words, colours),
+            ),
+            None,
         )
 
     def cloud(self, name: str, mask: Mask, columns: list[str], part: str) -> Cell:
         """Dots over the first axis, coloured by the second."""
         x, coloured_values = map(self.numbers, columns[:2])
-        across, colour_axis = map(self.axis, columns[:2])
+        x_axis, colour_axis = map(self.axis, columns[:2])
         ends = np.array([colour_axis.low, colour_axis.high])
         if colour_axis.log:
             share = np.interp(np.log(coloured_values), np.log(ends), [0.0, 1.0])
@@ -384,10 +390,10 @@ class _Sheet:
         up = ChartAxis(*limits(self.low, self.high), self.words)
         panel = Panel(
             name,
-            across,
+            x_axis,
             up,
             marks,
-            f"{_plain(self.name)} over {across.words}, {part}",
+            f"{_plain(self.name)} over {x_axis.words}, {part}",
             480.0,
             340.0,
             _plain(part),
@@ -422,10 +428,10 @@ def heat_map(
     """Cells around places (n,) on both axes, coloured by `share` (n,) of the scale; hatched where
     unresolved, grey where NaN.
     """
-    across, up = axes
-    marks: list[Mark] = [Block((across.low, across.high), (up.low, up.high), "no-value")]
-    cells_across = _cells_of(across, places[0])
-    cells_up = _cells_of(up, places[1])
+    x_axis, y_axis = axes
+    marks: list[Mark] = [Block((x_axis.low, x_axis.high), (y_axis.low, y_axis.high), "no-value")]
+    cells_across = _cells_of(x_axis, places[0])
+    cells_up = _cells_of(y_axis, places[1])
     for row in np.flatnonzero(np.isfinite(share)).tolist():
         fill = shades([share[row]], colours)[0]
         is_hatched = bool(unresolved[row])
@@ -448,10 +454,10 @@ def cell_borders(middles: Array, *, log: bool = False) -> Array:
     [0.5, 1.5, 3.0, 5.0]
     """
     places = np.log(middles) if log else middles
-    inner = (places[1:] + places[:-1]) / 2
-    if len(inner):
-        outer = [2 * places[0] - inner[0], 2 * places[-1] - inner[-1]]
+    inner_borders = (places[1:] + places[:-1]) / 2
+    if len(inner_borders):
+        outer_borders = [2 * places[0] - inner_borders[0], 2 * places[-1] - inner_borders[-1]]
     else:  # of one cell: a width of 1
-        outer = [places[0] - 0.5, places[0] + 0.5]
-    borders = np.concatenate([outer[:1], inner, outer[1:]])
+        outer_borders = [places[0] - 0.5, places[0] + 0.5]
+    borders = np.concatenate([outer_borders[:1], inner_borders, outer_borders[1:]])
     return np.exp(borders) if log else borders

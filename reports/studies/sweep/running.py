@@ -134,9 +134,9 @@ class Dask:
             from dask.config import set as set_dask
             from distributed import Client, LocalCluster
         except ImportError as reason:
-            how = "pip install 'halfplane[cluster]'"
+            words_of_cure = "pip install 'halfplane[cluster]'"
             raise InputError(
-                f"--executor dask: the package distributed is not installed: {how}"
+                f"--executor dask: the package distributed is not installed: {words_of_cure}"
             ) from reason
         # What it loses we say in our own words, once; its tracebacks add nothing.
         for name in ("distributed", "distributed.client"):
@@ -200,9 +200,9 @@ def _temporary_security() -> Any:
     try:
         return Security.temporary()
     except ImportError as reason:
-        how = "pip install 'halfplane[cluster]'"
+        words_of_cure = "pip install 'halfplane[cluster]'"
         raise InputError(
-            f"--executor dask: the package cryptography is not installed, for TLS: {how}"
+            f"--executor dask: the package cryptography is not installed, for TLS: {words_of_cure}"
         ) from reason
 
 
@@ -255,11 +255,11 @@ def _born_without_ctrl_c() -> Generator[None, None, None]:
         yield
         return
     resource_tracker.ensure_running()  # which lifts the block once it has started
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+    mask_before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
     try:
         yield
     finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask_before)
 
 
 def _begin() -> None:
@@ -362,8 +362,8 @@ def tasks_of(prepared: Prepared, width: int) -> deque[Task]:
     """Points in the portions in which they are handed out: small enough that all of `width` workers
     have some until the end.
     """
-    most = _FE_AT_ONCE if "fe" in prepared.study.engines else _EXACT_AT_ONCE
-    size = max(1, min(most, -(-len(prepared.waiting) // (4 * width))))
+    points_at_once = _FE_AT_ONCE if "fe" in prepared.study.engines else _EXACT_AT_ONCE
+    size = max(1, min(points_at_once, -(-len(prepared.waiting) // (4 * width))))
     return deque([*prepared.waiting[k : k + size]] for k in range(0, len(prepared.waiting), size))
 
 

@@ -210,9 +210,9 @@ def check_figures(figures: Sequence[str], engines: Sequence[str], uncertainty: s
                 f" exact. or error. before one of {', '.join(QUANTITIES)}"
             )
         needed_engines = set(_ENGINES) if is_error(name) else {prefix}
-        missing = needed_engines - set(engines)
-        if missing:
-            raise ValueError(f"figures: {name!r} needs engines = [..., {min(missing)!r}]")
+        missing_engines = needed_engines - set(engines)
+        if missing_engines:
+            raise ValueError(f"figures: {name!r} needs engines = [..., {min(missing_engines)!r}]")
         if uncertainty == "budget" and name not in METRICS:
             raise ValueError(
                 f"figures: {name!r} is no metric, and an error budget is of metrics; take"
@@ -296,7 +296,7 @@ class Question:
 
     def as_json(self) -> dict[str, Any]:
         """As it travels to a worker, and as it is stored."""
-        plain = {
+        json_values = {
             name: getattr(self, name)
             for name in ("engines", "figures", "uncertainty", "share_condensations")
         }
@@ -304,7 +304,7 @@ class Question:
             "scene": self.scene.model_dump(mode="json"),
             "mesh": asdict(self.mesh),
             "solver": asdict(self.solver),
-        } | plain
+        } | json_values
 
     @property
     def address(self) -> str:
@@ -412,18 +412,18 @@ def _solve(point: Question) -> dict[str, Any]:
     for name, value in values.items():
         if value is not None and not math.isfinite(value):
             notes.setdefault(name, f"the value is {value}")
-    clean = {
+    clean_solution = {
         name: None if value is None or not math.isfinite(value) else float(value)
         for name, value in values.items()
     }
-    return {"figures": clean, "notes": notes, "record": record}
+    return {"figures": clean_solution, "notes": notes, "record": record}
 
 
 def _record(solution: ContactSolution | None) -> dict[str, Any]:
     """How an answer came about."""
     if solution is None:
         return {}
-    worst = {
+    worst_checks = {
         name: float(max(values, default=0.0))
         for name, values in solution.record.certificates.items()
     }
@@ -437,7 +437,9 @@ def _record(solution: ContactSolution | None) -> dict[str, Any]:
         "steady_from": solution.steady_from,
         "counts": {name: int(count) for name, count in solution.work.counts.items()},
         "seconds": {name: float(seconds) for name, seconds in solution.work.seconds.items()},
-        "worst": {name: value if math.isfinite(value) else None for name, value in worst.items()},
+        "worst": {
+            name: value if math.isfinite(value) else None for name, value in worst_checks.items()
+        },
     }
 
 
@@ -542,16 +544,16 @@ def evaluate(point: Question, fe: ContactSolution | None, *, polygon: bool = Fal
         from reports.comparison import compare
         from reports.comparison.budget import theory_on_steps
 
-        straight = None
+        straight_answer = None
         if not polygon and (
             point.uncertainty == "budget" or {"dissipation_polygon", "dissipation_step"} & metrics
         ):
-            straight = theory_on_steps(fe)
+            straight_answer = theory_on_steps(fe)
         effects = None
         if metrics & _OF_DISPLACEMENTS:
             effects = effects_between(evaluated.exact, fe)
         evaluated.comparison = compare(
-            evaluated.exact, fe, polygon_reference=straight, effects=effects
+            evaluated.exact, fe, polygon_reference=straight_answer, effects=effects
         )
     comparison = evaluated.comparison
     metrics_by_key = {metric.key: metric for metric in comparison.metrics} if comparison else {}
@@ -579,12 +581,12 @@ def _stated(metric: Metric, comparison: Comparison) -> float:
     its instant over a_ref; or 0.
     """
     fe = comparison.result
-    stated = [0.0, metric.uncertainty or 0.0]
+    stated_values = [0.0, metric.uncertainty or 0.0]
     of_edges = getattr(fe, f"{metric.key}_uncertainty", None)
     if of_edges is not None and metric.time is not None:
         instant = int(abs(fe.time - metric.time).argmin())
-        stated.append(float(max(of_edges[instant])) / comparison.scales.half_width)
-    return max(value for value in stated if math.isfinite(value))
+        stated_values.append(float(max(of_edges[instant])) / comparison.scales.half_width)
+    return max(value for value in stated_values if math.isfinite(value))
 
 
 def _cheap_uncertainty(
@@ -628,9 +630,9 @@ def _cheap_uncertainty(
         changes = []
         for factor, values, changed_values in shares:
             value = values[name]
-            changed = changed_values[name]
-            if value is not None and changed is not None:
-                changes.append(factor * abs(value - changed))
+            changed_value = changed_values[name]
+            if value is not None and changed_value is not None:
+                changes.append(factor * abs(value - changed_value))
         if len(changes) == len(shares):
             of_mesh = max(changes[0], evaluated.stated[name])
             total[f"{name}.uncertainty"] = of_mesh + sum(changes[1:])

@@ -104,11 +104,11 @@ class Store:
         try:
             yield
         except OSError as reason:
-            why = reason.strerror or str(reason)
+            cause = reason.strerror or str(reason)
             if reason.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
-                why = "there is no room left on the disk"
+                cause = "there is no room left on the disk"
             raise StoreError(
-                f"{self.folder}: results can't be stored: {why}; what was stored before stays"
+                f"{self.folder}: results can't be stored: {cause}; what was stored before stays"
             ) from reason
 
     def read(self, address: str) -> dict[str, Any] | None:
@@ -127,9 +127,9 @@ class Store:
         except FileNotFoundError:
             return None
         except OSError as reason:
-            why = reason.strerror or reason
+            cause = reason.strerror or reason
             raise StoreError(
-                f"{path}: this result can't be read: {why}; mend that, or name another --out"
+                f"{path}: this result can't be read: {cause}; mend that, or name another --out"
             ) from reason
         except (ValueError, KeyError, TypeError):
             pass
@@ -154,15 +154,15 @@ class Store:
         """
         path = self.folder / "sweep.json"
         try:
-            stored = parsed_json(path.read_text(encoding="utf-8"))
+            stored_plan = parsed_json(path.read_text(encoding="utf-8"))
             points = [
                 Planned(int(row["number"]), str(row["address"]), dict(row["coordinates"]))
-                for row in stored["points"]
+                for row in stored_plan["points"]
             ]
             for point in points:  # an address becomes the name of a file
                 if not _ADDRESS.fullmatch(point.address):
                     raise ValueError(f"{shown(point.address)} is no address of a result")
-            return _without_unused_keys(stored["study"]), tuple(points)
+            return _without_unused_keys(stored_plan["study"]), tuple(points)
         except FileNotFoundError:
             start = f"`halfplane sweep STUDY.toml --out {self.folder}` starts one"
             raise InputError(f"{self.folder}: no sweep is stored here; {start}") from None
@@ -254,9 +254,9 @@ def _without_unused_keys(study: Mapping[str, Any]) -> dict[str, Any]:
     >>> _without_unused_keys({"samples": 0, "axes": [{"name": "f", "latin_hypercube": None}]})
     {'axes': [{'name': 'f'}]}
     """
-    kept = _without(study, _UNUSED_KEYS)
-    kept["axes"] = [_without(axis, _UNUSED_KEYS_OF_AXES) for axis in study.get("axes", ())]
-    return kept
+    kept_study = _without(study, _UNUSED_KEYS)
+    kept_study["axes"] = [_without(axis, _UNUSED_KEYS_OF_AXES) for axis in study.get("axes", ())]
+    return kept_study
 
 
 def _without(keys: Mapping[str, Any], unused: Mapping[str, Any]) -> dict[str, Any]:

@@ -316,21 +316,22 @@ def expand(study: Study, report: Callable[[int], None] = lambda _count: None) ->
             raise InputError(
                 f"the study has more than {_MOST_POINTS} points; take fewer values on its axes"
             )
-        where = f"point {number} ({described(coordinates)})"
+        words_of_point = f"point {number} ({described(coordinates)})"
         try:
             point = _point(study, json.loads(scene_text), number, coordinates)
             scene = point.question.scene
-            require_admissible(scene, where)
+            require_admissible(scene, words_of_point)
             if "fe" in study.engines:
                 check_supports(scene, sheared(scene))
         except InputError as fault:
             sentence = str(fault)
-            if not sentence.startswith(where):
-                sentence = f"{where}: {sentence}"
+            if not sentence.startswith(words_of_point):
+                sentence = f"{words_of_point}: {sentence}"
             raise InputError(sentence) from fault
         if point.address in number_of:
             raise InputError(
-                f"{where} asks the same as point {number_of[point.address]}: an axis has a value"
+                f"{words_of_point} asks the same as point {number_of[point.address]}: an axis"
+                " has a value"
                 " twice, or moves nothing"
             )
         number_of[point.address] = number
@@ -391,7 +392,7 @@ def _place(content: dict[str, Any], key: str, value: Value) -> None:
     """Set a dotted key; the parts before the last must be there, the last is judged by the
     scene.
     """
-    *path, last = key.split(".")
+    *path, last_key = key.split(".")
     level: Any = content
     for depth, part in enumerate(path):
         if isinstance(level, list) and part.isdigit() and int(part) < len(level):
@@ -404,13 +405,13 @@ def _place(content: dict[str, Any], key: str, value: Value) -> None:
                 known_parts = ", ".join(level)
             elif isinstance(level, list):
                 known_parts = f"numbers up to {len(level) - 1}"
-            why = neglected(part) or f" known there: {known_parts}"
-            raise InputError(f"{key}: the scene has no {'.'.join(path[: depth + 1])};{why}")
-    if isinstance(level, list) and last.isdigit() and int(last) < len(level):
-        level[int(last)] = value
+            cause = neglected(part) or f" known there: {known_parts}"
+            raise InputError(f"{key}: the scene has no {'.'.join(path[: depth + 1])};{cause}")
+    if isinstance(level, list) and last_key.isdigit() and int(last_key) < len(level):
+        level[int(last_key)] = value
     elif isinstance(level, dict):
-        level[last] = value
-        if last == "file":  # the rows that are there are those of another file
+        level[last_key] = value
+        if last_key == "file":  # the rows that are there are those of another file
             for rows in ("rows", "points"):
                 level.pop(rows, None)
     else:

@@ -132,13 +132,13 @@ class ThirdSolver:
         """What must stand beside the numbers: failure or how the run went, then the limits."""
         size = f"{self.deck.reference} nodes, {len(self.deck.time) - 1} instants"
         if self.done is None:
-            first = f"{self.code} gave no answer ({size}): {self.failure}."
+            first_sentence = f"{self.code} gave no answer ({size}): {self.failure}."
         else:
-            first = (
+            first_sentence = (
                 f"{self.code} on the exported deck: {size}, {self.done.increments} increments,"
                 f" {self.done.iterations} iterations."
             )
-        return [first, *_limits(self.deck)]
+        return [first_sentence, *_limits(self.deck)]
 
     @property
     def _notes(self) -> list[str]:
@@ -146,11 +146,11 @@ class ThirdSolver:
 
     def page_words(self, comparison: Comparison) -> dict[str, Any]:
         """What the page's block is filled with."""
-        first, *limits = self.sentences
+        first_sentence, *limits = self.sentences
         table = {"heads": self.heads, "rows": self.rows(comparison)}
         return {
             **table,
-            "told": first,
+            "told": first_sentence,
             "failed": bool(self.failure),
             "limits": limits,
             "notes": self._notes,
@@ -197,22 +197,22 @@ class ThirdSolver:
 
 def find_calculix() -> Path:
     """Where `ccx` is; InputError with what to do where it is not."""
-    found = shutil.which("ccx")
-    if found is None:
+    program = shutil.which("ccx")
+    if program is None:
         raise InputError(
             "--third calculix: ccx is not on PATH; `make peers` installs it (Debian package"
             " calculix-ccx)"
         )
-    return Path(found)
+    return Path(program)
 
 
 def calculix_version(program: Path) -> str:
     """What `ccx -v` prints, such as "2.20"; "of unknown version" where it prints nothing."""
-    printed = subprocess.run(
+    output = subprocess.run(
         [str(program), "-v"], capture_output=True, text=True, check=False, timeout=20
     ).stdout
-    found = re.search(r"[Vv]ersion\s+([\w.]+)", printed)
-    return found[1] if found else "of unknown version"
+    version_match = re.search(r"[Vv]ersion\s+([\w.]+)", output)
+    return version_match[1] if version_match else "of unknown version"
 
 
 # Seconds after which CalculiX is stopped.
@@ -250,8 +250,10 @@ def solve_with_calculix(
         except ConvergenceError as failure:
             return replace(answer, failure=str(failure))
         with stages.stage("reading CalculiX"):
-            found = judged(folder / "third.frd", deck, code)
-    return replace(answer, comparison=found.comparison, guesses=found.guesses, done=done)
+            judged_answer = judged(folder / "third.frd", deck, code)
+    return replace(
+        answer, comparison=judged_answer.comparison, guesses=judged_answer.guesses, done=done
+    )
 
 
 def run_calculix(
@@ -280,7 +282,7 @@ def run_calculix(
         process is gone in any case.
     """
     begun = time.monotonic()
-    late = False
+    is_late = False
     log = folder / f"{name}.log"
     sta = folder / f"{name}.sta"
     with log.open("w", encoding="utf-8") as stream:
@@ -293,23 +295,23 @@ def run_calculix(
             stderr=subprocess.STDOUT,
         )
         try:
-            while process.poll() is None and not late:
-                late = time.monotonic() > begun + limit
+            while process.poll() is None and not is_late:
+                is_late = time.monotonic() > begun + limit
                 if report is not None:
                     rows = status(sta)
                     share = rows[-1].total / end if rows else 0.0
                     report(round(100 * min(share, 1.0)), 100, f"increment {len(rows)}")
-                time.sleep(0.0 if late else _EVERY)
+                time.sleep(0.0 if is_late else _EVERY)
         finally:
             if process.poll() is None:
                 process.kill()
             process.wait()
     rows = status(sta)
-    reached = max((row.total for row in rows if row.accepted), default=0.0)
-    if late or process.returncode != 0 or reached < end * (1 - _PRINTED):
-        why = (
+    time_reached = max((row.total for row in rows if row.accepted), default=0.0)
+    if is_late or process.returncode != 0 or time_reached < end * (1 - _PRINTED):
+        cause = (
             f"was stopped at the time limit of {limit:g} s"
-            if late
+            if is_late
             else f"ended with exit code {process.returncode}"
         )
         lines = [
@@ -320,7 +322,8 @@ def run_calculix(
             or "nothing"
         )
         raise ConvergenceError(
-            f"CalculiX {why} at time {reached:.6g} of {end:.6g}, in increment {len(rows)}; the last"
+            f"CalculiX {cause} at time {time_reached:.6g} of {end:.6g}, in increment"
+            f" {len(rows)}; the last"
             f" lines of its log: {tail}"
         )
     return Done(
@@ -344,11 +347,11 @@ class Attempt:
 def status(sta: Path) -> list[Attempt]:
     """The attempts in a .sta file so far; a line that is half-written is left out."""
     text = sta.read_text(encoding="utf-8", errors="replace") if sta.exists() else ""
-    found = (
+    row_match = (
         re.match(r"\s*\d+\s+\d+\s+\d+(U?)\s+(\d+)\s+(\S+)\s+\S+\s+\S+\s*$", line)
         for line in text.splitlines()
     )
-    return [Attempt(not match[1], int(match[2]), float(match[3])) for match in found if match]
+    return [Attempt(not match[1], int(match[2]), float(match[3])) for match in row_match if match]
 
 
 def judged(path: Path, deck: Deck, code: str) -> Report:
@@ -396,13 +399,17 @@ def _values(scene: Scene) -> list[tuple[str, str, Callable[[ContactSolution], fl
     """Name, unit and function of the values that all three have."""
     _, length, stress = units(scene)
     of = stretch(scene)
-    most = f"the largest of the {of}"
+    words_of_largest = f"the largest of the {of}"
     return [
         (f"work of friction, {of}", energy_unit(scene), lambda s: s.dissipation),
-        (f"pressure, {most}", stress, lambda s: float(s.pressure[s.last_cycle].max())),
-        (f"shear, {most}", stress, lambda s: float(np.abs(s.shear[s.last_cycle]).max())),
+        (f"pressure, {words_of_largest}", stress, lambda s: float(s.pressure[s.last_cycle].max())),
         (
-            f"contact half-width, {most}",
+            f"shear, {words_of_largest}",
+            stress,
+            lambda s: float(np.abs(s.shear[s.last_cycle]).max()),
+        ),
+        (
+            f"contact half-width, {words_of_largest}",
             length,
             lambda s: float(np.nanmax(s.contact_half_width[s.last_cycle])),
         ),

@@ -279,7 +279,7 @@ def build_deck(
             " base = 'fixed'"
         )
     scales = scales or find_scales(scene, Counter())
-    cut = MeshSettings(
+    mesh_settings = MeshSettings(
         element_size=settings.element_size,
         edge_element_size=settings.edge_element_size,
         far_radius=settings.far_radius,
@@ -287,38 +287,40 @@ def build_deck(
         order=1,
         cells="quadrilaterals",
     )
-    meshes = meshed_pair(scene, cut, partial(surface_grading, cut, scales, scene.profile))
-    lower = _body("LOWER", meshes[0], meshes[0].mesh.p, 1, 1)
+    meshes = meshed_pair(
+        scene, mesh_settings, partial(surface_grading, mesh_settings, scales, scene.profile)
+    )
+    lower_body = _body("LOWER", meshes[0], meshes[0].mesh.p, 1, 1)
     profile = None if scene.bodies.faces_are_true else scene.profile
-    upper = _body(
+    upper_body = _body(
         "UPPER",
         meshes[1],
         _upper_places(meshes[1], profile),
-        len(lower.nodes) + 1,
-        len(lower.elements) + 1,
+        len(lower_body.nodes) + 1,
+        len(lower_body.elements) + 1,
     )
     time = _instants(scene, settings)
-    normal, tangential = path.at(time)
+    normal_load, tangential_load = path.at(time)
     bulk_and_tilt: dict[str, Any] = {}
     if (bulk := path.companion("bulk")) is not None:
         bulk_and_tilt["bulk_stress"] = tuple(freeze(stress) for stress in bulk.at(time))
-    if (turning := path.companion("turning")) is not None:
-        tilt, moment = turning.at(time)
+    if (tilt_or_moment := path.companion("turning")) is not None:
+        tilt, moment = tilt_or_moment.at(time)
         if path.moment_given:
             bulk_and_tilt["moment"] = freeze(moment)
         else:
             bulk_and_tilt["tilt"] = freeze(tilt)
-    approach = _approach(scene, settings, scales, _TOUCH * float(normal[1]))
+    approach = _approach(scene, settings, scales, _TOUCH * float(normal_load[1]))
     touch = float(_TOUCH * (time[1] - time[0]))
     return Deck(
         scene,
         settings,
         scales,
-        lower,
-        upper,
+        lower_body,
+        upper_body,
         freeze(time),
-        freeze(normal),
-        freeze(tangential),
+        freeze(normal_load),
+        freeze(tangential_load),
         touch,
         approach,
         **bulk_and_tilt,
@@ -357,8 +359,10 @@ def _approach(scene: Scene, settings: DeckSettings, scales: Scales, load: float)
             return settings.far_radius * scales.half_width
         return body.least_depth
 
-    least = min(depth(scene.bodies.lower), depth(scene.bodies.upper))
-    return float(2 * load * np.log1p(4 * least / scales.half_width) / (np.pi * scales.modulus))
+    least_depth = min(depth(scene.bodies.lower), depth(scene.bodies.upper))
+    return float(
+        2 * load * np.log1p(4 * least_depth / scales.half_width) / (np.pi * scales.modulus)
+    )
 
 
 def _areas(places: Array, cells: Indices) -> Array:
@@ -394,15 +398,15 @@ def _body(
         right = places[0, nodes_of["sides"]].mean(axis=0) > 0
         pulled = faces(nodes_of["sides"][:, ~right]), faces(nodes_of["sides"][:, right])
     ends = np.unique(nodes_of["contact"])
-    held: dict[int, list[Indices]] = {1: [], 2: []}
+    held_nodes: dict[int, list[Indices]] = {1: [], 2: []}
     for boundary, support in mesh.supports.items():
         nodes = np.unique(nodes_of[boundary])
         for direction in _HELD[support]:
-            held[direction].append(nodes)
+            held_nodes[direction].append(nodes)
         if support == "rollers" and "guided" not in mesh.supports.values():
             # Nothing else keeps the body from drifting along x; without a tangential load this
             # support carries nothing.
-            held[1].append(nodes[[np.argmin(np.abs(mesh.mesh.p[0, nodes]))]])
+            held_nodes[1].append(nodes[[np.argmin(np.abs(mesh.mesh.p[0, nodes]))]])
     return DeckBody(
         name,
         first_node,
@@ -413,7 +417,7 @@ def _body(
         freeze(ends[np.argsort(places[0, ends])] + first_node, np.int64),
         {
             way: freeze(np.unique(np.concatenate(nodes)) + first_node, np.int64)
-            for way, nodes in held.items()
+            for way, nodes in held_nodes.items()
             if nodes
         },
         pulled,
@@ -448,8 +452,10 @@ def deck_text(deck: Deck, command: str = "", versions: Mapping[str, str] | None 
     """The text of the input file; `command` and `versions` go into its first comment."""
     packages = ", ".join(f"{name} {version}" for name, version in (versions or {}).items())
     tools = (amplitudes, equations_of, held_of, number, one_line, rows)
-    known = {tool.__name__: tool for tool in tools}
-    text = template("deck.inp").render(deck=deck, command=command, versions=packages, **known)
+    tools_by_name = {tool.__name__: tool for tool in tools}
+    text = template("deck.inp").render(
+        deck=deck, command=command, versions=packages, **tools_by_name
+    )
     lines: list[str] = []
     for line in text.split("\n"):
         if line.startswith("**"):
@@ -552,14 +558,14 @@ def held_of(deck: Deck) -> list[str]:
     """Nodes of the lower body that stand still, and movements that mean nothing of the nodes for
     bulk strain and tilt.
     """
-    held = []
+    held_nodes = []
     for terms in _tied(deck, deck.lower):
         if len(terms) == 1:
             node, direction, _ = terms[0]
-            held.append(f"{node}, {direction}")
+            held_nodes.append(f"{node}, {direction}")
     unstrained = [body for body in (0, 1) if deck.strain(body) is None]
     if len(unstrained) == 1:
-        held.append(f"{deck.strained}, {unstrained[0] + 1}")
+        held_nodes.append(f"{deck.strained}, {unstrained[0] + 1}")
     if deck.tilt is not None or deck.moment is not None:
-        held.append(f"{deck.turning}, 2")
-    return held
+        held_nodes.append(f"{deck.turning}, 2")
+    return held_nodes
