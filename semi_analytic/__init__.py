@@ -52,6 +52,7 @@ From a request to an answer::
     odd_part_of_rig.py      what tilt and bulk strain of the bodies add to W there
     regimes.py              fretting map: partial slip, mixed, gross sliding over stroke and P
     next_order.py           what the order after the curvatures adds to W
+    body_numbers.py         the numbers of finite bodies, and their check at the door
     odd_memory.py           what tilt and bulk strain of the bodies add to W of a parabola, in the
                             second order, beside the memory curve; centres of contact and stick
     stroke_end.py           what the smooth end of a stroke leaves there

@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from scenes import BodyEffects, Estimate, Hertz, InputError, PolygonLoad, Rig, Scene
+from scenes import BodyEffects, Hertz, InputError, PolygonLoad, Rig, Scene
 from scenes.array_types import Array
 from scenes.errors import first_line
 from semi_analytic.answer import Findings, Question, mirrored_points, neglected_coupling
@@ -38,6 +38,7 @@ from semi_analytic.corrected import (
     instants_of,
     note_of_next_order,
     notes_of_effects,
+    odd_part_on_grids,
     permanent_stick,
     series_at,
     table_of,
@@ -56,7 +57,6 @@ from semi_analytic.next_order import MOST_ROWS, next_order_works
 from semi_analytic.odd_memory import ODD_NUMBERS, Declined
 from semi_analytic.odd_part_of_rig import loads_of_cycle, odd_part_of_rig
 from semi_analytic.profiles import SymmetricContact, contact_of
-from semi_analytic.tilt_and_strain import change_by_tilt_and_strain, work_of_half_planes
 
 # Share of f P by which the memory curves of two cycles may differ and be the same state.
 _STEADY = 1e-9
@@ -312,17 +312,9 @@ def _odd_part_on_grids(rig: Rigged, driven: Driven, last_cycle: slice, reason: s
         return OddPart(left_out=reason)
     try:
         of_loads = loads_of_cycle(rig.scene, driven, last_cycle, _STEPS_ON_GRIDS)
-        of_half_planes = work_of_half_planes(of_loads)
-        if not of_half_planes > 0:
-            return OddPart(left_out=reason)  # nothing slips that could change
-        change = change_by_tilt_and_strain(of_loads, rig.effects)
     except (Declined, InputError) as fault:
         return OddPart(left_out=f"{reason}, and grids do not take it: {first_line(fault)}")
-    work = driven.work(last_cycle)
-    # The change is that of half-planes: what the curvatures make of it is of the next order.
-    by_curvatures = abs(work / of_half_planes - 1)
-    uncertainty = change.uncertainty + abs(change.value) * by_curvatures
-    return OddPart(on_grids=Estimate(change.value * work, uncertainty * work))
+    return odd_part_on_grids(of_loads, rig.effects, driven.work(last_cycle), reason)
 
 
 def _no_next_order(driven: Driven, last_cycle: slice) -> str:

@@ -42,7 +42,8 @@ from scenes.array_types import Array
 from scenes.arrays import LARGEST, real_numbers
 from scenes.frozen import Frozen, validated
 from semi_analytic.answer import neglected_coupling
-from semi_analytic.corrected import checked_effects, curvatures_of, notes_of_batch
+from semi_analytic.body_numbers import checked_effects
+from semi_analytic.corrected import curvatures_of, notes_of_batch
 from semi_analytic.corrected_batches import BendColumns, EllipseOfLoads, works_of_ellipses
 from semi_analytic.corrected_memory import Curvatures
 from semi_analytic.elasticity import composite_modulus

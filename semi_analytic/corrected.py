@@ -38,17 +38,27 @@ from __future__ import annotations
 import math
 import time as clock
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, BodyEffects, Estimate, InputError, Scene
+from scenes import (
+    OPEN,
+    SLIP_FORWARD,
+    SLIP_REVERSE,
+    STICK,
+    BodyEffects,
+    Estimate,
+    InputError,
+    Scene,
+    sampled,
+)
 from scenes.array_types import Array
-from scenes.arrays import LARGEST
 from scenes.body_effects import ZERO
+from scenes.errors import first_line
 from semi_analytic.answer import (
     Findings,
     Question,
@@ -57,6 +67,7 @@ from semi_analytic.answer import (
     neglected_coupling,
 )
 from semi_analytic.answer_by_memory import by_memory, folded, path_of_question
+from semi_analytic.body_numbers import NEXT_ORDER
 from semi_analytic.corrected_memory import Curvatures, Followed, PunchTable, area_of_loop, follow
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.hertz import HertzContact
@@ -66,23 +77,9 @@ from semi_analytic.load_series import LoadSeries
 from semi_analytic.next_order import MOST_ROWS, next_order_works
 from semi_analytic.odd_memory import ODD_NUMBERS, Declined, OddAnswer, odd_answer
 from semi_analytic.profiles import SymmetricContact, contact_of
+from semi_analytic.tilt_and_strain import change_by_tilt_and_strain, work_of_half_planes
 
 Indices = NDArray[np.int64]
-
-NEXT_ORDER = ("normal_fourth", "tangential_fourth", "normal_mixed", "tangential_mixed")
-"""Those of the order after the curvatures, which are in the dissipation alone."""
-
-NUMBERS = (
-    "normal_compliance",
-    "tangential_compliance",
-    "normal_curvature",
-    "tangential_curvature",
-    "normal_curvature_under_shear",
-    "tangential_curvature_under_pressure",
-    *ODD_NUMBERS,
-    *NEXT_ORDER,
-)
-"""The numbers of `BodyEffects` that half-planes do not have."""
 
 _OF_WORK = frozenset(("dissipation", "dissipation_density"))
 # Rows that are followed at most: each takes some 30 us and two pieces of memory curve.
@@ -108,6 +105,11 @@ _SHORT_CHORD = 0.01
 # Of the work that the next order adds, what the order after it may be: 0.12 at most of even bodies
 # 3 to 20 half-widths high, beside finite elements.
 OF_NEXT_ORDER = 0.25
+# Of the work that tilt and bulk strain add on grids, what the next order of the bodies makes, in
+# its ratio, as `reports.advising` has it; and the largest change of the dissipation that is added.
+_NEXT_OF_GRIDS = 0.6
+_MOST_ON_GRIDS = 0.3
+_SAMPLES = 25
 # Instants and places at which the error of the steps is looked at, and the share of a half-width
 # within which a point is at an edge.
 _INSTANTS = 9
@@ -121,36 +123,6 @@ _AT_ONCE = 2000
 
 
 # ------------------------------------------------------------------------------------- the effects
-def checked_effects(effects: BodyEffects | None) -> BodyEffects | None:
-    """The effects, None where they add nothing; InputError for what is no `BodyEffects` of finite
-    numbers.
-    """
-    if effects is None:
-        return None
-    if not isinstance(effects, BodyEffects):
-        raise InputError(
-            f"effects: a BodyEffects is needed, as halfplane_fe.body_effects(scene) makes it, not"
-            f" {type(effects).__name__}"
-        )
-    for item in fields(effects):
-        number = getattr(effects, item.name)
-        if not isinstance(number, Estimate):
-            continue
-        value = np.asarray(number.value)
-        is_number = value.ndim == 0 and np.issubdtype(value.dtype, np.number)
-        if not (is_number and abs(float(value.real)) <= LARGEST):
-            raise InputError(
-                f"effects.{item.name}: a finite number is needed, not {number.value!r}"
-            )
-    if not 0 < effects.datum_length <= LARGEST:
-        raise InputError(
-            f"effects.datum_length: a length above 0 is needed, not {effects.datum_length!r}"
-        )
-    if all(getattr(effects, name).value == 0 for name in NUMBERS):
-        return None
-    return effects
-
-
 def curvatures_of(effects: BodyEffects) -> Curvatures:
     """What the bodies add to the curvature of gap and faces, per load."""
     return Curvatures(
@@ -179,7 +151,8 @@ class OddPart(NamedTuple):
     left_out
         why there is none; empty where the effects have nothing odd
     on_grids
-        work that they add in the last cycle, on grids, where the second order does not hold
+        work that they add in the last cycle, on grids, where the second order does not hold; it
+        counts for each cycle
     """
 
     answer: OddAnswer | None = None
@@ -811,7 +784,7 @@ def with_effects(question: Question) -> Findings:
     time, numbers = instants_of(question, paths.rows, paths.last_cycle)
     points = PointFields(bodies, distance)
     grids = grids_at(question, points, distance, numbers)
-    odd = _odd_part(question)
+    odd = _odd_part(paths)
     series = series_at(question, bodies, numbers)
     of_contact, of_stick = odd.centres(paths.rows.time)
     series["contact_edges"] = series["contact_edges"] + of_contact[numbers, None]
@@ -1115,7 +1088,12 @@ def _works_of_cycles(
     works = works + np.array([work.value for work in of_odd_numbers])
 
     # displacements have neither the next order nor tilt and bulk strain
-    has_loop = odd.answer is None and paths.is_steady and paths.rows.period is not None
+    has_loop = (
+        odd.answer is None
+        and odd.on_grids is None
+        and paths.is_steady
+        and paths.rows.period is not None
+    )
     loop = bodies.loop_work(paths.last_cycle) if has_loop else math.nan
     work = float(exact[-1])
     if work <= 0:
@@ -1184,8 +1162,9 @@ def has_next_order(effects: BodyEffects) -> bool:
     return any(getattr(effects, name).value for name in NEXT_ORDER)
 
 
-def _odd_part(question: Question) -> OddPart:
+def _odd_part(paths: _Paths) -> OddPart:
     """What tilt and bulk strain of the effects make."""
+    question = paths.question
     effects = question.effects
     assert effects is not None  # for the type checker
     if not any(getattr(effects, name).value for name in ODD_NUMBERS):
@@ -1193,7 +1172,54 @@ def _odd_part(question: Question) -> OddPart:
     try:
         return OddPart(odd_answer(question.scene, effects))
     except Declined as reason:
-        return OddPart(left_out=str(reason))
+        if not question.wants("dissipation"):
+            return OddPart(left_out=str(reason))
+        work = paths.bodies.work(paths.last_cycle)
+        return odd_part_on_grids(question.scene, effects, work, str(reason))
+
+
+def odd_part_on_grids(scene: Scene, effects: BodyEffects, work: float, reason: str) -> OddPart:
+    """The same on grids, where the second order does not hold for that reason: the change that they
+    find of half-planes, of `work` with the curvatures of the bodies.
+
+    Where they take neither, it is left out.
+    """
+    try:
+        of_half_planes = work_of_half_planes(scene)
+        if not of_half_planes > 0:
+            return OddPart(left_out=reason)  # nothing slips that could change
+        change = change_by_tilt_and_strain(scene, effects)
+    except InputError as fault:
+        return OddPart(left_out=f"{reason}, and grids do not take it: {first_line(fault)}")
+    if abs(change.value) > _MOST_ON_GRIDS:
+        return OddPart(
+            left_out=f"{reason}, and grids make them {100 * change.value:+.0f} % of the"
+            " dissipation, which curvatures change too much"
+        )
+    # What the curvatures and the next order of the bodies make of the change is not solved.
+    by_curvatures = abs(work / of_half_planes - 1)
+    by_next_order = _NEXT_OF_GRIDS * _ratio_of_next_order(scene, effects)
+    uncertainty = change.uncertainty + abs(change.value) * (by_curvatures + by_next_order)
+    return OddPart(on_grids=Estimate(change.value * work, uncertainty * work))
+
+
+def _ratio_of_next_order(scene: Scene, effects: BodyEffects) -> float:
+    """The larger of |N_4 a^2/N| and |T_4 a^2/T|, a at the largest load."""
+    path = scene.load.path()
+    largest_load = max(
+        float(np.max(leg.loads(sampled(leg, _SAMPLES))[0]))
+        for leg in (*path.initial_loading, *path.cycle)
+    )
+    half_width = float(contact_of(scene.profile, scene.material).half_width(largest_load))
+    ratios = [
+        abs(fourth.value / leading.value) * half_width**2
+        for leading, fourth in (
+            (effects.normal_curvature, effects.normal_fourth),
+            (effects.tangential_curvature, effects.tangential_fourth),
+        )
+        if leading.value
+    ]
+    return max(ratios, default=0.0)
 
 
 def _errors_of_steps(paths: _Paths) -> dict[str, float]:
@@ -1289,7 +1315,7 @@ def _notes_of(paths: _Paths, odd: OddPart) -> Iterator[str]:
     if has_next_order(question.effects):
         yield note_of_next_order("" if paths.is_short else _LONG)
     yield from notes_of_effects(question.effects, half_width, modulus, odd)
-    if odd.answer is not None:
+    if odd.answer is not None or odd.on_grids is not None:
         yield (
             "no closed integral of Q dU to compare the dissipation with: displacements are without"
             " what tilt and bulk strain do to slip"

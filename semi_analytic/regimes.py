@@ -18,7 +18,7 @@ from scenes import BodyEffects, InputError, Scene, freeze, scene_of
 from scenes.array_types import Array
 from scenes.arrays import real_numbers
 from semi_analytic.answer_of_rig import rigged, slides_of, steady_cycle
-from semi_analytic.corrected import checked_effects
+from semi_analytic.body_numbers import checked_effects
 from semi_analytic.driven import actuator_rows
 
 

@@ -29,8 +29,9 @@ from semi_analytic.answer_by_memory import by_memory
 from semi_analytic.answer_in_phase import in_phase
 from semi_analytic.answer_of_rig import of_rig
 from semi_analytic.answer_on_grids import OF_WORK, GridAnswer
+from semi_analytic.body_numbers import checked_effects
 from semi_analytic.bulk_and_tilt import leaning_profile, one_curve, steady_curve
-from semi_analytic.corrected import checked_effects, with_effects
+from semi_analytic.corrected import with_effects
 from semi_analytic.grid import edges_along
 from semi_analytic.loops_in_phase import ways_in_phase
 

@@ -25,8 +25,8 @@ from scenes import BodyEffects, Combination, Estimate, InputError, LoadSegment, 
 from scenes.body_effects import ZERO
 from semi_analytic.answer import Question
 from semi_analytic.answer_by_memory import by_memory
+from semi_analytic.body_numbers import checked_effects
 from semi_analytic.bulk_and_tilt import PathLoads, leaning_profile
-from semi_analytic.corrected import checked_effects
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.grid import GridRequest, cycle_works, edges_along
 from semi_analytic.odd_memory import ODD_NUMBERS, Declined, odd_answer
@@ -91,8 +91,8 @@ def change_by_tilt_and_strain(scene: Scene, effects: BodyEffects) -> Estimate:
     Raises
     ------
     InputError
-        For a scene that states bulk stress or tilt itself, a path of more than 60 segments, a
-        profile that bends down somewhere; where the grid does not converge.
+        For a scene that states bulk stress or tilt itself, unlike materials, a path of more than 60
+        segments, a profile that bends down somewhere; where the grid does not converge.
     """
     if checked_effects(effects) is None:
         return ZERO
@@ -102,6 +102,12 @@ def change_by_tilt_and_strain(scene: Scene, effects: BodyEffects) -> Estimate:
         raise InputError(
             "effects: their tilt and bulk strain are not taken beside bulk stress, tilt or unequal"
             " sides of the scene itself; take halfplane_fe.solve"
+        )
+    if effects.dundurs_beta:
+        raise InputError(
+            "effects: the materials are unlike (Dundurs' beta is not 0), and tilt and bulk strain"
+            " count in the first order, which half-plane theory does not take; take"
+            " halfplane_fe.solve"
         )
     second_order = _by_second_order(scene, effects)
     if second_order is not None and second_order.uncertainty <= _of_grids(second_order.value):

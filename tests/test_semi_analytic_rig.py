@@ -29,7 +29,7 @@ from scenes import (
     rig_names,
 )
 from scenes.body_effects import ZERO
-from semi_analytic import answer_of_rig
+from semi_analytic import answer_of_rig, corrected
 from semi_analytic.answer_of_rig import rigged, steady_cycle
 from semi_analytic.corrected import curvatures_of
 from semi_analytic.corrected_memory import PunchTable, area_of_loop
@@ -613,7 +613,7 @@ def test_where_one_side_slips_alone_grids_add_what_tilt_makes(
     declined = Mock(side_effect=Declined("one side slips alone"))
     monkeypatch.setattr(answer_of_rig, "odd_part_of_rig", declined)
     by_grids = Mock(return_value=Estimate(0.1, 0.02))
-    monkeypatch.setattr(answer_of_rig, "change_by_tilt_and_strain", by_grids)
+    monkeypatch.setattr(corrected, "change_by_tilt_and_strain", by_grids)
     fields = ("dissipation",)
     tilted = semi_analytic.solve(scene, x=[0.0], effects=TILTED, fields=fields)
     by_grids.side_effect = InputError("no grid takes it")

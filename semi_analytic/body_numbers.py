@@ -1,0 +1,56 @@
+"""The numbers of `BodyEffects`: which there are, and their check at the door."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+
+import numpy as np
+
+from scenes import BodyEffects, Estimate, InputError
+from scenes.arrays import LARGEST
+from semi_analytic.odd_memory import ODD_NUMBERS
+
+NEXT_ORDER = ("normal_fourth", "tangential_fourth", "normal_mixed", "tangential_mixed")
+"""Those of the order after the curvatures, which are in the dissipation alone."""
+
+NUMBERS = (
+    "normal_compliance",
+    "tangential_compliance",
+    "normal_curvature",
+    "tangential_curvature",
+    "normal_curvature_under_shear",
+    "tangential_curvature_under_pressure",
+    *ODD_NUMBERS,
+    *NEXT_ORDER,
+)
+"""The numbers of `BodyEffects` that half-planes do not have."""
+
+
+def checked_effects(effects: BodyEffects | None) -> BodyEffects | None:
+    """The effects, None where they add nothing; InputError for what is no `BodyEffects` of finite
+    numbers.
+    """
+    if effects is None:
+        return None
+    if not isinstance(effects, BodyEffects):
+        raise InputError(
+            f"effects: a BodyEffects is needed, as halfplane_fe.body_effects(scene) makes it, not"
+            f" {type(effects).__name__}"
+        )
+    for item in fields(effects):
+        number = getattr(effects, item.name)
+        if not isinstance(number, Estimate):
+            continue
+        value = np.asarray(number.value)
+        is_number = value.ndim == 0 and np.issubdtype(value.dtype, np.number)
+        if not (is_number and abs(float(value.real)) <= LARGEST):
+            raise InputError(
+                f"effects.{item.name}: a finite number is needed, not {number.value!r}"
+            )
+    if not 0 < effects.datum_length <= LARGEST:
+        raise InputError(
+            f"effects.datum_length: a length above 0 is needed, not {effects.datum_length!r}"
+        )
+    if all(getattr(effects, name).value == 0 for name in NUMBERS):
+        return None
+    return effects
