@@ -388,7 +388,7 @@ def _size_near_contact(pair: _CoarsePair) -> float:
     """Half-width of the side that may touch of which the contact at the largest load takes a good
     part, found from the contact on another such side.
     """
-    size = min(_sizeon_half_planes(pair), pair.room)
+    size = min(_size_on_half_planes(pair), pair.room)
     for _ in range(_ENLARGEMENTS):
         fraction = _contact_fraction(pair, size)
         if fraction == 1 and size == pair.room:
@@ -528,7 +528,7 @@ def _fitting_size(pair: _CoarsePair) -> float:
     """
     too_small = 0.0
     too_large = np.inf
-    size = min(_sizeon_half_planes(pair), pair.room)
+    size = min(_size_on_half_planes(pair), pair.room)
     for _ in range(400):  # a factor of 3 each, then halved: more than floating-point numbers have
         fraction = _contact_fraction(pair, size)
         if _FRACTION[0] <= fraction <= _FRACTION[1]:
@@ -550,7 +550,7 @@ def _fitting_size(pair: _CoarsePair) -> float:
     )
 
 
-def _sizeon_half_planes(pair: _CoarsePair) -> float:
+def _size_on_half_planes(pair: _CoarsePair) -> float:
     """The same of half-planes, which is near and cheap to find; a first guess if they are these."""
     if pair.scene.bodies.half_planes:
         return pair.scene.profile.datum_length

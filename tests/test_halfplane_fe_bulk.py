@@ -174,6 +174,15 @@ def test_exact_rows(row: str, mesh: str) -> None:
         )
 
 
+def test_out_of_phase_the_loop_has_the_area_of_the_work_too() -> None:
+    """The curve of the loads adds work of p in bulk stress and tilt, none of q: with the shear in
+    it the loop is 1.5e-3 too large. Measured 6e-7, by which the last cycle is not quite steady.
+    """
+    answer = solved(scene(MIXED).vary(cycles=4))
+    assert answer.steady_from is not None
+    assert answer.loop_work == pytest.approx(answer.dissipation, rel=5e-6)
+
+
 def test_contact_of_a_line_of_action_is_hertz_moved_there() -> None:
     """P along x = 0.7: the parabola turns by -0.7/R and touches around 0.7; Q at a height h brings
     the moment h Q.

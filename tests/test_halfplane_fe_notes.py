@@ -17,8 +17,9 @@ import pytest
 
 import halfplane_fe
 import semi_analytic
-from halfplane_fe import FiniteElementSolution, SolverSettings
+from halfplane_fe import FiniteElementSolution, SolverSettings, answer_notes
 from meshes import MeshSettings
+from refusals import require_facts
 from reports.cli import main
 from reports.comparison.words import summary_rows
 from scene_cases import scene_of
@@ -502,3 +503,22 @@ def test_slivers_do_no_harm_or_are_refused_and_many_increments_move_nothing():
     with pytest.raises(ConvergenceError, match="rounding leaves a compliance"):
         stress.with_slivers(1e-10)
     assert max(stress.many_steps(2, 200).errors.values()) < 1e-9
+
+
+def test_creep_that_counts_as_stuck_is_said_where_it_is_more_than_the_edges_are_uncertain():
+    """Sticks from -0.5 to 0.5; at one of three instants the stick edge is 0.1 inside of that."""
+    arrays = {
+        "time": np.array([1.0, 2.0, 3.0, 4.0]),
+        "normal_load": np.ones(4),
+        "permanent_stick_edges": np.array([-0.5, 0.5]),
+        "stick_edges": np.array([[-0.1, 0.1], [-0.5, 0.5], [-0.5, 0.4], [-0.5, 0.5]]),
+        "stick_edge_uncertainty": np.full((4, 2), 0.01),
+        "x": np.linspace(-1, 1, 5),
+        "slip": np.array([[0, 0, 0, 0, 0], [0, 0, 0, 0, 0], [1, 0, 1e-5, 0, 1], [1, 0, 0, 0, 1]]),
+    }
+    scene = load_scene("cattaneo-mindlin")
+    arrays["time"] *= scene.load.path().period / 3
+    (note,) = answer_notes._creep_notes(scene, arrays)
+    require_facts(note, "-0.5 to 0.5", "1 of 3 instants", "1.0e-05 of the largest slip")
+    arrays["stick_edge_uncertainty"][:] = 0.2
+    assert not list(answer_notes._creep_notes(scene, arrays))

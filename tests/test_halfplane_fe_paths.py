@@ -8,6 +8,7 @@ import dataclasses
 import importlib
 import math
 from importlib import import_module
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from hypothesis import strategies as st
 
 import halfplane_fe
 import semi_analytic
-from halfplane_fe import check_admissible
+from halfplane_fe import check_admissible, scales
 from halfplane_fe.path import stretches, turning_points
 from halfplane_fe.scales import largest_load
 from meshes import MeshSettings, solids
@@ -447,3 +448,10 @@ def test_linear_sides_that_do_not_match_are_no_penetration(tmp_path):
     answer = halfplane_fe.solve(question, mesh)
     matching = halfplane_fe.solve(question, dataclasses.replace(mesh, upper_ratio=1.0))
     assert answer.contact_half_width[-1] == pytest.approx(matching.contact_half_width[-1], rel=0.05)
+
+
+def test_an_estimate_enlarges_the_side_that_the_contact_fills(monkeypatch):
+    """A contact 1.5 wide on a side that was taken for 1 wide: how far it goes is not known yet."""
+    monkeypatch.setattr(scales, "_size_on_half_planes", lambda pair: 1.0)
+    monkeypatch.setattr(scales, "_contact_fraction", lambda pair, size: min(1.5 / size, 1.0))
+    assert scales._size_near_contact(SimpleNamespace(room=100.0)) == 2.0

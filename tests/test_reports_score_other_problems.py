@@ -37,10 +37,6 @@ def ellipse(x: np.ndarray, half_width: float) -> np.ndarray:
     return np.sqrt(np.maximum(1 - (x / half_width) ** 2, 0.0))
 
 
-def in_contact(values: np.ndarray, half_width: float) -> np.ndarray:
-    return np.where(np.abs(half_width) > np.abs(X), values, 0.0)
-
-
 def repeated(row: np.ndarray) -> np.ndarray:
     return np.tile(row, (len(TIME), 1))
 
