@@ -175,10 +175,10 @@ def work_done(
             1,
             "the bodies are alike: the upper one is the lower one reflected",
         )
-    cached = problem.work[CACHED]
-    if cached:
+    n_cached = problem.work[CACHED]
+    if n_cached:
         skipped_work["condensations, cached"] = (
-            cached,
+            n_cached,
             "this process condensed the body before: taken from the cache",
         )
     if on_half(scene, problem.interface):

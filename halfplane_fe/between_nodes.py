@@ -89,10 +89,10 @@ def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
     An edge counts if its zones have three nodes or more, and if the elements around it are
     quadratic and of one size.
     """
-    nothing = Excess(0.0, 0.0, 0)
+    no_excess = Excess(0.0, 0.0, 0)
     problem.work.pop(TAKEN_OFF, None)
     if not problem.tangential:
-        return nothing
+        return no_excess
     slip = np.stack([state.slip for state in states])
     slip_range = np.ptp(slip, axis=0)
     is_closed = np.stack([state.closed for state in states])
@@ -100,7 +100,7 @@ def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
     sticks = is_closed.all(axis=0) & (slip_range <= _STUCK * largest_range)
     stick_zone = np.flatnonzero(sticks)
     if len(stick_zone) < _ZONE or np.diff(stick_zone).max() > 1:
-        return nothing
+        return no_excess
     at_stick_edges: list[_EdgeWork] = []
     at_contact_edges: list[_EdgeWork] = []
     for side in (1, -1):

@@ -363,7 +363,7 @@ def _tension_by_bodies(
     bulk = [_bulk_stress(solution, steps, number) for number in (0, 1)]
     has_bulk_stress = any(of_body.any() for of_body in bulk)
     are_mirrored = bodies.lower == bodies.upper and material.alike and not has_bulk_stress
-    of_lower: _SizeFit | None = None
+    size_fit_of_lower: _SizeFit | None = None
     for number, name in enumerate(_BODIES):
         values[:, number] = bulk[number][:, None]
         if isinstance(getattr(bodies, name), HalfPlane):
@@ -371,7 +371,7 @@ def _tension_by_bodies(
         assert isinstance(solution, FiniteElementSolution)  # for the type checker
         on_body = [_on_body(of_step, number) for of_step in series]
         if number == 1 and are_mirrored:
-            size_fit = of_lower
+            size_fit = size_fit_of_lower
         else:
             size_fit = _size_fit(solution, number, steps, series, bulk[number])
         if size_fit is None:
@@ -380,7 +380,7 @@ def _tension_by_bodies(
         else:
             values[:, number] += size_fit.tension(on_body, bulk[number])
             uncertainties[number] = size_fit.uncertainty
-        of_lower = size_fit
+        size_fit_of_lower = size_fit
     return values, uncertainties
 
 

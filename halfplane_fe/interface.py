@@ -332,16 +332,16 @@ def _plateau(matrix: Array, sizes_ahead: Array) -> Array:
     """(n, n) means of row and column of each entry over `_LOCAL` to `_PLATEAU` ahead; their mean,
     or the one there is.
     """
-    on_plateau = (sizes_ahead > _LOCAL) & (sizes_ahead <= _PLATEAU)
-    of_rows, of_columns = (
-        (matrix * on_plateau).sum(axis=axis) / np.maximum(on_plateau.sum(axis=axis), 1)
+    is_on_plateau = (sizes_ahead > _LOCAL) & (sizes_ahead <= _PLATEAU)
+    row_means, column_means = (
+        (matrix * is_on_plateau).sum(axis=axis) / np.maximum(is_on_plateau.sum(axis=axis), 1)
         for axis in (1, 0)
     )
     # the sums are 0 where there is none
     n_means = np.add.outer(
-        np.any(on_plateau, axis=1).astype(float), np.any(on_plateau, axis=0).astype(float)
+        np.any(is_on_plateau, axis=1).astype(float), np.any(is_on_plateau, axis=0).astype(float)
     )
-    return np.asarray(np.add.outer(of_rows, of_columns) / np.maximum(n_means, 1.0))
+    return np.asarray(np.add.outer(row_means, column_means) / np.maximum(n_means, 1.0))
 
 
 def body_forces(

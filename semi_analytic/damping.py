@@ -146,14 +146,14 @@ def added_compliance(
     datum_of_solution = solution.scene.profile.datum_length
     if effects is not None:
         stated_length = effects.datum_length
-        of_bodies = effects.tangential_compliance.value
+        compliance_of_bodies = effects.tangential_compliance.value
     else:
         stated_length = datum_length or 0.0
-        of_bodies = 0.0
+        compliance_of_bodies = 0.0
     if not 0 < stated_length < math.inf:
         raise InputError(f"{caller}: datum_length = {stated_length} is refused: a length above 0")
     unit = 2 / (math.pi * composite_modulus(solution.scene.material))
-    return of_bodies + unit * math.log(stated_length / datum_of_solution)
+    return compliance_of_bodies + unit * math.log(stated_length / datum_of_solution)
 
 
 def compliance(

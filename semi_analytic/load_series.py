@@ -889,7 +889,7 @@ class States:
         )
 
     def snapshot(self, time: Array, order: Indices) -> tuple[Snapshot, Array]:
-        """All of them in the order of `time`, and M(P) - Q."""
+        """The states that were added, in the order of `time`, and M(P) - Q of each."""
         columns = zip(*self._columns, strict=True)
         states = _StateColumns._make(np.concatenate(column)[order] for column in columns)
         snapshot = Snapshot(

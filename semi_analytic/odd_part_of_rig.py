@@ -73,14 +73,14 @@ def loads_of_cycle(scene: Scene, driven: Driven, last_cycle: slice, steps: int =
     load = driven.followed.normal_load[last_cycle]
     force = driven.followed.tangential_load[last_cycle]
     time = driven.time[last_cycle]
-    found: HarmonicLoad | PolygonLoad
+    load_of_cycle: HarmonicLoad | PolygonLoad
     if np.ptp(load) <= _SAME * float(np.max(load)):
-        found = _turning_points(load, force)
+        load_of_cycle = _turning_points(load, force)
     elif isinstance(scene.load, EllipseLoad | HarmonicLoad):
-        found = _harmonics(time, load, force)
+        load_of_cycle = _harmonics(time, load, force)
     else:
-        found = _steps(load, force, steps)
-    return scene.vary(load=found, rig=Rig(), cycles=2)
+        load_of_cycle = _steps(load, force, steps)
+    return scene.vary(load=load_of_cycle, rig=Rig(), cycles=2)
 
 
 def _turning_points(load: Array, force: Array) -> PolygonLoad:

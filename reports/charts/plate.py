@@ -585,10 +585,10 @@ def _attributes(attributes: Mapping[str, object]) -> str:
     text = ""
     for name, value in attributes.items():
         if value is not None and value != "":
-            written = str(value)
+            value_in_words = str(value)
             if isinstance(value, float):
-                written = f"{value:.2f}".rstrip("0").rstrip(".")
-            text += f' {name.rstrip("_").replace("_", "-")}="{escape(written)}"'
+                value_in_words = f"{value:.2f}".rstrip("0").rstrip(".")
+            text += f' {name.rstrip("_").replace("_", "-")}="{escape(value_in_words)}"'
     return text
 
 

@@ -242,10 +242,11 @@ def _score_shown(report: Report, page: str) -> Iterator[Part]:
         yield read_in_words(report.comparison.result.engine, report.read_as)
     yield from verdict_shown(report)
     yield from _inputs_said(report)
-    on_points = [m.label for m in report.comparison.headlines if m.is_on_points_of_result]
-    if on_points:
+    labels_on_points = [m.label for m in report.comparison.headlines if m.is_on_points_of_result]
+    if labels_on_points:
         yield (
-            f"Differences at the points and instants of the result: {'; '.join(on_points)}. There"
+            "Differences at the points and instants of the result:"
+            f" {'; '.join(labels_on_points)}. There"
             " the reference has other values than its own in the table."
         )
     # headlines without a value, those with one reason in one line

@@ -225,12 +225,13 @@ def compare(
 def _refuse_other_question(reference: ContactSolution, result: ContactSolution) -> None:
     """InputError where the scenes differ in what theory depends on."""
     for part in ("material", "profile", "friction", "load"):
-        of_reference = getattr(reference.scene, part)
-        of_result = getattr(result.scene, part)
-        if of_reference != of_result:
+        reference_values = getattr(reference.scene, part)
+        result_values = getattr(result.scene, part)
+        if reference_values != result_values:
             raise InputError(
                 f"{reference.engine} and {result.engine} answer different questions: {part} is"
-                f" {of_reference!r} in the one and {of_result!r} in the other; solve both from one"
+                f" {reference_values!r} in the one and {result_values!r} in the other; solve"
+                " both from one"
                 " scene"
             )
 

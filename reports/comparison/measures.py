@@ -124,10 +124,10 @@ class Measured(PythonNumbers):
         """
         if self.value is None or self.amounts is None or self.denominator is None:
             return False
-        of_reference, of_result = self.amounts
+        reference_values, result_values = self.amounts
         difference = self.value * self.denominator
-        missed = abs(of_result - of_reference - difference)
-        return missed > _SAME_DIGITS * max(abs(of_reference), abs(of_result))
+        missed = abs(result_values - reference_values - difference)
+        return missed > _SAME_DIGITS * max(abs(reference_values), abs(result_values))
 
     def _in_its_unit(self, uncertainty: float | None) -> float | None:
         if uncertainty is None or not math.isfinite(uncertainty) or self.denominator is None:
@@ -284,10 +284,10 @@ def _with_stated(pair: Pair, measured: Measured, name: str, error: str = "") -> 
     """
     if measured.amounts is None:
         return measured
-    of_reference, of_result = measured.amounts
+    reference_value, result_value = measured.amounts
     stated = (
-        _uncertainty_stated(pair.plain_reference, of_reference, name, error),
-        _uncertainty_stated(pair.result, of_result, name, error),
+        _uncertainty_stated(pair.plain_reference, reference_value, name, error),
+        _uncertainty_stated(pair.result, result_value, name, error),
     )
     return replace(measured, stated=stated)
 
@@ -360,18 +360,18 @@ def _length_of_stick_zone(pair: Pair, length_of: Callable[[ContactSolution], flo
     """A length of the permanent stick zone, result − reference over a_ref; NaN is that there is
     none.
     """
-    of_reference = float(length_of(pair.reference))
-    of_result = float(length_of(pair.result))
-    amounts = (float(length_of(pair.plain_reference)), of_result)
-    if math.isnan(of_reference) and math.isnan(of_result):
+    reference_value = float(length_of(pair.reference))
+    result_value = float(length_of(pair.result))
+    amounts = (float(length_of(pair.plain_reference)), result_value)
+    if math.isnan(reference_value) and math.isnan(result_value):
         engines = f"{name_of(pair.reference.engine)} and {name_of(pair.result.engine)}"
         return _nothing_to_compare(f"none in {engines}")
-    if math.isnan(of_reference):
+    if math.isnan(reference_value):
         return Measured(note=f"none in {name_of(pair.reference.engine)}", amounts=amounts)
-    if math.isnan(of_result):
+    if math.isnan(result_value):
         return Measured(note=f"none in {name_of(pair.result.engine)}", amounts=amounts)
     return Measured(
-        value=(of_result - of_reference) / pair.scales.half_width,
+        value=(result_value - reference_value) / pair.scales.half_width,
         amounts=amounts,
         denominator=pair.scales.half_width,
     )
@@ -456,10 +456,10 @@ def edge_tension(pair: Pair) -> Measured:
     if tension_of_reference is None or tension_of_result is None:
         return _nothing_to_compare(f"not known of {' and '.join(engines)}")
 
-    of_reference, reference_uncertainty = tension_of_reference
-    of_result, result_uncertainty = tension_of_result
-    measured = _of_amounts(of_reference, of_result, pair.scales.shear)
-    scale = pair.scales.shear if measured.absolute else abs(of_reference)
+    reference_value, reference_uncertainty = tension_of_reference
+    result_value, result_uncertainty = tension_of_result
+    measured = _of_amounts(reference_value, result_value, pair.scales.shear)
+    scale = pair.scales.shear if measured.absolute else abs(reference_value)
     uncertainty = (reference_uncertainty + result_uncertainty) / scale
     stated = (reference_uncertainty, result_uncertainty)
     return replace(measured, uncertainty=uncertainty, stated=stated)
@@ -486,9 +486,9 @@ def peak_pressure(pair: Pair) -> Measured:
     Both maxima over the same points: where these lie beside the true peak cancels. A reference at
     its own peak would make every result look too low by up to (h/a)^2/8.
     """
-    of_reference = pair.expected.pressure.max(axis=1)
-    of_result = pair.found.pressure.max(axis=1)
-    return _at_worst(pair, over(of_result - of_reference, of_reference))
+    reference_value = pair.expected.pressure.max(axis=1)
+    result_value = pair.found.pressure.max(axis=1)
+    return _at_worst(pair, over(result_value - reference_value, reference_value))
 
 
 def pressure(pair: Pair) -> Measured:
@@ -719,11 +719,11 @@ def tilt(pair: Pair) -> Measured:
 
 def _series_of_tilted(pair: Pair, name: str, scale: float) -> Measured:
     """A series over time that not every solution states, result − reference."""
-    of_reference = getattr(pair.expected, name)
-    of_result = getattr(pair.found, name)
-    if of_reference is None or of_result is None:
+    reference_values = getattr(pair.expected, name)
+    result_values = getattr(pair.found, name)
+    if reference_values is None or result_values is None:
         return _nothing_to_compare("a solution states none")
-    return _at_worst(pair, (of_result - of_reference) / scale)
+    return _at_worst(pair, (result_values - reference_values) / scale)
 
 
 # ---------------------------------------------------------------------------------- work and energy
@@ -733,18 +733,18 @@ def tangential_displacement(pair: Pair) -> Measured:
     """U of each instant, over the range of U_ref."""
     if pair.lacks_datum:
         return _nothing_to_compare(_NO_DATUM)
-    of_reference = pair.expected.tangential_displacement
-    of_result = pair.found.tangential_displacement
-    stroke = float(np.ptp(of_reference))
+    reference_values = pair.expected.tangential_displacement
+    result_values = pair.found.tangential_displacement
+    stroke = float(np.ptp(reference_values))
     least_stroke = _NOTHING * pair.scales.shift
     if stroke <= least_stroke:
-        nothing = np.full_like(of_reference, np.nan)
+        nothing = np.full_like(reference_values, np.nan)
         note = "the reference does not move sideways"
         return Measured(value=None, series=nothing, note=note)
     # A stroke that is NaN moves: it must not count as standing still and hide.
-    series = np.full_like(of_reference, np.nan)
+    series = np.full_like(reference_values, np.nan)
     if stroke > least_stroke:
-        series = (of_result - of_reference) / stroke
+        series = (result_values - reference_values) / stroke
     note = "" if pair.effects is None else _WITH_COMPLIANCES
     if not pair.judged.any():
         note = "the reference does not move sideways"
@@ -763,13 +763,13 @@ def approach_amplitude(pair: Pair) -> Measured:
 
 def _amplitude(pair: Pair, name: str, reason_for_none: str) -> Measured:
     """Half the range of a displacement in the cycle, over that of the reference, − 1."""
-    of_reference = float(np.ptp(getattr(pair.expected, name))) / 2
-    of_result = float(np.ptp(getattr(pair.found, name))) / 2
-    if not math.isfinite(of_reference + of_result):
+    reference_value = float(np.ptp(getattr(pair.expected, name))) / 2
+    result_value = float(np.ptp(getattr(pair.found, name))) / 2
+    if not math.isfinite(reference_value + result_value):
         return _nothing_to_compare("a solution states none")
-    if of_reference <= _NOTHING * pair.scales.shift:
+    if reference_value <= _NOTHING * pair.scales.shift:
         return _nothing_to_compare(reason_for_none)
-    return _of_amounts(of_reference, of_result, pair.scales.shift, note=_WITH_COMPLIANCES)
+    return _of_amounts(reference_value, result_value, pair.scales.shift, note=_WITH_COMPLIANCES)
 
 
 def dissipation_without_steps(pair: Pair) -> Measured:
@@ -817,19 +817,19 @@ def bulk_term(pair: Pair) -> Measured:
 
 def drift(pair: Pair) -> Measured:
     """Change of W in the last cycle over W."""
-    of_reference = pair.reference.dissipation_drift
-    of_result = pair.result.dissipation_drift
+    reference_value = pair.reference.dissipation_drift
+    result_value = pair.result.dissipation_drift
     parts = []
-    for solution, change in ((pair.reference, of_reference), (pair.result, of_result)):
+    for solution, change in ((pair.reference, reference_value), (pair.result, result_value)):
         if math.isnan(change):
             parts.append(f"{name_of(solution.engine)}: not known")
         elif change:
             size = minus(f"{change:+.1e}")
             parts.append(f"{name_of(solution.engine)}: {size} in its last cycle")
     note = "; ".join(parts)
-    if math.isnan(of_reference) or math.isnan(of_result):
+    if math.isnan(reference_value) or math.isnan(result_value):
         return _nothing_to_compare(note)
-    return Measured(value=of_result - of_reference, note=note)
+    return Measured(value=result_value - reference_value, note=note)
 
 
 def dissipation_density(pair: Pair) -> Measured:
@@ -838,11 +838,11 @@ def dissipation_density(pair: Pair) -> Measured:
     Absolute, over A f^2 P_ref^2/a_ref, where the reference does no friction work anywhere (a NaN
     counts as work).
     """
-    of_reference = pair.expected.dissipation_density
-    largest = np.max(np.abs(of_reference))
+    reference_values = pair.expected.dissipation_density
+    largest = np.max(np.abs(reference_values))
     absolute = bool(largest <= _NO_DISSIPATION * pair.scales.density)
     scale = pair.scales.density if absolute else largest
-    difference = (pair.found.dissipation_density - of_reference) / scale
+    difference = (pair.found.dissipation_density - reference_values) / scale
     value, x = _worst(difference, np.ones(len(difference), bool), pair.found.x)
     place = None if x is None else x / pair.scales.half_width
     return Measured(value=value, absolute=absolute, place=place)

@@ -569,7 +569,7 @@ def first_table(comparison: JudgedPair) -> tuple[tuple[str, ...], list[dict[str,
     rows = []
     for metric in comparison.headlines:
         factor, unit = shown_unit(comparison.scene, metric.quantity)
-        of_reference, of_result = metric.amounts or (math.nan, math.nan)
+        reference_values, result_values = metric.amounts or (math.nan, math.nan)
         stated_of_reference, stated_of_result = metric.stated
         place = ""
         if metric.place is not None and metric.value is not None:
@@ -578,8 +578,8 @@ def first_table(comparison: JudgedPair) -> tuple[tuple[str, ...], list[dict[str,
             {
                 "key": metric.key,
                 "label": f"{metric.label} [{unit}]",
-                "reference": _with_stated(of_reference, stated_of_reference, factor),
-                "result": _with_stated(of_result, stated_of_result, factor),
+                "reference": _with_stated(reference_values, stated_of_reference, factor),
+                "result": _with_stated(result_values, stated_of_result, factor),
                 "place": place,
                 "difference": _difference_of(metric),
                 "verdict": metric.verdict or "–",

@@ -114,12 +114,12 @@ def traction_panels(
     grid = np.ix_(rows, np.flatnonzero(is_drawn))
     traction_pairs: dict[str, tuple[Array, Array]] = {}  # of the reference, of the result
     for letter, (field, unit) in _traction_fields(view).items():
-        of_reference = getattr(view.reference_cycle, field)[grid] / unit
-        of_result = getattr(view.result_cycle, field)[grid] / unit
-        traction_pairs[letter] = (of_reference, of_result)
+        reference_values = getattr(view.reference_cycle, field)[grid] / unit
+        result_values = getattr(view.result_cycle, field)[grid] / unit
+        traction_pairs[letter] = (reference_values, result_values)
     differences = {
-        letter: 100 * (of_result - of_reference)
-        for letter, (of_reference, of_result) in traction_pairs.items()
+        letter: 100 * (result_values - reference_values)
+        for letter, (reference_values, result_values) in traction_pairs.items()
     }
 
     def curve(values: Array, css: str, label: str, field: str) -> Curve:
@@ -232,8 +232,8 @@ def state_map(view: CycleView) -> Plate:
     """Open, stick, forward and reverse slip over x and time, for both engines and where they
     differ.
     """
-    of_reference = view.reference_cycle.state
-    of_result = view.result_cycle.state
+    reference_values = view.reference_cycle.state
+    result_values = view.result_cycle.state
     metric = view.comparison.metric("state")
     # The metric's own number: points crowd at the edges, so that counting them would give another,
     # larger share.
@@ -241,9 +241,14 @@ def state_map(view: CycleView) -> Plate:
     reference_engine, result_engine = view.engines
     difference_title = f"they differ: {share}".rstrip(": ")
     maps = (
-        ("map-reference", of_reference, _STATE_COLOURS, reference_engine.name),
-        ("map-result", of_result, _STATE_COLOURS, result_engine.name),
-        ("map-difference", of_reference != of_result, _DIFFERENCE_COLOURS, difference_title),
+        ("map-reference", reference_values, _STATE_COLOURS, reference_engine.name),
+        ("map-result", result_values, _STATE_COLOURS, result_engine.name),
+        (
+            "map-difference",
+            reference_values != result_values,
+            _DIFFERENCE_COLOURS,
+            difference_title,
+        ),
     )
     pixels = _pixels(view)
     panels = []
@@ -272,8 +277,8 @@ def state_map(view: CycleView) -> Plate:
     table = {
         "time": np.repeat(view.result_cycle.time[instants], len(points)),
         "x": np.tile(view.result_cycle.x[points], len(instants)),
-        f"state_reference ({codes})": of_reference[grid].ravel(),
-        f"state_result ({codes})": of_result[grid].ravel(),
+        f"state_reference ({codes})": reference_values[grid].ravel(),
+        f"state_result ({codes})": result_values[grid].ravel(),
     }
     return worded(
         "state_map",
@@ -304,31 +309,31 @@ def dissipation_density(view: CycleView) -> Plate | None:
     x = view.x
     scales = view.scales
     unit = scales.dissipation / scales.half_width
-    of_reference = view.reference_cycle.dissipation_density / unit
-    of_result = view.result_cycle.dissipation_density / unit
-    if not (np.any(of_reference) or np.any(of_result)):
+    reference_values = view.reference_cycle.dissipation_density / unit
+    result_values = view.result_cycle.dissipation_density / unit
+    if not (np.any(reference_values) or np.any(result_values)):
         return None
 
     stick = permanent_edges(view.comparison.reference) / scales.half_width
     lines: list[Mark] = [
         Rule(float(edge), "stick-line", upright=True) for edge in stick if np.isfinite(edge)
     ]
-    for density, key in zip((of_reference, of_result), view.keys, strict=True):
+    for density, key in zip((reference_values, result_values), view.keys, strict=True):
         lines.append(Curve(x, density, key.css, key.text))
-    peak = int(np.nanargmax(np.where(np.isfinite(of_result), of_result, -np.inf)))
-    lines.append(Dot(float(x[peak]), float(of_result[peak]), "event"))
+    peak = int(np.nanargmax(np.where(np.isfinite(result_values), result_values, -np.inf)))
+    lines.append(Dot(float(x[peak]), float(result_values[peak]), "event"))
     densities = Panel(
         "work",
         view.over_x(),
-        Axis(*limits(of_reference, of_result, zero=True), "w / (A f² P_ref²/a_ref)"),
+        Axis(*limits(reference_values, result_values, zero=True), "w / (A f² P_ref²/a_ref)"),
         lines,
         "Dissipation density over x",
         css="pick",
     )
 
-    largest_density = float(np.nanmax(np.abs(of_reference), initial=0.0)) or 1.0
-    difference = 100 * (of_result - of_reference) / largest_density
-    dissipates = (of_reference != 0) | (of_result != 0)
+    largest_density = float(np.nanmax(np.abs(reference_values), initial=0.0)) or 1.0
+    difference = 100 * (result_values - reference_values) / largest_density
+    dissipates = (reference_values != 0) | (result_values != 0)
     note = difference_in_words(
         difference, x, "x = {} a_ref", " %", (np.abs(x) <= view.largest_x) & dissipates
     )
@@ -344,8 +349,8 @@ def dissipation_density(view: CycleView) -> Plate | None:
     table = {
         "x": view.result_cycle.x,
         "x/a_ref": x,
-        f"w_reference/{columns}": of_reference,
-        f"w_result/{columns}": of_result,
+        f"w_reference/{columns}": reference_values,
+        f"w_result/{columns}": result_values,
     }
     return worded(
         "dissipation_density",
@@ -353,7 +358,7 @@ def dissipation_density(view: CycleView) -> Plate | None:
         table,
         (*view.keys, Key("d p", "difference")),
         stretch=view.stretch,
-        peak=f"{of_result[peak]:.4g}",
+        peak=f"{result_values[peak]:.4g}",
         place=signed(float(x[peak])),
         stick=_ends_in_words(stick),
     )

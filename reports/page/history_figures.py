@@ -76,7 +76,8 @@ def half_widths(view: CycleView) -> Plate:
     )
 
     differences = {
-        kind: of_result - of_reference for kind, (of_reference, of_result) in half_widths_of.items()
+        kind: result_values - reference_values
+        for kind, (reference_values, result_values) in half_widths_of.items()
     }
     notes = [
         f"{kind}: {view.difference_over_time(difference, ' a_ref')}"
@@ -193,14 +194,14 @@ def slip_histories(view: CycleView) -> Plate:
         for place, name in enumerate(names):
             css = f"{look} point-{place}"
             lines.append(Curve(view.time, slip[:, place], css, f"{name}, {engine.name}"))
-    of_reference, of_result = slips
+    reference_values, result_values = slips
     table = {"time": view.result_cycle.time}
     for place, point in enumerate(points):
         words_of_place = f"(x = {view.result_cycle.x[point]:.6g}) [{length}]"
-        table[f"slip_reference{words_of_place}"] = of_reference[:, place]
-        table[f"slip_result{words_of_place}"] = of_result[:, place]
+        table[f"slip_reference{words_of_place}"] = reference_values[:, place]
+        table[f"slip_result{words_of_place}"] = result_values[:, place]
 
-    difference = of_result - of_reference
+    difference = result_values - reference_values
     worst_point = int(np.argmax(np.nanmax(np.abs(np.nan_to_num(difference)), axis=0)))
     notes = [
         f"result − reference at {names[worst_point]}, where it is largest:",
@@ -424,8 +425,8 @@ def hysteresis(view: CycleView) -> Plate | None:
             [comparison.reference.dissipation, comparison.result.dissipation],
         )
         works_in_words += [
-            f"{minus(f'{of_reference:.5g}')} and {minus(f'{of_result:.5g}')}"
-            for of_reference, of_result in works
+            f"{minus(f'{reference_values:.5g}')} and {minus(f'{result_values:.5g}')}"
+            for reference_values, result_values in works
         ]
         works_in_words.append(energy_unit(scene))
     table = {
@@ -470,30 +471,30 @@ def _loop_panel(view: CycleView, name: str, shift: tuple[str, list[Array]], titl
     title
         words of the axis
     """
-    letter, (of_reference, of_result) = shift
+    letter, (reference_values, result_values) = shift
     loads = [view.reference_cycle.tangential_load, view.result_cycle.tangential_load]
-    stroke = float(np.ptp(of_reference)) or 1.0
-    share = 100 * (of_result - of_reference) / stroke
+    stroke = float(np.ptp(reference_values)) or 1.0
+    share = 100 * (result_values - reference_values) / stroke
     fraction = view.result_cycle.fraction
     numbers_and_place = difference_in_words(share, fraction, "{}", " %")
     numbers = numbers_and_place.rpartition(" at ")[0]
     loop_extent = "stroke" if letter == "U" else "width"
     marks: list[Mark] = []
-    for key, values, load in zip(view.keys, (of_reference, of_result), loads, strict=True):
+    for key, values, load in zip(view.keys, (reference_values, result_values), loads, strict=True):
         marks.append(Curve(values, load, key.css, key.text))
     panel = Panel(
         name,
-        Axis(*limits(of_reference, of_result, margin=0.12), title, count=4),
+        Axis(*limits(reference_values, result_values, margin=0.12), title, count=4),
         Axis(*limits(*loads, margin=0.12), f"tangential load Q  [{load_unit(view.scene)}]"),
         marks,
         f"Tangential load over {title}",
         height=330.0,
         notes=[f"{numbers}, of the {loop_extent}"] if numbers else [],
     )
-    marks += _events(panel, of_result, loads[1], view.chosen_events)
+    marks += _events(panel, result_values, loads[1], view.chosen_events)
     start = view.shown_instant
-    marks.append(_follower(f"{letter}0", of_reference[start], loads[0][start], "now pale"))
-    marks.append(_follower(f"{letter}1", of_result[start], loads[1][start], "now"))
+    marks.append(_follower(f"{letter}0", reference_values[start], loads[0][start], "now pale"))
+    marks.append(_follower(f"{letter}1", result_values[start], loads[1][start], "now"))
     return panel
 
 

@@ -403,10 +403,10 @@ def _carried_fields(
     }
     fields = {}
     for key, (name, size) in sizes.items():
-        of_reference = getattr(view.reference_cycle, name)[grid] / size
-        of_result = getattr(view.result_cycle, name)[grid] / size
-        fields[key] = _quantised(of_reference)
-        fields[f"d{key}"] = _quantised(of_result - of_reference)
+        reference_values = getattr(view.reference_cycle, name)[grid] / size
+        result_values = getattr(view.result_cycle, name)[grid] / size
+        fields[key] = _quantised(reference_values)
+        fields[f"d{key}"] = _quantised(result_values - reference_values)
     state_of_result = view.result_cycle.state[grid].astype(np.uint8)
     return fields, view.reference_cycle.state[grid].astype(np.uint8) + 4 * state_of_result
 

@@ -192,7 +192,7 @@ def _by_time(surface: SurfaceResult, stated_time: Array, scene: Scene, *, sure: 
     # pressure.
     size = float(np.max(normal_load)) or 1.0
     integral, _ = resultants(surface)
-    for name, of_result, of_scene, limit in (
+    for name, result_values, of_scene, limit in (
         ("P", surface.normal_load, normal_load, _STATED),
         ("Q", surface.tangential_load, tangential_load, _STATED),
         (
@@ -202,15 +202,15 @@ def _by_time(surface: SurfaceResult, stated_time: Array, scene: Scene, *, sure: 
             _INTEGRATED_AT_TIMES if sure else _UNSURE,
         ),
     ):
-        if of_result is None:
+        if result_values is None:
             continue
-        misfits = np.flatnonzero(np.abs(of_result - of_scene) > limit * size)
+        misfits = np.flatnonzero(np.abs(result_values - of_scene) > limit * size)
         if len(misfits):
             step = int(misfits[0])
             raise InputError(
                 f"{surface.source}: its history is not the scene's: at instant {step + 1}, time"
-                f" {time[step]:.6g}, {name} is {of_result[step]:.6g} and the scene's"
-                f" {of_scene[step]:.6g}{_constant_ratio(of_result, of_scene, size)}"
+                f" {time[step]:.6g}, {name} is {result_values[step]:.6g} and the scene's"
+                f" {of_scene[step]:.6g}{_constant_ratio(result_values, of_scene, size)}"
             )
     note = "its instants were matched by the times that it states"
     return History(time, normal_load, tangential_load, (note,))

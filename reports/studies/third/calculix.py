@@ -281,7 +281,7 @@ def run_calculix(
         With the last lines of its log where it stopped early, by itself or by the limit. The
         process is gone in any case.
     """
-    begun = time.monotonic()
+    begin_time = time.monotonic()
     is_late = False
     log = folder / f"{name}.log"
     sta = folder / f"{name}.sta"
@@ -296,7 +296,7 @@ def run_calculix(
         )
         try:
             while process.poll() is None and not is_late:
-                is_late = time.monotonic() > begun + limit
+                is_late = time.monotonic() > begin_time + limit
                 if report is not None:
                     rows = status(sta)
                     share = rows[-1].total / end if rows else 0.0
@@ -327,7 +327,7 @@ def run_calculix(
             f" lines of its log: {tail}"
         )
     return Done(
-        time.monotonic() - begun,
+        time.monotonic() - begin_time,
         sum(row.accepted for row in rows),
         sum(row.iterations for row in rows),
     )
