@@ -32,13 +32,23 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from meshes import MeshSettings
 from reports.comparison.laws import QUANTITIES
 from reports.comparison.pairs import coupled
 from reports.comparison.verdicts import Verdict, verdict_on
 from reports.comparison.why import Why, in_percent
-from scenes import BodyEffects, ContactSolution, Estimate, InputError, Scene
+from scenes import (
+    Bodies,
+    BodyEffects,
+    ContactSolution,
+    ConvergenceError,
+    Estimate,
+    InputError,
+    Scene,
+)
 
 if TYPE_CHECKING:
+    from halfplane_fe import SolverSettings
     from reports.comparison.budget import ErrorBudget
     from reports.comparison.judged import JudgedPair
 
@@ -78,8 +88,13 @@ _LEFT_OF_STICK = 5e-3
 # strain make.
 _MOST_UNCERTAIN = 0.01
 _MOST_ODD = 0.05
+# Elements of what explains the difference, over those of the finite elements.
+_COARSER = 2.0
 WORK = "dissipation"
 ODD = "tilt and bulk strain"
+HIGHER_ORDERS = "higher orders"
+COUPLING = "coupling"
+FINITE_BODIES = "finite bodies"
 
 
 class Change(NamedTuple):
@@ -303,13 +318,78 @@ def split(comparison: JudgedPair, budget: ErrorBudget | None) -> Why:
         terms = next(row.terms for row in budget.budgets if row.metric.key == WORK)
         numerical_part = sum(term.value or 0.0 for term in terms)
     try:
-        advice = advise(comparison.scene, effects=comparison.effects)
-    except InputError as reason:
+        if coupled(comparison.scene):
+            parts = _parts_of_unlike(comparison)
+        else:
+            advice = advise(comparison.scene, effects=comparison.effects)
+            parts = _parts_of_alike(advice, comparison)
+    except (InputError, ConvergenceError) as reason:
         return Why(total, not_split=str(reason))
-    parts = dict(advice.parts)
-    if advice.left_out:
-        parts[ODD] = Estimate(0.0, advice.left_out)
     return Why(total, parts, Estimate(numerical_part))
+
+
+def _parts_of_alike(advice: Advice, comparison: JudgedPair) -> dict[str, Estimate]:
+    """The parts by the numbers of the bodies; where these give no more than a size, also what the
+    kernel solve of the bodies finds beyond their sum.
+    """
+    parts = dict(advice.parts)
+    if not advice.declined:
+        if advice.left_out:
+            parts[ODD] = Estimate(0.0, advice.left_out)
+        return parts
+    theory_work = advice.changes[WORK].theory
+    by_kernels = _work_by_kernels(comparison)
+    by_numbers = sum(part.value for part in parts.values())
+    parts = {words: Estimate(part.value) for words, part in parts.items()}
+    beyond_numbers = by_kernels.value / theory_work - 1 - by_numbers
+    parts[HIGHER_ORDERS] = Estimate(beyond_numbers, by_kernels.uncertainty / theory_work)
+    return parts
+
+
+def _parts_of_unlike(comparison: JudgedPair) -> dict[str, Estimate]:
+    """Coupling of pressure and shear, by finite elements of half-planes of the same materials, and
+    what the kernel solve of the finite bodies makes of these.
+
+    Raises
+    ------
+    InputError
+        For bodies that have no kernels, before anything is solved.
+    """
+    import halfplane_fe
+    import semi_analytic
+
+    scene = comparison.scene
+    by_kernels = _work_by_kernels(comparison)
+    mesh, settings = _coarser_than(comparison)
+    half_planes = halfplane_fe.solve(scene.vary(bodies=Bodies()), mesh, settings)
+    theory_work = semi_analytic.solve(scene, fields=WORK).dissipation
+    coupling = half_planes.dissipation / theory_work - 1
+    of_coupling = half_planes.dissipation_uncertainty / theory_work
+    of_bodies = (by_kernels.value - half_planes.dissipation) / theory_work
+    return {
+        COUPLING: Estimate(coupling, of_coupling),
+        FINITE_BODIES: Estimate(of_bodies, by_kernels.uncertainty / theory_work + of_coupling),
+    }
+
+
+def _work_by_kernels(comparison: JudgedPair) -> Estimate:
+    """W by the kernel solve of the bodies."""
+    import halfplane_fe
+
+    mesh, settings = _coarser_than(comparison)
+    solution = halfplane_fe.solve(comparison.scene, mesh, settings, bodies="kernel")
+    return Estimate(solution.dissipation, solution.dissipation_uncertainty)
+
+
+def _coarser_than(comparison: JudgedPair) -> tuple[MeshSettings, SolverSettings]:
+    """Elements twice as large as those of the finite elements that are compared, and their steps: a
+    third of the time, and parts that are uncertain by some 1e-3.
+    """
+    from halfplane_fe import SolverSettings
+    from reports.comparison.budget import coarser
+
+    mesh = MeshSettings(**comparison.result.settings["mesh"])
+    return coarser(mesh, SolverSettings(), _COARSER)
 
 
 # Key of an answer -> the quantity of a solution, whose change is taken on common points, and its
