@@ -45,9 +45,9 @@ from scenes.array_types import Array, Indices, Mask, States
 
 Factors = tuple[Array, NDArray[np.int32]]
 
-# Bytes of bases, and so many at least: a cycle meets the same sets again and again. With 75 MB a
-# record of 2,000 rows on a pad takes a fifth longer (measured at 96 rows).
-_BYTES = 130_000_000
+# Bytes of bases, and so many at least: a cycle meets the same sets again and again. With 80 MB a
+# record of 2,000 rows on a pad takes two fifths longer.
+_BYTES = 100_000_000
 _LEAST_BASES = 4
 # Rows in which a set may differ from its base: beyond that the set becomes a base itself. Of a
 # record on a pad a pass needs 13 bases then, which have room in `_BYTES`; with 96 rows it needs 24,
@@ -111,8 +111,6 @@ class _Base:
         of the equations of `held`
     free
         (n_free,) rows of gap and slip that do not hold
-    beyond
-        (n_free, k) those rows of the matrix
     number
         (2 n + 5,) place in `answers` of the answer to each row or load, -1 where it is unknown
     answers
@@ -130,7 +128,6 @@ class _Base:
     holds: Mask
     factors: Factors
     free: Indices
-    beyond: Array
     number: Indices
     answers: Array
     met: set[bytes]
@@ -139,7 +136,7 @@ class _Base:
     @property
     def nbytes(self) -> int:
         """Of the arrays that count."""
-        return self.factors[0].nbytes + self.beyond.nbytes + self.answers.nbytes
+        return self.factors[0].nbytes + self.answers.nbytes
 
 
 class _Nested:
@@ -532,11 +529,11 @@ class Systems:
         holds = np.concatenate([states != OPEN, sticks, [True, True, False, False, False]])
         held_rows = np.flatnonzero(holds)
         free_rows = np.flatnonzero(~holds[: 2 * n])
-        columns = self.matrix[:, held_rows]
+        columns = self.matrix[np.ix_(held_rows, held_rows)]
         # Sliding nodes take their q along with p.
         sliding_nodes = np.flatnonzero(traction)
         columns[:, np.searchsorted(held_rows, sliding_nodes)] += (
-            self.matrix[:, n + sliding_nodes] * traction[sliding_nodes]
+            self.matrix[np.ix_(held_rows, n + sliding_nodes)] * traction[sliding_nodes]
         )
         place = np.full(len(holds), -1)
         place[held_rows] = np.arange(len(held_rows))
@@ -546,9 +543,8 @@ class Systems:
             held=held_rows,
             place=place,
             holds=holds[: 2 * n],
-            factors=_lu(columns[held_rows]),
+            factors=_lu(columns),
             free=free_rows,
-            beyond=columns[free_rows],
             number=np.full_like(place, -1),
             answers=np.empty((0, 2 * n + 3)),
             met=set(),
@@ -579,7 +575,11 @@ class Systems:
         base.number[rows] = first_number + number
         answers = base.answers[first_number : base.count]
         answers[:, base.held] = solutions.T
-        answers[:, base.free] = (base.beyond @ solutions + by_unknown[base.free]).T
+        forces = np.zeros((2 * n + 2, len(rows)))
+        forces[base.held] = solutions
+        forces[n : 2 * n] += base.traction[:, None] * forces[:n]
+        displacements = self.matrix[: 2 * n, : 2 * n + 2] @ forces + by_unknown[: 2 * n]
+        answers[:, base.free] = displacements[base.free].T
         answers[:, 2 * n + 2] = rows == 2 * n + 4  # the tilt
         while len(self._bases) > _LEAST_BASES and sum(base.nbytes for base in self._bases) > _BYTES:
             self._bases.pop(0)

@@ -393,7 +393,7 @@ def test_bytes_kept_stay_within_the_bound(every: int, monkeypatch: pytest.Monkey
     reached = []
     for states in sets(300, n, every):
         assert residual(set_systems, states, (1.0, 0.1), np.arange(2), np.ones(2)) < 1e-10
-        bases = [(base.factors[0], base.beyond, base.answers) for base in set_systems._bases]
+        bases = [(base.factors[0], base.answers) for base in set_systems._bases]
         reached.append(sum(array.nbytes for arrays in bases for array in arrays))
     assert max(reached) <= bound
     assert set_systems.work["factorisations"] > 6
