@@ -43,7 +43,7 @@ LARGEST_DRIFT = 0.02
 # Q over f P of partial loops.
 AMPLITUDES = (0.3, 0.97)
 # A loop that slides as a whole comes so near to f P before it does.
-NEAR_SLIDING = 1 - 1e-6
+NEAR_SLIDING = 1 - 1e-9
 INSTANTS = 4001
 SEEDS = 2**32
 

@@ -27,6 +27,7 @@ diagnosis.py       the findings in sentences, with their evidence and what is ex
 loops.py           a rig's loop of Q over U: the f that fits it, its interval, the engines' loops
 loop_branches.py   turning points of Q, the branch of each row, area of the rows
 loop_steadiness.py whether rows are of one steady loop: drift, run-in, cycles that differ
-loop_fit.py        f by least squares: branches by Masing's rule, theory's whole loop where P varies
+loop_masing.py     f by least squares at constant P: partial and gross loops by Masing's rule
+loop_fit.py        f by least squares where P varies: theory's whole loop
 study.py           a folder of meshes: orders, and what no mesh removes
 """

@@ -1,26 +1,17 @@
-"""The f, the turning points and the rig at which theory's loop follows the rows of a measured one.
+"""The f, the turning points and the rig at which theory's loop follows the rows of a measured one,
+where P varies with Q as in the scene.
 
 # notation: C compliance of the rig, f friction coefficient, Q_max and Q_min turning points of Q,
 #           R = Q_max - Q_min, r factor of the file's Q over the scene's, tau share of the scene's
-#           cycle, u(h) U of the initial loading by Q = h, U0 origin of U, sigma standard deviation
-#           of the noise of a row
+#           cycle, U0 origin of U, sigma standard deviation of the noise of a row
 
 Least squares over f, Q_max, Q_min, C and U0. The turning points lie between rows: they are
-parameters of the fit, beside what the rows of Q near them say. There are two models of a loop:
-
-MemoryCurve: P is constant. By Masing's rule a branch hangs on its turning point,
-
-    rising:  U = -u(R/2) + 2 u((Q - Q_min)/2),   falling:  U = u(R/2) - 2 u((Q_max - Q)/2),
-    u(h; f) = f v(h/f),
-
-and the distance of a row is (U - C Q - U0 - U_branch(Q)) / sqrt(sigma_U^2 + (dU/dQ)^2 sigma_Q^2).
-
-LoopsOverFriction: P varies with Q as in the scene. The loop is the closed curve
+parameters of the fit, beside what the rows of Q near them say. The loop is the closed curve
 
     U = r U(tau; f/r) + C Q + U0,   Q = r Q(tau) + Q0,
 
-and the distance of a row is that from the nearest point of its branch, in sigma of U and of Q.
-Neither model contains time.
+and the distance of a row is that from the nearest point of its branch, in sigma of U and of Q. Time
+is no part of it. Where P is constant see `loop_masing`.
 """
 
 from __future__ import annotations
@@ -29,23 +20,17 @@ import functools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Any, NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-import semi_analytic
 from reports.scoring.loop_branches import Branches, row_noise
 from reports.scoring.loop_steadiness import Misfit, misfit_of
-from scenes import Scene
 from scenes.array_types import Array
 
 Indices = NDArray[np.intp]
 
-# Samples of the memory curve, closer towards gross sliding, where its slope grows as a logarithm,
-# and how near they come to it.
-_SAMPLES = 1001
-_BEFORE_SLIDING = 1e-6
 # First trials of f, from just above gross sliding to so many times as much; beyond, a loop is a
 # line.
 _TRIALS = 24
@@ -125,24 +110,6 @@ class LoopRows:
         return float(slope), float(origin)
 
 
-class LoopModel(Protocol):
-    """A loop of theory over f, Q_max, Q_min, C and U0 (terms, (4,)), and its distance from rows."""
-
-    def least_friction(self, highest: float, lowest: float) -> float:
-        """f of gross sliding between these turning points."""
-
-    def first_frictions(self, highest: float, lowest: float) -> Array:
-        """The f to try first."""
-
-    def first_rig(
-        self, rows: LoopRows, friction: float, highest: float, lowest: float
-    ) -> tuple[float, float]:
-        """C and U0 where a fit begins."""
-
-    def distances(self, rows: LoopRows, friction: float, terms: Array, weights: Weights) -> Array:
-        """Of the rows from their branches in sigma (n,)."""
-
-
 @dataclass(frozen=True, eq=False)
 class LoopFit:
     """f at which theory's loop follows the rows best, and what was fitted with it.
@@ -176,103 +143,6 @@ class LoopFit:
     def terms(self) -> Array:
         """Q_max, Q_min, C and U0."""
         return np.array([self.highest, self.lowest, self.compliance, self.origin])
-
-
-# ------------------------------------------------------------------------------ P constant: Masing
-@dataclass(frozen=True, eq=False)
-class MemoryCurve:
-    """u(h; f) = f v(h/f) at the scene's constant P: half-plane theory at samples, cubic between
-    them.
-
-    Below 0 and beyond gross sliding v goes on straight: noise takes rows there.
-    """
-
-    limit: float  # h/f of the last sample
-    sliding: float  # f of gross sliding over the range of Q
-    spline: Any
-    slope: Any
-
-    def value(self, h: Array) -> Array:
-        """v [length] at h/f [force per thickness]."""
-        inner = np.clip(h, 0.0, self.limit)
-        before = np.minimum(h, 0.0) * self.slope(0.0)
-        beyond = np.maximum(h - self.limit, 0.0) * self.slope(self.limit)
-        return np.asarray(self.spline(inner) + before + beyond)
-
-    def rate(self, h: Array) -> Array:
-        """dv/dh [1/stress]."""
-        return np.asarray(self.slope(np.clip(h, 0.0, self.limit)))
-
-    def least_friction(self, highest: float, lowest: float) -> float:
-        """f of gross sliding between these turning points."""
-        return self.sliding * (highest - lowest)
-
-    def first_frictions(self, highest: float, lowest: float) -> Array:
-        """The f to try first."""
-        above = np.exp(np.linspace(_ABOVE, math.log(_WIDEST), _TRIALS))
-        return self.least_friction(highest, lowest) * above
-
-    def first_rig(
-        self, rows: LoopRows, friction: float, highest: float, lowest: float
-    ) -> tuple[float, float]:
-        """C and U0 where a fit begins."""
-        shift, _ = self.loop(rows, friction, highest, lowest)
-        return rows.rig(shift)
-
-    def loop(
-        self, rows: LoopRows, friction: float, highest: float, lowest: float
-    ) -> tuple[Array, Array]:
-        """U of theory at the rows, without rig and origin, and dU/dQ."""
-        rising = rows.branches.rising
-        passed = np.where(rising, rows.load - lowest, highest - rows.load) / 2
-        half = (highest - lowest) / 2
-        # Beyond its other turning point a branch goes on straight.
-        inside = np.minimum(passed, half) / friction
-        rate = self.rate(inside)
-        from_turn = 2 * friction * self.value(inside) + 2 * rate * np.maximum(passed - half, 0.0)
-        shift_at_turn = friction * float(self.value(np.array(half / friction)))
-        return np.where(rising, from_turn - shift_at_turn, shift_at_turn - from_turn), rate
-
-    def distances(self, rows: LoopRows, friction: float, terms: Array, weights: Weights) -> Array:
-        """Of the rows from their branches in sigma (n,)."""
-        highest, lowest, compliance, origin = terms.tolist()
-        shift, rate = self.loop(rows, friction, highest, lowest)
-        across = np.hypot(weights.shift, (compliance + rate) * weights.load)
-        return np.asarray((rows.shift - compliance * rows.load - origin - shift) / across)
-
-
-def memory_curve(scene: Scene, sliding: float) -> MemoryCurve:
-    """The curve from the falling branch of a loop that nearly slides: u(h) is half of U(Q_max) -
-    U(Q_max - 2 h).
-
-    Parameters
-    ----------
-    sliding
-        f of gross sliding over the range of Q, of the scene
-    """
-    from scipy.interpolate import CubicSpline
-
-    friction = scene.friction.coefficient
-    path = scene.load.path()
-    load = float(np.asarray(path.at(np.array([path.cycle_start]))[0])[0])
-    limit = load * (1 - _BEFORE_SLIDING)
-    largest = friction * limit
-    loads = {
-        "kind": "polygon",
-        "initial_loading": [(load, 0.0), (load, largest)],
-        "cycle": [(load, -largest)],
-    }
-    wave = scene.vary(load=loads, cycles=2)
-    path = wave.load.path()
-    assert path.period is not None
-    passed = 1 - (1 - np.linspace(0.0, 1.0, _SAMPLES)) ** 3
-    times = path.cycle_start + path.period * (1 + passed / 2)
-    solution = semi_analytic.solve(
-        wave, x=0.0, time=times, fields="tangential_displacement", cycles="steady"
-    )
-    shift = solution.tangential_displacement
-    spline = CubicSpline(limit * passed, (shift[0] - shift) / (2 * friction))
-    return MemoryCurve(limit, sliding, spline, spline.derivative())
 
 
 # -------------------------------------------------------------------- P varies: theory's whole loop
@@ -562,7 +432,7 @@ class _Search:
     """
 
     rows: LoopRows
-    model: LoopModel
+    model: LoopsOverFriction
     weights: Weights
     least: float  # f of gross sliding
 
@@ -641,33 +511,17 @@ class _Search:
             point[free] += values * sizes
             return math.exp(min(max(point[0], lowest_log), highest_log)), point[1:]
 
-        model = self.model
-        if isinstance(model, LoopsOverFriction):
-            # The derivatives come with the residuals, and are asked for where these were last.
-            @functools.lru_cache(maxsize=2)
-            def both(values: bytes) -> tuple[Array, Array]:
-                point = placed(np.frombuffer(values))
-                residuals, derivatives = self._with_derivatives(*point, model)
-                return residuals, derivatives[:, free] * sizes
-
-            def residuals(values: Array) -> Array:
-                return both(values.tobytes())[0]
-
-            def derivatives(values: Array) -> Array:
-                return both(values.tobytes())[1]
-
-            jacobian: Any = derivatives
-        else:
-
-            def residuals(values: Array) -> Array:
-                return self.residuals(*placed(values))
-
-            jacobian = "2-point"
+        # The derivatives come with the residuals, and are asked for where these were last.
+        @functools.lru_cache(maxsize=2)
+        def both(values: bytes) -> tuple[Array, Array]:
+            point = placed(np.frombuffer(values))
+            residuals, derivatives = self._with_derivatives(*point, self.model)
+            return residuals, derivatives[:, free] * sizes
 
         answer = least_squares(
-            residuals,
+            lambda values: both(values.tobytes())[0],
             np.zeros(len(sizes)),
-            jac=jacobian,
+            jac=lambda values: both(values.tobytes())[1],
             method="lm",
             xtol=1e-11,
             ftol=1e-11,
@@ -732,7 +586,10 @@ class _Search:
 
 
 def fit_loop(
-    rows: LoopRows, model: LoopModel, resolution: tuple[float, float], error_of_theory: float
+    rows: LoopRows,
+    model: LoopsOverFriction,
+    resolution: tuple[float, float],
+    error_of_theory: float,
 ) -> LoopFit:
     """f, turning points and rig that fit the rows best, with the interval of f.
 

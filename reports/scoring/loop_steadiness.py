@@ -31,10 +31,6 @@ _ALIKE = 0.03
 _NOISE_OF_SIZES = 4.0
 # Sizes, half a cycle after each other, that part a period of two cycles from a trend.
 _SHOWS_A_PERIOD = 4
-# Q stays at its turning point within this share of its range, while U moves by that share of its
-# own: the contact slides as a whole. Where it nearly slides U moves by less than a tenth.
-_STAYS = 0.03
-_MOVES = 0.13
 
 
 @dataclass(frozen=True)
@@ -93,16 +89,6 @@ def drift_of_shift(shift: Array, load: Array, time: Array, branches: Branches) -
     moved = np.interp(later, phase, opened) - opened[chosen]
     passed = np.interp(later, phase, time) - time[chosen]
     return float(np.mean(moved) / np.mean(passed))
-
-
-def slides_as_a_whole(shift: Array, load: Array, branches: Branches) -> bool:
-    """Whether U moves on while Q stays at its turning points."""
-    margin = _STAYS * (branches.highest.load - branches.lowest.load) + 2 * branches.load_noise
-    at_top = shift[load > branches.highest.load - margin]
-    at_bottom = shift[load < branches.lowest.load + margin]
-    # Half of the rows by the middle of each plateau: noise of U and single rows count for nothing.
-    moved = [np.ptp(np.quantile(part, [0.1, 0.9])) for part in (at_top, at_bottom) if len(part) > 3]
-    return bool(moved and min(moved) > _MOVES * np.ptp(shift) + 3 * row_noise(shift))
 
 
 def differences_of_cycles(shift: Array, load: Array, time: Array, noise: float) -> str:

@@ -14,8 +14,9 @@ is linear in Q at constant P: a fitted C takes it in, a given one is that of the
 `profile.datum_length`.
 
 Where Q has one highest and one lowest value in a cycle, nothing depends on the form of Q or U over
-time. Rows have a branch by their order (`loop_branches`). At constant P their Q says where they lie
-on it; where P varies with Q as in the scene, they lie where theory's loop is nearest (`loop_fit`).
+time. Rows have a branch by their order (`loop_branches`), and lie on it where theory's loop is
+nearest: at constant P that of Masing's rule, which may slide as a whole at its ends
+(`loop_masing`); else that of the scene, with P over Q as there (`loop_fit`).
 Where Q has more turning points in a cycle, tau follows from the order of the rows, or from their
 times: period and phase are those with which Q fits the scene's best. Then C and U0 are found by
 linear least squares, f by a scan and a bounded search on the sum of squares, and its interval is
@@ -26,13 +27,14 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 import semi_analytic
 from reports.charts.plate import (
@@ -52,20 +54,27 @@ from reports.charts.templating import script, template
 from reports.checking import nearest_to_sliding
 from reports.comparison.words import question
 from reports.folder import filled
-from reports.scoring.loop_branches import Branches, find_branches, polygon_area, row_noise
+from reports.scoring.loop_branches import Branches, LoopArea, find_branches, polygon_area, row_noise
 from reports.scoring.loop_fit import (
-    LoopFit,
     LoopRows,
     LoopsOverFriction,
     Weights,
     fit_loop,
+)
+from reports.scoring.loop_masing import (
+    BestLoop,
+    MasingFit,
+    MasingLoop,
+    MeasuredRows,
+    MemoryCurve,
+    best_loop,
     memory_curve,
+    with_interval,
 )
 from reports.scoring.loop_steadiness import (
     Misfit,
     differences_of_cycles,
     drift_of_shift,
-    slides_as_a_whole,
 )
 from reports.scoring.mapping import Mapping, converted, find_column, listed
 from reports.units import energy_unit, load_unit, minus, units
@@ -91,7 +100,7 @@ _SHIFT_NAMES = (
 _BY_NUMBER = "columns.slip = 1 and columns.tangential_load = 2 of a mapping"
 # Rows that show with how many digits numbers are written.
 _DIGITS_SEEN = 1000
-_FEWEST = 40
+_FEWEST = 20
 _LEAST_CYCLES = 0.9
 _MOST_CYCLES = 2000
 # Parts of the cycle in which rows are averaged for the figures.
@@ -111,15 +120,19 @@ _OF_MEMORY = 1e-6
 # experiment's.
 _FOLLOWS = 0.15
 # Part of the distances that is no scatter, over the mean opening of the loop in U, from which rows
-# are looked at for drift and run-in, and beyond which they are of no loop of theory.
+# under a varying P are said not to be examined, and beyond which they are of no loop of theory.
 _STEADY = 0.02
-_OF_THEORY_AT_ALL = 0.03
+_OF_THEORY_AT_ALL = 0.01
 # Theory's own error of a loop is below this share of its opening.
 _WORTH_SAYING = 1e-3
 # U that moves on by more than this share of its range in a cycle is no drift of a gauge.
 _DRIFT = 0.03
-# Cycles of a run-in, at most, and never more than half of all.
-_RUN_IN = 3
+# A drift below this share of the range of U is not worth a word.
+_DRIFT_SAID = 1e-3
+# Cycles that are left without a run-in, at least: fewer do not show whether they are alike.
+_FEWEST_ALIKE = 2.4
+# Half cycles of a run-in, at most, and never more than half of all.
+_RUN_IN = 4
 # Chance gives so much of the sum of squares over its mean in 95 %: chi squared of one degree.
 _CHI = 3.841
 
@@ -478,7 +491,9 @@ def score_loop(
     tangential = _cycle_loads(scene)[1]
     load_of_cycle = scale * tangential
     said = list(fit.said)
-    area = polygon_area(loop.shift, loop.load, fit.phase, fit.shift_noise, fit.load_noise)
+    area = _area_of_last_cycles(loop.shift, loop.load, fit.phase, fit.shift_noise, fit.load_noise)
+    if fit.model is not None and fit.place is not None:
+        area = _with_theory_between_rows(area, fit.model, fit.place, fit.phase)
     slope_of_rows = _slope(loop.shift, np.interp(share, _SHARES, load_of_cycle))
     rows = [
         LoopRow(
@@ -494,8 +509,10 @@ def score_loop(
     ]
     said.append(
         f"W as measured is the area of the polygon of the rows over {area.cycles}"
-        f" {'cycle' if area.cycles == 1 else 'cycles'}: ± {area.by_distance:.2g} by what lies"
-        f" between rows, ± {area.by_noise:.2g} by their scatter (95 %)"
+        f" {'cycle' if area.cycles == 1 else 'cycles'}"
+        f"{'' if fit.model is None else ', and of the best fit between them'}:"
+        f" ± {area.by_distance:.2g} by what lies between rows,"
+        f" ± {area.by_noise:.2g} by their scatter (95 %)"
     )
     curves: list[tuple[str, Array, Array]] = []
 
@@ -515,6 +532,24 @@ def score_loop(
         curves.append((name, with_rig, load_of_cycle + fit.offset))
 
     cases = {"best f": fit.friction / scale, OF_SCENE: scene.friction.coefficient / scale}
+    if fit.gross and fit.model is not None:
+        cases = {}
+        for name, slid in _sliding_loops(fit.model, scene.friction.coefficient).items():
+            shift, loads = slid.closed(_SHARES)
+            center = float(np.mean(loop.shift - np.interp(share, _SHARES, shift)))
+            slope = _slope(np.interp(share, _SHARES, shift), np.interp(share, _SHARES, loads))
+            _, rest = _means(share, loop.shift - np.interp(share, _SHARES, shift) - center)
+            rows.append(
+                LoopRow(
+                    name, slid.friction, slid.area, 0.0, slope, math.sqrt(float(np.mean(rest**2)))
+                )
+            )
+            middle = float(loop.load.max() + loop.load.min()) / 2
+            curves.append((name, shift + center, loads + middle))
+        if against == "fe":
+            said.append(
+                "Finite elements are left out: under given P and Q they can't slide as a whole"
+            )
     for name, coefficient in cases.items():
         if coefficient < least:
             said.append(
@@ -551,6 +586,9 @@ def score_loop(
 
 
 # ----------------------------------------------------------------------------------------- the fits
+_NO_MISFIT = Misfit(0.0, 0.0)
+
+
 @dataclass(frozen=True, eq=False)
 class _Fit:
     """f with its interval, the rig, and where the rows lie.
@@ -558,8 +596,9 @@ class _Fit:
     share, phase : (n,) place on the scene's cycle; cycles since any instant
     scale, offset : r and Q0 of the file
     shift_noise, load_noise : sigma of U and of Q
-    misfit, branches : what the distances show, and branches of the rows; (0, 0) and None where rows
-        are placed over time
+    misfit : what the distances show; nothing where rows are placed over time
+    model, place : the fitted loop, and where the rows lie on it; None where P varies
+    gross : whether it slides as a whole at its ends
     """
 
     scene: Scene
@@ -575,8 +614,39 @@ class _Fit:
     shift_noise: float
     load_noise: float
     said: tuple[str, ...]
-    misfit: Misfit
-    branches: Branches | None
+    misfit: Misfit = _NO_MISFIT
+    model: MasingLoop | None = None
+    place: Array | None = None
+    gross: bool = False
+
+
+def _area_of_last_cycles(
+    shift: Array, load: Array, phase: Array, shift_noise: float, load_noise: float
+) -> LoopArea:
+    """The area of the polygon of rows (n,) over the last whole cycles: a run-in stands first."""
+    backwards = polygon_area(shift[::-1], load[::-1], -phase[::-1], shift_noise, load_noise)
+    return replace(backwards, value=-backwards.value)
+
+
+def _with_theory_between_rows(
+    area: LoopArea, model: MasingLoop, place: Array, phase: Array
+) -> LoopArea:
+    """The area of the polygon, and what the fitted loop has outside the chords between the rows'
+    places on it; a third of that is stated as its uncertainty.
+    """
+    on_loop = model.at_rows(place)
+    polygon = _area_of_last_cycles(*on_loop, phase, 0.0, 0.0)
+    between = model.area - polygon.value
+    return replace(area, value=area.value + between, by_distance=abs(between) / 3)
+
+
+def _sliding_loops(fitted: MasingLoop, friction_of_scene: float) -> dict[str, MasingLoop]:
+    """The fitted loop, and that of the scene's f with the same range of U, where it slides too."""
+    loops = {"theory, best f": fitted}
+    other = fitted.with_friction(friction_of_scene)
+    if other is not None:
+        loops[f"theory, {OF_SCENE}"] = other
+    return loops
 
 
 def _least_friction(scene: Scene) -> float:
@@ -616,55 +686,151 @@ def _steady_part(
     InputError
         Where the rows are of no steady loop of theory.
     """
-    fit = _fit_by_branches(loop, scene, rig_compliance)
-    share = _share_of_opening(loop, fit)
-    if share <= _STEADY and not _cycles_differ(loop):
-        return loop, _with_widening_said(fit, share)
     if not _has_constant_normal_load(scene):
         # Distances from the nearest point of a loop are no scatter beside its turning points: three
         # of twenty good loops with noise were refused by them.
+        fit = _fit_where_load_varies(loop, scene, rig_compliance)
+        share = _share_of_opening(loop, fit.misfit, fit.phase)
         sentence = "P varies: the rows were not examined for drift, run-in and cycles that differ"
-        return loop, replace(fit, said=(*fit.said, sentence))
+        if share > _STEADY or _cycles_differ(loop):
+            fit = replace(fit, said=(*fit.said, sentence))
+        return loop, _with_widening_said(fit, share)
 
-    best = (bool(_cycles_differ(loop)), share, loop, fit)
-    for part, sentence in _without_drift_and_run_in(loop, fit):
-        try:
-            fit_of_part = _fit_by_branches(part, scene, rig_compliance)
-        except InputError:  # the rest is no whole cycle
+    drift = _drift_of_cycle(loop)
+    if drift:
+        raise InputError(
+            f"{loop.source}: its rows are of no steady loop: U moves on by {100 * drift:+.2g} % of"
+            " its range in each cycle, so the contact slides on or the gauge does; give the rows of"
+            " cycles that are alike"
+        )
+    curve = memory_curve(scene, _least_friction(scene) / float(np.ptp(_cycle_loads(scene)[1])))
+    candidates = []
+    for part, sentence in _without_run_in(loop):
+        if _cycles_differ(part):
             continue
-        fit_of_part = replace(fit_of_part, said=(*fit_of_part.said, sentence))
-        share = _share_of_opening(part, fit_of_part)
-        differ = bool(_cycles_differ(part))
-        best = min(best, (differ, share, part, fit_of_part), key=lambda candidate: candidate[:2])
-        if share <= _STEADY and not differ:
+        branches = _branches_of_both(part)
+        rows = MeasuredRows(
+            part.shift, part.load, part.time, branches, rig_compliance, part.resolution
+        )
+        best = best_loop(rows, curve)
+        share = _share_of_opening(part, best.misfit, branches.phase)
+        candidates.append(_Candidate(share, part, branches, best, sentence))
+        if not best.first_differs:
             break
-    _, share, part, fit_of_part = best
-    if _cycles_differ(part):
+    if not candidates:
         raise InputError(
-            f"{loop.source}: its rows are of no steady loop: {_why_not_steady(loop, fit)}; give the"
-            " rows of cycles that are alike"
+            f"{loop.source}: its rows are of no steady loop: {_cycles_differ(loop)}; give the rows"
+            " of cycles that are alike"
         )
-    if share > _OF_THEORY_AT_ALL and rig_compliance is not None:
+    chosen = min(candidates, key=lambda candidate: candidate.best.first_differs)
+    if chosen.best.first_differs:
+        chosen = min(candidates, key=lambda candidate: candidate.share)
+    if chosen.share > _OF_THEORY_AT_ALL and rig_compliance is None:
+        reason = _cycles_differ(loop) or (
+            "its cycles are alike, but their form is not that of theory (other bodies, plastic"
+            " flow, wear, or noise that is no scatter)"
+        )
+        raise InputError(
+            f"{loop.source}: its rows are of no steady loop of {scene.name}: {reason}; the best fit"
+            f" is {100 * chosen.share:.2g} % of the loop's opening away from rows that lie beside"
+            f" each other (limit {100 * _OF_THEORY_AT_ALL:.0f} %)"
+        )
+    part, fit = _fit_at_constant_load(chosen, scene, curve)
+    if chosen.share > _OF_THEORY_AT_ALL:
         sentence = (
-            f"With the stated rig compliance the best fit is {100 * share:.2g} % of the loop's"
-            " opening away from rows that lie beside each other: leave it out, and it is fitted"
+            f"With the stated rig compliance the best fit is {100 * chosen.share:.2g} % of the"
+            " loop's opening away from rows that lie beside each other: leave it out, and it is"
+            " fitted"
         )
-        fit_of_part = replace(fit_of_part, said=(*fit_of_part.said, sentence))
-        return part, _with_widening_said(fit_of_part, share)
-    if share > _OF_THEORY_AT_ALL:
-        raise InputError(
-            f"{loop.source}: its rows are of no steady loop of {scene.name}:"
-            f" {_why_not_steady(loop, fit)}; the best fit is {100 * share:.2g} % of the loop's"
-            f" opening away from rows that lie beside each other (limit"
-            f" {100 * _OF_THEORY_AT_ALL:.0f} %)"
-        )
-    return part, _with_widening_said(fit_of_part, share)
+        fit = replace(fit, said=(*fit.said, sentence))
+    return part, _with_widening_said(fit, chosen.share)
 
 
-def _share_of_opening(loop: MeasuredLoop, fit: _Fit) -> float:
+class _Candidate(NamedTuple):
+    """Rows without a run-in, and what fits them: share of the loop's opening that is no scatter;
+    what was left out, in words.
+    """
+
+    share: float
+    part: MeasuredLoop
+    branches: Branches
+    best: BestLoop
+    said: str
+
+
+def _branches_of_both(loop: MeasuredLoop) -> Branches:
+    """Branches of the rows by U and Q together, each over its range: their sum has its turning
+    points where the branches have theirs, also where Q stays while the contact slides.
+    """
+    range_of_shift = float(np.ptp(loop.shift))
+    range_of_load = float(np.ptp(loop.load))
+    both = loop.shift / range_of_shift + loop.load / range_of_load
+    step = loop.resolution[0] / range_of_shift + loop.resolution[1] / range_of_load
+    return find_branches(loop.shift, both, loop.time, step, loop.source)
+
+
+def _fit_at_constant_load(
+    chosen: _Candidate, scene: Scene, curve: MemoryCurve
+) -> tuple[MeasuredLoop, _Fit]:
+    """The chosen rows without their drift, and their fit with its interval."""
+    loop = chosen.part
+    branches = chosen.branches
+    fit = with_interval(chosen.best, _OF_MEMORY)
+    passed = (loop.time - loop.time[0]) / loop.time[-1]
+    straight = replace(loop, shift=loop.shift - fit.drift * (passed - passed[-1] / 2))
+    tangential = _cycle_loads(scene)[1]
+    scale = (fit.highest - fit.lowest) / float(np.ptp(tangential))
+    said = [
+        (
+            f"The rows cover {branches.cycles:.4g} cycles between Q = {fit.lowest:.6g} and"
+            f" {fit.highest:.6g}; P is constant, so that the form of Q and U over time counts for"
+            " nothing"
+        ),
+        *_said_of_scale(scale),
+    ]
+    if chosen.said:
+        said.append(chosen.said)
+    range_of_shift = float(np.ptp(loop.shift))
+    error = 1.96 * fit.drift_error
+    if abs(fit.drift) > max(error, _DRIFT_SAID * range_of_shift):
+        said.append(
+            f"U drifts by {100 * fit.drift / range_of_shift / branches.cycles:+.2g} % of its range"
+            " in a cycle: taken out"
+        )
+    if fit.gross:
+        said.append(
+            f"The contact slides as a whole by {fit.slide:.3g} {units(scene)[1]} at each end of the"
+            f" loop: f is Q/P there, with Q = {(fit.highest - fit.lowest) / 2:.6g} from the middle"
+        )
+    if fit.gross:
+        share = np.mod(fit.distances.place / 2 + 0.5, 1.0)
+    else:
+        share = _share_by_load(loop.load, fit.distances.place < 1, fit, tangential)
+    return straight, _Fit(
+        scene=scene,
+        friction=fit.friction,
+        low=fit.low,
+        high=fit.high,
+        compliance=fit.compliance,
+        share=share,
+        phase=branches.phase,
+        cycles=branches.cycles,
+        scale=scale,
+        offset=fit.lowest - scale * float(tangential.min()),
+        shift_noise=fit.weights.shift,
+        load_noise=fit.weights.load,
+        said=tuple(said),
+        misfit=fit.misfit,
+        model=MasingLoop(curve, fit.values),
+        place=fit.distances.place,
+        gross=fit.gross,
+    )
+
+
+def _share_of_opening(loop: MeasuredLoop, misfit: Misfit, phase: Array) -> float:
     """The part of the distances that is no scatter over the mean opening of the loop in U."""
-    area = polygon_area(loop.shift, loop.load, fit.phase, 0.0, 0.0).value
-    return fit.misfit.systematic * float(np.ptp(loop.load)) / max(abs(area), 1e-300)
+    area = polygon_area(loop.shift, loop.load, phase, 0.0, 0.0).value
+    return misfit.systematic * float(np.ptp(loop.load)) / max(abs(area), 1e-300)
 
 
 def _cycles_differ(loop: MeasuredLoop) -> str:
@@ -684,95 +850,53 @@ def _with_widening_said(fit: _Fit, share: float) -> _Fit:
     return replace(fit, said=(*fit.said, sentence))
 
 
-def _without_drift_and_run_in(loop: MeasuredLoop, fit: _Fit) -> list[tuple[MeasuredLoop, str]]:
-    """The loop without a drift of U, without its first cycles, and without both; each with what
-    was done.
-    """
-    assert fit.branches is not None
-    parts = [(loop, "")]
-    for cycles in range(1, min(_RUN_IN, int(fit.cycles / 2)) + 1):
-        first = int(np.argmax(fit.phase >= fit.phase[0] + cycles))
+def _without_run_in(loop: MeasuredLoop) -> Iterator[tuple[MeasuredLoop, str]]:
+    """The loop, and the loop without its first half cycles; each with what was done."""
+    yield loop, ""
+    phase = _branches_of_both(loop).phase
+    cycles = float(phase[-1] - phase[0])
+    for half_cycles in range(1, min(_RUN_IN, int(cycles)) + 1):
+        first = int(np.argmax(phase >= phase[0] + half_cycles / 2))
         rest = replace(
             loop, shift=loop.shift[first:], load=loop.load[first:], time=loop.time[first:]
         )
-        parts.append((rest, f"Rows 1 to {first} are left out: run-in, unlike the later cycles"))
-    candidates = []
-    for part, sentence in parts:
-        if part is not loop:
-            candidates.append((part, sentence))
-        try:
-            branches = find_branches(
-                part.shift, part.load, part.time, part.resolution[1], part.source
-            )
-        except InputError:  # the rest is no whole cycle
-            continue
-        rate = drift_of_shift(part.shift, part.load, part.time, branches)
-        if rate is None or abs(_drift_of_cycle(part, branches, rate)) > _DRIFT:
-            continue
-        straight = replace(part, shift=part.shift - rate * (part.time - part.time[0]))
-        drift = (
-            f"U drifts by {100 * _drift_of_cycle(part, branches, rate):+.2g} % of its range in a"
-            " cycle: taken out"
-        )
-        candidates.append((straight, f"{sentence}. {drift}" if sentence else drift))
-    return candidates
+        if phase[-1] - phase[first] < _FEWEST_ALIKE:
+            return
+        yield rest, f"Rows 1 to {first} are left out: run-in, unlike the later cycles"
 
 
-def _drift_of_cycle(loop: MeasuredLoop, branches: Branches, rate: float) -> float:
-    """Of U in a cycle, over its range."""
-    return rate * float(np.ptp(loop.time)) / branches.cycles / float(np.ptp(loop.shift))
+def _drift_of_cycle(loop: MeasuredLoop) -> float:
+    """Of U in a cycle, over its range, where it is no drift of a gauge; else 0."""
+    branches = find_branches(loop.shift, loop.load, loop.time, loop.resolution[1], loop.source)
+    rate = drift_of_shift(loop.shift, loop.load, loop.time, branches)
+    if rate is None:
+        return 0.0
+    range_of_shift = float(np.ptp(loop.shift))
+    drift = rate * float(np.ptp(loop.time)) / branches.cycles / range_of_shift
+    by_noise = 2 * row_noise(loop.shift) / range_of_shift
+    return drift if abs(drift) > _DRIFT + by_noise else 0.0
 
 
-def _why_not_steady(loop: MeasuredLoop, fit: _Fit) -> str:
-    """What the rows show in place of a steady loop."""
-    assert fit.branches is not None
-    rate = drift_of_shift(loop.shift, loop.load, loop.time, fit.branches)
-    if rate is not None:
-        drift = _drift_of_cycle(loop, fit.branches, rate)
-        if abs(drift) > _DRIFT:
-            return (
-                f"U moves on by {100 * drift:+.2g} % of its range in each cycle, so the contact"
-                " slides on or the gauge does"
-            )
-    if slides_as_a_whole(loop.shift, loop.load, fit.branches):
-        turns = (fit.branches.lowest.load, fit.branches.highest.load)
-        return (
-            f"U moves on while Q stays at {turns[0]:.4g} and {turns[1]:.4g}, so the contact slides"
-            " as a whole and f is Q/P there"
-        )
-    return _cycles_differ(loop) or (
-        "its cycles are alike, but their form is not that of theory (other bodies, plastic flow,"
-        " wear, sliding as a whole, or noise that is no scatter)"
-    )
-
-
-def _fit_by_branches(loop: MeasuredLoop, scene: Scene, rig_compliance: float | None) -> _Fit:
-    """Where Q has two branches in a cycle: by turning points of Q, and theory between them."""
+def _fit_where_load_varies(loop: MeasuredLoop, scene: Scene, rig_compliance: float | None) -> _Fit:
+    """Where P varies and Q has two branches in a cycle: by turning points of Q, and theory between
+    them.
+    """
     branches = find_branches(loop.shift, loop.load, loop.time, loop.resolution[1], loop.source)
     rows = LoopRows(loop.shift, loop.load, branches, rig_compliance)
     tangential = _cycle_loads(scene)[1]
-    range_of_scene = float(np.ptp(tangential))
-    sliding = _least_friction(scene)
-    if _has_constant_normal_load(scene):
-        curve = memory_curve(scene, sliding / range_of_scene)
-        fit = fit_loop(rows, curve, loop.resolution, _OF_MEMORY)
-        share = _share_by_load(loop.load, branches, fit, tangential)
-        by = "P is constant"
-    else:
-        loads = _cycle_loads(scene, _FINE_SHARES)[1]
-        model = LoopsOverFriction(
-            loads, sliding, lambda friction: _theory(scene, friction, _FINE_SHARES)
-        )
-        fit = fit_loop(rows, model, loop.resolution, _OF_THEORY)
-        weights = Weights(fit.shift_noise, fit.load_noise)
-        nearest = model.nearest_points(rows, fit.friction, fit.terms, weights)
-        share = np.mod(nearest.place / (len(loads) - 1), 1.0)
-        by = "P was taken over Q as in the scene"
-    scale = (fit.highest - fit.lowest) / range_of_scene
+    loads = _cycle_loads(scene, _FINE_SHARES)[1]
+    model = LoopsOverFriction(
+        loads, _least_friction(scene), lambda friction: _theory(scene, friction, _FINE_SHARES)
+    )
+    fit = fit_loop(rows, model, loop.resolution, _OF_THEORY)
+    weights = Weights(fit.shift_noise, fit.load_noise)
+    nearest = model.nearest_points(rows, fit.friction, fit.terms, weights)
+    scale = (fit.highest - fit.lowest) / float(np.ptp(tangential))
     said = [
         (
             f"The rows cover {branches.cycles:.4g} cycles between Q = {fit.lowest:.6g} and"
-            f" {fit.highest:.6g}; {by}, so that the form of Q and U over time counts for nothing"
+            f" {fit.highest:.6g}; P was taken over Q as in the scene, so that the form of Q and U"
+            " over time counts for nothing"
         ),
         *_said_of_scale(scale),
     ]
@@ -782,7 +906,7 @@ def _fit_by_branches(loop: MeasuredLoop, scene: Scene, rig_compliance: float | N
         low=fit.low,
         high=fit.high,
         compliance=fit.compliance,
-        share=share,
+        share=np.mod(nearest.place / (len(loads) - 1), 1.0),
         phase=branches.phase,
         cycles=branches.cycles,
         scale=scale,
@@ -791,11 +915,12 @@ def _fit_by_branches(loop: MeasuredLoop, scene: Scene, rig_compliance: float | N
         load_noise=fit.load_noise,
         said=tuple(said),
         misfit=fit.misfit,
-        branches=branches,
     )
 
 
-def _share_by_load(load: Array, branches: Branches, fit: LoopFit, tangential: Array) -> Array:
+def _share_by_load(
+    load: Array, on_rising: NDArray[np.bool_], fit: MasingFit, tangential: Array
+) -> Array:
     """Shares of the scene's cycle at which its Q (n_instants,) is that of the rows (n,), on the
     same branch.
     """
@@ -804,7 +929,7 @@ def _share_by_load(load: Array, branches: Branches, fit: LoopFit, tangential: Ar
     top = int(np.argmax(tangential[:-1]))
     share = np.empty(len(load))
     for rising in (True, False):
-        on_branch = branches.rising == rising
+        on_branch = on_rising == rising
         begin = bottom if rising else top
         end = top if rising else bottom
         if end < begin:
@@ -922,8 +1047,6 @@ def _fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | Non
         shift_noise=noise,
         load_noise=max(noise_of_load, loop.resolution[1] / math.sqrt(12)),
         said=tuple(said),
-        misfit=Misfit(0.0, 0.0),
-        branches=None,
     )
 
 
@@ -978,7 +1101,7 @@ def _means(share: Array, *values: Array) -> tuple[Array, ...]:
     """Rows in each part of the cycle that has any, and the mean of each of `values` (n,) there:
     (k,) each.
     """
-    parts = np.floor(share * max(_FEWEST // 2, min(_PARTS, len(share) // 8))).astype(int)
+    parts = np.floor(share * max(20, min(_PARTS, len(share) // 8))).astype(int)
     count = np.bincount(parts)
     some = count > 0
     return (
