@@ -935,7 +935,7 @@ LOOP_FAULTS = {
         (),
         "the column 'Q [kN]' is in kN, and the scene in N/mm: state factors.load",
     ),
-    "too few": ("U,Q", lambda u, q: (u[:20], q[:20]), (), "20 rows are too few for a loop"),
+    "too few": ("U,Q", lambda u, q: (u[:19], q[:19]), (), "19 rows are too few for a loop"),
     "no cycle": ("U,Q", lambda u, q: (u[:110], q[:110]), (), "its "),
     "flat": ("U,Q", lambda u, q: (0 * u, q), (), "U is the same in every row"),
     "noise": (

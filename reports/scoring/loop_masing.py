@@ -43,6 +43,8 @@ _BEFORE_SLIDING = 1e-6
 # Corners of a branch in the search for the nearest point; the distance itself is that from the
 # curve.
 _CORNERS = 160
+# Corners on each side beyond the turning points: to a third of the range of Q.
+_BEYOND = 18
 # First trials of f, from just above gross sliding to so many times as much; beyond, a loop is a
 # line. Trials of the slide, in ranges of U.
 _TRIALS = 24
@@ -284,7 +286,8 @@ class MasingLoop:
     """The rising branch for given parameters (7,), without rig, drift and middle; then its slide.
 
     Points have a place: 0 to 1 on the branch, closer towards its end, where the slope grows as a
-    logarithm; 1 to 2 on the slide.
+    logarithm; 1 to 2 on the slide. Below 0 and above 2 the line goes on: noise takes rows beyond
+    the turning points, and their distance from a turning point would draw it outwards.
     """
 
     curve: MemoryCurve
@@ -295,14 +298,28 @@ class MasingLoop:
         """f."""
         return math.exp(self.values[_LOG_F])
 
+    @property
+    def _slides(self) -> bool:
+        return bool(self.values[_SLIDE] > 0)
+
+    def _passed(self, place: Array) -> Array:
+        """Share of the branch in Q at places (n,)."""
+        inside = 1 - (1 - np.clip(place, 0.0, 1.0)) ** 3
+        passed = inside + 3 * np.minimum(place, 0.0)
+        if not self._slides:
+            passed = passed + 3 * np.maximum(place - 2, 0.0)
+        return np.asarray(passed)
+
     def points(self, place: Array) -> tuple[Array, Array]:
         """U and Q from the middle of the loop at places (n,)."""
-        passed = _passed(place)
+        passed = self._passed(place)
         friction = self.friction
         half = self.values[_RANGE] / 2
         at_turn = friction * self.curve.value(np.array(half / friction))
         from_turn = 2 * friction * self.curve.value(passed * half / friction)
         slid = self.values[_SLIDE] * (np.clip(place - 1, 0.0, 1.0) - 0.5)
+        if self._slides:
+            slid = slid + 2 * at_turn * np.maximum(place - 2, 0.0)
         load = (2 * passed - 1) * half
         return from_turn - at_turn + slid + self.values[_COMPLIANCE] * load, load
 
@@ -344,14 +361,14 @@ class MasingLoop:
 
     def tangents(self, place: Array) -> tuple[Array, Array]:
         """Direction in U and Q at places (n,), of any length."""
-        on_branch = place < 1
-        rate = self.curve.rate(_passed(place) * self.values[_RANGE] / 2 / self.friction)
+        on_branch = (place < 1) | (not self._slides)
+        rate = self.curve.rate(self._passed(place) * self.values[_RANGE] / 2 / self.friction)
         of_shift = np.where(on_branch, rate + self.values[_COMPLIANCE], 1.0)
         return of_shift, on_branch.astype(float)
 
     def derivatives(self, place: Array) -> tuple[Array, Array]:
         """Of `points` by the parameters, but the middle and the drift: (n, 7) each."""
-        passed = _passed(place)
+        passed = self._passed(place)
         friction = self.friction
         half = self.values[_RANGE] / 2
         at_turn = np.array(half / friction)
@@ -371,14 +388,9 @@ class MasingLoop:
         return of_shift, of_load
 
 
-def _passed(place: Array) -> Array:
-    """Share of the branch in Q at places (n,)."""
-    return np.asarray(1 - (1 - np.minimum(place, 1.0)) ** 3)
-
-
 # The slide is parted too: the nearest corner is beside the nearest point where neighbouring pieces
 # are about as long.
-_PLACES = np.linspace(0.0, 2.0, 2 * _CORNERS + 1)
+_PLACES = np.arange(-_BEYOND, 2 * _CORNERS + _BEYOND + 1) / _CORNERS
 
 
 def distances_from(
@@ -408,7 +420,7 @@ def distances_from(
     of_load[:, _MIDDLE] = 1.0
     derivatives = -across_shift[:, None] * of_shift / weights.shift
     derivatives -= across_load[:, None] * of_load / weights.load
-    along = np.minimum(place, 1.0) / 2 + np.clip(place - 1, 0.0, 1.0) / 2
+    along = np.clip(place, 0.0, 2.0) / 2
     return Distances(
         value=distance,
         derivatives=derivatives,
@@ -425,10 +437,11 @@ def _from_branch(
     """
     points = np.array([side * shift / weights.shift, side * load / weights.load])
     index, _, _, _ = nearest_on_line(points, corners)
-    place = index / _CORNERS
-    at_end = (index <= 0) | (index == _CORNERS) | (index >= 2 * _CORNERS)
-    if loop.values[_SLIDE] == 0:
-        at_end |= index > _CORNERS
+    place = (index - _BEYOND) / _CORNERS
+    # Where the slide begins the line has a corner; it has ends beyond the turning points.
+    at_end = (index <= 0) | (place == 1) | (index >= len(_PLACES) - 1)
+    if not loop.values[_SLIDE] > 0:
+        at_end &= place != 1
 
     on_loop = loop.points(place)
     apart_shift = points[0] - on_loop[0] / weights.shift
@@ -441,7 +454,7 @@ def _from_branch(
     across_load = -tangent_shift / length
     distance = apart_shift * across_shift + apart_load * across_load
 
-    # At an end the distance is that from the turning point; its sign is that across the branch.
+    # At a corner or an end the distance is that from the point; its sign is that across the branch.
     from_end = np.hypot(apart_shift, apart_load)
     at_end &= from_end > 0
     signed = np.where(distance < 0, -from_end, from_end)
