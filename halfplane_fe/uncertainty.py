@@ -125,7 +125,7 @@ RULES: dict[str, Rule] = {
     "tangential_displacement": Rule(order=1.0, factor=2.0),
     "normal_approach": Rule(order=1.0, factor=3.0),
     # Slip is largest next to an edge of contact, where it ends as a root.
-    "largest_slip": Rule(order=0.5, factor=0.55, least=0.06, least_work=_LEAST_WORK_OF_SLIP),
+    "largest_slip": Rule(order=0.5, factor=0.75, least=0.06, least_work=_LEAST_WORK_OF_SLIP),
 }
 """By the name of the quantity."""
 
@@ -152,8 +152,6 @@ _PRESSURE_BY_NEIGHBOURS = 0.36
 _SHEAR_BY_NEIGHBOURS = 0.38
 # Instants whose norms are taken together.
 _AT_ONCE = 256
-# Share of `slip_between_instants` that counts.
-_BETWEEN_INSTANTS = 0.8
 
 
 def density_uncertainty(x: Array, density: Array) -> float:
@@ -396,7 +394,7 @@ def uncertainties(
         estimate = rule.uncertainty(largest, difference, meshes.refinement, meshes.coarse)
         estimates[name] = max(estimate, difference) if meshes.plain else estimate
     # Not of the mesh: between two instants nobody sees when a node opens.
-    estimates["largest_slip"] += _BETWEEN_INSTANTS * values.slip_between_instants
+    estimates["largest_slip"] += values.slip_between_instants
     return estimates
 
 
