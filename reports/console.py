@@ -5,6 +5,7 @@ there is no terminal.
 from __future__ import annotations
 
 import os
+import sys
 import time
 from collections.abc import Callable, Generator, Iterable, Sequence
 from contextlib import contextmanager
@@ -207,6 +208,9 @@ def show_table(
     # it.
     with_blanks = _widths([columns, *lines], console.width - 3 * len(columns) + 1)
     without = _widths([columns, *lines], console.width - len(columns) - 1)
+    widest = _widths([columns, *lines], sys.maxsize)
+    if without == widest != with_blanks:
+        with_blanks = []  # rather no blanks than cells of two lines
     blank = 0 if without and not with_blanks else 1
     table = Table(
         title=Text(_printable(title)),

@@ -506,9 +506,10 @@ def _answer_of_both(job: Job, report: Report) -> Answer:
             code = OUTSIDE
 
     def parts() -> Iterator[Part]:
-        yield from verdict_shown(report)
+        yield from verdict_shown(report, verbose)
         yield from _inputs_shown(report.inputs, scene, comparison)
-        yield from _notes_shown(report)
+        if verbose:
+            yield from _notes_shown(report)
         if report.budget is not None and (verbose or job.options.budget):
             yield from _budget_shown(report, report.budget)
         if third_answer is not None:
@@ -516,10 +517,12 @@ def _answer_of_both(job: Job, report: Report) -> Answer:
                 "A third solver", third_answer.heads, third_answer.rows(comparison), (1, 2, 3)
             )
             yield from third_answer.sentences
-        yield from _expected_shown(findings, verbose)
         if verbose:
+            yield from _expected_shown(findings)
             times = [(stage, f"{seconds:.2f}") for stage, seconds in stages.seconds.items()]
             yield Sheet("Time", ("stage", "seconds"), times, (1,))
+        else:
+            yield from _left_out(report, findings)
         yield str(page)
 
     def content() -> dict[str, Any]:
@@ -546,23 +549,52 @@ def _answer_of_both(job: Job, report: Report) -> Answer:
     return Answer(code, parts(), content, scene.name)
 
 
-def verdict_shown(report: Report) -> Iterator[Part]:
-    """The headline, the table of absolute values, and the verdict in a sentence."""
-    from reports.comparison.words import first_cells, how_judged, lead, standing, verdict
+def verdict_shown(report: Report, verbose: bool = True) -> Iterator[Part]:
+    """The headline, the table of absolute values, the causes and the verdict; in short unless
+    verbose.
+    """
+    from reports.comparison.words import (
+        first_cells,
+        how_judged,
+        lead,
+        standing,
+        verdict,
+        verdict_in_short,
+    )
 
     comparison = report.comparison
     scene = comparison.scene
-    heads, rows = first_cells(comparison)
+    heads, rows = first_cells(comparison, "label" if verbose else "short")
     yield report.opening, "bold"
     yield Sheet(scene.title or scene.name, heads, rows, (1, 2, 3))
     if comparison.why is not None:
         yield comparison.why.sentence
-    yield (
-        f"{lead(comparison)} {verdict(comparison)}".strip(),
-        _STYLES.get(standing(comparison) or "", ""),
-    )
+    style = _STYLES.get(standing(comparison) or "", "")
+    if not verbose:
+        yield verdict_in_short(comparison), style
+        return
+    yield f"{lead(comparison)} {verdict(comparison)}".strip(), style
     if words := how_judged(comparison, has_budget=report.budget is not None):
         yield words
+
+
+def _left_out(report: Report, findings: Sequence[Finding]) -> Iterator[Part]:
+    """What the page and `--verbose` say besides, counted in one line."""
+    from reports.measured import check_record
+
+    counts = []
+    notes = len(report.comparison.result.record.notes)
+    if notes:
+        counts.append("1 note" if notes == 1 else f"{notes} notes")
+    if check_record(report.comparison.scene):
+        counts.append("what was read of the record")
+    missed = sum(not finding.met for finding in findings)
+    if missed:
+        counts.append(f"{missed} of {len(findings)} expected numbers missed")
+    elif findings:
+        counts.append(f"all {len(findings)} expected numbers met")
+    if counts:
+        yield f"On the page, and with --verbose: {', '.join(counts)}."
 
 
 def _notes_shown(report: Report) -> Iterator[Part]:

@@ -37,6 +37,8 @@ class Metric(Measured):
     ----------
     key, label
         for programs and for people
+    short
+        the label in a narrow table; the whole one where it is ""
     how
         how it is computed
     why
@@ -83,6 +85,7 @@ class Metric(Measured):
     measure: Callable[[Pair], Measured] = field(repr=False)
     absolute_unit: str = ""
     quantity: str = ""
+    short: str = ""
     signed: bool = True
     judged_by: str = ""
     exists: Callable[[Pair], bool] | None = field(default=None, repr=False)
@@ -280,6 +283,7 @@ _ROWS = (
         needs=("pressure",),
         measure=measures.largest_half_width,
         quantity="length",
+        short="Half-width",
         judged_by="contact_edge",
     ),
     Metric(
@@ -293,6 +297,7 @@ _ROWS = (
         needs=("state", WHOLE_CYCLE),
         measure=measures.permanent_stick,
         quantity="length",
+        short="Permanent stick",
     ),
     Metric(
         key="stick_eccentricity",
@@ -305,6 +310,7 @@ _ROWS = (
         needs=("state", WHOLE_CYCLE),
         measure=measures.stick_eccentricity,
         quantity="length",
+        short="Stick centre",
         judged_by="permanent_stick",
         exists=attrgetter("unsymmetric"),
     ),
@@ -347,6 +353,7 @@ _ROWS = (
         needs=("dissipation_density", WHOLE_CYCLE),
         measure=measures.largest_dissipation_density,
         quantity="energy density",
+        short="Peak W(x)",
         absolute_unit=f"{_WORK}/a_ref",
     ),
     Metric(
@@ -361,6 +368,7 @@ _ROWS = (
         needs=("pressure", "shear", WHOLE_CYCLE),
         measure=measures.edge_tension,
         quantity="stress",
+        short="Edge tension",
         absolute_unit="f p_ref",
     ),
     Metric(

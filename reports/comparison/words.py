@@ -12,7 +12,7 @@ import math
 import re
 from collections.abc import Iterator
 from functools import partial
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -428,6 +428,25 @@ def verdict(comparison: JudgedPair) -> str:
     return f"{verdicts} {not_scored(comparison)}".strip()
 
 
+def verdict_in_short(comparison: JudgedPair) -> str:
+    """The verdict by names alone: what is outside, what is undecided, or that all is within. Where
+    a law of contact is violated, or points were left out, it is that of `verdict`.
+    """
+    certificates = (*comparison.reference_certificates, *comparison.result_certificates)
+    has_isolated_points = any(mask.any() for mask in comparison.isolated.values())
+    beginning = lead(comparison)
+    if not beginning or has_isolated_points or not all(check.holds for check in certificates):
+        return f"{beginning} {verdict(comparison)}".strip()
+    # "Undecided." has its names in the next sentence.
+    sentences = [] if standing(comparison) == "undecided" else [beginning]
+    for state, words in ((Verdict.OUTSIDE, "Outside"), (Verdict.UNDECIDED, "Undecided")):
+        names = [_name(metric) for metric in comparison.metrics if metric.verdict is state]
+        if names:
+            sentences.append(f"{words}: {'; '.join(names)}.")
+    sentences += ["Both answers obey the laws of contact.", not_scored(comparison)]
+    return " ".join(filter(None, sentences))
+
+
 def not_scored(comparison: JudgedPair) -> str:
     """What has no value for want of what it needs, in a sentence: what a tolerance judges, then the
     rest of the first table.
@@ -559,8 +578,8 @@ def first_table(comparison: JudgedPair) -> tuple[tuple[str, ...], list[dict[str,
     """The table of absolute values: its heads, and a row for each quantity that either solution
     has.
 
-    Keys of a row: key, label, reference, result, difference, verdict, place (of the result's),
-    tolerance, note.
+    Keys of a row: key, label, short, reference, result, difference, verdict, place (of the
+    result's), tolerance, note.
     """
     names = [
         {"semi_analytic": "theory"}.get(solution.engine, name_of(solution.engine))
@@ -578,6 +597,7 @@ def first_table(comparison: JudgedPair) -> tuple[tuple[str, ...], list[dict[str,
             {
                 "key": metric.key,
                 "label": f"{metric.label} [{unit}]",
+                "short": f"{metric.short or metric.label} [{unit}]",
                 "reference": _with_stated(reference_values, stated_of_reference, factor),
                 "result": _with_stated(result_values, stated_of_result, factor),
                 "place": place,
@@ -616,12 +636,16 @@ def _with_stated(value: float, stated: float | None, factor: float) -> str:
     return with_uncertainty(factor * value, factor * stated)
 
 
-def first_cells(comparison: JudgedPair) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
-    """The table of absolute values as heads and cells, for the terminal and a notebook."""
+def first_cells(
+    comparison: JudgedPair, label: Literal["label", "short"] = "label"
+) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+    """The table of absolute values as heads and cells, for the terminal (with short labels) and a
+    notebook.
+    """
     heads, rows = first_table(comparison)
     cells = []
     for row in rows:
-        shown_keys = ("label", "reference", "result", "difference", "verdict")
+        shown_keys = (label, "reference", "result", "difference", "verdict")
         cells.append(tuple(row[key] for key in shown_keys))
     return heads, cells
 
