@@ -1066,3 +1066,14 @@ def test_a_long_record_of_real_bodies_measures_no_uncertainty_unless_asked_and_s
     noted = f"N{sentence[1:]}."
     assert (noted in json.loads(outcome.stdout)["result"]["notes"]) is is_stated
     assert (noted in (tmp_path / "out" / "report.html").read_text("utf-8")) is is_stated
+
+
+def test_a_run_fits_a_screen_and_counts_what_it_leaves_to_the_page(tmp_path: Path) -> None:
+    """25 lines of 80 columns, no cell of the table wrapped; the path comes last."""
+    done = halfplane(tmp_path, "run", "blocks", "--preset", "coarse", "--quiet", COLUMNS="80")
+    shown = done.stdout.splitlines()
+    places = sum(max(1, -(-len(line) // 80)) for line in shown)
+    assert places <= 25
+    assert sum(line.startswith("│") for line in shown) == 7
+    assert shown[-1].endswith("report.html")
+    assert shown[-2] == "On the page, and with --verbose: all 4 expected numbers met."
