@@ -129,6 +129,8 @@ _WORTH_SAYING = 1e-3
 _DRIFT = 0.03
 # A drift below this share of the range of U is not worth a word.
 _DRIFT_SAID = 1e-3
+# Rows are left out as a run-in where the rest fits so much better than all.
+_BETTER = 0.5
 # Cycles that are left without a run-in, at least: fewer do not show whether they are alike.
 _FEWEST_ALIKE = 2.4
 # Half cycles of a run-in, at most, and never more than half of all.
@@ -715,16 +717,17 @@ def _steady_part(
         best = best_loop(rows, curve)
         share = _share_of_opening(part, best.misfit, branches.phase)
         candidates.append(_Candidate(share, part, branches, best, sentence))
-        if not best.first_differs:
+        if not best.first_differs and share < _OF_THEORY:
             break
     if not candidates:
         raise InputError(
             f"{loop.source}: its rows are of no steady loop: {_cycles_differ(loop)}; give the rows"
             " of cycles that are alike"
         )
-    chosen = min(candidates, key=lambda candidate: candidate.best.first_differs)
-    if chosen.best.first_differs:
-        chosen = min(candidates, key=lambda candidate: candidate.share)
+    chosen = min(candidates, key=lambda candidate: (candidate.share, len(candidate.said)))
+    whole = candidates[0]
+    if chosen.share > _BETTER * whole.share and not whole.best.first_differs:
+        chosen = whole
     if chosen.share > _OF_THEORY_AT_ALL and rig_compliance is None:
         reason = _cycles_differ(loop) or (
             "its cycles are alike, but their form is not that of theory (other bodies, plastic"
