@@ -403,6 +403,16 @@ def test_a_loop_that_slides_as_a_whole_has_f_from_its_plateaus(rows_of_branch, n
     ]
 
 
+def test_plateaus_of_few_digits_leave_f_open_by_a_step():
+    """All rows of a plateau at Q = 88 N/mm say 90, in steps of 5: their number helps nothing."""
+    u, q, _ = gross_rows(14)
+    rounded = MeasuredLoop("rig", u, 5 * np.round(q / 5), 1.0 * np.arange(len(u)), (), (0.0, 5.0))
+    score = score_loop(rounded, GROSS)
+    assert score.friction == pytest.approx(90 / LOAD, rel=5e-3)
+    assert score.low <= FRICTION <= score.high
+    assert score.high - score.low < 3 * 5 / LOAD
+
+
 def test_a_small_drift_of_u_is_taken_out_and_said():
     u, q = with_noise(*rows_of("Q", "sine", 240, cycles=4, start=0.2), 0.001, seed=3)
     drifting = u + 0.02 * np.ptp(u) * np.linspace(0.0, 1.0, len(u))
