@@ -66,8 +66,10 @@ _RUN_IN_SEEN = 3.0
 # Fits with the noise of the fit before: it changes by less than a part in twenty then.
 _REWEIGHTED = 8
 _SAME_NOISE = 0.05
-# Scatter of ln(sigma of U/sigma of Q) about what neighbouring rows show.
+# Largest scatter of ln(sigma of U/sigma of Q) about what neighbouring rows show.
 _RATIO_OF_NOISE = 1.0
+# Its scatter by chance, times the square root of rows, from the medians of both.
+_OF_ROW_NOISE = 3.0
 # Noise of rows that show none, over their largest value: f is not known better than theory's
 # samples leave it.
 _LEAST_NOISE = 1e-9
@@ -726,8 +728,13 @@ def passes(value: Callable[[float], float], begin: float, side: float, step: flo
     return begin + side * outer
 
 
-def _noise_of_rows(found: Distances, weights: Weights, smallest: Weights, freedom: int) -> Weights:
-    """Sigma of U and of Q that are most likely for these distances."""
+def _noise_of_rows(
+    found: Distances, weights: Weights, smallest: Weights, freedom: int, ratio: tuple[float, float]
+) -> Weights:
+    """Sigma of U and of Q that are most likely for these distances; `ratio` is ln(sigma of U/sigma
+    of Q) that neighbouring rows show, and its scatter.
+    """
+    expected = ratio[0] - math.log(weights.shift / weights.load)
     from scipy.optimize import minimize
 
     squares = found.value**2 * len(found.value) / freedom
@@ -735,7 +742,7 @@ def _noise_of_rows(found: Distances, weights: Weights, smallest: Weights, freedo
 
     def unlikely(logs: Array) -> float:
         variance = parts @ np.exp(2 * logs)
-        prior = float((logs[0] - logs[1]) ** 2) / _RATIO_OF_NOISE**2
+        prior = float((logs[0] - logs[1] - expected) ** 2) / ratio[1] ** 2
         return float(np.sum(squares / variance + np.log(variance))) + prior
 
     common = math.log(max(math.sqrt(float(np.mean(squares))), 1e-12))
@@ -820,9 +827,15 @@ def best_loop(rows: MeasuredRows, curve: MemoryCurve) -> BestLoop:
     search = _Search(rows, curve, weights)
     freedom = len(rows.shift) - 6 - (rows.compliance is None)
     fits = search.best()
+    ratio = (math.log(weights.shift / weights.load), _RATIO_OF_NOISE)
     for k in range(_REWEIGHTED):
         found = distances_from(rows, curve, _better(fits).values, search.weights)
-        weights = _noise_of_rows(found, search.weights, smallest, freedom)
+        if k == 0:
+            # Where the first fit leaves what neighbouring rows show, they show noise alone.
+            misjudged = abs(math.log(max(float(np.std(found.value)), 1e-9)))
+            by_chance = _OF_ROW_NOISE / math.sqrt(len(rows.shift))
+            ratio = (ratio[0], min(max(misjudged, by_chance), _RATIO_OF_NOISE))
+        weights = _noise_of_rows(found, search.weights, smallest, freedom, ratio)
         changes = np.array(weights) / np.array(search.weights) - 1
         if np.max(np.abs(changes)) < _SAME_NOISE:
             break

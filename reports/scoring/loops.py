@@ -122,7 +122,7 @@ _FOLLOWS = 0.15
 # Part of the distances that is no scatter, over the mean opening of the loop in U, from which rows
 # under a varying P are said not to be examined, and beyond which they are of no loop of theory.
 _STEADY = 0.02
-_OF_THEORY_AT_ALL = 0.01
+_OF_THEORY_AT_ALL = 0.015
 # Theory's own error of a loop is below this share of its opening.
 _WORTH_SAYING = 1e-3
 # U that moves on by more than this share of its range in a cycle is no drift of a gauge.
@@ -493,7 +493,8 @@ def score_loop(
     tangential = _cycle_loads(scene)[1]
     load_of_cycle = scale * tangential
     said = list(fit.said)
-    area = _area_of_last_cycles(loop.shift, loop.load, fit.phase, fit.shift_noise, fit.load_noise)
+    measure = polygon_area if fit.model is None else _area_of_last_cycles
+    area = measure(loop.shift, loop.load, fit.phase, fit.shift_noise, fit.load_noise)
     if fit.model is not None and fit.place is not None:
         area = _with_theory_between_rows(area, fit.model, fit.place, fit.phase)
     slope_of_rows = _slope(loop.shift, np.interp(share, _SHARES, load_of_cycle))
@@ -736,7 +737,7 @@ def _steady_part(
         raise InputError(
             f"{loop.source}: its rows are of no steady loop of {scene.name}: {reason}; the best fit"
             f" is {100 * chosen.share:.2g} % of the loop's opening away from rows that lie beside"
-            f" each other (limit {100 * _OF_THEORY_AT_ALL:.0f} %)"
+            f" each other (limit {100 * _OF_THEORY_AT_ALL:.2g} %)"
         )
     part, fit = _fit_at_constant_load(chosen, scene, curve)
     if chosen.share > _OF_THEORY_AT_ALL:
