@@ -125,7 +125,7 @@ def test_run_says_so_on_the_terminal_in_json_and_on_the_page(
     out = tmp_path / "out"
     scene_file = tmp_path / "blocks-on-rollers.json"
     scene_file.write_text(json.dumps({**ON_ROLLERS, "cycles": 2}), encoding="utf-8")
-    main(["run", str(scene_file), "--no-budget", "--out", str(out), *OPTIONS])
+    main(["run", str(scene_file), "--no-budget", "--verbose", "--out", str(out), *OPTIONS])
     words = " ".join(capsys.readouterr().out.split())
     note = drift_note(unsettled())
     assert f"Note: {note}." in words

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import time
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
@@ -579,13 +580,10 @@ def verdict_shown(report: Report, verbose: bool = True) -> Iterator[Part]:
 
 
 def _left_out(report: Report, findings: Sequence[Finding]) -> Iterator[Part]:
-    """What the page and `--verbose` say besides, counted in one line."""
+    """What the page and `--verbose` say besides, in one line: how each note begins."""
     from reports.measured import check_record
 
-    counts = []
-    notes = len(report.comparison.result.record.notes)
-    if notes:
-        counts.append("1 note" if notes == 1 else f"{notes} notes")
+    counts = [f"“{_beginning(note)} …”" for note in report.comparison.result.record.notes]
     if check_record(report.comparison.scene):
         counts.append("what was read of the record")
     missed = sum(not finding.met for finding in findings)
@@ -595,6 +593,15 @@ def _left_out(report: Report, findings: Sequence[Finding]) -> Iterator[Part]:
         counts.append(f"all {len(findings)} expected numbers met")
     if counts:
         yield f"On the page, and with --verbose: {', '.join(counts)}."
+
+
+def _beginning(note: str) -> str:
+    """The first words of a note.
+
+    >>> _beginning("shakedown: revolution 3 repeats to 2e-04 of the largest nodal force")
+    'shakedown'
+    """
+    return re.split(r": |, | \(", note, maxsplit=1)[0]
 
 
 def _notes_shown(report: Report) -> Iterator[Part]:
