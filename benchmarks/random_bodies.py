@@ -18,7 +18,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from random_scenes import Errors, Tables, share_of_sliding
+from random_scenes import Errors, Tables, ellipse_load, share_of_sliding
 
 import halfplane_fe
 from halfplane_fe import FiniteElementSolution, SolverSettings
@@ -141,22 +141,9 @@ def random_bodies(draw: np.random.Generator, number: int) -> Scene:
     unloaded = Scene.model_validate(arguments)
     largest = float(contact_of(unloaded.profile, unloaded.material).load(1.0))
     swing = 0.0 if number // len(KINDS) % 2 == 0 else draw.uniform(0.1, 0.8)
-    mean = largest / (1 + swing)
     phase = draw.uniform(30.0, 150.0)
-    angle = np.linspace(0, 2 * np.pi, 4001)
-    limit = friction * mean * (1 + swing * np.cos(angle))
     share = share_of_sliding(draw)
-    amplitude = share / np.max(np.abs(np.cos(angle - np.radians(phase))) / limit)
-    load = {
-        "kind": "ellipse",
-        "mean_normal_load": mean,
-        "normal_amplitude": mean * swing,
-        "mean_tangential_load": 0.0,
-        "tangential_amplitude": amplitude,
-        "phase_degrees": phase,
-        "initial_loading": "straight",
-        **setup.loads,
-    }
+    load = ellipse_load(largest, friction, share, swing=swing, phase=phase) | setup.loads
     return Scene.model_validate(arguments | {"load": load})
 
 

@@ -22,6 +22,7 @@ import semi_analytic
 from halfplane_fe import FiniteElementSolution
 from halfplane_fe.fields import edge_tension
 from meshes import MeshSettings
+from reports.comparison.measures import norm
 from scenes import OPEN, ContactSolution, ConvergenceError, InputError, Scene, load_scene
 from scenes.solution import range_of_slip
 from semi_analytic.profiles import contact_of
@@ -87,16 +88,27 @@ _PROFILES: tuple[Callable[[np.random.Generator], dict[str, Any]], ...] = (
 )
 
 
-def _ellipse(draw: np.random.Generator, largest: float, friction: float) -> dict[str, Any]:
-    """P = P0 + P1 cos t and Q = Q0 + Q1 cos(t - phase) with a largest P."""
-    swing = draw.uniform(0.0, 0.95)
-    phase = draw.uniform(0.0, 180.0)
-    offset = draw.random()
+def ellipse_load(
+    largest: float, friction: float, share: float, *, swing: float, phase: float, offset: float = 0
+) -> dict[str, Any]:
+    """P = P0 + P1 cos t and Q = Q0 + Q1 cos(t - phase) with a largest P and a largest |Q|/(f P).
+
+    Parameters
+    ----------
+    share
+        largest |Q|/(f P)
+    swing
+        P1/P0
+    phase
+        [degrees]
+    offset
+        Q0/(Q0 + Q1)
+    """
     mean = largest / (1 + swing)
     angle = np.linspace(0, 2 * np.pi, 4001)
     wave = offset + (1 - offset) * np.cos(angle - np.radians(phase))
     limit = friction * mean * (1 + swing * np.cos(angle))
-    amplitude = share_of_sliding(draw) / np.max(np.abs(wave) / limit)
+    amplitude = share / np.max(np.abs(wave) / limit)
     return {
         "kind": "ellipse",
         "mean_normal_load": mean,
@@ -106,6 +118,15 @@ def _ellipse(draw: np.random.Generator, largest: float, friction: float) -> dict
         "phase_degrees": phase,
         "initial_loading": "straight",
     }
+
+
+def _ellipse(draw: np.random.Generator, largest: float, friction: float) -> dict[str, Any]:
+    """An ellipse, Q about any mean."""
+    swing = draw.uniform(0.0, 0.95)
+    phase = draw.uniform(0.0, 180.0)
+    offset = draw.random()
+    share = share_of_sliding(draw)
+    return ellipse_load(largest, friction, share, swing=swing, phase=phase, offset=offset)
 
 
 def _polygon(draw: np.random.Generator, largest: float, friction: float) -> dict[str, Any]:
@@ -234,18 +255,14 @@ def _norms(
     cycle = answer.last_cycle
     loaded = np.zeros(len(answer.time), dtype=bool)
     loaded[cycle] = answer.normal_load[cycle] > 0
-    norm_of_p = _norm(answer.x, theory.pressure[loaded])
+    norm_of_p = norm(answer.x, theory.pressure[loaded])
     names = {"p, L2": ("pressure", 1.0), "q, L2": ("shear", friction)}
     errors = {}
     for words, (name, unit) in names.items():
         difference = getattr(answer, name)[loaded] - getattr(theory, name)[loaded]
-        largest = float(np.max(_norm(answer.x, difference) / (unit * norm_of_p)))
+        largest = float(np.max(norm(answer.x, difference) / (unit * norm_of_p)))
         errors[words] = (largest, 0.0, answer.uncertainties[name])
     return errors
-
-
-def _norm(x: Array, values: Array) -> Array:
-    return np.asarray(np.sqrt(np.trapezoid(np.square(values), x, axis=-1)))
 
 
 def _errors(value: Any, true: Any, stated: Any) -> Errors:

@@ -24,7 +24,7 @@ from unittest import mock
 
 import numpy as np
 from numpy.typing import NDArray
-from random_scenes import HEAD, Coverage, Errors, share_of_sliding
+from random_scenes import HEAD, Coverage, Errors, ellipse_load, share_of_sliding
 
 import semi_analytic
 from scenes import (
@@ -156,27 +156,13 @@ def _waves(draw: np.random.Generator, largest: float, friction: float) -> dict[s
     """An ellipse, half of them with very little slip."""
     swing = draw.uniform(0.0, 0.95)
     phase = draw.uniform(0.0, 180.0)
-    mean = largest / (1 + swing)
-    angle = np.linspace(0, 2 * np.pi, 4001)
-    limit = friction * mean * (1 + swing * np.cos(angle))
     share = share_of_sliding(draw)
     if draw.random() < 0.5:
         # Under a varying P even a small Q slips where P is unloaded: only at a constant P, or with
         # Q in proportion to P, does next to nothing slip.
         share = math.exp(draw.uniform(math.log(_LEAST_SHARE), 0.0)) * share
         swing = 0.0
-        mean = largest
-        limit = np.full_like(angle, friction * largest)
-    amplitude = share / np.max(np.abs(np.cos(angle - np.radians(phase))) / limit)
-    return {
-        "kind": "ellipse",
-        "mean_normal_load": mean,
-        "normal_amplitude": mean * swing,
-        "mean_tangential_load": 0.0,
-        "tangential_amplitude": amplitude,
-        "phase_degrees": phase,
-        "initial_loading": "straight",
-    }
+    return ellipse_load(largest, friction, share, swing=swing, phase=phase)
 
 
 def _scene(

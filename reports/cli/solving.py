@@ -630,16 +630,13 @@ def _budget_shown(report: Report, budget: ErrorBudget) -> Iterator[Part]:
     yield cost(budget)
 
 
-def _expected_shown(findings: Sequence[Finding], verbose: bool = True) -> Iterator[Part]:
-    """The numbers that the scene expects beside those found: how many are met, and all of them
-    where one is missed or they are asked for.
-    """
+def _expected_shown(findings: Sequence[Finding]) -> Iterator[Part]:
+    """The numbers that the scene expects beside those found, and how many are met."""
     from reports.comparison.laws import EXPECTED_HEADS, expected_rows
 
     if findings:
         missed = sum(not finding.met for finding in findings)
-        if missed or verbose:
-            yield Sheet("Expected numbers", EXPECTED_HEADS, expected_rows(findings), (2, 3, 4, 5))
+        yield Sheet("Expected numbers", EXPECTED_HEADS, expected_rows(findings), (2, 3, 4, 5))
         if missed:
             yield f"{missed} of {len(findings)} expected numbers are missed."
         else:
