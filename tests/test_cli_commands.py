@@ -1077,3 +1077,11 @@ def test_a_run_fits_a_screen_and_counts_what_it_leaves_to_the_page(tmp_path: Pat
     assert sum(line.startswith("│") for line in shown) == 7
     assert shown[-1].endswith("report.html")
     assert shown[-2] == "On the page, and with --verbose: all 4 expected numbers met."
+
+
+def test_a_run_in_short_says_where_size_alone_judges(tmp_path: Path) -> None:
+    """Half-planes without a budget."""
+    words = ("--preset", "coarse", "--quiet", "--no-budget")
+    done = halfplane(tmp_path, "run", "hertz-paper", *words, COLUMNS="80")
+    assert "Each verdict is by |E| alone." in done.stdout
+    assert sum(max(1, -(-len(line) // 80)) for line in done.stdout.splitlines()) <= 25

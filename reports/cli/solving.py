@@ -557,6 +557,7 @@ def verdict_shown(report: Report, verbose: bool = True) -> Iterator[Part]:
     from reports.comparison.words import (
         first_cells,
         how_judged,
+        judged_by_size,
         lead,
         standing,
         verdict,
@@ -571,20 +572,26 @@ def verdict_shown(report: Report, verbose: bool = True) -> Iterator[Part]:
     if comparison.why is not None:
         yield comparison.why.sentence
     style = _STYLES.get(standing(comparison) or "", "")
-    if not verbose:
-        yield verdict_in_short(comparison), style
-        return
-    yield f"{lead(comparison)} {verdict(comparison)}".strip(), style
-    if words := how_judged(comparison, has_budget=report.budget is not None):
-        yield words
+    whole_verdict = f"{lead(comparison)} {verdict(comparison)}".strip()
+    yield whole_verdict if verbose else verdict_in_short(comparison), style
+    # In short, how it was judged is said only where the size alone decides.
+    if verbose or judged_by_size(comparison):
+        words = how_judged(comparison, has_budget=report.budget is not None)
+        yield from filter(None, [words])
 
 
 def _left_out(report: Report, findings: Sequence[Finding]) -> Iterator[Part]:
-    """What the page and `--verbose` say besides, in one line: how each note begins."""
-    from reports.measured import check_record
+    """Warnings about the record, and in one line what the page and `--verbose` say besides: how
+    each note begins.
+    """
+    from reports.measured import check_record, record_in_words
 
+    scene = report.comparison.scene
     counts = [f"“{_beginning(note)} …”" for note in report.comparison.result.record.notes]
-    if check_record(report.comparison.scene):
+    if record := check_record(scene):
+        for sentence, is_warning in record_in_words(scene, record):
+            if is_warning:
+                yield f"Warning: {sentence}"
         counts.append("what was read of the record")
     missed = sum(not finding.met for finding in findings)
     if missed:

@@ -25,8 +25,8 @@ Offered to the rest of reports, `Comparison` `compare` first; each file imports 
                     `in_percent`
     judged.py       all of that with its verdict: `JudgedPair`
     words.py        all of that in sentences, whose words are in templates/words.txt: `headline`
-                    `lead` `verdict` `verdict_in_short` `how_judged` `standing`
-                    `uncertain_work` `question`
+                    `lead` `verdict` `verdict_in_short` `how_judged` `judged_by_size`
+                    `standing` `uncertain_work` `question`
                     `bodies_in_words` `bulk_and_tilt` `unlike_materials` `idealisation`
                     `beyond_theory` `SUPPORT_WORDS` `sentence` `read_in_words` `stretch`
                     `of_stretch` `for_notebook`; in cells: `amount` `value_of`

@@ -460,21 +460,25 @@ def not_scored(comparison: JudgedPair) -> str:
     return in_template("not_scored", names, headlines)
 
 
+def judged_by_size(comparison: JudgedPair) -> list[str]:
+    """Names of the metrics that |E| alone judges: no uncertainty of them is known."""
+    return [
+        _name(metric)
+        for metric in comparison.metrics
+        if metric.tolerance is not None and metric.value is not None and metric.uncertainty is None
+    ]
+
+
 def how_judged(comparison: JudgedPair, *, has_budget: bool) -> str:
     """What the verdicts rest on: sizes and uncertainties, or sizes alone where no uncertainty is
     known.
     """
-    judged_metrics = [
-        metric
-        for metric in comparison.metrics
-        if metric.tolerance is not None and metric.value is not None
-    ]
-    unknown_names = [_name(metric) for metric in judged_metrics if metric.uncertainty is None]
-    return (
-        in_template("how_judged", unknown_names, has_budget, _both_ours(comparison))
-        if judged_metrics
-        else ""
+    is_judged = any(
+        metric.tolerance is not None and metric.value is not None for metric in comparison.metrics
     )
+    if not is_judged:
+        return ""
+    return in_template("how_judged", judged_by_size(comparison), has_budget, _both_ours(comparison))
 
 
 def lead(comparison: JudgedPair) -> str:
