@@ -284,6 +284,18 @@ def test_where_p_varies_rows_begin_at_twelve_places(name, start):
     check_exact_rows_of_varying(name, (40, 100, 241)[start % 3], start / 12, start % 2 == 0)
 
 
+def test_a_loop_that_begins_while_Q_stands_closes_where_U_comes_back():
+    """A rectangle of U over Q, 20 rows a side, from the middle of its upper side on."""
+    side = np.arange(20) / 20
+    u = np.roll(np.concatenate([side, 1 + 0 * side, 1 - side, 0 * side]), -10)
+    q = np.roll(np.concatenate([1 + 0 * side, 1 - side, 0 * side, side]), -10)
+    phase = np.concatenate([np.full(10, 0.5), 0.5 + (1 - q[10:30]) / 2, np.full(20, 1.0)])
+    phase = np.concatenate([phase, 1 + q[50:70] / 2, np.full(10, 1.5)])
+    area = loop_branches.polygon_area(u, q, phase, 0.0, 0.0)
+    assert area.value == pytest.approx(1.0, abs=1e-12)
+    assert area.uncertainty < 0.01
+
+
 def test_a_path_with_more_turning_points_is_placed_over_time():
     """A small wave within the large one: time says on which of its sides a row lies."""
     points = [(LOAD, -LARGEST), (1.1 * LOAD, 0.2 * LARGEST), (LOAD, -0.2 * LARGEST)]

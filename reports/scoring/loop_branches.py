@@ -40,6 +40,8 @@ _AS_NOISE = 1.15
 _AT_JOINT = 4.5
 # Instants at which the size of a cycle is found: more than rows of a cycle are.
 _INSTANTS_OF_CYCLE = 600
+# Phases closer than this are alike but for rounding.
+_ROUNDING = 1e-9
 # Sigma of U beyond which rows do not come back to the first one: three of a difference of two.
 _GAP = 4.2
 
@@ -396,6 +398,21 @@ def _shoelace(shift: Array, load: Array) -> float:
     return float(np.sum((load + np.roll(load, -1)) / 2 * (np.roll(shift, -1) - shift)))
 
 
+def _where_shift_returns(shift: Array, rows: NDArray[np.intp]) -> tuple[int, float]:
+    """Where U (n,) is nearest to its first value on the way to each of these rows: the row behind
+    that place, and the share of the step to it.
+
+    >>> _where_shift_returns(np.array([2.0, 5.0, 1.0, 1.5, 2.5, 3.0]), np.array([3, 4, 5]))
+    (4, 0.5)
+    """
+    before = shift[rows - 1]
+    step = shift[rows] - before
+    to_first = shift[0] - before
+    share = np.clip(to_first / np.where(step == 0, 1.0, step), 0.0, 1.0)
+    nearest = int(np.argmin(np.abs(share * step - to_first)))
+    return int(rows[nearest]), float(share[nearest])
+
+
 def polygon_area(
     shift: Array, load: Array, phase: Array, shift_noise: float, load_noise: float
 ) -> LoopArea:
@@ -433,6 +450,15 @@ def polygon_area(
                 (end - phase[after - 1]) / max(phase[after] - phase[after - 1], 1e-300), 0.0, 1.0
             )
         )
+        least_gap = _GAP * shift_noise
+        as_high = 4 * load_noise / (2 * float(np.ptp(load))) + _ROUNDING
+        standing = reached[phase[reached] <= end + as_high]
+        if len(standing) > 1:  # U moves on while Q stands: the loop closes where U comes back
+            after, share = _where_shift_returns(shift, standing)
+            is_last_row = after == len(shift) - 1 and share == 1
+            if is_last_row:  # which may be a step before the first one
+                largest_step = float(np.max(np.abs(np.diff(shift[standing]))))
+                least_gap = max(least_gap, 1.6 * largest_step)
         ends = [
             float(values[after - 1] + share * (values[after] - values[after - 1]))
             for values in (shift, load)
@@ -440,7 +466,7 @@ def polygon_area(
         # U that does not come back closes by a chord at the first Q: an error of the gap times Q
         # from its mean there.
         across_gap = ends[0] - float(shift[0])
-        if abs(across_gap) > _GAP * shift_noise:
+        if abs(across_gap) > least_gap:
             by_gap = abs(across_gap) * abs(float(load[0]) - float(load.max() + load.min()) / 2)
         shift = np.append(shift[:after], ends[0])
         load = np.append(load[:after], ends[1])
