@@ -10,6 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from scenes import Scene
+from scenes.column_names import ALIASES
 from scenes.loads import KEYS
 
 BEGIN = "<!-- scene keys: written by `make pages` -->"
@@ -69,6 +70,16 @@ PLAIN = {
     "boolean": "`true`, `false`",
     "string": "text",
 }
+# Columns of files beside a scene, and the quantity of `ALIASES` whose headings each has.
+COLUMNS = {
+    "time": "time",
+    "P": "normal_load",
+    "Q": "tangential_load",
+    "U": "displacement",
+    "approach": "approach",
+    "x": "x",
+    "h": "height",
+}
 Row = tuple[str, str, Mapping[str, Any]]  # kind, key, the model that has it
 
 
@@ -80,6 +91,7 @@ def page(text: str) -> str:
             f"{before}{BEGIN}",
             "",
             *tables(Scene.model_json_schema()),
+            *headings(),
             f"{END}{rest.partition(END)[2]}",
         ]
     )
@@ -138,6 +150,15 @@ def tables(schema: Mapping[str, Any]) -> Iterator[str]:
         if name == "uncertainty":
             for title, model in OF_UNCERTAINTY.items():
                 yield from section(title, keys(models[model]))
+
+
+def headings() -> Iterator[str]:
+    """The headings that are known of each column of a file."""
+    yield from ("## Headings of files", "", "| column | headings |", "|---|---|")
+    for column, quantity in COLUMNS.items():
+        names = dict.fromkeys(name.replace("_", " ") for name in ALIASES[quantity])
+        yield f"| `{column}` | {cell(', '.join(names))} |"
+    yield ""
 
 
 def kind_of(model: Mapping[str, Any]) -> str:

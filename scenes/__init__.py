@@ -28,6 +28,8 @@ Its files and the answer::
 
     text_tables.py  text tables of any program to columns of numbers: separators, headings, the line
                     of a fault
+    column_names.py     headings of columns in five languages
+    clock_times.py  times of day and dates, to seconds since the first row
     unit_words.py   words for units, their sizes, whether they are one set
     files.py        files up to a stated size, whole or not at all: text, keys, source files
     netcdf.py       NetCDF files of named arrays with their units, by h5netcdf

@@ -13,13 +13,16 @@ import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import pairwise
+from pathlib import Path
 from typing import Annotated, Any, ClassVar, Generic, Literal, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import AfterValidator, Field, model_validator
 
+from scenes.array_types import Array
 from scenes.chebyshev import NODES, Unresolved, fit, series, values_of
+from scenes.column_names import aliases_of, plain
 from scenes.errors import InputError, RowError
 from scenes.frozen import Frozen, Positive, PythonFunction, a_scale
 from scenes.measured import (
@@ -47,6 +50,7 @@ from scenes.segments import (
     parabola_segment,
     straight_segments,
 )
+from scenes.text_tables import MissingColumnError, TextTable
 from scenes.unit_words import Kind
 
 # Of the loads: difference within which two are one.
@@ -732,6 +736,12 @@ class RecordRow(Frozen):
     row: int = Field(ge=1, description="number of the row of numbers, from 1 on")
 
 
+_CURE_OF_TIMES = (
+    "; where they have too few digits, state interval, the time from row to row; where a second"
+    " test follows, leave it out by end"
+)
+
+
 class TimeSeriesLoad(StraightLoad, FromFile):
     """Rows of time, P and Q joined by straight lines; before the first row a straight line from (0,
     0), unless it is (0, 0) itself.
@@ -787,6 +797,17 @@ class TimeSeriesLoad(StraightLoad, FromFile):
             " length units (library: mm)"
         ),
     )
+    interval: Positive | None = Field(
+        None,
+        description=("time from row to row of a file, in place of a column of times (library: s)"),
+    )
+    constant_normal_load: Positive | None = Field(
+        None,
+        description=(
+            "P of all rows of a file, in place of a column, force per unit thickness (library:"
+            " N/mm)"
+        ),
+    )
     scale: OfLoads[Positive] | None = Field(None, description=SCALE)
     zero: OfLoads[float] | None = Field(None, description=ZERO)
     sign: OfLoads[Literal[1, -1]] | None = Field(
@@ -838,7 +859,63 @@ class TimeSeriesLoad(StraightLoad, FromFile):
             kinds = {"time": "time", "P": "load", "U": "length"}
         if self.approach:
             kinds = {"time": "time", "approach": "length", "U": "length"}
+        for name in self._no_columns:
+            kinds.pop(name, None)
         return kinds
+
+    @property
+    def _no_columns(self) -> dict[str, float]:
+        """Quantities that are stated in place of a column."""
+        stated = {"time": self.interval, "P": self.constant_normal_load}
+        return {name: value for name, value in stated.items() if value is not None}
+
+    def _table_of(self, path: Path, columns: tuple[str, ...], stated: Frozen | None) -> TextTable:
+        if self.approach and self.constant_normal_load is not None:
+            raise InputError(
+                "approach stands in the place of P: leave out constant_normal_load, or approach"
+            )
+        try:
+            return super()._table_of(path, columns, stated)
+        except MissingColumnError as fault:
+            raise InputError(f"{fault}{self._cure_of_missing(fault)}") from fault
+
+    def _cure_of_missing(self, fault: MissingColumnError) -> str:
+        """What may stand in the scene in place of the columns that a file lacks, where it has
+        others.
+        """
+        lacking = set(fault.columns)
+        if lacking == set(self.column_kinds):
+            return ""
+        shifts = {plain(alias) for alias in aliases_of("U")}
+        has_shift = any(plain(heading) in shifts for heading in fault.headings)
+        cures = []
+        if "time" in lacking:
+            cures.append("interval = 0.01, the time from row to row, where it has no times")
+        if "P" in lacking and not self.approach:
+            cures.append(
+                "constant_normal_load = 100.0 (a force per thickness), where P was constant and"
+                " not recorded"
+            )
+        if "Q" in lacking and has_shift:
+            cures.append("tangential_displacement = true, where the rig prescribed U")
+        return "".join(f"; or {cure}" for cure in cures)
+
+    def _of_no_column(self) -> list[tuple[str, str]]:
+        words: list[tuple[str, str]] = []
+        if self.interval is not None:
+            words.append(("time", f"no column: {self.interval:.9g} from row to row (interval)"))
+        if self.constant_normal_load is not None:
+            value = f"{self.constant_normal_load:.9g}"
+            words.append(("P", f"no column: {value} in every row (constant_normal_load)"))
+        return words
+
+    def _with_no_columns(self, values: Array) -> Array:
+        if self.constant_normal_load is not None:
+            place = 0 if self.interval is not None else 1
+            values = np.insert(values, place, self.constant_normal_load, axis=1)
+        if self.interval is not None:
+            values = np.insert(values, 0, self.interval * np.arange(len(values)), axis=1)
+        return values
 
     @model_validator(mode="after")
     def _displacement_goes_alone(self) -> Self:
@@ -902,6 +979,7 @@ class TimeSeriesLoad(StraightLoad, FromFile):
             np.diff(time[first_row:row_beyond]) <= 0,
             lambda k: (
                 f"time = {time[k]:.12g} {words[int(time[k] < time[k - 1])]}: the times must ascend"
+                f"{_CURE_OF_TIMES if self.file is not None else ''}"
             ),
             first_row + 1,
         )

@@ -100,7 +100,16 @@ class Table:
 
 ReadAs = tuple[tuple[str, str], ...]
 # Keys that say how a file is read.
-READING = ("columns", "units", "thickness", "scale", "zero", "sign")
+READING = (
+    "columns",
+    "units",
+    "thickness",
+    "scale",
+    "zero",
+    "sign",
+    "interval",
+    "constant_normal_load",
+)
 # What each of them is, for descriptions.
 COLUMNS = (
     "headings or numbers (from 1 on) of the columns in the file, where they are not found by their"
@@ -179,7 +188,9 @@ def unit_of_column(
 
 
 def layout_in_words(path: Path, table: TextTable) -> list[tuple[str, str]]:
-    """How a text table was found in its file: its rows, separator, decimal sign and characters."""
+    """How a text table was found in its file: its rows, separator, decimal sign and characters,
+    lines that were left out.
+    """
     layout = [
         ("file", f"{path.name}: {len(table.lines):,} rows from line {table.lines[0]} on"),
         ("columns separated by", table.separator),
@@ -189,6 +200,7 @@ def layout_in_words(path: Path, table: TextTable) -> list[tuple[str, str]]:
         layout.append(("characters", table.encoding))
     if table.skipped:
         layout.append(("lines above the headings", f"{table.skipped} skipped"))
+    layout += [("left out", words) for words in table.left_out]
     return layout
 
 
@@ -239,7 +251,7 @@ class FromFile(Frozen):
         columns = getattr(self, "columns", None)
         column_names = self._named(columns)
         kinds = self.column_kinds | {name: self.further[name] for name in column_names}
-        table = text_table(path, tuple(kinds), stated=_stated_columns(columns))
+        table = self._table_of(path, tuple(kinds), columns)
         read_as = layout_in_words(path, table)
         converted = False
         for k, (name, kind) in enumerate(kinds.items()):
@@ -250,6 +262,11 @@ class FromFile(Frozen):
                 table.values[:, k] -= reading.zero
                 table.values[:, k] *= reading.factor
             read_as.append((name, reading.words))
+        read_as += self._of_no_column()
+        if table.unused:
+            headings = ", ".join(map(repr, table.unused[:_SHOWN]))
+            remainder = f" and {len(table.unused) - _SHOWN} more" * (len(table.unused) > _SHOWN)
+            read_as.append(("not read", f"{headings}{remainder}"))
         if converted:
             read_as.append((SCENE_UNITS, units))
         stated_twice = [name for name in column_names if getattr(self, name) is not None]
@@ -258,8 +275,8 @@ class FromFile(Frozen):
                 f"{self.file}: {stated_twice[0]} is a column of the file and stated beside it:"
                 " leave one out"
             )
-        values = Table.of(table.values).values
-        count = len(self.column_kinds)
+        values = Table.of(self._with_no_columns(table.values)).values
+        count = values.shape[1] - len(column_names)
         keys_read: dict[str, Any] = {
             self.table: Table.of(values[:, :count]),
             "read_as": tuple(read_as),
@@ -270,6 +287,24 @@ class FromFile(Frozen):
             object.__setattr__(self, name, value)
         self.model_fields_set.update(keys_read)
         return self
+
+    def _table_of(self, path: Path, columns: tuple[str, ...], stated: Frozen | None) -> TextTable:
+        """The columns of the file.
+
+        Raises
+        ------
+        InputError
+            As the reader of tables.
+        """
+        return text_table(path, columns, stated=_stated_columns(stated))
+
+    def _of_no_column(self) -> list[tuple[str, str]]:
+        """The quantities that stand in the scene in place of a column, in words."""
+        return []
+
+    def _with_no_columns(self, values: Array) -> Array:
+        """Rows (n, m) of the columns that are read, with the quantities that are no column."""
+        return values
 
     def _reading(
         self, path: Path, table: TextTable, column: int, name: str, kind: Kind, units: str
@@ -287,6 +322,8 @@ class FromFile(Frozen):
         zeros = _stated_columns(getattr(self, "zero", None))
         signs = _stated_columns(getattr(self, "sign", None))
         heading = table.headings[column]
+        if table.clock_start and kind == "time":
+            stated_units.pop(name, None)
         unit = unit_of_column(table, column, kind, units, stated_units.get(name))
         # The unit of time changes no result, moments are not converted, and a stated scale turns
         # volts into loads.
@@ -308,7 +345,9 @@ class FromFile(Frozen):
                 rule = "per length already: leave out the key thickness"
             raise InputError(f"{path}: {name} is in {unit.word} ({unit.source}), {rule}")
         words = [repr(heading) if table.head else heading]
-        if unit.words:
+        if table.clock_start and kind == "time":
+            words.append(f"times of day: seconds since {table.clock_start}")
+        elif unit.words:
             words.append(unit.words)
         if name in zeros:
             words.append(f"zero at {zeros[name]:.9g} of the file")
@@ -375,6 +414,8 @@ def _folder(validation: ValidationInfo) -> Path:
     return Path((validation.context or {}).get("folder", "."))
 
 
+# Headings in a sentence.
+_SHOWN = 12
 # Of the library; where nothing else is stated.
 _UNITS = "N, mm, MPa"
 SCENE_UNITS = "units of the scene"

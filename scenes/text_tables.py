@@ -1,7 +1,8 @@
 """Text tables that other programs write, to columns of numbers: separator, decimal sign, headings,
 units, the line of each fault.
 
-A table is a line of headings, perhaps a line of units, then rows of numbers. The first lines show
+A table is a line of headings, perhaps a line of units and other lines without numbers, then rows of
+numbers, perhaps lines of text behind them. The first lines show
 which separator it has; the rows are streamed, so that two million of them take no more memory than
 their numbers.
 """
@@ -9,20 +10,23 @@ their numbers.
 from __future__ import annotations
 
 import contextlib
+import csv
 import re
 from array import array
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
-from itertools import chain, islice
+from itertools import islice
 from pathlib import Path
-from typing import TextIO
+from typing import NamedTuple, TextIO
 
 import numpy as np
 from numpy.typing import NDArray
 
 from scenes.array_types import Array
 from scenes.arrays import LARGEST
+from scenes.clock_times import WORDS, ClockColumn, is_clock_time
+from scenes.column_names import ALIASES, aliases_of, plain
 from scenes.errors import InputError, shown
 from scenes.files import TEXT, check_size
 from scenes.unit_words import is_unit, name_without_unit, unit_in
@@ -38,8 +42,14 @@ _ENCODINGS = {
     "utf-8-sig": "UTF-8",
     "cp1252": "Windows-1252, since it is not UTF-8",
     "utf-16": "UTF-16",
+    "utf-16-le": "UTF-16, without its mark of byte order",
+    "utf-16-be": "UTF-16, without its mark of byte order",
 }
 _MARKS_OF_16 = (b"\xff\xfe", b"\xfe\xff")
+# Of every second byte: European text in UTF-16 has more zeros than that in one half, no other has.
+_ZEROS_OF_16 = 0.8
+# What an instrument writes where a unit stands, which is none of a load or a length.
+_RAW = ("v", "mv", "volt", "volts", "bit", "counts", "div")
 # Lines that are looked at before the table is read, bytes that show what it is written in.
 _LOOK = 200
 _START = 50_000
@@ -50,105 +60,14 @@ SEPARATORS = {"\t": "tab", ";": "semicolon", ",": "comma", None: "blanks"}
 # A number whose digits stand in groups of three: 1,234.5 or 1.234,5 or 1 234 or 1'234.
 _GROUPED = re.compile(r"[-+]?\d{1,3}([.,'’ \u00a0\u202f]\d{3})+([.,]\d*)?$")
 
-# Names under which programs write them, compared by `plain`.
-ALIASES: dict[str, tuple[str, ...]] = {
-    "time": ("time", "t", "step time", "total time", "time value", "steptime", "totaltime", "Zeit"),
-    "frame": ("frame", "increment", "inc", "step", "Inkrement"),
-    "normal_load": (
-        "normal_load",
-        "P",
-        "normal force",
-        "Fn",
-        "RF2",
-        "load",
-        "normal",
-        "contact force",
-        "clamping force",
-        "Normalkraft",
-    ),
-    "tangential_load": (
-        "tangential_load",
-        "Q",
-        "tangential force",
-        "shear force",
-        "Ft",
-        "RF1",
-        "friction force",
-        "tangential",
-        "Tangentialkraft",
-        "Querkraft",
-    ),
-    "x": (
-        "x",
-        "X",
-        "COORD1",
-        "COOR1",
-        "X coordinate",
-        "true distance",
-        "distance",
-        "points:0",
-        "point x",
-        "position",
-    ),
-    "y": ("y", "Y", "COORD2", "COOR2", "Y coordinate", "points:1", "point y"),
-    "pressure": (
-        "pressure",
-        "p",
-        "CPRESS",
-        "contact_pressure",
-        "normal_contact_stress",
-        "Kontaktdruck",
-        "Kontaktpressung",
-    ),
-    "shear": (
-        "shear",
-        "q",
-        "CSHEAR1",
-        "CSHEAR",
-        "tangential_contact_stress",
-        "contact_shear",
-        "shear traction",
-        "traction",
-        "Schubspannung",
-        "Kontaktschub",
-    ),
-    "slip": (
-        "slip",
-        "s",
-        "CSLIP1",
-        "CSLIP",
-        "tangential_slip",
-        "relative_slip",
-        "Schlupf",
-        "Gleitweg",
-    ),
-    "displacement": (
-        "U",
-        "displacement",
-        "tangential_displacement",
-        "tangential displacement",
-        "stroke",
-        "Verschiebung",
-    ),
-    "approach": ("approach", "normal_approach", "normal approach", "indentation"),
-    "height": ("h", "height", "gap", "z", "profile", "profile height"),
-}
-# Of the columns that a scene asks for.
-_OF_SCENES = {"P": "normal_load", "Q": "tangential_load", "U": "displacement", "h": "height"}
 
+class MissingColumnError(InputError):
+    """A table has no heading of these `columns` among its `headings`."""
 
-def plain(name: str) -> str:
-    """A column's name without case, blanks, underscores, quotes and what stands in brackets behind
-    it.
-
-    A single letter keeps its case: P is a load and p a pressure.
-
-    >>> plain(" Contact_Pressure [MPa]"), plain("CSHEAR1 (top)"), plain("P [N/mm]")
-    ('contactpressure', 'cshear1', 'P')
-    """
-    name_alone = name.split("[", maxsplit=1)[0].split("(", maxsplit=1)[0]
-    letters = "".join(letter for letter in name_alone if letter.isalnum() or letter == ":")
-    return letters if len(letters) == 1 else letters.lower()
+    def __init__(self, columns: Sequence[str], headings: Sequence[str], sentence: str) -> None:
+        self.columns = tuple(columns)
+        self.headings = tuple(headings)
+        super().__init__(sentence)
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,6 +92,13 @@ class TextTable:
         number of the line of headings, 0 where there is none
     skipped
         number of lines above it that are no remarks
+    unused
+        headings of the columns that were not asked for
+    left_out
+        lines that are no rows, in words: between headings and rows, behind the rows, headings
+        that are repeated
+    clock_start
+        the first cell of a column of times of day, empty where times are numbers
     """
 
     names: tuple[str, ...]
@@ -185,6 +111,9 @@ class TextTable:
     encoding: str
     head: int
     skipped: int
+    unused: tuple[str, ...] = ()
+    left_out: tuple[str, ...] = ()
+    clock_start: str = ""
 
     def column(self, name: str) -> Array:
         """The first column of that name, (n_rows,)."""
@@ -194,7 +123,8 @@ class TextTable:
 @dataclass(frozen=True)
 class _Layout:
     """Where the table stands in its file: `first` is the line of its first row, `used` are the
-    columns that are read.
+    columns that are read, `between` the lines between headings and rows that hold neither units
+    nor numbers; `clock` is which of the columns holds times.
     """
 
     separator: str | None
@@ -204,6 +134,8 @@ class _Layout:
     head: int
     first: int
     skipped: int
+    between: tuple[int, ...] = ()
+    clock: int | None = None
 
 
 Line = tuple[int, str]
@@ -287,12 +219,8 @@ def text_table(
         check_size(path, kind.role, TEXT, kind.cure)
         with path.open("rb") as binary:
             start = binary.read(_START)
-        is_utf_16 = start.startswith(_MARKS_OF_16)
-        encodings = ["utf-8-sig", "cp1252"]
-        if is_utf_16:
-            encodings = ["utf-16"]
-        elif b"\0" in start:
-            encodings = ["utf-8-sig"]
+        encodings = _encodings_of(start)
+        is_utf_16 = encodings[0].startswith("utf-16")
         for encoding in encodings:
             with contextlib.suppress(UnicodeError), path.open(encoding=encoding) as stream:
                 lines = partial(_lines, path, stream, longest_line)
@@ -303,14 +231,14 @@ def text_table(
                 if layout is None:
                     layout = _layout(request, first_lines)
                 comma = layout.separator != "," and _has_decimal_comma(lines(), layout)
-                values, line_numbers = _numbers(request, lines, layout, comma)
+                rows = _numbers(request, lines, layout, comma)
                 headings = tuple(layout.names[k] for k in layout.used)
                 if not layout.head:
                     headings = tuple(f"column {k + 1}" for k in layout.used)
                 return TextTable(
                     names=columns or headings,
-                    values=values,
-                    lines=line_numbers,
+                    values=rows.values,
+                    lines=rows.lines,
                     headings=headings,
                     units=tuple(layout.units[k] for k in layout.used),
                     separator=SEPARATORS[layout.separator],
@@ -318,12 +246,50 @@ def text_table(
                     encoding=_ENCODINGS[encoding],
                     head=layout.head,
                     skipped=layout.skipped,
+                    unused=_unused(layout),
+                    left_out=(*_between_in_words(layout), *rows.left_out),
+                    clock_start=rows.clock_start,
                 )
     except OSError as reason:
         raise InputError(f"{path}: the file can't be read: {reason.strerror}") from reason
     raise InputError(
         f"{path}: the file can't be read: it is not {'UTF-16' if is_utf_16 else 'UTF-8'} text"
     )
+
+
+def _encodings_of(start: bytes) -> list[str]:
+    """What the first bytes of a file may be written in, the likeliest first.
+
+    >>> _encodings_of("Zeit;P".encode("utf-16-le")), _encodings_of(b"time,P")
+    (['utf-16-le'], ['utf-8-sig', 'cp1252'])
+    """
+    if start.startswith(_MARKS_OF_16):
+        return ["utf-16"]
+    if b"\0" not in start:
+        return ["utf-8-sig", "cp1252"]
+    pairs = max(len(start) // 2, 1)
+    if start[1::2].count(0) > _ZEROS_OF_16 * pairs:
+        return ["utf-16-le"]
+    if start[0::2].count(0) > _ZEROS_OF_16 * pairs:
+        return ["utf-16-be"]
+    return ["utf-8-sig"]
+
+
+def _unused(layout: _Layout) -> tuple[str, ...]:
+    """Headings of the columns that are not read."""
+    if not layout.head:
+        return ()
+    return tuple(
+        name for number, name in enumerate(layout.names) if name and number not in layout.used
+    )
+
+
+def _between_in_words(layout: _Layout) -> list[str]:
+    """The lines between headings and rows that are left out."""
+    if not layout.between:
+        return []
+    lines = ", ".join(map(str, layout.between[:5]))
+    return [f"line {lines}, between the headings and the rows: no numbers"]
 
 
 def _lines(path: Path, stream: TextIO, longest_line: int) -> Iterator[Line]:
@@ -340,8 +306,12 @@ def _lines(path: Path, stream: TextIO, longest_line: int) -> Iterator[Line]:
 
 
 def _cells(text: str, separator: str | None) -> list[str]:
-    """The cells of a line; empty ones at its end are none."""
-    cells = [cell.strip().strip('"').strip() for cell in text.split(separator)]
+    """The cells of a line; empty ones at its end are none. A separator within quotes is none."""
+    texts = text.split(separator)
+    if '"' in text and separator is not None:
+        with contextlib.suppress(csv.Error, StopIteration):
+            texts = next(csv.reader([text], delimiter=separator, skipinitialspace=True))
+    cells = [cell.strip().strip('"').strip() for cell in texts]
     while len(cells) > 1 and not cells[-1]:
         del cells[-1]
     return cells
@@ -359,8 +329,9 @@ def _number(text: str, comma: bool) -> float | None:
 
 
 def _numeric(text: str, separator: str | None) -> bool:
+    """Whether every cell is a number or a time of day."""
     return all(
-        _number(cell, separator != "," and "," in cell) is not None
+        _number(cell, separator != "," and "," in cell) is not None or is_clock_time(cell)
         for cell in _cells(text, separator)
     )
 
@@ -461,34 +432,112 @@ def _layouts_below(
                     continue
             if used_columns is None or request.by_number:
                 continue
-            # The line below the headings may hold the units.
-            cells = []
-            if lines_below:
-                cells = [cell.strip("[]() ") for cell in _cells(lines_below[0][1], mark)]
-            has_units = (
-                len(cells) == len(names)
-                and any(map(is_unit, cells))
-                and all(cell in ("", "-") or is_unit(cell) for cell in cells)
+            may_skip = bool(request.columns) or fewest_known > 0
+            below = _below_headings(lines_below, mark, used_columns, len(names), may_skip)
+            units = [
+                unit_below or unit_in(name)[1]
+                for unit_below, name in zip(below.units, names, strict=True)
+            ]
+            first_row = below.rows[0][1] if below.rows else None
+            start = below.rows[0][0] if below.rows else line_number + 1
+            has_even_rows = first_row is None or (
+                _fits(first_row, mark, used_columns, len(names))
+                and _has_number(first_row, mark, used_columns)
             )
-            units = [unit_in(name)[1] for name in names]
-            if has_units:
-                stated_units = [cell.strip("-") for cell in cells]
-                units = [
-                    stated_unit or unit
-                    for stated_unit, unit in zip(stated_units, units, strict=True)
-                ]
-            rows = lines_below[1:] if has_units else lines_below
-            first_row = rows[0][1] if rows else None
-            start = rows[0][0] if rows else line_number + 1
-            has_even_rows = first_row is None or len(_cells(first_row, mark)) == len(names)
             if is_remark and (
                 first_row is None or not has_even_rows or not _numeric(first_row, mark)
             ):
                 continue
             layout = _Layout(
-                mark, tuple(names), tuple(units), used_columns, line_number, start, len(lines_above)
+                separator=mark,
+                names=tuple(names),
+                units=tuple(units),
+                used=used_columns,
+                head=line_number,
+                first=start,
+                skipped=len(lines_above),
+                between=below.between,
+                clock=_place_of_time(request, names, used_columns),
             )
             yield layout, has_even_rows
+
+
+class _Below(NamedTuple):
+    """The lines below headings: units (n_columns,) that stand in a line of their own, numbers of
+    lines without numbers, and the lines from the first row on.
+    """
+
+    units: list[str]
+    between: tuple[int, ...]
+    rows: list[Line]
+
+
+def _below_headings(
+    lines: list[Line], mark: str | None, used: Sequence[int], count: int, may_skip: bool
+) -> _Below:
+    """Units and rows in the lines below `count` headings. `may_skip` is whether lines that hold
+    neither units nor numbers may stand between; a row has a number in a column that is read.
+    """
+    units = [""] * count
+    between: list[int] = []
+    for place, (number, text) in enumerate(lines):
+        cells = _cells(text, mark)
+        if _has_number(text, mark, used):
+            return _Below(units, tuple(between), lines[place:])
+        unit_cells = [cell.strip("[](){}<> ").strip("-") for cell in cells]
+        is_of_headings = len(cells) == count or (mark is not None and len(cells) < count)
+        if is_of_headings and not any(units) and _are_units(cells):
+            units = unit_cells + [""] * (count - len(cells))
+        elif may_skip:
+            between.append(number)
+        else:
+            return _Below(units, (), lines[place:])
+    # no row of numbers: what stands below is at fault
+    return _Below([""] * count, (), lines)
+
+
+def _are_units(cells: Sequence[str]) -> bool:
+    """Whether the cells of a line are units: one at least is known or what an instrument writes, or
+    all stand in brackets.
+
+    >>> _are_units(["s", "kN", "-"]), _are_units(["(s)", "(V)"]), _are_units(["a", "b"])
+    (True, True, False)
+    """
+    words = [cell.strip("[](){}<> ") for cell in cells]
+    bracketed = [cell[:1] in "[({<" and cell[-1:] in "])}>" for cell in cells if cell]
+    if bracketed and all(bracketed):
+        return True
+    return any(is_unit(word) or word.lower() in _RAW for word in words)
+
+
+def _is_number_or_time(cell: str, mark: str | None) -> bool:
+    return _number(cell, mark != "," and "," in cell) is not None or is_clock_time(cell)
+
+
+def _fits(row: str, mark: str | None, used: Sequence[int], count: int) -> bool:
+    """Whether a row has a cell for each of `count` headings. Between separators that are no blanks
+    the last cells may be left out, but for those that are read.
+    """
+    n_cells = len(_cells(row, mark))
+    if mark is None:
+        return n_cells == count
+    return max(used) < n_cells <= count
+
+
+def _has_number(row: str, mark: str | None, used: Sequence[int]) -> bool:
+    """Whether a column that is read holds a number in this row: the separator is right."""
+    cells = _cells(row, mark)
+    return any(_is_number_or_time(cells[k], mark) for k in used if k < len(cells))
+
+
+def _place_of_time(request: _Request, names: Sequence[str], used: tuple[int, ...]) -> int | None:
+    """Which column may hold times of day: the one of time."""
+    if "time" in request.columns:
+        return used[request.columns.index("time")]
+    if request.columns:
+        return None
+    times = {plain(alias) for alias in ALIASES["time"]}
+    return next((k for k, name in enumerate(names) if plain(name) in times), None)
 
 
 def _used(request: _Request, line_number: int, headings: Sequence[str]) -> tuple[int, ...] | None:
@@ -500,9 +549,13 @@ def _used(request: _Request, line_number: int, headings: Sequence[str]) -> tuple
     InputError
         Where several headings could be that of one column.
     """
+    places_of_all = [
+        _places_of(column, request.stated.get(column), headings) for column in request.columns
+    ]
+    if not all(places_of_all):
+        return None
     used_columns: list[int] = []
-    for column in request.columns:
-        places = _places_of(column, request.stated.get(column), headings)
+    for column, places in zip(request.columns, places_of_all, strict=True):
         if len(places) > 1:
             candidates = ", ".join(repr(headings[k]) for k in places)
             raise InputError(
@@ -510,11 +563,7 @@ def _used(request: _Request, line_number: int, headings: Sequence[str]) -> tuple
                 f" which by columns = {{{column} = ...}}"
             )
         used_columns += places
-    return (
-        tuple(used_columns)
-        if len(used_columns) == len(request.columns) == len(set(used_columns))
-        else None
-    )
+    return tuple(used_columns) if len(set(used_columns)) == len(used_columns) else None
 
 
 def _places_of(column: str, stated: str | int | None, headings: Sequence[str]) -> list[int]:
@@ -528,7 +577,7 @@ def _places_of(column: str, stated: str | int | None, headings: Sequence[str]) -
     for name in headings:
         texts = (name, unit_in(name)[0], name_without_unit(name))
         readings.append({plain(text).lower() for text in texts})
-    for alias in (column, *ALIASES[_OF_SCENES.get(column, column)]):
+    for alias in aliases_of(column):
         places = [k for k, reading in enumerate(readings) if plain(alias).lower() in reading]
         if places:
             return places
@@ -591,6 +640,7 @@ def _plain_layout(request: _Request, lines: list[Line]) -> _Layout:
             head,
             lines[start][0],
             n_skipped,
+            clock=_place_of_time(request, names, used_columns),
         )
     if begins_with_rows:
         cure = ""
@@ -601,13 +651,8 @@ def _plain_layout(request: _Request, lines: list[Line]) -> _Layout:
             f" {shown(text)}{cure}; or say which by columns ="
             f" {{{', '.join(f'{name} = {k}' for k, name in enumerate(columns, 1))}}}"
         )
-    # the line above the first row of numbers, else the first
-    number, text = lines[max(start - 1, 0)]
-    separators = (mark,) if cells else tuple(SEPARATORS)
-    names = max((way for separator in separators for way in _headings(text, separator)), key=len)
-    lacking_columns = [
-        name for name in columns if _used(replace(request, columns=(name,)), number, names) is None
-    ]
+    (number, text), names = _likeliest_headings(request, lines)
+    lacking_columns = [name for name in columns if not _is_among(request, name, names)]
     if not lacking_columns and len(names) >= count:
         raise InputError(
             f"{path}, line {number}: columns: {list_of_columns} must be of different columns of"
@@ -619,12 +664,41 @@ def _plain_layout(request: _Request, lines: list[Line]) -> _Layout:
     reason = f"none is known as {' or '.join(lacking_columns or columns)}"
     if stated_headings:
         reason = f"no heading is {' or '.join(stated_headings)}"
-    raise InputError(
+    raise MissingColumnError(
+        lacking_columns or columns,
+        names,
         f"{path}, line {number}: the columns are {list_of_columns}, not {shown(text)}:"
         f" {reason}; say which"
         f" by columns = {{{(lacking_columns or columns)[0]} = ...}}, by its heading or its"
-        " number from 1 on"
+        " number from 1 on",
     )
+
+
+def _is_among(request: _Request, column: str, headings: Sequence[str]) -> bool:
+    """Whether a heading is that of a column."""
+    return bool(_places_of(column, request.stated.get(column), headings))
+
+
+def _likeliest_headings(request: _Request, lines: list[Line]) -> tuple[Line, list[str]]:
+    """The line above the rows in which most columns are found, and its cells; where none is found,
+    the line above the first row of numbers, else the first.
+    """
+    start, mark, cells = _first_row(lines, 2)
+    separators = (mark,) if cells else tuple(SEPARATORS)
+    best_line = lines[max(start - 1, 0)]
+    best_names = max(
+        (way for separator in separators for way in _headings(best_line[1], separator)), key=len
+    )
+    most_found = 0
+    for line in lines[:start]:
+        for separator in separators:
+            for names in _headings(line[1], separator):
+                n_found = sum(_is_among(request, column, names) for column in request.columns)
+                if n_found > most_found:
+                    most_found = n_found
+                    best_line = line
+                    best_names = names
+    return best_line, best_names
 
 
 def _first_row(lines: list[Line], count: int) -> tuple[int, str | None, list[str]]:
@@ -682,17 +756,29 @@ def _has_decimal_comma(lines: Iterator[Line], layout: _Layout) -> bool:
     return False
 
 
+@dataclass(frozen=True, eq=False)
+class _Rows:
+    """The numbers (n, m) of the columns that are read, the line (n,) of each row; lines that are no
+    rows, in words; the first cell of a column of times of day.
+    """
+
+    values: Array
+    lines: NDArray[np.int64]
+    left_out: tuple[str, ...] = ()
+    clock_start: str = ""
+
+
 def _numbers(
     request: _Request, lines: Callable[[], Iterator[Line]], layout: _Layout, comma: bool
-) -> tuple[Array, NDArray[np.int64]]:
-    """The numbers (n, m) of the columns that are read and the line (n,) of each row; `comma` is
-    whether that is the decimal sign.
+) -> _Rows:
+    """The rows of numbers; `comma` is whether that is the decimal sign.
 
     All rows are read at once; where that fails, cell by cell up to the fault.
     """
     path = request.path
     mark = layout.separator
-    separators_in_row = len(layout.names) - 1
+    most_separators = len(layout.names) - 1
+    fewest_separators = most_separators if mark is None else max(layout.used)
     remarks_in_rows = bool(request.columns)
     line_numbers = array("q")
 
@@ -717,7 +803,8 @@ def _numbers(
             # empty cells at the end are none
             row = text if mark is None else text.rstrip(f"{mark} ")
             separator_count = len(row.split()) - 1 if mark is None else row.count(mark)
-            if separator_count != separators_in_row or (comma and "." in row):
+            is_even = fewest_separators <= separator_count <= most_separators
+            if not is_even or (comma and "." in row):
                 raise ValueError
             yield row.replace(",", ".") if comma else row
 
@@ -733,18 +820,73 @@ def _numbers(
         raise
     except ValueError:
         values = np.array([[np.nan]])
-    if not (np.abs(values) <= LARGEST).all():
-        cells = chain.from_iterable(
-            _row(path, number, text, layout, comma) for number, text in rows()
-        )
-        values = np.fromiter(cells, dtype=float).reshape(-1, len(layout.used))
-    return values, np.array(line_numbers, dtype=np.int64)
+    if (np.abs(values) <= LARGEST).all():
+        return _Rows(values, np.array(line_numbers, dtype=np.int64))
+    return _numbers_cell_by_cell(path, rows(), layout, comma)
 
 
-def _row(path: Path, line: int, text: str, layout: _Layout, comma: bool) -> list[float]:
-    """The numbers of one row; InputError for another count, or a cell that is none."""
+def _numbers_cell_by_cell(path: Path, rows: Iterator[Line], layout: _Layout, comma: bool) -> _Rows:
+    """The rows of numbers, with times of day; the headings once more, and text behind the last row,
+    are left out.
+
+    Raises
+    ------
+    InputError
+        For the first row with a fault.
+    """
+    clock = ClockColumn()
+    values = array("d")
+    line_numbers = array("q")
+    text_lines: list[Line] = []  # since the last row
+    repeated: list[int] = []
+    for line, text in rows:
+        cells = _cells(text, layout.separator)
+        if cells == [name.strip() for name in layout.names]:
+            repeated.append(line)
+            continue
+        if _is_text(cells, layout, comma):
+            text_lines.append((line, text))
+            continue
+        if text_lines:  # they are not behind the last row
+            _row(path, *text_lines[0], layout, comma, clock)
+        values.extend(_row(path, line, text, layout, comma, clock))
+        line_numbers.append(line)
+    if not line_numbers:
+        _row(path, *text_lines[0], layout, comma, clock)
+    left_out = []
+    if repeated:
+        left_out.append(f"line {', '.join(map(str, repeated[:5]))}: the headings once more")
+    if text_lines:
+        line, text = text_lines[0]
+        count = "1 line" if len(text_lines) == 1 else f"{len(text_lines)} lines"
+        left_out.append(f"{count} behind the rows, from line {line} on: {shown(text)}")
+    return _Rows(
+        np.array(values).reshape(-1, len(layout.used)),
+        np.array(line_numbers, dtype=np.int64),
+        tuple(left_out),
+        clock.first_text,
+    )
+
+
+def _is_text(cells: Sequence[str], layout: _Layout, comma: bool) -> bool:
+    """Whether a line is text and no row: a word stands in the first column that is read."""
+    place = layout.used[0]
+    first = cells[place] if place < len(cells) else cells[0]
+    return first[:1].isalpha() and _number(first, comma) is None and not is_clock_time(first)
+
+
+def _row(
+    path: Path, line: int, text: str, layout: _Layout, comma: bool, clock: ClockColumn
+) -> list[float]:
+    """The numbers of one row, its time of day in seconds since the first row.
+
+    Raises
+    ------
+    InputError
+        For another count of cells, or a cell that is no number.
+    """
     cells = _cells(text, layout.separator)
-    if len(cells) != len(layout.names):
+    if not _fits(text, layout.separator, layout.used, len(layout.names)):
         list_of_names = ", ".join(layout.names[:6]) + (", ..." if len(layout.names) > 6 else "")
         cure = ""
         if layout.separator == "," and len(cells) > len(layout.names):
@@ -759,13 +901,20 @@ def _row(path: Path, line: int, text: str, layout: _Layout, comma: bool) -> list
     numbers: list[float] = []
     for k in layout.used:
         number = _number(cells[k], comma)
+        cure = ""
+        if number is None and k == layout.clock:
+            try:
+                number = clock.seconds(cells[k])
+            except ValueError as reason:
+                cure = f": {reason}"
         if number is None or not abs(number) <= LARGEST:
-            cure = ""
             if _GROUPED.match(cells[k]):
                 cure = (
                     f"; the decimal sign of this file is a {'comma' if comma else 'point'}: write"
                     " no marks between thousands"
                 )
+            elif k == layout.clock and not cure:
+                cure = f", nor a time such as {WORDS}"
             raise InputError(
                 f"{path}, line {line}: {layout.names[k]} = {shown(cells[k])} is not a finite number"
                 f" of at most {LARGEST:g}{cure}"

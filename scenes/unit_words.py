@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 import re
+import unicodedata
 from typing import Literal
 
 UNITS = {
@@ -29,20 +30,27 @@ _OF_FILES = {
     "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6, "min": 60.0, "h": 3600.0},
     "moment": {},  # is not converted
 }
-# Units written out, in lower case; a plural's s is left out.
+# Units written out in the languages of `column_names`, in lower case without accents; a plural's s
+# is left out.
 _SPELLED = {
     "micron": "um",
+    "mikron": "um",
     "micrometer": "um",
     "micrometre": "um",
     "mikrometer": "um",
+    "micrometro": "um",
     "nanometer": "nm",
     "nanometre": "nm",
+    "nanometro": "nm",
     "millimeter": "mm",
     "millimetre": "mm",
+    "millimetro": "mm",
+    "milimetro": "mm",
     "centimeter": "cm",
     "centimetre": "cm",
     "meter": "m",
     "metre": "m",
+    "metro": "m",
     "inch": "in",
     "inche": "in",  # inches
     "newton": "N",
@@ -56,10 +64,18 @@ _SPELLED = {
     "sec": "s",
     "sek": "s",
     "sekunde": "s",
+    "sekunden": "s",
+    "seconde": "s",
+    "secondo": "s",
+    "secondi": "s",
+    "segundo": "s",
     "millisecond": "ms",
+    "millisekunden": "ms",
     "microsecond": "us",
     "minute": "min",
+    "minuten": "min",
     "hour": "h",
+    "stunden": "h",
     "radian": "rad",
     "milliradian": "mrad",
     "degree": "deg",
@@ -212,8 +228,11 @@ def _symbol(word: str) -> str:
 
     >>> _symbol("Microns"), _symbol("kN"), _symbol("Micrometer")
     ('um', 'kN', 'um')
+    >>> _symbol("millimètres"), _symbol("Sekunden")
+    ('mm', 's')
     """
-    word_alone = word.strip().rstrip(".").lower()
+    letters = unicodedata.normalize("NFKD", word.strip().rstrip("."))
+    word_alone = "".join(letter for letter in letters if not unicodedata.combining(letter)).lower()
     return _SPELLED.get(word_alone) or _SPELLED.get(word_alone.removesuffix("s")) or word
 
 

@@ -527,6 +527,20 @@ TABLES = [
         "time,P [kN],Q\n0,1,0\n1,2,0\n",
         "P is in kN|per unit thickness|key thickness",
     ),
+    (
+        SERIES,
+        "time,Friction force\n0,1\n1,2\n",
+        "none is known as P|columns = {P = ...}|or constant_normal_load = 100.0",
+    ),
+    (SERIES, "P,Q\n0,1\n1,2\n", "none is known as time|or interval = 0.01"),
+    (SERIES, "time,P,U\n0,1,0\n1,1,2\n", "none is known as Q|or tangential_displacement = true"),
+    (
+        SERIES,
+        "time,P,Q\n1/2/2026 9:00:00,1,0\n2/2/2026 9:00:00,2,0\n",
+        ", line 3: time = '2/2/2026 9:00:00'|day and month can't be told from each other",
+    ),
+    (SERIES, "time,P,Q\n9:00:00,1,0\nnoon,2,0\n9:00:01,2,0\n", ", line 3|nor a time such as"),
+    (SERIES, "time,P,Q\n0,1,0\n0.5,,\n1,2,0\n", ", line 3: 3 numbers (time, P, Q) are needed"),
     (TRACE, "", ": the file is empty"),
     (TRACE, None, ": the file can't be read: No such file"),
     (TRACE, "a,b\n0,0\n", ", line 1: the columns are x, h, not 'a,b'"),
@@ -621,6 +635,45 @@ FORMS = {
         [[0, 0.001, 2], [60, 0.002, 3]],
         ("N/mm (stated), times 0.001",),
     ),
+    "test stand": (
+        'Test;7\n"Zeit";"Normalkraft";"Reibkraft";"Weg"\n(s);(kN);(N);(µm)\n\n'
+        "0,0;1,5;5,0;0\n0,5;1,6;6,5;0\nEnde;;;\nMax;1,6;6,5;0\n",
+        "thickness = 10",
+        [[0, 150, 0.5], [0.5, 160, 0.65]],
+        ("2 lines behind the rows, from line 7 on: 'Ende;;;'", "not read: 'Weg'", "times 1000"),
+    ),
+    "times of day across midnight": (
+        "Heure;Temps;Effort normal;Effort tangentiel\n"
+        "1;23:59:59,25;1,5;0,5\n2;00:00:00,75;2,5;0,5\n",
+        "",
+        [[0, 1.5, 0.5], [1.5, 2.5, 0.5]],
+        ("times of day: seconds since 23:59:59,25", "not read: 'Heure'"),
+    ),
+    "dates": (
+        "Timestamp,Forza normale,Forza tangenziale\n"
+        "2026-11-29T23:59:59.5Z,1,2\n2026-11-30T00:00:01.0Z,2,3\n",
+        "",
+        [[0, 1, 2], [1.5, 2, 3]],
+        ("times of day: seconds since 2026-11-29T23:59:59.5Z",),
+    ),
+    "a constant P and even rows": (
+        "Fuerza tangencial (N);Desplazamiento (µm)\n5;0\n6;1\n",
+        "thickness = 10\ninterval = 0.25\nconstant_normal_load = 90.0",
+        [[0, 90, 0.5], [0.25, 90, 0.6]],
+        ("no column: 0.25 from row to row", "no column: 90 in every row", "'Desplazamiento (µm)'"),
+    ),
+    "oscilloscope": (
+        "Model,X9\nTIME,CH1,CH2,CH3,CH4\nSequence,Volt,Volt\n0,1,2\n1e-3,2,3,\n",
+        'columns = {P = "CH1", Q = "CH2"}\nscale = {P = 20, Q = 10}',
+        [[0, 20, 20], [1e-3, 40, 30]],
+        ("times 20 (scale)", "not read: 'CH3', 'CH4'"),
+    ),
+    "headings once more": (
+        "time,P,Q\n0,1,2\ntime,P,Q\n1,2,3\n",
+        "",
+        [[0, 1, 2], [1, 2, 3]],
+        ("left out: line 3: the headings once more",),
+    ),
     "volts": (
         "time,P [V],Q\n0,1,2\n1,2,3\n",
         "scale = {P = 20}",
@@ -668,8 +721,9 @@ def test_a_record_of_any_form_is_read_and_what_was_assumed_is_said(
 def test_reading_keys_without_a_file_and_units_that_came_later_are_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    with refused_for("thickness", "how a file is read", "`rows`", error=ValueError):
-        TimeSeriesLoad(rows=[[0, 1, 0], [1, 2, 0]], thickness=2.0)
+    for key in ("thickness", "interval", "constant_normal_load"):
+        with refused_for(key, "how a file is read", "`rows`", error=ValueError):
+            TimeSeriesLoad(rows=[[0, 1, 0], [1, 2, 0]], **{key: 2.0})
     (tmp_path / "table.csv").write_text("time,P [kN/m],Q\n0,1,0\n1,2,0\n", encoding="utf-8")
     (tmp_path / "mine.toml").write_text(PLAIN.replace(*SERIES), encoding="utf-8")
     monkeypatch.chdir(tmp_path)
@@ -678,6 +732,9 @@ def test_reading_keys_without_a_file_and_units_that_came_later_are_refused(
         scene.vary(units="kN, mm, GPa")
     in_new_units = scene.vary(units="kN, mm, GPa", load={"file": "table.csv"})
     np.testing.assert_allclose(in_new_units.load.rows.values[:, 1], [1e-3, 2e-3])
+    driven = {"approach": True, "tangential_displacement": True, "constant_normal_load": 2.0}
+    with refused_for("approach stands in the place of P"):
+        scene.vary(load=driven)
     for words in ("volts", "mm"):
         with refused_for("units.P", f"'{words}'", "no unit of force"):
             scene.vary(load={"units": {"P": words}})
@@ -736,7 +793,13 @@ def test_whatever_stands_in_a_table_is_numbers_or_a_sentence(
 
 @pytest.mark.parametrize(
     ("encoding", "name"),
-    [("utf-8", ""), ("utf-8-sig", ""), ("utf-16", "UTF-16"), ("cp1252", "Windows-1252")],
+    [
+        ("utf-8", ""),
+        ("utf-8-sig", ""),
+        ("utf-16", "UTF-16"),
+        ("utf-16-be", "UTF-16, without its mark"),
+        ("cp1252", "Windows-1252"),
+    ],
 )
 def test_tables_of_other_systems_are_read_and_what_they_are_written_in_is_said(
     encoding: str, name: str, tmp_path: Path
@@ -751,7 +814,7 @@ def test_tables_of_other_systems_are_read_and_what_they_are_written_in_is_said(
     assert characters.startswith(name)
     assert bool(characters) == bool(name)
     (tmp_path / "table.csv").write_bytes(
-        b"\xff\xfe\x00\xd8\x41\x00" if name == "UTF-16" else b"time,P,Q\n\xff\x00,1\n"
+        b"\xff\xfe\x00\xd8\x41\x00" if name.startswith("UTF-16") else b"time,P,Q\n\xff\x00,1\n"
     )
     refusal(tmp_path / "mine.toml", "can't be read", "not UTF-")
 

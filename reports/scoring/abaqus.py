@@ -18,9 +18,9 @@ import numpy as np
 from reports.scoring.mapping import Mapping, Quantity, converted, find_column, listed
 from scenes import InputError
 from scenes.array_types import Array
+from scenes.column_names import plain
 from scenes.errors import shown
 from scenes.files import TEXT, check_size
-from scenes.text_tables import plain
 
 _TITLE = "Field Output Report"
 _HEADER = re.compile(

@@ -28,7 +28,7 @@ from reports.scoring.surface import (
 )
 from scenes import InputError
 from scenes.array_types import Array
-from scenes.text_tables import plain
+from scenes.column_names import plain
 
 Integers = NDArray[np.int64]
 _Components = dict[Quantity, str]

@@ -80,8 +80,9 @@ from reports.scoring.mapping import Mapping, converted, find_column, listed
 from reports.units import energy_unit, load_unit, minus, units
 from scenes import InputError, Scene
 from scenes.array_types import Array
+from scenes.column_names import ALIASES, plain
 from scenes.measured import ReadAs, layout_in_words, unit_of_column
-from scenes.text_tables import ALIASES, TableKind, TextTable, plain, text_table
+from scenes.text_tables import TableKind, TextTable, text_table
 
 Against = Literal["exact", "fe"]
 OF_SCENE = "the scene's f"

@@ -14,9 +14,9 @@ from pydantic import Field
 
 from scenes import InputError
 from scenes.array_types import Array
+from scenes.column_names import ALIASES, plain
 from scenes.files import keys_of
 from scenes.frozen import Frozen, checked
-from scenes.text_tables import ALIASES, plain
 from scenes.uncertainty import Share, share_of
 
 Quantity = Literal[

@@ -26,8 +26,9 @@ from reports.scoring.mapping import (
 from reports.scoring.surface import SurfaceResult, surface_result
 from scenes import InputError
 from scenes.array_types import Array
+from scenes.column_names import ALIASES, plain
 from scenes.measured import layout_in_words
-from scenes.text_tables import ALIASES, TableKind, TextTable, plain, text_table
+from scenes.text_tables import TableKind, TextTable, text_table
 
 _TABLES = (".csv", ".txt", ".rpt")
 # Suffix -> module and function, each read(path, mapping) -> SurfaceResult; loaded when a file asks

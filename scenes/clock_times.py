@@ -1,0 +1,103 @@
+"""Times of day and dates in a column of times: 12:30:05,25; 2026-11-29T12:30:05.25Z; 29.11.2026
+12:30:05 PM. They become seconds since the first row.
+"""
+
+from __future__ import annotations
+
+import re
+from datetime import date
+from functools import lru_cache
+
+_SECONDS_OF_DAY = 86_400.0
+_DATE = r"(?P<date>\d{4}[-/.]\d{1,2}[-/.]\d{1,2}|\d{1,2}[-/.]\d{1,2}[-/.]\d{4})"
+_TIME = r"(?:(?P<hours>\d{1,4}):)?(?P<minutes>\d{1,2}):(?P<seconds>\d{1,2}(?:[.,:]\d+)?)"
+_AFTER = r"\s*(?P<half>[AaPp]\.?[Mm]\.?)?\s*(?P<zone>Z|[-+]\d{2}:?\d{2})?"
+_INSTANT = re.compile(rf"(?:{_DATE}(?:[T;,]?\s*|\s+))?{_TIME}{_AFTER}$")
+_DATE_ALONE = re.compile(rf"{_DATE}$")
+
+WORDS = "12:30:05.25, 29.11.2026 12:30:05 or 2026-11-29T12:30:05Z"
+"""Examples, for a sentence."""
+
+
+def is_clock_time(text: str) -> bool:
+    """Whether it is a time of day, a date or both.
+
+    >>> is_clock_time("09:59:58,123"), is_clock_time("2026-11-29"), is_clock_time("1.5")
+    (True, True, False)
+    """
+    return (":" in text and _INSTANT.match(text) is not None) or _DATE_ALONE.match(text) is not None
+
+
+class ClockColumn:
+    """A column of times, read row by row; it holds the first instant and the last.
+
+    >>> column = ClockColumn()
+    >>> [column.seconds(text) for text in ("23:59:59,5", "00:00:01,0")]
+    [0.0, 1.5]
+    """
+
+    def __init__(self) -> None:
+        self.first_text = ""
+        self._first_date = ""
+        self._first_seconds = 0.0
+        self._last_seconds = 0.0
+        self._midnights = 0
+
+    def seconds(self, text: str) -> float | None:
+        """Seconds since the first row; None for a text that is no time. A time of day that goes
+        back by more than half a day is one of the next day.
+
+        Raises
+        ------
+        ValueError
+            For a date whose day and month can't be told from each other, where that matters.
+        """
+        match = _INSTANT.match(text)
+        if match is None:
+            return None
+        minutes = 60 * int(match["hours"] or 0) + int(match["minutes"])
+        # some loggers write hh:mm:ss:fff
+        seconds = 60.0 * minutes + float(match["seconds"].replace(",", ".").replace(":", "."))
+        if match["half"]:
+            is_afternoon = match["half"][0] in "Pp"
+            seconds = seconds % (_SECONDS_OF_DAY / 2) + is_afternoon * _SECONDS_OF_DAY / 2
+        if match["zone"] and match["zone"] != "Z":
+            sign = -1.0 if match["zone"][0] == "+" else 1.0
+            hours_and_minutes = match["zone"][1:].replace(":", "")
+            offset = 3600.0 * int(hours_and_minutes[:2]) + 60.0 * int(hours_and_minutes[2:])
+            seconds += sign * offset
+        date_in_words = match["date"] or ""
+        if not self.first_text:
+            self.first_text = text
+            self._first_date = date_in_words
+            self._first_seconds = self._last_seconds = seconds
+        days = 0
+        if date_in_words and date_in_words != self._first_date:
+            days = _day(date_in_words) - _day(self._first_date)
+        elif not date_in_words:
+            if seconds < self._last_seconds - _SECONDS_OF_DAY / 2:
+                self._midnights += 1
+            self._last_seconds = seconds
+            days = self._midnights
+        # to the tenth of a nanosecond: what subtraction leaves is no time
+        return round(days * _SECONDS_OF_DAY + (seconds - self._first_seconds), 10)
+
+
+@lru_cache(maxsize=64)
+def _day(text: str) -> int:
+    """The number of a day; ValueError where day and month can't be told from each other, and for
+    what is no date.
+
+    >>> _day("30.11.2026") - _day("2026-11-29"), _day("11/30/2026") - _day("29/11/2026")
+    (1, 1)
+    """
+    numbers = [int(part) for part in re.split(r"[-/.]", text)]
+    if numbers[0] > 31:
+        year, month, day = numbers
+    else:
+        day, month, year = numbers
+        if "/" in text and day <= 12 and month <= 12 and day != month:
+            raise ValueError("day and month can't be told from each other: write 2026-11-29")
+        if month > 12:
+            day, month = month, day
+    return date(year, month, day).toordinal()
