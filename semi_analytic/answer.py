@@ -75,6 +75,8 @@ class Question:
         as in `solve`
     effects
         what finite bodies add to half-planes; None: nothing
+    wants_loop_work
+        whether the closed integral of Q dU is wanted beside the dissipation, as a second route
     """
 
     scene: Scene
@@ -84,6 +86,7 @@ class Question:
     cycles: Cycles = "all"
     straight_steps: bool = False
     effects: BodyEffects | None = None
+    wants_loop_work: bool = True
 
     def wants(self, *names: str) -> bool:
         """Whether one of these fields is wanted."""

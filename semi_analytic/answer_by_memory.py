@@ -137,6 +137,8 @@ class Request:
         the fields that are wanted
     family
         the path with bulk stress and tilt; None without
+    wants_loop_work
+        whether the closed integral of Q dU is wanted beside the dissipation, of a curved path
     """
 
     contact: Contact
@@ -147,6 +149,7 @@ class Request:
     fold: Indices
     fields: frozenset[str]
     family: OneCurve | None = None
+    wants_loop_work: bool = True
 
     @property
     def unit(self) -> float:
@@ -264,7 +267,17 @@ def _request_of(
     else:
         distance, fold = np.unique(x, return_inverse=True)
     modulus = composite_modulus(scene.material)
-    return Request(contact, modulus, time, x, distance, fold, question.fields, family)
+    return Request(
+        contact,
+        modulus,
+        time,
+        x,
+        distance,
+        fold,
+        question.fields,
+        family,
+        question.wants_loop_work,
+    )
 
 
 def folded(x: Array) -> tuple[Array, Indices]:
@@ -577,7 +590,8 @@ def _result_of_history(history: History, request: Request) -> PathResult:
             density_error = worst_error / float(np.max(density))
         density_error += 3 * rounding_of_slip(slipped_share(last_spans))
     loop = None
-    if works and history.steady_from is not None and last_span >= history.steady_from:
+    is_steady = history.steady_from is not None and last_span >= history.steady_from
+    if works and is_steady and request.wants_loop_work:
         loop = LoopWork(0.0, 0.0)
         if works[last_span].work:
             loop = closed_integral(contact, request.modulus, last_spans)

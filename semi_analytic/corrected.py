@@ -71,8 +71,8 @@ from semi_analytic.body_numbers import NEXT_ORDER
 from semi_analytic.corrected_memory import Curvatures, Followed, PunchTable, area_of_loop, follow
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.hertz import HertzContact
-from semi_analytic.history import History, turns_of, within
-from semi_analytic.inner_slip import InnerSlip, inner_slip
+from semi_analytic.history import History, histories_kept, turns_of, within
+from semi_analytic.inner_slip import InnerSlip, SlipAtPoints, inner_slip
 from semi_analytic.load_series import LoadSeries
 from semi_analytic.next_order import MOST_ROWS, next_order_works
 from semi_analytic.odd_memory import ODD_NUMBERS, Declined, OddAnswer, odd_answer
@@ -609,8 +609,8 @@ class PointFields:
     def shear(self, rows: Indices) -> Array:
         """q, (n, k)."""
         shear = self.shear_of_memory(rows)
-        for number, further in self.series.inner_slips(rows):
-            shear[number] += further.at(self._x)[0]
+        for number, further in self.inner_slips(rows):
+            shear[number] += further.shear
         return shear
 
     def shear_of_memory(self, rows: Indices) -> Array:
@@ -640,9 +640,22 @@ class PointFields:
         slip = self._slip_of_curves[followed.curve[rows]] + bend * (outside - self._x**2 / 2)
         if self.series.way is not None:
             slip = slip + self.series.way[rows, None]
-        for number, further in self.series.inner_slips(rows):
-            slip[number] += further.at(self._x)[1]
+        for number, further in self.inner_slips(rows):
+            slip[number] += further.slip
         return np.asarray(slip)
+
+    def inner_slips(self, rows: Indices) -> Iterator[tuple[int, SlipAtPoints]]:
+        """What slips further at some rows, as of the path, at the points."""
+        for number, further in self.series.inner_slips(rows):
+            row = int(rows[number])
+            if row not in self._inner_slips:
+                self._inner_slips[row] = further.at(self._x)
+            yield number, self._inner_slips[row]
+
+    @cached_property
+    def _inner_slips(self) -> dict[int, SlipAtPoints]:
+        """What was worked out at rows."""
+        return {}
 
     def work(self, rows: slice) -> Array:
         """W(x) of the steps of a cycle, (k,)."""
@@ -771,8 +784,14 @@ def with_effects(question: Question) -> Findings:
         For scenes with bulk stress, tilt or unequal sides of the profile, and `straight_steps`; for
         curvatures under which the contact would split or leave the profile.
     """
-    started = clock.perf_counter()
     _require_symmetric(question)
+    with histories_kept():
+        return _answer(question)
+
+
+def _answer(question: Question) -> Findings:
+    """The same, of what corrected theory takes."""
+    started = clock.perf_counter()
     paths = _followed(question)
     bodies = paths.bodies
     history_done = clock.perf_counter()
@@ -993,14 +1012,15 @@ def grids_at(
     if question.wants("slip"):
         grids["slip"] = points.slip(numbers)
     if question.wants("state"):
-        grids["state"] = _states(points.series, distance, numbers)
+        grids["state"] = _states(points, distance, numbers)
     return grids
 
 
-def _states(bodies: PathSeries, distance: Array, numbers: Indices) -> NDArray[np.int8]:
+def _states(points: PointFields, distance: Array, numbers: Indices) -> NDArray[np.int8]:
     """Open, stick or slip, (n, k): of slip the zone at the edge, and one further in, which may slip
     in the other sense or while the edge rests.
     """
+    bodies = points.series
     followed = bodies.followed
     sides = np.array([-1.0, 1.0])
     half = bodies.half_width[numbers, None]
@@ -1014,10 +1034,9 @@ def _states(bodies: PathSeries, distance: Array, numbers: Indices) -> NDArray[np
     states = np.where(is_within_front, np.int8(STICK), at_edge)
     is_in_ring = (distance > ring[:, [0]]) & (distance < ring[:, [1]])
     states = np.where(is_in_ring, in_ring, states)
-    for number, further in bodies.inner_slips(numbers):
+    for number, further in points.inner_slips(numbers):
         of_row = np.where(is_within_front[number], np.int8(STICK), at_edge[number])
-        slips = further.at(distance)[2]
-        states[number] = np.where(slips, by_sense[further.sense + 1], of_row)
+        states[number] = np.where(further.slips, by_sense[further.sense + 1], of_row)
     is_pressed = followed.normal_load[numbers, None] > 0
     touches = between(half * sides, distance) & is_pressed
     return np.where(touches, states, np.int8(OPEN))
@@ -1047,9 +1066,16 @@ def _work_of(paths: _Paths, points: PointFields, distance: Array, odd: OddPart) 
     if not wanted:
         return _Work(cycles, loop, density, errors)
     ends = paths.rows.time[list(paths.rows.ends)]
-    theory = by_memory(
-        replace(question, effects=None, fields=wanted, x=distance, time=ends, cycles="all"), None
+    of_half_planes = replace(
+        question,
+        effects=None,
+        fields=wanted,
+        x=distance,
+        time=ends,
+        cycles="all",
+        wants_loop_work=False,
     )
+    theory = by_memory(of_half_planes, None)
     if question.wants("dissipation"):
         of_theory = np.asarray(theory.values["cycle_dissipation"])
         exact = of_theory[np.minimum(paths.covered, len(of_theory) - 1)]

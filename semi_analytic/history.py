@@ -66,8 +66,8 @@ _SAMPLES = 33
 # Instants of a cycle and of the initial loading where none are asked for.
 _INSTANTS = 400
 _INSTANTS_OF_LOADING = 100
-# Histories that are kept while `histories_kept` holds, by path, friction and numbers of cycles.
-_kept_histories: ContextVar[dict[tuple[LoadPath, float, int, int], History] | None] = ContextVar(
+# Histories that are kept while `histories_kept` holds, by path, friction and number of cycles.
+_kept_histories: ContextVar[dict[tuple[LoadPath, float, int], History] | None] = ContextVar(
     "histories", default=None
 )
 # Share of a cycle, or of the whole path, within which somebody else's instant is one of the path's
@@ -570,11 +570,18 @@ def history_of(path: LoadPath, friction: float, cycles: int, time: Array | None 
         turn_count, covered_count = turns_of(path.cycle_start, path.period, cycles, time)
     kept_histories = _kept_histories.get()
     if kept_histories is None:
-        return _followed_path(path, friction, turn_count, covered_count)
-    key = path, friction, turn_count, covered_count
+        kept_histories = {}
+    key = path, friction, turn_count
     if key not in kept_histories:
         kept_histories[key] = _followed_path(*key)
-    return kept_histories[key]
+    history = kept_histories[key]
+    if path.period is None:
+        return history
+    solved_count = len(history.cycles)
+    covered_cycles = tuple(
+        min(number, solved_count - 1) for number in range(covered_count or solved_count)
+    )
+    return replace(history, covered=covered_cycles)
 
 
 @contextmanager
@@ -587,8 +594,8 @@ def histories_kept() -> Iterator[None]:
         _kept_histories.reset(token)
 
 
-def _followed_path(path: LoadPath, friction: float, turn_count: int, covered_count: int) -> History:
-    """The history along so many cycles at most, of which the answer covers some."""
+def _followed_path(path: LoadPath, friction: float, turn_count: int) -> History:
+    """The history along so many cycles at most."""
     if path.has_bulk_or_tilt:
         raise InputError(
             "load: half-plane theory with one memory curve takes neither bulk stress nor tilt"
@@ -598,12 +605,8 @@ def _followed_path(path: LoadPath, friction: float, turn_count: int, covered_cou
         return follow((), [Turn(path.initial_loading)], friction)
     turns = (Turn(path.cycle, k * path.period) for k in range(turn_count))
     history = follow(path.initial_loading, turns, friction)
-    solved_count = len(history.cycles)
-    covered_cycles = tuple(
-        min(number, solved_count - 1) for number in range(covered_count or solved_count)
-    )
     loop = path.cycle[0] if len(path.cycle) == 1 and is_plain_ellipse(path.cycle[0]) else None
-    return replace(history, period=path.period, covered=covered_cycles, loop=loop)
+    return replace(history, period=path.period, loop=loop)
 
 
 def turns_of(start: float, period: float, cycles: int, time: Array | None) -> tuple[int, int]:

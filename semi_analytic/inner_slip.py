@@ -28,6 +28,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,18 +62,19 @@ def _of_punches(x: Array, half_widths: Array, modulus: float) -> tuple[Array, Ar
     beside it, (k, m) each; the last of the m+1 half-widths has the mu of the one before.
     """
     place = x[:, None]
-    # Beyond x nothing counts for w, within x nothing for r.
     larger_width = np.maximum(half_widths, place)
-    root = np.sqrt((larger_width - place) * (larger_width + place))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        arc = np.where(place > 0, place**2 * np.arccosh(larger_width / place), 0.0)
-    shear = root  # int c dc/sqrt(c^2 - x^2)
-    shear_moment = (larger_width * root + arc) / 2  # the same with c once more
     smaller_width = np.minimum(half_widths, place)
-    root = np.sqrt((place - smaller_width) * (place + smaller_width))
+    root = np.sqrt((larger_width - smaller_width) * (larger_width + smaller_width))
     with np.errstate(divide="ignore", invalid="ignore"):
-        arc = np.where(smaller_width > 0, np.arccosh(np.maximum(place / smaller_width, 1.0)), 0.0)
+        arc = np.where(smaller_width > 0, np.arccosh(larger_width / smaller_width), 0.0)
         turn = np.where(place > 0, np.arcsin(np.minimum(smaller_width / place, 1.0)), 0.0)
+    # Of a punch within x nothing counts for r.
+    is_beyond = half_widths > place
+    shear = np.where(is_beyond, root, 0.0)  # int c dc/sqrt(c^2 - x^2)
+    shear_moment = (larger_width * shear + np.where(is_beyond, place**2 * arc, 0.0)) / 2  # int c^2
+    # Of a punch beyond x only its part within x counts for w.
+    root = np.where(is_beyond, 0.0, root)
+    arc = np.where(is_beyond, 0.0, arc)
     slip = (smaller_width**2 * arc + place * (place - root)) / 2  # int c arccosh(x/c) dc
     slip_moment = smaller_width**3 * arc / 3 + place * (place**2 * turn - smaller_width * root) / 6
 
@@ -88,6 +90,17 @@ def _of_punches(x: Array, half_widths: Array, modulus: float) -> tuple[Array, Ar
         return of_hats
 
     return modulus / 2 * hats(shear, shear_moment), hats(slip, slip_moment)
+
+
+class SlipAtPoints(NamedTuple):
+    """r [stress], w [length] and whether they slip in the sense of the zone, of points (k,); that
+    sense.
+    """
+
+    shear: Array
+    slip: Array
+    slips: NDArray[np.bool_]
+    sense: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,16 +135,19 @@ class InnerSlip:
         """(m,) whether they slip in that sense."""
         return np.asarray(self.zone == _ON)
 
-    def at(self, x: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
-        """r [stress] and w [length] at distances x (k,) from the middle, and whether the point
-        slips in the sense of the zone.
-        """
+    def at(self, x: Array) -> SlipAtPoints:
+        """What slips further at distances x (k,) from the middle."""
         of_shear, of_slip = _of_punches(x, self.half_widths, self.modulus)
         number = np.searchsorted(self.half_widths, x, side="right") - 1
         is_inside = number < len(self.zone)
         next_slips = np.append(self.slips[1:], False)
         slips = (self.slips & next_slips)[np.minimum(number, len(self.zone) - 1)]
-        return of_shear @ self.slopes, self.shift + of_slip @ self.slopes, is_inside & slips
+        return SlipAtPoints(
+            shear=of_shear @ self.slopes,
+            slip=self.shift + of_slip @ self.slopes,
+            slips=is_inside & slips,
+            sense=self.sense,
+        )
 
 
 # q and f p of the memory curve at points x (k,): (k,) each [stress].

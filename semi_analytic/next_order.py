@@ -34,7 +34,8 @@ from scenes import BodyEffects
 from scenes.array_types import Array
 from semi_analytic.profiles import SymmetricContact
 
-_PUNCHES = 400
+# They leave up to 0.2 % of what the next order adds, as 400 do; 200 leave 0.5 %.
+_PUNCHES = 300
 # Rows whose punches are held at once: some ten arrays of 1 MB.
 _AT_ONCE = 256
 # Rows of a path at most: each takes some 50 us.
@@ -190,28 +191,35 @@ def _block(
     """Some rows of a path, loads (n, 1) and terms (n, 1), after what was carried `state_before`."""
     of_gap = terms.gap_curvature * punches.parabola + terms.gap_fourth * punches.fourth
     of_faces = terms.face_curvature * punches.parabola + terms.face_fourth * punches.fourth
-    beyond = normal_load - punches.load - of_gap  # pi
-    core = tangential_load - of_faces
-    beyond_before = np.vstack([state_before.beyond, beyond[:-1]])
-    core_before = np.vstack([state_before.core, core[:-1]])
-    touches = beyond > 0
-    is_new = touches & (beyond_before <= 0)
-    share = beyond_before / np.where(is_new, beyond_before - beyond, 1.0)
-    at_touch = core_before + share * (core - core_before)
-    reach = friction * np.maximum(beyond, 0.0)
+    beyond = np.vstack([state_before.beyond, normal_load - punches.load - of_gap])  # pi
+    core = np.vstack([state_before.core, tangential_load - of_faces])
+    pressed = np.maximum(beyond, 0.0)
+    touches = beyond[1:] > 0
+    is_new = touches & (beyond[:-1] <= 0)
+    new_rows, new_punches = np.nonzero(is_new)
+    before = (new_rows, new_punches)
+    after = (new_rows + 1, new_punches)
+    share = beyond[before] / (beyond[before] - beyond[after])
+    at_touch = np.zeros_like(of_gap)
+    at_touch[before] = core[before] + share * (core[after] - core[before])
+    reach = friction * pressed[1:]
+    lower = core[1:] - reach
+    upper = core[1:] + reach
 
-    forces = np.empty_like(core)
-    starts = np.empty_like(core)
+    forces = np.empty_like(of_gap)
+    starts = np.empty_like(of_gap)
     force = state_before.force
-    for row, (begin, end) in enumerate(zip(core - reach, core + reach, strict=True)):
-        start = starts[row]
+    has_new = np.any(is_new, axis=1)
+    for row, start in enumerate(starts):
         start[:] = force
-        np.copyto(start, at_touch[row], where=is_new[row])
-        force = np.minimum(np.maximum(start, begin), end, out=forces[row])
+        if has_new[row]:
+            np.copyto(start, at_touch[row], where=is_new[row])
+        force = np.maximum(start, lower[row], out=forces[row])
+        np.minimum(force, upper[row], out=force)
 
-    mean_beyond = np.maximum(beyond, 0.0) + np.maximum(beyond_before, 0.0)
+    mean_beyond = (pressed[1:] + pressed[:-1]) / 2
     moved_force = np.where(touches, np.abs(forces - starts), 0.0)
-    work = friction * np.sum(mean_beyond / 2 * moved_force * punches.share, axis=1)
+    work = friction * ((mean_beyond * moved_force) @ punches.share)
     arm = punches.half_width**2 / 2
     arm_falls = arm - np.append(arm[1:], 0.0)
     carried_load = np.where(touches, punches.load + of_gap, normal_load)
