@@ -12,6 +12,7 @@ import numpy as np
 
 from reports.charts.templating import in_template
 from reports.comparison.work_of_loads import bulk_strains
+from reports.record_parts import sliding_in_words
 from reports.units import load_unit, units
 from scenes import (
     Block,
@@ -159,8 +160,8 @@ def require_admissible(scene: Scene, source: str) -> None:
 
 
 def _cure_of_record(load: TimeSeriesLoad, friction: float, time: float) -> str:
-    """The row of a fault, and the keys that take it out: the noise below a load, or another start
-    or end.
+    """The row of a fault, and the keys that take it out: the noise below a load, rows that slide,
+    or another start or end.
     """
     rows = load.rows.values
     first_row, row_beyond = load.bounds()
@@ -185,6 +186,8 @@ def _cure_of_record(load: TimeSeriesLoad, friction: float, time: float) -> str:
             f"{place}. Rows of so little load are noise where it is: write load.least_normal_load ="
             f" {least_load:.6g}"
         )
+    if sliding := sliding_in_words(load, friction):
+        return f"{place}. {sliding}"
     return (
         f"{place}. To leave rows out, write load.start or load.end: a time, or {{row = {row + 2}}}"
     )

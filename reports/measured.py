@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from reports.comparison.pairs import name_of
+from reports.record_parts import parts_in_words
 from reports.units import energy_unit, load_unit, minus, number
 from scenes import ContactSolution, InputError, Scene, TimeSeriesLoad
 from scenes.array_types import Array
@@ -32,6 +33,8 @@ _MOST_RATIO = 1.4
 _LEAST_ROWS = 50
 _PREDICTED = 20_000
 _LAGS = 8
+# Range of means over that of the rows: W grows as its third power at most, and changes by 1 %.
+_UNBLURRED = 0.997
 # Cycles and instants in files, cycles on a page.
 _LISTED = 1000
 _INSTANTS = 400
@@ -159,14 +162,20 @@ def _sigma_of_differences(values: Array, order: int, variance: int) -> float:
 
 
 def _longest_means(rows: Array, sigma: tuple[float, float]) -> int:
-    """How many rows (n, 3) a mean may stand for: as long as the means still look like noise, they
-    blur nothing of the loads.
+    """How many rows (n, 3) a mean may stand for: as long as the means of a noisy load still look
+    like noise, and those of a load without noise reach as far, they blur nothing of the loads.
     """
-    noisy = [column for column, size in zip((_NORMAL, _TANGENTIAL), sigma, strict=True) if size]
+    loads = (_NORMAL, _TANGENTIAL)
+    noisy = [column for column, size in zip(loads, sigma, strict=True) if size]
+    clean = [column for column in loads if column not in noisy]
     count = 1
     while len(rows) // (count + 1) >= _LEAST_ROWS:
         longer = means(rows, count + 1)
         if not all(noise_of(longer[:, column]) for column in noisy):
+            break
+        if any(
+            np.ptp(longer[:, column]) < _UNBLURRED * np.ptp(rows[:, column]) for column in clean
+        ):
             break
         count += 1
     return count
@@ -180,10 +189,12 @@ class Sentence(NamedTuple):
 
 
 def record_in_words(scene: Scene, record: RecordCheck) -> Iterator[Sentence]:
-    """What counts of a record, and what reduction, threshold and noise change in W."""
+    """What counts of a record, its parts, and what reduction, threshold and noise change in W."""
     load = scene.load
     assert isinstance(load, TimeSeriesLoad)
     yield from _rows_in_words(scene, load)
+    for text in parts_in_words(scene):
+        yield Sentence(text, warns=False)
     if load.reduce is not None:
         yield _reduction_in_words(scene, load, record)
     if record.half_threshold is not None and record.dissipation:

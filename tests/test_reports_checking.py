@@ -46,6 +46,7 @@ from reports.measured import (
     record_in_words,
     with_work,
 )
+from reports.record_parts import record_parts
 from reports.scoring.against import score_file
 from reports.scoring.loops import MeasuredLoop, score_loop
 from reports.scoring.mapping import Mapping
@@ -779,6 +780,54 @@ def test_coarse_or_clean_rows_are_not_taken_for_noise() -> None:
         np.round(np.sin(0.05 * time), 2),
     ):
         assert noise_of(clean) <= 0.01  # a little of rounded rows: their step
+
+
+def rig_record(slide: float = 1.0) -> TimeSeriesLoad:
+    """50 rows a cycle: no load, rest, four cycles that grow, twelve that are alike and drift, rest;
+    cycles 8 and 9 are `slide` times as large.
+    """
+    time = np.arange(1300) / 50
+    random = np.random.default_rng(1)
+    normal = np.where(time < 2, 0.5, 100.0) + 0.2 * random.standard_normal(len(time))
+    cycle = time - 4
+    amplitude = np.clip(0.4 + 0.15 * np.floor(cycle), 0.0, 1.0) * np.where(
+        (cycle >= 8) & (cycle < 10), slide, 1.0
+    )
+    moves = (cycle >= 0) & (cycle < 16)
+    wave = 30 * amplitude * np.sin(2 * np.pi * cycle) + 0.5 * np.maximum(cycle - 4, 0.0)
+    tangential = np.where(moves, wave, 0.0) + 0.1 * random.standard_normal(len(time))
+    return TimeSeriesLoad(rows=np.column_stack([time, normal, tangential]), least_normal_load=5.0)
+
+
+def test_parts_of_a_record_that_are_no_cycle_are_named_with_their_rows() -> None:
+    scene = load_scene("hertz-paper").vary(load=rig_record(), friction=0.6)
+    parts = {part.kind: part for part in record_parts(scene)}
+    places = {"no load": (1, 100), "other cycles": (230, 412), "alike": (412, 988)}
+    places |= {"drift": (412, 988), "rest": (1001, 1300)}
+    for kind, place in places.items():
+        assert (parts[kind].first, parts[kind].last) == pytest.approx(place, abs=30), kind
+    said = " ".join(sentence.text for sentence in record_in_words(scene, check_record(scene)))
+    require_facts(said, "run-in", "at rest", "12 cycles that are alike", "load.start = {row = ")
+    # means of many rows would take the noise out of P, and Q with it
+    assert check_record(scene).average <= 2
+    # the part alone has no other parts
+    alike = parts["alike"]
+    cut = scene.vary(load={"start": {"row": alike.first}, "end": {"row": alike.last}})
+    assert {part.kind for part in record_parts(cut)} == {"alike", "drift"}
+
+
+def test_cycles_that_slide_as_a_whole_are_named_with_rows_and_cures() -> None:
+    scene = load_scene("hertz-paper").vary(load=rig_record(slide=2.2), friction=0.6)
+    with pytest.raises(InputError) as caught:
+        require_admissible(scene, "mine")
+    require_facts(
+        str(caught.value), "slide as a whole, in 4 strokes", "tangential_displacement = true"
+    )
+    end = int(re.search(r"load\.end = \{row = (\d+)\}", str(caught.value))[1])
+    start = int(re.search(r"load\.start = \{row = (\d+)\}", str(caught.value))[1])
+    assert 600 <= end < start <= 701
+    for cut in ({"end": {"row": end}}, {"start": {"row": start}}):
+        require_admissible(scene.vary(load=cut), "mine")
 
 
 def test_a_threshold_that_changes_the_work_is_warned_of() -> None:

@@ -1000,5 +1000,7 @@ def test_a_cut_that_leaves_no_record_is_one_sentence(keys, sentence):
 def test_a_fault_in_the_middle_of_a_record_names_its_row():
     rows = noisy_record()
     rows[45, 2] = 90.0
-    with refused_for("mine.toml", "row 46 of 60", "load.start or load.end"):
+    with refused_for(
+        "mine.toml", "row 46 of 60", "load.end = {row = 45} or load.start = {row = 47}"
+    ):
         require_admissible(record_scene(rows=rows, least_normal_load=5.0), "mine.toml")

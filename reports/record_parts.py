@@ -1,0 +1,246 @@
+"""Parts of a measured record: without load, loading, rest, run-in, cycles that are alike, drift,
+gross sliding; each with its rows.
+
+# notation: P, Q loads; f friction coefficient
+
+Cycles of Q lie between turning points whose swings are no smaller than a share of the largest. They
+are alike where the ranges of Q are those of the last half of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reports.units import load_unit, number
+from scenes import Scene, TimeSeriesLoad
+from scenes.array_types import Array
+from scenes.measured import turning_points
+
+_TIME, _NORMAL, _TANGENTIAL = range(3)
+# Of the largest P: what is below is no load that is measured well.
+_NO_LOAD = 0.05
+# Of the range of Q: smaller swings are no cycles.
+_SWING = 0.2
+# Of the range of P and of Q: what moves less over a cycle's rows is at rest.
+_AT_REST = 0.05
+# Ranges of Q that differ by more than this share from those of the last half are of other cycles;
+# noise of a per cent makes less.
+_UNLIKE = 0.1
+# Of the range of Q: a mean of Q that moves by more over the cycles drifts.
+_DRIFT = 0.05
+# Fewer cycles do not show which of them are alike.
+_FEWEST_CYCLES = 3
+_MOST_ROWS = 200_000
+
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class RecordPart:
+    """Rows of a record, numbered from 1 on; what they are, in words."""
+
+    kind: str  # "no load", "loading", "rest", "other cycles", "alike", "drift"
+    first: int
+    last: int
+    words: str
+
+    @property
+    def sentence(self) -> str:
+        """Rows and words."""
+        return f"Rows {self.first:,} to {self.last:,}: {self.words}."
+
+
+@dataclass(frozen=True, eq=False)
+class _Cycles:
+    """Cycles of Q: `turns` (n + 1,) rows of turning points, and each swing between two of them.
+
+    ranges : (n,) of Q; means : (n,) of Q
+    """
+
+    turns: NDArray[np.int64]
+    ranges: Array
+    means: Array
+
+    @property
+    def rows_of_cycle(self) -> int:
+        """Rows of two swings, at the median."""
+        return max(int(2 * np.median(np.diff(self.turns))), 2)
+
+
+def record_parts(scene: Scene) -> tuple[RecordPart, ...]:
+    """The parts of a record in the order of their first rows; empty for other loads, for rows that
+    are one cycle, and for records too long to look through.
+
+    Examples
+    --------
+    >>> from scenes import TimeSeriesLoad, load_scene
+    >>> t = np.arange(800) / 100
+    >>> normal = np.where(t < 1, 0.1, 90.0)
+    >>> tangential = np.where((t > 2) & (t < 7), 20 * np.sin(2 * np.pi * t), 0.0)
+    >>> rows = np.column_stack([t, normal, tangential])
+    >>> scene = load_scene("hertz-paper").vary(load=TimeSeriesLoad(rows=rows))
+    >>> [(part.kind, part.first, part.last) for part in record_parts(scene)]
+    [('no load', 1, 100), ('rest', 101, 202), ('alike', 226, 676), ('rest', 700, 800)]
+    """
+    load = scene.load
+    if not isinstance(load, TimeSeriesLoad) or load.repeats or load.is_driven:
+        return ()
+    first_row, row_beyond = load.bounds()
+    rows = load.rows.values[first_row:row_beyond]
+    if len(rows) > _MOST_ROWS:
+        return ()
+    unit = load_unit(scene)
+    has_no_load = rows[:, _NORMAL] < _NO_LOAD * float(np.max(rows[:, _NORMAL]))
+    cycles = _cycles_of(rows, ~has_no_load)
+    parts: list[RecordPart] = []
+    words = f"no load: P is below {100 * _NO_LOAD:g} % of its largest"
+    for begin, end in _stretches(has_no_load):
+        if end - begin > 2:
+            parts.append(RecordPart("no load", begin + 1, end, words))
+    if cycles is not None:
+        at_rest = _at_rest(rows, cycles.rows_of_cycle) & ~has_no_load
+        for begin, end in _stretches(at_rest):
+            parts.append(RecordPart("rest", begin + 1, end, "at rest: neither P nor Q moves"))
+        parts += _parts_of_cycles(cycles, unit)
+    ordered = sorted(parts, key=lambda part: (part.first, part.last))
+    return tuple(
+        RecordPart(part.kind, part.first + first_row, part.last + first_row, part.words)
+        for part in ordered
+    )
+
+
+def _cycles_of(rows: Array, is_loaded: Mask) -> _Cycles | None:
+    """Cycles of Q while there is a load; None for too few."""
+    tangential = np.where(is_loaded, rows[:, _TANGENTIAL], 0.0)
+    swing = _SWING * float(np.ptp(tangential))
+    if not swing > 0:
+        return None
+    # the first is where the first swing begins, which may be anywhere
+    turns = turning_points(tangential, swing)[1:]
+    if len(turns) < 2 * _FEWEST_CYCLES:
+        return None
+    return _Cycles(
+        turns=turns,
+        ranges=np.abs(np.diff(tangential[turns])),
+        means=(tangential[turns[1:]] + tangential[turns[:-1]]) / 2,
+    )
+
+
+def _at_rest(rows: Array, count: int) -> Mask:
+    """Which rows (n,) lie among `count` neighbours or more between which neither P nor Q moves."""
+    from scipy.ndimage import maximum_filter1d, minimum_filter1d
+
+    if len(rows) < count:
+        return np.zeros(len(rows), dtype=bool)
+    begins = np.ones(len(rows) - count + 1, dtype=bool)
+    for column in (_NORMAL, _TANGENTIAL):
+        windows_start = count // 2
+        highest = maximum_filter1d(rows[:, column], count)[windows_start:][: len(begins)]
+        lowest = minimum_filter1d(rows[:, column], count)[windows_start:][: len(begins)]
+        begins &= highest - lowest <= _AT_REST * float(np.ptp(rows[:, column]))
+    # a row is at rest if any window that holds it is
+    covered = np.cumsum(np.concatenate([begins, np.zeros(count - 1, dtype=bool)]).astype(int))
+    before = np.concatenate([np.zeros(count, dtype=int), covered[:-count]])
+    return np.asarray(covered > before)
+
+
+def _stretches(mask: Mask) -> Iterator[tuple[int, int]]:
+    """First row, and row behind the last, of each stretch of rows that are true.
+
+    >>> list(_stretches(np.array([True, True, False, True])))
+    [(0, 2), (3, 4)]
+    """
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(int)))
+    yield from zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
+
+
+def _parts_of_cycles(cycles: _Cycles, unit: str) -> list[RecordPart]:
+    """Cycles that are alike, those that are not, and the drift of Q over the former."""
+    median = float(np.median(cycles.ranges[len(cycles.ranges) // 2 :]))
+    is_alike = np.abs(cycles.ranges - median) <= _UNLIKE * median
+    parts = []
+    for begin, end in _stretches(is_alike):
+        if end - begin < 2:
+            is_alike[begin:end] = False
+    for begin, end in _stretches(~is_alike):
+        first, last = int(cycles.turns[begin]) + 1, int(cycles.turns[end]) + 1
+        ranges = cycles.ranges[begin:end]
+        direction = "from" if end - begin > 1 else "of"
+        sizes = f"{direction} {number(float(ranges[0]))}"
+        if end - begin > 1:
+            sizes += f" to {number(float(ranges[-1]))}"
+        place = "run-in" if begin == 0 else "other cycles"
+        words = f"{place}, {_count(end - begin)} with ranges of Q {sizes} {unit}"
+        parts.append(RecordPart("other cycles", first, last, words))
+    for begin, end in _stretches(is_alike):
+        first, last = int(cycles.turns[begin]) + 1, int(cycles.turns[end]) + 1
+        words = (
+            f"{_count(end - begin)} that are alike, range of Q"
+            f" {number(float(np.mean(cycles.ranges[begin:end])))} {unit}"
+        )
+        parts.append(RecordPart("alike", first, last, words))
+        means = cycles.means[begin:end]
+        moved = float(means[-2:].mean() - means[:2].mean())
+        if end - begin > 4 and abs(moved) > _DRIFT * median:
+            words = f"drift: the mean of Q moves by {number(moved)} {unit}"
+            parts.append(RecordPart("drift", first, last, words))
+    return parts
+
+
+def _count(n_swings: int) -> str:
+    """Swings as cycles.
+
+    >>> _count(2), _count(5)
+    ('1 cycle', '2.5 cycles')
+    """
+    return f"{n_swings / 2:g} {'cycle' if n_swings == 2 else 'cycles'}"
+
+
+def parts_in_words(scene: Scene) -> list[str]:
+    """The parts of a record, and the keys that leave the cycles that are alike alone; empty where
+    the whole record is one part.
+    """
+    parts = record_parts(scene)
+    cycles_alike = [part for part in parts if part.kind == "alike"]
+    if len(parts) < 2:
+        return []
+    sentences = [part.sentence for part in parts]
+    if cycles_alike:
+        longest = max(cycles_alike, key=lambda part: part.last - part.first)
+        sentences.append(
+            "W is that of all rows. For the cycles that are alike write load.start = {row ="
+            f" {longest.first}}} and load.end = {{row = {longest.last}}}."
+        )
+    return sentences
+
+
+def sliding_in_words(load: TimeSeriesLoad, friction: float) -> str:
+    """Which rows of a record slide as a whole, and the cures; empty where none does. Rows with
+    hardly any load count for noise.
+    """
+    first_row, row_beyond = load.bounds()
+    rows = load.rows.values[first_row:row_beyond]
+    normal = rows[:, _NORMAL]
+    slides = np.abs(rows[:, _TANGENTIAL]) > friction * normal
+    slides &= normal >= _NO_LOAD * float(np.max(normal))
+    if not np.any(slides):
+        return ""
+    first, last = (np.flatnonzero(slides)[[0, -1]] + first_row + 1).tolist()
+    strokes = sum(1 for _ in _stretches(slides))
+    highest = float(np.max(np.abs(rows[slides, _TANGENTIAL]) / normal[slides]))
+    cuts = []
+    if first - first_row > 2:
+        cuts.append(f"load.end = {{row = {first - 1}}}")
+    if row_beyond - last > 1:
+        cuts.append(f"load.start = {{row = {last + 1}}}")
+    cut = f"; or leave them out by {' or '.join(cuts)}" if cuts else ""
+    return (
+        f"{np.count_nonzero(slides):,} rows between {first:,} and {last:,} slide as a whole, in"
+        f" {strokes} {'stroke' if strokes == 1 else 'strokes'}, with |Q|/P up to {highest:.4g}."
+        " Given loads have no such state: prescribe the displacement that the rig measured, by"
+        f" tangential_displacement = true and a column U; or check friction.coefficient{cut}"
+    )
