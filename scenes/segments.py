@@ -38,6 +38,7 @@ Point = tuple[
     Annotated[float, Field(description="tangential load Q")],
 ]
 Waves = tuple[tuple[float, float], ...]
+WaveTerms = tuple[tuple[complex, int], ...]
 
 LEAST = 1e-290
 """Changes of load below it are none: their inverse, and soon the numbers themselves, are not known
@@ -158,13 +159,34 @@ class LoadSegment(abc.ABC):
         -2.0
         """
 
+    def _change_and_rate(
+        self, combination: Combination, time: Array, time_before: float
+    ) -> tuple[Array, Array]:
+        """`change_of` and `rate_of` at once, (n,) each."""
+        change = self.change_of(combination, time, time_before)
+        return change, self.rate_of(combination, time)
+
     @abc.abstractmethod
     def companion_of(self, combination: Combination) -> LoadSegment:
         """A segment over the same time with 0 in place of P and a combination in place of Q."""
 
-    @abc.abstractmethod
     def turning_points(self, combination: Combination) -> list[float]:
-        """Times inside the segment at which a combination stops growing or falling, ascending."""
+        """Times inside the segment at which a combination stops growing or falling, ascending;
+        found once and remembered.
+        """
+        known_turns = self._known_turns
+        if combination not in known_turns:
+            known_turns[combination] = tuple(self._found_turns(combination))
+        return list(known_turns[combination])
+
+    @cached_property
+    def _known_turns(self) -> dict[Combination, tuple[float, ...]]:
+        """Turning points by their combination, as far as they were asked for."""
+        return {}
+
+    @abc.abstractmethod
+    def _found_turns(self, combination: Combination) -> list[float]:
+        """`turning_points`, not remembered yet."""
 
     def time_of(
         self, combination: Combination, amount: ArrayLike, begin: float, end: float
@@ -184,54 +206,60 @@ class LoadSegment(abc.ABC):
         total = float(self.change_of(combination, end, begin))
         if abs(total) < LEAST:
             return np.full(change.shape, begin)
-        time = np.clip(
-            self._time_inside(combination, change, total, begin, end),
-            min(begin, end),
-            max(begin, end),
-        )
-        sign = math.copysign(1.0, total)
-        return np.where(sign * change <= 0, begin, np.where(sign * change >= abs(total), end, time))
+        growth = change * math.copysign(1.0, total)
+        is_before = growth <= 0
+        is_inside = ~(is_before | (growth >= abs(total)))
+        time = np.where(is_before, begin, end)
+        if np.any(is_inside):
+            time_inside = self._time_inside(combination, change[is_inside], total, begin, end)
+            time[is_inside] = np.minimum(np.maximum(time_inside, min(begin, end)), max(begin, end))
+        return time
 
     def _time_inside(
         self, combination: Combination, change: Array, total: float, begin: float, end: float
     ) -> Array:
-        """Newton's steps, or half the bracket where one leaves it or is no shorter; ends where
-        rounding stops them from gaining.
+        """`time_of` for changes (n,) between 0 and `total`: Newton's steps, or half the bracket
+        where one leaves it or is no shorter; ends where rounding stops them from gaining.
         """
-        change = np.clip(change / total, 0, 1) * total
         direction = math.copysign(1.0, total) * math.copysign(1.0, end - begin)
         earliest_time = np.full(change.shape, min(begin, end))
         latest_time = np.full(change.shape, max(begin, end))
         # exact for a cosine that turns at both ends
         time = begin + (end - begin) / math.pi * np.arccos(1 - 2 * change / total)
-        best_time = time
+        best_time = time.copy()
         least_fault = np.full(change.shape, math.inf)
         idle = np.zeros(change.shape, int)
+        is_done = np.zeros(change.shape, bool)
         last_step = latest_time - earliest_time
         for _ in range(_MOST_STEPS):
-            fault = direction * (self.change_of(combination, time, begin) - change)
-            slope = direction * self.rate_of(combination, time)
-            better = np.abs(fault) < least_fault
-            best_time = np.where(better, time, best_time)
-            least_fault = np.where(better, np.abs(fault), least_fault)
-            idle = np.where(better, 0, idle + 1)
+            change_so_far, rate = self._change_and_rate(combination, time, begin)
+            fault = direction * (change_so_far - change)
+            size = np.abs(fault)
+            better = size < least_fault
+            np.copyto(best_time, time, where=better)
+            np.copyto(least_fault, size, where=better)
+            idle = (idle + 1) * ~better
             # Steps that gain no more are round-off where they are short: a long one is half a
             # bracket, and others follow.
             no_gain = (idle >= _IDLE) & (last_step <= _SHORT * np.abs(best_time - begin))
-            if np.all(
-                (least_fault == 0) | no_gain | (last_step <= _ROUNDING_OF_TIME * np.abs(best_time))
-            ):
+            is_rounding = last_step <= _ROUNDING_OF_TIME * np.abs(best_time)
+            # What is done stays so: beyond rounding a step may be long again.
+            is_done |= (least_fault == 0) | no_gain | is_rounding
+            if is_done.all():
                 return best_time
-            earliest_time = np.where(fault < 0, time, earliest_time)
-            latest_time = np.where(fault > 0, time, latest_time)
-            steep = slope > 0
-            newton = time - np.where(steep, fault / np.where(steep, slope, 1.0), math.inf)
+            np.copyto(earliest_time, time, where=fault < 0)
+            np.copyto(latest_time, time, where=fault > 0)
+            slope = direction * rate
+            step = np.full(change.shape, -math.inf)
+            np.divide(-fault, slope, out=step, where=slope > 0)
+            newton = time + step
             newton_is_good = (
                 (earliest_time <= newton)
                 & (newton <= latest_time)
                 & (2 * np.abs(newton - time) <= last_step)
             )
             next_time = np.where(newton_is_good, newton, (earliest_time + latest_time) / 2)
+            np.copyto(next_time, best_time, where=is_done)
             last_step = np.abs(next_time - time)
             time = next_time
         raise NotFoundError(
@@ -270,6 +298,13 @@ class LoadSegment(abc.ABC):
 def _chosen(condition: Any, value_if_true: float, value_if_false: float) -> float:
     """`numpy.where` of one number, five times as fast."""
     return value_if_true if condition else value_if_false
+
+
+def _float_or_array(time: Any) -> Any:
+    """Times as they are if there is one, a float: arithmetic with arrays of no dimension takes
+    three times as long.
+    """
+    return time if isinstance(time, float) else np.asarray(time, dtype=float)
 
 
 @dataclass(frozen=True)
@@ -317,6 +352,9 @@ class StraightSegment(LoadSegment):
         combination: Combination,  # noqa: ARG002 a straight line does not turn
     ) -> list[float]:
         return []
+
+    def _found_turns(self, combination: Combination) -> list[float]:
+        return self.turning_points(combination)
 
     def _time_inside(
         self,
@@ -386,6 +424,18 @@ class HarmonicSegment(LoadSegment):
 
     def wave(self, combination: Combination) -> tuple[float, float]:
         """(size, lead) of one wave: the combination is a constant + size cos(t + lead)."""
+        known_waves = self._known_waves
+        if combination not in known_waves:
+            known_waves[combination] = self._sum_of_waves(combination)
+        return known_waves[combination]
+
+    @cached_property
+    def _known_waves(self) -> dict[Combination, tuple[float, float]]:
+        """`wave` by its combination, as far as it was asked for."""
+        return {}
+
+    def _sum_of_waves(self, combination: Combination) -> tuple[float, float]:
+        """`wave`, not remembered yet."""
         # notation: Z = size exp(i lead), the phasor; one load alone keeps the last digit of its own
         # phase
         (p, origin), (q, lag) = self._first
@@ -403,25 +453,48 @@ class HarmonicSegment(LoadSegment):
         return 2 * order * math.ceil((self.end - self.start) / (2 * math.pi))
 
     def loads(self, time: ArrayLike) -> Loads:
-        t = np.asarray(time, dtype=float)
+        mean_normal, mean_tangential = self.mean
         if self.ellipse:
-            p, q = (
-                mean + size * np.cos(t - lag)
-                for mean, (size, lag) in zip(self.mean, self._first, strict=True)
-            )
-        else:
-            p, q = (
-                mean + _wave_sum(row, t)
-                for mean, row in zip(self.mean, self._coefficients, strict=True)
-            )
-        return p, q
+            t = _float_or_array(time)
+            (p, origin), (q, lag) = self._first
+            return mean_normal + p * np.cos(t - origin), mean_tangential + q * np.cos(t - lag)
+        t = np.atleast_1d(np.asarray(time, dtype=float))
+        z = np.exp(1j * t)
+        of_normal, of_tangential = self._wave_terms
+        normal_load = mean_normal + _wave_sum_at(of_normal, z, t)
+        tangential_load = mean_tangential + _wave_sum_at(of_tangential, z, t)
+        shape = np.shape(time)
+        return normal_load.reshape(shape), tangential_load.reshape(shape)
+
+    @cached_property
+    def _wave_terms(self) -> tuple[WaveTerms, WaveTerms]:
+        """The terms of P and of Q."""
+        of_normal, of_tangential = self._coefficients
+        return _terms(of_normal), _terms(of_tangential)
 
     def rate_of(self, combination: Combination, time: ArrayLike) -> Array:
-        t = np.asarray(time, dtype=float)
         if self.ellipse:
             size, lead = self.wave(combination)
-            return -size * np.sin(t + lead)
-        return _wave_sum(self._rate(combination), t)
+            rate: Array = -size * np.sin(_float_or_array(time) + lead)
+            return rate
+        _, rate_terms = self._series_of(combination)
+        return _wave_sum(rate_terms, np.asarray(time, dtype=float))
+
+    def _series_of(self, combination: Combination) -> tuple[tuple[complex, ...], WaveTerms]:
+        """Coefficients c_k of a combination, k from 0 on, and the terms of its rate."""
+        known_series = self._known_series
+        if combination not in known_series:
+            coefficients = np.array(combination) @ self._coefficients
+            rate_terms = _terms(self._rate(combination))
+            known_series[combination] = tuple(coefficients.tolist()), rate_terms
+        return known_series[combination]
+
+    @cached_property
+    def _known_series(
+        self,
+    ) -> dict[Combination, tuple[tuple[complex, ...], WaveTerms]]:
+        """`_series_of` by its combination, as far as it was asked for."""
+        return {}
 
     def _rate(self, combination: Combination) -> NDArray[np.complex128]:
         """(m + 1,) coefficients of the rate."""
@@ -432,25 +505,52 @@ class HarmonicSegment(LoadSegment):
         )
 
     def change_of(self, combination: Combination, time: ArrayLike, time_before: ArrayLike) -> Array:
-        t = np.asarray(time, dtype=float)
-        t0 = np.asarray(time_before, dtype=float)
+        t = _float_or_array(time)
+        t0 = _float_or_array(time_before)
         middle = (t + t0) / 2
         half_step = (t - t0) / 2
         if self.ellipse:
             size, lead = self.wave(combination)
-            return -2 * size * np.sin(middle + lead) * np.sin(half_step)
-        # (p(z) - p(z_0))/(z - z_0) by Horner's scheme, and z - z_0 = 2i sin((t - t_0)/2) exp(i (t +
-        # t_0)/2).
+            change: Array = -2 * size * np.sin(middle + lead) * np.sin(half_step)
+            return change
         centre = np.exp(1j * np.atleast_1d(middle))
         side = np.exp(1j * np.atleast_1d(half_step))
+        change = self._change_between(combination, centre, side)
+        return np.reshape(change, np.shape(middle))
+
+    def _change_between(
+        self,
+        combination: Combination,
+        centre: NDArray[np.complex128],
+        side: NDArray[np.complex128],
+    ) -> Array:
+        """Change of a combination from z_0 to z, by z = exp(i t) and the factors `centre` = exp(i
+        (t + t_0)/2), `side` = exp(i (t - t_0)/2), (n,) each.
+        """
+        # (p(z) - p(z_0))/(z - z_0) by Horner's scheme, and z - z_0 = 2i sin((t - t_0)/2) exp(i (t +
+        # t_0)/2).
         z = centre * side
         z_0 = centre * side.conjugate()
-        *lower_terms, value = (np.array(combination) @ self._coefficients).tolist()
-        quotient = 0j
+        coefficients, _ = self._series_of(combination)
+        *lower_terms, highest = coefficients
+        quotient: Any = 0j
+        value: Any = highest
         for coefficient in reversed(lower_terms):
             quotient = quotient * z + value
             value = value * z_0 + coefficient
-        return np.reshape((quotient * centre * (2j * side.imag)).real, middle.shape)
+        change: Array = (quotient * centre * (2j * side.imag)).real
+        return change
+
+    def _change_and_rate(
+        self, combination: Combination, time: Array, time_before: float
+    ) -> tuple[Array, Array]:
+        if self.ellipse:
+            return super()._change_and_rate(combination, time, time_before)
+        centre = np.exp(0.5j * (time + time_before))
+        side = np.exp(0.5j * (time - time_before))
+        _, rate_terms = self._series_of(combination)
+        change = self._change_between(combination, centre, side)
+        return change, _wave_sum_at(rate_terms, centre * side, time)
 
     def companion_of(self, combination: Combination) -> HarmonicSegment:
         waves = tuple(
@@ -465,7 +565,7 @@ class HarmonicSegment(LoadSegment):
             waves,
         )
 
-    def turning_points(self, combination: Combination) -> list[float]:
+    def _found_turns(self, combination: Combination) -> list[float]:
         """Times inside the segment at which a combination stops growing or falling, ascending.
 
         One wave: where its argument is a multiple of pi, with none a rounding inside a turn that
@@ -519,15 +619,12 @@ class HarmonicSegment(LoadSegment):
         size, lead = self.wave(combination)
         half_turn = math.floor(((begin + end) / 2 + lead) / math.pi)
         sign = -1.0 if half_turn % 2 else 1.0
-        cosine = math.cos(begin + lead) + change / size
-        time = half_turn * math.pi - lead + np.arccos(np.clip(sign * cosine, -1, 1))
+        cosine = sign * (math.cos(begin + lead) + change / size)
+        time = half_turn * math.pi - lead + np.arccos(np.minimum(np.maximum(cosine, -1), 1))
         slope = self.rate_of(combination, time)
         steep = np.abs(slope) > 1e-6 * abs(size)
-        return time + np.where(
-            steep,
-            (change - self.change_of(combination, time, begin)) / np.where(steep, slope, 1.0),
-            0.0,
-        )
+        fault = change - self.change_of(combination, time, begin)
+        return time + np.where(steep, fault / np.where(steep, slope, 1.0), 0.0)
 
     def mirrored(self, combination: Combination, time: ArrayLike, near: float) -> Array | None:
         if not self.ellipse:
@@ -607,7 +704,16 @@ class ChebyshevSegment(LoadSegment):
 
     def _slope(self, combination: Combination) -> Array:
         """Series of the derivative by u."""
-        return np.asarray(chebyshev.chebder(np.array(combination) @ self._series))
+        known_slopes = self._known_slopes
+        if combination not in known_slopes:
+            series = np.array(combination) @ self._series
+            known_slopes[combination] = np.asarray(chebyshev.chebder(series))
+        return known_slopes[combination]
+
+    @cached_property
+    def _known_slopes(self) -> dict[Combination, Array]:
+        """`_slope` by its combination, as far as it was asked for."""
+        return {}
 
     def change_of(self, combination: Combination, time: ArrayLike, time_before: ArrayLike) -> Array:
         t = np.asarray(time, dtype=float)
@@ -622,7 +728,7 @@ class ChebyshevSegment(LoadSegment):
             self.start, self.end, (0.0,), tuple((np.array(combination) @ self._series).tolist())
         )
 
-    def turning_points(self, combination: Combination) -> list[float]:
+    def _found_turns(self, combination: Combination) -> list[float]:
         """Times inside the segment at which a combination stops growing or falling, ascending:
         roots of the rate.
 
@@ -738,21 +844,33 @@ class LoadPath:
         return p, q
 
 
-def _wave_sum(coefficients: NDArray[np.complex128], time: Array) -> Array:
-    """Re[sum c_k exp(i k t)] by Horner's scheme, shape of t."""
-    # Never a number without a shape: the last digit of its products is another one.
-    t = np.atleast_1d(time)
-    z = np.exp(1j * t)
-    value = np.zeros(t.shape, dtype=complex)
+def _terms(coefficients: NDArray[np.complex128]) -> WaveTerms:
+    """Terms of a sum of c_k exp(i k t) for Horner's scheme, from the highest k down: c_k, and by
+    how much k is below that of the term before.
+    """
+    terms = []
     order_above = len(coefficients) - 1
     # Waves without an amplitude are passed over: one of a thousand harmonics may be all there is.
-    for k in [*np.flatnonzero(coefficients[1:])[::-1] + 1, 0]:
-        value = (
-            value * (z if order_above - k == 1 else np.exp(1j * (order_above - k) * t))
-            + coefficients[k]
-        )
+    for k in [*(np.flatnonzero(coefficients[1:])[::-1] + 1).tolist(), 0]:
+        terms.append((complex(coefficients[k]), order_above - k))
         order_above = k
-    return np.reshape(value.real, np.shape(time))
+    return tuple(terms)
+
+
+def _wave_sum(terms: WaveTerms, time: Array) -> Array:
+    """Re[sum c_k exp(i k t)], shape of t."""
+    # Never a number without a shape: the last digit of its products is another one.
+    t = np.atleast_1d(time)
+    return np.reshape(_wave_sum_at(terms, np.exp(1j * t), t), np.shape(time))
+
+
+def _wave_sum_at(terms: WaveTerms, z: NDArray[np.complex128], time: Array) -> Array:
+    """Re[sum c_k z^k] with z = exp(i t) by Horner's scheme, (n,)."""
+    value = np.zeros(z.shape, dtype=complex)
+    for coefficient, step in terms:
+        power = z if step == 1 else np.exp(1j * step * time)
+        value = value * power + coefficient
+    return value.real
 
 
 def _sharpened(segment: LoadSegment, combination: Combination, guess: Array) -> list[float]:

@@ -7,6 +7,7 @@ leaves `Findings`: loads and fields at instants, the work of the cycles, and wha
 
 from __future__ import annotations
 
+import math
 import platform
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field
@@ -44,12 +45,13 @@ FIELDS = (
     "normal_approach",
     "dissipation_density",
     "dissipation",
+    "loop_work",
 )
-"""The fields that can be asked for one by one."""
+"""The fields that can be asked for one by one; `loop_work` comes with `dissipation`."""
 POINTWISE = frozenset(("pressure", "shear", "slip", "state"))
 """Those that have a value at each point and instant."""
 STEADY_FIELDS = frozenset(
-    ("pressure", "state", "normal_approach", "dissipation", "dissipation_density")
+    ("pressure", "state", "normal_approach", "dissipation", "loop_work", "dissipation_density")
 )
 """Those that are the same in the steady cycle however it was reached; traction and slip that stay
 locked in are not.
@@ -75,8 +77,6 @@ class Question:
         as in `solve`
     effects
         what finite bodies add to half-planes; None: nothing
-    wants_loop_work
-        whether the closed integral of Q dU is wanted beside the dissipation, as a second route
     """
 
     scene: Scene
@@ -86,7 +86,6 @@ class Question:
     cycles: Cycles = "all"
     straight_steps: bool = False
     effects: BodyEffects | None = None
-    wants_loop_work: bool = True
 
     def wants(self, *names: str) -> bool:
         """Whether one of these fields is wanted."""
@@ -113,7 +112,8 @@ def checked_fields(fields: str | Iterable[str], cycles: Cycles) -> frozenset[str
     unknown_names = sorted(names - set(FIELDS))
     if unknown_names:
         raise InputError(f"fields: {unknown_names[0]!r} is not among {', '.join(FIELDS)}")
-    return names
+    # The closed integral is held against W: it is a second route to it.
+    return names | {"dissipation"} if "loop_work" in names else names
 
 
 def vector(values: ArrayLike | None, name: str) -> Array | None:
@@ -196,6 +196,10 @@ def solution_of(question: Question, findings: Findings) -> ContactSolution:
     for name, values in arrays.items():
         if isinstance(values, np.ndarray) and values.flags.writeable:
             arrays[name] = freeze(values, values.dtype)
+    errors = dict(findings.errors)
+    if not question.wants("loop_work"):
+        arrays["loop_work"] = math.nan
+        errors.pop("loop_work", None)
     instants = len(findings.time)
     record = Record(
         converged=True,
@@ -205,7 +209,7 @@ def solution_of(question: Question, findings: Findings) -> ContactSolution:
         certificates=findings.certificates,
         energy=findings.energy,
         notes=findings.notes,
-        errors=findings.errors,
+        errors=errors,
     )
     not_asked_for = {
         name: (instants, "not asked for") for name in FIELDS if name not in question.fields

@@ -137,8 +137,6 @@ class Request:
         the fields that are wanted
     family
         the path with bulk stress and tilt; None without
-    wants_loop_work
-        whether the closed integral of Q dU is wanted beside the dissipation, of a curved path
     """
 
     contact: Contact
@@ -149,7 +147,6 @@ class Request:
     fold: Indices
     fields: frozenset[str]
     family: OneCurve | None = None
-    wants_loop_work: bool = True
 
     @property
     def unit(self) -> float:
@@ -267,17 +264,7 @@ def _request_of(
     else:
         distance, fold = np.unique(x, return_inverse=True)
     modulus = composite_modulus(scene.material)
-    return Request(
-        contact,
-        modulus,
-        time,
-        x,
-        distance,
-        fold,
-        question.fields,
-        family,
-        question.wants_loop_work,
-    )
+    return Request(contact, modulus, time, x, distance, fold, question.fields, family)
 
 
 def folded(x: Array) -> tuple[Array, Indices]:
@@ -344,7 +331,8 @@ class PathResult:
     density_error
         its error over its largest value
     loop
-        closed integral of Q dU of the last cycle; None where it is not steady
+        closed integral of Q dU of the last cycle; None where it is not steady, or neither
+        asked for nor needed for the error of the dissipation
     spans
         of the last cycle, none for straight steps
     increments
@@ -482,7 +470,7 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
     last_part = covered_parts[-1]
     is_steady = series.steady_from is not None and series.covered[-1] >= series.steady_from
     loop = None
-    if wants_work and is_steady:
+    if request.wants("loop_work") and is_steady:
         loop = Loop(contact, request.modulus, friction, series.parts[last_part].largest)
     states = States(friction, request.wants("shear", "slip", "tangential_displacement"))
     sums = _SeriesSums(
@@ -590,8 +578,10 @@ def _result_of_history(history: History, request: Request) -> PathResult:
             density_error = worst_error / float(np.max(density))
         density_error += 3 * rounding_of_slip(slipped_share(last_spans))
     loop = None
+    # Where W is no closed form, what both routes to it differ by is in its error.
+    takes_loop = request.wants("loop_work") or not contact.closed_form
     is_steady = history.steady_from is not None and last_span >= history.steady_from
-    if works and is_steady and request.wants_loop_work:
+    if works and is_steady and takes_loop:
         loop = LoopWork(0.0, 0.0)
         if works[last_span].work:
             loop = closed_integral(contact, request.modulus, last_spans)
@@ -858,8 +848,11 @@ def _errors(
         of_worst_cycle = float(np.max(answer.work_errors))
         if of_worst_cycle > errors["dissipation"]:
             errors["cycle_dissipation"] = of_worst_cycle
-    of_work = ("loop_work", "cycle_dissipation")
-    names = (*request.fields, *of_work, *(f"{name} at the edge" for name in request.fields))
+    names = (
+        *request.fields,
+        "cycle_dissipation",
+        *(f"{name} at the edge" for name in request.fields),
+    )
     return {name: error for name, error in errors.items() if error and name in names}
 
 

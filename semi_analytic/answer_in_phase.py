@@ -64,8 +64,9 @@ def in_phase(question: Question, ways: tuple[Way, Way]) -> Findings:
     if question.wants("normal_approach"):
         approach = leaning.approach(middle, half_width, load, tilt)
     if question.wants("dissipation"):
-        loop = loop_of(ways)
         work, errors["dissipation"] = _work_of(ways)
+    if question.wants("loop_work"):
+        loop = loop_of(ways)
     if question.wants("dissipation_density"):
         density, errors["dissipation_density"] = _density_of(ways, x)
     permanent_edges = stick_edges[np.argmax(force)]

@@ -1073,13 +1073,14 @@ def _work_of(paths: _Paths, points: PointFields, distance: Array, odd: OddPart) 
         x=distance,
         time=ends,
         cycles="all",
-        wants_loop_work=False,
     )
     theory = by_memory(of_half_planes, None)
     if question.wants("dissipation"):
         of_theory = np.asarray(theory.values["cycle_dissipation"])
         exact = of_theory[np.minimum(paths.covered, len(of_theory) - 1)]
         cycles, loop, errors = _works_of_cycles(paths, exact, odd)
+        if "dissipation" in errors:
+            errors["dissipation"] += theory.errors.get("dissipation", 0.0)
     if question.wants("dissipation_density"):
         exact_density = np.asarray(theory.values["dissipation_density"])
         by_steps = PointFields(half_planes, distance).work(last)

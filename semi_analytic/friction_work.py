@@ -170,7 +170,12 @@ def _over_spans(
         share = min(CONVERGED, 25 * contact.noise) if len(marks[number]) else CONVERGED
         allowed_error = share * max(size, float(np.max(np.abs(values[number]))))
         values[number, members], errors[number, members] = by_halving(
-            part, begin[members], end[members], allowed_error, marks[number]
+            part,
+            begin[members],
+            end[members],
+            allowed_error,
+            marks[number],
+            first_estimate=values[number, members],
         )
     is_forward = np.array([span.direction > 0 for span, _, _ in ranges], dtype=bool)
     factor = 2 / (math.pi * modulus)
@@ -589,6 +594,7 @@ def by_halving(
     end: ArrayLike,
     allowed_error: float,
     marks: ArrayLike = (),
+    first_estimate: Array | None = None,
 ) -> Converged:
     """Integrals of m integrands, number k from begin[k] to end[k].
 
@@ -606,6 +612,8 @@ def by_halving(
     marks
         (j,) ascending, where a part is cut rather than in its middle: the integrands are not
         smooth there
+    first_estimate
+        (m,) the integrals from `begin` to `end` by the rule of `work`, where they are known
 
     Examples
     --------
@@ -621,7 +629,9 @@ def by_halving(
     depth = np.zeros(len(low), dtype=int)
     value = np.zeros(len(low))
     error = np.zeros(len(low))
-    estimate = work(members, low, high)
+    estimate = first_estimate
+    if estimate is None:
+        estimate = work(members, low, high)
     while len(members):
         middle = (low + high) / 2
         # The mark next above the middle, else the one below it, else the middle itself: parts next

@@ -68,7 +68,8 @@ def solve(
         the initial loading, without grids); no effect where `time` is given
     fields
         a name out of `FIELDS`, or several; the others come back as NaN (state: open) and are
-        counted in `work.skipped`
+        counted in `work.skipped`. Without "loop_work" the closed integral of Q dU is evaluated
+        only where the error of the dissipation needs it
     straight_steps
         follow straight lines between the given times (ascending) instead of the scene's path:
         the polygon that a step-by-step solver saw, so that its step error can be told apart
@@ -148,7 +149,7 @@ def _on_grids(question: Question) -> Findings:
     one.
     """
     answer = GridAnswer(question)
-    fields_of_work = question.fields & OF_WORK
+    fields_of_work = question.fields & (OF_WORK | {"loop_work"})
     steady_cycle = None
     if answer.followed.steady_from is not None and fields_of_work:
         steady_cycle = _steady_alone(

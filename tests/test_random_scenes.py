@@ -211,7 +211,7 @@ def costs_seconds(drawing):
 
 def solved(scene):
     """Dissipation of the steady cycle, without fields."""
-    return semi_analytic.solve(scene, x=[0.0], fields=("dissipation",))
+    return semi_analytic.solve(scene, x=[0.0], fields=("loop_work",))
 
 
 def unit_of(scene, answer):

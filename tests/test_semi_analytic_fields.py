@@ -18,6 +18,7 @@ from scenes import (
     Compound,
     EllipseLoad,
     EvenPolynomial,
+    FlatRounded,
     Hertz,
     InadmissibleLoadError,
     InputError,
@@ -42,6 +43,7 @@ from semi_analytic import (
     stress,
 )
 from semi_analytic.fields import Arc, Integrals
+from semi_analytic.friction_work import closed_integral
 from semi_analytic.hertz import HertzContact
 from semi_analytic.load_series import Knot
 from semi_analytic.memory import Piece
@@ -522,9 +524,33 @@ def test_only_what_is_asked_for_is_computed(monkeypatch):
     assert solve(scene, fields=("dissipation",)).dissipation == solution.dissipation
 
 
+def test_the_second_route_is_taken_where_it_is_asked_for_or_an_error_needs_it(monkeypatch):
+    scene = load_scene("hertz-paper")
+    both = solve(scene, x=[0.0], fields="loop_work")
+    assert both.loop_work == pytest.approx(both.dissipation, rel=1e-12)
+    calls = []
+
+    def counted(*arguments):
+        calls.append(arguments)
+        return closed_integral(*arguments)
+
+    monkeypatch.setattr("semi_analytic.answer_by_memory.closed_integral", counted)
+    alone = solve(scene, x=[0.0], fields="dissipation")
+    assert not calls
+    assert (alone.dissipation, alone.record.errors) == (both.dissipation, both.record.errors)
+    assert math.isnan(alone.loop_work)
+    assert alone.work.skipped["loop_work"][1] == "not asked for"
+    scene = scene.vary(profile=FlatRounded(radius=1000.0, flat_half_length=0.5))
+    by_quadrature = solve(scene, x=[0.0], fields="dissipation")
+    assert len(calls) == 1
+    assert math.isnan(by_quadrature.loop_work)
+    asked = solve(scene, x=[0.0], fields="loop_work")
+    assert by_quadrature.record.errors.get("dissipation") == asked.record.errors.get("dissipation")
+
+
 def test_transient_work_is_counted_by_cycle_and_later_cycles_are_copies():
     scene = load_scene("hertz-paper")
-    fields = ("dissipation",)
+    fields = ("loop_work",)
     start = scene.load.path().cycle_start
     solution = solve(scene, fields=fields)
     long = solve(

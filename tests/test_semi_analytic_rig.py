@@ -557,7 +557,7 @@ def test_tilt_and_strain_add_to_the_work_what_they_do_under_the_loads_found(
     load: PolygonLoad | EllipseLoad, tolerance: float
 ) -> None:
     scene = tilting(load, Rig())
-    solution = semi_analytic.solve(scene, x=[0.0], effects=TILTED, fields="dissipation")
+    solution = semi_analytic.solve(scene, x=[0.0], effects=TILTED, fields="loop_work")
     force = solution.tangential_load[solution.last_cycle]
     time = solution.time[solution.last_cycle]
     if isinstance(load, PolygonLoad):

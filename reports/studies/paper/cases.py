@@ -127,7 +127,7 @@ class Case:
     @cached_property
     def steady(self) -> ContactSolution:
         """The steady cycle: its dissipations, permanent stick and both routes to W."""
-        return self.solve(fields=("dissipation",), steady=True)
+        return self.solve(fields=("loop_work",), steady=True)
 
     @property
     def stick_edge(self) -> float:

@@ -159,7 +159,7 @@ QUANTITIES: dict[str, Quantity] = {
     "loop_work": Quantity(
         lambda s: s.loop_work,
         "closed integral of Q dU, with its bulk term [energy / thickness]",
-        ("dissipation",),
+        ("loop_work",),
     ),
 }
 # Metrics that take what the bodies add to the displacements of half-planes.
