@@ -10,5 +10,5 @@ Offered to the rest of reports:
                    `Band` `Bitmap` `Block` `Curve` `Dot` `Group` `Mark` `Note` `Rule` `Segments`;
                    `STATE_KEYS` `colour_scale` `worded` `write_tables`
     templating.py  `STATE_NAMES` `Table` `in_template` `markdown_table` `script` `shades`
-    `table_text` `template`
+                   `table_text` `template` `words_of`
 """

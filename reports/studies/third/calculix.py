@@ -24,7 +24,7 @@ import numpy as np
 
 from halfplane_fe.scales import Scales
 from halfplane_fe.solve import versions
-from reports.charts.templating import template
+from reports.charts.templating import words_of
 from reports.comparison import Comparison
 from reports.comparison.json_values import strict
 from reports.comparison.words import stretch, value_of
@@ -389,9 +389,7 @@ def _limits(deck: Deck) -> list[str]:
         and deck.settings.far_radius
     )
     creep = friction * pressure / deck.stick_slope
-    words = template("words.txt").module.limits_of_calculix(  # type: ignore[attr-defined]
-        pressure / deck.stiffness, creep, varies, radius
-    )
+    words = words_of("limits_of_calculix")(pressure / deck.stiffness, creep, varies, radius)
     return [line.strip() for line in str(words).split("\n") if line.strip()]
 
 
