@@ -168,6 +168,36 @@ def test_what_kernels_find_explains_finite_elements(scene: Scene, cause: str) ->
     assert why.explains
 
 
+def test_of_unlike_bodies_a_size_is_stated_and_the_kernel_solve_is_named() -> None:
+    advice = advise(unlike_blocks())
+    assert advice.declined.startswith("the materials are unlike")
+    assert advice.work.value == pytest.approx(-0.0534, abs=1e-4)  # by the curvatures alone
+    assert 0.02 < advice.work.uncertainty < 0.1
+    assert advice.verdict is Verdict.UNDECIDED
+    assert math.isnan(advice.changes["peak_pressure"].change.value)
+    assert 'solve(scene, bodies="kernel")' in sentence(advice)
+    assert "coupling of pressure and shear" in sentence(advice)
+    # however wide the limit is, a size is never enough to use theory
+    assert advise(unlike_blocks(), limit=0.9).verdict is Verdict.UNDECIDED
+
+
+def test_coupling_counts_the_more_the_larger_beta_is_and_the_smaller_friction() -> None:
+    def left_out(upper_modulus: float, friction: float) -> float:
+        material = {"upper": {"young_modulus": upper_modulus}}
+        return advise(unlike_blocks().vary(material=material, friction=friction)).left_out
+
+    assert left_out(20e3, 1.0) > left_out(70e3, 1.0) > left_out(70e3, 1.5)
+
+
+@pytest.mark.slow
+def test_the_kernel_solve_of_unlike_bodies_is_within_the_size_that_is_stated() -> None:
+    scene = unlike_blocks()
+    work = halfplane_fe.solve(scene, bodies="kernel").dissipation
+    advice = advise(scene)
+    left = work / advice.changes[WORK].theory - 1 - advice.work.value
+    assert 0.1 * advice.work.uncertainty < abs(left) < advice.work.uncertainty
+
+
 def test_values_of_theory_are_its_own_and_not_those_at_points() -> None:
     scene = load_scene("blocks")
     largest = semi_analytic.extremes(semi_analytic.solve(scene, x=[0.5]))

@@ -115,6 +115,7 @@ def advise(scene: str, options: Options) -> Answer:
 def _parts_by_numbers(advice: AdviceByNumbers) -> Iterator[Part]:
     """Sentence, changes with theory's values, and what makes that of the dissipation."""
     from reports.advising import sentence
+    from reports.comparison.pairs import coupled
     from reports.studies.maps.advice import percent
     from reports.units import energy_unit, units
 
@@ -131,7 +132,10 @@ def _parts_by_numbers(advice: AdviceByNumbers) -> Iterator[Part]:
     yield Sheet(f"{scene.title or scene.name}: by corrected theory, no contact solved", heads, rows)
     causes = [(words, percent(*part)) for words, part in advice.parts.items()]
     if advice.left_out:
-        causes.append(("tilt and bulk strain, a size", f"± {100 * advice.left_out:.2g} %"))
+        what = "tilt and bulk strain, a size"
+        if coupled(scene):
+            what = "coupling, tilt and bulk strain, a size"
+        causes.append((what, f"± {100 * advice.left_out:.2g} %"))
     yield Sheet("What makes the change of the dissipation", ("cause", "share of it"), causes)
 
 
