@@ -105,12 +105,7 @@ def value_uncertainties(
         return {}
     scales = task.scales
     element = task.element
-    values = run_values(
-        run,
-        problem.interface.weights,
-        displacement_unit=scales.load / scales.modulus,
-        stress_unit=scales.load / scales.half_width,
-    )
+    values = _values_beside_coarse_run(task, problem, run)
     half_width = float(np.max(arrays["contact_half_width"]))
     stick = float(np.nan_to_num(arrays["permanent_stick_half_width"]))
     slip_width = max(half_width - stick, element * scales.half_width)
@@ -161,6 +156,28 @@ def value_uncertainties(
             ),
         }
     )
+
+
+def _values_beside_coarse_run(task: Task, problem: ContactProblem, run: PathRun) -> RunValues:
+    """Values of the last cycle; where the coarse run made fewer cycles, and either run did not
+    repeat, those of its last one: unlike bodies only approach their steady state.
+    """
+    scales = task.scales
+    of_coarse_run = scales.values
+
+    def of_cycle(cycle: int | None) -> RunValues:
+        return run_values(
+            run,
+            problem.interface.weights,
+            displacement_unit=scales.load / scales.modulus,
+            stress_unit=scales.load / scales.half_width,
+            cycle=cycle,
+        )
+
+    values = of_cycle(None)
+    if of_coarse_run is None or values.is_comparable(of_coarse_run):
+        return values
+    return of_cycle(min(values.number, of_coarse_run.number))
 
 
 def _under_load(scene: Scene, arrays: Mapping[str, Any]) -> Mask:

@@ -308,7 +308,11 @@ class RunValues:
 
 
 def run_values(
-    run: PathRun, weights: Array, displacement_unit: float, stress_unit: float
+    run: PathRun,
+    weights: Array,
+    displacement_unit: float,
+    stress_unit: float,
+    cycle: int | None = None,
 ) -> RunValues:
     """Those of a run.
 
@@ -318,9 +322,13 @@ def run_values(
         (n,) of its nodes, scaled
     displacement_unit, stress_unit
         of its states [length], [stress]
+    cycle
+        number of the cycle, from 1; the last one by default
     """
-    first = run.cycle_starts[-1] if run.cycle_starts else 0
-    states = run.states[first:]
+    number = cycle or len(run.cycle_starts)
+    first = run.cycle_starts[number - 1] if number else 0
+    has_next = number < len(run.cycle_starts)
+    states = run.states[first : run.cycle_starts[number] + 1 if has_next else None]
     time = np.array([state.time for state in states])
     slip = np.array([state.slip for state in states])
     closed = np.array([state.closed for state in states])
@@ -329,7 +337,7 @@ def run_values(
     between_instants = with_neighbours - largest_slip
     if largest_slip <= _ROUND_OFF * float(np.max(np.abs(slip))):
         largest_slip = 0.0
-    density = run.cycle_density[-1] if run.cycle_density else np.zeros_like(weights)
+    density = run.cycle_density[number - 1] if run.cycle_density else np.zeros_like(weights)
     return RunValues(
         since_start=time - time[0],
         tangential_displacement=np.array([state.shift for state in states]) * displacement_unit,
@@ -339,8 +347,8 @@ def run_values(
         largest_dissipation_density=float(np.max(density / weights))
         * displacement_unit
         * stress_unit,
-        number=len(run.cycle_starts),
-        repeats=run.steady_from is not None,
+        number=number,
+        repeats=run.steady_from is not None and not has_next,
     )
 
 

@@ -19,6 +19,7 @@ import semi_analytic
 from halfplane_fe import FiniteElementSolution, SolverSettings
 from halfplane_fe.edges import uncertainty_at_jumps
 from halfplane_fe.permanent_stick import working_nodes
+from halfplane_fe.scales import COARSE_CYCLES
 from halfplane_fe.uncertainty import RULES, Place, Rule, density_uncertainty
 from meshes import MeshSettings
 from reports import Comparison, compare
@@ -429,3 +430,9 @@ def test_edges_are_fitted_only_where_the_tension_may_be_the_largest(
     of_every_instant, _ = halfplane_fe.edge_tension(answer, list(answer.last_cycle))
     assert tension.value == pytest.approx(np.max(of_every_instant), rel=1e-9)
     assert len(fitted) < len(answer.last_cycle) / 2
+
+
+def test_a_run_of_more_cycles_than_the_coarse_run_has_estimates_too() -> None:
+    answer = halfplane_fe.solve("flat-pad-on-block", COARSE)
+    assert len(answer.cycle_dissipation) > COARSE_CYCLES
+    assert all(math.isfinite(answer.uncertainties[name]) for name in RULES)
