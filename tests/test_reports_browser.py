@@ -78,16 +78,19 @@ def downloaded(page: Any, button: Any) -> tuple[str, bytes]:
     return waiting.value.suggested_filename, Path(waiting.value.path()).read_bytes()
 
 
+UNFOLD = "() => document.querySelectorAll('details').forEach((fold) => { fold.open = true; })"
+
+
 @pytest.fixture
 def visit(browser: Any, folders: dict[str, Path]) -> Iterator[Callable[..., Any]]:
-    """Opens a page; at the end nothing may have been said on the console and nothing asked of any
-    network.
+    """Opens a page, by default with all that is folded on it; at the end nothing may have been said
+    on the console and nothing asked of any network.
     """
     opened = []
     heard = []
     requests = []
 
-    def open_page(name: str | Path, **options: Any) -> Any:
+    def open_page(name: str | Path, *, folded: bool = False, **options: Any) -> Any:
         context = browser.new_context(**(DESKTOP | options))
         context.set_default_timeout(LONG)
         page = context.new_page()
@@ -95,6 +98,8 @@ def visit(browser: Any, folders: dict[str, Path]) -> Iterator[Callable[..., Any]
         page.on("pageerror", lambda error: heard.append(str(error)))
         page.on("request", lambda request: requests.append(request.url))
         page.goto(f"file://{name if isinstance(name, Path) else folders[name]}/report.html")
+        if not folded:
+            page.evaluate(UNFOLD)
         opened.append(context)
         return page
 
@@ -295,6 +300,26 @@ def test_no_page_of_the_manual_is_wider_than_its_column(browser: Any, name: str)
     page.goto((MANUAL / f"{name}.html").as_uri())
     fits(page, "pre, .formula, .wide, .toc-drawer, .sidebar-drawer")
     page.close()
+
+
+@pytest.mark.parametrize(("width", "tallest"), [(1400, 5500), (390, 11_000)])
+def test_a_page_is_short_until_it_is_unfolded(
+    visit: Callable[..., Any], width: int, tallest: int
+) -> None:
+    page = visit("bodies", folded=True, viewport={"width": width, "height": 900})
+    height = "document.documentElement.scrollHeight"
+    folded_height = page.evaluate(height)
+    assert folded_height <= tallest
+    page.evaluate(UNFOLD)
+    assert page.evaluate(height) > 1.3 * folded_height
+
+
+def test_a_link_to_a_folded_section_opens_it(visit: Callable[..., Any]) -> None:
+    page = visit("bodies", folded=True)
+    table = page.locator("#verdict-table")
+    assert not table.is_visible()
+    page.locator('nav a[href="#verdicts"]').click()
+    table.wait_for(state="visible")
 
 
 def test_on_a_phone_every_verdict_is_in_sight(visit: Callable[..., Any]) -> None:

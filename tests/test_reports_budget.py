@@ -34,7 +34,7 @@ from reports.comparison.budget import (
     mesh_ratio,
     observed_order,
 )
-from reports.comparison.budget_words import share
+from reports.comparison.budget_words import budget_table, negligible_terms, share
 from reports.comparison.words import how_judged, lead, verdict
 from reports.console import show
 from reports.page.content import as_json
@@ -302,6 +302,29 @@ def test_what_was_not_measured_is_not_zero_and_bounds_add_where_scatter_adds_by_
         for numbers in ((None, None), (None, 0.0), (None, 2e-3), (-1e-3, 5e-4))
     ]
     assert cells == ["not measured", "none", "± 0.2 %", "−0.1 % ± 0.05 %"]
+
+
+def test_a_term_below_a_thousandth_everywhere_has_no_column_and_is_named(paper):
+    comparison, refinements = paper
+    budget = error_budget(comparison, refinements, refinements.seconds)
+    without = negligible_terms(budget)
+    assert "mesh" not in without
+    assert without
+    heads, rows, others = budget_table(budget, without)
+    assert not set(without) & set(heads)
+    assert all(len(row) == len(heads) for row in (*rows, *others))
+    assert f"not shown: {', '.join(without)}." in render(
+        Report(comparison, budget=budget), (), "", {}
+    )
+
+    first, *further = budget.budgets
+    assert first.metric.headline
+    planted = tuple(
+        replace(term, value=0.5, uncertainty=0.0) if term.name == without[0] else term
+        for term in first.terms
+    )
+    with_fault = replace(budget, budgets=(replace(first, terms=planted), *further))
+    assert without[0] not in negligible_terms(with_fault)
 
 
 def test_honesty_is_written_into_the_comparison_page_and_file(paper):

@@ -183,7 +183,8 @@ def _contents(page: str) -> Markup:
     >>> _contents('<section id="mesh"><h2>The mesh</h2>')
     Markup('<ul><li><a href="#mesh">The mesh</a></li></ul>')
     """
-    sections = re.findall(r'<section id="([\w-]+)"[^>]*>\s*<h2>(.*?)</h2>', page, re.DOTALL)
+    heading = r"(?:<details><summary>)?<h2>(.*?)</h2>"
+    sections = re.findall(rf'<section id="([\w-]+)"[^>]*>\s*{heading}', page, re.DOTALL)
     links = [f'<li><a href="#{place}">{words}</a></li>' for place, words in sections]
     return Markup(f"<ul>{''.join(links)}</ul>")
 

@@ -10,6 +10,29 @@ from reports.comparison.judged import JudgedPair
 from reports.comparison.metrics import Metric
 from reports.comparison.words import amount, value_of
 
+# Share of a discrepancy and its uncertainty below which a term says nothing.
+_NEGLIGIBLE = 1e-3
+
+
+def negligible_terms(budget: ErrorBudget) -> tuple[str, ...]:
+    """Names of the terms that are below a thousandth of every discrepancy of the first table, with
+    its uncertainty.
+    """
+    headlines = [entry for entry in budget.budgets if entry.metric.headline]
+    names = []
+    for place, term in enumerate(headlines[0].terms if headlines else ()):
+        if all(_is_negligible(entry, entry.terms[place]) for entry in headlines):
+            names.append(term.name)
+    return tuple(names)
+
+
+def _is_negligible(entry: Budget, term: Term) -> bool:
+    """Whether a term is known, and too small to matter in a metric."""
+    if term.uncertainty is None or entry.total is None:
+        return False
+    size = abs(term.value or 0.0) + term.uncertainty
+    return size <= _NEGLIGIBLE * (abs(entry.total) + (entry.uncertainty or 0.0))
+
 
 def budget_table(
     budget: ErrorBudget, without: tuple[str, ...] = ()

@@ -65,7 +65,12 @@ def budget_bars(budget: ErrorBudget) -> Plate | None:
         _BAR_HEIGHT * len(budgets) + 60,
         room=(20.0, 12.0, 20.0, 46.0),
     )
-    keys = [Key(f"term-{place}", name, patch=True) for place, name in enumerate(names)]
+    is_drawn = np.any([stack.shares != 0 for stack in stacks], axis=0)
+    keys = [
+        Key(f"term-{place}", name, patch=True)
+        for place, name in enumerate(names)
+        if is_drawn[place]
+    ]
     table = _budget_table(budgets, term_names, rest_name)
     return worded("budget", [panel], table, keys, columns=1, judged=is_judged)
 
@@ -92,20 +97,26 @@ def waterfall(why: Why) -> Plate | None:
     room = 0.08 * (largest_value - least_value) or 1.0
     axis = Axis(least_value - room, largest_value + room, "change of W, per cent", count=8)
     marks: list[Mark] = []
+    notes: list[Mark] = []  # on top of all lines
     row_count = len(steps) + 1
     for number, (step, end) in enumerate(zip(steps, ends, strict=True)):
         row = float(row_count - number - 1)
         start = 100 * step.start
         text = f"{step.words}: {percent_of(step.change)}"
         marks.append(Segments(np.array([[[0.0, row + 0.06], [0.0, row + 0.56]]]), "zero"))
-        marks.append(Segments(np.array([[[end, row + 0.14], [end, row - 0.5]]]), "limit"))
+        # from bar to bar, with a gap for the label between
+        to_next_bar = np.array(
+            [[[end, row + 0.14], [end, row]], [[end, row - 0.36], [end, row - 0.5]]]
+        )
+        marks.append(Segments(to_next_bar, "limit"))
         if end != start:
             marks.append(Block((start, end), (row + 0.14, row + 0.5), f"term-{number} edge", text))
-        marks.append(Note(axis.low, row + 0.7, text, "tick over", shift=(6.0, 0.0)))
+        notes.append(Note(axis.low, row + 0.7, text, "tick over", shift=(6.0, 0.0)))
     marks.append(Segments(np.array([[[0.0, 0.06], [0.0, 0.56]]]), "zero"))
     marks += _marks_of_total(0.0, total, uncertainty, max(-axis.low, axis.high))
     text = f"finite elements/theory − 1: {percent_of(why.total)}"
-    marks.append(Note(axis.low, 0.7, text, "tick over", shift=(6.0, 0.0)))
+    notes.append(Note(axis.low, 0.7, text, "tick over", shift=(6.0, 0.0)))
+    marks += notes
     panel = broad_panel(
         "waterfall",
         axis,

@@ -44,6 +44,9 @@ from scenes.array_types import Array
 from scenes.scene import OWN_TOLERANCES
 
 _MOST_TOLERANCES = 8.0  # that an axis of discrepancies holds
+# Of load path and loops, which stand one under the other beside the tractions [units of a
+# drawing].
+_LOOP_HEIGHT = 220.0
 
 
 def half_widths(view: CycleView) -> Plate:
@@ -250,7 +253,7 @@ def load_path(view: CycleView) -> Plate:
         Axis(lowest_load, largest_tangential, f"tangential load Q  [{unit}]"),
         marks,
         "Load path in the plane of P and Q",
-        height=330.0,
+        height=_LOOP_HEIGHT,
     )
     marks += _events(panel, cycle.normal_load, cycle.tangential_load, view.chosen_events)
     start = view.shown_instant
@@ -488,7 +491,7 @@ def _loop_panel(view: CycleView, name: str, shift: tuple[str, list[Array]], titl
         Axis(*limits(*loads, margin=0.12), f"tangential load Q  [{load_unit(view.scene)}]"),
         marks,
         f"Tangential load over {title}",
-        height=330.0,
+        height=_LOOP_HEIGHT,
         notes=[f"{numbers}, of the {loop_extent}"] if numbers else [],
     )
     marks += _events(panel, result_values, loads[1], view.chosen_events)
@@ -515,5 +518,5 @@ def _bulk_loop_panel(view: CycleView) -> Panel:
         Axis(*limits(*moments, margin=0.12), f"moment of the shear m_q  [{force}]"),
         marks,
         "Moment of the shear over bulk strain",
-        height=330.0,
+        height=_LOOP_HEIGHT,
     )

@@ -70,6 +70,8 @@ if TYPE_CHECKING:
 
 # Files of the solutions in a folder of a report: of the reference, of the result.
 SOLUTIONS = ("reference.nc", "result.nc")
+# Work of P over W below which it is round-off error.
+_ROUND_OFF = 1e-12
 
 
 def write(
@@ -195,6 +197,7 @@ def render(
     scene = comparison.scene
     sentences = common_content(report)
     profile_findings = findings(scene)[0]
+    without_terms = budget_words.negligible_terms(report.budget) if report.budget else ()
     bodies = [sentences["bodies"], sentences["unlike_materials"], *profile_findings]
     program, digest = script()
     return template("report.html").render(
@@ -207,7 +210,8 @@ def render(
         budget_words=budget_words,
         units=import_module("reports.units"),
         input_words=input_words,
-        budget=budget_words.budget_table(report.budget) if report.budget else None,
+        budget=budget_words.budget_table(report.budget, without_terms) if report.budget else None,
+        without_terms=without_terms,
         notes=_notes(comparison),
         dissipations=list(_dissipations(comparison)),
         stretch=words.stretch(scene),
@@ -281,6 +285,8 @@ def _dissipations(comparison: Comparison) -> Iterator[dict[str, str]]:
         work = solution.dissipation
         loop = solution.loop_work
         work_of_normal_load = normal_work(solution)
+        if work_of_normal_load is not None and abs(work_of_normal_load) < _ROUND_OFF * work:
+            work_of_normal_load = 0.0
         difference = "–"
         if work and not np.isnan(loop):
             difference = minus(f"{abs((loop + (work_of_normal_load or 0.0)) / work - 1):.1e}")

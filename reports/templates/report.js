@@ -2,7 +2,7 @@
 /* Figures are drawn already; this reads them, hides, zooms and saves them, and moves those of a cycle with one slider. Without it a
    page is whole and shows one instant. A panel says in data-x and data-y where its axes lie: low, high, start, end, logarithmic. */
 (() => {
-  const SVG = "http://www.w3.org/2000/svg", NOTHING = -32768, SECONDS_A_CYCLE = 8, MOST_PLACES = 6, MOST_ZOOM = 100, NARROW = 560;
+  const SVG = "http://www.w3.org/2000/svg", NOTHING = -32768, SECONDS_A_CYCLE = 8, MOST_PLACES = 6, MOST_ZOOM = 100, NARROW = 640;
   const find = (selector, root = document) => root.querySelector(selector);
   const all = (selector, root = document) => [...root.querySelectorAll(selector)];
   const set = (element, attributes) => { for (const [key, v] of Object.entries(attributes)) element.setAttribute(key, v); return element; };
@@ -283,6 +283,16 @@
   arrange();
   addEventListener("resize", arrange);
   all("details").forEach((details) => details.addEventListener("toggle", arrange));
+  /* A link to what is folded opens it. */
+  const unfold = () => {
+    const place = document.getElementById(decodeURIComponent(location.hash.slice(1)));
+    if (!place) return;
+    const folded = [place.closest("details"), find("details", place)].filter((details) => details && !details.open);
+    folded.forEach((details) => { details.open = true; });
+    if (folded.length) place.scrollIntoView();
+  };
+  addEventListener("hashchange", unfold);
+  unfold();
 
   // ---------------------------------------------------------------- numbers under the pointer
   const hint = document.body.appendChild(Object.assign(document.createElement("div"), { id: "hint", hidden: true }));
