@@ -143,11 +143,14 @@ def require_admissible(scene: Scene, source: str) -> None:
     try:
         _check(scene)
     except InadmissibleLoadError as fault:
-        if largest_normal_load(scene) <= 0:
+        if _is_tension(scene):
+            never = (
+                "never positive" if largest_normal_load(scene) <= 0 else "negative but for noise"
+            )
             raise InputError(
-                f"{source}: load: P is never positive; it is a compression, positive where the"
+                f"{source}: load: P is {never}; it is a compression, positive where the"
                 " bodies are pressed together, so turn its sign if compression is negative in this"
-                " record"
+                " record: sign = {P = -1} beside the file"
             ) from fault
         hint = ""
         if isinstance(scene.load, EllipseLoad) and scene.load.initial_loading == "parabola":
@@ -157,6 +160,17 @@ def require_admissible(scene: Scene, source: str) -> None:
         if isinstance(scene.load, TimeSeriesLoad):
             hint = _cure_of_record(scene.load, scene.friction.coefficient, fault.worst_time)
         raise InputError(f"{source}: {fault}{hint}") from fault
+
+
+def _is_tension(scene: Scene) -> bool:
+    """Whether P is negative all along, but for noise of a sensor without a load."""
+    highest_load = largest_normal_load(scene)
+    if highest_load <= 0:
+        return True
+    return (
+        isinstance(scene.load, TimeSeriesLoad)
+        and -float(np.min(scene.load.used_rows().values[:, 1])) * _NOISE > highest_load
+    )
 
 
 def _cure_of_record(load: TimeSeriesLoad, friction: float, time: float) -> str:

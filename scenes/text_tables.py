@@ -681,11 +681,15 @@ def _is_among(request: _Request, column: str, headings: Sequence[str]) -> bool:
 
 def _likeliest_headings(request: _Request, lines: list[Line]) -> tuple[Line, list[str]]:
     """The line above the rows in which most columns are found, and its cells; where none is found,
-    the line above the first row of numbers, else the first.
+    the line above the first row of numbers, or above the units, else the first.
     """
     start, mark, cells = _first_row(lines, 2)
+    if not cells:
+        start, mark, cells = _first_row(lines, 1)
     separators = (mark,) if cells else tuple(SEPARATORS)
     best_line = lines[max(start - 1, 0)]
+    if start > 1 and _are_units(_cells(best_line[1], mark)):
+        best_line = lines[start - 2]
     best_names = max(
         (way for separator in separators for way in _headings(best_line[1], separator)), key=len
     )
@@ -737,7 +741,7 @@ def _above(
 
 def _has_decimal_comma(lines: Iterator[Line], layout: _Layout) -> bool:
     """Whether commas are the decimal sign: the first row with either sign in a column that is read
-    decides.
+    decides, but for times of day, which have one of their own.
 
     Of both signs it is the later one in a cell that has both: the other one stands between
     thousands, and is refused.
@@ -747,6 +751,7 @@ def _has_decimal_comma(lines: Iterator[Line], layout: _Layout) -> bool:
             continue
         cells = _cells(text, layout.separator)
         used_cells = [cells[k] for k in layout.used if k < len(cells)]
+        used_cells = [cell for cell in used_cells if not is_clock_time(cell)]
         points = any("." in cell for cell in used_cells)
         commas = any("," in cell for cell in used_cells)
         if points or commas:
@@ -913,6 +918,8 @@ def _row(
                     f"; the decimal sign of this file is a {'comma' if comma else 'point'}: write"
                     " no marks between thousands"
                 )
+            elif not cells[k]:
+                cure = ": fill it in, or take out the line"
             elif k == layout.clock and not cure:
                 cure = f", nor a time such as {WORDS}"
             raise InputError(

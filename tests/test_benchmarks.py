@@ -21,7 +21,7 @@ import semi_analytic
 from reports.comparison.budget import Budget, Term
 from reports.comparison.metrics import METRICS
 from reports.page.writing import code_commit
-from scenes import HarmonicLoad, TimeSeriesLoad, freeze, load_scene
+from scenes import HarmonicLoad, TimeSeriesLoad, freeze, load_scene, unit_words
 from semi_analytic import load_series
 from semi_analytic.fields import Integrals
 from semi_analytic.hertz import HertzContact
@@ -485,3 +485,26 @@ def test_lines_by_hand_are_counted_in_each_code_and_the_page_says_what_its_files
     }
     assert (counts["tamaas"], counts["contactmechanics"]) == (10, 7)
     assert performance.PAGE.read_text(encoding="utf-8") == performance.page_text()
+
+
+# --------------------------------------------------- records in the files that instruments write
+# What becomes of records of the script's seed 7, by number.
+RECORDS = {1: "refused", 3: "asked", 4: "right"}
+
+
+@pytest.mark.parametrize("number", RECORDS)
+def test_a_record_in_the_file_of_an_instrument_gets_the_right_answer_or_a_question(
+    tool: Tool, number: int, tmp_path: Path
+) -> None:
+    outcome = tool("measured_records").outcome_of(7, number, tmp_path)
+    assert outcome.kind == RECORDS[number], outcome
+
+
+def test_a_record_that_is_misread_is_found(
+    tool: Tool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for word, size in unit_words._OF_FILES["load"].items():
+        monkeypatch.setitem(unit_words._OF_FILES["load"], word, 1.1 * size)
+    outcome = tool("measured_records").outcome_of(7, 4, tmp_path)
+    assert outcome.kind == "misread"
+    assert "P differs by 10 % of its largest" in outcome.sentence

@@ -830,6 +830,15 @@ def test_cycles_that_slide_as_a_whole_are_named_with_rows_and_cures() -> None:
         require_admissible(scene.vary(load=cut), "mine")
 
 
+def test_tension_is_told_from_noise_of_a_sensor_without_a_load() -> None:
+    record = rig_record()
+    rows = record.rows.values * [1, -1, 1]
+    scene = load_scene("hertz-paper").vary(load=TimeSeriesLoad(rows=rows), friction=0.6)
+    assert largest_normal_load(scene) > 0
+    with refused_for("mine", "P is negative but for noise", "sign = {P = -1}"):
+        require_admissible(scene, "mine")
+
+
 def test_a_threshold_that_changes_the_work_is_warned_of() -> None:
     scene = of_rows(noisy(0.0), reduce="tolerance", threshold={"P": 3, "Q": 3})
     check = check_record(scene)

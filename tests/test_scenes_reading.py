@@ -540,6 +540,8 @@ TABLES = [
         ", line 3: time = '2/2/2026 9:00:00'|day and month can't be told from each other",
     ),
     (SERIES, "time,P,Q\n9:00:00,1,0\nnoon,2,0\n9:00:01,2,0\n", ", line 3|nor a time such as"),
+    (SERIES, "time,P,Q\n0,1,0\n1,,2\n", ", line 3: P = ''|fill it in, or take out the line"),
+    (SERIES, "Tijd,A,B\ns,N,N\n0,1,0\n1,2,0\n", ", line 1|not 'Tijd,A,B'"),
     (SERIES, "time,P,Q\n0,1,0\n0.5,,\n1,2,0\n", ", line 3: 3 numbers (time, P, Q) are needed"),
     (TRACE, "", ": the file is empty"),
     (TRACE, None, ": the file can't be read: No such file"),
@@ -648,6 +650,12 @@ FORMS = {
         "",
         [[0, 1.5, 0.5], [1.5, 2.5, 0.5]],
         ("times of day: seconds since 23:59:59,25", "not read: 'Heure'"),
+    ),
+    "times of day with another decimal sign": (
+        "Temps;Effort normal;Effort tangentiel\n12:00:00.25;1,5;0,5\n12:00:01.25;2,5;0,5\n",
+        "",
+        [[0, 1.5, 0.5], [1, 2.5, 0.5]],
+        ("decimal sign: comma",),
     ),
     "dates": (
         "Timestamp,Forza normale,Forza tangenziale\n"
