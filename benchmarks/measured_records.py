@@ -343,7 +343,9 @@ def outcome_of(seed: int, number: int, folder: Path) -> Outcome:
     if code != 0:
         return Outcome(draw, "misread", tuple(questions), f"exact ends with {code}: {sentence}")
     fault = fault_of(load_scene(scene), rows, json.loads(text), draw.noise > 0)
-    kind = "misread" if fault else "asked" if questions else "right"
+    kind = "asked" if questions else "right"
+    if fault:
+        kind = "misread"
     return Outcome(draw, kind, tuple(questions), fault)
 
 
