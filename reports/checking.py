@@ -4,6 +4,7 @@ the size of the contact.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
@@ -13,7 +14,7 @@ import numpy as np
 from reports.charts.templating import in_template
 from reports.comparison.work_of_loads import bulk_strains
 from reports.record_parts import sliding_in_words
-from reports.units import load_unit, units
+from reports.units import load_unit, number, units
 from scenes import (
     Block,
     ContactSolution,
@@ -553,9 +554,31 @@ def _ratios(scene: Scene, half: float) -> dict[str, float]:
     return ratios
 
 
-def in_words(scene: Scene, contact: _LargestContact) -> str:
-    """The contact at the largest load, in sentences."""
-    return in_template("largest_contact", contact, load_unit(scene), *units(scene)[1:])
+def rows_of_sliding(scene: Scene, nearest: _NearestToSliding) -> list[tuple[str, str]]:
+    """How near the loads come to gross sliding, and where, as rows of a table."""
+    place = f"{number(nearest.time)}, in the {nearest.part}"
+    loads = f"{number(nearest.normal_load)}, {number(nearest.tangential_load)}"
+    return [
+        ("largest |Q|/(f P), 1 where all slides", f"{nearest.ratio:.4g}"),
+        ("time of it", place),
+        (f"P, Q there [{load_unit(scene)}]", loads),
+    ]
+
+
+def rows_of_contact(scene: Scene, contact: _LargestContact) -> list[tuple[str, str]]:
+    """The contact at the largest load by half-plane theory, as rows of a table."""
+    _, length, stress = units(scene)
+    rows = [
+        (f"largest P [{load_unit(scene)}]", number(contact.normal_load)),
+        (f"half-width a there [{length}]", f"{contact.half_width:.4g}"),
+    ]
+    if math.isfinite(contact.peak_pressure):
+        rows.append((f"peak pressure p0 there [{stress}]", f"{contact.peak_pressure:.4g}"))
+        rows.append(("p0/E*", f"{contact.strain:.4g}"))
+    else:
+        rows.append(("peak pressure p0 there", "infinite at the tip"))
+    rows += [(name, f"{ratio:.4g}") for name, ratio in contact.ratios.items()]
+    return rows
 
 
 def remarks(scene: Scene, contact: _LargestContact) -> list[str]:

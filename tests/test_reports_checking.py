@@ -412,14 +412,16 @@ def test_check_says_how_large_the_contact_gets_and_infinity_is_null_for_programs
 ) -> None:
     stdout = halfplane(tmp_path, "check", "blocks").stdout
     contact = largest_contact(load_scene("blocks"), "blocks")
-    words = (
-        f"a = {contact.half_width:.4g} mm",
-        f"p0 = {contact.peak_pressure:.4g} MPa",
-        "a/R = ",
-        "upper height/a = ",
-        "p0/E* = ",
-    )
-    words += ("a block 20 mm wide", "a finding about the idealisation")
+    cells = {
+        name.strip(): value.strip() for name, _, value in re.findall(r"│(.*?)(│)(.*?)│", stdout)
+    }
+    assert cells["half-width a there [mm]"] == f"{contact.half_width:.4g}"
+    assert cells["peak pressure p0 there [MPa]"] == f"{contact.peak_pressure:.4g}"
+    assert cells["p0/E*"] == f"{contact.strain:.4g}"
+    assert {name: cells[name] for name in contact.ratios} == {
+        name: f"{ratio:.4g}" for name, ratio in contact.ratios.items()
+    }
+    words = ("a block 20 mm wide", "a finding about the idealisation")
     assert not [word for word in words if word not in stdout]
     answer = json.loads(halfplane(tmp_path, "check", "blocks", "--json").stdout)["result"]
     assert (answer["largest_contact"], answer["remarks"]) == (
@@ -429,10 +431,7 @@ def test_check_says_how_large_the_contact_gets_and_infinity_is_null_for_programs
     wedge = pressed(80.0, profile=PowerLaw(exponent=1.0, length=1.0, rise=0.01))
     assert math.isinf(largest_contact(wedge, "mine").peak_pressure)
     wedge.save(tmp_path / "wedge.json")
-    assert (
-        "the peak pressure p0 = infinite at the tip"
-        in halfplane(tmp_path, "check", "wedge.json").stdout
-    )
+    assert "infinite at the tip" in halfplane(tmp_path, "check", "wedge.json").stdout
     answer = json.loads(halfplane(tmp_path, "check", "wedge.json", "--json").stdout)["result"]
     assert answer["largest_contact"]["peak_pressure"] is None
 
@@ -442,7 +441,9 @@ SPOKEN = ("blocks", "dovetail-out-of-phase", "time-series", "row-of-contacts")
 
 @pytest.mark.parametrize("name", SPOKEN)
 def test_check_speaks_in_sentences_of_at_most_25_words(name: str, tmp_path: Path) -> None:
-    sentences = re.split(r"(?<=[.?!])\s", halfplane(tmp_path, "check", name).stdout)
+    lines = halfplane(tmp_path, "check", name).stdout.splitlines()
+    prose = "\n".join(line for line in lines if line[:1] not in "┏┃┡│└")
+    sentences = re.split(r"(?<=[.?!])\s", prose)
     assert len(sentences) > 8
     assert not [sentence for sentence in sentences if len(sentence.split()) > 25]
 

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from reports.cli.application import WITHIN, Answer, Options
 from reports.cli.solving import load_engines, read
-from reports.console import Stages, width
+from reports.console import Part, Sheet, Stages, width
 
 if TYPE_CHECKING:
     from scenes import ContactSolution, Scene
@@ -116,10 +116,11 @@ def check(scene: str, options: Options) -> Answer:
         bulk_and_tilt,
         bulk_in_words,
         engines_for,
-        in_words,
         largest_contact,
         nearest_to_sliding,
         remarks,
+        rows_of_contact,
+        rows_of_sliding,
     )
     from reports.comparison.words import (
         bodies_in_words,
@@ -132,7 +133,6 @@ def check(scene: str, options: Options) -> Answer:
     from reports.measured import check_record, read_in_pairs, record_in_words
     from reports.profile_fit import content as fit_content
     from reports.profile_fit import findings, fit_warnings
-    from reports.units import number
     from scenes import InputError, TimeSeriesLoad
 
     problem = read(scene, driven=True)
@@ -171,23 +171,17 @@ def check(scene: str, options: Options) -> Answer:
     doubts += fit_warnings(problem, contact.half_width if contact else 0.0)
     notes += [sentence for sentence in findings(problem)[0] if sentence not in doubts]
     notes += filter(None, [stated_in_words(problem)])
-    last_sentence = (
+    verdict = (
         f"{scene}: the scene is well formed and its load path admissible. |Q|/(f P) is at most"
-        f" {nearest_instant.ratio:.4g}, in the {nearest_instant.part} at time"
-        f" {number(nearest_instant.time)} (P ="
-        f" {number(nearest_instant.normal_load)}, Q ="
-        f" {number(nearest_instant.tangential_load)}). Gross sliding"
-        " starts at 1."
+        f" {nearest_instant.ratio:.4g}; gross sliding starts at 1."
     )
-    size = []
-    if contact:
-        size.append(in_words(problem, contact))
-    size.append(engines.room)
-    if bulk:
-        size.append(bulk_in_words(bulk))
+    cells = rows_of_contact(problem, contact) if contact else []
+    cells += rows_of_sliding(problem, nearest_instant)
+    table = Sheet("By half-plane theory", ("", "value"), cells, (1,))
+    sizes = filter(None, [engines.room, bulk_in_words(bulk) if bulk else ""])
     content = {
         "passed": True,
-        "sentence": last_sentence,
+        "sentence": verdict,
         "notes": notes,
         "remarks": doubts,
         "read_as": tables_read,
@@ -200,9 +194,8 @@ def check(scene: str, options: Options) -> Answer:
     if bulk:
         content["bulk_and_tilt"] = vars(bulk)
     marked = [f"Remark: {doubt}" for doubt in doubts]
-    return Answer(
-        WITHIN, [*notes, *filter(None, size), *marked, last_sentence], lambda: content, problem.name
-    )
+    parts: list[Part] = [verdict, table, *marked, *sizes, *notes]
+    return Answer(WITHIN, parts, lambda: content, problem.name)
 
 
 def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
@@ -257,9 +250,8 @@ def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
             "largest_tangential_load": float(np.abs(solution.tangential_load).max()),
         }
     content |= {"sentence": last_sentence, "notes": notes}
-    return Answer(
-        WITHIN, [*notes, f"Remark: {no_comparison}.", last_sentence], lambda: content, scene.name
-    )
+    parts = [last_sentence, f"Remark: {no_comparison}.", *notes]
+    return Answer(WITHIN, parts, lambda: content, scene.name)
 
 
 def _answer_of_theory(scene: Scene, source: str) -> ContactSolution:
