@@ -44,7 +44,7 @@ from semi_analytic.corrected_memory import MemoryCurve, Row, State
 from semi_analytic.corrected_memory import Step as MemoryStep
 from semi_analytic.driven import Driven
 
-SOLVE = import_module("halfplane_fe.solve")
+SOLVE = import_module("halfplane_fe.solution")
 EQUILIBRIUM = ContactProblem.equilibrium
 Planted = contextlib.AbstractContextManager[Any]
 Step = tuple[InterfaceState, int]

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 import halfplane_fe
 import semi_analytic
 from halfplane_fe import FiniteElementSolution
-from halfplane_fe.fields import edge_tension
+from halfplane_fe.body_fields import edge_tension
 from meshes import MeshSettings
 from reports.comparison.measures import norm
 from scenes import OPEN, ContactSolution, ConvergenceError, InputError, Scene, load_scene

@@ -13,6 +13,8 @@ In the order in which a scene passes through::
                                            complement) to the contact nodes, Flamant far field
     condensed_bodies.py                    least-recently-used cache of condensed bodies in the
                                            process
+    supports.py, solvable.py               what is refused before anything is meshed: loads,
+                                           supports, bodies too small for the contact
     interface.py, mortar.py                the two bodies as one compliance; dual mortar for sides
                                            that do not match, or are curved
     mirror.py                              symmetric faces on one half
@@ -32,7 +34,7 @@ In the order in which a scene passes through::
                                            taken off
     edges.py                               edges of contact and stick, states as a reader sees them
     permanent_stick.py                     ends of the permanent stick zone, by friction work
-    task.py, solve.py, answer.py           scene, mesh, settings and scales in one; `solve`; the
+    task.py, solution.py, answer.py        scene, mesh, settings and scales in one; `solve`; the
                                            arrays of the answer; cost of a penalty layer
     answer_uncertainty.py, answer_notes.py how uncertain each value is; what a reader must know of
                                            mesh and path, counts of work
@@ -44,23 +46,30 @@ In the order in which a scene passes through::
     uncertainty.py                         how far each value may be from the true one: one rule
                                            from two meshes, Richardson
     resolution.py, dundurs.py              what the mesh can't see, how unlike the bodies are
-    fields.py, face_stress.py              displacement and stress inside the bodies; stress next to
+    body_fields.py, face_stress.py         displacement and stress inside the bodies; stress next to
                                            the contact from the tractions
 """
 
-from halfplane_fe.fields import (
-    BodyFields,
-    LargestTension,
-    Snapshot,
-    edge_tension,
-    fields,
-    largest_edge_tension,
-    stress,
-)
-from halfplane_fe.path import check_admissible
-from halfplane_fe.remainder import body_effects
-from halfplane_fe.settings import SolverSettings
-from halfplane_fe.solve import FiniteElementSolution, require_solvable, solve
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from halfplane_fe.body_fields import (
+        BodyFields,
+        LargestTension,
+        Snapshot,
+        edge_tension,
+        fields,
+        largest_edge_tension,
+        stress,
+    )
+    from halfplane_fe.path import check_admissible
+    from halfplane_fe.remainder import body_effects
+    from halfplane_fe.settings import SolverSettings
+    from halfplane_fe.solution import FiniteElementSolution, solve
+    from halfplane_fe.solvable import require_solvable
 
 __all__ = [
     "BodyFields",
@@ -77,6 +86,29 @@ __all__ = [
     "solve",
     "stress",
 ]
+
+_HOME = {
+    "BodyFields": "halfplane_fe.body_fields",
+    "FiniteElementSolution": "halfplane_fe.solution",
+    "LargestTension": "halfplane_fe.body_fields",
+    "Snapshot": "halfplane_fe.body_fields",
+    "SolverSettings": "halfplane_fe.settings",
+    "body_effects": "halfplane_fe.remainder",
+    "check_admissible": "halfplane_fe.path",
+    "edge_tension": "halfplane_fe.body_fields",
+    "fields": "halfplane_fe.body_fields",
+    "largest_edge_tension": "halfplane_fe.body_fields",
+    "require_solvable": "halfplane_fe.solvable",
+    "solve": "halfplane_fe.solution",
+    "stress": "halfplane_fe.body_fields",
+}
+
+
+def __getattr__(name: str) -> Any:
+    # What a name needs is loaded where it is first used: a check of a scene needs no elements.
+    if name not in _HOME:
+        raise AttributeError(f"module 'halfplane_fe' has no attribute {name!r}")
+    return getattr(import_module(_HOME[name]), name)
 
 
 def __dir__() -> list[str]:

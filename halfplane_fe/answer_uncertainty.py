@@ -12,11 +12,12 @@ import numpy as np
 
 from halfplane_fe.answer import edges_are_sharp, in_last_cycle
 from halfplane_fe.contact import ContactProblem
-from halfplane_fe.interface import least_depth, shapes_alike
+from halfplane_fe.interface import least_depth
 from halfplane_fe.permanent_stick import working_nodes
 from halfplane_fe.resolution import Revolution
 from halfplane_fe.run import PathRun
 from halfplane_fe.scales import COARSE_CYCLES, contact_modulus, needs_shear
+from halfplane_fe.supports import shapes_alike
 from halfplane_fe.task import Task, surface_grading
 from halfplane_fe.uncertainty import (
     Meshes,

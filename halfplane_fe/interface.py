@@ -34,8 +34,9 @@ from halfplane_fe.condensed_bodies import BODIES
 from halfplane_fe.elasticity import CondensedBody
 from halfplane_fe.mortar import Mortar, Side, mortar
 from halfplane_fe.path import has_bulk_stress
+from halfplane_fe.supports import face_room, has_ends
 from meshes import BodyMesh, MeshSettings, SurfaceGrading, build
-from scenes import Block, InputError, Pad, Scene, Shape, freeze, sampled
+from scenes import Block, InputError, Scene, Shape, freeze
 from scenes.array_types import Array
 
 # The upper body's frame is reflected in y = 0: y points out of it.
@@ -430,7 +431,7 @@ def _with_ends(body: BodyMesh, shape: Shape, scene: Scene) -> BodyMesh:
     """The body with its free sides as ends that the bulk stress pulls, where it is a block and the
     scene has such a stress.
     """
-    if not (_has_ends(shape) and has_bulk_stress(path_of(scene))):
+    if not (has_ends(shape) and has_bulk_stress(path_of(scene))):
         return body
     return replace(body, supports={**body.supports, "sides": "pulled"})
 
@@ -468,35 +469,6 @@ def initial_gap(scene: Scene, interface: Interface) -> Array:
     return interface.gap
 
 
-def check_bulk_stress(scene: Scene) -> None:
-    """Refuse bulk stress in bodies without ends that can be pulled.
-
-    Half-planes have their ends far away. A block with free sides is a specimen between grips: its
-    stress is the mean of both ends. Walls hold a guided one. A pad or a cylinder is part of an
-    indenter, whose stress along x the contact and the base make.
-
-    Raises
-    ------
-    InputError
-        For a bulk stress other than 0 in a pad, a cylinder or a block with guided sides.
-    """
-    legs = [leg.bulk for leg in path_of(scene).legs(1) if leg.bulk is not None]
-    for number, name in enumerate(("lower", "upper")):
-        body = getattr(scene.bodies, name)
-        pulled = any(np.any(leg.loads(sampled(leg, 25))[number]) for leg in legs)
-        if pulled and not (body.kind == "half_plane" or _has_ends(body)):
-            kind = f"{body.kind} with guided sides" if isinstance(body, Block) else body.kind
-            raise InputError(
-                f"load.bulk_stress_{name}: nothing pulls the ends of the {name} body, a {kind};"
-                " half-planes take bulk stress, and blocks with sides = 'free'"
-            )
-
-
-def _has_ends(body: Shape) -> bool:
-    """Whether it is a block with free sides, which a bulk stress can pull."""
-    return isinstance(body, Block) and body.sides == "free"
-
-
 def bulk_stress_notes(
     scene: Scene, condensed: tuple[CondensedBody, CondensedBody], tangential_load: float
 ) -> Iterator[str]:
@@ -507,7 +479,7 @@ def bulk_stress_notes(
         return
     for name, compliant in zip(("lower", "upper"), condensed, strict=True):
         body = getattr(scene.bodies, name)
-        if not (isinstance(body, Block) and _has_ends(body)):
+        if not (isinstance(body, Block) and has_ends(body)):
             continue
         if body.base == "rollers" and tangential_load > 0:
             yield (
@@ -527,34 +499,3 @@ def bulk_stress_notes(
                 f" a part, and {share:.0%} of the stress is at the middle of the face; base ="
                 " 'rollers' is a specimen cut at its middle plane"
             )
-
-
-def check_supports(scene: Scene, sheared: bool) -> None:
-    """Refuse bodies that a tangential load would push off their supports.
-
-    Raises
-    ------
-    InputError
-        For a block or pad on rollers with free sides under a tangential load, but for a block whose
-        ends a bulk stress pulls: they hold the load too.
-    """
-    for name, body in (("lower", scene.bodies.lower), ("upper", scene.bodies.upper)):
-        if not sheared or not isinstance(body, Block | Pad):
-            continue
-        held_by_ends = _has_ends(body) and has_bulk_stress(path_of(scene))
-        if body.base == "rollers" and body.sides == "free" and not held_by_ends:
-            raise InputError(
-                f"bodies.{name}: nothing holds the {body.kind} against the tangential load, it"
-                " slides off: its base is on rollers and its sides are free; take base = 'fixed'"
-                " or sides = 'guided'"
-            )
-
-
-def face_room(scene: Scene) -> float:
-    """Half the width of the narrower face [length]; infinite for half-planes."""
-    return min(scene.bodies.lower.face_half_width, scene.bodies.upper.face_half_width)
-
-
-def shapes_alike(scene: Scene) -> bool:
-    """Whether the two bodies are each other's mirror image, materials included."""
-    return scene.material.alike and scene.bodies.lower == scene.bodies.upper

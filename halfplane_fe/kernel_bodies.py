@@ -23,7 +23,7 @@ from typing import Literal
 
 import numpy as np
 
-from halfplane_fe.interface import Interface, shapes_alike
+from halfplane_fe.interface import Interface
 from halfplane_fe.remainder import (
     RemainderKernels,
     even_exponents,
@@ -32,6 +32,7 @@ from halfplane_fe.remainder import (
     remainder_kernels,
     require_flat,
 )
+from halfplane_fe.supports import shapes_alike
 from meshes import MeshSettings, SurfaceGrading, build
 from scenes import HalfPlane, Scene, freeze
 from scenes.array_types import Array

@@ -47,8 +47,8 @@ from halfplane_fe.far_field import (
     surface_force_displacement,
     surface_force_traction,
 )
-from halfplane_fe.interface import shapes_alike
 from halfplane_fe.path import has_bulk_stress
+from halfplane_fe.supports import shapes_alike
 from meshes import BodyMesh, MeshSettings, Solid, SurfaceGrading, build
 from scenes import (
     Block,

@@ -27,15 +27,14 @@ from halfplane_fe.interface import (
     Interface,
     condensed_pair,
     couple,
-    face_room,
     initial_gap,
     meshed_pair,
-    shapes_alike,
     without_local_difference,
 )
 from halfplane_fe.mirror import half, mirrored, unfolded
 from halfplane_fe.path import has_bulk_stress
 from halfplane_fe.run import Pace, PathRun, run_path
+from halfplane_fe.supports import face_room, shapes_alike, sheared
 from halfplane_fe.systems import Layer
 from halfplane_fe.uncertainty import RunValues, run_values
 from meshes import MeshSettings, SurfaceGrading
@@ -47,7 +46,6 @@ from scenes import (
     InputError,
     Scene,
     TimeSeriesLoad,
-    sampled,
 )
 from scenes.array_types import Array, Mask
 
@@ -172,11 +170,6 @@ def largest_load(scene: Scene) -> float:
         )
         for leg in legs
     )
-
-
-def sheared(scene: Scene) -> bool:
-    """Whether there is a tangential load, or a movement in its place."""
-    return any(np.any(leg.loads(sampled(leg, 25))[1] != 0) for leg in path_of(scene).legs(1))
 
 
 def needs_shear(scene: Scene) -> bool:

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass, replace
+from functools import partial
+
+from threadpoolctl import threadpool_limits
 
 from halfplane_fe.resolution import tip_halvings
-from halfplane_fe.scales import Scales, is_plain_record
+from halfplane_fe.scales import RoomForContact, Scales, estimate_room, is_plain_record
 from halfplane_fe.settings import SolverSettings
-from meshes import MeshSettings, SurfaceGrading
+from meshes import MeshSettings, SurfaceGrading, check
 from scenes import Profile, Scene
 
 # Least radius of a half-disc over the side that may touch: tilt can bring the contact far from x =
@@ -73,3 +77,22 @@ def surface_grading(
         radius=max(mesh.far_radius * a, _BEYOND * outer_end),
     )
     return replace(grading, halvings=tip_halvings(profile, grading.innermost))
+
+
+def room_for_contact(scene: Scene, mesh: MeshSettings | None) -> RoomForContact:
+    """How large the contact gets on bodies, by a coarse run, and whether they can be meshed for it.
+
+    Raises
+    ------
+    InputError
+        For a face too narrow for the contact, or a body that can't be meshed so finely.
+    ConvergenceError
+        Where the coarse run does not converge.
+    """
+    settings = mesh or MeshSettings()
+    with threadpool_limits(limits=1, user_api="blas"):
+        estimate = estimate_room(scene, Counter())
+    grading = partial(surface_grading, settings, estimate.scales, scene.profile)
+    check("lower", scene.bodies.lower, scene.profile, grading(1.0), settings)
+    check("upper", scene.bodies.upper, scene.profile, grading(settings.upper_ratio), settings)
+    return estimate

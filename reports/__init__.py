@@ -4,8 +4,8 @@
 what `__all__` of `reports`, `reports.studies.maps` and `reports.studies.sweep` names; the modules
 beneath may change.
 Names are loaded when they are first asked for: `halfplane --help` must not wait for numpy. With the
-first of them, or at once where `scenes` is loaded already, scenes and solutions get their HTML and
-figures.
+first of them, or at once where `scenes` or an engine is loaded already, scenes and solutions get
+their HTML and figures.
 """
 
 from __future__ import annotations
@@ -62,5 +62,8 @@ def __dir__() -> list[str]:
 
 
 # `scenes` in a checkout, `halfplane.scenes` where the wheel is installed
-if f"{__name__.removesuffix('reports')}scenes" in sys.modules:
+_BESIDE = __name__.removesuffix("reports")
+if not sys.modules.keys().isdisjoint(
+    (f"{_BESIDE}scenes", f"{_BESIDE}semi_analytic", f"{_BESIDE}halfplane_fe")
+):
     import_module("reports.page.notebook")

@@ -325,7 +325,6 @@ def engines_for(scene: Scene, source: str, *, finite_elements: bool = True) -> E
         refuse.
     """
     from semi_analytic.profiles import contact_of
-    from semi_analytic.solution import require_followable
 
     if scene.load.is_driven:
         if scene.bodies.faces_are_true:
@@ -336,6 +335,8 @@ def engines_for(scene: Scene, source: str, *, finite_elements: bool = True) -> E
     room = ""
     try:
         if scene.unsymmetric:
+            from semi_analytic.solution import require_followable
+
             require_followable(scene)
         else:
             contact_of(scene.profile, scene.material).half_width(largest_normal_load(scene))
@@ -373,7 +374,7 @@ def _require_room(scene: Scene, source: str) -> None:
     A layer thinner than the face is wide makes the contact narrower than theory's: there the limit
     is wider, and finite elements look at what is below it.
     """
-    from halfplane_fe.interface import face_room
+    from halfplane_fe.supports import face_room
 
     room = float(face_room(scene))
     heights = [

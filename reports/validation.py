@@ -18,14 +18,16 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from reports.comparison.judged import JudgedPair
 from reports.comparison.words import with_uncertainty
 from reports.inputs import PEAK, WORK, InputEffects
-from reports.scoring.loops import OF_SCENE, LoopScore
-from reports.scoring.mapping import Measured
 from reports.units import significant
+
+if TYPE_CHECKING:
+    from reports.scoring.loops import LoopScore
+    from reports.scoring.mapping import Measured
 
 RESOLVED = "resolved"
 HIDDEN = "hidden"
@@ -176,6 +178,8 @@ def against_loop(
     What lies between rows is a bound, taken as a uniform distribution; the scatter is stated in
     95 %.
     """
+    from reports.scoring.loops import OF_SCENE
+
     if effects is None or not math.isfinite(effects.work_uncertainty):
         return ()
     area = score.rows[0]

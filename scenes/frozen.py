@@ -256,8 +256,14 @@ class Frozen(BaseModel, metaclass=_OneDoor):
     was made.
     """
 
+    # A scene builds the validators of its parts with its own: theirs alone are built where a part
+    # is first made by itself.
     model_config = ConfigDict(
-        frozen=True, extra="forbid", allow_inf_nan=False, revalidate_instances="always"
+        frozen=True,
+        extra="forbid",
+        allow_inf_nan=False,
+        revalidate_instances="always",
+        defer_build=True,
     )
 
     keys_listed: ClassVar[str] = "`halfplane schema`"

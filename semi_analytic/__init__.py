@@ -72,17 +72,29 @@ Arrays of ellipses in one call::
     measured_friction.py    `friction_from`: every coefficient of friction that gives a measured W
 """
 
-from semi_analytic.answer import FIELDS
-from semi_analytic.batches import DissipationBatch, PeakBatch, Reason, dissipation, peak_dissipation
-from semi_analytic.bulk_and_tilt import Eccentricity, eccentricity
-from semi_analytic.damping import Hysteresis, compliance, hysteresis
-from semi_analytic.event_times import Event, event, events
-from semi_analytic.largest_values import Extremes, extremes
-from semi_analytic.measured_friction import FrictionBatch, NoFriction, friction_from
-from semi_analytic.regimes import FrettingMap, Regime, fretting_map
-from semi_analytic.solution import solve
-from semi_analytic.subsurface import edge_tension, stress
-from semi_analytic.tilt_and_strain import change_by_tilt_and_strain
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from semi_analytic.answer import FIELDS
+    from semi_analytic.batches import (
+        DissipationBatch,
+        PeakBatch,
+        Reason,
+        dissipation,
+        peak_dissipation,
+    )
+    from semi_analytic.bulk_and_tilt import Eccentricity, eccentricity
+    from semi_analytic.damping import Hysteresis, compliance, hysteresis
+    from semi_analytic.event_times import Event, event, events
+    from semi_analytic.largest_values import Extremes, extremes
+    from semi_analytic.measured_friction import FrictionBatch, NoFriction, friction_from
+    from semi_analytic.regimes import FrettingMap, Regime, fretting_map
+    from semi_analytic.solution import solve
+    from semi_analytic.subsurface import edge_tension, stress
+    from semi_analytic.tilt_and_strain import change_by_tilt_and_strain
 
 __all__ = [
     "FIELDS",
@@ -112,6 +124,42 @@ __all__ = [
     "solve",
     "stress",
 ]
+
+_HOME = {
+    "FIELDS": "semi_analytic.answer",
+    "DissipationBatch": "semi_analytic.batches",
+    "Eccentricity": "semi_analytic.bulk_and_tilt",
+    "Event": "semi_analytic.event_times",
+    "Extremes": "semi_analytic.largest_values",
+    "FrettingMap": "semi_analytic.regimes",
+    "FrictionBatch": "semi_analytic.measured_friction",
+    "Hysteresis": "semi_analytic.damping",
+    "NoFriction": "semi_analytic.measured_friction",
+    "PeakBatch": "semi_analytic.batches",
+    "Reason": "semi_analytic.batches",
+    "Regime": "semi_analytic.regimes",
+    "change_by_tilt_and_strain": "semi_analytic.tilt_and_strain",
+    "compliance": "semi_analytic.damping",
+    "dissipation": "semi_analytic.batches",
+    "eccentricity": "semi_analytic.bulk_and_tilt",
+    "edge_tension": "semi_analytic.subsurface",
+    "event": "semi_analytic.event_times",
+    "events": "semi_analytic.event_times",
+    "extremes": "semi_analytic.largest_values",
+    "fretting_map": "semi_analytic.regimes",
+    "friction_from": "semi_analytic.measured_friction",
+    "hysteresis": "semi_analytic.damping",
+    "peak_dissipation": "semi_analytic.batches",
+    "solve": "semi_analytic.solution",
+    "stress": "semi_analytic.subsurface",
+}
+
+
+def __getattr__(name: str) -> Any:
+    # What a name needs is loaded where it is first used.
+    if name not in _HOME:
+        raise AttributeError(f"module 'semi_analytic' has no attribute {name!r}")
+    return getattr(import_module(_HOME[name]), name)
 
 
 def __dir__() -> list[str]:

@@ -27,11 +27,9 @@ from semi_analytic.answer import (
 )
 from semi_analytic.answer_by_memory import by_memory
 from semi_analytic.answer_in_phase import in_phase
-from semi_analytic.answer_of_rig import of_rig
 from semi_analytic.answer_on_grids import OF_WORK, GridAnswer
 from semi_analytic.body_numbers import checked_effects
 from semi_analytic.bulk_and_tilt import leaning_profile, one_curve, steady_curve
-from semi_analytic.corrected import with_effects
 from semi_analytic.grid import edges_along
 from semi_analytic.loops_in_phase import ways_in_phase
 
@@ -124,8 +122,12 @@ def _findings(question: Question) -> Findings:
     """The answer by one memory curve, or else by the ways that do without."""
     scene = question.scene
     if scene.load.is_driven:
+        from semi_analytic.answer_of_rig import of_rig  # noqa: PLC0415 - for rigs alone
+
         return of_rig(question)
     if question.effects is not None:
+        from semi_analytic.corrected import with_effects  # noqa: PLC0415 - for finite bodies alone
+
         return with_effects(question)
     if not scene.unsymmetric:
         return by_memory(question, None)

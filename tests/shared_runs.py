@@ -23,6 +23,7 @@ from halfplane_fe.elasticity import CondensedBody
 from halfplane_fe.scales import Scales
 from meshes import BodyMesh, MeshSettings
 from scenes import Elastic, Profile, Scene
+from scenes.frozen import Frozen
 from scenes.scene import WORDS
 
 PACKAGES = ("halfplane_fe", "meshes", "scenes")
@@ -171,10 +172,15 @@ def share() -> None:
     """From now on."""
     SHARED.extend(
         [
-            CoarseRuns(import_module("halfplane_fe.solve"), "find_scales", 10 * MOST),
+            CoarseRuns(import_module("halfplane_fe.solution"), "find_scales", 10 * MOST),
             Meshes(import_module("halfplane_fe.interface"), "build"),
             Bodies(import_module("halfplane_fe.condensed_bodies"), "condense"),
             Numbers(import_module("halfplane_fe.remainder"), "body_numbers"),
         ]
     )
+    # What pydantic leaves for later, it does now: nobody has replaced it then.
+    types = [Frozen]
+    for type_of_scene in types:  # grows
+        types += type_of_scene.__subclasses__()
+        type_of_scene.model_rebuild()
     WHOLE.extend((now, dict(now)) for now in holders())

@@ -641,7 +641,7 @@ SPOILT = [
 # Parts of messages that take a whole run, and the file that prints them.
 OF_RUNS = {
     "halfplane_fe/contact.py": ["nodes still change state after ", "iterations at time "],
-    "halfplane_fe/solve.py": ["the contact reached the end of the meshed side"],
+    "halfplane_fe/solution.py": ["the contact reached the end of the meshed side"],
     "halfplane_fe/resolution.py": [
         "elements from its middle to its edge where it is smallest",
         "elements wide at most",

@@ -13,6 +13,7 @@ import pytest
 import halfplane_fe
 import semi_analytic
 from halfplane_fe import SolverSettings, edge_tension, fields, largest_edge_tension, stress
+from halfplane_fe.body_fields import profile_kinks
 from halfplane_fe.contact import InterfaceState
 from halfplane_fe.edges import (
     ContactEdges,
@@ -33,7 +34,6 @@ from halfplane_fe.face_stress import (
     size_effect_basis,
     tractions_with_uncertainty,
 )
-from halfplane_fe.fields import profile_kinks
 from halfplane_fe.interface import couple, without_local_difference
 from meshes import MeshSettings
 from problems import COARSE, FEW_STEPS, PROBLEMS, fe_run

@@ -173,7 +173,7 @@ def test_the_uncertainty_is_of_the_mesh_and_of_the_steps(
     between nodes would add, of W (h/a)^2, of W for elements that grow away from the edges; and of
     what kinks in increments add in the last cycle.
     """
-    module = sys.modules["halfplane_fe.solve"]
+    module = sys.modules["halfplane_fe.solution"]
     runs = []
     run_path = module.run_path
     monkeypatch.setattr(

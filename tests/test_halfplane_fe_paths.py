@@ -276,7 +276,7 @@ def test_both_engines_admit_the_same_loads_at_the_limit(friction, force, length)
 
 def test_solve_refuses_before_any_work(monkeypatch):
     monkeypatch.setattr(
-        import_module("halfplane_fe.solve"),
+        import_module("halfplane_fe.solution"),
         "find_scales",
         lambda scene: pytest.fail("work was done"),
     )
@@ -288,7 +288,9 @@ def test_solve_refuses_before_any_work(monkeypatch):
 # ------------------------------------------------------------------------- named troubles of bodies
 
 
-solving = importlib.import_module("halfplane_fe.solve")  # the package has a function of that name
+solving = importlib.import_module(
+    "halfplane_fe.solution"
+)  # the package has a function of that name
 COARSE = (
     "--order",
     "1",

@@ -111,7 +111,7 @@ def layered(stiffness: float, monkeypatch: pytest.MonkeyPatch | None = None):
     """The paper's scene with a layer; by the active set, if it is to be patched."""
     if monkeypatch is not None:
         # the package has a function of the module's name
-        module = importlib.import_module("halfplane_fe.solve")
+        module = importlib.import_module("halfplane_fe.solution")
         active_set = partial(module.ContactProblem)
 
         def problem(*parts, **options):

@@ -416,7 +416,7 @@ def test_edges_are_fitted_only_where_the_tension_may_be_the_largest(
 ) -> None:
     """Q is near its largest value in a part of the cycle alone."""
     answer = halfplane_fe.solve("hertz-paper", COARSE)
-    fields = importlib.import_module("halfplane_fe.fields")
+    fields = importlib.import_module("halfplane_fe.body_fields")
     sampled_tractions = fields.sampled_tractions
     fitted = []
 

@@ -142,7 +142,7 @@ def check(scene: str, options: Options) -> Answer:
     rows = 0
     if isinstance(problem.load, TimeSeriesLoad):
         rows = len(problem.load.kept_rows())
-    load_engines(Stages(quiet=True))
+    load_engines(Stages(quiet=True), ["semi_analytic.solution"])
     engines = engines_for(problem, scene, finite_elements=rows <= _MOST_ROWS)
     nearest_instant = nearest_to_sliding(problem)
     bulk = bulk_and_tilt(problem)
@@ -213,7 +213,7 @@ def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
         raise InputError(
             "--loop: it goes with given loads, and this scene prescribes U; leave it out"
         )
-    load_engines(Stages(quiet=True))
+    load_engines(Stages(quiet=True), ["semi_analytic.solution"])
     engines = engines_for(scene, source)
     no_comparison = engines.in_words(source)
     tables_read = read_in_pairs(scene)

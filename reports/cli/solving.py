@@ -162,7 +162,10 @@ def deck_file(scene: Scene) -> str:
     return f"{default_folder(scene.name).name}_calculix.inp"
 
 
-def load_engines(stages: Stages) -> None:
+_ENGINES = ("halfplane_fe.solution", "semi_analytic.solution")
+
+
+def load_engines(stages: Stages, engines: Sequence[str] = _ENGINES) -> None:
     """Import the engines as a stage of its own; InputError where a library can't be loaded."""
     from scenes import InputError
 
@@ -171,8 +174,8 @@ def load_engines(stages: Stages) -> None:
             from meshes.interrupts import interrupts_wait
 
             with interrupts_wait():  # compiled modules make an ImportError of it
-                import_module("halfplane_fe")
-                import_module("semi_analytic")
+                for engine in engines:
+                    import_module(engine)
         except (ImportError, OSError) as reason:
             raise InputError(
                 f"the engines can't be loaded: {reason}; `halfplane doctor` says what is missing"

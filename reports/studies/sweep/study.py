@@ -305,8 +305,7 @@ def expand(study: Study, report: Callable[[int], None] = lambda _count: None) ->
         Naming the point, its coordinates and the rule, for the first that is no scene, slides or
         separates, or is there twice.
     """
-    from halfplane_fe.interface import check_supports
-    from halfplane_fe.scales import sheared
+    from halfplane_fe.supports import check_supports
 
     points: list[Point] = []
     number_of: dict[str, int] = {}  # address -> number of its point
@@ -322,7 +321,7 @@ def expand(study: Study, report: Callable[[int], None] = lambda _count: None) ->
             scene = point.question.scene
             require_admissible(scene, words_of_point)
             if "fe" in study.engines:
-                check_supports(scene, sheared(scene))
+                check_supports(scene)
         except InputError as fault:
             sentence = str(fault)
             if not sentence.startswith(words_of_point):

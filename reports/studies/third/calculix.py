@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from halfplane_fe.scales import Scales
-from halfplane_fe.solve import versions
+from halfplane_fe.solution import versions
 from reports.charts.templating import words_of
 from reports.comparison import Comparison
 from reports.comparison.json_values import strict

@@ -37,7 +37,7 @@ def export(job: Job) -> Answer:
     options = job.options
     stages = job.stages
     with stages.stage("loading"):
-        from halfplane_fe.solve import versions
+        from halfplane_fe.solution import versions
         from reports.studies.third.deck import DeckSettings, build_deck, deck_text
         from reports.units import units
     with stages.stage("deck"):

@@ -17,9 +17,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from halfplane_fe.interface import check_bulk_stress, check_supports, meshed_pair
+from halfplane_fe.interface import meshed_pair
 from halfplane_fe.path import has_bulk_stress, stretches
-from halfplane_fe.scales import Scales, find_scales, sheared
+from halfplane_fe.scales import Scales, find_scales
+from halfplane_fe.supports import check_bulk_stress, check_supports, sheared
 from halfplane_fe.task import surface_grading
 from meshes import BodyMesh, MeshSettings
 from reports.charts.templating import template
@@ -269,7 +270,7 @@ def build_deck(
     """
     scene = validated(scene, Scene)
     settings = settings or DeckSettings()
-    check_supports(scene, sheared(scene))
+    check_supports(scene)
     check_bulk_stress(scene)
     path = scene.load.path()
     on_rollers = getattr(scene.bodies.upper, "base", "") == "rollers"

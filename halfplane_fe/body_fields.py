@@ -39,7 +39,7 @@ from halfplane_fe.face_stress import (
 )
 from halfplane_fe.interface import body_forces
 from halfplane_fe.scales import contact_modulus
-from halfplane_fe.solve import FiniteElementSolution
+from halfplane_fe.solution import FiniteElementSolution
 from scenes import ContactSolution, Elastic, HalfPlane, InputError, Scene, Tabulated
 from scenes.array_types import Array, Indices
 from scenes.bodies import Shape, face_of

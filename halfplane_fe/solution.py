@@ -30,8 +30,6 @@ from halfplane_fe.edges import uncertainty_at_jumps
 from halfplane_fe.elasticity import CondensedBody
 from halfplane_fe.interface import (
     Interface,
-    check_bulk_stress,
-    check_supports,
     condensed_pair,
     couple,
     initial_gap,
@@ -40,24 +38,21 @@ from halfplane_fe.interface import (
 )
 from halfplane_fe.kernel_bodies import KernelPair, check_kernels, kernel_pair
 from halfplane_fe.mirror import half, unfolded
-from halfplane_fe.path import check_admissible
 from halfplane_fe.run import Pace, PathRun, Progress, run_path
 from halfplane_fe.scales import (
-    RoomForContact,
     Scales,
-    estimate_room,
     find_scales,
     from_datum,
     is_record,
     needs_shear,
     on_half,
     on_half_planes,
-    sheared,
 )
 from halfplane_fe.settings import SolverSettings
+from halfplane_fe.solvable import check_loads
 from halfplane_fe.systems import Layer
 from halfplane_fe.task import Task, surface_grading
-from meshes import BodyMesh, MeshSettings, check
+from meshes import BodyMesh, MeshSettings
 from scenes import (
     ContactSolution,
     ConvergenceError,
@@ -224,7 +219,7 @@ def _solve(
     by_kernels: bool,
 ) -> ContactSolution:
     watch = _Watch()
-    _check_loads(scene)
+    check_loads(scene)
     if by_kernels:
         check_kernels(scene)
     report(0, None, "coarse run")
@@ -368,54 +363,6 @@ def _solve_path(
     elif faces.cured is not None:
         work[REPEATED] += 1
     return problem, unfolded(run, tried) if halved else run
-
-
-def require_solvable(scene: Scene, mesh: MeshSettings | None = None) -> RoomForContact | None:
-    """What `solve` refuses before it makes a mesh of its own: half-planes by their loads, real
-    bodies by an estimate of the contact too.
-
-    Returns
-    -------
-    RoomForContact or None
-        The estimate; None for half-planes, which have room for every contact.
-
-    Raises
-    ------
-    InputError
-        For a load path, supports or a face too narrow for the contact that `solve` refuses.
-    ConvergenceError
-        Where its coarse run does not converge.
-    """
-    _check_loads(scene)
-    if scene.bodies.half_planes:
-        return None
-    settings = mesh or MeshSettings()
-    with threadpool_limits(limits=1, user_api="blas"):
-        estimate = estimate_room(scene, Counter())
-    for name, shape, ratio in (
-        ("lower", scene.bodies.lower, 1.0),
-        ("upper", scene.bodies.upper, settings.upper_ratio),
-    ):
-        check(
-            name,
-            shape,
-            scene.profile,
-            surface_grading(settings, estimate.scales, scene.profile, ratio),
-            settings,
-        )
-    return estimate
-
-
-def _check_loads(scene: Scene) -> None:
-    check_bulk_stress(scene)
-    if scene.bodies.faces_are_true and not scene.profile.symmetric:
-        raise InputError(
-            "profile: symmetric = false goes with half-planes and blocks: pads and cylinders are"
-            " meshed mirror-symmetric"
-        )
-    is_driven = scene.load.is_driven
-    check_admissible(path_of(scene), scene.friction.coefficient, is_driven=is_driven)
-    check_supports(scene, sheared(scene))
 
 
 class _Watch:

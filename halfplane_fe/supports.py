@@ -1,0 +1,77 @@
+"""How bodies are held: what a tangential load or a bulk stress would push off its supports. Nothing
+is meshed for it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from halfplane_fe.actuators import path_of
+from halfplane_fe.path import has_bulk_stress
+from scenes import Block, InputError, Pad, Scene, Shape, sampled
+
+
+def check_bulk_stress(scene: Scene) -> None:
+    """Refuse bulk stress in bodies without ends that can be pulled.
+
+    Half-planes have their ends far away. A block with free sides is a specimen between grips: its
+    stress is the mean of both ends. Walls hold a guided one. A pad or a cylinder is part of an
+    indenter, whose stress along x the contact and the base make.
+
+    Raises
+    ------
+    InputError
+        For a bulk stress other than 0 in a pad, a cylinder or a block with guided sides.
+    """
+    legs = [leg.bulk for leg in path_of(scene).legs(1) if leg.bulk is not None]
+    for number, name in enumerate(("lower", "upper")):
+        body = getattr(scene.bodies, name)
+        pulled = any(np.any(leg.loads(sampled(leg, 25))[number]) for leg in legs)
+        if pulled and not (body.kind == "half_plane" or has_ends(body)):
+            kind = f"{body.kind} with guided sides" if isinstance(body, Block) else body.kind
+            raise InputError(
+                f"load.bulk_stress_{name}: nothing pulls the ends of the {name} body, a {kind};"
+                " half-planes take bulk stress, and blocks with sides = 'free'"
+            )
+
+
+def has_ends(body: Shape) -> bool:
+    """Whether it is a block with free sides, which a bulk stress can pull."""
+    return isinstance(body, Block) and body.sides == "free"
+
+
+def check_supports(scene: Scene) -> None:
+    """Refuse bodies that a tangential load would push off their supports.
+
+    Raises
+    ------
+    InputError
+        For a block or pad on rollers with free sides under a tangential load, but for a block whose
+        ends a bulk stress pulls: they hold the load too.
+    """
+    is_sheared = sheared(scene)
+    for name, body in (("lower", scene.bodies.lower), ("upper", scene.bodies.upper)):
+        if not is_sheared or not isinstance(body, Block | Pad):
+            continue
+        held_by_ends = has_ends(body) and has_bulk_stress(path_of(scene))
+        if body.base == "rollers" and body.sides == "free" and not held_by_ends:
+            raise InputError(
+                f"bodies.{name}: nothing holds the {body.kind} against the tangential load, it"
+                " slides off: its base is on rollers and its sides are free; take base = 'fixed'"
+                " or sides = 'guided'"
+            )
+
+
+def sheared(scene: Scene) -> bool:
+    """Whether there is a tangential load, or a movement in its place."""
+    return any(np.any(leg.loads(sampled(leg, 25))[1] != 0) for leg in path_of(scene).legs(1))
+
+
+def face_room(scene: Scene) -> float:
+    """Half the width of the narrower face [length]; infinite for half-planes."""
+    return min(scene.bodies.lower.face_half_width, scene.bodies.upper.face_half_width)
+
+
+def shapes_alike(scene: Scene) -> bool:
+    """Whether the two bodies are each other's mirror image, materials included."""
+    return scene.material.alike and scene.bodies.lower == scene.bodies.upper
