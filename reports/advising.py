@@ -56,14 +56,15 @@ if TYPE_CHECKING:
     from reports.comparison.budget import ErrorBudget
     from reports.comparison.judged import JudgedPair
 
-# With r = |N_4 a^2/N|: of the part of a curvature, what the order after the next leaves, in r and
-# r^2; of tilt and bulk strain, whose next order is not known, in r; of the product of both; and of
-# W in any case. Of other values, which have no next order: r again. Fitted to 133 random bodies
-# under six load cycles (benchmarks/bound.py, seeds 49 to 51): of those that are not declined 98 %
-# are covered, at 3.9 times what is left.
+# With r = |N_4 a^2/N|: of the part of a curvature, of the largest pressure and the half-width, what
+# the order after the next leaves, in r and r^2; of tilt and bulk strain, whose next order is not
+# known, in r; of the product of both; and of W in any case. Of the half-width that always sticks,
+# which has no next order: r again. Fitted to 133 random bodies under six load cycles
+# (benchmarks/bound.py, seeds 49 to 51): of those that are not declined 98 % are covered, at 3.9
+# times what is left.
 _AFTER_NEXT = (0.02, 0.1)
 _NEXT_OF_ODD = 0.6
-_NEXT_OF_OTHERS = 0.28
+_NEXT_OF_STICK = 0.28
 _LEFT_OF_WORK = 3e-5
 # Of the second order of what is not symmetric, by f: bulk strain / f^2, both, tilt x f^2. These are
 # the largest of six load cycles, and give a size alone: below the least one no grid is solved.
@@ -136,7 +137,8 @@ class Advice:
     changes
         by the name of the quantity, all that is uncertain counted; "dissipation" is the first. NaN
         where there is no estimate: of what always sticks where tilt and bulk strain, which move it
-        in the first order, are not known in that
+        in the first order, are not known in that; of all but the dissipation where the materials
+        are unlike, or the size of tilt and bulk strain is more than 5 % of it
     parts
         of the change of the dissipation, by what makes them: they add up to it
     left_out
@@ -239,8 +241,9 @@ def advise(scene: Scene, limit: float = 0.05, effects: BodyEffects | None = None
         _next_order(effects, leading_name, half_width) for leading_name, *_ in _CURVATURES.values()
     )
     parts = _parts(effects, theory, corrected_solution, uncertainties)
-    left_out = _size_of_odd_part(effects, scene, half_width)
-    has_odd_part = left_out > 0
+    odd_share = _size_of_odd_part(effects, scene, half_width)
+    left_out = odd_share
+    has_odd_part = odd_share > 0
     if is_coupled:
         left_out += _size_of_coupling(effects, scene, half_width)
     elif left_out > _LEAST_ODD_PART:
@@ -249,18 +252,23 @@ def advise(scene: Scene, limit: float = 0.05, effects: BodyEffects | None = None
         if odd_change is not None:
             parts[ODD] = odd_change
             left_out = 0.0
+    next_order = _next_order_of_contact(effects, scene, corrected_solution)
     changes = {}
     for key, (name, words) in _VALUES.items():
         theory_value = QUANTITIES[name].of(theory)
         change = QUANTITIES[name].of(corrected_solution) / theory_value - 1
         # pressure and half-widths follow the curvature under P, the stick zone both
-        uncertainty = abs(change) * (max(uncertainties.values()) + _NEXT_OF_OTHERS * ratio)
+        uncertainty = abs(change) * (max(uncertainties.values()) + _NEXT_OF_STICK * ratio)
+        if key in own_values:
+            change = (1 + change) * (1 + next_order[key]) - 1
+            uncertainty = abs(change) * max(uncertainties.values())
         if key == WORK:
             change = sum(part.value for part in parts.values())
             uncertainty = sum(part.uncertainty for part in parts.values()) + left_out
         estimate = Estimate(change, uncertainty + _LEFT_OF_WORK)
-        if is_coupled and key != WORK:
-            estimate = Estimate(math.nan, math.nan)  # coupling moves it, by how much is not known
+        if (is_coupled or odd_share > _MOST_ODD) and key != WORK:
+            # coupling, or a large tilt, moves it by an amount that is not known
+            estimate = Estimate(math.nan, math.nan)
         elif has_odd_part and key == "permanent_stick":
             estimate = _change_of_stick(scene, effects, theory_value, uncertainty)
         changes[key] = Change(words, own_values.get(key, theory_value), estimate)
@@ -487,6 +495,27 @@ def _next_order(effects: BodyEffects, curvature: str, half_width: float) -> floa
         if leading_estimate.value
         else 0.0
     )
+
+
+def _next_order_of_contact(
+    effects: BodyEffects, scene: Scene, solution: ContactSolution
+) -> dict[str, float]:
+    """What the next order of the bodies adds to the largest pressure and half-width, relative to
+    them, by key.
+    """
+    from semi_analytic.elasticity import composite_modulus
+    from semi_analytic.next_order import next_order_of_contact
+    from semi_analytic.profiles import contact_of
+
+    row = int(solution.normal_load.argmax())
+    change = next_order_of_contact(
+        float(solution.normal_load[row]),
+        float(solution.tangential_load[row]),
+        contact_of(scene.profile, scene.material),
+        composite_modulus(scene.material),
+        effects,
+    )
+    return {"peak_pressure": change.pressure, "half_width": change.half_width}
 
 
 def _size_of_odd_part(effects: BodyEffects, scene: Scene, half_width: float) -> float:

@@ -512,7 +512,9 @@ def _notes(
         half_width = float(rig.contact.half_width(np.max(driven.followed.normal_load)))
         modulus = composite_modulus(scene.material)
         if has_next_order(rig.effects):
-            yield note_of_next_order(_no_next_order(driven, last_cycle))
+            left_out = _no_next_order(driven, last_cycle)
+            largest_load = float(np.max(driven.followed.normal_load))
+            yield note_of_next_order(left_out, largest_load, rig.contact, modulus, rig.effects)
         yield from notes_of_effects(rig.effects, half_width, modulus, odd, OF_RIG)
     spring = rig.compliance.tangential_spring
     if spring:

@@ -74,7 +74,7 @@ from semi_analytic.hertz import HertzContact
 from semi_analytic.history import History, histories_kept, turns_of, within
 from semi_analytic.inner_slip import InnerSlip, SlipAtPoints, inner_slip
 from semi_analytic.load_series import LoadSeries
-from semi_analytic.next_order import MOST_ROWS, next_order_works
+from semi_analytic.next_order import MOST_ROWS, next_order_of_contact, next_order_works
 from semi_analytic.odd_memory import ODD_NUMBERS, Declined, OddAnswer, odd_answer
 from semi_analytic.profiles import SymmetricContact, contact_of
 from semi_analytic.tilt_and_strain import change_by_tilt_and_strain, work_of_half_planes
@@ -1322,12 +1322,22 @@ def _ending(paths: _Paths) -> tuple[str, str]:
 _LONG = f"the path has more than {MOST_ROWS:,} rows"
 
 
-def note_of_next_order(left_out: str) -> str:
-    """Where the next order of the bodies counts, or why it does not."""
+def note_of_next_order(
+    left_out: str,
+    largest_load: float,
+    contact: SymmetricContact,
+    modulus: float,
+    effects: BodyEffects,
+) -> str:
+    """Where the next order of the bodies counts, or why it does not, and what it would change."""
     what = "effects: the next order of the bodies, N_4, T_4, N_22 and T_22, is"
-    if left_out:
-        return f"{what} left out: {left_out}"
-    return f"{what} in the dissipation, and in no other value"
+    words = f"{what} left out: {left_out}" if left_out else f"{what} in the dissipation"
+    change = next_order_of_contact(largest_load, 0.0, contact, modulus, effects)
+    return (
+        f"{words}, and in no other value: of the largest pressure it would make"
+        f" {100 * change.pressure:+.2g} %, of the largest half-width"
+        f" {100 * change.half_width:+.2g} %"
+    )
 
 
 def _notes_of(paths: _Paths, odd: OddPart) -> Iterator[str]:
@@ -1340,7 +1350,11 @@ def _notes_of(paths: _Paths, odd: OddPart) -> Iterator[str]:
     half_width = float(paths.bodies.contact.half_width(load))
     modulus = composite_modulus(scene.material)
     if has_next_order(question.effects):
-        yield note_of_next_order("" if paths.is_short else _LONG)
+        left_out = "" if paths.is_short else _LONG
+        largest_load = float(np.max(paths.rows.normal_load))
+        yield note_of_next_order(
+            left_out, largest_load, paths.bodies.contact, modulus, question.effects
+        )
     yield from notes_of_effects(question.effects, half_width, modulus, odd)
     if odd.answer is not None or odd.on_grids is not None:
         yield (

@@ -21,7 +21,9 @@ from scenes import BodyEffects, EllipseLoad, Estimate, InputError, Scene, load_s
 
 # Finite elements of the scene `blocks` over half-plane theory, minus 1: `halfplane run blocks`.
 PARTS_OF_BLOCKS = ["curvature under P", "curvature under Q"]
-OF_BLOCKS = {"dissipation": -0.02732, "peak_pressure": 0.00511, "half_width": -0.0051}
+OF_BLOCKS = {"dissipation": -0.02732, "peak_pressure": 0.0051015, "half_width": -0.005178}
+# The elements place the edge with this uncertainty, 2.5e-4 mm.
+OF_EDGE = 2.1e-4
 
 
 def one_block() -> Scene:
@@ -33,7 +35,8 @@ def test_two_blocks_change_theory_as_finite_elements_do_and_the_parts_add_up() -
     advice = advise(load_scene("blocks"))
     for quantity, of_finite_elements in OF_BLOCKS.items():
         change = advice.changes[quantity].change
-        assert abs(change.value - of_finite_elements) <= change.uncertainty, quantity
+        uncertainty = change.uncertainty + (OF_EDGE if quantity == "half_width" else 0.0)
+        assert abs(change.value - of_finite_elements) <= uncertainty, quantity
         assert change.uncertainty < 0.1 * abs(change.value), quantity
     total = sum(part.value for part in advice.parts.values())
     assert total == pytest.approx(advice.work.value, rel=1e-12)
