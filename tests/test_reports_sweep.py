@@ -19,7 +19,7 @@ import tomllib
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor, CancelledError, Future
 from functools import partial
-from itertools import pairwise
+from itertools import pairwise, product
 from pathlib import Path
 from typing import Any
 
@@ -39,7 +39,7 @@ from reports.charts.plate import stacks
 from reports.cli import main
 from reports.comparison import compare
 from reports.studies.sweep import running, solving
-from reports.studies.sweep.page import draw, state_of, write_page
+from reports.studies.sweep.page import draw, state_of, table_in_words, write_page
 from reports.studies.sweep.running import Processes, prepare, run, workers_of
 from reports.studies.sweep.solving import code_versions, solve_task
 from reports.studies.sweep.store import (
@@ -875,7 +875,9 @@ def ticks(svg: str, name: str) -> list[str]:
 
 def test_a_map_has_a_coloured_cell_for_each_value_and_ticks_at_the_values_of_the_study() -> None:
     svg = picture([0.4, 0.6, 0.8], [0.3, 0.6, 0.9])
-    assert len(re.findall(r'<rect[^>]*fill="#[0-9a-f]{6}"[^>]*data-label="error.p0 = ', svg)) == 9
+    assert len(re.findall(r'<rect[^>]*fill="#[0-9a-f]{6}"[^>]*data-label="[^"]*: \d+ %"', svg)) == 9
+    numbers = re.findall(r'text-anchor="middle" dy="4">([^<]+)</text>', svg)
+    assert numbers == [str(100 * (1 + n)) for n in range(9)]  # per cent
     assert (ticks(svg, "across"), ticks(svg, "upright")) == (
         ["0.4", "0.6", "0.8"],
         ["0.3", "0.6", "0.9"],
@@ -886,6 +888,32 @@ def test_a_map_has_a_coloured_cell_for_each_value_and_ticks_at_the_values_of_the
         labels = [float(tick) for tick in ticks(picture(values, [1.0, 2.0]), "across")]
         assert len(labels) > 2
         assert max(abs(b - a - labels[1] + labels[0]) for a, b in pairwise(labels)) < 1e-9
+
+
+def test_of_two_axes_there_is_a_line_with_bars_along_each() -> None:
+    table = pd.DataFrame(
+        [
+            {"number": n, "x": x, "y": y, "error.p0": x * y, "error.p0.uncertainty": 0.1}
+            for n, (x, y) in enumerate(product([1.0, 2.0, 3.0], [1.0, 2.0]))
+        ]
+    ).assign(status="done")
+    axes = [axis(name="x", values=[1.0, 2.0, 3.0]), axis(name="y", values=[1.0, 2.0], unit="mm")]
+    [drawn] = draw(table, axes, load_scene("hertz-paper"))
+    _, along_x, along_y = stacks(drawn)
+    of_x = along_x[0].__html__()
+    of_y = along_y[0].__html__()
+    assert (of_x.count("bar-line"), of_y.count("bar-line")) == (2, 3)
+    assert all(f">y = {number}<" in of_x for number in (1, 2))
+    assert all(f">x = {number}<" in of_y for number in (1, 2, 3))
+    heads, rows = table_in_words(table.assign(seconds=1.0), axes, load_scene("hertz-paper"))
+    assert heads[1:3] == ["x", "y [mm]"]
+    assert rows[3][3] == "400 ± 10"  # per cent
+
+
+def test_an_axis_without_a_name_has_that_of_its_key() -> None:
+    assert Axis(key="friction.coefficient", values=(0.5,)).columns == ("friction_coefficient",)
+    with pytest.raises(ValueError, match="an axis has a name"):
+        Axis(values=(0.5,))
 
 
 # ---------------------------------------------------------------------- killed, starved and doubled

@@ -88,29 +88,15 @@ def _announced(prepared: Prepared) -> Iterator[str]:
 
 def _points(prepared: Prepared, table: DataFrame, state: dict[str, Any]) -> Iterator[Part]:
     """The points with their values, those that failed, and the notes."""
-    from reports.studies.sweep.page import plain_figures
+    from reports.studies.sweep.page import table_in_words
     from reports.studies.sweep.study import described
-    from reports.units import number
 
-    axes = prepared.study.axes
     solved_rows = table[table["status"] == "done"]
     failed_rows = table[table["status"] != "done"]
-    columns = ["number"]
-    for axis in axes:
-        columns += axis.columns
-    columns += plain_figures(table, axes)
-
-    def cells(values: list[Any]) -> list[str]:
-        return [str(v) if isinstance(v, str | int) else number(v) for v in values]
-
-    rows = [cells(values) for values in solved_rows[columns][:_SHOWN].to_numpy().tolist()]
+    study = prepared.study
+    heads, rows = table_in_words(solved_rows[:_SHOWN], study.axes, study.scene, in_short=True)
     if rows:
-        yield Sheet(
-            prepared.study.title or prepared.study.scene.name,
-            ["point", *columns[1:]],
-            rows,
-            range(len(columns)),
-        )
+        yield Sheet(study.title or study.scene.name, heads, rows, range(len(heads)))
     if len(solved_rows) > _SHOWN:
         yield f"... and {len(solved_rows) - _SHOWN} other points; see index.csv"
     if len(failed_rows):

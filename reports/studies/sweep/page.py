@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -26,6 +26,7 @@ from reports.charts.plate import (
     Dot,
     Key,
     Mark,
+    Note,
     Panel,
     Plate,
     Rule,
@@ -34,10 +35,11 @@ from reports.charts.plate import (
     limits,
 )
 from reports.charts.templating import script, shades, template
-from reports.studies.sweep.solving import is_error, label_of
+from reports.comparison.words import with_uncertainty
+from reports.studies.sweep.solving import is_error, label_of, shown_factor
 from reports.studies.sweep.store import STATUS, Store, rows_with_figures
 from reports.studies.sweep.study import Axis, study_of
-from reports.units import number
+from reports.units import number, significant
 from scenes import Scene
 from scenes.array_types import Array
 
@@ -46,6 +48,10 @@ _PANELS = 6  # of one figure
 _MARKED = 120  # points of a line that are marked one by one
 _LOOKS = 6  # of lines in the style sheet
 _ROWS = 250  # more rows than that are in index.csv alone
+_FILLED = 0.3  # share of a grid that has points, from which on it is a map
+_NUMBERED = 64  # cells of a map that have their numbers
+_WORDS_OF_LINE = 0.055  # height of a line of words over that of a panel
+_FLAT = 1e-9  # spread of values over their size that is round-off error
 _LATEST = 40  # results that the rate is taken from
 _ENGINES = {"fe": "finite elements", "exact": "half-plane theory"}
 _UNCERTAINTY = {
@@ -105,13 +111,12 @@ def write_page(store: Store) -> Path:
     state = state_of(store)
     table = state["table"]
     study = study_of(store.read_plan()[0], str(store.folder / "sweep.json"))
-    columns = [name for name in table.columns if name not in ("address", "reason", "notes")]
     name = study.scene.title or study.scene.name
     uncertainty = "Theory is exact to rounding at the points and instants at which it is evaluated."
     if "fe" in study.engines:
         uncertainty = _UNCERTAINTY[study.uncertainty]
-    first_rows = table[columns][:_ROWS].itertuples(index=False)
-    rows = [list(map(_cell, row)) for row in first_rows]
+    heads, rows = table_in_words(table[:_ROWS], study.axes, study.scene)
+    pictures = draw(table, study.axes, study.scene)
     program, digest = script()
     page = template("sweep.html").render(
         title=study.title or f"Sweep of {name}",
@@ -120,14 +125,11 @@ def write_page(store: Store) -> Path:
         engines=" and ".join(_ENGINES[engine] for engine in study.engines),
         uncertainty=uncertainty,
         state=state,
-        words=[
-            (_plain(figure), "{} [{}]".format(*label_of(figure, study.scene)))
-            for figure in plain_figures(table, study.axes)
-        ],
-        pictures=draw(table, study.axes, study.scene),
+        pictures=pictures,
+        wide=any(plate.columns > 1 for plate in pictures),
         script=program,
         script_hash=digest,
-        columns=columns,
+        columns=heads,
         rows=rows,
         more=max(0, len(table) - _ROWS),
     )
@@ -136,11 +138,59 @@ def write_page(store: Store) -> Path:
     return store.folder / "sweep.html"
 
 
+def table_in_words(
+    table: pd.DataFrame, axes: Sequence[Axis], scene: Scene, *, in_short: bool = False
+) -> tuple[list[str], list[list[str]]]:
+    """Heads with units, and a row of cells for each point: its coordinates, its figures with their
+    uncertainties, and how it went.
+
+    Parameters
+    ----------
+    in_short
+        figures by their names in the study, and nothing on how it went
+    """
+    columns = [column for axis in axes for column in axis.columns]
+    figures = plain_figures(table, axes)
+    heads = ["point", *(_label_of_axis(axis, column) for axis in axes for column in axis.columns)]
+    for figure in figures:
+        words, unit = label_of(figure, scene)
+        heads.append(f"{figure if in_short else words} [{unit}]")
+    if not in_short:
+        heads += ["status", "seconds"]
+    rows = []
+    for record in table.to_dict("records"):
+        cells = [str(record["number"])]
+        cells += [_cell(record[column]) for column in columns]
+        cells += [_figure_cell(record, figure) for figure in figures]
+        if not in_short:
+            cells += [str(record["status"]), f"{record['seconds']:.2g}"]
+        rows.append(cells)
+    return heads, rows
+
+
+def _figure_cell(record: Mapping[Hashable, Any], figure: str) -> str:
+    """A value with its uncertainty; errors in per cent."""
+    factor = shown_factor(figure)
+    value = factor * float(record[figure])
+    if math.isnan(value):
+        return "none"
+    uncertainty = factor * float(record.get(f"{figure}.uncertainty", math.nan))
+    if math.isnan(uncertainty):
+        return significant(value, 4)
+    return with_uncertainty(value, uncertainty)
+
+
 def _cell(value: Any) -> str:
-    """A value of the table as text."""
-    if not isinstance(value, float):
-        return str(value)
-    return "none" if math.isnan(value) else number(value)
+    """A coordinate as text."""
+    return number(value) if isinstance(value, float) else str(value)
+
+
+def _label_of_axis(axis: Axis, column: str) -> str:
+    """Words of an axis with its unit; of rows of values the name of the column."""
+    if column != axis.name:
+        return _plain(column)
+    unit = f" [{axis.unit}]" if axis.unit else ""
+    return f"{_plain(axis.label or axis.name)}{unit}"
 
 
 # ------------------------------------------------------------------------------------------ figures
@@ -170,8 +220,9 @@ def draw(table: pd.DataFrame, axes: Sequence[Axis], scene: Scene) -> list[Plate]
 
 
 class _Sheet:
-    """One figure of a table: over one axis lines, over two that are a grid maps, else dots; each
-    other combination has its own.
+    """One figure of a table. Over one axis lines with bars; over two a map with its numbers where
+    they are a grid, and lines along each of the two; else dots. Each combination of the other axes
+    has its own.
     """
 
     def __init__(self, name: str, table: pd.DataFrame, axes: Sequence[Axis], scene: Scene) -> None:
@@ -181,16 +232,21 @@ class _Sheet:
         self.drawn_column = name
         if f"{name}.idealisation" in table:
             self.drawn_column = f"{name}.idealisation"
-        self.value = table[self.drawn_column].to_numpy(float)
+        factor = shown_factor(name)
+        self.value = factor * table[self.drawn_column].to_numpy(float)
         self.uncertainty = np.full(len(table), np.nan)
         if f"{name}.uncertainty" in table:
-            self.uncertainty = table[f"{name}.uncertainty"].to_numpy(float)
+            self.uncertainty = factor * table[f"{name}.uncertainty"].to_numpy(float)
         margin = np.nan_to_num(self.uncertainty)
         self.low = self.value - margin
         self.high = self.value + margin
         # An error that is not larger than its uncertainty.
         self.unresolved = (np.abs(self.value) <= self.uncertainty) & is_error(name)
-        self.words = f"{_plain(name)}  [{label_of(name, scene)[1]}]"
+        self.title_words, self.unit = label_of(name, scene)
+        if self.drawn_column != name:
+            self.title_words += ", idealisation error"
+        axis_words = "finite elements/theory − 1" if is_error(name) else _plain(name)
+        self.words = f"{axis_words}  [{self.unit}]"
 
     def plate(self) -> Plate:
         """The figure with its caption and its numbers."""
@@ -198,10 +254,10 @@ class _Sheet:
         word_axes = [name for name in varied_axes if self._has_words(name)]
         number_axes = [name for name in varied_axes if name not in word_axes]
         stem = self.drawn_column.replace(".", "-")
-        title = _plain(self.drawn_column)
+        title = self.title_words
         csv = {
             **{column: self.numbers(column) for column in number_axes},
-            self.drawn_column: self.value,
+            f"{self.drawn_column} [{self.unit}]": self.value,
             "uncertainty": self.uncertainty,
         }
         if not number_axes:
@@ -220,14 +276,19 @@ class _Sheet:
             legend = tuple(
                 Key(f"line-{k}", _plain(part)) for k, (part, _) in enumerate(masks) if part
             )
-        elif len(number_axes) == 2 and self._filled_share(number_axes) > 0.3:
-            signs = "hatched: unresolved, the error is less than its uncertainty; grey: no result"
+        elif len(number_axes) == 2 and self._filled_share(number_axes) > _FILLED:
+            signs = (
+                "hatched, hollow: not resolved, the error is less than its uncertainty; grey: no"
+                " result; bars are the uncertainty"
+            )
             panels = [
                 self.map(f"{stem}-{k}", mask, number_axes, part)
                 for k, (part, mask) in enumerate(masks)
             ]
+            for k, (_, mask) in enumerate(masks):
+                panels += self.along_each(f"{stem}-{k}", mask, number_axes)
         else:
-            signs = "hollow: unresolved; colour: the second axis"
+            signs = "hollow: not resolved; colour: the second axis"
             panels = [
                 self.cloud(f"{stem}-{k}", mask, number_axes, part)
                 for k, (part, mask) in enumerate(masks)
@@ -246,8 +307,21 @@ class _Sheet:
             tuple(panels),
             csv,
             legend,
-            min(2, len(panels)),
+            min(3, len(panels)),
         )
+
+    def along_each(self, name: str, mask: Mask, columns: Sequence[str]) -> Iterator[Panel]:
+        """Lines along each of two axes, one for each value of the other, which stands at its end;
+        of many values the first, the last and some between.
+        """
+        for place, (column, other) in enumerate((columns, columns[::-1])):
+            values = np.unique(self.numbers(other)[mask])
+            chosen = np.unique(np.linspace(0, len(values) - 1, min(len(values), _LOOKS)).round())
+            masks = [
+                (f"{_plain(other)} = {number(value)}", mask & (self.numbers(other) == value))
+                for value in values[chosen.astype(int)].tolist()
+            ]
+            yield self.line(f"{name}-along-{place}", masks, column, named=True)
 
     def _has_words(self, column: str) -> bool:
         """Whether a coordinate has values that are no numbers."""
@@ -273,18 +347,11 @@ class _Sheet:
     def title(self, row: int) -> str:
         """What a reader sees of a value."""
         remark = ", not resolved" if self.unresolved[row] else ""
-        return f"{_plain(self.name)} = {number(float(self.value[row]))}{remark}"
+        return f"{self.title_words}: {number(float(self.value[row]))} {self.unit}{remark}"
 
     def label(self, column: str) -> str:
         """Words of an axis."""
-        axis = self.axes[column]
-        if column != axis.name:
-            return _plain(column)
-        name = axis.label or axis.name
-        if not name:
-            return _plain(column)
-        unit = f" [{axis.unit}]" if axis.unit else ""
-        return f"{_plain(name)}{unit}"
+        return _label_of_axis(self.axes[column], column)
 
     def axis(self, column: str, *, cells: bool = False) -> ChartAxis:
         """An axis of numbers; its ticks stand at the values themselves where these are few and
@@ -309,19 +376,28 @@ class _Sheet:
             ticks = tuple(zip(values.tolist(), texts, strict=True))
         return ChartAxis(least_value, largest_value, self.label(column), log, ticks=ticks)
 
-    def line(self, name: str, masks: Sequence[tuple[str, Mask]], column: str) -> Panel:
+    def line(
+        self, name: str, masks: Sequence[tuple[str, Mask]], column: str, *, named: bool = False
+    ) -> Panel:
         """Curves over one axis: dots with bars; of many points a band, and dots where unresolved,
-        so that the page stays small.
+        so that the page stays small. With `named` each has its words at its end.
         """
-        marks: list[Mark] = [Rule(0.0, "zero")] if is_error(self.name) else []
+        low, high = limits(self.low, self.high)
+        if named:  # room for the words
+            high += _WORDS_OF_LINE * len(masks) * (high - low)
+        marks: list[Mark] = [Rule(0.0, "zero")] if low < 0 < high else []
         places = self.numbers(column)
+        across = self.axis(column)
         for k, (part, mask) in enumerate(masks):
             rows = np.flatnonzero(mask)[np.argsort(places[mask])]
             look = f"line-{k % _LOOKS}"
             fill = f"p{k % _LOOKS}"
             x = places[rows]
             y = self.value[rows]
-            marks.append(Curve(x, y, look, _plain(part) or _plain(self.name)))
+            marks.append(Curve(x, y, look, part or self.title_words))
+            if named:
+                down = 14.0 + 15.0 * k
+                marks.append(Note(across.high, high, part, f"tick over t{k}", "end", (-4.0, down)))
             is_long = len(rows) > _MARKED
             if is_long:
                 marks.insert(0, Band(x, self.low[rows], self.high[rows], f"{fill} pale"))
@@ -334,14 +410,13 @@ class _Sheet:
                     marks.append(Dot(dot_x, dot_y, f"{look} hollow", 3.0))
                 elif not is_long:
                     marks.append(Dot(dot_x, dot_y, f"{look} {fill}", 3.0))
-        up = ChartAxis(*limits(self.low, self.high, zero=is_error(self.name)), self.words)
         return Panel(
             name,
-            self.axis(column),
-            up,
+            across,
+            ChartAxis(low, high, self.words),
             marks,
-            f"{_plain(self.name)} over {self.label(column)}",
-            560.0,
+            f"{self.title_words} over {self.label(column)}",
+            480.0,
             340.0,
         )
 
@@ -350,26 +425,25 @@ class _Sheet:
         x_axis, y_axis = (self.axis(column, cells=True) for column in columns)
         least_value = float(np.nanmin(self.value))
         largest_value = float(np.nanmax(self.value))
-        colours = "viridis"
-        if least_value < 0:  # zero in the middle of the colours
-            largest_value = float(np.nanmax(np.abs(self.value)))
-            least_value = -largest_value
-            colours = "RdBu_r"
-        share = np.where(
-            mask, (self.value - least_value) / ((largest_value - least_value) or 1.0), np.nan
-        )
+        # What differs by no more than it is uncertain, or by round-off, has one colour.
+        is_flat = largest_value - least_value <= _FLAT * max(abs(least_value), abs(largest_value))
+        spread = math.inf if is_flat else largest_value - least_value
+        share = np.where(mask, (self.value - least_value) / spread, np.nan)
         names = [self.title(row) for row in range(len(share))]
         x, y = map(self.numbers, columns)
-        marks = heat_map((x_axis, y_axis), (x, y), share, names, self.unresolved, colours)
-        alt = f"Map of {_plain(self.name)}, {part}"
+        marks = heat_map((x_axis, y_axis), (x, y), share, names, self.unresolved)
+        cells = np.flatnonzero(mask & np.isfinite(self.value)).tolist()
+        if len(cells) <= _NUMBERED:
+            marks += [
+                Note(x[row], y[row], significant(self.value[row], 3), "tick over", "middle", (0, 4))
+                for row in cells
+            ]
+        alt = f"Map of {self.title_words}, {part}"
         panel = Panel(name, x_axis, y_axis, marks, alt, 480.0, 360.0, _plain(part))
-        return Cell(
-            (
-                panel,
-                colour_scale(f"{name}-colours", (least_value, largest_value), self.words, colours),
-            ),
-            None,
-        )
+        if is_flat:
+            return Cell((panel,), None)
+        scale = colour_scale(f"{name}-colours", (least_value, largest_value), self.words)
+        return Cell((panel, scale), None)
 
     def cloud(self, name: str, mask: Mask, columns: list[str], part: str) -> Cell:
         """Dots over the first axis, coloured by the second."""
@@ -393,7 +467,7 @@ class _Sheet:
             x_axis,
             up,
             marks,
-            f"{_plain(self.name)} over {x_axis.words}, {part}",
+            f"{self.title_words} over {x_axis.words}, {part}",
             480.0,
             340.0,
             _plain(part),

@@ -172,22 +172,27 @@ def is_error(name: str) -> bool:
     return name in METRICS or name.startswith("error.")
 
 
+def shown_factor(name: str) -> float:
+    """What a figure of the table is multiplied by where it is shown: shares are in per cent."""
+    return 100.0 if is_error(name) else 1.0
+
+
 def label_of(name: str, scene: Scene) -> tuple[str, str]:
-    """What a figure is, and its unit in the scene's units, or what it is a share of.
+    """What a figure is, and its unit as it is shown: that of the scene, or per cent of what.
 
     >>> from scenes import load_scene
     >>> [
     ...     label_of(name, load_scene("hertz-paper"))[1]
     ...     for name in ("fe.p0", "exact.dissipation", "error.p0", "stick_edge")
     ... ]
-    ['MPa', 'N·mm/mm', "share of theory's", 'share of a_ref']
+    ['MPa', 'N·mm/mm', '%', '% of a_ref']
     """
     if name in METRICS:
-        return METRICS[name].label, f"share {METRICS[name].unit}"
+        return METRICS[name].label, f"% {METRICS[name].unit}"
     prefix, _, quantity = name.partition(".")
     words, _, unit = QUANTITIES[quantity].words.removesuffix("]").rpartition(" [")
     if prefix == "error":
-        return f"{words}: finite elements over half-plane theory, minus 1", "share of theory's"
+        return f"{words}, finite elements/theory − 1", "%"
     _, length, stress = units(scene)
     energy = energy_unit(scene)
     unit_of = {

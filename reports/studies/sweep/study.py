@@ -9,6 +9,7 @@ import itertools
 import json
 import math
 import operator
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -54,7 +55,7 @@ class Axis(Frozen):
     name: str = Field(
         "",
         pattern=r"^([A-Za-z_]\w*)?$",
-        description="column of the table, and the name in [derived]",
+        description="column of the table, and the name in [derived]; of one key its name, with _",
     )
     names: tuple[str, ...] = Field((), description="of rows of values: one column for each")
     label: str = Field("", description="for figures; the name where it is left out")
@@ -70,6 +71,8 @@ class Axis(Frozen):
 
     @model_validator(mode="after")
     def _one_way(self) -> Self:
+        if self.key and not self.name and not self.names:
+            object.__setattr__(self, "name", re.sub(r"\W", "_", self.key))
         ways = [name for name in _WAYS if getattr(self, name)]
         if len(ways) != 1:
             ways_in_words = " and ".join(ways) or "none"
