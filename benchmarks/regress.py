@@ -161,7 +161,9 @@ def references(known: Sheet) -> tuple[Sheet, float, str]:
     scene = load_scene(known.scene)
     stored = {(case.quantity, case.at): case for case in known.references(THEORY)}
     work = mp.nstr(truth(scene), DIGITS)
-    differences_met = [difference_of(stored["dissipation", ""].value, work)]
+    differences_met = [0.0]
+    if ("dissipation", "") in stored:  # a new scene has it from here
+        differences_met.append(difference_of(stored["dissipation", ""].value, work))
     cases = list(known.cases)
     for (quantity, at), (value, tolerance) in evaluated(scene, known).items():
         old = stored.get((quantity, at))
