@@ -1081,6 +1081,23 @@ def test_a_run_fits_a_screen_and_counts_what_it_leaves_to_the_page(tmp_path: Pat
     assert shown[-2] == "On the page, and with --verbose: all 4 expected numbers met."
 
 
+@pytest.mark.parametrize("scene", ["blocks", "hertz-paper"])
+def test_no_cell_of_the_budget_wraps_on_80_columns(scene: str, tmp_path: Path) -> None:
+    words = ("--preset", "coarse", "--quiet", "--budget", "--verbose")
+    shown = halfplane(tmp_path, "run", scene, *words, COLUMNS="80").stdout
+    table = shown[shown.index("Where the difference comes from") :].partition("└")[0]
+    names = [line[1:].partition("│")[0].strip() for line in table.splitlines() if line[0] == "│"]
+    assert names == [
+        "Peak pressure",
+        "Half-width",
+        "Permanent stick",
+        "Largest slip",
+        "Dissipation",
+        "Peak W(x)",
+        "Edge tension",
+    ]
+
+
 def test_a_run_in_short_says_where_size_alone_judges(tmp_path: Path) -> None:
     """Half-planes without a budget."""
     words = ("--preset", "coarse", "--quiet", "--no-budget")

@@ -630,14 +630,32 @@ def _notes_shown(report: Report) -> Iterator[Part]:
 
 
 def _budget_shown(report: Report, budget: ErrorBudget) -> Iterator[Part]:
-    """Where the errors come from."""
-    from reports.comparison.budget_words import budget_table, cost
+    """Where the errors come from; E stands in the table above it."""
+    from reports.comparison.budget_words import budget_table, cost, negligible_terms
 
-    # Without what is nothing but bounds of rounding in nearly every run.
-    heads, rows, _ = budget_table(budget, without=("solver", "half-plane theory"))
-    yield Sheet("Where the difference comes from", heads, rows, range(1, len(heads) - 1))
+    without = negligible_terms(budget)
+    heads, rows, _ = budget_table(budget, (*without, "E"))
+    place_of_rest = heads.index("± u") - 1
+    heads = (*heads[:place_of_rest], "left", *heads[place_of_rest + 1 :])
+    title = "Where the difference comes from"
+    if _are_per_cent(rows):
+        title += ", per cent"
+        rows = [tuple(cell.replace(" %", "") for cell in row) for row in rows]
+    yield Sheet(title, heads, rows, range(1, len(heads) - 1))
+    if budget.budgets[0].half_planes:
+        yield "Left: half-planes have no idealisation error, so u must cover it."
+    else:
+        yield "Left: the idealisation error."
+    if without:
+        yield f"Below a thousandth of every difference, and not shown: {', '.join(without)}."
     yield f"Covered by the stated uncertainty: {report.honest}"
     yield cost(budget)
+
+
+def _are_per_cent(rows: Sequence[tuple[str, ...]]) -> bool:
+    """Whether all amounts of a budget's rows, between name and verdict, are in per cent."""
+    amounts = [cell for row in rows for cell in row[1:-1]]
+    return all(cell.endswith((" %", "not measured", "none")) for cell in amounts)
 
 
 def _expected_shown(findings: Sequence[Finding]) -> Iterator[Part]:

@@ -39,12 +39,14 @@ def budget_table(
 ) -> tuple[tuple[str, ...], list[tuple[str, ...]], list[tuple[str, ...]]]:
     """Heads; a row for each metric of the first table; a row for each other metric.
 
-    Without a column for the terms named, and for one that is none everywhere.
+    Without a column for the terms named, and for one that is none everywhere. The last column says
+    whether the uncertainty covers what is left (half-planes), or whether an idealisation error
+    stands out of it (real bodies).
     """
     terms = [term.name for term in budget.budgets[0].terms] if budget.budgets else []
     are_half_planes = all(entry.half_planes for entry in budget.budgets)
     rest = "unexplained" if are_half_planes else "idealisation"
-    heads = ("metric", "E", *terms, rest, "± u", "verdict")
+    heads = ("metric", "E", *terms, rest, "± u", "covered" if are_half_planes else "resolved")
     rows = [_budget_row(entry) for entry in budget.budgets]
     columns = []
     for column, head in enumerate(heads):
@@ -70,7 +72,8 @@ def _budget_row(budget: Budget) -> tuple[str, ...]:
         uncertainty = amount(budget.uncertainty, metric)
     terms = [share(term, metric) for term in budget.terms]
     rest = amount(budget.rest, metric, plus=True)
-    return (metric.label, value_of(metric), *terms, rest, uncertainty, _judgement(budget))
+    label = metric.short or metric.label
+    return (label, value_of(metric), *terms, rest, uncertainty, _judgement_in_short(budget))
 
 
 def share(term: Term, metric: Metric) -> str:
@@ -79,7 +82,10 @@ def share(term: Term, metric: Metric) -> str:
         return "not measured"
     if term.value is None:
         return f"± {amount(term.uncertainty, metric)}" if term.uncertainty else "none"
-    return f"{amount(term.value, metric, plus=True)} ± {amount(term.uncertainty, metric)}"
+    value = amount(term.value, metric, plus=True)
+    uncertainty = amount(term.uncertainty, metric)
+    is_exact = not any(digit in uncertainty for digit in "123456789")
+    return value if is_exact else f"{value} ± {uncertainty}"
 
 
 def _judgement(budget: Budget) -> str:
@@ -91,6 +97,13 @@ def _judgement(budget: Budget) -> str:
     if budget.half_planes:
         return "not covered" if budget.resolved else "covered"
     return "resolved" if budget.resolved else "not resolved"
+
+
+def _judgement_in_short(budget: Budget) -> str:
+    """The same as yes or no."""
+    if budget.resolved is None:
+        return "unknown"
+    return "yes" if budget.resolved is not budget.half_planes else "no"
 
 
 def cost(budget: ErrorBudget) -> str:

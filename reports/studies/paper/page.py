@@ -26,6 +26,7 @@ from reports.studies.paper.tables import (
     row,
 )
 
+AUTHORS = "Davies, Barber and Hills"
 SOURCE = (
     "“Energy dissipation in a frictional incomplete contact with varying normal load”,"
     " International Journal of Mechanical Sciences, doi:10.1016/j.ijmecsci.2011.11.006"
@@ -95,6 +96,7 @@ def write(out: str | Path, stages: Stages, command: str = "halfplane paper") -> 
         with stages.stage("page"):
             program, digest = script()
             page = template("paper.html").render(
+                authors=AUTHORS,
                 source=SOURCE,
                 figures=figures,
                 statements=statement_rows,
