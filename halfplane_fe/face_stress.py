@@ -39,7 +39,6 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
-import scipy
 
 from scenes.array_types import Array, Complex
 
@@ -455,8 +454,18 @@ def tractions_with_uncertainty(nodal: Nodal) -> TractionsAndUncertainty:
 
 
 def _series(values: Array) -> Array:
-    """Sines of values at the middles of equal angles; the highest is counted once, not twice."""
-    sines = np.asarray(scipy.fft.dst(values, type=2) / len(values))
+    """Sines of values at the middles of equal angles; the highest is counted once, not twice.
+
+    The discrete sine transform of type II, by that of Fourier of the values continued as an odd
+    function: numpy has it, and the import of `scipy.fft` takes .06 s.
+
+    >>> _series(np.sin(2 * np.pi * (np.arange(4) + 0.5) / 4)).round(12).tolist()  # the second sine
+    [0.0, 1.0, 0.0, 0.0]
+    """
+    count = len(values)
+    waves = np.fft.rfft(np.concatenate([values, -values[::-1]]))[1:]
+    to_middles = np.exp(-0.5j * math.pi * np.arange(1, count + 1) / count)
+    sines = -np.imag(waves * to_middles) / count
     sines[-1] /= 2
     return sines
 

@@ -23,6 +23,7 @@ from halfplane_fe.contact import ROUNDING, ContactProblem, InterfaceState, nodal
 from halfplane_fe.energy import bent_work, step_errors
 from halfplane_fe.law import slip_sign
 from halfplane_fe.path import Stretch, scaled_loads
+from halfplane_fe.roots import zero_between
 from halfplane_fe.systems import SingularSet
 from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, ConvergenceError, freeze
 from scenes.array_types import Array, Mask, States
@@ -505,7 +506,7 @@ def _zero(
         value = function(time)
     if not at_low * function(high) < 0:
         return high
-    return float(scipy.optimize.brentq(function, low, high, xtol=1e-15, rtol=8.9e-16))
+    return zero_between(function, low, high)
 
 
 def _first_crossing(before: Array, after: Array, nodes: Mask) -> tuple[float, int]:

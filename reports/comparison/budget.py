@@ -26,7 +26,6 @@ from itertools import chain
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from scipy.optimize import brentq, minimize_scalar
 
 from reports.comparison import Comparison, compare
 from reports.comparison.metrics import Metric
@@ -770,6 +769,8 @@ def observed_order(sizes: tuple[float, ...], values: tuple[float, ...]) -> float
     least_order, largest_order = _ORDERS
     if excess(least_order) >= 0 or excess(largest_order) <= 0:
         return None
+    from scipy.optimize import brentq  # a tenth of a second, for few comparisons
+
     return float(brentq(excess, least_order, largest_order, xtol=1e-14))
 
 
@@ -940,6 +941,8 @@ def _fit_of_free_order(refinement: Refinement, weights: Array) -> _Fit:
     best_index = int(np.argmin(residual(grid)))
     order = None
     if 0 < best_index < len(grid) - 1:
+        from scipy.optimize import minimize_scalar
+
         minimum = minimize_scalar(
             lambda p: residual(p)[0],
             bounds=(float(grid[best_index - 1]), float(grid[best_index + 1])),
