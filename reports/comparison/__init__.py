@@ -39,8 +39,8 @@ Offered to the rest of reports, `Comparison` `compare` first; each file imports 
                     `finer_steps` `mesh_ratio` `theory_on_steps` `ROUNDING`; the mesh-refinement
                     study of one value, its order and value at size zero: `Refinement`
                     `Extrapolation` `extrapolate`
-    budget_words.py a budget in sentences, cells and JSON: `budget_table` `cost` `share` `honest`
-                    `honesty` `budget_content`
+    budget_words.py a budget in sentences, cells and JSON: `budget_table` `negligible_terms` `cost`
+                    `share` `honest` `honesty` `budget_content`
     findings.py     what two runs, or a run and a baseline, differ by: `Findings` `read_findings`
                     `of_content` `of_solution` `difference` `Difference` `Row` `SAME` `COUNTS`
                     `SOLUTION` `is_baseline` `write_baseline` `patterned_tolerances`
