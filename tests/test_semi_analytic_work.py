@@ -473,3 +473,27 @@ def test_stiffness_of_half_planes_needs_a_datum_length_or_the_compliance_of_bodi
         hysteresis(solve(scene, x=[0.0], effects=effects), datum_length=length)
     with pytest.raises(InputError, match="formula is that of half-planes"):
         compliance(solve(scene, x=[0.0], effects=effects))
+
+
+@pytest.mark.parametrize("name", ["cattaneo-mindlin", "flat-rounded-paper", "rounded-wedge"])
+def test_work_of_small_loops_is_the_cube_of_the_load(name):
+    """-(2/3) Q^3 C'(P)/f at constant P with C the compliance, C' = -(A/pi) (da/dP)/a (Putignano,
+    Ciavarella and Barber 2011); the next power of Q/(f P) is left.
+    """
+    load = 100.0
+    share = 1e-3
+    friction = 0.6
+    force = share * friction * load
+    cycle = [(load, force), (load, -force)]
+    scene = load_scene(name).vary(
+        friction=friction,
+        load={"kind": "polygon", "initial_loading": [(load, 0.0)], "cycle": cycle},
+        expected=[],
+        tolerances={},
+    )
+    contact = contact_of(scene.profile, scene.material)
+    half_width = float(contact.half_width(load))
+    compliance_falls = 2 / (math.pi * composite_modulus(scene.material))
+    compliance_falls /= half_width * float(contact.stiffness(half_width))
+    work = solve(scene, x=0.0, fields="dissipation").dissipation
+    assert work == pytest.approx(2 / 3 * force**3 * compliance_falls / friction, rel=share)
