@@ -195,11 +195,17 @@ def commit() -> str:
 def markdown(head: str, cells: Iterable[Sequence[object]]) -> list[str]:
     """Lines of a table; the head as "a | b | c".
 
+    A row that is a text, or has not as many cells as the head, is a `ValueError`: a text would
+    become a row of its letters.
+
     >>> markdown("a | b", [(1, "x|y")])
     ['| a | b |', '|---|---|', '| 1 | x\\\\|y |']
     """
-    lines = [f"| {head} |", "|---" * (head.count(" | ") + 1) + "|"]
+    columns = head.count(" | ") + 1
+    lines = [f"| {head} |", "|---" * columns + "|"]
     for row in cells:
+        if isinstance(row, str) or len(row) != columns:
+            raise ValueError(f"a row of {columns} cells ({head}) is not {row!r}")
         words = [str(cell).replace("|", r"\|") for cell in row]
         lines.append(f"| {' | '.join(words)} |")
     return lines

@@ -189,91 +189,43 @@ def better(scene: Found, default: Found, measures: Sequence[str]) -> list[str]:
                 continue
             ratios = {key: size(setting, key) / size(default, key) for key in keys}
             if max(ratios.values()) <= 1 + SAME and min(ratios.values()) < 1 - MARGIN:
-                of_default = [f"{ratio:.2f} of the {WHAT[key]}" for key, ratio in ratios.items()]
-                rivals.append(f"{name}, {setting['text']} ({', '.join(of_default)})")
+                rivals.append(f"{name}, {setting['text']} ({ratios['seconds']:.2f})")
     return rivals
 
 
-ALTERNATIVES = (
-    ("a/160 at the edges", "quadratic, graded", ("a/80",)),
-    ("a/160 at the edges", "quadratic, graded", ("a/240", "a/320")),
-    ("graded, a/24 in the middle", "quadratic, uniform", ("a/40",)),
-    ("quadratic elements", "linear, graded", ("a/160",)),
-    ("growth 0.2 of the bulk", "growth of the bulk", ("growth 0.1",)),
-    ("growth 0.2 of the bulk", "growth of the bulk", ("growth 0.4",)),
-    ("24 increments a revolution", "regular increments", ("12 a turn",)),
-    ("24 increments a revolution", "regular increments", ("96 a turn",)),
-    ("increments halved to a tolerance", "increments, no tolerance", ("24 a turn",)),
-    ("the exact law", "penalty, a/160", ("1000 E*/h",)),
-    ("active set", "contact method", ("augmented Lagrangian",)),
-)
-
-
 def precision_page(scenes: Found) -> list[str]:
-    """Whether the defaults lie on the front, and what each costs and buys."""
-    lines = [
-        (
-            "Errors of W and of the hysteresis loop (closed integral of Q dU) on half-planes are"
-            " those against theory on the path; with the penalty method what its layer adds to the"
-            " exact law on the same mesh counts as well. On blocks theory has no exact answer: the"
-            " error is that against the same model at a/320 (a/48 in the middle) with eight times"
-            " the increments and a tenth of the step tolerance. The loop is W but for rounding, by"
-            " the balance of energy."
-        ),
-        "",
-        (
-            "A setting is better than the default where it is neither slower nor less exact in W,"
-            f" in q or in the hysteresis loop (by {SAME:.0%}), and in time or one of them better by"
-            f" {MARGIN:.0%}; W and the loop count as no better than {SCATTER['work']:.0e}, for"
-            " those of the default mesh are 1e-5 in the median of random scenes. What would be"
-            " better if one of them alone counted is named as well."
-        ),
-        "",
-    ]
-
-    def point_of(scene: Found, group: str, texts: Sequence[str]) -> Found:
-        """The first point of a series that has one of these names."""
-        return next(point for point in scene["series"][group] if point["text"] in texts)
-
-    defaults = {
-        name: point_of(scene, "named settings", ["default"]) for name, scene in scenes.items()
-    }
-    for name, default in defaults.items():
-        measures = [key for key in ("work", "shear", "loop") if default[key] is not None]
-        rivals = better(scenes[name], default, measures)
-        errors = ", ".join(f"{WHAT[key]} {default[key]:.1e}" for key in measures)
-        words = f"**not on the front**: better is {'; '.join(rivals)}" if rivals else "on the front"
-        if rivals and default["shear"] is None:
-            words = (
-                f"as far as these count, better is {'; '.join(rivals)}; q, for which elements are"
-                " that small, has no truth here"
-            )
-        lines.append(f"- {name}: default {default['seconds']:.1f} s; {errors}; {words}.")
-        for key in measures:
-            alone = [rival for rival in better(scenes[name], default, [key]) if rival not in rivals]
-            if alone:
-                lines.append(f"  - were the {WHAT[key]} all that counts: {'; '.join(alone)}.")
+    """Errors of the defaults, and which settings would be better."""
     cells = []
-    for claim, group, texts in ALTERNATIVES:
-        ratios = []
-        for name, scene in scenes.items():
-            alternative = point_of(scene, group, texts)
-            of_scene = [
-                f"{defaults[name][key] / alternative[key]:.2g}"
-                for key in WHAT
-                if alternative[key] is not None
-            ]
-            ratios.append("; ".join(of_scene))
-        cells.append((claim, f"{group}: {' or '.join(texts)}", *ratios))
-    lines += [
-        "",
+    for name, scene in scenes.items():
+        default = next(
+            point for point in scene["series"]["named settings"] if point["text"] == "default"
+        )
+        measures = [key for key in ("work", "shear", "loop") if default[key] is not None]
+        in_all = better(scene, default, measures)
+        in_w = [setting for setting in better(scene, default, ["work"]) if setting not in in_all]
+        shear = "–" if default["shear"] is None else f"{default['shear']:.1e}"
+        rivals = "; ".join(in_all)
+        if in_w:
+            rivals += f"{'; ' if rivals else ''}in W alone: {'; '.join(in_w)}"
+        cells.append(
+            (
+                name,
+                f"{default['seconds']:.1f}",
+                f"{default['work']:.1e}",
+                shear,
+                rivals or "none",
+            )
+        )
+    return [
         (
-            "What each default costs and buys, default over alternative (time; error of W; of q; of"
-            " the loop):"
+            "Errors on half-planes are against theory, on blocks against a finer model. Better: not"
+            f" slower nor less exact (by {SAME:.0%}) in W, q or ∮Q dU, and in time or one of them"
+            f" by {MARGIN:.0%}; errors of W below {SCATTER['work']:.0e} are equal. In brackets:"
+            " share of time."
         ),
         "",
+        *markdown("scene | time [s] | error of W | of q | better", cells),
     ]
-    return [*lines, *markdown(f"default | instead | {' | '.join(scenes)}", cells)]
 
 
 # ------------------------------------------------------------------------ beside an earlier version
@@ -350,44 +302,28 @@ def earlier() -> Found:
 
 
 def earlier_page(comparison: Found) -> list[str]:
-    front = []
+    """Times of both versions by scene, and their errors on the default edges."""
+    cells = []
     for name, runs in comparison["runs"].items():
-        for edge, of_versions in sorted(runs.items(), key=lambda run: int(run[0])):
-            earlier_run = of_versions["other"]
-            this_run = of_versions["this"]
-            times = (f"{run['seconds']:.2f}" for run in (earlier_run, this_run))
-            truth = comparison["truth"].get(name)
-            works = [
-                f"{abs(run['dissipation'] / truth - 1):.1e}" if truth else ""
-                for run in (earlier_run, this_run)
-            ]
-            shears = [
-                f"{run['shear']:.1e}" if "shear" in run else "" for run in (earlier_run, this_run)
-            ]
-            front.append(
-                (
-                    name,
-                    f"a/{edge}",
-                    *times,
-                    f"{earlier_run['seconds'] / this_run['seconds']:.2g}",
-                    *works,
-                    *shears,
-                )
-            )
+        ratios = [
+            of_versions["other"]["seconds"] / of_versions["this"]["seconds"]
+            for of_versions in runs.values()
+        ]
+        least, most = f"{min(ratios):.1f}", f"{max(ratios):.1f}"
+        faster = least if least == most else f"{least} to {most}"
+        truth = comparison["truth"].get(name)
+        default = [runs["160"][version_name] for version_name in ("other", "this")]
+        works = [f"{abs(run['dissipation'] / truth - 1):.0e}" for run in default if truth]
+        shears = [f"{run['shear']:.0e}" for run in default if "shear" in run]
+        errors = [", ".join(pair) or "–" for pair in (works, shears)]
+        cells.append((name, faster, *errors))
     return [
         (
-            f"The same scene by this version and by commit {comparison['other']}, a process each,"
-            " in turn, the least of two runs (one on a/320, a/640 and of the last two scenes), each"
-            " with its own default settings but for the element at the edges. Errors of W and q as"
-            " above; those of unlike bodies and of the roller, whose truth is not known, are left"
-            " out."
+            f"Beside commit {comparison['other']}, in turn, a/40 to a/640 at the edges. Errors on"
+            " a/160, that commit's first."
         ),
         "",
-        *markdown(
-            f"scene | edges | {comparison['other']} [s] | now [s] | times faster | error of W,"
-            f" {comparison['other']} | now | error of q, {comparison['other']} | now",
-            front,
-        ),
+        *markdown("scene | times faster | error of W | of q", cells),
     ]
 
 
@@ -408,10 +344,11 @@ def earlier_panels(comparison: Found) -> list[Panel]:
 
 # ------------------------------------------------------------ error against time: half-plane theory
 METHODS = {
-    "the engine's rule": ("engine", "the engine's rule (default)"),
-    "straight steps": ("best of straight steps", "memory curve, 50 to 3200 straight steps"),
-    "discretised": ("best of the naive peer", "naive discretised half-plane, 20 to 160 elements"),
+    "the engine's rule": ("engine's rule", "the engine's rule (default)"),
+    "straight steps": ("straight steps", "memory curve, 50 to 3200 straight steps"),
+    "discretised": ("naive", "naive discretised half-plane, 20 to 160 elements"),
 }
+TABULATED = ("the engine's rule", "discretised")  # straight steps are in the figure
 
 
 def theory_panels(cases: Found) -> list[Panel]:
@@ -428,23 +365,20 @@ def theory_page(cases: Found) -> list[str]:
     cells = []
     for title, methods in cases.items():
         row = [title]
-        for key in METHODS:
+        for key in TABULATED:
             best = min(methods[key], key=lambda point: point["error"], default=None)
             if best is None:
                 row += ["no answer", ""]
             else:
-                row += [f"{best['error']:.1e}", f"{1e3 * best['seconds']:.2g}"]
+                row += [f"{best['error']:.0e}", f"{1e3 * best['seconds']:.3g}"]
         cells.append(tuple(row))
     return [
         (
-            "One W of a steady cycle at a time, one thread, against 30 digits. The engine's rule"
-            " has no setting: it takes the nodes that it needs. The naive discretised half-plane is"
+            "One W of a steady cycle against 30 digits; naive: discretised half-plane,"
             " `semi_analytic/grid.py`."
         ),
         "",
-        *markdown(
-            f"case | {' | '.join(f'{words} | time [ms]' for words, _ in METHODS.values())}", cells
-        ),
+        *markdown(f"case | {' | '.join(f'{METHODS[key][0]} | ms' for key in TABULATED)}", cells),
     ]
 
 
@@ -519,41 +453,37 @@ class Kind(NamedTuple):
 
 
 KINDS = {
-    "path": Kind(
-        path_cost, 0, (40, 80, 160, 320), "contact nodes", "two revolutions, every touch met"
-    ),
+    "path": Kind(path_cost, 0, (40, 80, 160, 320), "contact nodes", "two revolutions"),
     "steps": Kind(
         lambda n: path_cost(40, n),
         2,
         (200, 400, 800, 1600),
         "increments",
-        "two revolutions on a/40",
+        "two revolutions, a/40",
     ),
-    "condensation": Kind(
-        condensation_cost, 0, (40, 80, 160, 320), "contact nodes", "condensation of a body"
-    ),
+    "condensation": Kind(condensation_cost, 0, (40, 80, 160, 320), "contact nodes", "condensation"),
     "bulk": Kind(
         lambda n: condensation_cost(80, 1 / n),
         2,
         (5, 10, 20, 33),
-        "bulk degrees of freedom",
-        "condensation of a body",
+        "bulk unknowns",
+        "condensation",
     ),
     "history": Kind(
         history_of,
         0,
         (1_000, 10_000, 100_000, 1_000_000),
-        "rows of a history",
-        "theory, W of every step",
+        "rows",
+        "theory, history",
     ),
     "batch": Kind(
-        batch_of, 0, (1_000, 10_000, 100_000, 1_000_000), "members of a batch", "theory, W of each"
+        batch_of, 0, (1_000, 10_000, 100_000, 1_000_000), "batch members", "theory, batch"
     ),
     "theory points": Kind(
-        partial(sweep_of, exact=True), 0, (25, 50, 100), "points of a sweep", "theory, one by one"
+        partial(sweep_of, exact=True), 0, (25, 50, 100), "sweep points", "theory, singly"
     ),
     "FE points": Kind(
-        partial(sweep_of, exact=False), 0, (2, 4, 8), "points of a sweep", "finite elements, coarse"
+        partial(sweep_of, exact=False), 0, (2, 4, 8), "sweep points", "finite elements, coarse"
     ),
 }
 
@@ -617,66 +547,39 @@ def growth_panels(stored_points: Found) -> list[Panel]:
 
 
 def growth_page(stored_points: Found) -> list[str]:
-    def exponents(points: list[dict[str, float]], key: str = "seconds") -> str:
-        return f"{exponent(points, key):.2f}; {exponent(points[-2:], key):.2f}"
+    def steepest(points: list[dict[str, float]], key: str = "seconds") -> float:
+        return max(exponent(points, key), exponent(points[-2:], key))
 
     cells = []
     steep = []
     for name, points in stored_points["growth"].items():
         kind = KINDS[name]
-        sizes = ", ".join(f"{point['size']:,.0f}" for point in points)
-        spent = ", ".join(f"{point['seconds']:.3g}" for point in points)
+        dearest = points[-1]
+        size = f"{dearest['size']:.0f} {kind.unit}"
+        spent = f"{dearest['seconds']:.3g}"
         cells.append(
-            (
-                kind.what,
-                kind.unit,
-                sizes,
-                spent,
-                exponents(points),
-                ", ".join(f"{p['memory']:.0f}" for p in points),
-            )
+            (kind.what, size, spent, f"{steepest(points):.2f}", f"{dearest['memory']:.0f}")
         )
         if name == "path":
-            each = ", ".join(f"{1e3 * p['each']:.2f} ms" for p in points)
-            cells.append(
-                ("one increment of them", kind.unit, sizes, each, exponents(points, "each"), "")
-            )
-        steep += [name] if max(exponent(points), exponent(points[-2:])) > MOST else []
-    names = list(next(iter(stored_points["stages"].values())))
-    stages = []
-    for scene, seconds_of in stored_points["stages"].items():
-        cells = [f"{seconds_of[name]:.2f}" for name in names]
-        stages.append((scene, *cells))
+            each = f"{dearest['each']:.2g}"
+            cells.append(("an increment", size, each, f"{steepest(points, 'each'):.2f}", "–"))
+        if steepest(points) > MOST:
+            steep.append(name)
+    share_of_path = [
+        seconds_of["load path"] / sum(seconds_of.values())
+        for seconds_of in stored_points["stages"].values()
+    ]
+    judgement = f"No exponent is above {MOST:g}."
+    if steep:
+        judgement = f"Steeper than {MOST:g}, as is promised: {', '.join(steep)}."
     return [
         (
-            "Each point in a process of its own, one run. The exponent is the slope of log(time)"
-            " over log(size), over all sizes, small ones with what a process does once, and between"
-            " the two largest; memory is the peak of the process beyond what its imports take."
-            " hertz-paper but where another scene is named."
+            "hertz-paper, the largest size. Exponent: slope of log(time) over log(size), of all"
+            f" sizes or the last two, whichever is larger. {judgement} The load path takes"
+            f" {min(share_of_path):.0%} to {max(share_of_path):.0%} of a run."
         ),
         "",
-        *markdown(
-            "cost of | by | sizes | CPU time [s] | exponent: all; last two | peak memory [MB]",
-            cells,
-        ),
-        "",
-        (
-            f"No exponent is above {MOST:g}."
-            if not steep
-            else f"Steeper than {MOST:g}, as is promised: {', '.join(steep)}."
-        ),
-        (
-            "The large case (1,000 contact nodes a side, 400 steps) has its time and memory on the"
-            " page of numbers."
-        ),
-        *(
-            "",
-            "### What dominates",
-            "",
-            "Wall seconds by stage, default mesh, every body condensed anew:",
-            "",
-        ),
-        *markdown(f"scene | {' | '.join(names)}", stages),
+        *markdown("cost of | size | time [s] | exponent | memory [MB]", cells),
     ]
 
 
@@ -727,22 +630,14 @@ def start() -> Found:
 
 def start_page(stored_times: Found) -> list[str]:
     cells = [
-        (name, f"{min(times):.2f}", f"{statistics.median(times):.2f}", f"{max(times):.2f}")
-        for name, times in stored_times["seconds"].items()
+        (name, f"{statistics.median(times):.2f}") for name, times in stored_times["seconds"].items()
     ]
-    largest = ", ".join(
-        f"{name} {size / 1e6:.0f}" for name, size in stored_times["largest"].items()
-    )
     return [
-        "CPU time of a process from its start to its end, 5 runs after one to warm up:",
-        "",
-        *markdown("process | least [s] | median [s] | most [s]", cells),
+        *markdown("process | median [s]", cells),
         "",
         (
-            f"The wheel has {stored_times['wheel'] / 1e6:.2f} MB. The environment that `make` sets"
-            " up, tests, linters, browser and pages included, has"
-            f" {stored_times['environment'] / 1e9:.2f} GB on disk; the largest of it [MB]:"
-            f" {largest}."
+            f"The wheel has {stored_times['wheel'] / 1e6:.2f} MB, the environment of `make`"
+            f" {stored_times['environment'] / 1e9:.2f} GB."
         ),
     ]
 
@@ -761,46 +656,46 @@ class Section(NamedTuple):
 
 SECTIONS = {
     "precision": Section(
-        "Error against time: finite elements",
+        "Finite elements",
         precision,
         precision_page,
         (
             "precision_fe",
             precision_panels,
-            "Error of the finite elements over CPU time, four scenes",
+            "Error over time",
         ),
     ),
     "earlier": Section(
-        "Error against time: beside an earlier version",
+        "Earlier version",
         earlier,
         earlier_page,
         (
             "earlier",
             earlier_panels,
-            "Error of W over CPU time by two versions of the finite elements, four scenes",
+            "Error over time",
         ),
     ),
     "half-plane": Section(
-        "Error against time: half-plane theory",
+        "Half-plane theory",
         lambda: {title: half_plane.study(case) for title, case in half_plane.CASES.items()},
         theory_page,
         (
             "precision_half_plane",
             theory_panels,
-            "Error of W over CPU time, theory and the naive peer, five cases",
+            "Error over time",
         ),
     ),
     "peers": Section(
         peers.TITLE,
         peers.measure,
         peers.page,
-        ("peers", peers.panels, "Error of the codes over CPU time"),
+        ("peers", peers.panels, "Error over time"),
     ),
     "growth": Section(
         "Growth of the cost",
         growth,
         growth_page,
-        ("growth", growth_panels, "CPU time and peak memory over size"),
+        ("growth", growth_panels, "Time and memory over size"),
     ),
     "start": Section("Start-up and size", start, start_page),
     "speed": Section(speed.TITLE, lambda: speed.measure(Path(EARLIER)), speed.page),
@@ -890,24 +785,14 @@ def page_text() -> str:
         "# Performance",
         "",
         (
-            "Error against time, other codes, growth of the cost, and start-up. Written by `make"
-            " bench` and by nothing else; the numbers behind every table and figure are in"
-            " `docs/performance/*.json`. Times are CPU times of one thread unless they say"
-            " otherwise, with everything in them: the coarse run, mesh, condensation, every"
-            " increment; every body condensed anew. They vary by some ten per cent, on a busy"
-            " machine by more: ratios within one run count."
+            "Written by `make bench`. Each JSON has every row measured, machine, load and versions."
+            " CPU times of one thread, nothing cached, vary by ten per cent, on a busy machine by"
+            " more; ratios within one run count."
         ),
     ]
     for name, section in _measured_ones().items():
         origin, measured_values = stored(FOLDER / f"{name}.json").values()
-        versions = ", ".join(
-            f"{package} {number}" for package, number in origin["versions"].items()
-        )
-        words = (
-            f"*Measured {origin['date']} on {origin['cores']} cores, {origin['processor']}; load"
-            f" {origin['load before']} before and {origin['load after']} after,"
-            f" {origin['seconds']['wall']} s in all; {versions}.*"
-        )
+        words = f"*[{name}.json](performance/{name}.json), {origin['date']}.*"
         figure = (
             ["", f"![{section.figure[2]}](performance/{section.figure[0]}.svg)"]
             if section.figure

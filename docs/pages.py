@@ -255,11 +255,18 @@ def between(text: str, words: str, lines: Iterable[str]) -> str:
 
 
 def table(head: str, rows: Iterable[Iterable[str]], wide: bool = True) -> Iterator[str]:
-    """A table; a wide one keeps its numbers whole, and scrolls in a box of its own on a phone."""
+    """A table; a wide one keeps its numbers whole, and scrolls in a box of its own on a phone.
+
+    A row that has not as many cells as the head is a `ValueError`.
+    """
+    columns = head.count(" | ") + 1
     yield from ('<div class="wide">', "") if wide else ()
-    yield from (f"| {head} |", "|" + "---|" * (head.count(" | ") + 1))
+    yield from (f"| {head} |", "|" + "---|" * columns)
     for row in rows:
-        line = f"| {' | '.join(row)} |"
+        cells = list(row)
+        if isinstance(row, str) or len(cells) != columns:
+            raise ValueError(f"a row of {columns} cells ({head}) is not {row!r}")
+        line = f"| {' | '.join(cells)} |"
         yield line.replace(" %", "\u00a0%") if wide else line
     yield from ("", "</div>") if wide else ()
 

@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 
 import semi_analytic
+from reports.charts.templating import markdown_table
 from reports.comparison.budget import Budget, Term
 from reports.comparison.metrics import METRICS
 from reports.page.writing import code_commit
@@ -436,14 +437,24 @@ def test_the_page_of_numbers_is_what_was_measured_and_a_row_changed_by_hand_or_m
     )
 
 
-def test_the_pages_of_stress_and_calculix_have_their_cases(tool: Tool) -> None:
+def test_the_page_of_stress_has_its_cases_and_its_table_every_note(tool: Tool) -> None:
     stress = tool("stress")
-    third = tool("third")
     outcomes = json.loads(stress.STORE.read_text("utf-8"))
     assert set(outcomes) == set(stress.cases())
-    assert stress.PAGE.read_text("utf-8") == stress.page(
-        {name: stress.Outcome(**row) for name, row in outcomes.items()}
-    )
+    judged = {name: stress.Outcome(**row) for name, row in outcomes.items()}
+    assert stress.PAGE.read_text("utf-8") == stress.page(judged)
+    table = stress.TABLE.read_text("utf-8")
+    assert table == stress.table_of_trials(judged)
+    sentences = [note for one in judged.values() for note in one.told + one.refused]
+    assert len(sentences) > 20
+    assert all(sentence in table.replace('""', '"') for sentence in sentences)
+    judged["Finite elements: friction"].broken.append("f = 1: wrong, silent: W 0.2")
+    assert "| **broken** |" in stress.page(judged)
+    assert "wrong, silent: W 0.2" in stress.table_of_trials(judged)
+
+
+def test_the_page_of_calculix_has_its_cases(tool: Tool) -> None:
+    third = tool("third")
     stored = json.loads(third.STORED.read_text("utf-8"))
     assert set(stored) == set(third.CASES)
     assert all(
@@ -485,6 +496,26 @@ def test_lines_by_hand_are_counted_in_each_code_and_the_page_says_what_its_files
     }
     assert (counts["tamaas"], counts["contactmechanics"]) == (10, 7)
     assert performance.PAGE.read_text(encoding="utf-8") == performance.page_text()
+
+
+def test_a_row_of_a_table_is_cells_as_many_as_its_head_has(tool: Tool) -> None:
+    """A text in the place of a row would be printed letter by letter."""
+    markdown = tool("claims").markdown
+    assert markdown("a | b", [("0.2", "x")])[-1] == "| 0.2 | x |"
+    for row in ("0.21", "ab", ("0.2",), ("0.2", "x", "y")):
+        with pytest.raises(ValueError, match="a row of 2 cells"):
+            markdown("a | b", [("0.1", "w"), row])
+        with pytest.raises(ValueError, match="a row of 2 cells"):
+            markdown_table(("a", "b"), [("0.1", "w"), row])
+
+
+def test_each_cost_that_grows_has_its_row_on_the_page_of_performance(tool: Tool) -> None:
+    performance = tool("performance")
+    stored = json.loads((performance.FOLDER / "growth.json").read_text("utf-8"))["found"]
+    rows = [line for line in performance.growth_page(stored) if line.startswith("| ")]
+    assert len(rows) == 1 + len(performance.KINDS) + 1  # the head, and an increment of the path
+    for kind in performance.KINDS.values():
+        assert any(line.startswith(f"| {kind.what} |") and kind.unit in line for line in rows)
 
 
 # --------------------------------------------------- records in the files that instruments write

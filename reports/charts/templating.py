@@ -260,7 +260,7 @@ def _number_cell(value: Any) -> str:
 
 
 def markdown_table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A table in Markdown.
+    """A table in Markdown; a row that has not as many cells as heads is a `ValueError`.
 
     >>> print(markdown_table(("x", "|q|"), [("0", "1")]))
     | x | \\|q\\| |
@@ -270,6 +270,8 @@ def markdown_table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     lines = [heads, ["---"] * len(heads), *rows]
     rows_of_text = []
     for line in lines:
+        if isinstance(line, str) or len(line) != len(heads):
+            raise ValueError(f"a row of {len(heads)} cells ({', '.join(heads)}) is not {line!r}")
         cells = [cell.replace("|", "\\|") for cell in line]
         rows_of_text.append(f"| {' | '.join(cells)} |")
     return "\n".join(rows_of_text)
