@@ -11,6 +11,16 @@ is the upper one minus the lower one. That is all that bodies with flat faces ar
 their size, for unlike materials (Dundurs' beta not 0) as well. One pair of condensed half-planes
 serves all bodies of these materials.
 
+On curved faces, arcs of pads and cylinders, kernels and forces are along x and y. The contact acts
+along the normal n of the middle line of both faces, so that with all of N, T, K, constants too::
+
+    N' = n_y N n_y + n_x T n_x + n_x K n_y + n_y K^T n_x
+    T' = n_y T n_y + n_x N n_x - n_y K n_x - n_x K^T n_y
+    K' = n_y K n_y - n_x K^T n_x + n_y T n_x - n_x N n_y
+
+n at the place of the displacement stands left, at that of the force right. The gap is the distance
+of the faces along n.
+
 Contact solver, increments and elements of half-planes are those of the finite elements: a
 comparison with them checks the kernels, not the solver.
 """
@@ -34,8 +44,19 @@ from halfplane_fe.remainder import (
 )
 from halfplane_fe.supports import shapes_alike
 from meshes import MeshSettings, SurfaceGrading, build
-from scenes import HalfPlane, Scene, freeze
+from scenes import (
+    Cylinder,
+    HalfPlane,
+    InputError,
+    Pad,
+    Profile,
+    Scene,
+    Shape,
+    ShoulderedPad,
+    freeze,
+)
 from scenes.array_types import Array
+from scenes.bodies import Face, face_of
 
 # Largest degree of the polynomials in x and s together, and places of forces at x >= 0; those at x
 # < 0 would repeat them as mirror images.
@@ -123,24 +144,33 @@ class BodyKernels:
     coarse: FaceKernels
 
 
+_FLAT = Face(np.zeros_like, flat=True)
+
+
 @dataclass(frozen=True, eq=False)
 class KernelPair:
-    """What finite bodies add to two half-planes; None of a body that is a half-plane."""
+    """What finite bodies add to two half-planes; None of a body that is a half-plane. Faces of
+    lower and upper body.
+    """
 
     lower: BodyKernels | None
     upper: BodyKernels | None
+    faces: tuple[Face, Face] = (_FLAT, _FLAT)
 
     def added_to(self, faces: Interface) -> Interface:
         """The faces of half-planes with what the bodies add."""
         normal, tangential, coupling = self.sums(faces.x, "fine")
         if faces.coupling is not None:
             coupling = coupling + faces.coupling
-        return replace(
+        with_bodies = replace(
             faces,
             normal=freeze(faces.normal + normal),
             tangential=freeze(faces.tangential + tangential),
             coupling=freeze(coupling) if coupling.any() else None,
         )
+        if self.faces[0].flat and self.faces[1].flat:
+            return with_bodies
+        return _on_middle_line(with_bodies, *self.faces)
 
     def share_of_work(self, x: Array, modulus: float) -> float:
         """About what share of the dissipation the difference of both meshes may be; constants move
@@ -167,18 +197,67 @@ class KernelPair:
         return normal, tangential, coupling
 
 
+def _on_middle_line(pair: Interface, lower: Face, upper: Face) -> Interface:
+    """Compliances along x and y turned to normal and tangent of the middle line of curved faces."""
+    x = pair.x
+    depth_of_lower = lower.depth(x)
+    depth_of_upper = upper.depth(x)
+    slope = np.gradient((depth_of_upper - depth_of_lower) / 2, x, edge_order=2)
+    n_y = 1 / np.sqrt(1 + slope**2)
+    n_x = -slope * n_y
+    x_x = np.multiply.outer(n_x, n_x)
+    x_y = np.multiply.outer(n_x, n_y)
+    y_x = x_y.T
+    y_y = np.multiply.outer(n_y, n_y)
+    along_y = pair.normal
+    along_x = pair.tangential
+    cross = np.zeros_like(along_x) if pair.coupling is None else pair.coupling
+    normal = y_y * along_y + x_x * along_x + x_y * cross + y_x * cross.T
+    tangential = y_y * along_x + x_x * along_y - y_x * cross - x_y * cross.T
+    coupling = y_y * cross - x_x * cross.T + y_x * along_x - x_y * along_y
+    return replace(
+        pair,
+        weights=freeze(pair.weights / n_y),
+        normals=freeze(np.stack([n_x, n_y])),
+        gap=freeze((depth_of_lower + depth_of_upper) * n_y),
+        normal=freeze(normal),
+        tangential=freeze(tangential),
+        coupling=freeze(coupling) if coupling.any() else None,
+    )
+
+
 def check_kernels(scene: Scene) -> None:
     """Refuse what the kernels do not cover.
 
     Raises
     ------
     InputError
-        For bodies and loads that `body_effects` refuses.
+        For bodies and loads that `body_effects` refuses, but for pads and cylinders that are arcs
+        from the middle on.
     """
     for name in ("lower", "upper"):
         shape = getattr(scene.bodies, name)
-        if not isinstance(shape, HalfPlane):
-            require_flat(name, shape, scene)
+        if isinstance(shape, HalfPlane) or is_arc(shape, scene.profile):
+            continue
+        if isinstance(shape, Pad | ShoulderedPad):
+            raise InputError(
+                f"bodies.{name}: kernels are known of flat faces and of arcs, and the face of this"
+                f" {shape.kind} is neither: solve the scene with finite elements"
+            )
+        require_flat(name, shape, scene)
+    if scene.bodies.faces_are_true and scene.load.has_bulk_or_tilt:
+        raise InputError(
+            "load: kernels of curved faces take P and Q alone, no bulk stress, tilt or moment:"
+            " solve the scene with finite elements"
+        )
+
+
+def is_arc(shape: Shape, profile: Profile) -> bool:
+    """Whether the face of a body is an arc from its middle on."""
+    if not isinstance(shape, Cylinder | Pad):
+        return False
+    arc = face_of(shape, profile).arc
+    return arc is not None and arc[0] == 0
 
 
 def kernel_pair(scene: Scene, reach: float, datum_length: float, work: Counter[str]) -> KernelPair:
@@ -189,7 +268,10 @@ def kernel_pair(scene: Scene, reach: float, datum_length: float, work: Counter[s
             bodies[name] = bodies["lower"]
             continue
         bodies[name] = _kernels_in(scene, name, reach, datum_length, work)
-    return KernelPair(bodies["lower"], bodies["upper"])
+    lower_face, upper_face = (
+        face_of(getattr(scene.bodies, name), scene.profile) for name in ("lower", "upper")
+    )
+    return KernelPair(bodies["lower"], bodies["upper"], (lower_face, upper_face))
 
 
 def _kernels_in(

@@ -21,6 +21,16 @@ line is x = 0, as all bodies of scenes have, has near x = s = 0
            + ...       k_tt likewise
     k_tn = e x - a s + ...
 
+On a curved face the same solve holds, with the half-plane of the force below a horizontal line
+through the true place of it. t_F is not 0 on the face then, but bounded: -(F e_r) kappa/pi at the
+force on an arc of curvature kappa. The kernels count from Flamant's field on the flat face, so that
+what the slope m = dy/dx of the chord from s to x makes of it is added::
+
+    ln r          + ln(1 + m^2)/2           x z/r^2       - m/(1 + m^2)
+    z^2/r^2       + m^2/(1 + m^2)           theta         + arctan m
+
+Directions stay those of the frame: x and y, not the tangent.
+
 What c_n and c_t are depends on the datum length L of the half-plane: u_F counts from no movement of
 the surface at the distance L from the force, along the force.
 
@@ -32,7 +42,7 @@ Source of u_F and t_F: Johnson, Contact Mechanics (1985), sections 2.2 and 2.3, 
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal, NamedTuple
@@ -125,7 +135,7 @@ class RemainderKernels(NamedTuple):
 def remainder_kernels(
     body: BodyMesh, material: Elastic, forces_at: Array, datum_length: float
 ) -> RemainderKernels:
-    """The kernels of a body with a flat face, by one factorisation of its stiffness.
+    """The kernels of a body, by one factorisation of its stiffness.
 
     Parameters
     ----------
@@ -135,7 +145,8 @@ def remainder_kernels(
     material
         of the body
     forces_at
-        (m,) places of the forces on the face y = 0, each a node of "contact" [length]
+        (m,) places of the forces on the face [length]; on a curved one the nodes of "contact" next
+        to them
     datum_length
         L, distance from a force at which a half-plane's surface counts as unmoved [length]
 
@@ -148,45 +159,108 @@ def remainder_kernels(
     n_dofs = len(system.node)
     held = system.held
     free = np.setdiff1d(np.arange(n_dofs), held)
-    forced = np.zeros((n_dofs, 2 * len(forces_at)))
-    forced[: 2 * body.mesh.p.shape[1]] = -_tractions(system, forces_at)
+    x, y = body.mesh.p[:, system.node[system.contact[0]]]
+    forces = _SurfaceForces(forces_at, np.zeros(len(forces_at)))
+    if y.any():
+        nodes = np.abs(x[:, None] - forces_at).argmin(axis=0)
+        forces = _SurfaceForces(x[nodes], y[nodes])
+    n_forces = len(forces_at)
+    forced = np.zeros((n_dofs, 2 * n_forces))
+    forced[: 2 * body.mesh.p.shape[1]] = -_tractions(system, forces)
     displacements = np.zeros_like(forced)
-    displacements[held] = -_support_displacements(system, forces_at, datum_length)
+    displacements[held] = -_support_displacements(system, forces, datum_length)
     forced -= system.stiffness[:, held] @ displacements[held]
     factors = factorise(system.stiffness[free][:, free].tocsc())
     displacements[free] = factors.solve(forced[free])
-    along_x, outward = displacements[system.contact].reshape(2, -1, 2, len(forces_at))
-    return RemainderKernels(
-        x=body.mesh.p[0, system.node[system.contact[0]]],
-        forces_at=forces_at,
+    along_x, outward = displacements[system.contact].reshape(2, -1, 2, n_forces)
+    kernels = RemainderKernels(
+        x=x,
+        forces_at=forces.x,
         normal=outward[:, 1],  # a pull moves the face out as far as a push moves it in
         tangential=along_x[:, 0],
         along_by_pressure=-along_x[:, 1],
         outward_by_shear=outward[:, 0],
         unknowns=len(free),
     )
+    return _with_slopes(kernels, y, forces.y, material) if y.any() else kernels
 
 
-def _tractions(system: System, forces_at: Array) -> Array:
-    """(n_u, 2 m) work of Flamant's tractions on the outline but for the face, per displacement of
-    each node; columns: m forces along x, then m along y.
+class _SurfaceForces(NamedTuple):
+    """Places of forces on the face, (m,) each."""
+
+    x: Array
+    y: Array
+
+
+def _of_forces(
+    field: Callable[[Array, Array, Array], Array], x: Array, y: Array, forces: _SurfaceForces
+) -> Array:
+    """(2, n, 2, m) a field of half-planes, each below its force, at points (n,)."""
+    if not forces.y.any():
+        return field(x, y, forces.x)
+    of_each = [
+        field(x, y - height, np.array([place]))
+        for place, height in zip(forces.x, forces.y, strict=True)
+    ]
+    return np.concatenate(of_each, axis=-1)
+
+
+def _with_slopes(
+    kernels: RemainderKernels, y: Array, heights: Array, material: Elastic
+) -> RemainderKernels:
+    """The kernels with Flamant's field on the curved face minus that on the flat one.
+
+    Parameters
+    ----------
+    y, heights
+        (n,), (m,) of the face at the places and at the forces [length]
+    """
+    away = kernels.x[:, None] - kernels.forces_at
+    at_force = away == 0
+    chord = (y[:, None] - heights) / np.where(at_force, 1.0, away)
+    tangent = np.gradient(y, kernels.x, edge_order=2)
+    slope = np.where(at_force, tangent[:, None], chord)
+    # notation: c = 1/(2 pi G), k = 1 - 2 nu, as in `far_field`
+    c = (1 + material.poisson_ratio) / (np.pi * material.young_modulus)
+    k = 1 - 2 * material.poisson_ratio
+    logarithm = (1 + k) * np.log1p(slope**2) / 2
+    depth = slope**2 / (1 + slope**2)
+    cross = slope / (1 + slope**2)
+    turn = k * np.arctan(slope)
+    return kernels._replace(
+        normal=kernels.normal - c * (logarithm - depth),
+        tangential=kernels.tangential - c * (logarithm + depth),
+        along_by_pressure=kernels.along_by_pressure - c * (cross + turn),
+        outward_by_shear=kernels.outward_by_shear + c * (cross - turn),
+    )
+
+
+def _tractions(system: System, forces: _SurfaceForces) -> Array:
+    """(n_u, 2 m) work of Flamant's tractions on the outline, per displacement of each node;
+    columns: m forces along x, then m along y. On a flat face there are none.
 
     What supports hold takes no part: these rows are not solved for.
     """
     mesh = system.mesh
+    free_of_traction = () if forces.y.any() else ("contact", "free")
     facets = np.concatenate(
-        [of_side for name, of_side in mesh.boundaries.items() if name not in ("contact", "free")]
+        [of_side for name, of_side in mesh.boundaries.items() if name not in free_of_traction]
     )
-    elements = curve_elements(mesh.p, _outline_nodes(mesh, facets), _POINTS)
+    # an even number: of an odd one the middle point is the node in the middle, where a force may be
+    n_points = _POINTS + 1 if forces.y.any() else _POINTS
+    elements = curve_elements(mesh.p, _outline_nodes(mesh, facets), n_points)
     along_x, along_y = elements.tangents
     normal = np.stack([along_y.ravel(), -along_x.ravel()])  # outward, times the length
     x, y = elements.places.reshape(2, -1)
-    tractions = surface_force_traction(x, y, normal, forces_at)
-    tractions = tractions.reshape(2, *along_x.shape, 2 * len(forces_at))
-    work = np.zeros((mesh.p.shape[1], 2, 2 * len(forces_at)))
+
+    def traction(at_x: Array, at_y: Array, force_at: Array) -> Array:
+        return surface_force_traction(at_x, at_y, normal, force_at)
+
+    tractions = _of_forces(traction, x, y, forces).reshape(2, *along_x.shape, -1)
+    work = np.zeros((mesh.p.shape[1], 2, tractions.shape[-1]))
     for nodes, shape in zip(elements.nodes.T, elements.shapes, strict=True):
         np.add.at(work, nodes, np.einsum("g,degm->edm", shape, tractions))
-    return work.reshape(-1, 2 * len(forces_at))
+    return work.reshape(-1, tractions.shape[-1])
 
 
 def _outline_nodes(mesh: skfem.Mesh, facets: Indices) -> Indices:
@@ -201,17 +275,20 @@ def _outline_nodes(mesh: skfem.Mesh, facets: Indices) -> Indices:
     return np.stack([first, mesh.nvertices + facets, last], axis=1).astype(np.int64)
 
 
-def _support_displacements(system: System, forces_at: Array, datum_length: float) -> Array:
+def _support_displacements(system: System, forces: _SurfaceForces, datum_length: float) -> Array:
     """(n_held, 2 m) Flamant's displacement of each held degree of freedom, columns as of
     `_tractions` [1 / stress].
     """
-    x, y = system.mesh.p[:, system.node[system.held]]
     material = system.material
-    displacements = surface_force_displacement(
-        x, y, forces_at, material.young_modulus, material.poisson_ratio, datum_length
-    )
+
+    def displacement(at_x: Array, at_y: Array, force_at: Array) -> Array:
+        return surface_force_displacement(
+            at_x, at_y, force_at, material.young_modulus, material.poisson_ratio, datum_length
+        )
+
+    x, y = system.mesh.p[:, system.node[system.held]]
     component = system.held % 2
-    of_held = displacements[component, np.arange(len(x))]
+    of_held = _of_forces(displacement, x, y, forces)[component, np.arange(len(x))]
     return of_held.reshape(len(x), -1)
 
 
@@ -432,7 +509,8 @@ def require_flat(name: str, shape: Shape, scene: Scene) -> None:
     if not isinstance(shape, Block | TShape):
         raise InputError(
             f"bodies.{name}: body effects are known for flat faces, and that of a {shape.kind} is"
-            " curved; take a block or a t_shape, or solve the scene with finite elements"
+            " curved; take a block or a t_shape, or solve the scene with finite elements or, for an"
+            ' arc, `solve(scene, bodies="kernel")`'
         )
     if isinstance(shape, Block) and shape.base == "rollers" and shape.sides == "free":
         raise InputError(

@@ -347,6 +347,8 @@ def split(comparison: JudgedPair, budget: ErrorBudget | None) -> Why:
     try:
         if coupled(comparison.scene):
             parts = _parts_of_unlike(comparison)
+        elif comparison.scene.bodies.faces_are_true:
+            parts = _parts_of_curved(comparison)
         else:
             advice = advise(comparison.scene, effects=comparison.effects)
             parts = _parts_of_alike(advice, comparison)
@@ -371,6 +373,22 @@ def _parts_of_alike(advice: Advice, comparison: JudgedPair) -> dict[str, Estimat
     beyond_numbers = by_kernels.value / theory_work - 1 - by_numbers
     parts[HIGHER_ORDERS] = Estimate(beyond_numbers, by_kernels.uncertainty / theory_work)
     return parts
+
+
+def _parts_of_curved(comparison: JudgedPair) -> dict[str, Estimate]:
+    """What the kernel solve of bodies with curved faces makes of theory, in one part.
+
+    Raises
+    ------
+    InputError
+        For bodies that have no kernels, before anything is solved.
+    """
+    import semi_analytic
+
+    by_kernels = _work_by_kernels(comparison)
+    theory_work = semi_analytic.solve(comparison.scene, fields=WORK).dissipation
+    change = by_kernels.value / theory_work - 1
+    return {FINITE_BODIES: Estimate(change, by_kernels.uncertainty / theory_work)}
 
 
 def _parts_of_unlike(comparison: JudgedPair) -> dict[str, Estimate]:

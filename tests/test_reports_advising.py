@@ -96,9 +96,12 @@ def test_no_main_cause_is_named_where_the_parts_do_not_explain_the_difference(
 
 
 def test_what_the_numbers_do_not_cover_is_not_split_and_says_why() -> None:
-    why = split(run_of(load_scene("pad-on-block"), -0.1, 1e-3), None)
+    pad = load_scene("flat-pad-on-block").vary(material=load_scene("blocks").material)
+    run = run_of(pad, -0.1, 1e-3)
+    run.result = SimpleNamespace(settings={"mesh": asdict(MeshSettings())})
+    why = split(run, None)
     assert why.steps == []
-    assert "curved" in why.sentence
+    assert "the face of this pad is neither" in why.sentence
     assert why.content()["main_cause"] is None
 
 
@@ -149,6 +152,23 @@ def test_coupling_of_unlike_bodies_and_what_kernels_find_are_parts(
     assert why.parts["coupling"] == pytest.approx((-0.05, 1e-3))
     assert why.parts["finite bodies"] == pytest.approx((-0.05, 2e-3))
     assert why.left == pytest.approx((-0.003, 3.5e-3))
+
+
+def test_of_arcs_what_kernels_find_is_one_part(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Kernels stand for 0.94 of theory's W."""
+    scene = load_scene("pad-on-block")
+    work = semi_analytic.solve(scene, fields=WORK).dissipation
+
+    def solve(asked_for: Scene, *_: Any, bodies: str) -> SimpleNamespace:
+        assert (asked_for, bodies) == (scene, "kernel")
+        return SimpleNamespace(dissipation=0.94 * work, dissipation_uncertainty=1e-3 * work)
+
+    monkeypatch.setattr(halfplane_fe, "solve", solve)
+    run = run_of(scene, -0.0598, 5e-4)
+    run.result = SimpleNamespace(settings={"mesh": asdict(MeshSettings())})
+    why = split(run, None)
+    assert why.parts == {"finite bodies": pytest.approx((-0.06, 1e-3))}
+    assert why.left == pytest.approx((2e-4, 1.5e-3))
 
 
 @pytest.mark.slow
