@@ -154,20 +154,22 @@ def clenshaw(coefficients: Array, number: NDArray[np.intp], t: Array) -> Array:
     return total.reshape(np.shape(t))
 
 
-def difference(coefficients: Array, t: Array, t_before: Array) -> Array:
+def difference(coefficients: Array, t: Any, t_before: Any) -> Any:
     """(sum c_k T_k(t) - sum c_k T_k(since)) / (t - since), free of cancellation; coefficients (n,),
-    shape of t.
+    shape of t. Of two floats a float, in a tenth of the time.
 
     >>> float(difference(np.array([0.0, 0.0, 1.0]), np.array(0.3), np.array(0.3)))  # T_2' = 4 t
     1.2
     """
     # Divided differences D_k of T_(k+1) = 2 t T_k - T_(k-1); `value` is T_k(since).
-    difference_before = np.zeros_like(t + t_before)
-    difference_now = np.ones_like(t + t_before)
-    value_before = np.ones_like(difference_now)
-    value = t_before * difference_now
-    total = np.zeros_like(difference_now)
-    for coefficient in coefficients[1:]:
+    both = t + t_before
+    one = 1.0 if isinstance(both, float) else np.ones_like(both)
+    difference_before = 0.0 * one
+    difference_now = one
+    value_before = one
+    value = t_before * one
+    total = 0.0 * one
+    for coefficient in coefficients[1:].tolist():
         total = total + coefficient * difference_now
         next_difference = 2 * (t * difference_now + value) - difference_before
         next_value = 2 * t_before * value - value_before

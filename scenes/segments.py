@@ -662,8 +662,8 @@ class ChebyshevSegment(LoadSegment):
     def most_turns(self) -> int:
         return max(len(self.normal), len(self.tangential), 2) - 2
 
-    def _unit(self, time: ArrayLike) -> Array:
-        t = np.asarray(time, dtype=float)
+    def _unit(self, time: ArrayLike) -> Any:
+        t = _float_or_array(time)
         return ((t - self.start) - (self.end - t)) / (self.end - self.start)
 
     @cached_property
@@ -697,31 +697,31 @@ class ChebyshevSegment(LoadSegment):
         return p, q
 
     def rate_of(self, combination: Combination, time: ArrayLike) -> Array:
+        _, slope = self._series_of(combination)
         return np.asarray(
-            chebyshev.chebval(self._unit(time), self._slope(combination))
-            * (2 / (self.end - self.start))
+            chebyshev.chebval(self._unit(time), slope) * (2 / (self.end - self.start))
         )
 
-    def _slope(self, combination: Combination) -> Array:
-        """Series of the derivative by u."""
-        known_slopes = self._known_slopes
-        if combination not in known_slopes:
+    def _series_of(self, combination: Combination) -> tuple[Array, Array]:
+        """Series of a combination, and that of its derivative by u."""
+        known_series = self._known_series
+        if combination not in known_series:
             series = np.array(combination) @ self._series
-            known_slopes[combination] = np.asarray(chebyshev.chebder(series))
-        return known_slopes[combination]
+            known_series[combination] = series, np.asarray(chebyshev.chebder(series))
+        return known_series[combination]
 
     @cached_property
-    def _known_slopes(self) -> dict[Combination, Array]:
-        """`_slope` by its combination, as far as it was asked for."""
+    def _known_series(self) -> dict[Combination, tuple[Array, Array]]:
+        """`_series_of` by its combination, as far as it was asked for."""
         return {}
 
     def change_of(self, combination: Combination, time: ArrayLike, time_before: ArrayLike) -> Array:
-        t = np.asarray(time, dtype=float)
-        t0 = np.asarray(time_before, dtype=float)
+        t = _float_or_array(time)
+        t0 = _float_or_array(time_before)
+        series, _ = self._series_of(combination)
         step = 2 * (t - t0) / (self.end - self.start)
-        return (
-            difference(np.array(combination) @ self._series, self._unit(t), self._unit(t0)) * step
-        )
+        change: Array = np.multiply(difference(series, self._unit(t), self._unit(t0)), step)
+        return change
 
     def companion_of(self, combination: Combination) -> ChebyshevSegment:
         return ChebyshevSegment(
@@ -738,7 +738,7 @@ class ChebyshevSegment(LoadSegment):
         >>> segment.turning_points(NORMAL_LOAD)
         [2.0]
         """
-        slope = self._slope(combination)
+        _, slope = self._series_of(combination)
         size = float(np.abs(combination) @ np.max(np.abs(self._series), axis=1))
         significant_orders = np.flatnonzero(np.abs(slope) > _ROUNDING * size)
         if not len(significant_orders) or significant_orders[-1] == 0:
