@@ -69,6 +69,7 @@ def made(examples: Paper | None = None) -> dict[str, str]:
         ),
         "maps.md": between(written["maps.md"], "the bound", bound_table()),
         "metrics.md": between(written["metrics.md"], "the metrics", markdown().splitlines()),
+        "json.md": between(written["json.md"], "the keys", keys_of_answers()),
         "scene-keys.md": reference.page(written["scene-keys.md"]),
         "architecture.svg": architecture.svg(ROOT / "pyproject.toml"),
         "architecture.md": with_maps(written["architecture.md"]),
@@ -83,6 +84,24 @@ def made(examples: Paper | None = None) -> dict[str, str]:
         for name, text in with_numbers.items()
         if name in generated or quoting.NUMBER.search(text)
     }
+
+
+def keys_of_answers() -> Iterator[str]:
+    """The keys that `result` has at least, by command, from the schema of answers."""
+    path = ROOT / "reports" / "templates" / "answer.schema.json"
+    schema = json.loads(path.read_text(encoding="utf-8"))
+    commands_of: dict[tuple[str, ...], list[str]] = {}
+    for rule in schema["allOf"]:
+        result = rule["then"]["properties"]["result"]
+        table = result["anyOf"][1] if "anyOf" in result else result
+        if "$ref" in table:
+            table = schema["$defs"][table["$ref"].removeprefix("#/$defs/")]
+        command = rule["if"]["properties"]["command"]["const"]
+        commands_of.setdefault(tuple(table["required"]), []).append(command)
+    yield from ("| command | keys of `result` |", "|---|---|")
+    for keys, commands in commands_of.items():
+        cells = (", ".join(f"`{word}`" for word in words) for words in (commands, keys))
+        yield f"| {' | '.join(cells)} |"
 
 
 def without_rounding(text: str) -> str:

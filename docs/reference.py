@@ -79,6 +79,10 @@ COLUMNS = {
     "approach": "approach",
     "x": "x",
     "h": "height",
+    "pressure": "pressure",
+    "shear": "shear",
+    "slip": "slip",
+    "frame": "frame",
 }
 Row = tuple[str, str, Mapping[str, Any]]  # kind, key, the model that has it
 

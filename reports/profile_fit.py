@@ -42,6 +42,8 @@ _SPLINE = 1.25
 # Residuals over the range of h below which they are round-off error of the fit, which has a pattern
 # of its own.
 _ROUND_OFF = 1e-9
+# Rows that stand out, in a sentence.
+_SPIKES_SHOWN = 5
 
 
 @dataclass(frozen=True)
@@ -203,7 +205,7 @@ def _noise(
     """Noise (n,) of another measurement over that of the fit, with the pattern of the residuals
     moved along x.
     """
-    noise = random.standard_normal(len(fit.rows) - fit.left_out)
+    noise = random.standard_normal(len(fit.used_rows()))
     if pattern is None:
         return noise
     shifted_pattern = np.roll(pattern, random.integers(len(pattern)))[:: random.choice([-1, 1])]
@@ -260,10 +262,11 @@ def fit_in_words(scene: Scene, half_width: float) -> list[str]:
     if fit.tilt_fitted:
         centre += f", and its tilt, fitted and taken out, is {number(fit.tilt)} rad"
     elif fit.tilt:
-        centre += f", and a tilt of {number(fit.tilt)} rad was taken out, as stated"
+        centre += f", and a tilt of {number(fit.tilt)} rad was taken out"
     left_out = f", {fit.left_out} beyond the extent left out" if fit.left_out else ""
+    left_out += _spikes_in_words(fit)
     noise_source = "stated" if fit.noise_stated else "taken from these residuals"
-    rows = len(fit.rows) - fit.left_out
+    rows = len(fit.used_rows())
     return [
         (
             f"The profile is {_shape_in_words(scene)}, fitted to {rows} rows of"
@@ -272,6 +275,17 @@ def fit_in_words(scene: Scene, half_width: float) -> list[str]:
         ),
         *fit_warnings(scene, half_width),
     ]
+
+
+def _spikes_in_words(fit: Fitted) -> str:
+    """Rows that stand out, some of them by number; empty without one."""
+    if not fit.spikes:
+        return ""
+    count = len(fit.spikes)
+    numbers = ", ".join(f"{row:,}" for row in fit.spikes[:_SPIKES_SHOWN])
+    remainder = ", ..." if count > _SPIKES_SHOWN else ""
+    rows = "one that stands out" if count == 1 else f"{count} that stand out"
+    return f", {rows} left out (row {numbers}{remainder})"
 
 
 def _shape_in_words(scene: Scene) -> str:
@@ -313,7 +327,7 @@ def fit_warnings(scene: Scene, half_width: float) -> list[str]:
             " smaller extent. The uncertainty is widened: by this pattern moved along x, and by"
             " the change that a smoothing spline makes."
         )
-    rows = len(fit.rows) - fit.left_out
+    rows = len(fit.used_rows())
     # of the residuals' variance over that of the noise
     excess = (fit.residual / fit.noise) ** 2 * rows / fit.freedom
     if fit.noise_stated and abs(excess - 1) > _CHANCE * np.sqrt(2 / fit.freedom):
@@ -383,7 +397,7 @@ def content(scene: Scene) -> dict[str, Any] | None:
         return None
     sentences, uncertainty = findings(scene)
     fit = fitted.model_dump(mode="json", exclude={"rows"})
-    fit["count"] = len(fitted.rows) - fitted.left_out
+    fit["count"] = len(fitted.used_rows())
     return {
         "sentences": sentences,
         "fit": fit,

@@ -28,6 +28,7 @@ Its files and the answer::
 
     text_tables.py  text tables of any program to columns of numbers: separators, headings, the line
                     of a fault
+    spikes.py       single rows of a trace that stand out from their neighbours
     column_names.py     headings of columns in five languages
     clock_times.py  times of day and dates, to seconds since the first row
     unit_words.py   words for units, their sizes, whether they are one set

@@ -22,24 +22,29 @@ x0 and b; these two by steps of Gauss and Newton on what is left of the rows (va
 Golub and Pereyra 1973).
 
 The tilt is no part of the profile. A parabola whose middle is fitted has none: there a tilt only
-moves the middle. Rows of one side are taken as level. Rows that are almost a parabola hardly show a
-tilt, so the square of alpha is added with a weight: as if tilts had a standard deviation of a tenth
-of the rise over the length. Where the rows show the tilt the weight changes nothing.
+moves the middle. Rows of one side are taken as level. A trace that falls from end to end, as it lay
+in the instrument, is levelled first by the straight line of least squares. Rows that are almost a
+parabola hardly show a tilt, so the square of alpha is added with a weight: as if tilts had a
+standard deviation of a tenth of the rise over the length. Where the rows show the tilt the weight
+changes nothing.
 """
 
 from __future__ import annotations
 
 import contextlib
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.polynomial import polynomial
+from numpy.typing import NDArray
 
 from scenes.array_types import Array
 from scenes.errors import NotFoundError, RowError
+from scenes.spikes import STANDS_OUT, rows_that_stand_out
 
 # Rows that a fit needs: it has up to six numbers, and the noise may have to come from what is left.
 _FEWEST = 8
@@ -55,6 +60,13 @@ _RISEN = 0.05
 _BENT = 1e-9
 # Fits about another middle, by which other rows lie within the extent.
 _PASSES = 5
+# Of half the length of the trace: its middle lies no farther from that of the contact.
+_OFF_MIDDLE = 0.3
+# Of the rows: more that stand out are no spikes. Of the largest residual: less is round-off error.
+_MOST_SPIKES = 0.05
+_ROUND_OFF = 1e-9
+# Of the rows: fewer heights that differ are steps of the last digit.
+_DISTINCT = 0.7
 # Places c, in L^2, of the polynomials (u - c)^2.
 _TOUCHES = np.concatenate([np.linspace(0.0, 1.0, 21), np.geomspace(1.1, 10.0, 12)])
 # Knots of the spline; rows that it leaves behind; weights that are tried, over that at which rows
@@ -107,7 +119,65 @@ class FitRequest:
 
 def fitted_keys(x: Array, h: Array, request: FitRequest) -> dict[str, Any]:
     """Keys of the profile of this kind that fits rows x, h (n,) best, with `fitted`, what is known
-    of the fit.
+    of the fit. Single rows that stand out, from their neighbours and from the fit, are left out.
+
+    Raises
+    ------
+    RowError
+        As `_fit_of_rows`.
+    """
+    candidates = _spikes_of(x, h)
+    every_row = np.arange(len(x))
+    fit = _fit_of_rows(np.delete(x, candidates), np.delete(h, candidates), request)
+    for _ in range(_PASSES):
+        kept = np.delete(every_row, candidates)
+        alone = _rows_far_from_fit(h[kept] - fit.curve(x[kept]))
+        if not len(alone) or len(candidates) + len(alone) > _MOST_SPIKES * len(x):
+            break
+        candidates = np.sort(np.append(candidates, kept[alone]))
+        fit = _fit_of_rows(np.delete(x, candidates), np.delete(h, candidates), request)
+    # a corner of the shape stands out from its neighbours, and not from the fit
+    sizes = np.abs(h[candidates] - fit.curve(x[candidates]))
+    spikes = candidates[sizes > STANDS_OUT * fit.keys["fitted"]["noise"]]
+    if len(spikes) < len(candidates):
+        fit = _fit_of_rows(np.delete(x, spikes), np.delete(h, spikes), request)
+    if len(spikes):
+        fit.keys["fitted"]["spikes"] = tuple((spikes + 1).tolist())
+    return fit.keys
+
+
+def _rows_far_from_fit(residuals: Array) -> NDArray[np.int64]:
+    """Rows (m,) whose residual is far larger than most, and than those of both neighbours; noise of
+    another kind than spikes has none.
+    """
+    sizes = np.abs(residuals)
+    sigma = float(np.median(sizes)) / math.sqrt(_MEDIAN)
+    if not sigma > _ROUND_OFF * float(np.max(sizes)):
+        return np.array([], dtype=np.int64)
+    beside = np.maximum(np.append(sizes[1:], 0.0), np.append(0.0, sizes[:-1]))
+    return np.flatnonzero((sizes > STANDS_OUT * sigma) & (sizes > 2 * beside))
+
+
+def _spikes_of(x: Array, h: Array) -> NDArray[np.int64]:
+    """Rows (m,) that stand out from their neighbours; none of rows that are not in order."""
+    if not _FEWEST < len(x) <= _MOST or np.any(np.diff(x) < 0):
+        return np.array([], dtype=np.int64)
+    sigma = max(math.sqrt(_variance(x, h)), 1e-12 * float(np.ptp(h)))
+    levels = np.unique(h)
+    if 1 < len(levels) < _DISTINCT * len(h):  # noise hides below the step of the last digit
+        sigma = max(sigma, float(np.min(np.diff(levels))))
+    return rows_that_stand_out(x, h, sigma) if sigma > 0 else np.array([], dtype=np.int64)
+
+
+class _FitOfRows(NamedTuple):
+    """Keys of the profile, and the curve over x with its offset and tilt."""
+
+    keys: dict[str, Any]
+    curve: Callable[[Array], Array]
+
+
+def _fit_of_rows(x: Array, h: Array, request: FitRequest) -> _FitOfRows:
+    """The profile of this kind that fits all rows x, h (n,) best.
 
     Raises
     ------
@@ -128,6 +198,10 @@ def fitted_keys(x: Array, h: Array, request: FitRequest) -> dict[str, Any]:
     tilt = request.tilt or 0.0
     every_h = h - tilt * (x - x[0])
     centre_given = request.centre
+    may_be_tilted = request.tilt is None and centre_given is None and request.guess is None
+    if may_be_tilted and _falls_from_end_to_end(x, h, request.kind):
+        tilt = float(np.polyfit(x - x[0], h, 1)[0])
+        every_h = h - tilt * (x - x[0])
     if centre_given is None and _begins_in_the_middle(x, every_h):
         centre_given = 0.0
     one_sided = centre_given is not None and x[0] >= centre_given
@@ -144,7 +218,9 @@ def fitted_keys(x: Array, h: Array, request: FitRequest) -> dict[str, Any]:
     ):  # so much tilt that a parabola falls from end to end
         start = float(x[0] + x[-1]) / 2
     reach = request.extent or math.inf
+    origin = start
     for _ in range(_PASSES):
+        origin = start
         in_reach = np.abs(every_x - start) <= reach
         x = every_x[in_reach]
         h = every_h[in_reach]
@@ -197,7 +273,14 @@ def fitted_keys(x: Array, h: Array, request: FitRequest) -> dict[str, Any]:
     freedom = max(1, len(x) - round(best_fit.numbers))
     estimated = max(math.sqrt(float(residuals @ residuals) / freedom), 1e-15 * height)
     sides = (middle - x[0], x[-1] - middle)
-    return {
+
+    def curve(places: Array) -> Array:
+        scaled = (places - origin) / length
+        columns = best_fit.of.columns(np.abs(scaled - best_fit.centre), best_fit.half)
+        shape = best_fit.offset + best_fit.tilt * (scaled - best_fit.centre) + columns @ best_fit.w
+        return np.asarray(h[0] + height * shape + tilt * (places - every_x[0]))
+
+    keys = {
         **best_fit.keys(length, height),
         "fitted": {
             "kind": request.kind,
@@ -215,6 +298,18 @@ def fitted_keys(x: Array, h: Array, request: FitRequest) -> dict[str, Any]:
             "left_out": len(every_x) - len(x),
         },
     }
+    return _FitOfRows(keys, curve)
+
+
+def _falls_from_end_to_end(x: Array, h: Array, kind: str) -> bool:
+    """Whether a parabola through rows of both sides has its least value so far from the middle of
+    the rows that the trace is tilted, rather than laid beside the contact. Without a fitted tilt
+    that is beyond the rows; else a tilt is fitted to what is levelled, and both describe it.
+    """
+    if x[-1] <= x[0] or _begins_in_the_middle(x, h):
+        return False
+    from_middle = abs(_middle(x, h) - float(x[0] + x[-1]) / 2) / (float(x[-1] - x[0]) / 2)
+    return from_middle >= (1.0 if kind == "hertz" else _OFF_MIDDLE)
 
 
 def _begins_in_the_middle(x: Array, h: Array) -> bool:
@@ -248,12 +343,9 @@ def fitted_again(
         x - fitted_keys_of_profile.centre
     )  # so that rows of both sides are such whatever their noise
     if noise is not None:
-        h = (
-            fitted_keys_of_profile.offset
-            + fitted_keys_of_profile.tilt * x
-            + profile.height(x)
-            + fitted_keys_of_profile.noise * noise
-        )
+        h = fitted_keys_of_profile.offset + profile.height(x) + fitted_keys_of_profile.noise * noise
+        if not fitted_keys_of_profile.tilt_fitted:  # which is found again from what is levelled
+            h = h + fitted_keys_of_profile.tilt * x
     request = FitRequest(
         kind=fitted_keys_of_profile.kind,
         noise=fitted_keys_of_profile.noise,
@@ -263,7 +355,7 @@ def fitted_again(
         guess=(0.0, getattr(profile, "flat_half_length", 0.0)),
     )
     with contextlib.suppress(RowError):
-        return fitted_keys(x, h, request)
+        return _fit_of_rows(x, h, request).keys
     return None
 
 
@@ -275,7 +367,7 @@ def fitted_by_spline(profile: Any) -> dict[str, Any] | None:
     x, h = fitted.rows.values[fitted.used_rows()].T
     request = FitRequest("smoothing_spline", centre=None if fitted.centre_fitted else 0.0)
     with contextlib.suppress(RowError):
-        return fitted_keys(x - fitted.centre, h, request)
+        return _fit_of_rows(x - fitted.centre, h, request).keys
     return None
 
 

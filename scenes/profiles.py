@@ -201,12 +201,20 @@ class Fitted(Frozen):
     )
     weight: float = Field(0.0, ge=0, description="of the smoothing against the rows")
     left_out: int = Field(0, ge=0, description="rows beyond the extent")
+    spikes: tuple[int, ...] = Field(
+        (), description="rows that stand out and were left out, by their numbers from 1 on"
+    )
     read_as: ReadAs | None = Field(None, description=READ_AS)
 
     def used_rows(self) -> NDArray[np.int64]:
-        """Numbers (n,) of the rows that count, those nearest to the middle, in ascending order."""
-        distances = np.abs(self.rows.values[:, 0] - self.centre)
-        return np.sort(np.argsort(distances, kind="stable")[: len(distances) - self.left_out])
+        """Numbers (n,) of the rows that count, from 0 on, in ascending order: without spikes, those
+        nearest to the middle.
+        """
+        spikes = np.array(self.spikes, dtype=np.int64) - 1
+        without_spikes = np.setdiff1d(np.arange(len(self.rows)), spikes)
+        distances = np.abs(self.rows.values[without_spikes, 0] - self.centre)
+        order = np.argsort(distances, kind="stable")[: len(distances) - self.left_out]
+        return np.sort(without_spikes[order])
 
     def residuals(self, height: Callable[[Array], Array]) -> Array:
         """Rows minus offset, tilt and `height` of the profile, (n_rows,) [length]."""

@@ -13,7 +13,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import semi_analytic
+from command_line import refused
 from reports.checking import largest_contact
+from reports.cli import scene_files
 from reports.page.body_figures import fit_residuals
 from reports.profile_fit import content, findings, fit_in_words, fit_uncertainty, fit_warnings
 from scenes import (
@@ -578,6 +580,51 @@ def test_the_uncertainty_of_a_spline_covers_what_smoothing_takes_from_a_flat():
     closer = abs(change(fitted_again(scene.profile, smoothing=0.1)))
     assert closer > abs(np.mean(changes))
     assert half_width.uncertainty == pytest.approx(2 * np.std(changes) + closer, rel=1e-9)
+
+
+def test_spikes_are_left_out_and_named_and_corners_are_none():
+    rows = rows_of(TRUTHS["flat_rounded"], 201, 5e-6)
+    without = scene_of(rows, "flat_rounded", 5e-6).profile
+    assert without.fitted.spikes == ()
+    spoilt = rows.copy()
+    spoilt[[0, 40, 41, 120], 1] += [4e-4, 1e-4, -2e-4, 6e-5]
+    scene = scene_of(spoilt, "flat_rounded", 5e-6)
+    assert {1, 41, 42, 121} <= set(scene.profile.fitted.spikes)
+    assert len(scene.profile.fitted.spikes) <= 6
+    assert scene.profile.flat_half_length == pytest.approx(without.flat_half_length, abs=2e-3)
+    assert len(scene.profile.fitted.used_rows()) == 201 - len(scene.profile.fitted.spikes)
+    assert "that stand out left out (row 1, " in fit_in_words(scene, 0.9)[0]
+    assert "large dots" in fit_residuals(scene, 0.9).caption
+    # exact rows with corners, of the wrong kind too
+    for kind in ("flat_rounded", "hertz"):
+        exact = scene_of(rows_of(TRUTHS["flat_rounded"], 61, 0.0), kind, 1e-6)
+        assert exact.profile.fitted.spikes == ()
+
+
+@pytest.mark.parametrize("tilt", [-5e-3, 3e-3])
+@pytest.mark.parametrize("kind", ["hertz", "flat_rounded"])
+def test_a_trace_that_falls_from_end_to_end_is_levelled(kind, tilt):
+    truth = TRUTHS[kind]
+    rows = rows_of(truth, 201, 5e-6)
+    rows[:, 1] += tilt * rows[:, 0]
+    profile = scene_of(rows, kind, 5e-6).profile
+    assert profile.radius == pytest.approx(truth.radius, rel=0.02)
+    assert profile.fitted.tilt == pytest.approx(tilt, abs=5e-4)
+
+
+def test_check_draws_trace_fit_and_residuals(tmp_path):
+    scene = scene_of(rows_of(TRUTHS["hertz"], 61, 5e-6), "hertz", 5e-6)
+    scene.save(tmp_path / "trace.toml")
+    scene_files._draw_fit(scene, tmp_path / "fit.svg")
+    picture = (tmp_path / "fit.svg").read_text(encoding="utf-8")
+    assert picture.startswith("<svg")
+    assert picture.count("<circle") >= 2 * 61
+    for name, file, fact in (
+        ("trace.toml", "fit.svg", "is there already"),
+        ("trace.toml", "fit.png", "written as .svg"),
+        ("hertz-paper", "new.svg", "is not fitted"),
+    ):
+        assert fact in refused(tmp_path, "check", name, "--picture", file)
 
 
 def test_page_and_json_state_the_fit():

@@ -161,6 +161,10 @@ class Options:
     third: Annotated[
         Literal["calculix"] | None, _option("A third solver: runs `ccx` on the exported deck.")
     ] = None
+    picture: Annotated[
+        Path | None,
+        _option("Of a fitted profile: trace, fit and residuals, as a new file ending in .svg."),
+    ] = None
     loop: Annotated[
         Path | None,
         _option("A rig's loop to score against this scene: how each of its columns is read."),
@@ -520,7 +524,7 @@ _COMMANDS = (
         "Validate a scene; print a, p0 and the margin to gross sliding.",
         "cli.scene_files:check",
         (_SCENE_NAME,),
-        ("json", "quiet", "loop", "mapping"),
+        ("json", "quiet", "loop", "mapping", "picture"),
         _SILENT,
         silent=True,
     ),

@@ -136,6 +136,8 @@ def check(scene: str, options: Options) -> Answer:
     from scenes import InputError, TimeSeriesLoad
 
     problem = read(scene, driven=True)
+    if options.picture is not None:
+        _draw_fit(problem, options.picture)
     if problem.load.is_driven:
         return _check_rig(problem, scene, options)
     loop_read = _loop_read(problem, options)
@@ -196,6 +198,36 @@ def check(scene: str, options: Options) -> Answer:
     marked = [f"Remark: {doubt}" for doubt in doubts]
     parts: list[Part] = [verdict, table, *marked, *sizes, *notes]
     return Answer(WITHIN, parts, lambda: content, problem.name)
+
+
+def _draw_fit(scene: Scene, file: Path) -> None:
+    """The picture of a profile's fit.
+
+    Raises
+    ------
+    InputError
+        For a profile that is not fitted, another ending, a file that exists or can't be written.
+    """
+    from reports.checking import largest_contact
+    from reports.page.body_figures import fit_residuals
+    from scenes import InputError
+
+    if file.suffix != ".svg":
+        raise InputError(f"--picture {file}: it is written as .svg; name the file so")
+    half_width = 0.0
+    with suppress(InputError):  # beyond the rows there may be none; `check` says so below
+        half_width = largest_contact(scene, scene.name).half_width
+    plate = fit_residuals(scene, half_width)
+    if plate is None:
+        raise InputError(
+            f"--picture: the profile of {scene.name} is not fitted to rows: leave it out, or state"
+            " profile.fit"
+        )
+    _refuse_taken(file)
+    try:
+        file.write_text(plate.svg(), encoding="utf-8")
+    except OSError as reason:
+        raise InputError(f"{file}: the file can't be written: {reason.strerror}") from reason
 
 
 def _check_rig(scene: Scene, source: str, options: Options) -> Answer:

@@ -4,5 +4,6 @@ error budget (budget_figures.py) and of the bodies (body_figures.py), comparison
 what a notebook shows (notebook.py), and the page of a scene that prescribes displacements (rig.py).
 
 Offered to the rest of reports: `write` `figure` `as_json` `whole_content`; `published`, the picture
-of a published scene; `RigMotion`, what a rig does.
+of a published scene; `RigMotion`, what a rig does; `fit_residuals`, trace, fit and residuals of a
+profile.
 """

@@ -109,8 +109,8 @@ def sketch(scene: Scene, half_width: float) -> Plate:
 
 
 def fit_residuals(scene: Scene, half_width: float) -> Plate | None:
-    """Rows minus the curve fitted to them, beside twice their noise; None of a profile that is not
-    fitted.
+    """The levelled trace with its fitted curve, and rows minus curve beside twice their noise;
+    None of a profile that is not fitted.
 
     Parameters
     ----------
@@ -123,8 +123,7 @@ def fit_residuals(scene: Scene, half_width: float) -> Plate | None:
     _, length, _ = units(scene)
     x = fit.rows.values[:, 0] - fit.centre
     residuals = fit.residuals(scene.profile.height)
-    largest_place = np.sort(np.abs(x))[len(x) - fit.left_out - 1]
-    is_fitted = np.abs(x) <= largest_place
+    is_fitted = np.isin(np.arange(len(x)), fit.used_rows())
     count = int(is_fitted.sum())
     stride = -(-count // _MOST_DOTS)
     drawn_rows = np.flatnonzero(is_fitted)[::stride]
@@ -141,24 +140,48 @@ def fit_residuals(scene: Scene, half_width: float) -> Plate | None:
         marks.append(Dot(float(x[k]), float(residuals[k]), "p0", 2.2, label))
     largest_residual = float(np.abs(residuals[is_fitted]).max())
     top = 1.1 * max(largest_residual, 2.2 * fit.noise)
+    across = Axis(*limits(x[is_fitted], margin=0.02), f"x from the middle  [{length}]")
     panel = Panel(
         "profile-fit",
-        Axis(*limits(x[is_fitted], margin=0.02), f"x from the middle  [{length}]"),
+        across,
         Axis(-top, top, f"row − fit  [{length}]"),
         marks,
         "Residuals of the fit",
         height=260.0,
     )
+    height = scene.profile.height(x)
+    trace = height + residuals
+    spikes = np.array(fit.spikes, dtype=np.int64) - 1
+    order = np.argsort(x)
+    of_trace: list[Mark] = [
+        Dot(float(x[k]), float(trace[k]), "p0", 2.2, f"row {k + 1}") for k in drawn_rows
+    ]
+    of_trace += [
+        Dot(float(x[k]), float(trace[k]), "p3", 4.0, f"row {k + 1}: left out") for k in spikes
+    ]
+    of_trace.append(Curve(x[order], height[order], "line-1", "fit"))
+    drawn = np.union1d(np.flatnonzero(is_fitted), spikes)
+    upper_panel = Panel(
+        "profile-trace",
+        across,
+        Axis(*limits(trace[drawn], height[is_fitted]), f"h, levelled  [{length}]"),
+        of_trace,
+        "Trace and fit",
+        height=260.0,
+    )
     table = {
         f"x [{length}]": x,
+        f"row, levelled [{length}]": trace,
+        f"fit [{length}]": height,
         f"row - fit [{length}]": residuals,
         "fitted": is_fitted.astype(float),
     }
     return worded(
         "profile_fit",
-        [panel],
+        [upper_panel, panel],
         table,
         columns=1,
+        spikes=len(spikes),
         rows=is_fitted.sum(),
         residual=f"{fit.residual:.3g}",
         noise=f"{fit.noise:.3g}",

@@ -1,0 +1,90 @@
+"""Single rows of a trace that stand out from their neighbours: dust, and dropped readings.
+
+A row is compared with the cubic through the four rows nearest to it in order. White noise of
+standard deviation sigma makes a difference of sigma sqrt(1 + sum of the squares of the weights).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes.array_types import Array
+
+Rows = NDArray[np.int64]
+# Differences over their standard deviation beyond which a row stands out: chance makes that of one
+# row in two millions.
+STANDS_OUT = 5.0
+# Of the rows: more are no spikes but noise of another kind.
+_MOST = 0.05
+_NEIGHBOURS = 4
+
+
+def rows_that_stand_out(x: Array, h: Array, sigma: float) -> Rows:
+    """Rows (m,) of a trace x, h (n,) that stand out; the largest difference is taken out first,
+    since it moves the cubics of its neighbours too. At an end its three rows share one cubic, so
+    that all three may be the spike. None where they are too many.
+
+    Parameters
+    ----------
+    sigma
+        standard deviation of the noise of h, above 0
+
+    Examples
+    --------
+    >>> x = np.arange(40.0)
+    >>> h = x**2 + np.where(x == 12, 3.0, 0.0)
+    >>> rows_that_stand_out(x, h, 0.1).tolist()
+    [12]
+    """
+    kept = np.arange(len(x))
+    spikes: list[int] = []
+    while len(kept) > 2 * _NEIGHBOURS and len(spikes) <= _MOST * len(x):
+        differences = _differences(x[kept], h[kept]) / sigma
+        place = int(np.argmax(differences))
+        if differences[place] <= STANDS_OUT:
+            return np.array(sorted(spikes), dtype=np.int64)
+        places = _alike(place, len(kept))
+        spikes += kept[places].tolist()
+        kept = np.delete(kept, places)
+    return np.array([], dtype=np.int64)
+
+
+def _alike(place: int, count: int) -> list[int]:
+    """The places that have the same five rows as this one.
+
+    >>> _alike(1, 40), _alike(5, 40), _alike(39, 40)
+    ([0, 1, 2], [5], [37, 38, 39])
+    """
+    half = _NEIGHBOURS // 2
+    if place <= half:
+        return list(range(half + 1))
+    if place >= count - 1 - half:
+        return list(range(count - 1 - half, count))
+    return [place]
+
+
+def _differences(x: Array, h: Array) -> Array:
+    """Size of each row's difference (n,) from the cubic through its neighbours, over the standard
+    deviation that noise of size 1 gives it; 0 where rows stand in one place.
+    """
+    count = len(x)
+    half = _NEIGHBOURS // 2
+    first = np.clip(np.arange(count) - half, 0, count - _NEIGHBOURS - 1)
+    window = first[:, None] + np.arange(_NEIGHBOURS + 1)
+    is_itself = window == np.arange(count)[:, None]
+    neighbours = window[~is_itself].reshape(count, _NEIGHBOURS)
+    places = x[neighbours]
+    width = places[:, -1] - places[:, 0]
+    distinct = (np.min(np.diff(places, axis=1), axis=1) > 0) & (width > 0)
+    places = (places - x[:, None]) / np.where(width > 0, width, 1.0)[:, None]
+    # weights of Lagrange's cubic at the row itself, which is the origin
+    weights = np.ones_like(places)
+    for k in range(_NEIGHBOURS):
+        for other in range(_NEIGHBOURS):
+            if other != k:
+                gaps = np.where(distinct, places[:, other] - places[:, k], 1.0)
+                weights[:, k] *= places[:, other] / gaps
+    differences = h - np.sum(weights * h[neighbours], axis=1)
+    sizes = np.abs(differences) / np.sqrt(1 + np.sum(weights**2, axis=1))
+    return np.asarray(np.where(distinct, sizes, 0.0))
