@@ -388,20 +388,6 @@ def error(content: Mapping[str, Any], key: str) -> str:
 
 
 # ------------------------------------------------------------------------------------------- scenes
-SYMBOLS = {
-    "dissipation": "W",
-    "largest_half_width": "a",
-    "largest_pressure": "p",
-    "permanent_stick_half_width": "c",
-    "stick_share": "c/a",
-    "stick_centre": "m",
-    "contact_left": "left",
-    "contact_right": "right",
-    "moment": "M",
-    "lower_face_displacement": "u",
-}
-
-
 def scenes_page(text: str) -> str:
     """The page of scenes with its tables: scenes of given loads, and rigs."""
     with_scenes = between(text, "the library", library(scene_names()))
@@ -409,27 +395,22 @@ def scenes_page(text: str) -> str:
 
 
 def library(names: Iterable[str]) -> Iterator[str]:
-    """The table of scenes: a row a scene."""
+    """The table of scenes: a line a scene."""
     rows = []
     for scene in map(load_scene, names):
-        purpose = f"{scene.title}. {scene.purpose[0].upper()}{scene.purpose[1:]}."
-        of_theory = numbers(scene, "half-plane theory", 9)
-        of_elements = numbers(scene, "finite elements", 6)
-        rows.append([f"`{scene.name}`", cell(purpose), cell(scene.source), of_theory, of_elements])
-    yield from table("scene | purpose | source | theory | finite elements", rows)
+        dissipations = [
+            dissipation(scene, name) for name in ("half-plane theory", "finite elements")
+        ]
+        rows.append([f"`{scene.name}`", cell(scene.title), *dissipations])
+    yield from table("scene | what it is | W, theory | W, finite elements", rows)
 
 
-def numbers(scene: Scene, engine: str, digits: int) -> str:
-    """Expected numbers of one engine, by their symbols; several of one quantity have several
-    sources.
-    """
-    values_of: dict[str, list[str]] = {}
+def dissipation(scene: Scene, engine: str) -> str:
+    """W that one engine must have, in six digits; the first where several sources have one."""
     for entry in scene.expected:
-        if entry.engine == engine:
-            text = f"{entry.value:.{digits}g}".replace("-", "−")
-            values_of.setdefault(SYMBOLS[entry.quantity], []).append(text)
-    texts = [f"{symbol}\u00a0{', '.join(values)}" for symbol, values in values_of.items()]
-    return "; ".join(texts) or "–"
+        if entry.engine == engine and entry.quantity == "dissipation":
+            return f"{entry.value:.6g}"
+    return "–"
 
 
 def expected() -> str:
