@@ -343,10 +343,10 @@ def verification() -> Iterator[str]:
         " exist fails), then every scene of the library, finite elements against theory."
     )
     yield from ("", "## Requirements", "")
-    rows = [
-        [area, ". ".join(cell(row["requirement"]) for row in of_area) + "."]
-        for area, of_area in requirements().items()
-    ]
+    rows = []
+    for area, of_area in requirements().items():
+        sentences = [f"{cell(row['requirement'])}." for row in of_area]
+        rows.append([area, " ".join(sentences)])
     yield from table("area | tested", rows, wide=False)
     verdicts = [
         [is_met for is_met in content["accurate"].values() if is_met is not None]
