@@ -1049,14 +1049,14 @@ def _skipped_of(
 
 def _permanent_stick(contact: Contact, answer: PathResult, largest_load: float) -> dict[str, Any]:
     """What sticks through the whole last cycle: half-width, and edges of an unsymmetric contact."""
-    # A front that is nothing but the last digits of P is none.
+    # A front that is nothing but the last digits of P is none: at that instant nothing sticks, not
+    # even a flat face, whose half-width is there without any load.
     least_load = answer.least_front if answer.least_front > LAST_DIGITS * largest_load else 0.0
-    half_width = float(contact.half_width(least_load))
-    values: dict[str, Any] = {
-        "permanent_stick_half_width": half_width if half_width > 0 else math.nan
-    }
+    some_sticks = least_load > 0
+    half_width = float(contact.half_width(least_load)) if some_sticks else math.nan
+    values: dict[str, Any] = {"permanent_stick_half_width": half_width}
     if isinstance(contact, TiltedProfile):
-        edges = contact.interval(least_load) if half_width > 0 else np.full(2, math.nan)
+        edges = contact.interval(least_load) if some_sticks else np.full(2, math.nan)
         values["permanent_stick_edges"] = edges
     return values
 

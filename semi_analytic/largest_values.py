@@ -37,6 +37,8 @@ from semi_analytic.subsurface import edge_tension
 # Places at first between two kinks, of the whole contact together; places in a round around each
 # candidate.
 _FIRST = 96
+# Marks on each side of the place on the path, where straight steps have more than that.
+_ABOUT = 12
 _AROUND = 11
 # Candidates: local maxima of at least this share of the largest.
 _MOST_CANDIDATES = 3
@@ -46,6 +48,8 @@ _NEARLY = 0.97
 # change it by less than 1e-12 leave less than 1e-10.
 _ROUNDS = 16
 _SETTLED = 1e-12
+# The same on hundreds of straight steps: with a kink at each there is no square of the spacing.
+_SETTLED_ON_STEPS = 1e-9
 # Instants that are looked at for the tension at first, and places for which the passing of the edge
 # adds instants of a long record.
 _INSTANTS = 120
@@ -259,7 +263,7 @@ class _Search:
             is_touching = within_edges & (answer.normal_load[rows] > 0)[:, None]
             return range_of_slip(answer.slip[rows], is_touching)
 
-        return _largest(values, self.marks)
+        return self._largest_about("slip_place", values)
 
     def _passings(self, x: Array) -> Array:
         """Instants at which an edge of contact passes one of the places (n,); none of a long record
@@ -285,7 +289,20 @@ class _Search:
         def values(x: Array) -> Array:
             return np.asarray(self._solved(x, ends, ("dissipation_density",)).dissipation_density)
 
-        return _largest(values, self.marks)
+        return self._largest_about("dissipation_density_place", values)
+
+    def _largest_about(self, name: str, values: Callable[[Array], Array]) -> tuple[float, float]:
+        """Largest value over x, and its place: between all marks, but on hundreds of straight
+        steps, whose edges are a mark each, between those about the place `name` of the largest
+        value on the path that the steps follow.
+        """
+        if not self.on_straight_steps or len(self.marks) <= _FIRST:
+            return _largest(values, self.marks)
+        start, end = self.steps[[0, -1]].tolist()
+        on_path = _of_cycle(self.scene, start, end, SEARCHED)
+        nearest = int(np.abs(self.marks - getattr(on_path, name)).argmin())
+        marks = self.marks[max(nearest - _ABOUT, 0) : nearest + _ABOUT + 1]
+        return _largest(values, marks, settled=_SETTLED_ON_STEPS)
 
     def edge_tension(self) -> tuple[float, float]:
         """Largest stress along a face at an edge of contact, and its uncertainty."""
@@ -333,9 +350,13 @@ def _monotonic_parts(
 
 
 def _largest(
-    values: Callable[[Array], Array], marks: Array, first_count: int = _FIRST
+    values: Callable[[Array], Array],
+    marks: Array,
+    first_count: int = _FIRST,
+    settled: float = _SETTLED,
 ) -> tuple[float, float]:
-    """Largest value and its place, over the range of `marks`, between which the function is smooth.
+    """Largest value and its place, over the range of `marks`, between which the function is smooth;
+    two rounds in a row that change it by less than `settled` of itself end the search.
 
     >>> top, place = _largest(lambda x: 1 - (x - 0.3) ** 2, np.array([0.0, 1.0]))
     >>> round(top, 12), round(place, 5)
@@ -361,7 +382,7 @@ def _largest(
         if change > 0:
             largest_value = float(new_values[best_place])
             place = float(all_places[best_place])
-        settled_rounds = settled_rounds + 1 if change <= _SETTLED * abs(largest_value) else 0
+        settled_rounds = settled_rounds + 1 if change <= settled * abs(largest_value) else 0
         brackets = [
             _closer(bracket, places, new_values[np.searchsorted(all_places, places)])
             for bracket, places in zip(brackets, places_by_bracket, strict=True)

@@ -16,7 +16,7 @@ import reports
 import semi_analytic
 from reports.comparison import compare
 from scenes import ContactSolution, Scene, load_scene
-from semi_analytic import history
+from semi_analytic import history, largest_values
 
 FIRST_TABLE = (
     "largest_pressure",
@@ -229,3 +229,29 @@ def test_a_path_is_followed_once_while_extremes_are_looked_for_and_anew_afterwar
     semi_analytic.solve(scene, x=[0.0])
     semi_analytic.solve(scene, x=[0.0])
     assert len(followed) == before + 2
+
+
+def test_on_many_straight_steps_the_largest_values_are_those_about_the_place_on_the_path(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """As by a search between the edges of all steps; only the edges nearby are looked at."""
+    scene = load_scene("hertz-paper")
+    path = scene.load.path()
+    cycle = np.linspace(path.cycle_start, path.cycle_start + path.period, 241)
+    time = np.concatenate([[path.start], cycle, cycle[1:] + path.period])
+    steps = semi_analytic.solve(scene, x=[0.0], time=time, straight_steps=True)
+    with monkeypatch.context() as everywhere_looked_at:
+        everywhere_looked_at.setattr(largest_values, "_FIRST", 10_000)
+        everywhere = semi_analytic.extremes(steps)
+    looked_at: list[int] = []
+    search = largest_values._largest
+
+    def counted(values: Any, marks: Any, *arguments: Any, **keywords: Any) -> Any:
+        looked_at.append(len(marks))
+        return search(values, marks, *arguments, **keywords)
+
+    monkeypatch.setattr(largest_values, "_largest", counted)
+    nearby = semi_analytic.extremes(steps)
+    assert min(looked_at) < 30
+    assert nearby.dissipation_density == pytest.approx(everywhere.dissipation_density, rel=1e-9)
+    assert nearby.slip == pytest.approx(everywhere.slip, rel=1e-9)

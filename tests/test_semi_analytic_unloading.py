@@ -120,3 +120,19 @@ def test_a_contact_that_never_slips_states_no_error_of_slip():
     answer = solve(scene.vary(profile=PROFILES["|x|^3.5"]), x=[0.3, 0.7])
     assert not np.any(answer.slip)
     assert answer.record.errors.get("slip", 0.0) == 0.0
+
+
+@pytest.mark.parametrize("name", ["hertz", "short flat"])
+def test_where_the_path_starts_or_turns_unloaded_nothing_sticks_through_all_of_it(
+    name: str,
+) -> None:
+    """A flat face has its width without any load: it sticks no more than a parabola then."""
+    unloaded = make_scene(polygon([(1.0, 0.2)], [(0.0, 0.0)]), 0.7)
+    loaded = make_scene(polygon([(1.0, 0.2)], [(0.5, 0.0)]), 0.7)
+    profile = PROFILES[name]
+    stick = [
+        solve(scene.vary(profile=profile), x=[0.0], fields=()).permanent_stick_half_width
+        for scene in (unloaded, loaded)
+    ]
+    assert np.isnan(stick[0])
+    assert stick[1] > 0
