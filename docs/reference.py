@@ -28,25 +28,24 @@ TITLES = {
 }
 # Tables of keys within a table.
 TABLES = {
-    "ProfileFit": "table of keys: see `profile.fit`",
-    "Fitted": "table, written by the fit",
+    "ProfileFit": "table: `profile.fit`",
+    "Fitted": "table",
     "LineOfAction": "table {x, height}",
     "DrivenWave": "table {mean, amplitude, phase_degrees}",
+    "DrivenApproach": "table {mean, amplitude}",
     "DrivenWaveSum": "table {mean, harmonics}",
     "RecordRow": "table {row}",
-    "OfShape": "table of keys: see `[uncertainty.profile]`",
-    "OfMaterials": "table of keys: see `[uncertainty.material]`",
-    "OfElastic": "table {young_modulus, poisson_ratio}",
-    "OfPairOfBodies": "table of keys: see `[uncertainty.bodies.lower]`",
-    "OfRig": "table of keys: see `[uncertainty.rig]`",
 }
 # Tables within `[uncertainty]`, which have the keys of the scene's own.
 OF_UNCERTAINTY = {
     "`[uncertainty.profile]`": "OfShape",
     "`[uncertainty.material]`": "OfMaterials",
-    "`[uncertainty.bodies.lower]`, `[uncertainty.bodies.upper]`": "OfBody",
+    "`[uncertainty.bodies.lower]`, `.upper`": "OfBody",
     "`[uncertainty.rig]`": "OfRig",
 }
+BY_COLUMN = "by column"  # a table with a value for each column
+# Keys that a reader of files writes, and nobody else.
+WRITTEN = ("fitted", "read_as")
 # Keys that every load has stand once; how their values vary with time, by the kind of load.
 VARYING = {
     "Wave": "beside an ellipse",
@@ -63,9 +62,15 @@ Or it varies with time:
 | time series | a list, one number for each row; or a column of the file, named under `columns` |
 | callable | a Python function |
 """
+SHARES = """Each value is a standard uncertainty as text: "5 %" or "0.1 mm"; a bare number is \
+refused, but for `phase_degrees` in degrees. `upper` and `lower` hold the material's keys \
+for one body alone.
+"""
 BOUNDS = (("minimum", "≥"), ("exclusiveMinimum", ">"), ("maximum", "≤"), ("exclusiveMaximum", "<"))
+FEW = 3  # words that are listed even where the description has them
+MANY = 12  # words of a closed set that are not listed: a wrong one is refused with the right ones
 PLAIN = {
-    "number": "any number",
+    "number": "any",
     "integer": "whole number",
     "boolean": "`true`, `false`",
     "string": "text",
@@ -85,6 +90,7 @@ COLUMNS = {
     "frame": "frame",
 }
 Row = tuple[str, str, Mapping[str, Any]]  # kind, key, the model that has it
+Cells = tuple[str, str, str, str]  # what it is, unit, default, range
 
 
 def page(text: str) -> str:
@@ -113,7 +119,11 @@ def tables(schema: Mapping[str, Any]) -> Iterator[str]:
 
     def keys(model: Any, kind: str = "", left_out: Iterable[str] = ()) -> list[Row]:
         """A row for each key of a model."""
-        return [(kind, key, model) for key in model["properties"] if key not in left_out]
+        return [
+            (kind, key, model)
+            for key in model["properties"]
+            if key not in left_out and key not in WRITTEN
+        ]
 
     parts = {name: models_of(value) for name, value in properties.items()}
     plain_names = [name for name, of_part in parts.items() if not of_part]
@@ -131,6 +141,9 @@ def tables(schema: Mapping[str, Any]) -> Iterator[str]:
                 f"| `{kind}` | {cell(summary(model['description']))} |" for kind, model in kinds
             )
             yield ""
+        if name == "uncertainty":
+            yield from uncertainties(title, of_part[0], models)
+            continue
         shared = ("kind", *(KEYS if name == "load" else ()))
         yield from section(
             "" if kinds else title,
@@ -151,17 +164,16 @@ def tables(schema: Mapping[str, Any]) -> Iterator[str]:
             )
         if name == "profile":
             yield from section("`profile.fit`", keys(models["ProfileFit"]))
-        if name == "uncertainty":
-            for title, model in OF_UNCERTAINTY.items():
-                yield from section(title, keys(models[model]))
 
 
 def headings() -> Iterator[str]:
     """The headings that are known of each column of a file."""
     yield from ("## Headings of files", "", "| column | headings |", "|---|---|")
     for column, quantity in COLUMNS.items():
-        names = dict.fromkeys(name.replace("_", " ") for name in ALIASES[quantity])
-        yield f"| `{column}` | {cell(', '.join(names))} |"
+        names = {}
+        for name in ALIASES[quantity]:  # case and blanks do not count
+            names.setdefault(re.sub(r"[ _]", "", name).casefold(), name.replace("_", " "))
+        yield f"| `{column}` | {cell(', '.join(names.values()))} |"
     yield ""
 
 
@@ -170,33 +182,52 @@ def kind_of(model: Mapping[str, Any]) -> str:
     return model["properties"].get("kind", {}).get("const", "")
 
 
+def uncertainties(title: str, top: Mapping[str, Any], models: Mapping[str, Any]) -> Iterator[str]:
+    """The table of `[uncertainty]`: its keys by the table that has them; all have one form."""
+    plain_keys = [key for key, entry in top["properties"].items() if "$ref" not in entry]
+    yield from (f"## {title}", "", SHARES, "| table | keys |", "|---|---|")
+    tables_of_keys = {"`[uncertainty]`": plain_keys}
+    for name, model in OF_UNCERTAINTY.items():
+        tables_of_keys[name] = list(models[model]["properties"])
+    for name, names in tables_of_keys.items():
+        yield f"| {name} | {', '.join(f'`{key}`' for key in names)} |"
+    yield from ("", f"`correlations`: {top['properties']['correlations']['description']}.", "")
+
+
 def section(title: str, rows: list[Row]) -> Iterator[str]:
-    """A heading, if there is a title, and a table; the column of kinds only where there are any."""
+    """A heading, if there is a title, and a table; the column of kinds only where there are any. A
+    key that several kinds have in one form stands once.
+    """
     if title:
         yield from (f"## {title}", "")
     first = 0 if any(kind for kind, *_ in rows) else 1
     heads = ("kind", "key", "what it is", "unit", "default", "range")[first:]
     yield from (":::{container} keys", f"| {' | '.join(heads)} |", f"|{'---|' * len(heads)}")
+    kinds: dict[tuple[str, Cells], list[str]] = {}
     for kind, key, model in rows:
-        entry = model["properties"][key]
-        words = entry.get("description", "")
-        value = entry.get("default")
-        if key in model.get("required", ()):
-            default = "required"
-        elif value in (None, "", []):
-            default = NONE
-        else:
-            default = f"`{json.dumps(value)}`"
-        cells = (
-            f"`{kind}`" if kind else "",
-            f"`{key}`",
-            cell(UNIT.sub("", words)),
-            unit(key, words),
-            default,
-            admitted(entry),
-        )
-        yield f"| {' | '.join(cells[first:])} |"
+        kinds.setdefault((key, cells_of(key, model)), []).append(f"`{kind}`" if kind else "")
+    for (key, cells), kinds_of_key in kinds.items():
+        line = (", ".join(kinds_of_key), f"`{key}`", *cells)
+        yield f"| {' | '.join(line[first:])} |"
     yield from (":::", "")
+
+
+def cells_of(key: str, model: Mapping[str, Any]) -> Cells:
+    """What a key is, its unit, default and range."""
+    entry = model["properties"][key]
+    words = entry.get("description", "")
+    value = entry.get("default")
+    if key in model.get("required", ()):
+        default = "required"
+    elif value in (None, "", []):
+        default = NONE
+    else:
+        default = f"`{json.dumps(value)}`"
+    choices = entry.get("enum", ())
+    values = admitted(entry)
+    if len(choices) > FEW and all(word in words for word in choices):
+        values = "these words"
+    return cell(UNIT.sub("", words)), unit(key, words), default, values
 
 
 def summary(description: str) -> str:
@@ -221,7 +252,7 @@ def admitted(entry: Mapping[str, Any]) -> str:
     if "not" in entry:
         return "function (Python only)"
     if "$ref" in entry:
-        return TABLES.get(entry["$ref"].rpartition("/")[2], "table with a value for each column")
+        return TABLES.get(entry["$ref"].rpartition("/")[2], BY_COLUMN)
     options = entry.get("anyOf")
     if options:
         return " or ".join(admitted(option) for option in options if option.get("type") != "null")
@@ -244,6 +275,8 @@ def admitted_list(entry: Mapping[str, Any]) -> str:
         "string": "words",
     }
     words = f"list of {plurals[entry['type']]}"
+    if len(entry.get("enum", ())) > MANY:
+        return f"{words}, a closed set"
     if "enum" in entry or entry["type"] == "number":
         limits = admitted(entry)
         if limits != PLAIN["number"]:

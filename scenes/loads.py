@@ -119,11 +119,8 @@ class DrivenWaveSum(Frozen):
     )
 
 
-_TAKES_PLACE_OF_Q = "displacement U of a tangential actuator, in the place of the tangential loads"
-_TAKES_PLACE_OF_P = (
-    "approach of a normal actuator, in the place of the normal loads; beside"
-    " tangential_displacement"
-)
+_TAKES_PLACE_OF_Q = "U of a tangential actuator, in place of the tangential loads"
+_TAKES_PLACE_OF_P = "approach of a normal actuator, in place of the normal loads; needs U"
 # 0 where the approach is stated in its place.
 _MeanNormalLoad = Annotated[
     float, Field(ge=0), AfterValidator(lambda load: a_scale(load) if load else load)
@@ -132,12 +129,12 @@ _MEAN_NORMAL_LOAD = (
     "P0, force per unit thickness (library: N/mm); needed unless the approach is stated"
 )
 _IS_SECOND = (
-    "whether the second number of each point is the displacement U of a tangential actuator, in the"
-    " place of Q (library: mm)"
+    "whether the second number of each point is U of a tangential actuator, in place of Q"
+    " (library: mm)"
 )
 _IS_FIRST = (
-    "whether the first number of each point is the approach of a normal actuator, in the place of"
-    " P; beside tangential_displacement (library: mm)"
+    "whether the first number of each point is the approach of a normal actuator, in place of P;"
+    " needs U (library: mm)"
 )
 
 
@@ -776,15 +773,15 @@ class TimeSeriesLoad(StraightLoad, FromFile):
     tangential_displacement: bool = Field(
         False,
         description=(
-            "whether the rows have the displacement U of a tangential actuator in the place of Q,"
-            " in a file the column U (library: mm)"
+            "whether the rows (in a file the column U) have U of a tangential actuator in place of"
+            " Q (library: mm)"
         ),
     )
     approach: bool = Field(
         False,
         description=(
-            "whether the rows have the approach of a normal actuator in the place of P, in a file"
-            " the column approach; beside tangential_displacement (library: mm)"
+            "whether the rows (in a file the column approach) have the approach of a normal"
+            " actuator in place of P; needs U (library: mm)"
         ),
     )
     repeats: bool = Field(False, description="whether the rows are one cycle that repeats")

@@ -111,16 +111,10 @@ READING = (
     "constant_normal_load",
 )
 # What each of them is, for descriptions.
-COLUMNS = (
-    "headings or numbers (from 1 on) of the columns in the file, where they are not found by their"
-    " usual names"
-)
-UNITS = (
-    "units of the columns in the file, where its headings do not state them; turned into those of"
-    " the scene"
-)
+COLUMNS = "headings or numbers (from 1) of columns without a usual name"
+UNITS = "units of columns whose headings state none; turned into those of the scene"
 SCALE = "factors of the columns, such as a calibration"
-ZERO = "numbers of the file that mean zero: taken off first, in its units"
+ZERO = "numbers that mean zero: taken off first, in the units of the file"
 READ_AS = "how the file was read, found and assumed; written by the reader"
 
 
