@@ -1044,6 +1044,9 @@ def test_check_exact_json_and_page_say_how_a_record_was_read_and_what_its_cycles
     content = json.loads((page.parent / "comparison.json").read_text("utf-8"))
     assert 'id="measured"' in html
     assert "Dissipation of each load cycle" in html
+    drawn = (page.parent / "figures" / "cumulative_work.csv").read_text("utf-8").splitlines()
+    last_work = float(drawn[-1].split(",")[1])
+    assert last_work == pytest.approx(load_cycles(exact).cumulative[-1], rel=1e-6)
     assert content["measured"]["read_as"]["load.file"][1] == ["columns separated by", "semicolon"]
     assert content["measured"]["loads"]["kept"] == len(loaded.load.kept_rows())
     assert content["reference"]["load_cycles"]["counted"] == cycles["counted"]

@@ -27,6 +27,7 @@ from reports.comparison.judged import JudgedPair
 from reports.comparison.metrics import missing
 from reports.comparison.pairs import are_half_planes
 from reports.comparison.work_of_loads import bulk_strain, bulk_work, loop_work
+from reports.measured import load_cycles
 from reports.page.cycle_view import (
     LINE_LOOKS,
     X_OVER_A,
@@ -223,6 +224,33 @@ def slip_histories(view: CycleView) -> Plate:
     )
     keys = [Key(f"point-{place}", name) for place, name in enumerate(names)]
     return worded("slip_history", [panel], table, keys, columns=1, stretch=view.stretch)
+
+
+def cumulative_work(view: CycleView) -> Plate | None:
+    """Dissipation of a measured record so far, by both engines; None for other loads."""
+    solutions = (view.comparison.reference, view.comparison.result)
+    series = []
+    for key, solution in zip(view.keys, solutions, strict=True):
+        cycles = load_cycles(solution)
+        if cycles is not None:
+            series.append((key, cycles.time, cycles.cumulative))
+    if not series:
+        return None
+    every_time = np.unique(np.concatenate([time for _, time, _ in series]))
+    unit = energy_unit(view.scene)
+    table = {"time": every_time}
+    for key, time, work in series:
+        table[f"W, {key.text} [{unit}]"] = np.interp(every_time, time, work)
+    curves = [Curve(time, work, key.css, key.text) for key, time, work in series]
+    panel = broad_panel(
+        "cumulative-work",
+        Axis(*limits(every_time, margin=0.02), "time"),
+        Axis(*limits(*(work for *_, work in series), zero=True), f"W so far  [{unit}]"),
+        curves,
+        "Dissipation so far over time",
+        260.0,
+    )
+    return worded("cumulative_work", [panel], table, [key for key, *_ in series], columns=1)
 
 
 def load_path(view: CycleView) -> Plate:

@@ -53,6 +53,7 @@ from reports.page.field_figures import (
     tractions,
 )
 from reports.page.history_figures import (
+    cumulative_work,
     discrepancies,
     half_widths,
     hysteresis,
@@ -473,6 +474,7 @@ def draw(report: Report) -> tuple[Plate, ...]:
     drawings: list[Plate | None] = [
         sketch(comparison.scene, half_width),
         fit_residuals(comparison.scene, right_edge),
+        cumulative_work(view),
         load_path(view),
         moving_instant(view),
         hysteresis(view),
