@@ -397,13 +397,7 @@ class ContactProblem:
         SingularSet
             If the states leave the bodies free to move.
         """
-        by_changes = self._by_changes(start, states)
-        rates = self.rates(states, len(loads))
-        values = start.values + by_changes + np.subtract(loads, start.loads) @ rates
-        # what nodes that change sides add to the moment: turning the upper body takes it away
-        if self.moment_given and len(loads) > 2:
-            missing_moment = loads[_TILT_OR_MOMENT] - self._moments(values)
-            values += missing_moment * rates[_TILT_OR_MOMENT]
+        values = self.values_following(start, loads, states)
         # What the states set is met to the last digit.
         slip, pressure, shear, gap = nodal(values)
         sticks = (states == STICK) & self.tangential
@@ -414,6 +408,26 @@ class ContactProblem:
         shear[:] = np.where(sticks, shear, slip_sign(states) * self.friction * pressure)
         values.flags.writeable = False
         return self._state(time, loads, values, states)
+
+    def values_following(
+        self, start: InterfaceState, loads: tuple[float, ...], states: States
+    ) -> Array:
+        """(3 + 4 n,) values of `following`, in which what the states set has its rounding: a gap of
+        a closed node, a force of an open one.
+
+        Raises
+        ------
+        SingularSet
+            If the states leave the bodies free to move.
+        """
+        by_changes = self._by_changes(start, states)
+        rates = self.rates(states, len(loads))
+        values: Array = start.values + by_changes + np.subtract(loads, start.loads) @ rates
+        # what nodes that change sides add to the moment: turning the upper body takes it away
+        if self.moment_given and len(loads) > 2:
+            missing_moment = loads[_TILT_OR_MOMENT] - self._moments(values)
+            values += missing_moment * rates[_TILT_OR_MOMENT]
+        return values
 
     def rates(self, states: States, n_loads: int) -> Array:
         """(n_loads, 3 + 4 n) derivatives of the values by the loads while the nodes keep their

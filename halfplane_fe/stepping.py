@@ -368,23 +368,31 @@ def next_event(
     states
         (n,) that the nodes have on the way. Those that touch are the ones of `start`
     """
-    before = start
+    gap = start.gap
+    pressure = start.pressure
+    loads_at_end = loads_at(end)
     try:
         # nodes that start to slide come to the limit of friction at once
         if states is not start.state:
-            before = problem.following(start, start.time, start.loads, states)
-        after = problem.following(start, end, loads_at(end), states)
+            _, pressure, _, gap = nodal(problem.values_following(start, start.loads, states))
+        values_at_end = problem.values_following(start, loads_at_end, states)
     except SingularSet:
         # one node is left: the upper body rolls over it, to where another touches, and nothing
         # foresees it
         return "regular", end
-    event, share, node = _first_event(before, after, start.closed)
+    _, pressure_at_end, _, gap_at_end = nodal(values_at_end)
+    share_to_touch, touching = _first_crossing(gap, gap_at_end, ~start.closed)
+    share_to_release, leaving = _first_crossing(pressure, pressure_at_end, start.closed)
+    event: Event = "touch" if share_to_touch <= share_to_release else "release"
+    share = min(share_to_touch, share_to_release)
+    node = touching if event == "touch" else leaving
     if share >= 1.0:
         return "regular", end
     if len(start.loads) == 2 and problem.interface.coupling is None:
         normal_load = start.loads[0]
-        load_at_event = normal_load + share * (after.loads[0] - normal_load)
-        if not min(normal_load, after.loads[0]) < load_at_event < max(normal_load, after.loads[0]):
+        load_at_end = loads_at_end[0]
+        load_at_event = normal_load + share * (load_at_end - normal_load)
+        if not min(normal_load, load_at_end) < load_at_event < max(normal_load, load_at_end):
             return "regular", end
         at_start = normal_load - load_at_event
 
@@ -395,9 +403,8 @@ def next_event(
     else:
         # by Q and by tilt nodes meet at constant P too: the gap or the force of the first of them,
         # as the loads go
-        changing = np.flatnonzero(np.subtract(after.loads, start.loads)).tolist()
-        quantity = before.gap if event == "touch" else before.pressure
-        at_start = float(quantity[node])
+        changing = np.flatnonzero(np.subtract(loads_at_end, start.loads)).tolist()
+        at_start = float((gap if event == "touch" else pressure)[node])
         _, pressure_rates, _, gap_rates = nodal(problem.rates(states, len(start.loads))[changing])
         rates = (gap_rates if event == "touch" else pressure_rates)[:, node]
 
@@ -408,19 +415,6 @@ def next_event(
 
     time = _zero(missing, start.time, end, share, at_start)
     return (event, time) if start.time < time < end else ("regular", end)
-
-
-def _first_event(
-    before: InterfaceState, after: InterfaceState, closed: Mask
-) -> tuple[Event, float, int]:
-    """The first event of a linear way between two states, its share of the way, and its node; a
-    share of 1 if there is none.
-    """
-    share_to_touch, touching = _first_crossing(before.gap, after.gap, ~closed)
-    share_to_release, leaving = _first_crossing(before.pressure, after.pressure, closed)
-    if share_to_touch <= share_to_release:
-        return "touch", share_to_touch, touching
-    return "release", share_to_release, leaving
 
 
 def _with_touching_nodes_sliding(start: InterfaceState) -> States:
