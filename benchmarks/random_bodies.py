@@ -74,8 +74,12 @@ def _layers(draw: np.random.Generator) -> _Setup:
 
 
 def _pad(draw: np.random.Generator) -> _Setup:
-    pad = {"kind": "pad", "width": draw.uniform(6.0, 16.0), "height": draw.uniform(6.0, 16.0)}
-    return _Setup({"lower": _block(draw), "upper": pad}, radius=50.0)
+    """No wider than its block."""
+    width = draw.uniform(6.0, 16.0)
+    height = draw.uniform(6.0, 16.0)
+    block = _block(draw)
+    pad = {"kind": "pad", "width": min(width, block["width"]), "height": height}
+    return _Setup({"lower": block, "upper": pad}, radius=50.0)
 
 
 def _cylinders(draw: np.random.Generator) -> _Setup:
