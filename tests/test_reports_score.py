@@ -23,6 +23,7 @@ from hypothesis import strategies as st
 import halfplane_fe
 import reports
 import semi_analytic
+from command_line import halfplane
 from meshes import MeshSettings
 from problems import COARSE, FEW_STEPS, fe_run
 from refusals import refused_for, require_facts
@@ -1068,3 +1069,21 @@ def test_a_table_of_another_program_says_what_became_of_each_column(tmp_path: Pa
     assert read_as["column temperature"] == "not read"
     assert next(iter(_score_shown(report, "page"))).startswith("contact.csv, as it was read:")
     assert whole_content(report, "", {})["read_as"] == report.read_as
+
+
+def test_rows_without_a_value_in_either_are_named_below_the_table(tmp_path: Path) -> None:
+    """Tractions of a few instants have no work and no slip."""
+    exact = semi_analytic.solve("cattaneo-mindlin", x=np.linspace(-1.2, 1.2, 61))
+    rows = [
+        f"{time},{x},{p},{q}"
+        for time, pressure, shear in zip(exact.time, exact.pressure, exact.shear, strict=True)
+        for x, p, q in zip(exact.x, pressure, shear, strict=True)
+        if time in exact.time[-3:]
+    ]
+    (tmp_path / "rows.csv").write_text("\n".join(["time,x,p,q", *rows]), encoding="utf-8")
+    shown = halfplane(
+        tmp_path, "score", "rows.csv", "--scene", "cattaneo-mindlin", "--quiet", COLUMNS="200"
+    ).stdout
+    table, _, below = shown.partition("└")
+    assert "Largest slip" not in table
+    assert "Without a value in either: Permanent stick; Largest slip; Dissipation" in below

@@ -842,6 +842,10 @@ FAULTS: dict[str, tuple[Any, ...]] = {
         table(lambda t: t.drop(columns="pressure")),
         "no column for pressure (looked for pressure, p, CPRESS",
     ),
+    "nearly a pressure": (
+        table(lambda t: t.rename(columns={"pressure": "CPRES [Pa]"})),
+        "if 'CPRES [Pa]' is it, write the lines [columns] and pressure = \"CPRES [Pa]\"",
+    ),
     "no x": (table(lambda t: t.drop(columns="x")), "no column for x"),
     "word in a cell": (
         table(_set(7, "pressure", "n/a")),

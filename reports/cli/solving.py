@@ -565,13 +565,16 @@ def verdict_shown(report: Report, verbose: bool = True) -> Iterator[Part]:
         standing,
         verdict,
         verdict_in_short,
+        without_value,
     )
 
     comparison = report.comparison
     scene = comparison.scene
     heads, rows = first_cells(comparison, "label" if verbose else "short")
+    rows = [row for row in rows if row[1:3] != ("–", "–")]  # `without_value` names the others
     yield report.opening, "bold"
     yield Sheet(scene.title or scene.name, heads, rows, (1, 2, 3))
+    yield from filter(None, [without_value(comparison)])
     if comparison.why is not None:
         yield comparison.why.sentence
     style = _STYLES.get(standing(comparison) or "", "")

@@ -31,6 +31,7 @@ Offered to the rest of reports, `Comparison` `compare` first; each file imports 
                     `beyond_theory` `SUPPORT_WORDS` `sentence` `read_in_words` `stretch`
                     `of_stretch` `for_notebook`; in cells: `amount` `value_of`
                     `with_uncertainty` `shown_unit` `first_table` `first_cells` `first_rows`
+                    `without_value`
                     `summary_rows` `summary`
                     `summary_csv` `summary_latex` `in_five_lines`
     json_values.py  as JSON: `strict` `solution_content` `metric_content`

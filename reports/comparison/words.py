@@ -10,7 +10,7 @@ import csv
 import io
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import partial
 from typing import Any, Literal
 
@@ -652,6 +652,21 @@ def first_cells(
         shown_keys = (label, "reference", "result", "difference", "verdict")
         cells.append(tuple(row[key] for key in shown_keys))
     return heads, cells
+
+
+def _is_empty(row: Mapping[str, str]) -> bool:
+    """Whether neither solution has a value for a row of the first table."""
+    return row["reference"] == row["result"] == "–"
+
+
+def without_value(comparison: JudgedPair) -> str:
+    """What of the first table neither solution has, in a sentence; nothing where each row has a
+    value.
+    """
+    labels = [
+        row["short"].partition(" [")[0] for row in first_table(comparison)[1] if _is_empty(row)
+    ]
+    return f"Without a value in either: {'; '.join(labels)}." if labels else ""
 
 
 def _difference_of(metric: Metric) -> str:

@@ -5,6 +5,7 @@ file whose keys are optional.
 from __future__ import annotations
 
 import difflib
+import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Literal
@@ -22,6 +23,9 @@ from scenes.uncertainty import Share, share_of
 Quantity = Literal[
     "time", "frame", "normal_load", "tangential_load", "x", "y", "pressure", "shear", "slip"
 ]
+
+# Likeness of two names of columns from which on one may be meant by the other.
+_NEARLY = 0.75
 
 _Factor = Annotated[float, Field(gt=0)]
 _Column = str | Annotated[int, Field(ge=1)]
@@ -202,9 +206,28 @@ def find_column(
     if needed:
         raise InputError(
             f"{where}: no column for {quantity} (looked for {', '.join(ALIASES[quantity][:4])} ...)"
-            f" among {listed(names)}; name it by columns.{quantity} of a mapping"
+            f" among {listed(names)}; {_how_to_name(quantity, names)}"
         )
     return None
+
+
+def _how_to_name(quantity: str, names: Sequence[str]) -> str:
+    """How a mapping says which column holds a quantity: the lines to write where one is nearly
+    called like it.
+    """
+    by_plain_name = {plain(name): name for name in names}
+    nearest = [
+        match
+        for alias in ALIASES[quantity]
+        for match in difflib.get_close_matches(plain(alias), by_plain_name, n=1, cutoff=_NEARLY)
+    ]
+    if not nearest:
+        return f"name it by columns.{quantity} of a mapping (`halfplane score --mapping-example`)"
+    name = by_plain_name[nearest[0]]
+    return (
+        f"if {name!r} is it, write the lines [columns] and {quantity} = {json.dumps(name)} into a"
+        " file mapping.toml, and add --mapping mapping.toml"
+    )
 
 
 def listed(names: Sequence[str]) -> str:
