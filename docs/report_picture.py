@@ -3,8 +3,8 @@ with its uncertainty.
 
 python docs/report_picture.py       (needs the extra `browser` and chromium; part of `make pages`)
 
-One run makes both: docs/figures/report.png, and docs/uncertainty.json, which `docs/pages.py`
-quotes.
+One run makes docs/figures/report.png and docs/uncertainty.json, which `docs/pages.py` quotes; two
+figures of that page stand alone as docs/figures/blocks-*.svg.
 """
 
 from __future__ import annotations
@@ -15,14 +15,34 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
+import halfplane_fe
+import reports
+import semi_analytic
+from halfplane_fe import SolverSettings
+from meshes import MeshSettings
+from reports.advising import split
+from reports.charts.plate import Cell, Plate, stacks
+from reports.comparison.budget import climb, error_budget, theory_on_steps
+from reports.console import Stages
+from reports.page.writing import draw
+from reports.report import with_budget
+from scenes import load_scene
+
 SCENE = "blocks"
 HERE = Path(__file__).parent
+# Figures of the page that the first page of the manual shows -> their files. As wide as the column
+# of a phone of 390 px, where words of 12 px stay readable.
+FIGURES = {"tractions": "blocks-tractions.svg", "waterfall": "blocks-waterfall.svg"}
+WIDTH = 350.0
+INSTANT = "P largest"
 
 
 def measured(folder: Path) -> dict[str, dict[str, float]]:
@@ -55,6 +75,34 @@ def measured(folder: Path) -> dict[str, dict[str, float]]:
     return numbers
 
 
+def drawn() -> dict[str, str]:
+    """The figures of `FIGURES`, of the run whose numbers the first page quotes: file name -> SVG."""
+    scene = load_scene(SCENE)
+    begun = time.process_time()
+    elements = halfplane_fe.solve(scene)
+    cost = time.process_time() - begun
+    theory = semi_analytic.solve(scene, x=elements.x, time=elements.time)
+    comparison = reports.compare(theory, elements, polygon_reference=theory_on_steps(elements))
+    stage = Stages(quiet=True).stage
+    meshes = climb(comparison, MeshSettings(), SolverSettings(), stage, coarsenings=2)
+    report = with_budget(comparison, error_budget(comparison, meshes, cost))
+    causes = split(report.comparison, report.budget)
+    report = replace(report, comparison=replace(report.comparison, why=causes))
+    figures = {plate.name: plate for plate in draw(report)}
+    return {file: narrow(figures[name]).svg() + "\n" for name, file in FIGURES.items()}
+
+
+def narrow(plate: Plate) -> Plate:
+    """The figure in the column of a phone: of the tractions the instant `INSTANT` alone."""
+    stack = next(
+        (panels for panels in stacks(plate) if panels[0].title.endswith(INSTANT)), stacks(plate)[0]
+    )
+    first, *others = stack
+    panels = [replace(first, width=WIDTH, title=INSTANT if first.title else "")]
+    panels += [replace(panel, width=WIDTH) for panel in others]
+    return replace(plate, panels=(Cell(tuple(panels), None),), columns=1)
+
+
 def main() -> None:
     """Run the scene, open the page, keep its numbers and its first screen."""
     from playwright.sync_api import sync_playwright
@@ -70,6 +118,8 @@ def main() -> None:
         picture = Image.open(io.BytesIO(page.screenshot()))
         browser.close()
     keep(picture, content)
+    for name, svg in drawn().items():
+        (HERE / "figures" / name).write_text(svg, encoding="utf-8")
 
 
 def keep(picture: Image.Image, content: dict[str, Any]) -> None:

@@ -273,6 +273,25 @@ def test_the_first_result_and_its_uncertainty_are_those_of_a_run() -> None:
             assert not re.search(r"<!-- /n -->\s*±", text)
 
 
+def test_the_first_page_shows_tractions_and_causes_of_the_run_that_it_quotes() -> None:
+    """Stored figures: the waterfall has the quoted values, words fit the column of a phone."""
+    for name in report_picture.FIGURES.values():
+        assert f"](figures/{name})" in TEXTS["index.md"]
+        drawing = ET.parse(DOCS / "figures" / name).getroot()
+        assert float(drawing.attrib["width"]) == report_picture.WIDTH <= 390 - 2 * 16
+    waterfall = (DOCS / "figures" / report_picture.FIGURES["waterfall"]).read_text(encoding="utf-8")
+    for key in ("dissipation", "curvature under Q"):
+        value = f"{100 * uncertainty()[key]['value']:.2f}".replace("-", "−")
+        assert f": {value} ± " in waterfall
+
+
+@pytest.mark.slow
+def test_the_figures_of_the_first_page_are_drawn_again() -> None:
+    for name, drawing in report_picture.drawn().items():
+        stored = (DOCS / "figures" / name).read_text(encoding="utf-8")
+        assert same_drawing(stored, drawing), f"docs/figures/{name} is stale: {RENEW}"
+
+
 @pytest.mark.slow
 def test_the_uncertainty_of_the_first_result_is_measured_again(tmp_path: Path) -> None:
     """To 5 %: counts of increments differ between processors."""
