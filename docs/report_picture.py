@@ -76,7 +76,7 @@ def measured(folder: Path) -> dict[str, dict[str, float]]:
 
 
 def drawn() -> dict[str, str]:
-    """The figures of `FIGURES`, of the run whose numbers the first page quotes: file name -> SVG."""
+    """The figures of `FIGURES`, of the run that the first page quotes: file name -> SVG."""
     scene = load_scene(SCENE)
     begun = time.process_time()
     elements = halfplane_fe.solve(scene)

@@ -313,6 +313,7 @@ GENERATED = {
         for name in ("verification", "scenes", "gallery", "misprints", "third", "metrics")
     ),
     "expected.csv",
+    "misprints.csv",
 }
 GENERATED |= {"architecture.svg"}
 
