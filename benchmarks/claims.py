@@ -313,8 +313,6 @@ def summary(known: Stored, title: str) -> tuple[Any, ...]:
         satisfied,
         nearest.what,
         *nearest.cells[1:3],
-        nearest.how,
-        known[title]["commit"],
     )
 
 
@@ -348,11 +346,10 @@ def page_of(known: Stored) -> str:
         "# Numbers",
         "",
         (
-            "What the project claims, written by `make numbers` and by nothing else. Errors are"
-            " relative unless a unit is given; times are of one run on a machine that others"
-            " share: the same code has taken half as long again an hour later. All"
-            f" {sum(one[1] for one in sections)} rows are in `docs/numbers.json`, by section, each"
-            " with its limit, how it was measured and the commit."
+            "What the project claims, written by `make numbers`. Errors are relative unless a unit"
+            " is given; times are of one run on a shared machine: the same code has taken half as"
+            f" long again an hour later. [numbers.json](numbers.json) has all"
+            f" {sum(one[1] for one in sections)} rows, with limit, way of measuring, and commit."
         ),
         "",
         (
@@ -362,8 +359,7 @@ def page_of(known: Stored) -> str:
         *("", "## The ten that matter most", "", *ten_of(known)),
         *("", "## Every section, and its claim nearest to the limit", ""),
         *markdown(
-            "section | claims | limits satisfied | nearest to its limit | measured | limit | how |"
-            " commit",
+            "section | claims | limits satisfied | nearest to its limit | measured | limit",
             sections,
         ),
         *("", f"## {heading}" if missed else "Every claim that has a limit satisfies it."),

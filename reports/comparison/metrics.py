@@ -219,12 +219,18 @@ def _cells(cells: tuple[str, ...]) -> str:
     return f"| {' | '.join(cells)} |"
 
 
+# What most rows say, in fewer words.
+_SHORTER = {"value at the worst": "worst", "every point, edges included": "all points"}
+
+
 def _markdown_rows() -> Iterator[str]:
     for metric in METRICS.values():
         unit = metric.unit
         if metric.absolute_unit:
             unit += f"; {metric.absolute_unit} where that is 0"
         norm_and_region = f"{metric.norm}; {metric.region}"
+        for words, shorter in _SHORTER.items():
+            norm_and_region = norm_and_region.replace(words, shorter)
         if not metric.signed:
             norm_and_region += "; no sign"
         tolerance = "–"
