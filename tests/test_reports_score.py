@@ -34,7 +34,7 @@ from reports.console import Stages
 from reports.field_output.files import write_fields
 from reports.page.content import whole_content
 from reports.report import Report
-from reports.scoring import loops
+from reports.scoring import loop_page
 from reports.scoring.against import score_file, score_surface
 from reports.scoring.diagnosis import diagnose
 from reports.scoring.history import matched
@@ -1042,7 +1042,7 @@ def test_units_of_the_headings_and_a_mapping_turn_a_loop_into_the_units_of_the_s
     for loop in (by_headings, mapped):
         np.testing.assert_allclose(loop.shift, u, rtol=1e-7, atol=1e-12)
         np.testing.assert_allclose(loop.load, q, rtol=1e-7, atol=1e-6)
-    assert loops.content(score_loop(mapped, WIDE))["kind"] == "loop"
+    assert loop_page.content(score_loop(mapped, WIDE))["kind"] == "loop"
 
 
 @pytest.mark.usefixtures("undiagnosed")

@@ -188,7 +188,7 @@ def _scored_loop(
     stages = Stages(options.quiet)
     with stages.stage("loading"):
         from reports.comparison.words import read_in_words
-        from reports.scoring import loops
+        from reports.scoring import loop_page, loops
     with stages.stage("reading"):
         rows = loops.read_loop(path, mapping, scene)
     with stages.stage("fitting"):
@@ -210,8 +210,8 @@ def _scored_loop(
         "inputs": input_content(inputs, scene),
     }
     with stages.stage("report"):
-        page = str(loops.write(score, folder, command, further_content, sentences))
-    heads, cells = loops.table(score)
+        page = str(loop_page.write(score, folder, command, further_content, sentences))
+    heads, cells = loop_page.table(score)
     sheet = Sheet(
         f"{scene.title or scene.name}: measured loop {path.name}",
         heads,
@@ -228,7 +228,9 @@ def _scored_loop(
             *sentences,
             page,
         ],
-        lambda: loops.content(score) | further_content | {"page": page, "seconds": stages.seconds},
+        lambda: (
+            loop_page.content(score) | further_content | {"page": page, "seconds": stages.seconds}
+        ),
         scene.name,
     )
 

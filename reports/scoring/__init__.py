@@ -25,6 +25,7 @@ judgement.py       the order of evidence: pressure, then shear; which causes exp
 causes_in_words.py a cause in a sentence: what it is, how large, what to do
 diagnosis.py       the findings in sentences, with their evidence and what is excluded
 loops.py           a rig's loop of Q over U: the f that fits it, its interval, the engines' loops
+loop_page.py       its page, JSON and table
 loop_branches.py   turning points of Q, the branch of each row, area of the rows
 loop_steadiness.py whether rows are of one steady loop: drift, run-in, cycles that differ
 loop_masing.py     f by least squares at constant P: partial and gross loops by Masing's rule

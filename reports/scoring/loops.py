@@ -25,9 +25,8 @@ where that sum exceeds the least one by what chance gives in 95 %.
 
 from __future__ import annotations
 
-import json
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from pathlib import Path
@@ -37,23 +36,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import semi_analytic
-from reports.charts.plate import (
-    Axis,
-    Curve,
-    Dot,
-    Key,
-    Mark,
-    Panel,
-    Plate,
-    Rule,
-    limits,
-    worded,
-    write_tables,
-)
-from reports.charts.templating import script, template
 from reports.checking import nearest_to_sliding
-from reports.comparison.words import question
-from reports.folder import filled
 from reports.scoring.loop_branches import Branches, LoopArea, find_branches, polygon_area, row_noise
 from reports.scoring.loop_fit import (
     LoopRows,
@@ -77,7 +60,7 @@ from reports.scoring.loop_steadiness import (
     drift_of_shift,
 )
 from reports.scoring.mapping import Mapping, converted, find_column, listed
-from reports.units import energy_unit, load_unit, minus, units
+from reports.units import load_unit, units
 from scenes import InputError, Scene
 from scenes.array_types import Array
 from scenes.column_names import ALIASES, plain
@@ -498,7 +481,7 @@ def score_loop(
     area = measure(loop.shift, loop.load, fit.phase, fit.shift_noise, fit.load_noise)
     if fit.model is not None and fit.place is not None:
         area = _with_theory_between_rows(area, fit.model, fit.place, fit.phase)
-    slope_of_rows = _slope(loop.shift, np.interp(share, _SHARES, load_of_cycle))
+    slope_of_rows = _slope(loop.shift, np.interp(share, SHARES, load_of_cycle))
     rows = [
         LoopRow(
             "measured",
@@ -527,9 +510,9 @@ def score_loop(
         )
         with_rig = scale * shift + compliance * load_of_cycle + origin
         work = scale**2 * float(np.sum((tangential[1:] + tangential[:-1]) / 2 * np.diff(shift)))
-        shift_at_rows = np.interp(share, _SHARES, with_rig)
-        _, rest = _means(share, loop.shift - shift_at_rows)
-        slope = _slope(shift_at_rows, np.interp(share, _SHARES, load_of_cycle))
+        shift_at_rows = np.interp(share, SHARES, with_rig)
+        _, rest = means_of_parts(share, loop.shift - shift_at_rows)
+        slope = _slope(shift_at_rows, np.interp(share, SHARES, load_of_cycle))
         rows.append(
             LoopRow(name, coefficient, work, 0.0, slope, math.sqrt(float(np.mean(rest**2))))
         )
@@ -539,10 +522,10 @@ def score_loop(
     if fit.gross and fit.model is not None:
         cases = {}
         for name, slid in _sliding_loops(fit.model, scene.friction.coefficient).items():
-            shift, loads = slid.closed(_SHARES)
-            center = float(np.mean(loop.shift - np.interp(share, _SHARES, shift)))
-            slope = _slope(np.interp(share, _SHARES, shift), np.interp(share, _SHARES, loads))
-            _, rest = _means(share, loop.shift - np.interp(share, _SHARES, shift) - center)
+            shift, loads = slid.closed(SHARES)
+            center = float(np.mean(loop.shift - np.interp(share, SHARES, shift)))
+            slope = _slope(np.interp(share, SHARES, shift), np.interp(share, SHARES, loads))
+            _, rest = means_of_parts(share, loop.shift - np.interp(share, SHARES, shift) - center)
             rows.append(
                 LoopRow(
                     name, slid.friction, slid.area, 0.0, slope, math.sqrt(float(np.mean(rest**2)))
@@ -957,8 +940,8 @@ def _against_rows(
     rig_compliance: float | None,
 ) -> tuple[float, float, float]:
     """Sum of squares, C and U0 with this U (n_instants,) of theory."""
-    load = np.interp(share, _SHARES, load_of_cycle)
-    rest = loop.shift - scale * np.interp(share, _SHARES, shift)
+    load = np.interp(share, SHARES, load_of_cycle)
+    rest = loop.shift - scale * np.interp(share, SHARES, shift)
     if rig_compliance is not None:
         rest = rest - rig_compliance * load
         origin = float(np.mean(rest))
@@ -1056,7 +1039,7 @@ def _fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | Non
 
 
 # -------------------------------------------------------------------------------------- the engines
-_SHARES = np.linspace(0.0, 1.0, _INSTANTS)
+SHARES = np.linspace(0.0, 1.0, _INSTANTS)
 # Rows without noise show the chords between instants: to 1e-5 of f they need three times as many.
 _FINE_SHARES = np.linspace(0.0, 1.0, 3 * (_INSTANTS - 1) + 1)
 
@@ -1068,13 +1051,13 @@ def _times(scene: Scene, shares: Array) -> Array:
     return path.cycle_start + path.period * (max(scene.cycles, 2) - 1 + shares)
 
 
-def _cycle_loads(scene: Scene, shares: Array = _SHARES) -> tuple[Array, Array]:
+def _cycle_loads(scene: Scene, shares: Array = SHARES) -> tuple[Array, Array]:
     """P and Q of a cycle."""
     normal, tangential = scene.load.path().at(_times(scene, shares))
     return np.asarray(normal), np.asarray(tangential)
 
 
-def _theory(scene: Scene, friction: float, shares: Array = _SHARES) -> Array:
+def _theory(scene: Scene, friction: float, shares: Array = SHARES) -> Array:
     """U of the steady cycle by half-plane theory."""
     asked = scene.vary(friction=friction, cycles=max(scene.cycles, 2))
     solution = semi_analytic.solve(
@@ -1093,7 +1076,7 @@ def _finite_elements(scene: Scene, friction: float) -> Array:
     assert path.period is not None
     share = (solution.time[cycle] - path.cycle_start) / path.period
     share -= round(float(share[0]))
-    return np.interp(_SHARES, share, solution.tangential_displacement[cycle])
+    return np.interp(SHARES, share, solution.tangential_displacement[cycle])
 
 
 def _slope(shift: Array, load: Array) -> float:
@@ -1102,7 +1085,7 @@ def _slope(shift: Array, load: Array) -> float:
     return float(apart @ shift / (apart @ apart))
 
 
-def _means(share: Array, *values: Array) -> tuple[Array, ...]:
+def means_of_parts(share: Array, *values: Array) -> tuple[Array, ...]:
     """Rows in each part of the cycle that has any, and the mean of each of `values` (n,) there:
     (k,) each.
     """
@@ -1177,7 +1160,7 @@ def _aligned(loop: MeasuredLoop, tangential: Array, least_cycles: float = 0.0) -
 
     def parts(frequency: float, phase: float) -> tuple[float, Array, float, float]:
         share = np.mod(frequency * loop.time + phase, 1.0)
-        own = np.interp(share, _SHARES, tangential)
+        own = np.interp(share, SHARES, tangential)
         columns = np.column_stack([own, np.ones(count)])
         scale, offset = np.linalg.lstsq(columns, loop.load, rcond=None)[0].tolist()
         rest = loop.load - scale * own - offset
@@ -1223,176 +1206,14 @@ def _noise_of_load(
     """Of Q: its noise, and the standard errors that this leaves in the place on the cycle [share]
     and in r, over r.
     """
-    own = scale * np.interp(share, _SHARES, tangential)
+    own = scale * np.interp(share, SHARES, tangential)
     rest = loop.load - own
     apart = own - own.mean()
     noise = float(np.std(rest))
     rate = np.interp(
         share,
-        (_SHARES[1:] + _SHARES[:-1]) / 2,
+        (SHARES[1:] + SHARES[:-1]) / 2,
         scale * np.diff(tangential) * (_INSTANTS - 1),
         period=1.0,
     )
     return noise, noise / math.sqrt(float(rate @ rate)), noise / math.sqrt(float(apart @ apart))
-
-
-# ------------------------------------------------------------------------------------ page and JSON
-def content(found: LoopScore) -> dict[str, Any]:
-    """A loop score for JSON."""
-    return {
-        "kind": "loop",
-        "passed": found.agrees,
-        "sentence": found.sentence,
-        "friction": {
-            "value": found.friction,
-            "low": found.low,
-            "high": found.high,
-            "scene": found.scene.friction.coefficient,
-        },
-        "rig_compliance": {"value": found.compliance, "fitted": found.compliance_fitted},
-        "scale": found.scale,
-        "cycles": found.cycles,
-        "noise": found.noise,
-        "metrics": {
-            row.name: {name: value for name, value in vars(row).items() if name != "name"}
-            for row in found.rows
-        },
-        "read_as": found.read_as,
-        "notes": list(found.said),
-        "scene": found.scene.model_dump(mode="json"),
-    }
-
-
-def table(found: LoopScore) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
-    """Heads and rows: each loop, and how far it is from the measured one."""
-    length, stress = units(found.scene)[1:]
-    area = f"area W [{energy_unit(found.scene)}]"
-    distance = f"mean rows − loop, rms [{length}]"
-    heads = ("loop", "f", area, "W/measured − 1", f"slope dU/dQ [1/{stress}]", distance)
-    measured = found.rows[0]
-    rows: list[tuple[str, ...]] = []
-    for row in found.rows:
-        apart = "–" if row is measured else minus(f"{100 * (row.area / measured.area - 1):+.2g} %")
-        spread = f" ± {row.area_uncertainty:.2g}" if row.area_uncertainty else ""
-        friction = "–" if row.friction is None else f"{row.friction:.4g}"
-        distance = f"{row.distance:.3g}" if math.isfinite(row.distance) else "–"
-        rows.append(
-            (row.name, friction, f"{row.area:.5g}{spread}", apart, f"{row.slope:.5g}", distance)
-        )
-    return heads, rows
-
-
-def _plates(found: LoopScore) -> tuple[Plate, ...]:
-    """The loop, U less the straight line through it, so that it opens; and rows minus the best
-    fit.
-    """
-    length = units(found.scene)[1]
-    load = load_unit(found.scene)
-    line = found.rows[1].slope
-    base = float(np.mean(found.shift - line * found.load))
-    rest = found.shift - np.interp(found.tau, _SHARES, found.curves[0][1])
-    count, share, shifts, loads, means = _means(found.tau, found.tau, found.shift, found.load, rest)
-    opened = shifts - line * loads - base
-    curves = [
-        Curve(q, u - line * q - base, f"line-{k}", name)
-        for k, (name, u, q) in enumerate(found.curves, 1)
-    ]
-    keys = [Key(curve.css, curve.label) for curve in curves]
-
-    def panel(
-        name: str,
-        words: str,
-        height: float,
-        across: Axis,
-        up: Axis,
-        dots: tuple[Array, Array],
-        lines: Sequence[Mark],
-    ) -> Panel:
-        marks = [
-            Dot(x, y, "p0", 2.2) for x, y in zip(*(values.tolist() for values in dots), strict=True)
-        ]
-        return Panel(name, across, up, [*marks, *lines], words, 900.0, height, css="broad")
-
-    axes = (
-        Axis(*limits(loads, curves[0].x), f"Q  [{load}]"),
-        Axis(*limits(opened, *(c.y for c in curves)), f"U − slope Q  [{length}]"),
-    )
-    below = (
-        Axis(0.0, 1.0, "share of the cycle"),
-        Axis(*limits(means), f"mean rows − best fit  [{length}]"),
-    )
-    loop = panel(
-        "loop", "Loop of displacement over tangential load", 380.0, *axes, (loads, opened), curves
-    )
-    residuals = panel(
-        "loop-rest",
-        "Residuals of the best fit over the cycle",
-        260.0,
-        *below,
-        (share, means),
-        [Rule(0.0, "zero")],
-    )
-    words: dict[str, Any] = {
-        "fewest": f"{count.min():.0f}",
-        "most": f"{count.max():.0f}",
-        "parts": len(count),
-        "columns": 1,
-    }
-    columns = {"tau": found.tau, f"Q [{load}]": found.load, f"U [{length}]": found.shift}
-    noise: dict[str, Any] = {"noise": f"{found.noise:.3g}", "length": length}
-    return (
-        worded("loop", [loop], columns, keys, slope=f"{line:.4g}", **words),
-        worded(
-            "loop_residuals",
-            [residuals],
-            {"tau": found.tau, f"U - fit [{length}]": rest},
-            **noise,
-            **words,
-        ),
-    )
-
-
-def write(
-    found: LoopScore,
-    out: str | Path,
-    command: str,
-    further: dict[str, Any] | None = None,
-    sentences: Sequence[str] = (),
-) -> Path:
-    """The page, loop.json and the CSV of each figure; returns the path of the page.
-
-    Parameters
-    ----------
-    further
-        entries of loop.json beside those of the score
-    sentences
-        what the page says below its first one
-    """
-    from reports.comparison.json_values import strict
-
-    program, digest = script()
-    drawings = _plates(found)
-    heads, rows = table(found)
-    with filled(out) as folder:
-        write_tables(drawings, folder)
-        whole = strict(content(found) | (further or {})) | {"command": command}
-        (folder / "loop.json").write_text(
-            json.dumps(whole, indent=1, ensure_ascii=False) + "\n", encoding="utf-8"
-        )
-        page = template("loop.html").render(
-            title=f"Measured loop: {Path(found.source).name}",
-            scene=found.scene,
-            question=question(found.scene),
-            found=found,
-            sentences=sentences,
-            source_name=Path(found.source).name,
-            stress=units(found.scene)[2],
-            heads=heads,
-            rows=rows,
-            drawings=drawings,
-            command=command,
-            script=program,
-            script_hash=digest,
-        )
-        (folder / "report.html").write_text(page, encoding="utf-8")
-    return Path(out) / "report.html"
