@@ -220,6 +220,26 @@ def _with_slopes(
     chord = (y[:, None] - heights) / np.where(at_force, 1.0, away)
     tangent = np.gradient(y, kernels.x, edge_order=2)
     slope = np.where(at_force, tangent[:, None], chord)
+    of_slope = kernels_of_slope(slope, material)
+    return kernels._replace(
+        normal=kernels.normal + of_slope.normal,
+        tangential=kernels.tangential + of_slope.tangential,
+        along_by_pressure=kernels.along_by_pressure + of_slope.along_by_pressure,
+        outward_by_shear=kernels.outward_by_shear + of_slope.outward_by_shear,
+    )
+
+
+class KernelsOfSlope(NamedTuple):
+    """What the slope of chords makes of Flamant's field, of its shape: k_nn, k_tt, k_tn, k_nt."""
+
+    normal: Array
+    tangential: Array
+    along_by_pressure: Array
+    outward_by_shear: Array
+
+
+def kernels_of_slope(slope: Array, material: Elastic) -> KernelsOfSlope:
+    """Flamant's field at the end of a chord of a slope minus that on the flat face."""
     # notation: c = 1/(2 pi G), k = 1 - 2 nu, as in `far_field`
     c = (1 + material.poisson_ratio) / (np.pi * material.young_modulus)
     k = 1 - 2 * material.poisson_ratio
@@ -227,11 +247,11 @@ def _with_slopes(
     depth = slope**2 / (1 + slope**2)
     cross = slope / (1 + slope**2)
     turn = k * np.arctan(slope)
-    return kernels._replace(
-        normal=kernels.normal - c * (logarithm - depth),
-        tangential=kernels.tangential - c * (logarithm + depth),
-        along_by_pressure=kernels.along_by_pressure - c * (cross + turn),
-        outward_by_shear=kernels.outward_by_shear + c * (cross - turn),
+    return KernelsOfSlope(
+        normal=-c * (logarithm - depth),
+        tangential=-c * (logarithm + depth),
+        along_by_pressure=-c * (cross + turn),
+        outward_by_shear=c * (cross - turn),
     )
 
 

@@ -16,7 +16,13 @@ import pytest
 import halfplane_fe
 from halfplane_fe import FiniteElementSolution, kernel_bodies, remainder
 from halfplane_fe.interface import Interface
-from halfplane_fe.kernel_bodies import FaceKernels, KernelPair, fitted_kernels, kernel_pair
+from halfplane_fe.kernel_bodies import (
+    FaceKernels,
+    KernelPair,
+    PartOfFace,
+    fitted_kernels,
+    kernel_pair,
+)
 from halfplane_fe.remainder import face_kernels
 from meshes import MeshSettings
 from problems import COARSE, FEW_STEPS, fe_run
@@ -32,6 +38,7 @@ from scenes import (
     load_scene,
 )
 from scenes.bodies import Face
+from semi_analytic.profiles import contact_of
 from tolerances import check
 
 LOAD = 90.62286500739786  # a = 1 mm of two steel half-planes, R = 1000 mm
@@ -198,6 +205,56 @@ def test_arcs(bodies: str, history: str) -> None:
         check(f"kernels, arcs: {quantity}", value)
 
 
+FLAT_PADS = {"half-plane": HALF_PLANE, "block": block(20.0, 10.0)}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("below", "flat", "history"),
+    [
+        ("half-plane", 0.8, "cycle .6 .8"),
+        ("half-plane", 0.8, "ellipse .3"),
+        ("block", 0.5, "cycle .6 .8"),
+    ],
+)
+def test_flat_pads(below: str, flat: float, history: str) -> None:
+    """Edges of radius 10 half-widths at the mean load: theory errs by up to 8 % of W."""
+    upper = {"kind": "pad", "width": 2 * flat + 16.0, "height": 12.0}
+    load, friction = LOADS[history]
+    scene = load_scene("flat-rounded-paper").vary(
+        bodies={"lower": FLAT_PADS[below], "upper": upper},
+        profile={"radius": 10.0, "flat_half_length": flat},
+        friction=friction,
+        expected=[],
+    )
+    of_load = load(friction)
+    heavier = float(contact_of(scene.profile, scene.material).load(1.0)) / LOAD
+    scene = scene.vary(
+        load=EllipseLoad(
+            mean_normal_load=heavier * of_load.mean_normal_load,
+            normal_amplitude=heavier * of_load.normal_amplitude,
+            tangential_amplitude=heavier * of_load.tangential_amplitude,
+            phase_degrees=of_load.phase_degrees,
+            initial_loading="straight",
+        )
+    )
+    # next to b the pressure is steep
+    mesh = MeshSettings(element_size=1 / 32, edge_element_size=1 / 320, growth=0.1)
+    kernels = halfplane_fe.solve(scene, mesh, bodies="kernel")
+    of_pads = difference(halfplane_fe.solve(scene, mesh), kernels)
+    for quantity, value in zip(Difference._fields, of_pads, strict=True):
+        check(f"kernels, flat pads: {quantity}", value)
+
+
+def test_a_part_of_a_face_has_its_limit_at_the_force() -> None:
+    part = PartOfFace(0.5, 10.0, STEEL)
+    x = np.array([-0.8, 0.2, 0.7])
+    at_force = part.kernels(x, x)
+    beside = part.kernels(x, x + 1e-6)
+    for kernel, kernel_beside in zip(at_force, beside, strict=True):
+        np.testing.assert_allclose(np.diag(kernel), np.diag(kernel_beside), rtol=1e-4, atol=1e-12)
+
+
 def test_a_cylinder_on_a_block_on_a_coarse_mesh() -> None:
     scene = arcs_of("cylinder on block", "cycle .6 .8")
     of_arcs = difference(fe_run(scene), by_kernels(scene))
@@ -353,9 +410,15 @@ def test_half_planes_have_no_kernels() -> None:
 
 
 # -------------------------------------------------------------------------------------- what is not
+def quartic_pad() -> Scene:
+    """A pad that is a parabola and x^4."""
+    profile = {"kind": "polynomial", "length": 1.0, "rises": [5e-3, 1e-4]}
+    return load_scene("pad-on-block").vary(profile=profile, expected=[])
+
+
 def test_what_kernels_do_not_cover_is_refused() -> None:
-    with pytest.raises(InputError, match=r"bodies\.upper: .* the face of this pad is neither"):
-        halfplane_fe.solve("flat-pad-on-block", bodies="kernel")
+    with pytest.raises(InputError, match=r"bodies\.upper: .* the face of this pad is none"):
+        halfplane_fe.solve(quartic_pad(), bodies="kernel")
     leaning = load_scene("pad-on-block").vary(load={"tilt": 1e-5})
     with pytest.raises(InputError, match="load: kernels of curved faces take P and Q alone"):
         halfplane_fe.solve(leaning, bodies="kernel")

@@ -75,6 +75,12 @@ TOLERANCES = {
     "kernels, arcs: pressure": Tolerance(1.7e-4, 2e-4, KERNELS + "; promised: 2e-4"),
     "kernels, arcs: displacement": Tolerance(1.2e-5, 1e-4, KERNELS),
     "kernels, arcs: approach": Tolerance(2.7e-5, 1e-4, KERNELS),
+    "kernels, flat pads: work": Tolerance(1.4e-4, 5e-4, KERNELS + "; promised: 1e-3"),
+    "kernels, flat pads: pressure": Tolerance(
+        6.3e-3, 1e-2, FLAT + "; promised: 1e-3, which b/a = 0.2 and 0.5 meet, and 0.8 does not"
+    ),
+    "kernels, flat pads: displacement": Tolerance(1.1e-5, 1e-4, KERNELS),
+    "kernels, flat pads: approach": Tolerance(4.3e-7, 1e-4, KERNELS),
     "kernels, coarse mesh: work": Tolerance(1.3e-4, 4e-4, KERNELS),
     "kernels, coarse mesh: pressure": Tolerance(1e-3, 3e-3, KERNELS),
     "kernels, coarse mesh: displacement": Tolerance(1e-3, 3e-3, KERNELS),
