@@ -356,11 +356,9 @@ def verification() -> Iterator[str]:
         " exist fails), then every scene of the library, finite elements against theory."
     )
     yield from ("", "## Requirements", "")
-    rows = []
     for area, of_area in requirements().items():
         sentences = [f"{cell(row['requirement'])}." for row in of_area]
-        rows.append([area, " ".join(sentences)])
-    yield from table("area | tested", rows, wide=False)
+        yield f"- **{area}**: {' '.join(sentences)}"
     verdicts = [
         [is_met for is_met in content["accurate"].values() if is_met is not None]
         for content in scenes.values()
