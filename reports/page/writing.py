@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reports import input_words
-from reports.charts.plate import STATE_KEYS, Plate, write_tables
+from reports.charts.plate import STATE_KEYS, Panel, Plate, write_tables
 from reports.charts.templating import script, template
 from reports.comparison import Comparison, budget_words, words
 from reports.comparison.cycles import last_cycle
@@ -564,7 +564,9 @@ def published(comparison: Comparison) -> str:
     loop = hysteresis(view) if moves else None
     view.time = view.result_cycle.time
     view.time_words = "time"
-    second_panel = loop.panels[1] if loop else half_widths(view).panels[0]
+    beside_it = loop.panels[1] if loop else half_widths(view).panels[0]
+    assert isinstance(beside_it, Panel)
+    second_panel = replace(beside_it, height=size[1])
     keys = traction_keys(view)[:4]
     alt = f"Both engines on {scene.name}"
     panels = (traction_panel, second_panel)
