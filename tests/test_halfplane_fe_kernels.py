@@ -8,7 +8,7 @@ import dataclasses
 import functools
 from collections import Counter
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -383,7 +383,11 @@ def test_a_planted_fault_is_seen_in_the_sums(fault: Fault) -> None:
 @pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.__name__)
 def test_a_planted_fault_moves_the_answer(fault: Fault, monkeypatch: pytest.MonkeyPatch) -> None:
     right = fitted_kernels
-    monkeypatch.setattr(kernel_bodies, "fitted_kernels", lambda kernels: fault(right(kernels)))
+
+    def with_fault(*arguments: Any) -> FaceKernels:
+        return fault(right(*arguments))
+
+    monkeypatch.setattr(kernel_bodies, "fitted_kernels", with_fault)
     of_blocks = difference(fe_run(UNLIKE), by_kernels.__wrapped__(UNLIKE))
     assert max(abs(of_blocks.work), abs(of_blocks.approach)) > 5e-3
 
