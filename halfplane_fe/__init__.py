@@ -26,7 +26,6 @@ In the order in which a scene passes through::
                                            do not settle
     return_mapping.py                      penalty method and augmented Lagrangian: return mapping
                                            of the tractions, multipliers
-    roots.py                               where a function changes its sign
     stepping.py                            along a stretch of the path, to each touch and release
     run.py                                 over the whole path; shakedown and ratcheting: what
                                            revolutions have left to go

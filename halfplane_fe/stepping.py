@@ -18,12 +18,12 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 import scipy
+import scipy
 
 from halfplane_fe.contact import ROUNDING, ContactProblem, InterfaceState, nodal
 from halfplane_fe.energy import bent_work, step_errors
 from halfplane_fe.law import slip_sign
 from halfplane_fe.path import Stretch, scaled_loads
-from halfplane_fe.roots import zero_between
 from halfplane_fe.systems import SingularSet
 from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, ConvergenceError, freeze
 from scenes.array_types import Array, Mask, States
@@ -500,7 +500,8 @@ def _zero(
         value = function(time)
     if not at_low * function(high) < 0:
         return high
-    return zero_between(function, low, high)
+    # an attribute of scipy is loaded where it is first used
+    return float(scipy.optimize.brentq(function, low, high, xtol=1e-15, rtol=8.9e-16))
 
 
 def _first_crossing(before: Array, after: Array, nodes: Mask) -> tuple[float, int]:
