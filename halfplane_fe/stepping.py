@@ -18,7 +18,6 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 import scipy
-import scipy
 
 from halfplane_fe.contact import ROUNDING, ContactProblem, InterfaceState, nodal
 from halfplane_fe.energy import bent_work, step_errors
