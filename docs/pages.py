@@ -231,7 +231,7 @@ def _coverage_table(runs: dict[str, list[dict[str, Any]]], group: str, words: st
     head = "quantity"
     for preset in runs:
         head += f" | covered, {preset} mesh | no estimate | stated over true | true over stated"
-    yield f"{words} ({drawn}):"
+    yield f"{words} ({drawn}; the worst seed):"
     yield ""
     yield from table(head, _coverage_rows(runs, group))
 
@@ -244,8 +244,8 @@ def _drawn(preset: str, runs: list[dict[str, Any]], group: str) -> str:
 
 
 def _coverage_rows(runs: dict[str, list[dict[str, Any]]], group: str) -> Iterator[list[str]]:
-    """A row for each quantity: of each seed, but for the most without an estimate and the worst
-    of true over stated.
+    """A row for each quantity: the worst of the seeds, which is the least share that is covered and
+    the largest of all others.
     """
     first_run = next(iter(runs.values()))[0]
     for quantity in first_run["groups"][group]["quantities"]:
@@ -262,14 +262,14 @@ def _coverage_cells(runs: list[dict[str, Any]], group: str, quantity: str) -> li
         quantities = run["groups"][group]["quantities"]
         if quantity in quantities:
             coverages.append(quantities[quantity])
-    covered = "; ".join(str(coverage["covered"]) for coverage in coverages)
+    covered = min(coverage["covered"] for coverage in coverages)
     most_unknown = max(coverage["unknown"] for coverage in coverages)
     shares = [f"{covered} %", f"{most_unknown} %"]
     judged = [coverage for coverage in coverages if coverage["shortfall"] is not None]
     if not judged:
         return [*shares, "–", "–"]
-    generosity = "; ".join(f"{coverage['generosity']:g}" for coverage in judged)
-    return [*shares, generosity, f"{max(coverage['shortfall'] for coverage in judged):g}"]
+    generosity = max(coverage["generosity"] for coverage in judged)
+    return [*shares, f"{generosity:g}", f"{max(coverage['shortfall'] for coverage in judged):g}"]
 
 
 def _heights(rows: list[dict[str, Any]]) -> str:
