@@ -570,8 +570,7 @@ def verdict_shown(report: Report, verbose: bool = True) -> Iterator[Part]:
 
     comparison = report.comparison
     scene = comparison.scene
-    heads, rows = first_cells(comparison, "label" if verbose else "short")
-    rows = [row for row in rows if row[1:3] != ("–", "–")]  # `without_value` names the others
+    heads, rows = first_cells(comparison, "label" if verbose else "short", with_empty=False)
     yield report.opening, "bold"
     yield Sheet(scene.title or scene.name, heads, rows, (1, 2, 3))
     yield from filter(None, [without_value(comparison)])

@@ -641,20 +641,25 @@ def _with_stated(value: float, stated: float | None, factor: float) -> str:
 
 
 def first_cells(
-    comparison: JudgedPair, label: Literal["label", "short"] = "label"
+    comparison: JudgedPair,
+    label: Literal["label", "short"] = "label",
+    *,
+    with_empty: bool = True,
 ) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """The table of absolute values as heads and cells, for the terminal (with short labels) and a
-    notebook.
+    notebook; with or without the rows that `without_value` names.
     """
     heads, rows = first_table(comparison)
     cells = []
     for row in rows:
+        if is_empty(row) and not with_empty:
+            continue
         shown_keys = (label, "reference", "result", "difference", "verdict")
         cells.append(tuple(row[key] for key in shown_keys))
     return heads, cells
 
 
-def _is_empty(row: Mapping[str, str]) -> bool:
+def is_empty(row: Mapping[str, str]) -> bool:
     """Whether neither solution has a value for a row of the first table."""
     return row["reference"] == row["result"] == "–"
 
@@ -664,7 +669,7 @@ def without_value(comparison: JudgedPair) -> str:
     value.
     """
     labels = [
-        row["short"].partition(" [")[0] for row in first_table(comparison)[1] if _is_empty(row)
+        row["short"].partition(" [")[0] for row in first_table(comparison)[1] if is_empty(row)
     ]
     return f"Without a value in either: {'; '.join(labels)}." if labels else ""
 

@@ -497,7 +497,6 @@ def heat_map(
     share: Array,
     names: Sequence[str],
     unresolved: Mask,
-    colours: str = "viridis",
 ) -> list[Mark]:
     """Cells around places (n,) on both axes, coloured by `share` (n,) of the scale; hatched where
     unresolved, grey where NaN.
@@ -507,7 +506,7 @@ def heat_map(
     cells_across = _cells_of(x_axis, places[0])
     cells_up = _cells_of(y_axis, places[1])
     for row in np.flatnonzero(np.isfinite(share)).tolist():
-        fill = shades([share[row]], colours)[0]
+        fill = shades([share[row]])[0]
         is_hatched = bool(unresolved[row])
         marks.append(Block(cells_across[row], cells_up[row], "", names[row], fill, is_hatched))
     return marks
