@@ -7,8 +7,7 @@ docs/numbers.md.
     python benchmarks/claims.py --pages       (none: the page from docs/numbers.json)
 
 A claim that misses its limit is printed and written all the same, and the exit code is 1. The page
-has the ten claims that matter most, every claim that is missed, and of each section the claim
-nearest to its limit; docs/numbers.json has all.
+has the ten claims that matter most and every claim that is missed; docs/numbers.json has all.
 
 What every benchmark shares is here too: the row (what, measured, limit, how), the runner, times,
 files, tables.
@@ -295,27 +294,6 @@ def rows_of(known: Stored, title: str) -> list[Row]:
     return [Row(**row) for row in known[title]["rows"]]
 
 
-def summary(known: Stored, title: str) -> tuple[Any, ...]:
-    """Of a section: its claims, limits satisfied, and the satisfied claim nearest to its limit (the
-    first where none has one).
-    """
-    rows = rows_of(known, title)
-    limited = [row for row in rows if row.limit is not None]
-    nearest = max(
-        (row for row in limited if row.limit and row.met),
-        key=lambda r: abs(r.measured) / (r.limit or 1),
-        default=rows[0],
-    )
-    satisfied = f"{sum(bool(row.met) for row in limited)} of {len(limited)}"
-    return (
-        title,
-        len(rows),
-        satisfied,
-        nearest.what,
-        *nearest.cells[1:3],
-    )
-
-
 def ten_of(known: Stored) -> list[str]:
     """The first table of the page."""
     rows = [
@@ -331,11 +309,9 @@ def ten_of(known: Stored) -> list[str]:
 
 def page_of(known: Stored) -> str:
     """docs/numbers.md."""
-    sections = [summary(known, title) for title in SECTIONS if title in known]
-    missed = [
-        (title, row) for title, *_ in sections for row in rows_of(known, title) if row.met is False
-    ]
-    missed_shown = missed[: MOST_ROWS - len(TEN) - len(sections)]
+    claims = [(title, row) for title in SECTIONS if title in known for row in rows_of(known, title)]
+    missed = [(title, row) for title, row in claims if row.met is False]
+    missed_shown = missed[: MOST_ROWS - len(TEN)]
     heading = f"Missed, {len(missed)} in all" + (
         f", the first {len(missed_shown)}" if len(missed_shown) < len(missed) else ""
     )
@@ -348,8 +324,8 @@ def page_of(known: Stored) -> str:
         (
             "What the project claims, written by `make numbers`. Errors are relative unless a unit"
             " is given; times are of one run on a shared machine: the same code has taken half as"
-            f" long again an hour later. [numbers.json](numbers.json) has all"
-            f" {sum(one[1] for one in sections)} rows, with limit, way of measuring, and commit."
+            f" long again an hour later. [numbers.json](numbers.json) has all {len(claims)} rows,"
+            f" with limit, way of measuring, and commit."
         ),
         "",
         (
@@ -357,11 +333,6 @@ def page_of(known: Stored) -> str:
             f" {platform.machine()}."
         ),
         *("", "## The ten that matter most", "", *ten_of(known)),
-        *("", "## Every section, and its claim nearest to the limit", ""),
-        *markdown(
-            "section | claims | limits satisfied | nearest to its limit | measured | limit",
-            sections,
-        ),
         *("", f"## {heading}" if missed else "Every claim that has a limit satisfies it."),
     ]
     if missed:

@@ -5,7 +5,7 @@
     python benchmarks/packages.py pinned FOLDER     the same with the pinned versions
     python benchmarks/packages.py commands FOLDER   every command of the wheel, with the packages of
                                                     the present environment
-    python benchmarks/packages.py licences          docs/licences.md
+    python benchmarks/packages.py licences          docs/licences.csv
 
 The wheel runs outside the checkout. `lowest` and `pinned` print what a run finds there beside what
 it finds in the present environment: exit code 1 where they differ by over 1e-6. `commands`: 1 where
@@ -14,6 +14,8 @@ one does not end as it must, or has no line here.
 
 from __future__ import annotations
 
+import csv
+import io
 import json
 import os
 import re
@@ -28,7 +30,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
 PINS = ROOT / "constraints.txt"
-LICENCES = ROOT / "docs" / "licences.md"
+LICENCES = ROOT / "docs" / "licences.csv"
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
 REQUIREMENTS: list[str] = PROJECT["dependencies"]
 
@@ -54,18 +56,6 @@ def run(*words: str | Path, cwd: Path | None = None) -> str:
 
 
 # ----------------------------------------------------------------------------------------- licences
-HEAD = """# Licences
-
-halfplane is GPL-3.0-or-later, since it links gmsh, which is GPL. The packages that `pip install \
-halfplane` brings, by their own
-metadata. Written by `python benchmarks/packages.py licences`; a test compares it with what is \
-installed.
-
-| package | licence |
-|---|---|
-"""
-
-
 def plain(word: str) -> str:
     """The name in a requirement.
 
@@ -104,11 +94,14 @@ def licence(package: Distribution) -> str:
 
 
 def licences() -> str:
-    """The page."""
-    return HEAD + "".join(
-        f"| {name} | {licence(package).replace('|', ' or ')} |\n"
-        for name, package in closure().items()
-    )
+    """The licence of every package that `pip install halfplane` brings, by its own metadata, as
+    CSV.
+    """
+    written = io.StringIO()
+    rows = csv.writer(written, lineterminator="\n")
+    rows.writerow(["package", "licence"])
+    rows.writerows([name, licence(package)] for name, package in closure().items())
+    return written.getvalue()
 
 
 # ---------------------------------------------------------------------------------------- the wheel

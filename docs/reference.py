@@ -4,6 +4,8 @@ them into scene-keys.md.
 
 from __future__ import annotations
 
+import csv
+import io
 import json
 import re
 from collections.abc import Iterable, Iterator, Mapping
@@ -44,6 +46,8 @@ OF_UNCERTAINTY = {
     "`[uncertainty.rig]`": "OfRig",
 }
 BY_COLUMN = "by column"  # a table with a value for each column
+# Keys of a file's columns, which stand once for profiles and loads.
+OF_FILES = ("columns", "units", "scale", "zero", "sign")
 # Keys that a reader of files writes, and nobody else.
 WRITTEN = ("fitted", "read_as")
 # Keys that every load has stand once; how their values vary with time, by the kind of load.
@@ -89,6 +93,9 @@ COLUMNS = {
     "slip": "slip",
     "frame": "frame",
 }
+MOST_HEADINGS = 5  # of a column on the page
+HEADINGS = """[headings.csv](headings.csv) has all, in English, German, French, Italian and Spanish.
+"""
 Row = tuple[str, str, Mapping[str, Any]]  # kind, key, the model that has it
 Cells = tuple[str, str, str, str]  # what it is, unit, default, range
 
@@ -144,7 +151,7 @@ def tables(schema: Mapping[str, Any]) -> Iterator[str]:
         if name == "uncertainty":
             yield from uncertainties(title, of_part[0], models)
             continue
-        shared = ("kind", *(KEYS if name == "load" else ()))
+        shared = ("kind", *OF_FILES, *(KEYS if name == "load" else ()))
         yield from section(
             "" if kinds else title,
             [row for model in of_part for row in keys(model, kind_of(model), shared)],
@@ -164,17 +171,40 @@ def tables(schema: Mapping[str, Any]) -> Iterator[str]:
             )
         if name == "profile":
             yield from section("`profile.fit`", keys(models["ProfileFit"]))
+    of_columns = {key: models["TimeSeriesLoad"]["properties"][key] for key in OF_FILES}
+    yield from section(
+        "Columns of a file, of `tabulated` and `time_series`", keys({"properties": of_columns})
+    )
 
 
 def headings() -> Iterator[str]:
-    """The headings that are known of each column of a file."""
-    yield from ("## Headings of files", "", "| column | headings |", "|---|---|")
-    for column, quantity in COLUMNS.items():
-        names = {}
-        for name in ALIASES[quantity]:  # case and blanks do not count
-            names.setdefault(re.sub(r"[ _]", "", name).casefold(), name.replace("_", " "))
-        yield f"| `{column}` | {cell(', '.join(names.values()))} |"
+    """The first headings that are known of each column of a file."""
+    yield from ("## Headings of files", "", HEADINGS, "| column | headings |", "|---|---|")
+    for column, names in known_headings().items():
+        more = ", ..." if len(names) > MOST_HEADINGS else ""
+        yield f"| `{column}` | {cell(', '.join(names[:MOST_HEADINGS]))}{more} |"
     yield ""
+
+
+def headings_file() -> str:
+    """Every heading that is known, as CSV: column, heading."""
+    written = io.StringIO()
+    rows = csv.writer(written, lineterminator="\n")
+    rows.writerow(["column", "heading"])
+    for column, names in known_headings().items():
+        rows.writerows([column, name] for name in names)
+    return written.getvalue()
+
+
+def known_headings() -> dict[str, list[str]]:
+    """The headings of each column; those that differ in case or blanks alone stand once."""
+    headings_of: dict[str, list[str]] = {}
+    for column, quantity in COLUMNS.items():
+        names: dict[str, str] = {}
+        for name in ALIASES[quantity]:
+            names.setdefault(re.sub(r"[ _]", "", name).casefold(), name.replace("_", " "))
+        headings_of[column] = list(names.values())
+    return headings_of
 
 
 def kind_of(model: Mapping[str, Any]) -> str:

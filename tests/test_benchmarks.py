@@ -418,7 +418,8 @@ def test_the_page_of_numbers_is_what_was_measured_and_a_row_changed_by_hand_or_m
     assert rows_of(page) <= claims.MOST_ROWS
     assert set(stored) == set(claims.SECTIONS)
     assert all(callable(claims.section(title)) for title in claims.SECTIONS)
-    assert all(f"| {title} | {len(stored[title]['rows'])} |" in page for title in claims.SECTIONS)
+    count = sum(len(section["rows"]) for section in stored.values())
+    assert f"has all {count} rows" in page
 
     _, title, claim = claims.TEN[0]
     next(row for row in stored[title]["rows"] if row["what"] == claim)["measured"] = 1e-3
@@ -429,12 +430,9 @@ def test_the_page_of_numbers_is_what_was_measured_and_a_row_changed_by_hand_or_m
     for section in stored.values():  # all missed: the page says how many it does not show
         section["rows"] = [row | {"measured": 2.0, "limit": 1.0} for row in section["rows"]]
     forged = claims.page_of(stored)
-    count = sum(len(section["rows"]) for section in stored.values())
     assert rows_of(forged) == claims.MOST_ROWS
-    assert (
-        f"Missed, {count} in all, the first"
-        f" {claims.MOST_ROWS - len(claims.TEN) - len(claims.SECTIONS)}" in forged
-    )
+    shown = claims.MOST_ROWS - len(claims.TEN)
+    assert f"Missed, {count} in all, the first {shown}" in forged
 
 
 def test_the_page_of_stress_has_its_cases_and_its_table_every_note(tool: Tool) -> None:

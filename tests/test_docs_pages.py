@@ -313,6 +313,7 @@ GENERATED = {
         for name in ("verification", "scenes", "gallery", "misprints", "third", "metrics")
     ),
     "expected.csv",
+    "headings.csv",
     "misprints.csv",
 }
 GENERATED |= {"architecture.svg"}
@@ -365,7 +366,7 @@ def test_the_third_solver_is_what_was_measured_and_published() -> None:
     rows = [
         line
         for line in page.splitlines()
-        if line.count(" | ") == 9 and not line.startswith("| scene |")
+        if line.count(" | ") == 6 and not line.startswith("| scene |")
     ]
     forged = page.replace(rows[0], " | ".join([*rows[0].split(" | ")[:-1], "+99 %"]))
     assert forged != page
@@ -819,7 +820,7 @@ def test_the_manual_stays_short() -> None:
         if "/" not in name and name.removesuffix(".md") not in NOT_COUNTED
     }
     assert len(counts) > 35
-    assert sum(counts.values()) + count(README) <= 30_500, counts
+    assert sum(counts.values()) + count(README) <= 27_000, counts
     assert not [name for name in EVIDENCE if counts[f"{name}.md"] > 600], counts
     assert len(README.split()) <= 900
     assert count("a [b](c.md) | 1.5 % <!-- n:x y -->2e-3<!-- /n -->\n```sh\nd e\n```\n") == 4

@@ -219,15 +219,20 @@ def _cells(cells: tuple[str, ...]) -> str:
     return f"| {' | '.join(cells)} |"
 
 
-# What most rows say, in fewer words.
-_SHORTER = {"value at the worst": "worst", "every point, edges included": "all points"}
+# What most rows say: docs/metrics.md states it once, before the table.
+_SHORTER = {
+    "value at the worst": "worst",
+    "; every point, edges included": "",
+    "; every point": "",
+    "; judged instants": "",
+    "; last cycle": "",
+    "one value; ": "",
+    "one value": "–",
+}
 
 
 def _markdown_rows() -> Iterator[str]:
     for metric in METRICS.values():
-        unit = metric.unit
-        if metric.absolute_unit:
-            unit += f"; {metric.absolute_unit} where that is 0"
         norm_and_region = f"{metric.norm}; {metric.region}"
         for words, shorter in _SHORTER.items():
             norm_and_region = norm_and_region.replace(words, shorter)
@@ -240,7 +245,7 @@ def _markdown_rows() -> Iterator[str]:
                 tolerance += f" (`{metric.judged_by}`)"
         name = f"{metric.label}: `{metric.key}`"
         method = metric.how.replace("|", "\\|")
-        yield _cells((name, method, metric.why, unit, norm_and_region, tolerance))
+        yield _cells((name, method, metric.why, metric.unit, norm_and_region, tolerance))
 
 
 # ---------------------------------------------------------------------------------------- the table
@@ -267,8 +272,7 @@ _ROWS = (
     Metric(
         key="largest_pressure",
         label="Peak pressure",
-        how="max p / max p_ref − 1 over the cycle, that of the result over its points, that of"
-        " theory its own",
+        how="max p / max p_ref − 1 over the cycle, each over its own points",
         why="the pressure that wear and yield are judged by",
         unit="of the reference",
         norm=_ONE_VALUE,
@@ -281,7 +285,7 @@ _ROWS = (
     Metric(
         key="largest_half_width",
         label="Contact half-width",
-        how="(largest half distance of the contact edges)/(that of the reference) − 1",
+        how="half-width where it is largest, over that of the reference, − 1",
         why="the size that all other lengths are compared with",
         unit="of the reference",
         norm=_ONE_VALUE,
@@ -323,8 +327,8 @@ _ROWS = (
     Metric(
         key="largest_slip",
         label="Largest slip",
-        how="largest range of s of a point through the cycle, over that of the reference, − 1; that"
-        " of the result over its points, that of theory its own",
+        how="largest range of s of a point through the cycle, over that of the reference, − 1, each"
+        " over its own points",
         why="the slip amplitude of a fretting map",
         unit="of the reference",
         norm=_ONE_VALUE,
@@ -350,8 +354,7 @@ _ROWS = (
     Metric(
         key="dissipation_density_peak",
         label="Largest pointwise dissipation",
-        how="max w / max w_ref − 1, that of the result over its points, that of theory its own;"
-        " with its place",
+        how="max w / max w_ref − 1, each over its own points; with its place",
         why="the point that wears most",
         unit="of largest w_ref",
         norm=_ONE_VALUE,
@@ -365,8 +368,8 @@ _ROWS = (
     Metric(
         key="edge_tension",
         label="Tension at the trailing edge",
-        how="largest stress along a face at an edge of contact through the cycle, over that of the"
-        " reference, − 1; of half-plane theory and finite elements alone",
+        how="largest stress along a face at an edge of contact, over that of the reference, − 1; of"
+        " half-plane theory and finite elements alone",
         why="cracks start there",
         unit="of the reference",
         norm=_ONE_VALUE,
@@ -380,10 +383,8 @@ _ROWS = (
     Metric(
         key="largest_slip_common",
         label="Largest slip, common points",
-        how="largest range of s of a point through the cycle, over that of the reference, − 1, both"
-        " over the result's points and instants",
-        why="theory's own largest slip may lie between the result's points, at an edge: this one"
-        " leaves that out",
+        how="the same, both over the result's points and instants",
+        why="theory's own largest slip may lie between the result's points, at an edge",
         unit="of the reference",
         norm=_ONE_VALUE,
         region="points in contact in both; last cycle",
@@ -477,8 +478,7 @@ _ROWS = (
     Metric(
         key="displacement_amplitude",
         label="Amplitude of the displacement",
-        how="half the range of U through the cycle over that of the reference, − 1, that of"
-        " half-planes as U + c_t Q",
+        how="half the range of U over that of the reference, − 1, that of half-planes as U + c_t Q",
         why="stroke and secant stiffness at the actuator",
         unit="of the reference",
         norm=_ONE_VALUE,
@@ -490,8 +490,8 @@ _ROWS = (
     Metric(
         key="approach_amplitude",
         label="Amplitude of the approach",
-        how="half the range of the normal approach through the cycle over that of the reference,"
-        " − 1, that of half-planes as approach + c_n P",
+        how="half the range of the normal approach over that of the reference, − 1, that of"
+        " half-planes as approach + c_n P",
         why="the normal stiffness of contact and bodies",
         unit="of the reference",
         norm=_ONE_VALUE,
