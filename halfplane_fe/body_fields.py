@@ -365,8 +365,8 @@ def _tension_by_bodies(
     are_mirrored = bodies.lower == bodies.upper and material.alike and not has_bulk_stress
     size_fit_of_lower: _SizeFit | None = None
     for number, name in enumerate(_BODIES):
-        values[:, number] = bulk[number][:, None]
         if isinstance(getattr(bodies, name), HalfPlane):
+            values[:, number] = bulk[number][:, None]
             continue
         assert isinstance(solution, FiniteElementSolution)  # for the type checker
         on_body = [_on_body(of_step, number) for of_step in series]
@@ -378,7 +378,8 @@ def _tension_by_bodies(
             values[:, number] = math.nan
             uncertainties[number] = math.nan
         else:
-            values[:, number] += size_fit.tension(on_body, bulk[number])
+            # the elements have the bulk stress too
+            values[:, number] = size_fit.tension(on_body, bulk[number])
             uncertainties[number] = size_fit.uncertainty
         size_fit_of_lower = size_fit
     return values, uncertainties

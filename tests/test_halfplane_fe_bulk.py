@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 import halfplane_fe
+import semi_analytic
 from halfplane_fe import SolverSettings, edge_tension, fields, stress
 from halfplane_fe.contact import ContactProblem
 from halfplane_fe.elasticity import assemble, condense, uniform_stretch
@@ -547,6 +548,20 @@ def test_stress_in_a_specimen_jumps_by_the_shear_force_over_its_height() -> None
     tension = edge_tension(answer, [len(answer.time) - 1])[0]
     np.testing.assert_allclose(tension[0, 0], lower.edge_tension, rtol=1e-2)
     assert any("jumps by Q/H, 0.45" in note for note in answer.record.notes)
+
+
+def test_bulk_stress_counts_once_in_the_tension_of_a_specimen() -> None:
+    """What it changes at both edges is what theory says of a half-plane: 0.45 and 0.47."""
+    high = Bodies(lower=Block(width=60.0, height=12.0, base="rollers"))
+    of_specimen = []
+    of_theory = []
+    for bulk_stress in (0.0, 0.4):
+        load = PolygonLoad(initial_loading=[(3, 0), (3, 1.8)], bulk_stress_lower=[0, bulk_stress])
+        specimen = scene(load, material=STEEL, bodies=high)
+        answer = solved(specimen)
+        of_specimen.append(edge_tension(answer, [len(answer.time) - 1])[0][0, 0])
+        of_theory.append(semi_analytic.edge_tension(specimen, answer.time[-1])[0][0, 0])
+    np.testing.assert_allclose(np.diff(of_specimen, axis=0), np.diff(of_theory, axis=0), atol=0.02)
 
 
 # ----------------------------------------------------------------------------------------- refusals
