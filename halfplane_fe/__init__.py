@@ -68,12 +68,13 @@ if TYPE_CHECKING:
     from halfplane_fe.path import check_admissible
     from halfplane_fe.remainder import body_effects
     from halfplane_fe.settings import SolverSettings
-    from halfplane_fe.solution import FiniteElementSolution, solve
+    from halfplane_fe.solution import FiniteElementSolution, KernelSolution, solve
     from halfplane_fe.solvable import require_solvable
 
 __all__ = [
     "BodyFields",
     "FiniteElementSolution",
+    "KernelSolution",
     "LargestTension",
     "Snapshot",
     "SolverSettings",
@@ -90,6 +91,7 @@ __all__ = [
 _HOME = {
     "BodyFields": "halfplane_fe.body_fields",
     "FiniteElementSolution": "halfplane_fe.solution",
+    "KernelSolution": "halfplane_fe.solution",
     "LargestTension": "halfplane_fe.body_fields",
     "Snapshot": "halfplane_fe.body_fields",
     "SolverSettings": "halfplane_fe.settings",

@@ -39,7 +39,7 @@ from halfplane_fe.face_stress import (
 )
 from halfplane_fe.interface import body_forces
 from halfplane_fe.scales import contact_modulus
-from halfplane_fe.solution import FiniteElementSolution
+from halfplane_fe.solution import FiniteElementSolution, KernelSolution
 from scenes import ContactSolution, Elastic, HalfPlane, InputError, Scene, Tabulated
 from scenes.array_types import Array, Indices
 from scenes.bodies import Shape, face_of
@@ -74,6 +74,8 @@ _ROUND_OFF = 1e-9
 # Tension by fitted edges over that by nodal values, at most: 0.9 to 1.13 on coarse meshes of the
 # library's scenes.
 _NODES_TOO_LOW = 1.3
+# Angles over the contact at which tractions meet the kernels of a body, which are smooth.
+_ANGLES = 128
 # How far an instant may lie outside the solved time by rounding.
 _ROUNDING_OF_TIME = 1e-9
 
@@ -134,8 +136,10 @@ def fields(solution: FiniteElementSolution, instants: Iterable[float]) -> tuple[
     Raises
     ------
     InputError
-        For an instant outside the solved time.
+        For an instant outside the solved time; for an answer without meshes.
     """
+    if not isinstance(solution, FiniteElementSolution):
+        raise InputError("fields: the answer has no meshes, so nothing inside the bodies is known")
     steps = [_step(solution, float(instant)) for instant in instants]
     if not steps:
         return ()
@@ -257,17 +261,27 @@ def edge_tension(solution: ContactSolution, steps: Sequence[int]) -> tuple[Array
     ------
     InputError
         For bodies of finite size whose meshes are not there: answers that were read back from disk
-        have none.
+        have none, nor have kernel solves, of which flat bodies need none.
     """
-    if not (solution.scene.bodies.half_planes or isinstance(solution, FiniteElementSolution)):
+    if not _has_bodies(solution):
         raise InputError(
             "edge_tension: the answer has no meshes, so what the size of its bodies adds is not"
-            " known; solve it again"
+            " known; solve it again, with meshed bodies"
         )
     tension = _edge_tension(solution, steps)
     of_new_contact = np.array([_of_new_contact(solution, step) for step in steps])
     seen = tension.uncertainties + of_new_contact.reshape(-1, 1, 2)
     return tension.values, np.maximum(seen, tension.of_unseen_slip)
+
+
+def _has_bodies(solution: ContactSolution) -> bool:
+    """Whether it is known what the size of the bodies adds to the stress of their faces: of arcs by
+    meshes alone.
+    """
+    bodies = solution.scene.bodies
+    if isinstance(solution, KernelSolution):
+        return not bodies.faces_are_true
+    return bodies.half_planes or isinstance(solution, FiniteElementSolution)
 
 
 def _of_new_contact(solution: ContactSolution, step: int) -> Array:
@@ -368,8 +382,13 @@ def _tension_by_bodies(
         if isinstance(getattr(bodies, name), HalfPlane):
             values[:, number] = bulk[number][:, None]
             continue
-        assert isinstance(solution, FiniteElementSolution)  # for the type checker
         on_body = [_on_body(of_step, number) for of_step in series]
+        if isinstance(solution, KernelSolution):
+            by_size, uncertainty = _tension_by_kernels(solution, number, on_body)
+            values[:, number] += by_size
+            uncertainties[number] = uncertainty
+            continue
+        assert isinstance(solution, FiniteElementSolution)  # for the type checker
         if number == 1 and are_mirrored:
             size_fit = size_fit_of_lower
         else:
@@ -383,6 +402,37 @@ def _tension_by_bodies(
             uncertainties[number] = size_fit.uncertainty
         size_fit_of_lower = size_fit
     return values, uncertainties
+
+
+def _tension_by_kernels(
+    solution: KernelSolution, number: int, on_body: Sequence[Tractions]
+) -> tuple[Array, float]:
+    """What the size of a body with a flat face adds to s_xx at both edges of contact, (n_steps, 2),
+    and its uncertainty [stress]: E' times the strain by its kernels, for nothing presses there.
+
+    Parameters
+    ----------
+    on_body
+        the tractions on the body in its own frame
+    """
+    name = _BODIES[number]
+    kernels = getattr(solution.kernels, name)
+    material: Elastic = getattr(solution.scene.material, name)
+    modulus = material.young_modulus / (1 - material.poisson_ratio**2)
+    angles = math.pi * (np.arange(_ANGLES) + 0.5) / _ANGLES
+    tension = np.zeros((len(on_body), 2))
+    uncertainty = 0.0
+    for k, of_step in enumerate(on_body):
+        places = of_step.middle - of_step.half_width * np.cos(angles)
+        lengths = of_step.half_width * np.sin(angles) * math.pi / _ANGLES
+        pressing, along = (
+            np.sin(np.outer(angles, np.arange(1, len(sines) + 1))) @ sines * lengths
+            for sines in (of_step.pressure[:_ANGLES], of_step.shear[:_ANGLES])
+        )
+        strain, difference = kernels.strain(np.array(of_step.edges), places, pressing, along)
+        tension[k] = modulus * strain
+        uncertainty = max(uncertainty, modulus * float(difference.max()))
+    return tension, uncertainty
 
 
 @dataclass(frozen=True, eq=False)
@@ -573,7 +623,7 @@ def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
     new slip zone is narrower than they see. So slip that no node shows does not make the largest
     tension uncertain.
     """
-    if not (solution.scene.bodies.half_planes or isinstance(solution, FiniteElementSolution)):
+    if not _has_bodies(solution):
         return None
     steps = _steps_of_large_tension(solution)
     if not steps:

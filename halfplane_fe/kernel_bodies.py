@@ -182,18 +182,36 @@ class FaceKernels:
     along_by_pressure: Array
     part_of_face: PartOfFace | None = None
 
-    def at(self, x: Array) -> KernelSums:
-        """k_nn, k_tt, k_tn between all places x (n,): (n, n) each."""
-        terms = np.polynomial.chebyshev.chebvander(x / self.reach, len(self.normal) - 1)
+    def at(self, x: Array, s: Array) -> KernelSums:
+        """k_nn, k_tt, k_tn at places x (n,) by forces at s (m,): (n, m) each."""
+        degree = len(self.normal) - 1
+        of_x = np.polynomial.chebyshev.chebvander(x / self.reach, degree)
+        of_s = np.polynomial.chebyshev.chebvander(s / self.reach, degree)
         smooth = KernelSums(
-            terms @ self.normal @ terms.T,
-            terms @ self.tangential @ terms.T,
-            terms @ self.along_by_pressure @ terms.T,
+            of_x @ self.normal @ of_s.T,
+            of_x @ self.tangential @ of_s.T,
+            of_x @ self.along_by_pressure @ of_s.T,
         )
         if self.part_of_face is None:
             return smooth
-        of_face = self.part_of_face.kernels(x, x)
+        of_face = self.part_of_face.kernels(x, s)
         return KernelSums(*(part + added for part, added in zip(smooth, of_face, strict=True)))
+
+    def strain(self, x: Array, s: Array, pressing: Array, along: Array) -> Array:
+        """Strain along a flat face at places x (n,), by forces at s (m,) on the body.
+
+        Parameters
+        ----------
+        pressing, along
+            (m,) forces into the body and along +x [force / length]
+        """
+        derivative = np.polynomial.chebyshev.chebder
+        degree = len(self.normal) - 1
+        of_x = np.polynomial.chebyshev.chebvander(x / self.reach, degree - 1)
+        of_s = np.polynomial.chebyshev.chebvander(s / self.reach, degree)
+        by_pressing = derivative(self.along_by_pressure) @ of_s.T @ pressing
+        by_shear = derivative(self.tangential) @ of_s.T @ along
+        return np.asarray(of_x @ (by_pressing + by_shear) / self.reach)
 
 
 def fitted_kernels(
@@ -246,6 +264,11 @@ class BodyKernels:
     fine: FaceKernels
     coarse: FaceKernels
 
+    def strain(self, x: Array, s: Array, pressing: Array, along: Array) -> tuple[Array, Array]:
+        """`FaceKernels.strain` by the fine mesh, and its difference from the coarse one."""
+        strain = self.fine.strain(x, s, pressing, along)
+        return strain, np.abs(strain - self.coarse.strain(x, s, pressing, along))
+
 
 _FLAT = Face(np.zeros_like, flat=True)
 
@@ -292,7 +315,7 @@ class KernelPair:
         for body, sign in ((self.lower, -1.0), (self.upper, 1.0)):
             if body is None:
                 continue
-            of_body = getattr(body, mesh).at(x)
+            of_body = getattr(body, mesh).at(x, x)
             normal = normal + of_body[0]
             tangential = tangential + of_body[1]
             if self.lower is not self.upper:

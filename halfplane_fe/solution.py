@@ -118,6 +118,15 @@ class FiniteElementSolution(ContactSolution):
     stick_edge_uncertainty: Array
 
 
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class KernelSolution(ContactSolution):
+    """A ContactSolution of half-planes with the remainder kernels of the bodies, which it carries;
+    see `kernel_bodies`.
+    """
+
+    kernels: KernelPair
+
+
 @overload
 def solve(
     scene: Scene | str | Path,
@@ -139,7 +148,7 @@ def solve(
     *,
     scales: Scales | None = None,
     bodies: Literal["kernel"],
-) -> ContactSolution: ...
+) -> KernelSolution: ...
 
 
 def solve(
@@ -166,7 +175,7 @@ def solve(
         moves no number
     bodies
         "meshed"; or "kernel": half-planes with the remainder kernels of the bodies, which a coarse
-        mesh of each gives (`kernel_bodies`). The answer to this is a ContactSolution, for it has no
+        mesh of each gives (`kernel_bodies`). The answer to this is a KernelSolution: it has no
         meshes and no fields inside the bodies
 
     Raises
@@ -201,12 +210,12 @@ def solve(
         )
 
 
-def _without_meshes(answer: FiniteElementSolution) -> ContactSolution:
+def _without_meshes(answer: FiniteElementSolution, kernels: KernelPair) -> KernelSolution:
     """What of an answer by kernels is that of the bodies: all but the meshes, which are those of
     half-planes.
     """
     names = [item.name for item in fields(ContactSolution)]
-    return ContactSolution(**{name: getattr(answer, name) for name in names})
+    return KernelSolution(**{name: getattr(answer, name) for name in names}, kernels=kernels)
 
 
 def _solve(
@@ -256,7 +265,7 @@ def _solve(
         answer = _of_kernels(answer, kernels)
     if scene.load.is_driven:
         answer = _of_last_cycle(answer, notes_on_rig)
-    given = _without_meshes(answer) if by_kernels else answer
+    given = _without_meshes(answer, kernels) if by_kernels else answer
     if run.failure is not None:
         raise type(run.failure)(str(run.failure), given) from run.failure
     _check_room(given, run, scales)

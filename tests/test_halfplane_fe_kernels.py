@@ -159,6 +159,14 @@ def test_flat_bodies_of_like_materials(bodies: str, history: str) -> None:
     of_bodies = difference(elements, kernels)
     for quantity, value in zip(Difference._fields, of_bodies, strict=True):
         check(f"kernels: {quantity}", value)
+    tension_of_elements, tension_of_kernels = (
+        halfplane_fe.largest_edge_tension(solution) for solution in (elements, kernels)
+    )
+    assert tension_of_elements is not None
+    assert tension_of_kernels is not None
+    left = tension_of_elements.value - tension_of_kernels.value
+    check("kernels: edge tension", left / tension_of_elements.value)
+    assert abs(left) <= tension_of_kernels.uncertainty + tension_of_elements.uncertainty
     assert abs(of_bodies.work) * elements.dissipation <= kernels.dissipation_uncertainty
 
 
@@ -436,7 +444,43 @@ def test_other_words_for_the_bodies_are_refused() -> None:
 
 
 def test_there_are_no_fields_inside_bodies_that_are_not_meshed() -> None:
-    solution = by_kernels(UNLIKE)
     with pytest.raises(InputError, match="the answer has no meshes"):
-        halfplane_fe.edge_tension(solution, [1])
-    assert halfplane_fe.largest_edge_tension(solution) is None
+        halfplane_fe.fields(by_kernels(UNLIKE), [1.0])
+    cylinder = by_kernels(arcs_of("cylinder on block", "cycle .6 .8"))
+    with pytest.raises(InputError, match="the answer has no meshes"):
+        halfplane_fe.edge_tension(cylinder, [1])
+    assert halfplane_fe.largest_edge_tension(cylinder) is None
+
+
+def tension_beside_elements() -> float:
+    """Largest difference of the edge tension at two instants, over the largest tension of the
+    finite elements.
+    """
+    kernels = by_kernels(UNLIKE)
+    elements = fe_run(UNLIKE)
+    largest = halfplane_fe.largest_edge_tension(elements)
+    assert largest is not None
+    by_solution = []
+    for solution in (kernels, elements):
+        steps = [int(np.argmax(solution.tangential_load)), int(np.argmin(solution.tangential_load))]
+        by_solution.append(halfplane_fe.edge_tension(solution, steps)[0])
+    return float(np.abs(by_solution[0] - by_solution[1]).max()) / largest.value
+
+
+def test_what_flat_bodies_add_to_the_edge_tension_is_that_of_their_meshes() -> None:
+    check("kernels, coarse mesh: edge tension", tension_beside_elements())
+
+
+@pytest.mark.parametrize(
+    "fault", [without_tangential_kernel, with_coupling_turned], ids=lambda fault: fault.__name__
+)
+def test_a_planted_fault_is_seen_in_the_edge_tension(
+    fault: Fault, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    right = FaceKernels.strain
+
+    def of_wrong(kernels: FaceKernels, *arguments: Any) -> Any:
+        return right(fault(kernels), *arguments)
+
+    monkeypatch.setattr(FaceKernels, "strain", of_wrong)
+    assert tension_beside_elements() > 0.02
