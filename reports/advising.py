@@ -15,11 +15,9 @@ Tilt and bulk strain, which follow the loads, are in theory in the second order,
 Its uncertainty is the sum of
 
 - what the numbers themselves, the steps and the second order or the grids are uncertain by;
-- the order after the next: with r = |N_4 a^2/N|, 0.02 r + 0.1 r^2 of the part of N, likewise of T;
-- the next order of tilt and bulk strain: 0.6 of the larger r of their part;
-- half of |curvatures| |tilt and bulk strain|, the product of their parts, which are not solved
-  together;
-- 3e-5 of W.
+- what the orders after the next leave of each part, the next order of tilt and bulk strain, and
+  the product of their part with that of the curvatures (`semi_analytic.next_order`, as corrected
+  theory states it).
 
 Of unlike materials (Dundurs' beta is not 0) pressure and shear are coupled, which bodies change in
 the first order of tilt and bulk strain. No number has that: its size is counted as uncertain, with
@@ -56,16 +54,6 @@ if TYPE_CHECKING:
     from reports.comparison.budget import ErrorBudget
     from reports.comparison.judged import JudgedPair
 
-# With r = |N_4 a^2/N|: of the part of a curvature, of the largest pressure and the half-width, what
-# the order after the next leaves, in r and r^2; of tilt and bulk strain, whose next order is not
-# known, in r; of the product of both; and of W in any case. Of the half-width that always sticks,
-# which has no next order: r again. Fitted to 133 random bodies under six load cycles
-# (benchmarks/bound.py, seeds 49 to 51): of those that are not declined 98 % are covered, at 3.9
-# times what is left.
-_AFTER_NEXT = (0.02, 0.1)
-_NEXT_OF_ODD = 0.6
-_NEXT_OF_STICK = 0.28
-_LEFT_OF_WORK = 3e-5
 # Of the second order of what is not symmetric, by f: bulk strain / f^2, both, tilt x f^2. These are
 # the largest of six load cycles, and give a size alone: below the least one no grid is solved.
 _STRAIN_SQUARED = 1.4
@@ -78,21 +66,6 @@ _LEAST_ODD_PART = 1e-4
 _COUPLING_SQUARED = 1.6
 _STRAIN_BY_COUPLING = 7.0
 _TILT_BY_COUPLING = 5.0
-_CURVATURES = {
-    "curvature under P": (
-        "normal_curvature",
-        "tangential_curvature_under_pressure",
-        "normal_fourth",
-        "normal_mixed",
-    ),
-    "curvature under Q": (
-        "tangential_curvature",
-        "normal_curvature_under_shear",
-        "tangential_fourth",
-        "tangential_mixed",
-    ),
-}
-_PRODUCT = 0.5
 # Of the half-width that always sticks, what edges of the first order leave: 0.4 % on grids.
 _LEFT_OF_STICK = 5e-3
 # Above these the uncertainty is not held to finite elements: its own size, and what tilt and bulk
@@ -212,6 +185,11 @@ def advise(scene: Scene, limit: float = 0.05, effects: BodyEffects | None = None
     """
     import halfplane_fe
     import semi_analytic
+    from semi_analytic.next_order import (
+        LEFT_IN_ANY_CASE,
+        left_of_curvatures,
+        ratio_of_next_order,
+    )
 
     is_coupled = coupled(scene)
     if is_coupled and scene.bodies.half_planes:
@@ -233,13 +211,8 @@ def advise(scene: Scene, limit: float = 0.05, effects: BodyEffects | None = None
     largest_values = semi_analytic.extremes(theory)
     half_width = largest_values.half_width
     own_values = {"peak_pressure": largest_values.pressure, "half_width": half_width}
-    uncertainties = {
-        words: _relative_uncertainty(effects, leading_name, half_width)
-        for words, (leading_name, *_) in _CURVATURES.items()
-    }
-    ratio = max(
-        _next_order(effects, leading_name, half_width) for leading_name, *_ in _CURVATURES.values()
-    )
+    uncertainties = left_of_curvatures(effects, half_width)
+    ratio = ratio_of_next_order(effects, half_width)
     parts = _parts(effects, theory, corrected_solution, uncertainties)
     odd_share = _size_of_odd_part(effects, scene, half_width)
     left_out = odd_share
@@ -252,20 +225,15 @@ def advise(scene: Scene, limit: float = 0.05, effects: BodyEffects | None = None
         if odd_change is not None:
             parts[ODD] = odd_change
             left_out = 0.0
-    next_order = _next_order_of_contact(effects, scene, corrected_solution)
     changes = {}
     for key, (name, words) in _VALUES.items():
         theory_value = QUANTITIES[name].of(theory)
         change = QUANTITIES[name].of(corrected_solution) / theory_value - 1
-        # pressure and half-widths follow the curvature under P, the stick zone both
-        uncertainty = abs(change) * (max(uncertainties.values()) + _NEXT_OF_STICK * ratio)
-        if key in own_values:
-            change = (1 + change) * (1 + next_order[key]) - 1
-            uncertainty = abs(change) * max(uncertainties.values())
+        uncertainty = abs(change) * max(uncertainties.values())
         if key == WORK:
             change = sum(part.value for part in parts.values())
             uncertainty = sum(part.uncertainty for part in parts.values()) + left_out
-        estimate = Estimate(change, uncertainty + _LEFT_OF_WORK)
+        estimate = Estimate(change, uncertainty + LEFT_IN_ANY_CASE)
         if (is_coupled or odd_share > _MOST_ODD) and key != WORK:
             # coupling, or a large tilt, moves it by an amount that is not known
             estimate = Estimate(math.nan, math.nan)
@@ -289,14 +257,14 @@ def _odd_part_of_work(
         of the next order of the bodies
     """
     import semi_analytic
+    from semi_analytic.next_order import left_of_tilt_and_strain
 
     try:
         odd_change = semi_analytic.change_by_tilt_and_strain(scene, effects)
     except InputError:
         return None
-    next_order = _NEXT_OF_ODD * ratio * abs(odd_change.value)
-    product = _PRODUCT * abs(even_part * odd_change.value)
-    return Estimate(odd_change.value, odd_change.uncertainty + next_order + product)
+    left = left_of_tilt_and_strain(even_part, ratio) * abs(odd_change.value)
+    return Estimate(odd_change.value, odd_change.uncertainty + left)
 
 
 def _change_of_stick(
@@ -461,11 +429,12 @@ def _parts(
         of each part, relative to it
     """
     import semi_analytic
+    from semi_analytic.next_order import CURVATURES, with_these_alone
 
     parts = {}
     rest = corrected_solution.dissipation / theory.dissipation - 1
-    for words, names in _CURVATURES.items():
-        effects_alone = _with_these_alone(effects, *names)
+    for words in CURVATURES:
+        effects_alone = with_these_alone(effects, words)
         solution = semi_analytic.solve(
             theory.scene, x=0.0, time=theory.time, effects=effects_alone, fields=WORK
         )
@@ -476,64 +445,12 @@ def _parts(
     return parts
 
 
-def _with_these_alone(effects: BodyEffects, *names: str) -> BodyEffects:
-    """The effects with all curvatures but these left out, and with nothing odd."""
-    other_effects: dict[str, Any] = {}
-    for numbers in _CURVATURES.values():
-        for name in numbers:
-            if name not in names:
-                other_effects[name] = Estimate(0.0)
-    return replace(_even(effects), **other_effects)
-
-
 def _even(effects: BodyEffects) -> BodyEffects:
     """The effects without tilt and bulk strain."""
     from semi_analytic.odd_memory import ODD_NUMBERS
 
     nothing: dict[str, Any] = dict.fromkeys(ODD_NUMBERS, Estimate(0.0))
     return replace(effects, **nothing)
-
-
-def _relative_uncertainty(effects: BodyEffects, curvature: str, half_width: float) -> float:
-    """Of the part of a curvature: that of the number, and what the order after the next makes."""
-    estimate: Estimate = getattr(effects, curvature)
-    if not estimate.value:
-        return 0.0
-    linear, square = _AFTER_NEXT
-    ratio = _next_order(effects, curvature, half_width)
-    return estimate.uncertainty / abs(estimate.value) + linear * ratio + square * ratio**2
-
-
-def _next_order(effects: BodyEffects, curvature: str, half_width: float) -> float:
-    """The next order of a body over the order of a curvature, |N_4 a^2/N|."""
-    leading_estimate: Estimate = getattr(effects, curvature)
-    fourth: Estimate = getattr(effects, curvature.replace("curvature", "fourth"))
-    return (
-        abs(fourth.value / leading_estimate.value) * half_width**2
-        if leading_estimate.value
-        else 0.0
-    )
-
-
-def _next_order_of_contact(
-    effects: BodyEffects, scene: Scene, solution: ContactSolution
-) -> dict[str, float]:
-    """What the next order of the bodies adds to the largest pressure and half-width, relative to
-    them, by key.
-    """
-    from semi_analytic.elasticity import composite_modulus
-    from semi_analytic.next_order import next_order_of_contact
-    from semi_analytic.profiles import contact_of
-
-    row = int(solution.normal_load.argmax())
-    change = next_order_of_contact(
-        float(solution.normal_load[row]),
-        float(solution.tangential_load[row]),
-        contact_of(scene.profile, scene.material),
-        composite_modulus(scene.material),
-        effects,
-    )
-    return {"peak_pressure": change.pressure, "half_width": change.half_width}
 
 
 def _size_of_odd_part(effects: BodyEffects, scene: Scene, half_width: float) -> float:

@@ -25,7 +25,6 @@ from scenes.errors import first_line
 from semi_analytic.answer import Findings, Question, mirrored_points, neglected_coupling
 from semi_analytic.answer_by_memory import folded
 from semi_analytic.corrected import (
-    OF_NEXT_ORDER,
     OF_RIG,
     OddPart,
     PathRows,
@@ -34,16 +33,15 @@ from semi_analytic.corrected import (
     certificates_of,
     curvatures_of,
     grids_at,
-    has_next_order,
     instants_of,
-    note_of_next_order,
+    left_of_work,
     notes_of_effects,
     odd_part_on_grids,
     permanent_stick,
     series_at,
     table_of,
 )
-from semi_analytic.corrected_memory import PunchTable
+from semi_analytic.corrected_memory import Curvatures, PunchTable, follow
 from semi_analytic.driven import (
     ActuatorRows,
     Compliance,
@@ -53,7 +51,12 @@ from semi_analytic.driven import (
     loads_of_approach,
 )
 from semi_analytic.elasticity import composite_modulus
-from semi_analytic.next_order import MOST_ROWS, next_order_works
+from semi_analytic.next_order import (
+    has_next_order,
+    left_of_tilt_and_strain,
+    ratio_of_next_order,
+    without_next_order,
+)
 from semi_analytic.odd_memory import ODD_NUMBERS, Declined
 from semi_analytic.odd_part_of_rig import loads_of_cycle, odd_part_of_rig
 from semi_analytic.profiles import SymmetricContact, contact_of
@@ -230,15 +233,13 @@ def of_rig(question: Question) -> Findings:
     time, numbers = instants_of(question, rows, last_cycle)
     points = PointFields(bodies, distance)
     grids = grids_at(question, points, distance, numbers)
-    odd = _odd_part(rig, driven, last_cycle, steady_from)
+    same_loads = _SameLoads.of(rig, driven, last_cycle)
+    odd = _odd_part(rig, driven, last_cycle, steady_from, same_loads)
     of_odd_numbers = odd.work(_STEADY_CYCLE)
-    next_order = 0.0
-    if has_next_order(rig.effects) and not _no_next_order(driven, last_cycle):
-        next_order = _next_order(rig, driven, last_cycle)
-    work = driven.work(last_cycle) + of_odd_numbers.value + next_order
+    work = driven.work(last_cycle) + of_odd_numbers.value + same_loads.of_next_order
     errors = _errors(driven, coarse, steady_from)
     if work > 0:
-        of_bodies = of_odd_numbers.uncertainty + OF_NEXT_ORDER * abs(next_order)
+        of_bodies = of_odd_numbers.uncertainty + same_loads.uncertainty
         errors["dissipation"] = errors.get("dissipation", 0.0) + of_bodies / work
     if odd.left_out:
         errors["dissipation"] = math.nan  # how much tilt and strain add is not known
@@ -291,16 +292,64 @@ def of_rig(question: Question) -> Findings:
     )
 
 
-def _odd_part(rig: Rigged, driven: Driven, last_cycle: slice, steady_from: int | None) -> OddPart:
+class _SameLoads(NamedTuple):
+    """What the loads of a cycle that were found make of other bodies.
+
+    Attributes
+    ----------
+    of_curvatures
+        change of the friction work of slip by the bodies, over half-planes, minus 1
+    of_next_order
+        work that the next order of the bodies adds; 0 where it is left out
+    uncertainty
+        of the work, by the order after the next
+    """
+
+    of_curvatures: float = 0.0
+    of_next_order: float = 0.0
+    uncertainty: float = 0.0
+
+    @classmethod
+    def of(cls, rig: Rigged, driven: Driven, rows: slice) -> _SameLoads:
+        """Of the bodies of a rig."""
+        if rig.scene.bodies.half_planes or _no_next_order(driven, rows):
+            return cls()
+        followed = driven.followed
+        loads = (followed.normal_load, followed.tangential_load)
+        by_rows = (followed.table, followed.friction, *loads)
+        theory = PathSeries(follow(*by_rows, Curvatures()), rig.contact, rig.modulus, None)
+        of_half_planes = theory.work(rows)
+        if not of_half_planes > 0:
+            return cls()
+        with_bodies = follow(*by_rows, curvatures_of(rig.effects))
+        bodies = PathSeries(with_bodies, rig.contact, rig.modulus, rig.effects)
+        by_curvatures = float(np.sum(driven.slip_work[rows][1:]))
+        return cls(
+            of_curvatures=bodies.work(rows) / of_half_planes - 1,
+            of_next_order=bodies.work(rows) - by_curvatures,
+            uncertainty=left_of_work(bodies, theory, rows, rig.effects) * of_half_planes,
+        )
+
+
+def _odd_part(
+    rig: Rigged,
+    driven: Driven,
+    last_cycle: slice,
+    steady_from: int | None,
+    same_loads: _SameLoads,
+) -> OddPart:
     """What tilt and bulk strain of the bodies make of the dissipation of the steady cycle."""
     if not any(getattr(rig.effects, name).value for name in ODD_NUMBERS):
         return OddPart()
     if steady_from is None:
         return OddPart(left_out="no cycle is steady")
     try:
-        return OddPart(odd_part_of_rig(rig.scene, rig.effects, driven, last_cycle))
+        odd = OddPart(odd_part_of_rig(rig.scene, rig.effects, driven, last_cycle))
     except Declined as reason:
-        return _odd_part_on_grids(rig, driven, last_cycle, str(reason))
+        odd = _odd_part_on_grids(rig, driven, last_cycle, str(reason))
+    half_width = float(rig.contact.half_width(np.max(driven.followed.normal_load)))
+    ratio = ratio_of_next_order(rig.effects, half_width)
+    return odd._replace(left=left_of_tilt_and_strain(same_loads.of_curvatures, ratio))
 
 
 def _odd_part_on_grids(rig: Rigged, driven: Driven, last_cycle: slice, reason: str) -> OddPart:
@@ -319,26 +368,9 @@ def _odd_part_on_grids(rig: Rigged, driven: Driven, last_cycle: slice, reason: s
 
 def _no_next_order(driven: Driven, last_cycle: slice) -> str:
     """Why the next order of the bodies is left out; empty where it is not."""
-    if len(driven.time) > MOST_ROWS:
-        return f"the path has more than {MOST_ROWS:,} rows"
     if np.any(driven.slide[last_cycle][1:] != 0):
         return "the bodies slide as a whole"
     return ""
-
-
-def _next_order(rig: Rigged, driven: Driven, last_cycle: slice) -> float:
-    """Work that the next order of the bodies adds in a cycle."""
-    followed = driven.followed
-    (work,) = next_order_works(
-        followed.normal_load,
-        followed.tangential_load,
-        [last_cycle],
-        rig.contact,
-        rig.modulus,
-        followed.friction,
-        rig.effects,
-    )
-    return work
 
 
 def _to_datum_of_answers(rig: Rigged) -> float:
@@ -352,7 +384,9 @@ def _to_datum_of_answers(rig: Rigged) -> float:
 
 
 def _series(rig: Rigged, driven: Driven) -> PathSeries:
-    return PathSeries(driven.followed, rig.contact, rig.modulus, rig.effects, driven.free)
+    """Of the curvatures, which the loads were found with."""
+    effects = without_next_order(rig.effects)
+    return PathSeries(driven.followed, rig.contact, rig.modulus, effects, driven.free)
 
 
 def _followed(rig: Rigged, time: Array | None) -> tuple[Driven, Driven, int | None]:
@@ -512,9 +546,7 @@ def _notes(
         half_width = float(rig.contact.half_width(np.max(driven.followed.normal_load)))
         modulus = composite_modulus(scene.material)
         if has_next_order(rig.effects):
-            left_out = _no_next_order(driven, last_cycle)
-            largest_load = float(np.max(driven.followed.normal_load))
-            yield note_of_next_order(left_out, largest_load, rig.contact, modulus, rig.effects)
+            yield _note_of_next_order(rig, driven, last_cycle)
         yield from notes_of_effects(rig.effects, half_width, modulus, odd, OF_RIG)
     spring = rig.compliance.tangential_spring
     if spring:
@@ -533,6 +565,29 @@ def _notes(
     yield from notes_of_slides(scene, driven, last_cycle)
     if np.any(driven.followed.normal_load[1:] <= 0):
         yield "separation: the bodies part, and nothing is remembered after it"
+
+
+def _note_of_next_order(rig: Rigged, driven: Driven, last_cycle: slice) -> str:
+    """Where the next order counts, and what it would change where it does not."""
+    left_out = _no_next_order(driven, last_cycle)
+    where = f"left out: {left_out}" if left_out else "in the dissipation"
+    rows = np.array([0.0, np.max(driven.followed.normal_load)])
+    without = without_next_order(rig.effects)
+    pressures = []
+    half_widths = []
+    for effects in (rig.effects, without):
+        pressed = follow(driven.followed.table, 1.0, rows, 0 * rows, curvatures_of(effects))
+        series = PathSeries(pressed, rig.contact, rig.modulus, effects)
+        half_width = float(series.half_width[1])
+        places = np.linspace(0.0, half_width, _PLACES)
+        pressures.append(float(np.max(PointFields(series, places).pressure(np.array([1])))))
+        half_widths.append(half_width)
+    return (
+        f"effects: the next order of the bodies, N_4, T_4, N_22 and T_22, is {where}, and in no"
+        f" other value: of the largest pressure it would make"
+        f" {100 * (pressures[0] / pressures[1] - 1):+.2g} %, of the largest half-width"
+        f" {100 * (half_widths[0] / half_widths[1] - 1):+.2g} %"
+    )
 
 
 def notes_of_slides(scene: Scene, driven: Driven, last_cycle: slice) -> Iterator[str]:

@@ -11,7 +11,7 @@ from scenes.arrays import LARGEST
 from semi_analytic.odd_memory import ODD_NUMBERS
 
 NEXT_ORDER = ("normal_fourth", "tangential_fourth", "normal_mixed", "tangential_mixed")
-"""Those of the order after the curvatures, which are in the dissipation alone."""
+"""Those of the order after the curvatures."""
 
 NUMBERS = (
     "normal_compliance",

@@ -2,21 +2,20 @@
 half-planes, as `Findings`.
 
 Taken are the even numbers of `BodyEffects`, exact but for the step of the path: curvatures N, N_Q
-of the gap and T, T_P of the faces (`corrected_memory`), compliances c_n and c_t. With k = kn or kt,
-p_2 and q_2 the second moments int x^2 p dx and int x^2 q dx, and half-planes whose datum is that of
-the effects::
+of the gap and T, T_P of the faces and their next order N_4, T_4, N_22, T_22 (`corrected_memory`),
+compliances c_n and c_t. With p_2, p_4 and q_2, q_4 the moments int x^2 p dx, int x^4 p dx and those
+of q, and half-planes whose datum is that of the effects::
 
-    approach = (A/pi) int ln(2 L/c) dP + c_n P + N p_2/2 + T_P q_2/2
-    U        = (A/pi) int ln(2 L/c) dM + c_t Q + T q_2/2 + N_Q p_2/2
+    approach = (A/pi) int ln(2 L/c) dP + c_n P + N p_2/2 + T_P q_2/2 + N_4 p_4/24
+    U        = (A/pi) int ln(2 L/c) dM + c_t Q + T q_2/2 + N_Q p_2/2 + T_4 q_4/24
 
-The halves are those of reciprocity: a force at s moves x as a force at x moves s.
+The fractions are those of reciprocity: a force at s moves x as a force at x moves s. What the order
+after the next may leave is in the errors of the dissipation, of the pressure and of the half-width
+(`next_order`).
 
 Where a slip zone does not reach the edge, q of the memory curve is beyond f p by the second order;
 points slip further there until it is not (`inner_slip`). This is in shear, slip and state, and in
 neither U nor W.
-
-The next order of the bodies, x^4 and x^2 s^2 of their kernels, is in the dissipation
-(`next_order`).
 
 The odd numbers o = (alpha_P, alpha_Q, e_P, e_Q) P0/(a0/R), tilt and bulk strain, move dissipation,
 pressure and half-widths of a symmetric profile by the second order of o, the places of edges by the
@@ -54,7 +53,6 @@ from scenes import (
     Estimate,
     InputError,
     Scene,
-    sampled,
 )
 from scenes.array_types import Array
 from scenes.body_effects import ZERO
@@ -67,14 +65,28 @@ from semi_analytic.answer import (
     neglected_coupling,
 )
 from semi_analytic.answer_by_memory import by_memory, folded, path_of_question
-from semi_analytic.body_numbers import NEXT_ORDER
-from semi_analytic.corrected_memory import Curvatures, Followed, PunchTable, area_of_loop, follow
+from semi_analytic.corrected_memory import (
+    Curvatures,
+    Followed,
+    PunchMoments,
+    PunchTable,
+    area_of_loop,
+    follow,
+)
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.hertz import HertzContact
 from semi_analytic.history import History, histories_kept, turns_of, within
 from semi_analytic.inner_slip import InnerSlip, SlipAtPoints, inner_slip
 from semi_analytic.load_series import LoadSeries
-from semi_analytic.next_order import MOST_ROWS, next_order_of_contact, next_order_works
+from semi_analytic.next_order import (
+    CURVATURES,
+    LEFT_IN_ANY_CASE,
+    has_next_order,
+    left_of_curvatures,
+    left_of_tilt_and_strain,
+    ratio_of_next_order,
+    with_these_alone,
+)
 from semi_analytic.odd_memory import ODD_NUMBERS, Declined, OddAnswer, odd_answer
 from semi_analytic.profiles import SymmetricContact, contact_of
 from semi_analytic.tilt_and_strain import change_by_tilt_and_strain, work_of_half_planes
@@ -102,14 +114,8 @@ _OF_HALVED = 2.0
 # Share of the largest P up to which growth in stick is short: chords of 0.5 % of it leave 5e-8 of W
 # at most of six library scenes with the numbers of `blocks`.
 _SHORT_CHORD = 0.01
-# Of the work that the next order adds, what the order after it may be: 0.12 at most of even bodies
-# 3 to 20 half-widths high, beside finite elements.
-OF_NEXT_ORDER = 0.25
-# Of the work that tilt and bulk strain add on grids, what the next order of the bodies makes, in
-# its ratio, as `reports.advising` has it; and the largest change of the dissipation that is added.
-_NEXT_OF_GRIDS = 0.6
+# The largest change of the dissipation by tilt and bulk strain that is added, on grids.
 _MOST_ON_GRIDS = 0.3
-_SAMPLES = 25
 # Instants and places at which the error of the steps is looked at, and the share of a half-width
 # within which a point is at an edge.
 _INSTANTS = 9
@@ -130,6 +136,10 @@ def curvatures_of(effects: BodyEffects) -> Curvatures:
         normal_under_shear=effects.normal_curvature_under_shear.value,
         tangential=effects.tangential_curvature.value,
         tangential_under_pressure=effects.tangential_curvature_under_pressure.value,
+        normal_fourth=effects.normal_fourth.value,
+        tangential_fourth=effects.tangential_fourth.value,
+        normal_mixed=effects.normal_mixed.value,
+        tangential_mixed=effects.tangential_mixed.value,
     )
 
 
@@ -153,20 +163,25 @@ class OddPart(NamedTuple):
     on_grids
         work that they add in the last cycle, on grids, where the second order does not hold; it
         counts for each cycle
+    left
+        of that work, in its ratio, what curvatures and next order of the bodies make uncertain
     """
 
     answer: OddAnswer | None = None
     left_out: str = ""
     on_grids: Estimate | None = None
+    left: float = 0.0
 
     def work(self, cycle: int) -> Estimate:
         """Work that they add in a cycle that was followed."""
-        if self.on_grids is not None:
-            return self.on_grids
-        if self.answer is None:
+        if self.on_grids is None and self.answer is None:
             return ZERO
-        works = self.answer.works
-        return works[min(cycle, len(works) - 1)]
+        added = self.on_grids
+        if self.answer is not None:
+            works = self.answer.works
+            added = works[min(cycle, len(works) - 1)]
+        assert added is not None  # for the type checker
+        return Estimate(added.value, added.uncertainty + self.left * abs(added.value))
 
     def centres(self, time: Array) -> tuple[Array, Array]:
         """Centres of contact and of stick at instants (n,), (n,) each."""
@@ -177,11 +192,12 @@ class OddPart(NamedTuple):
 
 class OddInAnswer(NamedTuple):
     """Where tilt and bulk strain of the bodies count beside the dissipation, in words: where they
-    are covered, and where they are not.
+    are covered, and where they are not; where the even numbers count.
     """
 
     covered: str
     left_out: str
+    even: str
 
 
 OF_LOADS = OddInAnswer(
@@ -191,6 +207,7 @@ OF_LOADS = OddInAnswer(
         " them"
     ),
     left_out="are left out, but for the moment of the pressure in U and approach of a parabola",
+    even="the curvatures N, N_Q, T, T_P, their next order and the compliances c_n, c_t",
 )
 OF_RIG = OddInAnswer(
     covered=(
@@ -198,6 +215,7 @@ OF_RIG = OddInAnswer(
         " the approach is prescribed, are without them"
     ),
     left_out="are left out, but for the moment of the pressure in U of a parabola",
+    even="the curvatures N, N_Q, T, T_P and the compliances c_n, c_t",
 )
 
 
@@ -209,10 +227,7 @@ def notes_of_effects(
     in_answer: OddInAnswer = OF_LOADS,
 ) -> Iterator[str]:
     """What of the effects is in the values, and what is not."""
-    yield (
-        "effects: the curvatures N, N_Q, T, T_P and the compliances c_n, c_t of the bodies are in"
-        " these values"
-    )
+    yield f"effects: {in_answer.even} of the bodies are in these values"
     numbers = odd_part(effects, half_width, modulus)
     if not any(numbers):
         return
@@ -242,6 +257,11 @@ def notes_of_effects(
 def notes_of_batch(effects: BodyEffects) -> Iterator[str]:
     """The same of a batch, whose members have different half-widths."""
     yield "effects: the curvatures N, N_Q, T, T_P of the bodies are in these values"
+    if has_next_order(effects):
+        yield (
+            "effects: the next order of the bodies, N_4, T_4, N_22 and T_22, is left out; `solve`"
+            " takes it"
+        )
     if any(getattr(effects, name).value for name in ODD_NUMBERS):
         yield (
             "effects: tilt and bulk strain of the bodies are left out; `solve` states how large"
@@ -449,15 +469,18 @@ class PathSeries:
     @cached_property
     def tangential_displacement(self) -> Array:
         """U, (n,)."""
-        moments = self._moments
-        displacement = self.unit * moments.shear_logarithm
+        _, shear_logarithm = self._logarithms
+        displacement = self.unit * shear_logarithm
         if self.way is not None:
             displacement = displacement + self.way
         if self.effects is None:
             return displacement
         bend = curvatures_of(self.effects)
-        of_moments = bend.tangential * moments.shear_second
-        of_moments = of_moments + bend.normal_under_shear * moments.pressure_second
+        followed = self.followed
+        of_moments = bend.tangential * followed.shear_second
+        of_moments = of_moments + bend.normal_under_shear * followed.pressure_second
+        if bend.tangential_fourth:
+            of_moments = of_moments + bend.tangential_fourth * followed.shear_fourth / 12
         of_load = self.effects.tangential_compliance.value * self.followed.tangential_load
         of_tilt, _ = self._moved_by_tilt
         return np.asarray(displacement + of_load + of_moments / 2 + of_tilt)
@@ -465,13 +488,16 @@ class PathSeries:
     @cached_property
     def normal_approach(self) -> Array:
         """Normal approach, (n,)."""
-        moments = self._moments
-        approach = self.unit * moments.pressure_logarithm
+        pressure_logarithm, _ = self._logarithms
+        approach = self.unit * pressure_logarithm
         if self.effects is None:
             return approach
         bend = curvatures_of(self.effects)
-        of_moments = bend.normal * moments.pressure_second
-        of_moments = of_moments + bend.tangential_under_pressure * moments.shear_second
+        followed = self.followed
+        of_moments = bend.normal * followed.pressure_second
+        of_moments = of_moments + bend.tangential_under_pressure * followed.shear_second
+        if bend.normal_fourth:
+            of_moments = of_moments + bend.normal_fourth * followed.pressure_fourth / 12
         of_load = self.effects.normal_compliance.value * self.followed.normal_load
         _, of_tilt = self._moved_by_tilt
         return np.asarray(approach + of_load + of_moments / 2 + of_tilt)
@@ -496,33 +522,33 @@ class PathSeries:
         return under_shear * moment, under_pressure * moment - pressed_less
 
     @cached_property
-    def _moments(self) -> _Moments:
-        """Integrals over the tractions at the rows."""
+    def _logarithms(self) -> tuple[Array, Array]:
+        """int ln(2 L/c) dP and dM over the punches, (n,) each."""
         followed = self.followed
         pieces = followed.pieces
         datum = self.contact.datum_length if self.effects is None else self.effects.datum_length
-        tops = _primitives(followed.table, pieces.top, datum)
-        edges = _primitives(followed.table, followed.edge, datum)
-        gap_bend = followed.normal_curvature
-        face_bend = followed.tangential_curvature
-        of_curves = pieces.sums(tops.logarithm, tops.parabola_logarithm)
-        second_of_curves = pieces.sums(tops.second, tops.parabola_second)
+        tops = _logarithms(followed.table, pieces.top, datum)
+        edges = _logarithms(followed.table, followed.edge, datum)
+        of_pressure = edges.profile + followed.normal_curvature * edges.parabola
+        of_pressure = of_pressure + followed.normal_fourth * edges.fourth
+        of_shear = pieces.sums(*tops)[followed.curve]
+        of_shear = of_shear + followed.tangential_curvature * edges.parabola
+        of_shear = of_shear + followed.tangential_fourth * edges.fourth
         is_pressed = followed.normal_load > 0
-        return _Moments(
-            pressure_logarithm=is_pressed * (edges.logarithm + gap_bend * edges.parabola_logarithm),
-            shear_logarithm=is_pressed
-            * (of_curves[followed.curve] + face_bend * edges.parabola_logarithm),
-            pressure_second=is_pressed * (edges.second + gap_bend * edges.parabola_second),
-            shear_second=is_pressed
-            * (second_of_curves[followed.curve] + face_bend * edges.parabola_second),
-        )
+        return np.where(is_pressed, of_pressure, 0.0), np.where(is_pressed, of_shear, 0.0)
 
     @cached_property
     def _inner_senses(self) -> Indices:
         """Sense of slip, (n,), at rows at which |q| of the memory curve is beyond f p; else 0."""
         followed = self.followed
         senses = np.zeros(len(followed.edge), dtype=np.int64)
-        if not (np.any(followed.normal_curvature) or np.any(followed.tangential_curvature)):
+        added = (
+            followed.normal_curvature,
+            followed.tangential_curvature,
+            followed.normal_fourth,
+            followed.tangential_fourth,
+        )
+        if not np.any(added):
             return senses
         shares = np.sin(np.linspace(0.0, math.pi / 2, _LOOKED_AT))
         points = PointFields(self, float(np.max(self.half_width)) * shares)
@@ -603,8 +629,13 @@ class PointFields:
         followed = self._followed
         profile_load = followed.table.load(followed.edge[rows])[:, None]
         of_profile = self.series.contact.pressure(self._x, profile_load)
+        half_width = self.series.half_width[rows]
         bend = followed.normal_curvature[rows, None]
-        return of_profile + bend * self._of_parabola(self.series.half_width[rows])
+        pressure = of_profile + bend * self._of_parabola(half_width)
+        if np.any(followed.normal_fourth):
+            fourth = followed.normal_fourth[rows, None]
+            pressure = pressure + fourth * self._of_fourth(half_width)
+        return np.asarray(pressure)
 
     def shear(self, rows: Indices) -> Array:
         """q, (n, k)."""
@@ -616,28 +647,42 @@ class PointFields:
     def shear_of_memory(self, rows: Indices) -> Array:
         """q without what slips further inside the contact, (n, k)."""
         followed = self._followed
+        half_width = self.series.half_width[rows]
         bend = followed.tangential_curvature[rows, None]
-        following = bend * self._of_parabola(self.series.half_width[rows])
-        return self._shear_of_curves[followed.curve[rows]] + following
+        shear = self._shear_of_curves[followed.curve[rows]] + bend * self._of_parabola(half_width)
+        if np.any(followed.tangential_fourth):
+            fourth = followed.tangential_fourth[rows, None]
+            shear = shear + fourth * self._of_fourth(half_width)
+        return np.asarray(shear)
 
     def shear_at(self, row: int) -> Array:
         """The same at one row, (k,): of its memory curve alone."""
         pieces = self._followed.pieces
         chain = pieces.chain(int(self._followed.curve[row]))
+        half_widths = self._followed.table.half_width(pieces.top[chain])
+        half_width = self.series.half_width[[row]]
         of_profile = self.series.contact.pressure_rise(self._x, pieces.load[chain, None])
-        of_parabola = self._of_parabola(self._followed.table.half_width(pieces.top[chain]))
         shear = pieces.slope[chain[1:]] @ np.diff(of_profile, axis=0)
+        of_parabola = self._of_parabola(half_widths)
         shear = shear + pieces.parabola_slope[chain[1:]] @ np.diff(of_parabola, axis=0)
+        of_fourth = self._of_fourth(half_widths)
+        shear = shear + pieces.fourth_slope[chain[1:]] @ np.diff(of_fourth, axis=0)
         bend = float(self._followed.tangential_curvature[row])
-        return np.asarray(shear + bend * self._of_parabola(self.series.half_width[[row]])[0])
+        fourth = float(self._followed.tangential_fourth[row])
+        shear = shear + bend * self._of_parabola(half_width)[0]
+        return np.asarray(shear + fourth * self._of_fourth(half_width)[0])
 
     def slip(self, rows: Indices) -> Array:
         """s, (n, k)."""
         followed = self._followed
         # Inside the contact what sticks follows the curvature of the faces; outside it does not.
         bend = followed.tangential_curvature[rows, None]
-        outside = self._outside_parabola(self.series.half_width[rows])
+        half_width = self.series.half_width[rows]
+        outside = self._outside_parabola(half_width)
         slip = self._slip_of_curves[followed.curve[rows]] + bend * (outside - self._x**2 / 2)
+        if np.any(followed.tangential_fourth):
+            fourth = followed.tangential_fourth[rows, None]
+            slip = slip + fourth * (self._outside_fourth(half_width) - self._x**4 / 24)
         if self.series.way is not None:
             slip = slip + self.series.way[rows, None]
         for number, further in self.inner_slips(rows):
@@ -676,7 +721,7 @@ class PointFields:
         pieces = self._followed.pieces
         half = self._followed.table.half_width(pieces.top)
         of_profile = self.series.contact.pressure_rise(self._x, pieces.load[:, None])
-        return pieces.sums(of_profile, self._of_parabola(half))
+        return pieces.sums(of_profile, self._of_parabola(half), self._of_fourth(half))
 
     @cached_property
     def _slip_of_curves(self) -> Array:
@@ -685,13 +730,29 @@ class PointFields:
         half = self._followed.table.half_width(pieces.top)
         unit = self.series.unit
         of_profile = unit * self.series.contact.slip_integral(self._x, pieces.load[:, None])
-        return pieces.sums(of_profile, self._outside_parabola(half))
+        return pieces.sums(of_profile, self._outside_parabola(half), self._outside_fourth(half))
 
     def _of_parabola(self, half_width: Array) -> Array:
         """Pressure of a parabola of curvature 1, (E*/2) sqrt(a^2 - x^2): (n, k)."""
         half = half_width[:, None]
         root = np.sqrt(np.maximum((half - self._x) * (half + self._x), 0.0))
         return np.asarray(self.series.modulus / 2 * root)
+
+    def _of_fourth(self, half_width: Array) -> Array:
+        """Pressure of x^4/24, (E*/24) sqrt(a^2 - x^2) (a^2 + 2 x^2): (n, k)."""
+        square = half_width[:, None] ** 2 + 2 * self._x**2
+        return np.asarray(self._of_parabola(half_width) * square / 12)
+
+    def _outside_fourth(self, half_width: Array) -> Array:
+        """(A/pi) int arccosh(|x|/c) dG_4 over c < min(a, |x|) = int (c^3/4) arccosh(|x|/c) dc:
+        (n, k).
+        """
+        x = self._x
+        inner = np.minimum(half_width[:, None], x)
+        root = np.sqrt(np.maximum((x - inner) * (x + inner), 0.0))
+        arc = np.arcsinh(root / np.where(inner > 0, inner, np.inf))
+        of_root = 2 / 3 * x**3 - x**2 * root + root**3 / 3
+        return np.asarray((inner**4 * arc + x * of_root) / 16)
 
     def _outside_parabola(self, half_width: Array) -> Array:
         """(A/pi) int arccosh(|x|/c) dG over c < min(a, |x|) = int c arccosh(|x|/c) dc: (n, k)."""
@@ -701,35 +762,14 @@ class PointFields:
         return np.asarray((inner**2 * arc + self._x * (self._x - root)) / 2)
 
 
-class _Moments(NamedTuple):
-    """int ln(2 L/c) dP and dM, second moments int x^2 p dx and int x^2 q dx, (n,) each."""
-
-    pressure_logarithm: Array
-    shear_logarithm: Array
-    pressure_second: Array
-    shear_second: Array
-
-
-class _Primitives(NamedTuple):
-    """Of ln(2 L/c) and c^2/2 over d eta and over dG, (k,) each."""
-
-    logarithm: Array
-    parabola_logarithm: Array
-    second: Array
-    parabola_second: Array
-
-
-def _primitives(table: PunchTable, s: Array, datum: float) -> _Primitives:
-    """Integrals up to the punches at s (k,). A punch of unit load has the second moment c^2/2."""
+def _logarithms(table: PunchTable, s: Array, datum: float) -> PunchMoments:
+    """Integrals of ln(2 L/c) up to the punches at s (k,), L = `datum` [length]."""
     load = table.load(s)
-    parabola = table.parabola(s)
-    square = np.square(table.half_width(s))
     log_ratio = math.log(2 * datum) - table.logarithm(s)
-    return _Primitives(
-        logarithm=load * log_ratio + table.log_area(s),
-        parabola_logarithm=parabola * (log_ratio + 0.5),
-        second=square * load / 2 - table.log_moment(s) / table.parabola_stiffness,
-        parabola_second=square * parabola / 4,
+    return PunchMoments(
+        profile=load * log_ratio + table.log_area(s),
+        parabola=table.parabola(s) * (log_ratio + 0.5),
+        fourth=table.fourth(s) * (log_ratio + 0.25),
     )
 
 
@@ -765,9 +805,9 @@ class _Paths:
         return self.rows.cycles[self.covered[-1]]
 
     @property
-    def is_short(self) -> bool:
-        """Whether the path has few enough rows for the next order of the bodies."""
-        return len(self.rows.time) <= MOST_ROWS
+    def largest_half_width(self) -> float:
+        """Of half-planes in the last covered cycle."""
+        return float(np.max(self.half_planes.half_width[self.last_cycle]))
 
     @property
     def is_steady(self) -> bool:
@@ -811,7 +851,7 @@ def _answer(question: Question) -> Findings:
     fields_done = clock.perf_counter()
 
     work = _work_of(paths, points, distance, odd)
-    errors = work.errors | _errors_of_steps(paths)
+    errors = work.errors | _errors_of_steps(paths) | _errors_of_contact(paths)
     seconds = {"history": history_done - started, "fields": fields_done - history_done}
     seconds["dissipation"] = clock.perf_counter() - fields_done
     termination, message = _ending(paths)
@@ -902,9 +942,14 @@ def table_of(
     largest_load = float(np.max(rows.normal_load))
     largest = float(contact.half_width(largest_load))
     bend = curvatures.of_gap(rows.normal_load, rows.tangential_load)
+    fourth = curvatures.normal_fourth * rows.normal_load
     for _ in range(60):
         table = PunchTable(contact, modulus, min(largest * _BEYOND, contact.extent))
-        at_end = float(table.load(table.last)) + bend * float(table.parabola(table.last))
+        # p_2 is at most that of a flat punch, P c^2/2.
+        most_moment = rows.normal_load * float(table.half_width(table.last)) ** 2 / 2
+        least_bend = bend + 2 * min(curvatures.normal_mixed, 0.0) * most_moment
+        at_end = float(table.load(table.last)) + least_bend * float(table.parabola(table.last))
+        at_end = at_end + fourth * float(table.fourth(table.last))
         if np.all(at_end >= rows.normal_load):
             break
         if largest >= contact.extent:
@@ -915,11 +960,14 @@ def table_of(
         largest *= _BEYOND
     else:
         raise splits()
-    s = np.linspace(0.0, table.last, 200)
+    s = np.linspace(1.0 if contact.least else 0.0, table.last, 200)
     least = min(float(np.min(bend)), 0.0)
-    carried = table.load(s) + least * table.parabola(s)
-    if np.any(np.diff(carried[s >= (1.0 if contact.least else 0.0)]) < 0):
+    if np.any(np.diff(table.load(s) + least * table.parabola(s)) < 0):
         raise splits()
+    for row in {int(np.argmin(least_bend)), int(np.argmin(fourth))}:
+        carried = table.load(s) + least_bend[row] * table.parabola(s)
+        if np.any(np.diff(carried + fourth[row] * table.fourth(s)) < 0):
+            raise splits()
     return table
 
 
@@ -1109,12 +1157,11 @@ def _works_of_cycles(
     cycles = [paths.rows.cycles[k] for k in paths.covered]
     by_steps = np.array([half_planes.work(rows) for rows in cycles])
     with_bodies = np.array([bodies.work(rows) for rows in cycles])
-    of_next_order = _next_order(paths)
     of_odd_numbers = [odd.work(k) for k in paths.covered]
-    works = exact + (with_bodies - by_steps) + of_next_order
+    works = exact + (with_bodies - by_steps)
     works = works + np.array([work.value for work in of_odd_numbers])
 
-    # displacements have neither the next order nor tilt and bulk strain
+    # displacements do not have what tilt and bulk strain do to slip
     has_loop = (
         odd.answer is None
         and odd.on_grids is None
@@ -1125,17 +1172,70 @@ def _works_of_cycles(
     work = float(exact[-1])
     if work <= 0:
         return works, loop, {}
-    next_order = abs(float(of_next_order[-1])) / work
     of_steps = _OF_STEPS * abs(float(by_steps[-1]) / work - 1)
     of_steps += _OF_HALVED * abs(_work_of_halved_steps(paths) - float(with_bodies[-1])) / work
     of_odd = of_odd_numbers[-1].uncertainty / work
-    errors = {"dissipation": of_steps + of_odd + OF_NEXT_ORDER * next_order}
+    effects = paths.question.effects
+    assert effects is not None  # for the type checker
+    of_next_orders = left_of_work(bodies, half_planes, paths.last_cycle, effects)
+    errors = {"dissipation": of_steps + of_odd + of_next_orders}
     if odd.left_out:
         errors["dissipation"] = math.nan  # how much tilt and strain add is not known
     if has_loop:
         by_loop = half_planes.loop_work(paths.last_cycle)
-        errors["loop_work"] = abs(by_loop / work - 1) + next_order
+        errors["loop_work"] = abs(by_loop / work - 1) + of_next_orders
     return works, loop, errors
+
+
+def left_of_work(
+    bodies: PathSeries, half_planes: PathSeries, rows: slice, effects: BodyEffects
+) -> float:
+    """What the orders after the next leave in W of a cycle, over that of half-planes: of what each
+    curvature changes its own share.
+    """
+    left = left_of_curvatures(effects, float(np.max(half_planes.half_width[rows])))
+    of_half_planes = half_planes.work(rows)
+    change = bodies.work(rows) / of_half_planes - 1
+    bend = curvatures_of(effects)
+    if bend.are_of_mirrored_bodies and bend.normal >= 0 and bend.tangential >= 0:
+        # Both change W in one direction.
+        return abs(change) * max(left.values()) + LEFT_IN_ANY_CASE
+    followed = bodies.followed
+    loads = (followed.normal_load, followed.tangential_load)
+    uncertainty = LEFT_IN_ANY_CASE
+    rest = change
+    for words in CURVATURES:
+        these_alone = curvatures_of(with_these_alone(effects, words))
+        by_these = follow(followed.table, followed.friction, *loads, these_alone)
+        work = bodies.unit * float(np.sum(by_these.step_work[rows][1:]))
+        part = work / of_half_planes - 1
+        uncertainty += abs(part) * left[words]
+        rest -= part
+    return uncertainty + abs(rest) * sum(left.values())
+
+
+def _errors_of_contact(paths: _Paths) -> dict[str, float]:
+    """What the orders after the next leave in the largest pressure and half-width, over them."""
+    effects = paths.question.effects
+    assert effects is not None  # for the type checker
+    bodies = paths.bodies
+    half_planes = paths.half_planes
+    last = paths.last_cycle
+    row = np.array([last.start + int(np.argmax(bodies.followed.normal_load[last]))])
+    largest_half_width = float(np.max(half_planes.half_width[last]))
+    if not largest_half_width > 0:
+        return {}
+    places = largest_half_width * np.sin(np.linspace(0.0, math.pi / 2, _LOOKED_AT))
+    pressures = [
+        float(np.max(PointFields(series, places).pressure(row))) for series in (bodies, half_planes)
+    ]
+    left = max(left_of_curvatures(effects, largest_half_width).values())
+    of_pressure = abs(pressures[0] / pressures[1] - 1) if pressures[1] else 0.0
+    of_half_width = abs(float(bodies.half_width[row[0]] / half_planes.half_width[row[0]]) - 1)
+    return {
+        "pressure": of_pressure * left + LEFT_IN_ANY_CASE,
+        "contact_half_width": of_half_width * left + LEFT_IN_ANY_CASE,
+    }
 
 
 def _work_of_halved_steps(paths: _Paths) -> float:
@@ -1163,32 +1263,6 @@ def _work_of_halved_steps(paths: _Paths) -> float:
     return paths.bodies.unit * float(np.sum(halved.step_work[is_of_cycle]))
 
 
-def _next_order(paths: _Paths) -> Array:
-    """Work that the next order of the bodies adds in each covered cycle, (c,); 0 where it is left
-    out.
-    """
-    effects = paths.question.effects
-    assert effects is not None  # for the type checker
-    if not (has_next_order(effects) and paths.is_short):
-        return np.zeros(len(paths.covered))
-    bodies = paths.bodies
-    works = next_order_works(
-        bodies.followed.normal_load,
-        bodies.followed.tangential_load,
-        paths.rows.cycles,
-        bodies.contact,
-        bodies.modulus,
-        bodies.followed.friction,
-        effects,
-    )
-    return np.array([works[k] for k in paths.covered])
-
-
-def has_next_order(effects: BodyEffects) -> bool:
-    """Whether a number of the next order is not 0."""
-    return any(getattr(effects, name).value for name in NEXT_ORDER)
-
-
 def _odd_part(paths: _Paths) -> OddPart:
     """What tilt and bulk strain of the effects make."""
     question = paths.question
@@ -1197,12 +1271,18 @@ def _odd_part(paths: _Paths) -> OddPart:
     if not any(getattr(effects, name).value for name in ODD_NUMBERS):
         return OddPart()
     try:
-        return OddPart(odd_answer(question.scene, effects))
+        odd = OddPart(odd_answer(question.scene, effects))
     except Declined as reason:
         if not question.wants("dissipation"):
             return OddPart(left_out=str(reason))
         work = paths.bodies.work(paths.last_cycle)
-        return odd_part_on_grids(question.scene, effects, work, str(reason))
+        odd = odd_part_on_grids(question.scene, effects, work, str(reason))
+    of_half_planes = paths.half_planes.work(paths.last_cycle)
+    if not of_half_planes > 0:
+        return odd
+    of_curvatures = paths.bodies.work(paths.last_cycle) / of_half_planes - 1
+    ratio = ratio_of_next_order(effects, paths.largest_half_width)
+    return odd._replace(left=left_of_tilt_and_strain(of_curvatures, ratio))
 
 
 def odd_part_on_grids(scene: Scene, effects: BodyEffects, work: float, reason: str) -> OddPart:
@@ -1223,30 +1303,7 @@ def odd_part_on_grids(scene: Scene, effects: BodyEffects, work: float, reason: s
             left_out=f"{reason}, and grids make them {100 * change.value:+.0f} % of the"
             " dissipation, which curvatures change too much"
         )
-    # What the curvatures and the next order of the bodies make of the change is not solved.
-    by_curvatures = abs(work / of_half_planes - 1)
-    by_next_order = _NEXT_OF_GRIDS * _ratio_of_next_order(scene, effects)
-    uncertainty = change.uncertainty + abs(change.value) * (by_curvatures + by_next_order)
-    return OddPart(on_grids=Estimate(change.value * work, uncertainty * work))
-
-
-def _ratio_of_next_order(scene: Scene, effects: BodyEffects) -> float:
-    """The larger of |N_4 a^2/N| and |T_4 a^2/T|, a at the largest load."""
-    path = scene.load.path()
-    largest_load = max(
-        float(np.max(leg.loads(sampled(leg, _SAMPLES))[0]))
-        for leg in (*path.initial_loading, *path.cycle)
-    )
-    half_width = float(contact_of(scene.profile, scene.material).half_width(largest_load))
-    ratios = [
-        abs(fourth.value / leading.value) * half_width**2
-        for leading, fourth in (
-            (effects.normal_curvature, effects.normal_fourth),
-            (effects.tangential_curvature, effects.tangential_fourth),
-        )
-        if leading.value
-    ]
-    return max(ratios, default=0.0)
+    return OddPart(on_grids=Estimate(change.value * work, change.uncertainty * work))
 
 
 def _errors_of_steps(paths: _Paths) -> dict[str, float]:
@@ -1319,27 +1376,6 @@ def _ending(paths: _Paths) -> tuple[str, str]:
     return "steady", f"cycle {paths.steady_from + 1} ends in the state it started from"
 
 
-_LONG = f"the path has more than {MOST_ROWS:,} rows"
-
-
-def note_of_next_order(
-    left_out: str,
-    largest_load: float,
-    contact: SymmetricContact,
-    modulus: float,
-    effects: BodyEffects,
-) -> str:
-    """Where the next order of the bodies counts, or why it does not, and what it would change."""
-    what = "effects: the next order of the bodies, N_4, T_4, N_22 and T_22, is"
-    words = f"{what} left out: {left_out}" if left_out else f"{what} in the dissipation"
-    change = next_order_of_contact(largest_load, 0.0, contact, modulus, effects)
-    return (
-        f"{words}, and in no other value: of the largest pressure it would make"
-        f" {100 * change.pressure:+.2g} %, of the largest half-width"
-        f" {100 * change.half_width:+.2g} %"
-    )
-
-
 def _notes_of(paths: _Paths, odd: OddPart) -> Iterator[str]:
     """What a reader must not miss."""
     question = paths.question
@@ -1349,12 +1385,6 @@ def _notes_of(paths: _Paths, odd: OddPart) -> Iterator[str]:
     load = _reference_load(scene, paths.rows.normal_load[paths.last_cycle])
     half_width = float(paths.bodies.contact.half_width(load))
     modulus = composite_modulus(scene.material)
-    if has_next_order(question.effects):
-        left_out = "" if paths.is_short else _LONG
-        largest_load = float(np.max(paths.rows.normal_load))
-        yield note_of_next_order(
-            left_out, largest_load, paths.bodies.contact, modulus, question.effects
-        )
     yield from notes_of_effects(question.effects, half_width, modulus, odd)
     if odd.answer is not None or odd.on_grids is not None:
         yield (
@@ -1378,6 +1408,8 @@ def certificates_of(
     force = followed.pieces.force[followed.curve[numbers]]
     edge_parabola = followed.table.parabola(followed.edge[numbers])
     carried = force + followed.tangential_curvature[numbers] * edge_parabola
+    edge_fourth = followed.table.fourth(followed.edge[numbers])
+    carried = carried + followed.tangential_fourth[numbers] * edge_fourth
     is_pressed = followed.normal_load[numbers] > 0
     balance = np.where(is_pressed, np.abs(carried - followed.tangential_load[numbers]), 0.0)
     checks = {"tangential_balance": balance / largest}

@@ -84,7 +84,12 @@ class BendColumns(NamedTuple):
     @classmethod
     def of(cls, bends: Curvatures, unit: Array) -> BendColumns:
         """The numbers in units of members (m, 1)."""
-        return cls(*(number * unit for number in bends))
+        return cls(
+            normal=bends.normal * unit,
+            normal_under_shear=bends.normal_under_shear * unit,
+            tangential=bends.tangential * unit,
+            tangential_under_pressure=bends.tangential_under_pressure * unit,
+        )
 
     def take(self, members: slice) -> BendColumns:
         """Those of some members."""

@@ -18,7 +18,19 @@ So F(c) is clipped by two bounds that follow the loads, each c for itself. On a 
 kn and kt are linear, the bounds move one way each, and one clip at the end of the step is exact.
 With kn = kt = 0 this is `memory`, where F = M.
 
-Work. W = (A/pi) int f [P - eta(c) - kn G(c)] |dF(c)| dc/c over the punches that slip, all terms
+The next order. A body's kernel k_nn(x, s) has after N (x^2 + s^2)/2 the terms N_4 (x^4 + s^4)/24 +
+N_22 x^2 s^2, and k_tt likewise with T. Under tractions that are even in x they add::
+
+    gap    n4 x^4/24 + (2 N_22 p_2) x^2/2        n4 = N_4 P, p_2 = int x^2 p dx
+    faces  t4 x^4/24 + (2 T_22 q_2) x^2/2        t4 = T_4 Q, q_2 = int x^2 q dx
+
+The second terms are in kn and kt. Those of x^4/24 are punches too, which carry G_4(c) = G(c) c^2/8
+up to half-width c: above, n4 G_4 goes with kn G and t4 G_4 with kt G, so that
+
+    P = eta(a) + kn G(a) + n4 G_4(a),    F(c) = M(c) - kt G(c) - t4 G_4(c),
+    F(c) = B_s(c) = (Q - s f P) + s f eta(c) + (s f kn - kt) G(c) + (s f n4 - t4) G_4(c)
+
+Work. W = (A/pi) int f [P - eta - kn G - n4 G_4] |dF| dc/c over the punches that slip, all terms
 positive, with the mean of the bracket over the part of the step in which the punch slips: exact of
 a straight step. It equals the closed integral of Q dU + P d(approach), since the compliances are
 reciprocal.
@@ -31,7 +43,7 @@ second order in kn and kt there, which `inner_slip` takes away in the fields. Ti
 bodies are not in here.
 
 # notation: c half-width of a punch, a that of the contact, f friction coefficient, s = +1 forward,
-#           -1 reverse slip, P - eta - kn G load carried beyond c
+#           -1 reverse slip, P - eta - kn G - n4 G_4 load carried beyond c
 """
 
 from __future__ import annotations
@@ -64,6 +76,8 @@ _STEPS_OF_NEWTON = 60
 _ROUNDING = 1e-11
 # Share of the largest half-width that stands for 0 in a logarithm.
 _LEAST = 1e-9
+# How often p_2 and the edge of contact follow from each other: p_2 moves by a per cent of itself.
+_ROUNDS_OF_MOMENT = 5
 _GAUSS = np.polynomial.legendre.leggauss(3)
 # Between two tops of a memory curve: |dF| is a cubic in s there for Hertz.
 _GAUSS_OF_WORK = np.polynomial.legendre.leggauss(8)
@@ -76,13 +90,24 @@ def area_of_loop(load: Array, movement: Array) -> float:
 
 
 # ---------------------------------------------------------------------------------- flat punches
+# Of the punches of the profile, of a parabola and of x^4/24.
+OfPunches = tuple[float, float, float]
+
+
 class PunchLoads(NamedTuple):
-    """eta and G of one punch, and their rates per s."""
+    """eta, G and G_4 of one punch, and their rates per s."""
 
     load: float
     parabola: float
+    fourth: float
     load_rate: float
     parabola_rate: float
+    fourth_rate: float
+
+    @property
+    def loads(self) -> OfPunches:
+        """eta, G and G_4."""
+        return self.load, self.parabola, self.fourth
 
 
 class PunchSums(NamedTuple):
@@ -92,6 +117,14 @@ class PunchSums(NamedTuple):
     parabola_logarithm: float
     second: float
     parabola_second: float
+
+
+class PunchMoments(NamedTuple):
+    """Up to punches (k,): a moment over d eta, over dG and over dG_4, (k,) each."""
+
+    profile: Array
+    parabola: Array
+    fourth: Array
 
 
 class PunchTable:
@@ -130,8 +163,8 @@ class PunchTable:
         load_rate = np.where(is_flat | (half_rate == 0), 0.0, load_rate)
         self._load = self._cubics(load[:, :-1], load[:, 1:], load_rate[:, :-1], load_rate[:, 1:])
         self._loads_of_cells: list[list[float]] = self._load.tolist()
-        self._log_area = self._integral(with_parabola=False)
-        self._log_moment = self._integral(with_parabola=True)
+        self._log_area = self._integral(parabolas=0)
+        self._log_moment = self._integral(parabolas=1)
         self._areas_of_cells: list[list[float]] = self._log_area.tolist()
         self._moments_of_cells: list[list[float]] = self._log_moment.tolist()
 
@@ -144,8 +177,8 @@ class PunchTable:
         columns = [low, first, 3 * rise - 2 * first - last, first + last - 2 * rise]
         return np.stack([column.ravel() for column in columns], axis=1)
 
-    def _integral(self, *, with_parabola: bool) -> Array:
-        """Cubics of int eta dc/c from 0, or of int eta G dc/c."""
+    def _integral(self, parabolas: int) -> Array:
+        """Cubics of int eta G^n dc/c from 0, n = `parabolas`."""
         cells = len(self._load)
         nodes, weights = _GAUSS
         share = (nodes + 1) / 2
@@ -155,7 +188,7 @@ class PunchTable:
             half = self.half_width(s)
             rate = self.half_width_rate(s)
             value = self.load(s) * rate / np.where(half > 0, half, 1.0)
-            return value * self.parabola(s) if with_parabola else value
+            return value * self.parabola(s) ** parabolas if parabolas else value
 
         at = np.asarray((np.arange(cells)[:, None] + share) * step, dtype=float)
         parts = integrand(at) @ weights * (step / 2)
@@ -194,8 +227,13 @@ class PunchTable:
         """G(c) = (pi E*/4) c^2: load of a parabola's punches up to c per curvature."""
         return self.parabola_stiffness * np.square(self.half_width(s))
 
+    def fourth(self, s: ArrayLike) -> Array:
+        """G_4(c) = G(c) c^2/8: load of the punches of x^4/24 up to c."""
+        square = np.square(self.half_width(s))
+        return np.asarray(self.parabola_stiffness * square**2 / 8)
+
     def loads_at(self, s: float) -> PunchLoads:
-        """eta and G of one punch, and their rates per s; no eta is negative by round-off."""
+        """eta, G and G_4 of one punch, and their rates per s; no eta is negative by round-off."""
         place = s * self._cells
         cell = min(int(place), len(self._loads_of_cells) - 1)
         share = place - cell
@@ -204,11 +242,15 @@ class PunchTable:
         length = self._lengths[number]
         half = self._begins[number] + length * (s - number) ** 2
         half_rate = 2 * length * (s - number)
+        square = half * half
+        parabola = self.parabola_stiffness * half * half
         return PunchLoads(
             load=max(c0 + share * (c1 + share * (c2 + share * c3)), 0.0),
-            parabola=self.parabola_stiffness * half * half,
+            parabola=parabola,
+            fourth=parabola * square / 8,
             load_rate=(c1 + share * (2 * c2 + 3 * share * c3)) * self._cells,
             parabola_rate=2 * self.parabola_stiffness * half * half_rate,
+            fourth_rate=parabola * half * half_rate / 2,
         )
 
     def sums_at(self, s: float, datum: float) -> PunchSums:
@@ -256,23 +298,48 @@ class PunchTable:
         """int eta G dc/c from 0 to c."""
         return self._value(self._log_moment, s)
 
+    @cached_property
+    def _log_fourth(self) -> Array:
+        """Cubics of int eta G^2 dc/c."""
+        return self._integral(parabolas=2)
+
+    def second_moments(self, s: ArrayLike) -> PunchMoments:
+        """Integrals of c^2/2, the second moment of a punch of unit load, up to s (k,)."""
+        square = np.square(self.half_width(s))
+        of_profile = square * self.load(s) / 2 - self.log_moment(s) / self.parabola_stiffness
+        return PunchMoments(of_profile, square * self.parabola(s) / 4, square * self.fourth(s) / 3)
+
+    def fourth_moments(self, s: ArrayLike) -> PunchMoments:
+        """Integrals of 3 c^4/8, the fourth moment of a punch of unit load, up to s (k,)."""
+        square = np.square(self.half_width(s))
+        of_profile = square**2 * self.load(s)
+        of_profile -= 4 * self._value(self._log_fourth, s) / self.parabola_stiffness**2
+        of_parabola = square**2 * self.parabola(s) / 8
+        return PunchMoments(3 / 8 * of_profile, of_parabola, 3 / 16 * square**2 * self.fourth(s))
+
     def logarithm(self, s: ArrayLike) -> Array:
         """ln c; of the least punch that counts for c = 0."""
         return np.log(np.maximum(self.half_width(s), _LEAST * self._ends[-1]))
 
-    def contact(self, normal_load: Array, curvature: Array) -> Array:
-        """s of the edge of contact, P = eta(a) + kn G(a), (n,) for loads and curvatures (n,)."""
+    def contact(self, normal_load: Array, curvature: Array, fourth: Array | float = 0.0) -> Array:
+        """s of the edge of contact, P = eta(a) + kn G(a) + n4 G_4(a), (n,) as P, kn and n4."""
+
+        def carried(s: Array) -> Array:
+            load = self.load(s) + curvature * self.parabola(s)
+            return np.asarray(load + fourth * self.fourth(s))
+
         low = np.zeros(len(normal_load))
         high = np.full(len(normal_load), self.last)
         for _ in range(_FIRST_BISECTIONS):
             middle = (low + high) / 2
-            is_within = self.load(middle) + curvature * self.parabola(middle) <= normal_load
+            is_within = carried(middle) <= normal_load
             low = np.where(is_within, middle, low)
             high = np.where(is_within, high, middle)
         place = (low + high) / 2
         for _ in range(_STEPS_AFTER):
-            missing = normal_load - self.load(place) - curvature * self.parabola(place)
-            rate = self._load_rate(place) + curvature * self._parabola_rate(place)
+            missing = normal_load - carried(place)
+            of_curvature = curvature + fourth * np.square(self.half_width(place)) / 4
+            rate = self._load_rate(place) + of_curvature * self._parabola_rate(place)
             step = missing / np.where(rate > 0, rate, np.inf)
             place = np.clip(place + step, low, high)
         return np.where(normal_load > 0, place, 0.0)
@@ -292,19 +359,30 @@ class PunchTable:
 
 # ------------------------------------------------------------------------------------- the memory
 class Curvatures(NamedTuple):
-    """What bodies add per load [1 / (stress length^2)]: N, N_Q, T, T_P."""
+    """What bodies add per load: N, N_Q, T, T_P [1 / (stress length^2)], and the next order, N_4,
+    T_4, N_22, T_22 [1 / (stress length^4)].
+    """
 
     normal: float = 0.0
     normal_under_shear: float = 0.0
     tangential: float = 0.0
     tangential_under_pressure: float = 0.0
+    normal_fourth: float = 0.0
+    tangential_fourth: float = 0.0
+    normal_mixed: float = 0.0
+    tangential_mixed: float = 0.0
+
+    @property
+    def are_of_mirrored_bodies(self) -> bool:
+        """Whether N_Q and T_P are 0."""
+        return not (self.normal_under_shear or self.tangential_under_pressure)
 
     def of_gap(self, normal_load: Array, tangential_load: Array) -> Array:
-        """kn = N P + N_Q Q [1 / length]."""
+        """kn = N P + N_Q Q [1 / length], without what p_2 adds."""
         return self.normal * normal_load + self.normal_under_shear * tangential_load
 
     def of_faces(self, normal_load: Array, tangential_load: Array) -> Array:
-        """kt = T Q + T_P P [1 / length]."""
+        """kt = T Q + T_P P [1 / length], without what q_2 adds."""
         return self.tangential * tangential_load + self.tangential_under_pressure * normal_load
 
 
@@ -312,37 +390,37 @@ class Curvatures(NamedTuple):
 class Pieces:
     """Pieces of all memory curves of a path, each above its parent.
 
-    From the top of its parent to its own, F rises by `slope` d eta + `parabola_slope` dG. Piece 0
-    is the empty curve.
+    From the top of its parent to its own, F rises by `slope` d eta + `parabola_slope` dG +
+    `fourth_slope` dG_4. Piece 0 is the empty curve.
     """
 
     parent: list[int] = field(default_factory=lambda: [0])
     top: list[float] = field(default_factory=lambda: [0.0])
     load: list[float] = field(default_factory=lambda: [0.0])
     parabola: list[float] = field(default_factory=lambda: [0.0])
+    fourth: list[float] = field(default_factory=lambda: [0.0])
     force: list[float] = field(default_factory=lambda: [0.0])
     slope: list[float] = field(default_factory=lambda: [0.0])
     parabola_slope: list[float] = field(default_factory=lambda: [0.0])
+    fourth_slope: list[float] = field(default_factory=lambda: [0.0])
 
-    def add(
-        self,
-        parent: int,
-        top: float,
-        loads: tuple[float, float],
-        slopes: tuple[float, float],
-    ) -> int:
-        """Number of a new piece whose top is at `top` with eta and G = `loads`."""
-        slope, parabola_slope = slopes
-        load, parabola = loads
+    def add(self, parent: int, top: float, loads: OfPunches, slopes: OfPunches) -> int:
+        """Number of a new piece whose top is at `top` with eta, G and G_4 = `loads`."""
+        slope, parabola_slope, fourth_slope = slopes
+        load, parabola, fourth = loads
         rise = slope * (load - self.load[parent])
         rise += parabola_slope * (parabola - self.parabola[parent])
+        if fourth_slope:
+            rise += fourth_slope * (fourth - self.fourth[parent])
         self.parent.append(parent)
         self.top.append(top)
         self.load.append(load)
         self.parabola.append(parabola)
+        self.fourth.append(fourth)
         self.force.append(self.force[parent] + rise)
         self.slope.append(slope)
         self.parabola_slope.append(parabola_slope)
+        self.fourth_slope.append(fourth_slope)
         return len(self.top) - 1
 
     def forget_beyond(self, count: int) -> None:
@@ -352,15 +430,21 @@ class Pieces:
             self.top,
             self.load,
             self.parabola,
+            self.fourth,
             self.force,
             self.slope,
             self.parabola_slope,
+            self.fourth_slope,
         ):
             del of_pieces[count:]
 
-    def slopes(self, piece: int) -> tuple[float, float]:
-        """dF per d eta and per dG."""
-        return self.slope[piece], self.parabola_slope[piece]
+    def loads(self, piece: int) -> OfPunches:
+        """eta, G and G_4 at the top."""
+        return self.load[piece], self.parabola[piece], self.fourth[piece]
+
+    def slopes(self, piece: int) -> OfPunches:
+        """dF per d eta, per dG and per dG_4."""
+        return self.slope[piece], self.parabola_slope[piece], self.fourth_slope[piece]
 
 
 class _Bound(NamedTuple):
@@ -370,11 +454,19 @@ class _Bound(NamedTuple):
     constant: float
     slope: float
     parabola_slope: float
+    fourth_slope: float
+
+    @property
+    def slopes(self) -> OfPunches:
+        """dB per d eta, per dG and per dG_4."""
+        return self.slope, self.parabola_slope, self.fourth_slope
 
     def excess(self, pieces: Pieces, piece: int) -> float:
         """How far F at the top of a piece is beyond the bound; it slips where this is positive."""
         at_top = self.constant + self.slope * pieces.load[piece]
         at_top += self.parabola_slope * pieces.parabola[piece]
+        if self.fourth_slope:
+            at_top += self.fourth_slope * pieces.fourth[piece]
         return self.direction * (at_top - pieces.force[piece])
 
 
@@ -390,6 +482,8 @@ class Followed:
         f
     normal_load, tangential_load, normal_curvature, tangential_curvature
         (n,) P, Q, kn, kt at the rows of the path
+    normal_fourth, tangential_fourth
+        (n,) n4, t4 there
     edge, front
         (n,) s of the edges of contact and of stick; the same where nothing slips
     direction
@@ -409,6 +503,8 @@ class Followed:
     tangential_load: Array
     normal_curvature: Array
     tangential_curvature: Array
+    normal_fourth: Array
+    tangential_fourth: Array
     edge: Array
     front: Array
     direction: Indices
@@ -426,6 +522,41 @@ class Followed:
     def sense(self) -> Indices:
         """Sense of slip at the edge, (n,); of the ring where the edge rests."""
         return np.where(self.direction != 0, self.direction, self.ring_direction)
+
+    @cached_property
+    def pressure_second(self) -> Array:
+        """p_2, (n,)."""
+        return self._pressure_moment(self.table.second_moments(self.edge))
+
+    @cached_property
+    def shear_second(self) -> Array:
+        """q_2, (n,)."""
+        moments = self.table.second_moments
+        return self._shear_moment(moments(self.pieces.top), moments(self.edge))
+
+    @cached_property
+    def pressure_fourth(self) -> Array:
+        """p_4 = int x^4 p dx, (n,)."""
+        return self._pressure_moment(self.table.fourth_moments(self.edge))
+
+    @cached_property
+    def shear_fourth(self) -> Array:
+        """q_4 = int x^4 q dx, (n,)."""
+        moments = self.table.fourth_moments
+        return self._shear_moment(moments(self.pieces.top), moments(self.edge))
+
+    def _pressure_moment(self, at_edge: PunchMoments) -> Array:
+        """A moment of p, (n,), of what it is up to the edges of contact."""
+        moment = at_edge.profile + self.normal_curvature * at_edge.parabola
+        moment = moment + self.normal_fourth * at_edge.fourth
+        return np.where(self.normal_load > 0, moment, 0.0)
+
+    def _shear_moment(self, at_tops: PunchMoments, at_edge: PunchMoments) -> Array:
+        """A moment of q, (n,), of what it is up to the tops of the pieces and to the edges."""
+        moment = self.pieces.sums(*at_tops)[self.curve]
+        moment = moment + self.tangential_curvature * at_edge.parabola
+        moment = moment + self.tangential_fourth * at_edge.fourth
+        return np.where(self.normal_load > 0, moment, 0.0)
 
     @cached_property
     def step_work(self) -> Array:
@@ -451,14 +582,17 @@ class Followed:
         table = self.table
         load = table.load(s)
         parabola = table.parabola(s)
+        fourth = table.fourth(s)
         sense_of_part = sense[parts.row][:, None]
 
         def at(row: Indices) -> tuple[Array, Array]:
             """Load carried beyond the punches, and the bound there."""
             beyond = self.normal_load[row][:, None] - load
             beyond = beyond - self.normal_curvature[row][:, None] * parabola
+            beyond = beyond - self.normal_fourth[row][:, None] * fourth
             force = self.tangential_load[row][:, None]
             force = force - self.tangential_curvature[row][:, None] * parabola
+            force = force - self.tangential_fourth[row][:, None] * fourth
             return beyond, force - sense_of_part * self.friction * beyond
 
         beyond_before, bound_before = at(parts.row - 1)
@@ -471,6 +605,8 @@ class Followed:
         frozen = frozen + pieces.slope[parts.piece][:, None] * (load - pieces.load[below][:, None])
         of_parabola = parabola - pieces.parabola[below][:, None]
         frozen = frozen + pieces.parabola_slope[parts.piece][:, None] * of_parabola
+        of_fourth = fourth - pieces.fourth[below][:, None]
+        frozen = frozen + pieces.fourth_slope[parts.piece][:, None] * of_fourth
         change = sense_of_part * (bound - frozen)
         share = np.clip(change / np.where(growth != 0, growth, np.inf), 0.0, 1.0)
         # Where the bodies touch within the step, slip goes on from there to its end.
@@ -541,6 +677,8 @@ class Followed:
         parabola_rise = self.table.parabola(inside) - self.pieces.parabola[below]
         rise = self.pieces.slope[piece] * load_rise
         rise = rise + self.pieces.parabola_slope[piece] * parabola_rise
+        fourth_rise = self.table.fourth(inside) - self.pieces.fourth[below]
+        rise = rise + self.pieces.fourth_slope[piece] * fourth_rise
         return np.asarray(self.pieces.force[below] + rise)
 
 
@@ -556,15 +694,17 @@ class _Parts(NamedTuple):
 
 
 class PieceTable(NamedTuple):
-    """The pieces as arrays (k,): parent, top s, eta, G and F there, slopes of F."""
+    """The pieces as arrays (k,): parent, top s, eta, G, G_4 and F there, slopes of F."""
 
     parent: Indices
     top: Array
     load: Array
     parabola: Array
+    fourth: Array
     force: Array
     slope: Array
     parabola_slope: Array
+    fourth_slope: Array
 
     def chain(self, piece: int) -> Indices:
         """The pieces of a curve from the empty one to the uppermost."""
@@ -573,9 +713,10 @@ class PieceTable(NamedTuple):
             numbers.append(int(self.parent[numbers[-1]]))
         return np.array(numbers[::-1])
 
-    def sums(self, values: Array, parabola_values: Array) -> Array:
+    def sums(self, values: Array, parabola_values: Array, fourth_values: Array) -> Array:
         """Sum over each curve of slope times the rise of `values` + parabola slope times that of
-        `parabola_values`: (k, ...) as both, which are primitives at the tops.
+        `parabola_values` + fourth slope times that of `fourth_values`: (k, ...) as each, which are
+        primitives at the tops.
         """
         shape = (-1,) + (1,) * (values.ndim - 1)
         parent = self.parent
@@ -583,6 +724,9 @@ class PieceTable(NamedTuple):
         total = total + self.parabola_slope.reshape(shape) * (
             parabola_values - parabola_values[parent]
         )
+        if np.any(self.fourth_slope):
+            rise = fourth_values - fourth_values[parent]
+            total = total + self.fourth_slope.reshape(shape) * rise
         total[0] = 0.0
         for piece, below in enumerate(parent.tolist()):
             if below:
@@ -608,50 +752,85 @@ def follow(
     >>> table.half_width(followed.front[-2:]).round(9).tolist()  # c = a sqrt(1 - Q/(f P))
     [0.632455532, 0.632455532]
     """
-    pieces = Pieces()
-    normal_curvature = curvatures.of_gap(normal_load, tangential_load)
+    bends = _bends(table, normal_load, tangential_load, curvatures)
+    followed = _follow(table, friction, bends)
+    if not curvatures.tangential_mixed:
+        return followed
+    # q_2 without this term leaves the order after the next.
+    added = 2 * curvatures.tangential_mixed * followed.shear_second
+    bends[3] += added
+    return _follow(table, friction, bends)
+
+
+def _bends(
+    table: PunchTable, normal_load: Array, tangential_load: Array, curvatures: Curvatures
+) -> Array:
+    """The columns of a `Row` along a path, (10, n); kt without what q_2 adds."""
+    leading_curvature = curvatures.of_gap(normal_load, tangential_load)
     tangential_curvature = curvatures.of_faces(normal_load, tangential_load)
-    edge = table.contact(normal_load, normal_curvature)
+    normal_fourth = curvatures.normal_fourth * normal_load
+    tangential_fourth = curvatures.tangential_fourth * tangential_load
+    normal_curvature = leading_curvature
+    edge = table.contact(normal_load, normal_curvature, normal_fourth)
+    if curvatures.normal_mixed:
+        for _ in range(_ROUNDS_OF_MOMENT):
+            at_edge = table.second_moments(edge)
+            moment = at_edge.profile + normal_curvature * at_edge.parabola
+            moment = moment + normal_fourth * at_edge.fourth
+            normal_curvature = leading_curvature + 2 * curvatures.normal_mixed * moment
+            edge = table.contact(normal_load, normal_curvature, normal_fourth)
     columns = [
         normal_load,
         tangential_load,
         normal_curvature,
         tangential_curvature,
+        normal_fourth,
+        tangential_fourth,
         edge,
         table.load(edge),
         table.parabola(edge),
+        table.fourth(edge),
     ]
-    memory = MemoryCurve(table, friction, float(np.max(normal_load)), pieces)
+    return np.stack(columns)
+
+
+def _follow(table: PunchTable, friction: float, columns: Array) -> Followed:
+    """The memory curve along rows (10, n)."""
+    memory = MemoryCurve(table, friction, float(np.max(columns[0])), Pieces())
     state = UNLOADED
     steps = []
-    for values in np.stack(columns, axis=1).tolist():
+    for values in columns.T.tolist():
         step = memory.step(state, Row(*values))
         state = step.state
         steps.append(step)
-    return followed_of(memory, np.stack(columns), steps)
+    return followed_of(memory, columns, steps)
 
 
 def followed_of(memory: MemoryCurve, columns: Array, steps: Sequence[Step]) -> Followed:
-    """The path of some steps whose rows are `columns` (7, n), in the order of a `Row`."""
+    """The path of some steps whose rows are `columns` (10, n), in the order of a `Row`."""
     pieces = memory.pieces
     of_pieces = PieceTable(
         np.array(pieces.parent),
         np.array(pieces.top),
         np.array(pieces.load),
         np.array(pieces.parabola),
+        np.array(pieces.fourth),
         np.array(pieces.force),
         np.array(pieces.slope),
         np.array(pieces.parabola_slope),
+        np.array(pieces.fourth_slope),
     )
-    normal_load, tangential_load, normal_curvature, tangential_curvature, edge, _, _ = columns
+    of_rows = dict(zip(Row._fields, columns, strict=True))
     return Followed(
         table=memory.table,
         friction=memory.friction,
-        normal_load=normal_load,
-        tangential_load=tangential_load,
-        normal_curvature=normal_curvature,
-        tangential_curvature=tangential_curvature,
-        edge=edge,
+        normal_load=of_rows["normal_load"],
+        tangential_load=of_rows["tangential_load"],
+        normal_curvature=of_rows["normal_curvature"],
+        tangential_curvature=of_rows["tangential_curvature"],
+        normal_fourth=of_rows["normal_fourth"],
+        tangential_fourth=of_rows["tangential_fourth"],
+        edge=of_rows["edge"],
         front=np.array([step.front for step in steps]),
         direction=np.array([step.direction for step in steps], dtype=np.int64),
         ring=np.array([step.ring for step in steps]),
@@ -662,15 +841,25 @@ def followed_of(memory: MemoryCurve, columns: Array, steps: Sequence[Step]) -> F
 
 
 class Row(NamedTuple):
-    """P, Q, kn, kt at the end of a step, and s, eta and G of the edge of contact there."""
+    """P, Q, kn, kt, n4, t4 at the end of a step, and s, eta, G and G_4 of the edge of contact
+    there.
+    """
 
     normal_load: float
     tangential_load: float
     normal_curvature: float
     tangential_curvature: float
+    normal_fourth: float
+    tangential_fourth: float
     edge: float
     edge_load: float
     edge_parabola: float
+    edge_fourth: float
+
+    @property
+    def edge_loads(self) -> OfPunches:
+        """eta, G and G_4 of the edge of contact."""
+        return self.edge_load, self.edge_parabola, self.edge_fourth
 
 
 class State(NamedTuple):
@@ -725,9 +914,10 @@ class MemoryCurve:
         pieces = self.pieces
         round_off = _ROUNDING * self.friction * self.largest_load
         top = state.curve
-        loads = (row.edge_load, row.edge_parabola)
+        loads = row.edge_loads
         if row.edge > pieces.top[top]:
             force_at_edge = row.tangential_load - row.tangential_curvature * row.edge_parabola
+            force_at_edge -= row.tangential_fourth * row.edge_fourth
             top = _grow(pieces, top, row.edge, loads, force_at_edge)
         else:
             top = _cut(pieces, top, row.edge, loads)
@@ -749,7 +939,7 @@ class MemoryCurve:
             if ring[1] > ring[0]:
                 ring_direction = state.sense
         if bound is not None:
-            top = pieces.add(top, row.edge, loads, (bound.slope, bound.parabola_slope))
+            top = pieces.add(top, row.edge, loads, bound.slopes)
         return Step(State(top, ring_direction or sense), front, sense, ring, ring_direction)
 
     def slide(self, row: Row, direction: int) -> Step:
@@ -757,8 +947,7 @@ class MemoryCurve:
         along, whatever was before.
         """
         bound = _bound(direction, self.friction, row)
-        loads = (row.edge_load, row.edge_parabola)
-        curve = self.pieces.add(0, row.edge, loads, (bound.slope, bound.parabola_slope))
+        curve = self.pieces.add(0, row.edge, row.edge_loads, bound.slopes)
         return Step(State(curve, direction), front=0.0, direction=direction)
 
 
@@ -769,23 +958,22 @@ def _bound(direction: int, friction: float, row: Row) -> _Bound:
         row.tangential_load - direction * friction * row.normal_load,
         direction * friction,
         direction * friction * row.normal_curvature - row.tangential_curvature,
+        direction * friction * row.normal_fourth - row.tangential_fourth,
     )
 
 
-def _grow(
-    pieces: Pieces, top: int, place: float, loads: tuple[float, float], force_at_edge: float
-) -> int:
+def _grow(pieces: Pieces, top: int, place: float, loads: OfPunches, force_at_edge: float) -> int:
     """The curve after growth in stick up to `place`, a chord."""
     load_rise = loads[0] - pieces.load[top]
     rise = force_at_edge - pieces.force[top]
     if load_rise > 0:
-        return pieces.add(top, place, loads, (rise / load_rise, 0.0))
+        return pieces.add(top, place, loads, (rise / load_rise, 0.0, 0.0))
     # The face is still flat: nothing but the curvature of the bodies has punches here.
     parabola_rise = loads[1] - pieces.parabola[top]
-    return pieces.add(top, place, loads, (0.0, rise / parabola_rise))
+    return pieces.add(top, place, loads, (0.0, rise / parabola_rise, 0.0))
 
 
-def _cut(pieces: Pieces, top: int, place: float, loads: tuple[float, float]) -> int:
+def _cut(pieces: Pieces, top: int, place: float, loads: OfPunches) -> int:
     """The curve up to `place`."""
     while top and pieces.top[pieces.parent[top]] >= place:
         top = pieces.parent[top]
@@ -816,7 +1004,7 @@ def _front(table: PunchTable, pieces: Pieces, top: int, bound: _Bound, round_off
     if bound.excess(pieces, piece) <= 0:
         return piece
     place, punch = _crossing(table, pieces, piece, bound, round_off)
-    return pieces.add(below, place, (punch.load, punch.parabola), pieces.slopes(piece))
+    return pieces.add(below, place, punch.loads, pieces.slopes(piece))
 
 
 def _ring(
@@ -834,11 +1022,9 @@ def _ring(
         return top, pieces.top[top], pieces.top[top]
     outer, outer_punch = _crossing(table, pieces, piece, bound, round_off)
     below = _front(table, pieces, pieces.parent[piece], bound, round_off)
-    slopes = (bound.slope, bound.parabola_slope)
-    curve = pieces.add(below, outer, (outer_punch.load, outer_punch.parabola), slopes)
+    curve = pieces.add(below, outer, outer_punch.loads, bound.slopes)
     for kept in (piece, *reversed(above)):
-        loads = (pieces.load[kept], pieces.parabola[kept])
-        curve = pieces.add(curve, pieces.top[kept], loads, pieces.slopes(kept))
+        curve = pieces.add(curve, pieces.top[kept], pieces.loads(kept), pieces.slopes(kept))
     return curve, pieces.top[below], outer
 
 
@@ -854,12 +1040,14 @@ def _crossing(
     rising = 1.0 if excess_above > excess_below else -1.0
     slope = bound.direction * (bound.slope - pieces.slope[piece])
     parabola_slope = bound.direction * (bound.parabola_slope - pieces.parabola_slope[piece])
+    fourth_slope = bound.direction * (bound.fourth_slope - pieces.fourth_slope[piece])
     place = low + (high - low) * excess_below / (excess_below - excess_above)
     punch = table.loads_at(place)
     # Newton's rule, in the middle between two punches where it would leave them.
     for _ in range(_STEPS_OF_NEWTON):
         excess = excess_below + slope * (punch.load - pieces.load[below])
         excess += parabola_slope * (punch.parabola - pieces.parabola[below])
+        excess += fourth_slope * (punch.fourth - pieces.fourth[below])
         if abs(excess) <= round_off:
             break
         if excess * rising > 0:
@@ -867,6 +1055,7 @@ def _crossing(
         else:
             low = place
         rate = slope * punch.load_rate + parabola_slope * punch.parabola_rate
+        rate += fourth_slope * punch.fourth_rate
         place = place - excess / rate if rate * rising > 0 else low
         if not low < place < high:
             place = (low + high) / 2

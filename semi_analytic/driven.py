@@ -511,7 +511,18 @@ class _Stepper:
         face_bend = bend.tangential * force + bend.tangential_under_pressure * load
         edge = self._edge(load, gap_bend)
         punch = self._table.loads_at(edge)
-        return Row(load, force, gap_bend, face_bend, edge, punch.load, punch.parabola)
+        return Row(
+            normal_load=load,
+            tangential_load=force,
+            normal_curvature=gap_bend,
+            tangential_curvature=face_bend,
+            normal_fourth=0.0,
+            tangential_fourth=0.0,
+            edge=edge,
+            edge_load=punch.load,
+            edge_parabola=punch.parabola,
+            edge_fourth=punch.fourth,
+        )
 
     def parts(self, begin: _Instant, end: _Instant, free: float) -> tuple[_Instant, ...]:
         """The step, or its two parts where a slide begins between."""
@@ -622,7 +633,7 @@ class _Stepper:
             parent = pieces.parent[piece]
             top = self._table.sums_at(pieces.top[piece], self._compliance.datum_length)
             below = self._tops[parent]
-            slope, parabola_slope = pieces.slopes(piece)
+            slope, parabola_slope, _ = pieces.slopes(piece)
             logarithm = slope * (top.logarithm - below.logarithm)
             logarithm += parabola_slope * (top.parabola_logarithm - below.parabola_logarithm)
             second = slope * (top.second - below.second)

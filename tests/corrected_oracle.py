@@ -113,21 +113,34 @@ class CellContact:
         return StepOfShear(whole_shear, slip)
 
     def follow(
-        self, height: Array, friction: float, loads: Array, curvatures: Array
+        self,
+        height: Array,
+        friction: float,
+        loads: Array,
+        curvatures: Array,
+        fourths: Array | None = None,
     ) -> StepsOfContact:
-        """Along rows of P, Q (n, 2) and kn, kt (n, 2)."""
+        """Along rows of P, Q (n, 2), of kn, kt (n, 2), and of what x^4/24 is added with to gap and
+        faces, (n, 2).
+        """
+        if fourths is None:
+            fourths = np.zeros((len(loads), 2))
         slip = np.zeros(len(self.x))
         work = np.zeros(len(loads))
         pressure = np.zeros((len(loads), len(self.x)))
         shear = np.zeros((len(loads), len(self.x)))
         slips = np.zeros((len(loads), len(self.x)))
         half_square = self.x**2 / 2
+        quartic = self.x**4 / 24
         for row, (load, force) in enumerate(loads):
             if load <= 0:
                 continue
             gap_bend, face_bend = curvatures[row].tolist()
-            pressure[row] = self.pressure(height + gap_bend * half_square, load)
-            after = self.step(friction * pressure[row], slip, face_bend * half_square, force)
+            gap_fourth, face_fourth = fourths[row].tolist()
+            of_gap = gap_bend * half_square + gap_fourth * quartic
+            of_faces = face_bend * half_square + face_fourth * quartic
+            pressure[row] = self.pressure(height + of_gap, load)
+            after = self.step(friction * pressure[row], slip, of_faces, force)
             rubbed = np.where(pressure[row] > 0, np.abs(after.shear * (after.slip - slip)), 0.0)
             work[row] = 2 * self.length * float(np.sum(rubbed))
             slip = after.slip
