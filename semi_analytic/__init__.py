@@ -51,7 +51,7 @@ From a request to an answer::
     answer_of_rig.py        the answer to a scene of a rig, under the loads that were found
     odd_part_of_rig.py      what tilt and bulk strain of the bodies add to W there
     regimes.py              fretting map: partial slip, mixed, gross sliding over stroke and P
-    next_order.py           what the order after the curvatures adds to W
+    next_order.py           how large the order after the curvatures is, and what is left after it
     body_numbers.py         the numbers of finite bodies, and their check at the door
     odd_memory.py           what tilt and bulk strain of the bodies add to W of a parabola, in the
                             second order, beside the memory curve; centres of contact and stick

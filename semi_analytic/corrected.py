@@ -902,7 +902,7 @@ def _followed(question: Question) -> _Paths:
     largest_parabola = float(table.parabola(table.last))
     rows = route.with_turning_points(rows, friction, curvatures, largest_parabola)
     loads = (rows.normal_load, rows.tangential_load)
-    with_bodies = follow(table, friction, *loads, curvatures)
+    with_bodies = follow(table, friction, *loads, curvatures, rows.ends)
     without = follow(table, friction, *loads, Curvatures())
     steady_from = _steady_from(with_bodies, rows, scene)
     return _Paths(

@@ -49,9 +49,11 @@ bodies are not in here.
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
+from itertools import chain, pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -69,6 +71,8 @@ _BISECTIONS = 60
 # Of many edges of contact at once: an eighth of a cell, and then Newton's rule, which halves the
 # error four times at worst before it squares it.
 _FIRST_BISECTIONS, _STEPS_AFTER = 12, 6
+# Of edges that are known to a share of 1e-3.
+_STEPS_NEAR = 2
 _STEPS_OF_NEWTON = 60
 # Share of f P below which a difference of forces is round-off. A steady cycle slips along the line
 # of the cycle before: differences of the two are sums over all pieces of the curve, and reach a few
@@ -78,6 +82,8 @@ _ROUNDING = 1e-11
 _LEAST = 1e-9
 # How often p_2 and the edge of contact follow from each other: p_2 moves by a per cent of itself.
 _ROUNDS_OF_MOMENT = 5
+# Rows of a path of which one is enough for q_2.
+_STRIDE = 4
 _GAUSS = np.polynomial.legendre.leggauss(3)
 # Between two tops of a memory curve: |dF| is a cubic in s there for Hertz.
 _GAUSS_OF_WORK = np.polynomial.legendre.leggauss(8)
@@ -232,6 +238,12 @@ class PunchTable:
         square = np.square(self.half_width(s))
         return np.asarray(self.parabola_stiffness * square**2 / 8)
 
+    def place_of(self, parabola: float) -> float:
+        """s of the punch up to which a parabola carries G."""
+        half = math.sqrt(max(parabola, 0.0) / self.parabola_stiffness)
+        number = max(bisect_left(self._begins, half) - 1, 0)
+        return number + math.sqrt(max(half - self._begins[number], 0.0) / self._lengths[number])
+
     def loads_at(self, s: float) -> PunchLoads:
         """eta, G and G_4 of one punch, and their rates per s; no eta is negative by round-off."""
         place = s * self._cells
@@ -321,8 +333,16 @@ class PunchTable:
         """ln c; of the least punch that counts for c = 0."""
         return np.log(np.maximum(self.half_width(s), _LEAST * self._ends[-1]))
 
-    def contact(self, normal_load: Array, curvature: Array, fourth: Array | float = 0.0) -> Array:
-        """s of the edge of contact, P = eta(a) + kn G(a) + n4 G_4(a), (n,) as P, kn and n4."""
+    def contact(
+        self,
+        normal_load: Array,
+        curvature: Array,
+        fourth: Array | float = 0.0,
+        near: Array | None = None,
+    ) -> Array:
+        """s of the edge of contact, P = eta(a) + kn G(a) + n4 G_4(a), (n,) as P, kn and n4; `near`
+        it, (n,), where that is known.
+        """
 
         def carried(s: Array) -> Array:
             load = self.load(s) + curvature * self.parabola(s)
@@ -330,13 +350,17 @@ class PunchTable:
 
         low = np.zeros(len(normal_load))
         high = np.full(len(normal_load), self.last)
-        for _ in range(_FIRST_BISECTIONS):
-            middle = (low + high) / 2
-            is_within = carried(middle) <= normal_load
-            low = np.where(is_within, middle, low)
-            high = np.where(is_within, high, middle)
-        place = (low + high) / 2
-        for _ in range(_STEPS_AFTER):
+        place = near
+        steps = _STEPS_NEAR
+        if place is None:
+            for _ in range(_FIRST_BISECTIONS):
+                middle = (low + high) / 2
+                is_within = carried(middle) <= normal_load
+                low = np.where(is_within, middle, low)
+                high = np.where(is_within, high, middle)
+            place = (low + high) / 2
+            steps = _STEPS_AFTER
+        for _ in range(steps):
             missing = normal_load - carried(place)
             of_curvature = curvature + fourth * np.square(self.half_width(place)) / 4
             rate = self._load_rate(place) + of_curvature * self._parabola_rate(place)
@@ -386,65 +410,57 @@ class Curvatures(NamedTuple):
         return self.tangential * tangential_load + self.tangential_under_pressure * normal_load
 
 
-@dataclass
-class Pieces:
-    """Pieces of all memory curves of a path, each above its parent.
+class Piece(NamedTuple):
+    """A piece of a memory curve above another one, its parent, whose number it has.
 
     From the top of its parent to its own, F rises by `slope` d eta + `parabola_slope` dG +
-    `fourth_slope` dG_4. Piece 0 is the empty curve.
+    `fourth_slope` dG_4. At its top are eta, G, G_4 and F.
     """
 
-    parent: list[int] = field(default_factory=lambda: [0])
-    top: list[float] = field(default_factory=lambda: [0.0])
-    load: list[float] = field(default_factory=lambda: [0.0])
-    parabola: list[float] = field(default_factory=lambda: [0.0])
-    fourth: list[float] = field(default_factory=lambda: [0.0])
-    force: list[float] = field(default_factory=lambda: [0.0])
-    slope: list[float] = field(default_factory=lambda: [0.0])
-    parabola_slope: list[float] = field(default_factory=lambda: [0.0])
-    fourth_slope: list[float] = field(default_factory=lambda: [0.0])
+    parent: int
+    top: float
+    load: float
+    parabola: float
+    fourth: float
+    force: float
+    slope: float
+    parabola_slope: float
+    fourth_slope: float
+
+    @property
+    def loads(self) -> OfPunches:
+        """eta, G and G_4 at the top."""
+        return self.load, self.parabola, self.fourth
+
+    @property
+    def slopes(self) -> OfPunches:
+        """dF per d eta, per dG and per dG_4."""
+        return self.slope, self.parabola_slope, self.fourth_slope
+
+
+_EMPTY_CURVE = Piece(0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+class Pieces(list[Piece]):
+    """Pieces of all memory curves of a path by their numbers; piece 0 is the empty curve."""
+
+    def __init__(self) -> None:
+        super().__init__([_EMPTY_CURVE])
 
     def add(self, parent: int, top: float, loads: OfPunches, slopes: OfPunches) -> int:
         """Number of a new piece whose top is at `top` with eta, G and G_4 = `loads`."""
-        slope, parabola_slope, fourth_slope = slopes
+        below = self[parent]
         load, parabola, fourth = loads
-        rise = slope * (load - self.load[parent])
-        rise += parabola_slope * (parabola - self.parabola[parent])
-        if fourth_slope:
-            rise += fourth_slope * (fourth - self.fourth[parent])
-        self.parent.append(parent)
-        self.top.append(top)
-        self.load.append(load)
-        self.parabola.append(parabola)
-        self.fourth.append(fourth)
-        self.force.append(self.force[parent] + rise)
-        self.slope.append(slope)
-        self.parabola_slope.append(parabola_slope)
-        self.fourth_slope.append(fourth_slope)
-        return len(self.top) - 1
+        slope, parabola_slope, fourth_slope = slopes
+        force = below.force + slope * (load - below.load)
+        force += parabola_slope * (parabola - below.parabola)
+        force += fourth_slope * (fourth - below.fourth)
+        self.append(Piece(parent, top, *loads, force, *slopes))
+        return len(self) - 1
 
     def forget_beyond(self, count: int) -> None:
         """Keep the first `count` pieces: those of a trial that was rejected go."""
-        for of_pieces in (
-            self.parent,
-            self.top,
-            self.load,
-            self.parabola,
-            self.fourth,
-            self.force,
-            self.slope,
-            self.parabola_slope,
-            self.fourth_slope,
-        ):
-            del of_pieces[count:]
-
-    def loads(self, piece: int) -> OfPunches:
-        """eta, G and G_4 at the top."""
-        return self.load[piece], self.parabola[piece], self.fourth[piece]
-
-    def slopes(self, piece: int) -> OfPunches:
-        """dF per d eta, per dG and per dG_4."""
-        return self.slope[piece], self.parabola_slope[piece], self.fourth_slope[piece]
+        del self[count:]
 
 
 class _Bound(NamedTuple):
@@ -461,13 +477,11 @@ class _Bound(NamedTuple):
         """dB per d eta, per dG and per dG_4."""
         return self.slope, self.parabola_slope, self.fourth_slope
 
-    def excess(self, pieces: Pieces, piece: int) -> float:
+    def excess(self, piece: Piece) -> float:
         """How far F at the top of a piece is beyond the bound; it slips where this is positive."""
-        at_top = self.constant + self.slope * pieces.load[piece]
-        at_top += self.parabola_slope * pieces.parabola[piece]
-        if self.fourth_slope:
-            at_top += self.fourth_slope * pieces.fourth[piece]
-        return self.direction * (at_top - pieces.force[piece])
+        at_top = self.constant + self.slope * piece.load
+        at_top += self.parabola_slope * piece.parabola + self.fourth_slope * piece.fourth
+        return self.direction * (at_top - piece.force)
 
 
 @dataclass(frozen=True, eq=False)
@@ -694,7 +708,7 @@ class _Parts(NamedTuple):
 
 
 class PieceTable(NamedTuple):
-    """The pieces as arrays (k,): parent, top s, eta, G, G_4 and F there, slopes of F."""
+    """The pieces as arrays (k,), in the order of a `Piece`."""
 
     parent: Indices
     top: Array
@@ -713,6 +727,16 @@ class PieceTable(NamedTuple):
             numbers.append(int(self.parent[numbers[-1]]))
         return np.array(numbers[::-1])
 
+    def _levels(self) -> list[Indices]:
+        """The pieces by the number of pieces below them, from those on the empty curve on."""
+        depth = [0]
+        for below in self.parent[1:].tolist():
+            depth.append(depth[below] + 1)
+        depths = np.array(depth)
+        order = np.argsort(depths, kind="stable")
+        levels = np.split(order, np.cumsum(np.bincount(depths))[:-1])
+        return levels[1:]
+
     def sums(self, values: Array, parabola_values: Array, fourth_values: Array) -> Array:
         """Sum over each curve of slope times the rise of `values` + parabola slope times that of
         `parabola_values` + fourth slope times that of `fourth_values`: (k, ...) as each, which are
@@ -728,9 +752,8 @@ class PieceTable(NamedTuple):
             rise = fourth_values - fourth_values[parent]
             total = total + self.fourth_slope.reshape(shape) * rise
         total[0] = 0.0
-        for piece, below in enumerate(parent.tolist()):
-            if below:
-                total[piece] += total[below]
+        for level in self._levels()[1:]:
+            total[level] += total[parent[level]]
         return np.asarray(total)
 
 
@@ -740,8 +763,10 @@ def follow(
     normal_load: Array,
     tangential_load: Array,
     curvatures: Curvatures,
+    ends: Sequence[int] = (),
 ) -> Followed:
-    """The memory curve along straight steps between the rows (n,) of a path from rest, P = Q = 0.
+    """The memory curve along straight steps between the rows (n,) of a path from rest, P = Q = 0;
+    `ends` are the rows at which its cycles begin and end, if it has any.
 
     >>> import numpy as np
     >>> from semi_analytic.hertz import HertzContact
@@ -752,17 +777,29 @@ def follow(
     >>> table.half_width(followed.front[-2:]).round(9).tolist()  # c = a sqrt(1 - Q/(f P))
     [0.632455532, 0.632455532]
     """
-    bends = _bends(table, normal_load, tangential_load, curvatures)
-    followed = _follow(table, friction, bends)
-    if not curvatures.tangential_mixed:
-        return followed
-    # q_2 without this term leaves the order after the next.
-    added = 2 * curvatures.tangential_mixed * followed.shear_second
-    bends[3] += added
-    return _follow(table, friction, bends)
+    rows = _rows(table, normal_load, tangential_load, curvatures)
+    if curvatures.tangential_mixed:
+        # q_2 without this term leaves the order after the next.
+        shear_second = _shear_second(table, friction, rows, ends)
+        rows[_TANGENTIAL_CURVATURE] += 2 * curvatures.tangential_mixed * shear_second
+    return _follow(table, friction, rows)
 
 
-def _bends(
+def _shear_second(table: PunchTable, friction: float, rows: Array, ends: Sequence[int]) -> Array:
+    """q_2 along a path whose rows are (10, n), by every fourth row of each cycle and those at which
+    a load turns, straight between them over the way of the loads: it errs by some 1e-3.
+    """
+    rises = np.diff(rows[:2])
+    turns = np.flatnonzero(np.any(rises[:, 1:] * rises[:, :-1] <= 0, axis=0)) + 1
+    marks = [0, *ends, rows.shape[1] - 1]
+    of_cycles = [np.arange(begin, end, _STRIDE) for begin, end in pairwise(marks)]
+    chosen = np.unique(np.concatenate([*of_cycles, turns, marks]))
+    followed = _follow(table, friction, rows[:, chosen])
+    way = np.append(0.0, np.cumsum(np.abs(rises[0]) + np.abs(rises[1])))
+    return np.interp(way, way[chosen], followed.shear_second)
+
+
+def _rows(
     table: PunchTable, normal_load: Array, tangential_load: Array, curvatures: Curvatures
 ) -> Array:
     """The columns of a `Row` along a path, (10, n); kt without what q_2 adds."""
@@ -778,7 +815,7 @@ def _bends(
             moment = at_edge.profile + normal_curvature * at_edge.parabola
             moment = moment + normal_fourth * at_edge.fourth
             normal_curvature = leading_curvature + 2 * curvatures.normal_mixed * moment
-            edge = table.contact(normal_load, normal_curvature, normal_fourth)
+            edge = table.contact(normal_load, normal_curvature, normal_fourth, edge)
     columns = [
         normal_load,
         tangential_load,
@@ -809,17 +846,9 @@ def _follow(table: PunchTable, friction: float, columns: Array) -> Followed:
 def followed_of(memory: MemoryCurve, columns: Array, steps: Sequence[Step]) -> Followed:
     """The path of some steps whose rows are `columns` (10, n), in the order of a `Row`."""
     pieces = memory.pieces
-    of_pieces = PieceTable(
-        np.array(pieces.parent),
-        np.array(pieces.top),
-        np.array(pieces.load),
-        np.array(pieces.parabola),
-        np.array(pieces.fourth),
-        np.array(pieces.force),
-        np.array(pieces.slope),
-        np.array(pieces.parabola_slope),
-        np.array(pieces.fourth_slope),
-    )
+    numbers = np.fromiter(chain.from_iterable(pieces), float, len(pieces) * len(_EMPTY_CURVE))
+    parent, *of_tops = numbers.reshape(len(pieces), -1).T
+    of_pieces = PieceTable(parent.astype(np.int64), *of_tops)
     of_rows = dict(zip(Row._fields, columns, strict=True))
     return Followed(
         table=memory.table,
@@ -870,6 +899,7 @@ class State(NamedTuple):
 
 
 UNLOADED = State()
+_TANGENTIAL_CURVATURE = Row._fields.index("tangential_curvature")
 
 
 class Step(NamedTuple):
@@ -915,20 +945,20 @@ class MemoryCurve:
         round_off = _ROUNDING * self.friction * self.largest_load
         top = state.curve
         loads = row.edge_loads
-        if row.edge > pieces.top[top]:
+        if row.edge > pieces[top].top:
             force_at_edge = row.tangential_load - row.tangential_curvature * row.edge_parabola
             force_at_edge -= row.tangential_fourth * row.edge_fourth
             top = _grow(pieces, top, row.edge, loads, force_at_edge)
         else:
             top = _cut(pieces, top, row.edge, loads)
-        bounds = [_bound(s, self.friction, row) for s in (1, -1)]
+        bounds = (_bound(1, self.friction, row), _bound(-1, self.friction, row))
         bound = _slipping(pieces, top, bounds, round_off)
         front = row.edge
         sense = 0
         if bound is not None:
             sense = bound.direction
             top = _front(self.table, pieces, top, bound, round_off)
-            front = pieces.top[top]
+            front = pieces[top].top
         ring = (0.0, 0.0)
         ring_direction = 0
         if state.sense and sense != state.sense:
@@ -953,58 +983,66 @@ class MemoryCurve:
 
 def _bound(direction: int, friction: float, row: Row) -> _Bound:
     """B_s at the end of a step."""
+    limit = direction * friction
     return _Bound(
         direction,
-        row.tangential_load - direction * friction * row.normal_load,
-        direction * friction,
-        direction * friction * row.normal_curvature - row.tangential_curvature,
-        direction * friction * row.normal_fourth - row.tangential_fourth,
+        constant=row.tangential_load - limit * row.normal_load,
+        slope=limit,
+        parabola_slope=limit * row.normal_curvature - row.tangential_curvature,
+        fourth_slope=limit * row.normal_fourth - row.tangential_fourth,
     )
 
 
 def _grow(pieces: Pieces, top: int, place: float, loads: OfPunches, force_at_edge: float) -> int:
     """The curve after growth in stick up to `place`, a chord."""
-    load_rise = loads[0] - pieces.load[top]
-    rise = force_at_edge - pieces.force[top]
+    below = pieces[top]
+    load_rise = loads[0] - below.load
+    rise = force_at_edge - below.force
     if load_rise > 0:
         return pieces.add(top, place, loads, (rise / load_rise, 0.0, 0.0))
     # The face is still flat: nothing but the curvature of the bodies has punches here.
-    parabola_rise = loads[1] - pieces.parabola[top]
+    parabola_rise = loads[1] - below.parabola
     return pieces.add(top, place, loads, (0.0, rise / parabola_rise, 0.0))
 
 
 def _cut(pieces: Pieces, top: int, place: float, loads: OfPunches) -> int:
     """The curve up to `place`."""
-    while top and pieces.top[pieces.parent[top]] >= place:
-        top = pieces.parent[top]
-    if pieces.top[top] <= place:
+    piece = pieces[top]
+    while top and pieces[piece.parent].top >= place:
+        top = piece.parent
+        piece = pieces[top]
+    if piece.top <= place:
         return top
-    return pieces.add(pieces.parent[top], place, loads, pieces.slopes(top))
+    return pieces.add(piece.parent, place, loads, piece.slopes)
 
 
 def _slipping(
     pieces: Pieces, top: int, bounds: Sequence[_Bound], round_off: float
 ) -> _Bound | None:
     """The bound that the outermost part of the curve is beyond; None in full stick."""
-    for place in (top, pieces.parent[top]):
+    outermost = pieces[top]
+    for piece in (outermost, pieces[outermost.parent]):
         for bound in bounds:
-            if bound.excess(pieces, place) > round_off:
+            if bound.excess(piece) > round_off:
                 return bound
     return None
 
 
 def _front(table: PunchTable, pieces: Pieces, top: int, bound: _Bound, round_off: float) -> int:
     """The curve below the line of slip, which begins at the top of `top`."""
-    piece = top
-    while piece and bound.excess(pieces, pieces.parent[piece]) > round_off:
-        piece = pieces.parent[piece]
-    below = pieces.parent[piece]
-    if bound.excess(pieces, below) >= 0:
-        return below
-    if bound.excess(pieces, piece) <= 0:
-        return piece
-    place, punch = _crossing(table, pieces, piece, bound, round_off)
-    return pieces.add(below, place, punch.loads, pieces.slopes(piece))
+    number = top
+    piece = pieces[number]
+    below = pieces[piece.parent]
+    while number and bound.excess(below) > round_off:
+        number = piece.parent
+        piece = below
+        below = pieces[piece.parent]
+    if bound.excess(below) >= 0:
+        return piece.parent
+    if bound.excess(piece) <= 0:
+        return number
+    place, punch = _crossing(table, below, piece, bound, round_off)
+    return pieces.add(piece.parent, place, punch.loads, piece.slopes)
 
 
 def _ring(
@@ -1013,41 +1051,47 @@ def _ring(
     """The curve with a line of slip inside it, where a stroke goes on while the edge rests; s of
     its two ends, the same where there is none.
     """
-    piece = top
+    number = top
+    piece = pieces[number]
     above = []
-    while piece and bound.excess(pieces, pieces.parent[piece]) <= round_off:
+    while number and bound.excess(pieces[piece.parent]) <= round_off:
         above.append(piece)
-        piece = pieces.parent[piece]
-    if not piece or bound.excess(pieces, piece) > 0:
-        return top, pieces.top[top], pieces.top[top]
-    outer, outer_punch = _crossing(table, pieces, piece, bound, round_off)
-    below = _front(table, pieces, pieces.parent[piece], bound, round_off)
+        number = piece.parent
+        piece = pieces[number]
+    if not number or bound.excess(piece) > 0:
+        edge = pieces[top].top
+        return top, edge, edge
+    outer, outer_punch = _crossing(table, pieces[piece.parent], piece, bound, round_off)
+    below = _front(table, pieces, piece.parent, bound, round_off)
     curve = pieces.add(below, outer, outer_punch.loads, bound.slopes)
     for kept in (piece, *reversed(above)):
-        curve = pieces.add(curve, pieces.top[kept], pieces.loads(kept), pieces.slopes(kept))
-    return curve, pieces.top[below], outer
+        curve = pieces.add(curve, kept.top, kept.loads, kept.slopes)
+    return curve, pieces[below].top, outer
 
 
 def _crossing(
-    table: PunchTable, pieces: Pieces, piece: int, bound: _Bound, round_off: float
+    table: PunchTable, below: Piece, piece: Piece, bound: _Bound, round_off: float
 ) -> tuple[float, PunchLoads]:
     """The punch of a piece at which F is that of a bound, beyond which it is at one end only."""
-    below = pieces.parent[piece]
-    low = pieces.top[below]
-    high = pieces.top[piece]
-    excess_below = bound.excess(pieces, below)
-    excess_above = bound.excess(pieces, piece)
+    low = below.top
+    high = piece.top
+    excess_below = bound.excess(below)
+    excess_above = bound.excess(piece)
     rising = 1.0 if excess_above > excess_below else -1.0
-    slope = bound.direction * (bound.slope - pieces.slope[piece])
-    parabola_slope = bound.direction * (bound.parabola_slope - pieces.parabola_slope[piece])
-    fourth_slope = bound.direction * (bound.fourth_slope - pieces.fourth_slope[piece])
-    place = low + (high - low) * excess_below / (excess_below - excess_above)
+    slope = bound.direction * (bound.slope - piece.slope)
+    parabola_slope = bound.direction * (bound.parabola_slope - piece.parabola_slope)
+    fourth_slope = bound.direction * (bound.fourth_slope - piece.fourth_slope)
+    # Of a parabola without x^4 the excess is straight in G.
+    share = excess_below / (excess_below - excess_above)
+    place = table.place_of(below.parabola + share * (piece.parabola - below.parabola))
+    if not low < place < high:
+        place = low + share * (high - low)
     punch = table.loads_at(place)
     # Newton's rule, in the middle between two punches where it would leave them.
     for _ in range(_STEPS_OF_NEWTON):
-        excess = excess_below + slope * (punch.load - pieces.load[below])
-        excess += parabola_slope * (punch.parabola - pieces.parabola[below])
-        excess += fourth_slope * (punch.fourth - pieces.fourth[below])
+        excess = excess_below + slope * (punch.load - below.load)
+        excess += parabola_slope * (punch.parabola - below.parabola)
+        excess += fourth_slope * (punch.fourth - below.fourth)
         if abs(excess) <= round_off:
             break
         if excess * rising > 0:

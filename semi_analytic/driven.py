@@ -529,7 +529,7 @@ class _Stepper:
         memory = self._memory
         if memory.is_unloaded(end.load) or memory.is_unloaded(begin.load):
             return (end,)
-        count = len(memory.pieces.top)
+        count = len(memory.pieces)
 
         def beyond(direction: int, share: float) -> float:
             """U_act beyond that at the limit of sliding, in a direction."""
@@ -557,7 +557,7 @@ class _Stepper:
             return _Found(row, memory.step(state, row), way_apart=end.actuator - free)
         target = end.actuator - free
         limit = memory.friction * end.load
-        count = len(memory.pieces.top)
+        count = len(memory.pieces)
         force = min(max(force_before, -limit), limit)
         step, reached = self._reached(state, end.load, force)
         self._forget(count)
@@ -629,18 +629,16 @@ class _Stepper:
     def _add_up(self) -> None:
         """Sums of the pieces that are new."""
         pieces = self._memory.pieces
-        for piece in range(len(self._tops), len(pieces.top)):
-            parent = pieces.parent[piece]
-            top = self._table.sums_at(pieces.top[piece], self._compliance.datum_length)
-            below = self._tops[parent]
-            slope, parabola_slope, _ = pieces.slopes(piece)
-            logarithm = slope * (top.logarithm - below.logarithm)
-            logarithm += parabola_slope * (top.parabola_logarithm - below.parabola_logarithm)
-            second = slope * (top.second - below.second)
-            second += parabola_slope * (top.parabola_second - below.parabola_second)
+        for piece in pieces[len(self._tops) :]:
+            top = self._table.sums_at(piece.top, self._compliance.datum_length)
+            below = self._tops[piece.parent]
+            logarithm = piece.slope * (top.logarithm - below.logarithm)
+            logarithm += piece.parabola_slope * (top.parabola_logarithm - below.parabola_logarithm)
+            second = piece.slope * (top.second - below.second)
+            second += piece.parabola_slope * (top.parabola_second - below.parabola_second)
             self._tops.append(top)
-            self._logarithm.append(self._logarithm[parent] + logarithm)
-            self._second.append(self._second[parent] + second)
+            self._logarithm.append(self._logarithm[piece.parent] + logarithm)
+            self._second.append(self._second[piece.parent] + second)
 
     def _forget(self, count: int) -> None:
         """Take back the pieces of a trial."""

@@ -1077,9 +1077,10 @@ def test_layers_and_guided_walls(kind: str, height: float, history: str) -> None
     rest = rest_of_pair(scene)
     stated = advise(scene).work.uncertainty
     assert abs(rest.work) < stated + rest.work_uncertainty
-    # Order 4 from what two layers four half-widths high leave, and the uncertainty of the elements.
-    assert abs(rest.work) < 8e-3 * (4.0 / height) ** 4 + 4e-4
-    assert abs(rest.pressure) < 2e-3 * (4.0 / height) ** 4 + 2e-4
-    assert abs(rest.half_width) < 3e-3 * (4.0 / height) ** 4 + 3e-4
+    # The promise of a corrected answer; of W what two layers four half-widths high leave, falling
+    # by the fourth power at least, and the uncertainty of the elements.
+    assert abs(rest.work) < 2e-3 * (4.0 / height) ** 4 + 4e-4
+    assert abs(rest.pressure) < 1e-3
+    assert abs(rest.half_width) < 1e-3
     assert abs(rest.displacement) < 3e-3
-    assert abs(rest.approach) < 1e-3 + 2e-3 * (4.0 / height) ** 4
+    assert abs(rest.approach) < 1e-3
