@@ -3,8 +3,7 @@ now.
 
     make bench              (python benchmarks/performance.py [SECTION ...] [--pages], a quarter of
                             an hour)
-    EARLIER=CHECKOUT make bench SECTIONS="earlier speed"    (CPU ratios to that checkout; left out
-                                                            without it; for "earlier" with a .venv)
+    EARLIER=CHECKOUT make bench SECTIONS=speed  (CPU ratios to that checkout; left out without it)
 
 Each section measures, writes what it found to docs/performance/SECTION.json with machine and
 versions, draws its figure, and has its part of the page. With names of sections only those are
@@ -71,6 +70,8 @@ FINER = (
     SolverSettings(steps_per_cycle=192, step_tolerance=5e-5),
 )
 SCENES = ("hertz-paper", "flat-rounded-paper", "cattaneo-mindlin", "blocks")
+SLOW = ("unlike-beta-fifth", "cylinder-roller")
+EARLIER = os.environ.get("EARLIER", "")  # the folder of a checkout
 WHAT = {"seconds": "time", "work": "error of W", "shear": "error of q", "loop": "error of the loop"}
 
 
@@ -226,120 +227,6 @@ def precision_page(scenes: Found) -> list[str]:
         "",
         *markdown("scene | time [s] | error of W | of q | better", cells),
     ]
-
-
-# ------------------------------------------------------------------------ beside an earlier version
-# The folder of a checkout with a .venv of its own.
-EARLIER = os.environ.get("EARLIER")
-FRONT = (160, 40, 80, 320)
-SLOW = ("unlike-beta-fifth", "cylinder-roller")
-ONE_RUN = """
-import contextlib, json, sys, time
-import numpy as np, halfplane_fe, semi_analytic
-from meshes import MeshSettings
-from scenes import load_scene
-with contextlib.suppress(ImportError):  # an earlier version has no such cache
-    from halfplane_fe.condensed_bodies import BODIES
-    BODIES.bound_bytes = 0
-scene, mesh = load_scene(sys.argv[1]), MeshSettings(edge_element_size=1 / int(sys.argv[2]))
-spent = []
-for _ in range(int(sys.argv[3])):
-    begun = time.process_time()
-    answer = halfplane_fe.solve(scene, mesh)
-    spent.append(time.process_time() - begun)
-found = {"seconds": min(spent), "dissipation": answer.dissipation}
-if scene.bodies.half_planes and scene.material.alike:
-    last = np.flatnonzero(answer.time > answer.time[-1] - scene.load.path().period)
-    some = last[:: max(1, len(last) // 60)]
-    exact = semi_analytic.solve(
-        scene, x=answer.x, time=answer.time[some], fields=("pressure", "shear")
-    )
-    off = np.trapezoid((answer.shear[some] - exact.shear) ** 2, answer.x, axis=1)
-    size = np.trapezoid(exact.pressure**2, answer.x, axis=1) * scene.friction.coefficient**2
-    found["shear"] = float(np.sqrt(np.mean(off / size)))
-print(json.dumps(found))
-"""
-
-
-def earlier() -> Found:
-    """Time and answer of this version and of the other one, a process each, in turn; the least of
-    two runs, dear ones once.
-    """
-    commit = subprocess.run(
-        ["git", "-C", str(EARLIER), "rev-parse", "--short", "HEAD"],
-        check=True,
-        capture_output=True,
-        text=True,
-    )
-    pythons = {"this": (sys.executable, ROOT), "other": (f"{EARLIER}/.venv/bin/python", EARLIER)}
-    environment = os.environ | {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
-    environment["HALFPLANE_CACHE"] = "off"  # until 0.3 condensed bodies were stored on disk
-    comparison: Found = {"other": commit.stdout.strip(), "runs": {}}
-    runs = [(name, edge, 1 + (edge < 320)) for edge in FRONT for name in SCENES]
-    runs += [(name, 160, 1) for name in SLOW] + [("hertz-paper", 640, 1)]
-    for name, edge, times in runs:
-        of_versions = {}
-        for version_name, (python, folder) in pythons.items():
-            command = [str(python), "-c", ONE_RUN, name, str(edge), str(times)]
-            process = subprocess.run(
-                command, check=True, capture_output=True, text=True, cwd=folder, env=environment
-            )
-            of_versions[version_name] = json.loads(process.stdout)
-        comparison["runs"].setdefault(name, {})[str(edge)] = of_versions
-        ratio = of_versions["other"]["seconds"] / of_versions["this"]["seconds"]
-        print(f"    {name}, a/{edge}: {ratio:.2f} times faster", flush=True)
-    comparison["truth"] = {
-        name: semi_analytic.solve(load_scene(name)).dissipation
-        for name in SCENES
-        if name != "blocks"
-    }
-    return comparison | {
-        "truth": (
-            comparison["truth"]
-            | {"blocks": halfplane_fe.solve(load_scene("blocks"), *FINER).dissipation}
-        )
-    }
-
-
-def earlier_page(comparison: Found) -> list[str]:
-    """Times of both versions by scene, and their errors on the default edges."""
-    cells = []
-    for name, runs in comparison["runs"].items():
-        ratios = [
-            of_versions["other"]["seconds"] / of_versions["this"]["seconds"]
-            for of_versions in runs.values()
-        ]
-        least, most = f"{min(ratios):.1f}", f"{max(ratios):.1f}"
-        faster = least if least == most else f"{least} to {most}"
-        truth = comparison["truth"].get(name)
-        default = [runs["160"][version_name] for version_name in ("other", "this")]
-        works = [f"{abs(run['dissipation'] / truth - 1):.0e}" for run in default if truth]
-        shears = [f"{run['shear']:.0e}" for run in default if "shear" in run]
-        errors = [", ".join(pair) or "–" for pair in (works, shears)]
-        cells.append((name, faster, *errors))
-    return [
-        (
-            f"Beside commit {comparison['other']}, in turn, a/40 to a/640 at the edges. Errors on"
-            " a/160, that commit's first."
-        ),
-        "",
-        *markdown("scene | times faster | error of W | of q", cells),
-    ]
-
-
-def earlier_panels(comparison: Found) -> list[Panel]:
-    titles = {"this": "this version", "other": f"commit {comparison['other']}"}
-    panels = []
-    for name in SCENES:
-        truth = comparison["truth"][name]
-        runs = comparison["runs"][name]
-        curves: dict[str, list[tuple[float, float]]] = {title: [] for title in titles.values()}
-        for edge in sorted(runs, key=int):
-            for version_name, title in titles.items():
-                run = runs[edge][version_name]
-                curves[title].append((run["seconds"], abs(run["dissipation"] / truth - 1)))
-        panels.append((f"{name}: W", "CPU time [s]", "error of W", curves))
-    return panels
 
 
 # ------------------------------------------------------------ error against time: half-plane theory
@@ -665,16 +552,6 @@ SECTIONS = {
             "Error over time",
         ),
     ),
-    "earlier": Section(
-        "Earlier version",
-        earlier,
-        earlier_page,
-        (
-            "earlier",
-            earlier_panels,
-            "Error over time",
-        ),
-    ),
     "half-plane": Section(
         "Half-plane theory",
         lambda: {title: half_plane.study(case) for title, case in half_plane.CASES.items()},
@@ -700,7 +577,6 @@ SECTIONS = {
     "start": Section("Start-up and size", start, start_page),
     "speed": Section(speed.TITLE, lambda: speed.measure(Path(EARLIER)), speed.page),
 }
-BESIDE_EARLIER = ("earlier", "speed")
 # Series whose points differ in several ways at once, or whose errors change sign: no line through
 # them.
 POINTS_ONLY = ("named settings", "penalty, a/160", "increments, no tolerance", "contact method")
@@ -771,11 +647,11 @@ def measured(name: str) -> dict[str, Any]:
 
 
 def _measured_ones() -> dict[str, Section]:
-    """All but those beside an earlier version where no such checkout was ever named."""
+    """All but the one beside an earlier version where no such checkout was ever named."""
     return {
         name: section
         for name, section in SECTIONS.items()
-        if name not in BESIDE_EARLIER or (FOLDER / f"{name}.json").exists()
+        if name != "speed" or (FOLDER / f"{name}.json").exists()
     }
 
 
@@ -807,7 +683,7 @@ def main(words: list[str]) -> None:
         print(json.dumps(one_cost(words[1], int(words[2]))))
         return
     for name in chosen(words, SECTIONS):
-        if name in BESIDE_EARLIER and not EARLIER:
+        if name == "speed" and not EARLIER:
             print(f"==> {name}: left out, EARLIER names no checkout")
             continue
         print(f"==> {name}", flush=True)

@@ -70,7 +70,6 @@ def made(examples: Paper | None = None) -> dict[str, str]:
         ),
         "maps.md": between(written["maps.md"], "the bound", bound_table()),
         "metrics.md": between(written["metrics.md"], "the metrics", markdown().splitlines()),
-        "json.md": between(written["json.md"], "the keys", keys_of_answers()),
         "scene-keys.md": reference.page(written["scene-keys.md"]),
         "headings.csv": reference.headings_file(),
         "architecture.svg": architecture.svg(ROOT / "pyproject.toml"),
@@ -86,24 +85,6 @@ def made(examples: Paper | None = None) -> dict[str, str]:
         for name, text in with_numbers.items()
         if name in generated or quoting.NUMBER.search(text)
     }
-
-
-def keys_of_answers() -> Iterator[str]:
-    """The keys that `result` has at least, by command, from the schema of answers."""
-    path = ROOT / "reports" / "templates" / "answer.schema.json"
-    schema = json.loads(path.read_text(encoding="utf-8"))
-    commands_of: dict[tuple[str, ...], list[str]] = {}
-    for rule in schema["allOf"]:
-        result = rule["then"]["properties"]["result"]
-        table = result["anyOf"][1] if "anyOf" in result else result
-        if "$ref" in table:
-            table = schema["$defs"][table["$ref"].removeprefix("#/$defs/")]
-        command = rule["if"]["properties"]["command"]["const"]
-        commands_of.setdefault(tuple(table["required"]), []).append(command)
-    yield from ("| command | keys of `result` |", "|---|---|")
-    for keys, commands in commands_of.items():
-        cells = (", ".join(f"`{word}`" for word in words) for words in (commands, keys))
-        yield f"| {' | '.join(cells)} |"
 
 
 def without_rounding(text: str) -> str:
@@ -357,8 +338,8 @@ def verification() -> Iterator[str]:
     scenes = published()
     yield from ("# Verification", "", WRITTEN, "")
     yield (
-        "Requirements ([requirements.toml](requirements.toml) names their tests; one that does not"
-        " exist fails), then every scene of the library, finite elements against theory."
+        "Requirements ([requirements.toml](requirements.toml) names their tests), then every scene"
+        " of the library, finite elements against theory."
     )
     yield from ("", "## Requirements", "")
     for area, of_area in requirements().items():
@@ -375,9 +356,7 @@ def verification() -> Iterator[str]:
         "Error = finite elements/theory − 1, default settings; p and q in L2; stick edge over the"
         " half-width; *abs.*: over A f² P², where theory has no dissipation. **Bold**: outside the"
         f" tolerance. {laws} of {len(scenes)} scenes satisfy every law of contact, {met} every"
-        " tolerance; the others have finite bodies or unlike materials: an error of the"
-        " idealisation. The page of a scene has all metrics, [expected.csv](expected.csv) the"
-        " expected values."
+        " tolerance; the others have finite bodies or unlike materials."
     )
     yield ""
     rows = []
@@ -492,18 +471,16 @@ def misprint_page(examples: Paper) -> Iterator[str]:
     rows = misprints(examples)
     yield from ("# The paper's misprints", "", WRITTEN, "")
     yield (
-        "What the paper prints and what is right. An evaluation of both tells them apart:"
-        f" {sum(row.proven is True for row in rows)} of {len(rows)} are proven by a number, the"
-        " rest by reading. [misprints.csv](misprints.csv) has the numbers, `halfplane paper`"
-        " computes them again. The equations are those of the paper; [Theory](theory.md) derives"
-        " the right ones."
+        f"{sum(row.proven is True for row in rows)} of {len(rows)} are proven by a number"
+        " ([misprints.csv](misprints.csv), `halfplane paper`), the rest by reading. The equations"
+        " are those of the paper; [Theory](theory.md) derives the right ones."
     )
     yield ""
     cells = []
     for row in rows:
         place = row.where if row.key in row.where else f"{row.key}: {row.where}"
-        cells.append([prose(place), prose(row.printed), prose(row.right), proven_in_words(row)])
-    yield from table("where | printed | right | proven", cells, wide=False)
+        cells.append([prose(place), prose(row.printed), prose(row.right)])
+    yield from table("where | printed | right", cells, wide=False)
 
 
 def misprint_proofs(examples: Paper) -> str:

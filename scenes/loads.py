@@ -128,13 +128,9 @@ _MeanNormalLoad = Annotated[
 _MEAN_NORMAL_LOAD = (
     "P0, force per unit thickness (library: N/mm); needed unless the approach is stated"
 )
-_IS_SECOND = (
-    "whether the second number of each point is U of a tangential actuator, in place of Q"
-    " (library: mm)"
-)
+_IS_SECOND = "true: U of a tangential actuator stands in the place of Q (library: mm)"
 _IS_FIRST = (
-    "whether the first number of each point is the approach of a normal actuator, in place of P;"
-    " needs U (library: mm)"
+    "true: the approach of a normal actuator stands in the place of P; needs U (library: mm)"
 )
 
 
@@ -404,8 +400,8 @@ class EllipseLoad(CyclicLoad[Wave]):
     initial_loading: Literal["straight", "parabola"] | tuple[Point, ...] = Field(
         "straight",
         description=(
-            "from (0, 0) to the first point of the cycle: a straight line, the paper's parabola "
-            "(tangent to the ellipse there), or the [P, Q] points of a polygon in between"
+            "from (0, 0) to the cycle: straight, along the paper's parabola (tangent to the"
+            " ellipse), or along [P, Q] points"
         ),
     )
 
@@ -525,8 +521,8 @@ class PolygonLoad(StraightLoad):
     times: tuple[float, ...] | None = Field(
         None,
         description=(
-            "times of (0, 0), of each point of initial_loading and cycle, and of the return where"
-            " there is a cycle, ascending; 0, 1, 2, ... if left out (library: s)"
+            "ascending times of (0, 0), of each point, and of the return where there is a cycle;"
+            " 0, 1, 2, ... if left out (library: s)"
         ),
     )
     tangential_displacement: bool = Field(False, description=_IS_SECOND)
@@ -662,7 +658,7 @@ class HarmonicLoad(CyclicLoad[WaveSum]):
     approach: DrivenWaveSum | None = Field(None, description=_TAKES_PLACE_OF_P)
     initial_loading: InitialLoading = Field(
         "straight",
-        description="from (0, 0) to the first point of the cycle: straight, or along [P, Q] points",
+        description="from (0, 0) to the cycle: straight, or along [P, Q] points",
     )
 
     @model_validator(mode="after")
@@ -770,28 +766,16 @@ class TimeSeriesLoad(StraightLoad, FromFile):
             "the rows themselves, [time, P, Q] each, in place of a file (library: s, N/mm, N/mm)"
         ),
     )
-    tangential_displacement: bool = Field(
-        False,
-        description=(
-            "whether the rows (in a file the column U) have U of a tangential actuator in place of"
-            " Q (library: mm)"
-        ),
-    )
-    approach: bool = Field(
-        False,
-        description=(
-            "whether the rows (in a file the column approach) have the approach of a normal"
-            " actuator in place of P; needs U (library: mm)"
-        ),
-    )
+    tangential_displacement: bool = Field(False, description=_IS_SECOND)
+    approach: bool = Field(False, description=_IS_FIRST)
     repeats: bool = Field(False, description="whether the rows are one cycle that repeats")
     columns: OfLoads[str | int] | None = Field(None, description=COLUMNS)
     units: OfLoads[str] | None = Field(None, description=UNITS)
     thickness: Positive | None = Field(
         None,
         description=(
-            "length of the contact out of the plane, by which forces of the file are divided,"
-            " length units (library: mm)"
+            "of the contact out of the plane, by which forces of the file are divided, length"
+            " units (library: mm)"
         ),
     )
     interval: Positive | None = Field(

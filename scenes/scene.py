@@ -75,22 +75,19 @@ class Expected(Frozen):
 
     quantity: Quantity = Field(
         description=(
-            "of the last cycle (the whole path where nothing repeats): dissipation, loop_work"
-            " (closed integral of Q dU - m_q d(eps), eps the bulk strain), largest_half_width,"
-            " least_half_width of the contact, largest_pressure, permanent_stick_half_width,"
-            " stick_share (the latter over largest_half_width), stick_centre (middle of the"
-            " permanent stick zone), contact_left and contact_right (outermost edges of the"
-            " contact), moment (of the pressure about x = 0 at the largest load),"
-            " lower_face_displacement (along y, of the lower face's middle at the largest load:"
-            " finite elements of a real body)"
+            "of the last cycle (the whole path where nothing repeats): dissipation, loop_work,"
+            " largest_half_width, least_half_width, largest_pressure, permanent_stick_half_width,"
+            " stick_share (the latter over largest_half_width), stick_centre (of permanent stick),"
+            " contact_left, contact_right (outermost edges); at the largest load moment (of the"
+            " pressure about x = 0), lower_face_displacement (along y, of its middle: finite"
+            " elements of a real body)"
         )
     )
     value: float = Field(description="in the scene's units; energies and loads per unit thickness")
     tolerance: Positive = Field(
         description=(
-            "largest difference over the value; where the value is 0, over A f^2 P^2 (energies; f ="
-            " 1 if frictionless, P the largest load), the largest half-width or the largest"
-            " pressure"
+            "largest difference over the value; where that is 0, over A f^2 P^2, the largest"
+            " half-width or the largest pressure"
         )
     )
     engine: Literal["half-plane theory", "finite elements"] = Field(

@@ -642,24 +642,12 @@ def test_the_answers_of_the_other_commands(
     assert answer_to("diff", "result.nc", "result.nc")[1]["same"] is True
 
 
-def test_the_schema_has_every_command_the_manual_every_key_and_another_envelope_is_refused() -> (
-    None
-):
+def test_the_schema_has_every_command_and_another_envelope_is_refused() -> None:
     schema = answer_schema()
     commands = {rule["if"]["properties"]["command"]["const"] for rule in schema["allOf"]}
     assert commands == set(NAMES) - {"init", "schema"} | {"sweep status", "sweep report"}
     text = (ROOT / "docs" / "json.md").read_text(encoding="utf-8")
-    listed = {}
-    for names, keys in re.findall(r"(?m)^\| (`.*`) \| (`.*`) \|$", text):
-        keys_of_result = set(re.findall(r"`([^`]+)`", keys))
-        listed |= dict.fromkeys(re.findall(r"`([^`]+)`", names), keys_of_result)
-    for rule in schema["allOf"]:
-        keys_of_answer = rule["then"]["properties"]["result"]
-        table = keys_of_answer["anyOf"][1] if "anyOf" in keys_of_answer else keys_of_answer
-        table = (
-            schema["$defs"][table["$ref"].removeprefix("#/$defs/")] if "$ref" in table else table
-        )
-        assert listed[rule["if"]["properties"]["command"]["const"]] == set(table["required"])
+    assert "reports/templates/answer.schema.json" in text
     answer = {
         "format": FORMAT,
         "command": "doctor",
