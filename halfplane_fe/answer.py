@@ -263,12 +263,12 @@ def _permanent_stick(
     edges
         (k, 2) stick edges of the stored instants, scaled
     """
-    nothing = np.full(2, np.nan)
+    no_edges = np.full(2, np.nan)
     time = np.array([state.time for state in run.states])
     load = np.array([state.normal_load for state in run.states])
     in_cycle = in_last_cycle(scene, time, load)
     if not in_cycle.any():  # no cycle, or the very first increment failed
-        return nothing
+        return no_edges
     x = problem.interface.x
     anywhere = scene.unsymmetric
     dropped_steps = np.setdiff1d(np.flatnonzero(in_cycle), run.stored)
@@ -278,7 +278,7 @@ def _permanent_stick(
     )
     left, right = np.concatenate([edges[in_cycle[run.stored]], zones_of_dropped]).T
     common_zone = np.array([left.max(), right.min()])  # NaN where nothing sticks at some instant
-    permanent = common_zone if common_zone[0] < common_zone[1] else nothing
+    permanent = common_zone if common_zone[0] < common_zone[1] else no_edges
     if edges_are_sharp(scene, problem):
         return permanent
     is_closed = surface_states[in_cycle] != OPEN

@@ -63,8 +63,13 @@ def _slides_of(friction: float, states: list[InterfaceState]) -> list[_Slide]:
         mean_load = (start.normal_load + end.normal_load) / 2
         part = _Slide(start.time, end.time, way, friction * mean_load * abs(way))
         if slides and slides[-1].end == part.begin and slides[-1].way * way > 0:
-            first = slides[-1]
-            slides[-1] = _Slide(first.begin, part.end, first.way + way, first.work + part.work)
+            first_of_slide = slides[-1]
+            slides[-1] = _Slide(
+                first_of_slide.begin,
+                part.end,
+                first_of_slide.way + way,
+                first_of_slide.work + part.work,
+            )
         else:
             slides.append(part)
     return slides
@@ -91,23 +96,26 @@ def _notes_of_slides(scene: Scene, friction: float, run: PathRun, scales: Scales
     """
     force, length, _ = scene.unit_words
     movement = scales.load / scales.modulus
-    first = run.cycle_starts[-1] if run.cycle_starts else 0
+    first_step = run.cycle_starts[-1] if run.cycle_starts else 0
     what = "the last cycle" if run.cycle_starts else "the path"
-    slides = _slides_of(friction, run.states[first:])
+    slides = _slides_of(friction, run.states[first_step:])
     if not slides:
         yield f"gross sliding: none in {what}"
     else:
         way = sum(abs(slide.way) for slide in slides) * movement
         work = sum(slide.work for slide in slides) * scales.load * movement
-        named = "; ".join(_in_words(slide, movement, length) for slide in slides[:_MOST_NAMED])
+        slides_in_words = "; ".join(
+            _in_words(slide, movement, length) for slide in slides[:_MOST_NAMED]
+        )
         more = f"; and {len(slides) - _MOST_NAMED} more" if len(slides) > _MOST_NAMED else ""
         yield (
             f"gross sliding: in {what} the bodies slide as a whole by {way:.6g} {length}, which"
-            f" takes {work:.6g} {force}·{length}/{length} of the dissipation: {named}{more}"
+            f" takes {work:.6g} {force}·{length}/{length} of the dissipation:"
+            f" {slides_in_words}{more}"
         )
-    before = _slides_of(friction, run.states[: first + 1])
-    if before:
-        in_words = "; ".join(_in_words(slide, movement, length) for slide in before[:2])
+    slides_before = _slides_of(friction, run.states[: first_step + 1])
+    if slides_before:
+        in_words = "; ".join(_in_words(slide, movement, length) for slide in slides_before[:2])
         yield f"gross sliding: before it {in_words}"
 
 
@@ -121,12 +129,12 @@ def _in_words(slide: _Slide, movement: float, length: str) -> str:
 
 def _largest_miss(problem: ContactProblem, states: list[InterfaceState]) -> float:
     """How far an actuator is from where it is to be at most, scaled."""
-    largest = 0.0
+    largest_miss = 0.0
     for state in states[1:]:
         rigid = (state.approach, state.shift)
         loads = (state.normal_load, state.tangential_load)
         for number, compliance in enumerate(problem.actuators):
             if compliance is not None:
-                moved = rigid[number] + compliance * loads[number]
-                largest = max(largest, abs(moved - state.loads[number]))
-    return largest
+                movement = rigid[number] + compliance * loads[number]
+                largest_miss = max(largest_miss, abs(movement - state.loads[number]))
+    return largest_miss

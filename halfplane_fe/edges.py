@@ -111,7 +111,7 @@ def law_states(states: Sequence[InterfaceState]) -> States:
     states
         of the whole path; nothing has moved at the first of them
     """
-    reported = np.stack([state.state for state in states])
+    stored_states = np.stack([state.state for state in states])
     starts = range(0, len(states) - 1, _AT_ONCE)
 
     def slip_of_increments(start: int) -> Array:
@@ -120,14 +120,18 @@ def law_states(states: Sequence[InterfaceState]) -> States:
         """
         return np.diff([state.slip for state in states[start : start + _AT_ONCE + 1]], axis=0)
 
-    largest = max((float(np.abs(slip_of_increments(start)).max()) for start in starts), default=0.0)
-    moved = np.zeros(reported.shape, dtype=bool)
+    largest_slip = max(
+        (float(np.abs(slip_of_increments(start)).max()) for start in starts), default=0.0
+    )
+    has_moved = np.zeros(stored_states.shape, dtype=bool)
     for start in starts:
         slip = slip_of_increments(start)
-        after = slice(start + 1, start + 1 + len(slip))
-        moved[after] = slip_sign(reported[after]) * slip > _ROUNDING * largest
-    reported[(slip_sign(reported) != 0) & ~moved] = STICK
-    return reported
+        later_steps = slice(start + 1, start + 1 + len(slip))
+        has_moved[later_steps] = (
+            slip_sign(stored_states[later_steps]) * slip > _ROUNDING * largest_slip
+        )
+    stored_states[(slip_sign(stored_states) != 0) & ~has_moved] = STICK
+    return stored_states
 
 
 def visible_states(
@@ -157,27 +161,28 @@ def visible_states(
     imposed
         (2, n, 3) gap and slip by a unit of the bulk stresses and of the tilt; None without any
     """
-    reported = np.stack([state.state for state in states])
+    stored_states = np.stack([state.state for state in states])
     rise = np.diff([state.loads for state in states], axis=0)
     change = np.maximum(np.abs(rise).sum(axis=1), 1e-300)
     n_nodes = len(states[0].state)
     # Some hundred increments at a time: arrays of all of a long record would take gigabytes.
     blocks = [
-        slice(first, min(first + _AT_ONCE, len(rise))) for first in range(0, len(rise), _AT_ONCE)
+        slice(first_row, min(first_row + _AT_ONCE, len(rise)))
+        for first_row in range(0, len(rise), _AT_ONCE)
     ]
 
     def sense_and_slip(steps: slice) -> tuple[Array, Array]:
         """Sense of slip by the law, and slip of the increments, (k, n) each."""
         block = states[steps.start : steps.stop + 1]
         slip = np.diff([state.values[3 : 3 + n_nodes] for state in block], axis=0)
-        return slip_sign(reported[steps.start + 1 : steps.stop + 1]).astype(float), slip
+        return slip_sign(stored_states[steps.start + 1 : steps.stop + 1]).astype(float), slip
 
     largest_sliding = np.zeros(len(rise))  # slip of the nodes that slide, in each increment
-    largest = 0.0  # of all nodes
+    largest_slip = 0.0  # of all nodes
     for steps in blocks:
         sense, slip = sense_and_slip(steps)
         largest_sliding[steps] = np.abs(slip * sense).max(axis=1)
-        largest = max(largest, float(np.abs(slip).max()))
+        largest_slip = max(largest_slip, float(np.abs(slip).max()))
     starts = np.asarray(cycle_starts, dtype=int)
     revolution = np.searchsorted(starts, np.arange(len(rise)), side="right")
     speed = largest_sliding / change
@@ -188,12 +193,12 @@ def visible_states(
     run = np.zeros(n_nodes)
     for steps in blocks:
         sense, slip = sense_and_slip(steps)
-        slip[np.abs(slip) <= _ROUNDING * largest] = 0.0
+        slip[np.abs(slip) <= _ROUNDING * largest_slip] = 0.0
         runs = slip.copy()
         for step in range(len(runs)):  # slip in one direction without a stop, open or closed
             runs[step] += np.where(run * runs[step] > 0, run, 0.0)
             run = runs[step]
-        view = reported[steps.start + 1 : steps.stop + 1]
+        view = stored_states[steps.start + 1 : steps.stop + 1]
         rise_of_p = rise[steps, 0, None]
         rise_of_q = rise[steps, 1, None]
         if imposed is not None:
@@ -202,16 +207,16 @@ def visible_states(
             of_gap, of_slip = _about_stick_zone(rise_of_imposed, imposed, view == STICK)
             rise_of_p = rise_of_p - np.pi / 2 * of_gap
             rise_of_q = rise_of_q + np.pi / 2 * of_slip
-        driven = sense * rise_of_q > friction * rise_of_p
-        slides = driven | (np.abs(slip) > least_slip[steps, None])
+        is_driven = sense * rise_of_q > friction * rise_of_p
+        slides = is_driven | (np.abs(slip) > least_slip[steps, None])
         for direction in (1, -1):
             in_direction = sense == direction
             distance = np.where(in_direction, direction * runs, 0.0)
             moved_on = distance > _MOVED * distance.max(axis=1, keepdims=True)
             view[in_direction & ~(slides & moved_on)] = STICK
-    at_rest = reported[:1]
+    at_rest = stored_states[:1]
     at_rest[slip_sign(at_rest) != 0] = STICK  # of the first nothing has moved
-    return reported
+    return stored_states
 
 
 def _about_stick_zone(rise: Array, imposed: Array, sticks: Mask) -> tuple[Array, Array]:
@@ -248,18 +253,18 @@ def contact_edges(x: Array, pressure: Array, gap: Array, closed: Mask, modulus: 
     """
     edges = np.empty((len(closed), 2))
     for side in _sides(x):
-        p, g, inside = side.outwards(pressure, gap, closed)
-        last = _last(inside)
-        following = np.minimum(last + 1, len(x) - 1)
-        distance = side.x[following] - side.x[last]
-        pressure_of_last = _pick(p, last)
-        gap_of_following = _pick(g, following)
+        p, g, in_contact = side.outwards(pressure, gap, closed)
+        last_node = _last(in_contact)
+        next_node = np.minimum(last_node + 1, len(x) - 1)
+        distance = side.x[next_node] - side.x[last_node]
+        pressure_of_last = _pick(p, last_node)
+        gap_of_following = _pick(g, next_node)
         has_form = (distance > 0) & (pressure_of_last > 0) & (gap_of_following > 0)
         ratio = gap_of_following[has_form] / (pressure_of_last * distance)[has_form]
         c = (3 * modulus / 4 * ratio) ** 2
         share = np.where(pressure_of_last > 0, 0.0, 1.0)
         share[has_form] = 2 * np.sqrt(c / 3) * np.sinh(np.arcsinh(1.5 * np.sqrt(3 / c)) / 3)
-        edges[:, side.column] = side.sign * (side.x[last] + distance * (1 - share))
+        edges[:, side.column] = side.sign * (side.x[last_node] + distance * (1 - share))
     edges[~closed.any(axis=1)] = np.nan
     return edges
 
@@ -280,29 +285,29 @@ def fitted_contact_edges(x: Array, pressure: Array, closed: Mask, edges: Array) 
     edges
         (k, 2) by `contact_edges`
     """
-    fitted = edges.copy()
+    fitted_edges = edges.copy()
     n_behind_rim = np.count_nonzero(closed, axis=1) // 2 - _RIM
     for side in _sides(x):
-        p, inside = side.outwards(pressure, closed)
-        last = _last(inside)
+        p, in_contact = side.outwards(pressure, closed)
+        last_node = _last(in_contact)
         form = side.sign * edges[:, side.column]
-        element = 2 * _spacing(side.x, last)
-        unfitted = np.ones(len(closed), dtype=bool)
+        element = 2 * _spacing(side.x, last_node)
+        has_no_fit = np.ones(len(closed), dtype=bool)
         for divisor in (1, 2, 4):
             n_fitted = np.minimum(_SQUARES, n_behind_rim) // divisor
-            row = np.flatnonzero(unfitted & (n_fitted >= _FEWEST))
+            row = np.flatnonzero(has_no_fit & (n_fitted >= _FEWEST))
             zero, residual = _zero_of_parabola(
-                side.x, p[row], last[row], element[row], n_fitted[row]
+                side.x, p[row], last_node[row], element[row], n_fitted[row]
             )
             is_near = np.abs(zero - form[row]) <= _NEAR * element[row]
             smooth = (residual < _ROUGH) & is_near
-            fitted[row[smooth], side.column] = side.sign * zero[smooth]
-            unfitted[row[smooth]] = False
-    return fitted
+            fitted_edges[row[smooth], side.column] = side.sign * zero[smooth]
+            has_no_fit[row[smooth]] = False
+    return fitted_edges
 
 
 def _zero_of_parabola(
-    x: Array, pressure: Array, last: Indices, element: Array, n_fitted: Indices
+    x: Array, pressure: Array, last_node: Indices, element: Array, n_fitted: Indices
 ) -> tuple[Array, Array]:
     """(k,) zero of the parabola through the squares of the pressure behind the rim, NaN without
     one, and the root mean square of its relative residual.
@@ -322,9 +327,9 @@ def _zero_of_parabola(
     """
     number = np.arange(_SQUARES)
     counts = number < n_fitted[:, None]
-    nodes = np.where(counts, last[:, None] - _RIM - number, last[:, None])
+    nodes = np.where(counts, last_node[:, None] - _RIM - number, last_node[:, None])
     square = np.take_along_axis(pressure, nodes, axis=1) ** 2
-    behind_rim = x[last - _RIM]
+    behind_rim = x[last_node - _RIM]
     distance = (behind_rim[:, None] - x[nodes]) / element[:, None]
     has_weight = counts & (square > 0)
     weight = np.where(has_weight, 1 / np.where(square > 0, square, 1.0), 0.0)
@@ -386,15 +391,15 @@ def contact_uncertainty(
         _SHARE_BY_SQUARES + _NODES_BY_SQUARES / nodes + _SQUARED_NODES_BY_SQUARES / nodes**2
     )
     for side in _sides(x):
-        p, inside = side.outwards(pressure[row], closed[row])
-        last = _last(inside)
+        p, in_contact = side.outwards(pressure[row], closed[row])
+        last_node = _last(in_contact)
         edge = side.sign * contact[row, side.column]
         edge_by_form = side.sign * form[row, side.column]
-        farthest = side.x[last - _EXTRAPOLATED]
-        zero = _zero_of_squares(side.x, p, last, _EXTRAPOLATED)
+        farthest = side.x[last_node - _EXTRAPOLATED]
+        zero = _zero_of_squares(side.x, p, last_node, _EXTRAPOLATED)
         zero = np.where(np.isnan(zero), farthest, zero)
         to_zero = np.minimum(np.abs(zero - edge), np.abs(farthest - edge))
-        spacing = _spacing(side.x, last)
+        spacing = _spacing(side.x, last_node)
         by_squares = share_by_squares * spacing + _BY_FORM * np.abs(edge - edge_by_form)
         by_form = _SHARE * spacing + to_zero
         uncertainty[row, side.column] = np.where(edge == edge_by_form, by_form, by_squares)
@@ -464,23 +469,23 @@ def fitted_stick_edges(
     fits_apart = np.zeros((len(closed), 2))
     nothing_sticks = np.zeros(len(closed), dtype=bool)
     for side in _sides(x):
-        sticks, inside = side.outwards(stick, closed)
-        half = _half(side, inside, sticks if anywhere else None)
+        sticks, in_contact = side.outwards(stick, closed)
+        half = _half(side, in_contact, sticks if anywhere else None)
         contact_edge = side.sign * contact[:, side.column]
-        last, n_stick, n_half = _last_sticking(sticks, half)
+        last_node, n_stick, n_half = _last_sticking(sticks, half)
         nothing_sticks |= (n_stick == 0) & (n_half > 0)
-        edge = (side.x[last] + side.x[np.minimum(last + 1, len(x) - 1)]) / 2
+        edge = (side.x[last_node] + side.x[np.minimum(last_node + 1, len(x) - 1)]) / 2
         row = np.flatnonzero((n_stick > _FITTED[0]) & (n_stick < n_half))
         if limit is not None and shear is not None and len(row):
             limit_out, shear_out = side.outwards(limit[row], shear[row])
-            last_of_row = last[row]
+            last_of_row = last_node[row]
             sense = np.sign(_pick(shear_out, last_of_row + 1))[:, None]  # of slip beyond the edge
             to_limit = limit_out - sense * shear_out
             fit = _fitted_stick_edge(side.x, to_limit, last_of_row)
             # nothing sticks beyond the contact: a fit gone wrong
-            accepted = fit.agrees & (fit.edge <= contact_edge[row])
-            edge[row[accepted]] = fit.edge[accepted]
-            fits_apart[row[accepted], side.column] = fit.apart[accepted]
+            is_accepted = fit.agrees & (fit.edge <= contact_edge[row])
+            edge[row[is_accepted]] = fit.edge[is_accepted]
+            fits_apart[row[is_accepted], side.column] = fit.apart[is_accepted]
         edges[:, side.column] = side.sign * np.where(n_stick == n_half, contact_edge, edge)
     edges[nothing_sticks] = np.nan
     return StickEdges(edges, fits_apart)
@@ -531,28 +536,28 @@ def stick_uncertainty(
         stick_edges(x, sticks, closed, contact.places, anywhere) for sticks in sticking
     )
     by_states = np.fmax(np.abs(by_status - edges), np.abs(by_law - edges))
-    after = np.clip(np.searchsorted(x, edges), 1, len(x) - 1)  # NaN comes last
-    before = after - 1
-    before_is_nearer = np.abs(x[before] - edges) <= np.abs(x[after] - edges)
-    spacing = _spacing(x, np.where(before_is_nearer, before, after))
+    next_node = np.clip(np.searchsorted(x, edges), 1, len(x) - 1)  # NaN comes last
+    previous_node = next_node - 1
+    before_is_nearer = np.abs(x[previous_node] - edges) <= np.abs(x[next_node] - edges)
+    spacing = _spacing(x, np.where(before_is_nearer, previous_node, next_node))
     n_beyond = np.empty(edges.shape, dtype=np.int64)
     for side in _sides(x):
-        inside, sticks = side.outwards(closed, sticking[0])
-        half = _half(side, inside, sticks if anywhere else None)
-        beyond = side.x > side.sign * edges[:, [side.column]]
-        n_beyond[:, side.column] = np.count_nonzero(half & beyond, axis=1)
+        in_contact, sticks = side.outwards(closed, sticking[0])
+        half = _half(side, in_contact, sticks if anywhere else None)
+        is_beyond = side.x > side.sign * edges[:, [side.column]]
+        n_beyond[:, side.column] = np.count_nonzero(half & is_beyond, axis=1)
     by_status_alone = spacing + by_states
     of_narrow_slip_zone = np.abs(contact.places - edges) + contact.uncertainty
     is_narrow = n_beyond <= _UNRESOLVED
-    unfitted = np.where(
+    of_no_fit = np.where(
         is_narrow, np.maximum(by_status_alone, of_narrow_slip_zone), by_status_alone
     )
     of_states = np.maximum(by_states - _BY_STATES * spacing, 0.0)
-    fitted = _FITTED_SHARE * spacing + _BY_OTHER_FIT * stick.fits_apart + of_states
-    uncertainty = np.where(edges == by_status, unfitted, fitted)
+    of_fit = _FITTED_SHARE * spacing + _BY_OTHER_FIT * stick.fits_apart + of_states
+    uncertainty = np.where(edges == by_status, of_no_fit, of_fit)
     is_full = edges == contact.places
     of_full_stick = np.where(
-        sticks_in_full[:, None], contact.uncertainty, np.maximum(unfitted, _UNSEEN * spacing)
+        sticks_in_full[:, None], contact.uncertainty, np.maximum(of_no_fit, _UNSEEN * spacing)
     )
     return np.where(is_full, of_full_stick, uncertainty)
 
@@ -577,8 +582,8 @@ def uncertainty_at_jumps(edges: Array, step_index: Indices, spacing: float) -> A
     moves = np.abs(np.diff(edges, axis=0))
     is_jump = (np.diff(step_index) == 1)[:, None] & (moves > _JUMP * spacing)
     jumps = np.where(is_jump, moves, 0.0)
-    nothing = np.zeros((1, 2))
-    return np.maximum(np.concatenate([nothing, jumps]), np.concatenate([jumps, nothing]))
+    no_jumps = np.zeros((1, 2))
+    return np.maximum(np.concatenate([no_jumps, jumps]), np.concatenate([jumps, no_jumps]))
 
 
 class _Side(NamedTuple):
@@ -613,9 +618,9 @@ def _pick(rows: NDArray, index: Indices) -> NDArray:
     return rows[np.arange(len(rows)), index]
 
 
-def _last(inside: Mask) -> Indices:
+def _last(in_contact: Mask) -> Indices:
     """(k,) the outermost node of each row that is `inside`."""
-    return np.asarray(inside.shape[1] - 1 - np.argmax(inside[:, ::-1], axis=1))
+    return np.asarray(in_contact.shape[1] - 1 - np.argmax(in_contact[:, ::-1], axis=1))
 
 
 def _half(side: _Side, closed: Mask, stick: Mask | None = None) -> Mask:
@@ -629,12 +634,12 @@ def _half(side: _Side, closed: Mask, stick: Mask | None = None) -> Mask:
     outermost = side.x[_last(closed)]
     middle = ((innermost + outermost) / 2)[:, None]
     if stick is not None:
-        sticking = stick & closed
-        rank = np.cumsum(sticking, axis=1)
+        sticks_in_contact = stick & closed
+        rank = np.cumsum(sticks_in_contact, axis=1)
         n_sticking = rank[:, -1:]
         # Counted from the left whichever side looks, so that both have one middle.
         middle_rank = (n_sticking + 1) // 2 if is_right else n_sticking // 2 + 1
-        middle_node = np.argmax(sticking & (rank == middle_rank), axis=1)
+        middle_node = np.argmax(sticks_in_contact & (rank == middle_rank), axis=1)
         middle = np.where(n_sticking > 0, side.x[middle_node][:, None], middle)
     return np.asarray(closed & ((side.x >= middle) if is_right else (side.x > middle)))
 
@@ -650,10 +655,10 @@ def _last_sticking(stick: Mask, half: Mask) -> tuple[Indices, Indices, Indices]:
     rank = np.cumsum(half, axis=1, dtype=np.int32)
     # Sliding nodes up to this one, and sticking ones behind it, but for a number that is the same
     # for all.
-    misplaced = np.where(half, rank - 2 * rank_of_sticking, half.shape[1] + 1)
-    last: Indices = half.shape[1] - 1 - np.argmin(misplaced[:, ::-1], axis=1)
-    n_stick: Indices = np.where(_pick(misplaced, last) <= 0, _pick(rank, last), 0)
-    return last, n_stick, rank[:, -1].astype(np.int64)
+    n_misplaced = np.where(half, rank - 2 * rank_of_sticking, half.shape[1] + 1)
+    last_node: Indices = half.shape[1] - 1 - np.argmin(n_misplaced[:, ::-1], axis=1)
+    n_stick: Indices = np.where(_pick(n_misplaced, last_node) <= 0, _pick(rank, last_node), 0)
+    return last_node, n_stick, rank[:, -1].astype(np.int64)
 
 
 def _spacing(x: Array, node: Indices) -> Array:
@@ -662,18 +667,18 @@ def _spacing(x: Array, node: Indices) -> Array:
     return np.maximum(distances[node], distances[node + 1])
 
 
-def _zero_of_squares(x_out: Array, values: Array, last: Indices, count: int) -> Array:
+def _zero_of_squares(x_out: Array, values: Array, last_node: Indices, count: int) -> Array:
     """(k,) zero of the straight line through the squares of `values` at `count` nodes before the
     last; NaN unless it falls.
     """
-    nodes = last[:, None] - np.arange(1, count + 1)
-    distance = x_out[nodes] - x_out[last][:, None]
+    nodes = last_node[:, None] - np.arange(1, count + 1)
+    distance = x_out[nodes] - x_out[last_node][:, None]
     squares = np.take_along_axis(values, nodes, axis=1) ** 2
     mean_distance = distance.mean(axis=1, keepdims=True)
     from_mean = distance - mean_distance
     slope = (from_mean * squares).sum(axis=1) / (from_mean**2).sum(axis=1)
-    falling = np.where(slope < 0, slope, np.nan)
-    return x_out[last] + mean_distance[:, 0] - squares.mean(axis=1) / falling
+    falling_slope = np.where(slope < 0, slope, np.nan)
+    return x_out[last_node] + mean_distance[:, 0] - squares.mean(axis=1) / falling_slope
 
 
 class _StickFit(NamedTuple):
@@ -696,7 +701,7 @@ class _StickFit(NamedTuple):
     agrees: Mask
 
 
-def _fitted_stick_edge(x_out: Array, to_limit: Array, last: Indices) -> _StickFit:
+def _fitted_stick_edge(x_out: Array, to_limit: Array, last_node: Indices) -> _StickFit:
     """The zero of a straight line through the squares of `to_limit` at seven nodes: f p -+ q falls
     to zero as the square root of the distance.
 
@@ -707,8 +712,10 @@ def _fitted_stick_edge(x_out: Array, to_limit: Array, last: Indices) -> _StickFi
     last
         (k,) last node of the stick zone by its status, at least seven nodes before it
     """
-    element = x_out[last] - x_out[last - 2]
-    edge, edge_further_in = (_zero_of_squares(x_out, to_limit, last, count) for count in _FITTED)
-    apart = np.abs(edge - edge_further_in)
-    is_near = np.abs(edge - x_out[last]) <= element
-    return _StickFit(edge, apart, (apart <= _AGREE * element) & is_near)
+    element = x_out[last_node] - x_out[last_node - 2]
+    edge, edge_further_in = (
+        _zero_of_squares(x_out, to_limit, last_node, count) for count in _FITTED
+    )
+    fits_apart = np.abs(edge - edge_further_in)
+    is_near = np.abs(edge - x_out[last_node]) <= element
+    return _StickFit(edge, fits_apart, (fits_apart <= _AGREE * element) & is_near)

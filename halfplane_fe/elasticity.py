@@ -203,9 +203,9 @@ class SplitLame(NamedTuple):
 def split_lame(material: Elastic, order: int) -> SplitLame:
     """How elements of this order have Lame's lambda."""
     lam, shear_modulus = lame_parameters(material.young_modulus, material.poisson_ratio)
-    rest = lam - PLAIN_LAMBDA * shear_modulus
-    if order == 2 and rest > 1e-6 * shear_modulus:
-        return SplitLame(lam - rest, rest, shear_modulus)
+    rest_of_lambda = lam - PLAIN_LAMBDA * shear_modulus
+    if order == 2 and rest_of_lambda > 1e-6 * shear_modulus:
+        return SplitLame(lam - rest_of_lambda, rest_of_lambda, shear_modulus)
     return SplitLame(lam, 0.0, shear_modulus)
 
 
@@ -239,8 +239,8 @@ def _stiffness(system: System, elements: Indices) -> sparse.csr_matrix:
     dofs = (2 * cells[..., None] + [0, 1]).reshape(len(cells), -1)
     if lambda_1:
         corners = cells[:, : mesh.refdom.nfacets]
-        linear = scalar_element(mesh, 1)
-        values = np.stack([linear.lbasis(points, i)[0] for i in range(corners.shape[1])])
+        linear_element = scalar_element(mesh, 1)
+        values = np.stack([linear_element.lbasis(points, i)[0] for i in range(corners.shape[1])])
         divergence = G * (values * areas) @ gradients.transpose(0, 2, 1)
         mass = -(G**2) / lambda_1 * (values * areas) @ values.T
         dofs = np.hstack([dofs, 2 * mesh.p.shape[1] + corners])
@@ -508,15 +508,15 @@ def _condensed_mode(
     return _CondensedMode(motions, compliance, displacement_by_stress, float(np.max(errors)))
 
 
-def _held_on_arc(system: System, mode: _Mode, around: Indices) -> tuple[Indices, Indices]:
+def _held_on_arc(system: System, mode: _Mode, arc_dofs: Indices) -> tuple[Indices, Indices]:
     """Of a mode's degrees of freedom on the arc: as many as the mode has rigid motions, which are
     held, and the others.
     """
     arc = system.arc.ravel()
-    rigid = mode.motions(arc, around).T @ rigid_motions(system.mesh)[arc]
+    rigid = mode.motions(arc, arc_dofs).T @ rigid_motions(system.mesh)[arc]
     _, triangle, pivots = qr(rigid.T, mode="economic", pivoting=True)
     n_rigid = np.count_nonzero(np.abs(triangle.diagonal()) > 1e-6 * np.abs(triangle[0, 0]))
-    return around[pivots[:n_rigid]], np.sort(around[pivots[n_rigid:]])
+    return arc_dofs[pivots[:n_rigid]], np.sort(arc_dofs[pivots[n_rigid:]])
 
 
 # Share of the rows from which on a column of L_ti counts as a dense one: of the times measured the
@@ -531,12 +531,12 @@ def _outer_product(columns: sparse.csc_matrix, factor: Array) -> Array:
     counts = np.diff(columns.indptr)
     is_dense = counts > _DENSE * n_rows
     is_sparse = ~is_dense & (counts > 0)
-    scaled = columns.copy()
-    scaled.data *= np.repeat(np.sqrt(np.abs(factor)), counts)
+    scaled_columns = columns.copy()
+    scaled_columns.data *= np.repeat(np.sqrt(np.abs(factor)), counts)
     for sign in np.unique(np.sign(factor)):
         has_sign = factor * sign > 0
-        sparse_columns = scaled[:, has_sign & is_sparse]
-        dense_columns = scaled[:, has_sign & is_dense].toarray()
+        sparse_columns = scaled_columns[:, has_sign & is_sparse]
+        dense_columns = scaled_columns[:, has_sign & is_dense].toarray()
         of_sparse = (sparse_columns @ sparse_columns.T).toarray()
         total += sign * (of_sparse + dense_columns @ dense_columns.T)
     return total
@@ -579,9 +579,9 @@ def rigid_motions(mesh: skfem.Mesh) -> Array:
     x, y = mesh.p
     unit = np.ones_like(x)
     zero = np.zeros_like(x)
-    largest = np.abs(x).max()
-    along_x = [unit, zero, -y / largest]
-    along_y = [zero, unit, x / largest]
+    largest_x = np.abs(x).max()
+    along_x = [unit, zero, -y / largest_x]
+    along_y = [zero, unit, x / largest_x]
     return np.stack([along_x, along_y]).transpose(2, 0, 1).reshape(-1, 3)
 
 
@@ -724,16 +724,20 @@ def displacement_fields(
         # The ends of the arc hold a half-disc without a force, since the loads balance.
         ends_of_arc = [system.arc[0, 0], system.arc[1, 0], system.arc[1, -1]]
         held = np.concatenate([held, ends_of_arc])
-    free = np.setdiff1d(np.arange(len(load)), held)
+    free_dofs = np.setdiff1d(np.arange(len(load)), held)
     displacements = np.zeros_like(load)
-    displacements[free] = factorise(system.stiffness[free][:, free].tocsc()).solve(load[free])
+    displacements[free_dofs] = factorise(system.stiffness[free_dofs][:, free_dofs].tocsc()).solve(
+        load[free_dofs]
+    )
     n_u = system.basis.N
     if system.arc.size:  # the rigid motion that the contact nodes lack
         motions = rigid_motions(system.mesh)
         of_half_plane = arc.tractions.T @ (arc.displacements @ cases)
-        missing = arc.by_nodes.T @ displacements[system.arc.ravel()] - of_half_plane
+        missing_displacement = arc.by_nodes.T @ displacements[system.arc.ravel()] - of_half_plane
         on_contact = motions[system.contact.ravel()]
-        displacements[:n_u] += motions @ np.linalg.lstsq(on_contact, missing, rcond=None)[0]
+        displacements[:n_u] += (
+            motions @ np.linalg.lstsq(on_contact, missing_displacement, rcond=None)[0]
+        )
     tension = np.zeros((system.mesh.nvertices, forces.shape[-1]))
     if len(displacements) > n_u:
         shear_modulus = split_lame(condensed.material, condensed.order).shear_modulus

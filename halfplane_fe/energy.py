@@ -98,16 +98,16 @@ def elastic_energies(
     return np.asarray((p * gap_part + q * slip_part).sum(axis=1) / 2), np.asarray(layer)
 
 
-def _starting(before: States, after: States) -> Mask:
+def _starting(states_before: States, states_after: States) -> Mask:
     """Which nodes start to slide, or turn round: they slide after an increment and did not slide
     that way before.
     """
-    sign = slip_sign(after)
-    return (sign != 0) & (sign != slip_sign(before))
+    sign = slip_sign(states_after)
+    return (sign != 0) & (sign != slip_sign(states_before))
 
 
 def step_errors(
-    friction: float, pressure: Array, slip: Array, before: States, after: States
+    friction: float, pressure: Array, slip: Array, states_before: States, states_after: States
 ) -> Array:
     """Bound (...) of the error of the dissipation: f |dp| |ds| / 2 of the nodes that start to slide
     in the increment.
@@ -115,7 +115,7 @@ def step_errors(
     `pressure` and `slip` are the changes of the increment, `before` and `after` the states, each
     (..., n).
     """
-    products = np.where(_starting(before, after), np.abs(pressure * slip), 0.0)
+    products = np.where(_starting(states_before, states_after), np.abs(pressure * slip), 0.0)
     return np.asarray(friction * products.sum(axis=-1) / 2)
 
 
@@ -138,7 +138,7 @@ def increment_energies(
     faces = problem.interface
     values = np.stack([state.values for state in states])
     loads = np.array([(state.normal_load, state.tangential_load) for state in states])
-    imposed = np.diff([state.imposed for state in states], axis=0)
+    imposed_motion = np.diff([state.imposed for state in states], axis=0)
     _, p, q, _ = nodal(values)
     mean_p = (p[:-1] + p[1:]) / 2
     mean_q = (q[:-1] + q[1:]) / 2
@@ -149,35 +149,38 @@ def increment_energies(
     slip, pressure, _, gap = nodal(changes)
 
     def work(loads: Array, p: Array, q: Array) -> Array:
-        of_imposed = (faces.work_of_imposed(p, q) * imposed).sum(axis=1)
+        of_imposed = (faces.work_of_imposed(p, q) * imposed_motion).sum(axis=1)
         return np.asarray(loads[:, 0] * approach + loads[:, 1] * shift + of_imposed)
 
-    before = np.stack([state.state for state in states[:-1]])
+    states_before = np.stack([state.state for state in states[:-1]])
     solved_states = np.stack(solved)
     sign = slip_sign(solved_states)
     dissipation = problem.friction * mean_p * np.maximum(sign * slip, 0.0)
-    after = _states_of_moved(problem.friction, before, solved_states, slip)
-    kinked = np.flatnonzero(_starting(before, after).any(axis=1))
+    states_after = _states_of_moved(problem.friction, states_before, solved_states, slip)
+    kinked_rows = np.flatnonzero(_starting(states_before, states_after).any(axis=1))
     bent = np.zeros(len(sign))
     share_before = np.ones(len(sign))
-    if len(kinked):
-        dissipation[kinked], bent[kinked], share_before[kinked] = _kinked_work(
-            problem, _changes_of_loads(states)[kinked], _Rows(p, q, slip, before, after), kinked
+    if len(kinked_rows):
+        dissipation[kinked_rows], bent[kinked_rows], share_before[kinked_rows] = _kinked_work(
+            problem,
+            _changes_of_loads(states)[kinked_rows],
+            _Rows(p, q, slip, states_before, states_after),
+            kinked_rows,
         )
     # The shear of a node that starts to slide has a kink in the increment, and the work of Q with
     # it.
     trapezoidal = np.where(sign != 0, mean_q * slip, 0.0)
     loop = mean_load[:, 1] * shift + (dissipation - trapezoidal).sum(axis=1)
-    loop += (faces.work_of_imposed(0 * mean_p, mean_q) * imposed)[:, :2].sum(axis=1)
+    loop += (faces.work_of_imposed(0 * mean_p, mean_q) * imposed_motion)[:, :2].sum(axis=1)
     curve = np.zeros_like(slip)
     if enclosed is not None:
         # The states before hold for a share of the increment, those after for the rest: of the area
         # of a parabola over its chord they have this.
         early = share_before**2 * (3 - 2 * share_before)
-        slides_on = np.where(sign == slip_sign(before), sign, 0)
+        slides_on = np.where(sign == slip_sign(states_before), sign, 0)
         for node_states, slides, weight in (
-            (before, slides_on, early),
-            (after, slip_sign(after), 1 - early),
+            (states_before, slides_on, early),
+            (states_after, slip_sign(states_after), 1 - early),
         ):
             rows = np.flatnonzero(slides.any(axis=1) & (weight > 0))
             areas = enclosed[:, :, rows] * weight[rows]
@@ -198,7 +201,7 @@ def increment_energies(
         layer=np.diff(layer),
         interface=(mean_q * slip - mean_p * gap).sum(axis=1),
         end_of_step=(q[1:] * slip - p[1:] * gap).sum(axis=1),
-        step_error=step_errors(problem.friction, pressure, slip, before, after),
+        step_error=step_errors(problem.friction, pressure, slip, states_before, states_after),
         bent=bent,
     )
 
@@ -208,12 +211,16 @@ def _changes_of_loads(states: Sequence[InterfaceState]) -> Array:
     return np.diff([state.loads for state in states], axis=0)
 
 
-def _states_of_moved(friction: float, before: States, after: States, slip: Array) -> States:
+def _states_of_moved(
+    friction: float, states_before: States, states_after: States, slip: Array
+) -> States:
     """(...) states after; of nodes that are to start sliding and have not moved those before: on
     the cone a node is marked either way, by the last digit of its shear.
     """
-    moved = np.abs(slip) > ROUNDING * min(friction, 1.0)
-    return np.where(_starting(before, after) & ~moved, before, after)
+    has_moved = np.abs(slip) > ROUNDING * min(friction, 1.0)
+    return np.where(
+        _starting(states_before, states_after) & ~has_moved, states_before, states_after
+    )
 
 
 def bent_work(
@@ -230,8 +237,8 @@ def bent_work(
     values = np.stack([start.values, end.values])
     _, p, q, _ = nodal(values)
     slip = end.slip - start.slip
-    after = _states_of_moved(problem.friction, start.state, solved, slip)
-    increment = _Rows(p, q, slip[None], start.state[None], after[None])
+    states_after = _states_of_moved(problem.friction, start.state, solved, slip)
+    increment = _Rows(p, q, slip[None], start.state[None], states_after[None])
     changes_of_loads = np.subtract(end.loads, start.loads)[None]
     _, bent, _ = _kinked_work(problem, changes_of_loads, increment, np.array([0]))
     return float(bent[0])
@@ -318,51 +325,57 @@ def _kinked_work(
     slip = increments.slip[rows]
     p_at_start = increments.p[rows]
     p_at_end = increments.p[rows + 1]
-    after = increments.after[rows]
-    before = _states_with_rates(increments.before[rows], after, p_at_start)
-    sign = slip_sign(after)
-    starts = _starting(before, after)
+    states_after = increments.after[rows]
+    states_before = _states_with_rates(increments.before[rows], states_after, p_at_start)
+    sign = slip_sign(states_after)
+    starts = _starting(states_before, states_after)
     n_loads = changes_of_loads.shape[1]
-    rates_before = np.array([problem.rates(states, n_loads) for states in before])
-    rates_after = np.array([problem.rates(states, n_loads) for states in after])
+    rates_before = np.array([problem.rates(states, n_loads) for states in states_before])
+    rates_after = np.array([problem.rates(states, n_loads) for states in states_after])
     slip_early, p_early, q_early, _ = nodal(np.einsum("kj,kjv->kv", changes_of_loads, rates_before))
     slip_late, p_late, _, _ = nodal(np.einsum("kj,kjv->kv", changes_of_loads, rates_after))
     with np.errstate(divide="ignore", invalid="ignore"):
         # f p -+ q falls to zero where a node starts; its slip goes back to zero there.
         force_to_cone = friction * p_at_start - sign * increments.q[rows]
-        first = force_to_cone / (sign * q_early - friction * p_early)
-        last = 1 - slip / slip_late
+        first_start = force_to_cone / (sign * q_early - friction * p_early)
+        last_start = 1 - slip / slip_late
     # What slid the other way turns round somewhere.
-    first = np.where(first >= 0, first, 1.0)
-    first = np.where(slip_sign(before) != 0, 0.0, first)
-    first = np.where(starts, first, 1.0).min(axis=1).clip(0.0, 1.0)
-    first = np.where(starts.any(axis=1), first, 0.0)
-    last = np.where(starts & np.isfinite(last), last, 0.0).max(axis=1).clip(first, 1.0)
-    share_before = first[:, None]
-    share_after = 1 - last[:, None]
+    first_start = np.where(first_start >= 0, first_start, 1.0)
+    first_start = np.where(slip_sign(states_before) != 0, 0.0, first_start)
+    first_start = np.where(starts, first_start, 1.0).min(axis=1).clip(0.0, 1.0)
+    first_start = np.where(starts.any(axis=1), first_start, 0.0)
+    last_start = (
+        np.where(starts & np.isfinite(last_start), last_start, 0.0)
+        .max(axis=1)
+        .clip(first_start, 1.0)
+    )
+    share_before = first_start[:, None]
+    share_after = 1 - last_start[:, None]
     p_at_first = p_at_start + share_before * p_early
     p_at_last = p_at_end - share_after * p_late
     slip_before = share_before * slip_early
     slip_after = share_after * slip_late
     slip_between = slip - slip_before - slip_after
-    doubled = (p_at_start + p_at_first) * slip_before + (p_at_first + p_at_last) * slip_between
-    doubled += (p_at_last + p_at_end) * slip_after
+    doubled_work = (p_at_start + p_at_first) * slip_before + (p_at_first + p_at_last) * slip_between
+    doubled_work += (p_at_last + p_at_end) * slip_after
     n_starts = _longest_row(starts)
     factor = np.maximum(n_starts - 2, 0) / np.maximum(n_starts - 1, 1) / 12
-    bent = ((last - first) ** 2 * factor)[:, None] * (p_early * slip_late - p_late * slip_early)
-    work = friction * sign * (doubled / 2 + bent)
+    bent = ((last_start - first_start) ** 2 * factor)[:, None] * (
+        p_early * slip_late - p_late * slip_early
+    )
+    work = friction * sign * (doubled_work / 2 + bent)
     bent = friction * sign * bent
-    return np.maximum(work, 0.0), np.abs(bent.sum(axis=1)), (first + last) / 2
+    return np.maximum(work, 0.0), np.abs(bent.sum(axis=1)), (first_start + last_start) / 2
 
 
-def _states_with_rates(before: States, after: States, pressure: Array) -> States:
+def _states_with_rates(states_before: States, states_after: States, pressure: Array) -> States:
     """(k, n) states before, but a node that has just touched slides from there on; unless it is the
     last to stick: then no set has rates.
     """
-    just_touched = _starting(before, after) & (pressure <= ROUNDING)
-    sliding_on = np.where(just_touched, after, before)
+    just_touched = _starting(states_before, states_after) & (pressure <= ROUNDING)
+    sliding_on = np.where(just_touched, states_after, states_before)
     some_stick = (sliding_on == STICK).any(axis=1, keepdims=True)
-    return np.where(some_stick, sliding_on, before)
+    return np.where(some_stick, sliding_on, states_before)
 
 
 def _longest_row(starts: Mask) -> Indices:

@@ -172,9 +172,13 @@ class Tractions:
         for series in (self.pressure, self.shear):
             # about the middle
             total = math.pi / 2 * h * series[0]
-            first = -math.pi / 4 * h**2 * series[1]
-            second = math.pi / 8 * h**3 * (series[0] + series[2])
-            moments += [total, m * total + first, m**2 * total + 2 * m * first + second]
+            first_moment = -math.pi / 4 * h**2 * series[1]
+            second_moment = math.pi / 8 * h**3 * (series[0] + series[2])
+            moments += [
+                total,
+                m * total + first_moment,
+                m**2 * total + 2 * m * first_moment + second_moment,
+            ]
         return np.array(moments)
 
     def stress(self, x: Array, y: Array) -> Array:
@@ -354,14 +358,14 @@ def sampled_tractions(
     behind_rims = slice(None) if rough else slice(fit.rim, -fit.rim)
     nodes = x[behind_rims]
     pressure = p[behind_rims]
-    inside = np.abs(nodes - middle) < half_width
-    angle = np.arccos((middle - nodes[inside]) / half_width)
-    smooth = np.interp(theta, angle, pressure[inside] / np.sin(angle)) * np.sin(theta)
+    in_contact = np.abs(nodes - middle) < half_width
+    angle = np.arccos((middle - nodes[in_contact]) / half_width)
+    smooth = np.interp(theta, angle, pressure[in_contact] / np.sin(angle)) * np.sin(theta)
     if left is not None and right is not None:
         for side, at_edge in ((1.0, left), (-1.0, right)):
-            outside = side * places < at_edge.start
-            square = np.polyval(at_edge.square, side * places[outside] - at_edge.start)
-            smooth[outside] = np.sqrt(np.maximum(square, 0.0))
+            beyond_start = side * places < at_edge.start
+            square = np.polyval(at_edge.square, side * places[beyond_start] - at_edge.start)
+            smooth[beyond_start] = np.sqrt(np.maximum(square, 0.0))
     smooth = smooth * form(places)
     shear = _shear(places, smooth, nodal, 0 if rough else fit.rim, level)
     lengths = np.sin(theta) * half_width * math.pi / n_angles
@@ -436,8 +440,8 @@ def tractions_with_uncertainty(nodal: Nodal) -> TractionsAndUncertainty:
         uncertainty = np.maximum(uncertainty, by_others * difference)
     if series.rough:
         uncertainty = np.maximum(uncertainty, _BY_FEW_NODES / len(nodal.x) * np.abs(tension))
-    unshortened = sampled_tractions(nodal, _UNSHORTENED_FIT)
-    difference = np.abs(unshortened.edge_tension() - tension)
+    unshortened_series = sampled_tractions(nodal, _UNSHORTENED_FIT)
+    difference = np.abs(unshortened_series.edge_tension() - tension)
     uncertainty = np.maximum(uncertainty, difference)
     at_level = sampled_tractions(nodal, level=True)
     difference = np.abs(at_level.edge_tension() - tension)
@@ -511,10 +515,10 @@ def _form(nodal: Nodal) -> Callable[[Array], Array]:
 
     smooth_part = 0.0
     if len(nodal.x) > 3 * RIM:
-        inner = nodal.x[RIM:-RIM]
-        square = (inner - left) * (right - inner)
+        inner_nodes = nodal.x[RIM:-RIM]
+        square = (inner_nodes - left) * (right - inner_nodes)
         root = np.sqrt(np.maximum(square, (_AT_EDGE * half_width) ** 2))
-        smooth_part = float(np.mean(nodal.pressure[RIM:-RIM] / root - of_kinks(inner)))
+        smooth_part = float(np.mean(nodal.pressure[RIM:-RIM] / root - of_kinks(inner_nodes)))
     if not len(kinks) or not np.all(smooth_part + of_kinks(nodal.x) > 0):
         return np.ones_like
     return lambda x: smooth_part + of_kinks(x)
@@ -548,15 +552,15 @@ def _fitted_edge(x: Array, p: Array, fit: RootFit) -> _FittedEdge | None:
     while n_nodes >= _FEWEST:
         degree = fit.further_degrees + next(of for fewest, of in _DEGREES if n_nodes >= fewest)
         exponents = np.arange(degree, -1, -1)
-        fitted = slice(fit.rim, fit.rim + n_nodes)
-        distance = x[fitted] - x[fit.rim]
-        square = p[fitted] ** 2
+        fitted_nodes = slice(fit.rim, fit.rim + n_nodes)
+        distance = x[fitted_nodes] - x[fit.rim]
+        square = p[fitted_nodes] ** 2
         number = np.arange(n_nodes)
         powers = distance[-1] ** exponents
         polynomial = (distance[:, None] ** exponents / powers).T / square
         # what the mesh adds: alternating between corners and mid-side nodes, and dying out
-        alternating = (-1.0) ** number / (number + 4)
-        matrix = np.stack([*polynomial, alternating], axis=1) * square[-1]
+        alternating_signs = (-1.0) ** number / (number + 4)
+        matrix = np.stack([*polynomial, alternating_signs], axis=1) * square[-1]
         factors = np.linalg.lstsq(matrix, np.ones(n_nodes), rcond=None)[0]
         coefficients = factors[: degree + 1] * square[-1] / powers
         residual = np.polyval(coefficients, distance) / square - 1
@@ -583,10 +587,10 @@ def _shear(places: Array, smooth: Array, nodal: Nodal, rim: int, level: bool) ->
         ratio = q / nodal.pressure
         ratios = np.interp(places, x, ratio)
         if not level:
-            for end, behind, side in ((0, 1, -1.0), (-1, -2, 1.0)):
-                outside = side * (places - x[end]) > 0
-                slope = (ratio[end] - ratio[behind]) / (x[end] - x[behind])
-                ratios[outside] += slope * (places[outside] - x[end])
+            for end, node_behind, side in ((0, 1, -1.0), (-1, -2, 1.0)):
+                is_outside = side * (places - x[end]) > 0
+                slope = (ratio[end] - ratio[node_behind]) / (x[end] - x[node_behind])
+                ratios[is_outside] += slope * (places[is_outside] - x[end])
         return np.asarray(np.clip(ratios, -friction, friction) * smooth)
     low, high = nodal.stick
     limit_left = np.sign(q[0]) * friction
@@ -666,8 +670,12 @@ def size_effect_basis(z: Complex, length: float) -> Array:
             f = factor * u**power
             f_of_conjugate = factor * u.conj() ** power
             slope = factor * power * u ** max(power - 1, 0) / length
-            combined = f - f_of_conjugate + 2j * z.imag * slope.conj()  # s_yy - i s_xy
-            stress = [4 * f.real - combined.real, combined.real, -combined.imag]
+            normal_and_shear = f - f_of_conjugate + 2j * z.imag * slope.conj()  # s_yy - i s_xy
+            stress = [
+                4 * f.real - normal_and_shear.real,
+                normal_and_shear.real,
+                -normal_and_shear.imag,
+            ]
             columns.append(np.stack(stress, axis=-1))
     return np.stack(columns, axis=-1)
 

@@ -224,9 +224,9 @@ def check_admissible(path: LoadPath, friction: float, *, is_driven: bool = False
         p, q = leg.loads(times)
         is_on_path = times > path.start
         scale = float(np.abs(p).max())
-        separated = is_on_path & (p <= _LEAST_LOAD * scale)
-        if separated.any():
-            worst_instant = int(np.argmin(np.where(separated, p, np.inf)))
+        is_separated = is_on_path & (p <= _LEAST_LOAD * scale)
+        if is_separated.any():
+            worst_instant = int(np.argmin(np.where(is_separated, p, np.inf)))
             if is_driven:
                 raise InputError(
                     f"load: the bodies part at time {times[worst_instant]:.6g}, where P or the"

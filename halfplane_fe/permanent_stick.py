@@ -85,12 +85,12 @@ def working_nodes(x: Array, density: Array, edges: Array) -> WorkingNodes:
     places = np.full(2, np.nan)
     spacing = np.full(2, np.nan)
     for side, outwards in enumerate((-1, 1)):
-        beyond = np.flatnonzero(works & ((x - middle) * outwards > 0))
-        if not len(beyond):
+        nodes_beyond = np.flatnonzero(works & ((x - middle) * outwards > 0))
+        if not len(nodes_beyond):
             continue
-        first = beyond[0] if outwards > 0 else beyond[-1]
-        distance = abs(x[first] - x[first - outwards])
-        if abs(x[first] - edges[side]) <= _SAME_EDGE * distance:
-            places[side] = x[first]
+        first_node = nodes_beyond[0] if outwards > 0 else nodes_beyond[-1]
+        distance = abs(x[first_node] - x[first_node - outwards])
+        if abs(x[first_node] - edges[side]) <= _SAME_EDGE * distance:
+            places[side] = x[first_node]
             spacing[side] = distance
     return WorkingNodes(places, spacing)

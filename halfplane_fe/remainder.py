@@ -158,20 +158,20 @@ def remainder_kernels(
     system = assemble(body, material)
     n_dofs = len(system.node)
     held = system.held
-    free = np.setdiff1d(np.arange(n_dofs), held)
+    free_dofs = np.setdiff1d(np.arange(n_dofs), held)
     x, y = body.mesh.p[:, system.node[system.contact[0]]]
     forces = _SurfaceForces(forces_at, np.zeros(len(forces_at)))
     if y.any():
         nodes = np.abs(x[:, None] - forces_at).argmin(axis=0)
         forces = _SurfaceForces(x[nodes], y[nodes])
     n_forces = len(forces_at)
-    forced = np.zeros((n_dofs, 2 * n_forces))
-    forced[: 2 * body.mesh.p.shape[1]] = -_tractions(system, forces)
-    displacements = np.zeros_like(forced)
+    forced_loads = np.zeros((n_dofs, 2 * n_forces))
+    forced_loads[: 2 * body.mesh.p.shape[1]] = -_tractions(system, forces)
+    displacements = np.zeros_like(forced_loads)
     displacements[held] = -_support_displacements(system, forces, datum_length)
-    forced -= system.stiffness[:, held] @ displacements[held]
-    factors = factorise(system.stiffness[free][:, free].tocsc())
-    displacements[free] = factors.solve(forced[free])
+    forced_loads -= system.stiffness[:, held] @ displacements[held]
+    factors = factorise(system.stiffness[free_dofs][:, free_dofs].tocsc())
+    displacements[free_dofs] = factors.solve(forced_loads[free_dofs])
     along_x, outward = displacements[system.contact].reshape(2, -1, 2, n_forces)
     kernels = RemainderKernels(
         x=x,
@@ -180,7 +180,7 @@ def remainder_kernels(
         tangential=along_x[:, 0],
         along_by_pressure=-along_x[:, 1],
         outward_by_shear=outward[:, 0],
-        unknowns=len(free),
+        unknowns=len(free_dofs),
     )
     return _with_slopes(kernels, y, forces.y, material) if y.any() else kernels
 
@@ -286,13 +286,13 @@ def _tractions(system: System, forces: _SurfaceForces) -> Array:
 def _outline_nodes(mesh: skfem.Mesh, facets: Indices) -> Indices:
     """(e, 3) nodes of facets of the outline of a quadratic mesh, with the body on their left."""
     start, end = mesh.facets[:, facets]
-    inside = mesh.p[:, mesh.t[:, mesh.f2t[0, facets]]].mean(axis=1)
-    along = mesh.p[:, end] - mesh.p[:, start]
-    inward = inside - mesh.p[:, start]
-    body_on_right = along[0] * inward[1] - along[1] * inward[0] < 0
-    first = np.where(body_on_right, end, start)
-    last = np.where(body_on_right, start, end)
-    return np.stack([first, mesh.nvertices + facets, last], axis=1).astype(np.int64)
+    inner_points = mesh.p[:, mesh.t[:, mesh.f2t[0, facets]]].mean(axis=1)
+    edge_vectors = mesh.p[:, end] - mesh.p[:, start]
+    inward = inner_points - mesh.p[:, start]
+    body_on_right = edge_vectors[0] * inward[1] - edge_vectors[1] * inward[0] < 0
+    first_node = np.where(body_on_right, end, start)
+    last_node = np.where(body_on_right, start, end)
+    return np.stack([first_node, mesh.nvertices + facets, last_node], axis=1).astype(np.int64)
 
 
 def _support_displacements(system: System, forces: _SurfaceForces, datum_length: float) -> Array:
@@ -380,18 +380,18 @@ def face_series(kernels: RemainderKernels, degree: int = _DEGREE) -> FaceSeries:
     """
     reach = float(np.abs(kernels.x).max())
     x, s = np.meshgrid(kernels.x / reach, kernels.forces_at / reach, indexing="ij")
-    even = [(i, j) for i, j in even_exponents(degree) if i <= j]
-    terms = np.stack([(x**i * s**j + x**j * s**i).ravel() for i, j in even], axis=1)
+    even_powers = [(i, j) for i, j in even_exponents(degree) if i <= j]
+    terms = np.stack([(x**i * s**j + x**j * s**i).ravel() for i, j in even_powers], axis=1)
     kernels_of_one_load = np.stack([kernels.normal.ravel(), kernels.tangential.ravel()], axis=1)
     coefficients = np.linalg.lstsq(terms, kernels_of_one_load, rcond=None)[0]
-    compliance = 2 * coefficients[even.index((0, 0))]
-    curvature = 2 * coefficients[even.index((0, 2))] / reach**2
-    fourth = 24 * coefficients[even.index((0, 4))] / reach**4
-    mixed = 2 * coefficients[even.index((2, 2))] / reach**4
+    compliance = 2 * coefficients[even_powers.index((0, 0))]
+    curvature = 2 * coefficients[even_powers.index((0, 2))] / reach**2
+    fourth = 24 * coefficients[even_powers.index((0, 4))] / reach**4
+    mixed_coefficient = 2 * coefficients[even_powers.index((2, 2))] / reach**4
 
-    odd = odd_exponents(degree)
-    by_pressure = np.stack([(x**i * s**j).ravel() for i, j in odd], axis=1)
-    by_shear = np.stack([(s**i * x**j).ravel() for i, j in odd], axis=1)
+    odd_powers = odd_exponents(degree)
+    by_pressure = np.stack([(x**i * s**j).ravel() for i, j in odd_powers], axis=1)
+    by_shear = np.stack([(s**i * x**j).ravel() for i, j in odd_powers], axis=1)
     cross = np.concatenate([kernels.along_by_pressure.ravel(), -kernels.outward_by_shear.ravel()])
     slopes = np.linalg.lstsq(np.concatenate([by_pressure, by_shear]), cross, rcond=None)[0] / reach
     return FaceSeries(
@@ -399,12 +399,12 @@ def face_series(kernels: RemainderKernels, degree: int = _DEGREE) -> FaceSeries:
         tangential_compliance=float(compliance[1]),
         normal_curvature=float(curvature[0]),
         tangential_curvature=float(curvature[1]),
-        strain_under_pressure=float(slopes[odd.index((1, 0))]),
-        slope_under_shear=-float(slopes[odd.index((0, 1))]),
+        strain_under_pressure=float(slopes[odd_powers.index((1, 0))]),
+        slope_under_shear=-float(slopes[odd_powers.index((0, 1))]),
         normal_fourth=float(fourth[0]),
         tangential_fourth=float(fourth[1]),
-        normal_mixed=float(mixed[0]),
-        tangential_mixed=float(mixed[1]),
+        normal_mixed=float(mixed_coefficient[0]),
+        tangential_mixed=float(mixed_coefficient[1]),
     )
 
 
@@ -462,11 +462,11 @@ def body_numbers(
     e and a are one kernel read by two solutions, of which the larger |k_tn(x, s) + k_nt(s, x)| over
     the fitted half-length is added to theirs.
     """
-    fine = face_kernels(name, shape, profile, material, datum_length)
-    coarse = face_kernels(name, shape, profile, material, datum_length, _COARSER)
-    values = face_series(fine)
-    of_coarse = face_series(coarse)
-    slope_gap = fine.reciprocity_gap / float(np.abs(fine.x).max())
+    kernels = face_kernels(name, shape, profile, material, datum_length)
+    coarse_kernels = face_kernels(name, shape, profile, material, datum_length, _COARSER)
+    values = face_series(kernels)
+    of_coarse = face_series(coarse_kernels)
+    slope_gap = kernels.reciprocity_gap / float(np.abs(kernels.x).max())
     estimates = {}
     for number in FaceSeries._fields:
         value = getattr(values, number)
@@ -474,7 +474,9 @@ def body_numbers(
         if number in ("strain_under_pressure", "slope_under_shear"):
             uncertainty += slope_gap
         estimates[number] = Estimate(value, uncertainty)
-    return BodyNumbers(**estimates, unknowns=fine.unknowns + coarse.unknowns, factorisations=2)
+    return BodyNumbers(
+        **estimates, unknowns=kernels.unknowns + coarse_kernels.unknowns, factorisations=2
+    )
 
 
 def nearest_end(shape: Solid) -> float:

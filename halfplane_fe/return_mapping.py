@@ -132,13 +132,13 @@ class ReturnMapping:
             systems = self._systems_with(number, softness)
             iteration = _Iteration(self, systems, softness, start)
             try:
-                converged = iteration.converges(most_steps)
+                has_converged = iteration.converges(most_steps)
             except SingularSet:
-                converged = False
+                has_converged = False
             newton_steps += iteration.newton_steps
             self.work["Newton steps"] += iteration.newton_steps
             self.work["multiplier updates"] += iteration.updates
-            if converged:
+            if has_converged:
                 return Equilibrium(*iteration.answer(), newton_steps)
             self.work["penalties softened"] += 1
         return None
@@ -218,13 +218,13 @@ class _Iteration:
         multipliers = self.start.values[3:].reshape(4, -1)[1:3].copy()
         without_multipliers = not (self.softness.normal.any() or self.softness.tangential.any())
         while self.updates < _MOST_UPDATES:
-            mapped = self._inner_loop(most_steps)
-            if mapped is None:
+            mapped_tractions = self._inner_loop(most_steps)
+            if mapped_tractions is None:
                 return False
             if without_multipliers:
                 return True
             self.updates += 1
-            change = self._updated(multipliers, mapped)
+            change = self._updated(multipliers, mapped_tractions)
             if change <= 1.0 and self._mapped().error <= 1.0:
                 return True
         return False
@@ -233,34 +233,41 @@ class _Iteration:
         """Newton's method at constant multipliers; None where its sets of states repeat."""
         sets_met: set[bytes] = set()
         for _ in range(most_steps):
-            mapped = self._mapped()
-            if mapped.error <= 1.0:
-                return mapped
-            key = mapped.states.tobytes()
+            mapped_tractions = self._mapped()
+            if mapped_tractions.error <= 1.0:
+                return mapped_tractions
+            key = mapped_tractions.states.tobytes()
             if key in sets_met:
                 return None
             sets_met.add(key)
-            mapped = self._with_sticking(mapped)
-            self._newton_step(mapped, np.zeros_like(self.start.change_of_loads))
+            mapped_tractions = self._with_sticking(mapped_tractions)
+            self._newton_step(mapped_tractions, np.zeros_like(self.start.change_of_loads))
         return None
 
-    def _with_sticking(self, mapped: Tractions) -> Tractions:
+    def _with_sticking(self, mapped_tractions: Tractions) -> Tractions:
         """The mapping with nodes that stick in the next step of Newton although they are to slide.
 
         A sliding node that turns round sticks first: from forward to reverse slip at one go, sets
         chase each other. Where all are to slide, the one that is least beyond the Coulomb limit
         sticks: Q < f P.
         """
-        slides = mapped.states > STICK
-        sticks = slides & (self._latest_states > STICK) & (mapped.states != self._latest_states)
-        none_left = not np.any((mapped.states == STICK) | sticks)
+        slides = mapped_tractions.states > STICK
+        sticks = (
+            slides
+            & (self._latest_states > STICK)
+            & (mapped_tractions.states != self._latest_states)
+        )
+        none_left = not np.any((mapped_tractions.states == STICK) | sticks)
         may_slide = self.faces.interface.guided or self.faces.actuators.tangential is not None
         if self.faces.tangential and none_left and not may_slide:
-            beyond_limit = np.abs(mapped.trial_shear) - self.faces.friction * mapped.pressure
+            beyond_limit = (
+                np.abs(mapped_tractions.trial_shear)
+                - self.faces.friction * mapped_tractions.pressure
+            )
             sticks[np.argmin(np.where(slides, beyond_limit, np.inf))] = True
-        return mapped._replace(
-            states=np.where(sticks, STICK, mapped.states).astype(np.int8),
-            shear=np.where(sticks, mapped.trial_shear, mapped.shear),
+        return mapped_tractions._replace(
+            states=np.where(sticks, STICK, mapped_tractions.states).astype(np.int8),
+            shear=np.where(sticks, mapped_tractions.trial_shear, mapped_tractions.shear),
         )
 
     def _mapped(self) -> Tractions:
@@ -290,7 +297,7 @@ class _Iteration:
             largest_force = max(largest_force, largest_shear / self.faces.shear_scale)
         return largest_force / tolerance if tolerance > 0 else np.inf
 
-    def _newton_step(self, mapped: Tractions, change_of_loads: Array) -> None:
+    def _newton_step(self, mapped_tractions: Tractions, change_of_loads: Array) -> None:
         """Solve p = project(...), q = project(...), linear about the iterate, and the loads.
 
         With the derivatives that the states of the mapping have, this asks of a node
@@ -303,20 +310,22 @@ class _Iteration:
         P and Q being the mapped tractions.
         """
         compliance = self.systems.layer
-        states = mapped.states
+        states = mapped_tractions.states
         self._latest_states = states
         is_open = states == OPEN
-        gap_under_pressure = compliance.normal * (mapped.pressure - mapped.trial_pressure)
+        gap_under_pressure = compliance.normal * (
+            mapped_tractions.pressure - mapped_tractions.trial_pressure
+        )
         of_normal_rows = np.where(
-            is_open, mapped.pressure - self._pressure, gap_under_pressure - self._gap
+            is_open, mapped_tractions.pressure - self._pressure, gap_under_pressure - self._gap
         )
         of_tangential_rows = np.zeros_like(of_normal_rows)
         cone = slip_sign(states) * self.faces.friction
         if self.faces.tangential:
             slip_in_stick = self._slip_at_start + compliance.tangential * (
-                mapped.shear - mapped.trial_shear
+                mapped_tractions.shear - mapped_tractions.trial_shear
             )
-            beyond_cone = mapped.shear - cone * mapped.pressure
+            beyond_cone = mapped_tractions.shear - cone * mapped_tractions.pressure
             of_tangential_rows = np.where(
                 states == STICK,
                 slip_in_stick - self._slip,
@@ -334,7 +343,7 @@ class _Iteration:
             self._turn(by_loads[-1], moment)
         # What the rows ask for is met to the last digit: the penalty would magnify its rounding.
         self._gap[~is_open] = gap_under_pressure[~is_open]
-        self._pressure[is_open] = mapped.pressure[is_open]
+        self._pressure[is_open] = mapped_tractions.pressure[is_open]
         if self.faces.tangential:
             sticks = states == STICK
             self._slip[sticks] = slip_in_stick[sticks]
@@ -352,16 +361,16 @@ class _Iteration:
         _, pressure, shear, _ = values[3:].reshape(4, -1)
         return -float(self.faces.interface.work_of_imposed(pressure, shear)[2])
 
-    def _updated(self, multipliers: Array, mapped: Tractions) -> float:
+    def _updated(self, multipliers: Array, mapped_tractions: Tractions) -> float:
         """Replace the multipliers (2, n) by the mapped tractions: their change, over what is
         tolerated.
         """
-        change_of_normal = mapped.pressure - multipliers[0]
-        change_of_tangential = mapped.shear - multipliers[1]
+        change_of_normal = mapped_tractions.pressure - multipliers[0]
+        change_of_tangential = mapped_tractions.shear - multipliers[1]
         self._gap -= self.softness.normal * change_of_normal
         self._slip += self.softness.tangential * change_of_tangential
-        multipliers[0] = mapped.pressure
-        multipliers[1] = mapped.shear
+        multipliers[0] = mapped_tractions.pressure
+        multipliers[1] = mapped_tractions.shear
         return self._over_tolerance(change_of_normal, change_of_tangential)
 
     def answer(self) -> tuple[Array, States]:
@@ -374,15 +383,15 @@ class _Iteration:
         friction = self.faces.friction
         tolerance = _TOLERANCE * float(np.abs(self._pressure).max())
         was_open = self.start.states == OPEN
-        mapped = self._mapped()
+        mapped_tractions = self._mapped()
         is_touching = np.abs(self._pressure) <= tolerance
         is_touching &= np.abs(self._gap) <= tolerance * compliance.normal
         trial_pressure = np.where(
-            is_touching, np.where(was_open, 0.0, _TOUCHING), mapped.trial_pressure
+            is_touching, np.where(was_open, 0.0, _TOUCHING), mapped_tractions.trial_pressure
         )
-        _, _, states = project(trial_pressure, mapped.trial_shear, friction)
+        _, _, states = project(trial_pressure, mapped_tractions.trial_shear, friction)
         if self.faces.tangential:
-            elastic_shear = mapped.trial_shear - self._shear
+            elastic_shear = mapped_tractions.trial_shear - self._shear
             shear_tolerance = tolerance * self.faces.shear_scale
             at_cone = np.abs(np.abs(self._shear) - friction * self._pressure) <= shear_tolerance
             at_cone &= np.abs(elastic_shear) <= shear_tolerance

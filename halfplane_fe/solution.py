@@ -265,11 +265,11 @@ def _solve(
         answer = _of_kernels(answer, kernels)
     if scene.load.is_driven:
         answer = _of_last_cycle(answer, notes_on_rig)
-    given = _without_meshes(answer, kernels) if by_kernels else answer
+    answer_without_meshes = _without_meshes(answer, kernels) if by_kernels else answer
     if run.failure is not None:
-        raise type(run.failure)(str(run.failure), given) from run.failure
-    _check_room(given, run, scales)
-    return given
+        raise type(run.failure)(str(run.failure), answer_without_meshes) from run.failure
+    _check_room(answer_without_meshes, run, scales)
+    return answer_without_meshes
 
 
 def _of_kernels(answer: FiniteElementSolution, kernels: KernelPair) -> FiniteElementSolution:
@@ -353,10 +353,12 @@ def _solve_path(
         of_kinks=task.steps_by_kinks,
     )
     candidates = (faces.true,) if faces.cured is None else (faces.cured, faces.true)
-    for tried in candidates:
-        problem = _contact_problem(task, tried, datum, work)
-        halved = on_half(scene, tried)
-        solved_problem = _contact_problem(task, half(tried), datum, work) if halved else problem
+    for candidate in candidates:
+        problem = _contact_problem(task, candidate, datum, work)
+        half_faces = on_half(scene, candidate)
+        solved_problem = (
+            _contact_problem(task, half(candidate), datum, work) if half_faces else problem
+        )
         run = run_path(
             solved_problem,
             path_of(scene),
@@ -367,11 +369,11 @@ def _solve_path(
         )
         if not isinstance(run.failure, ConvergenceError):
             break
-    if tried is faces.cured:
+    if candidate is faces.cured:
         work[CURED] += 1
     elif faces.cured is not None:
         work[REPEATED] += 1
-    return problem, unfolded(run, tried) if halved else run
+    return problem, unfolded(run, candidate) if half_faces else run
 
 
 class _Watch:

@@ -326,14 +326,14 @@ def run_values(
         number of the cycle, from 1; the last one by default
     """
     number = cycle or len(run.cycle_starts)
-    first = run.cycle_starts[number - 1] if number else 0
+    first_state = run.cycle_starts[number - 1] if number else 0
     has_next = number < len(run.cycle_starts)
-    states = run.states[first : run.cycle_starts[number] + 1 if has_next else None]
+    states = run.states[first_state : run.cycle_starts[number] + 1 if has_next else None]
     time = np.array([state.time for state in states])
     slip = np.array([state.slip for state in states])
-    closed = np.array([state.closed for state in states])
-    largest_slip = float(range_of_slip(slip, closed).max())
-    with_neighbours = float(range_of_slip(slip, _with_neighbours(closed)).max())
+    is_closed = np.array([state.closed for state in states])
+    largest_slip = float(range_of_slip(slip, is_closed).max())
+    with_neighbours = float(range_of_slip(slip, _with_neighbours(is_closed)).max())
     between_instants = with_neighbours - largest_slip
     if largest_slip <= _ROUND_OFF * float(np.max(np.abs(slip))):
         largest_slip = 0.0
@@ -394,12 +394,12 @@ def uncertainties(
         return dict.fromkeys(RULES, math.nan)
     estimates: dict[str, float] = {}
     for name, rule in RULES.items():
-        largest = float(np.max(np.abs(getattr(values, name))))
+        largest_value = float(np.max(np.abs(getattr(values, name))))
         difference = values.difference(name, of_coarse_run)
-        if sheared and (largest == 0 or work < rule.least_work):
+        if sheared and (largest_value == 0 or work < rule.least_work):
             estimates[name] = math.nan
             continue
-        estimate = rule.uncertainty(largest, difference, meshes.refinement, meshes.coarse)
+        estimate = rule.uncertainty(largest_value, difference, meshes.refinement, meshes.coarse)
         estimates[name] = max(estimate, difference) if meshes.plain else estimate
     # Not of the mesh: between two instants nobody sees when a node opens.
     estimates["largest_slip"] += values.slip_between_instants
@@ -414,13 +414,13 @@ def _with_neighbours(closed: Mask) -> Mask:
     return with_neighbours
 
 
-def _common_instants(first: Array, second: Array) -> tuple[Indices, Indices]:
+def _common_instants(instants: Array, other_instants: Array) -> tuple[Indices, Indices]:
     """Indices of the instants that both have, in either."""
-    tolerance = _SAME_INSTANT * max(float(first[-1]), 1.0)
-    following = np.searchsorted(second, first - tolerance)
-    nearest = np.minimum(following, len(second) - 1)
-    same = np.abs(second[nearest] - first) <= tolerance
-    return np.flatnonzero(same), nearest[same]
+    tolerance = _SAME_INSTANT * max(float(instants[-1]), 1.0)
+    next_instants = np.searchsorted(other_instants, instants - tolerance)
+    nearest = np.minimum(next_instants, len(other_instants) - 1)
+    is_common = np.abs(other_instants[nearest] - instants) <= tolerance
+    return np.flatnonzero(is_common), nearest[is_common]
 
 
 class _Shares(NamedTuple):
@@ -569,9 +569,9 @@ def share_of_shapes(scene: Scene, load: Array, element: float) -> float:
     element
         at the edges, over the half-width
     """
-    mirrored = scene.bodies.lower == scene.bodies.upper
+    are_mirrored = scene.bodies.lower == scene.bodies.upper
     is_constant = bool(np.ptp(load) <= _ROUND_OFF * np.max(load))
-    if mirrored or is_constant or not scene.material.alike:
+    if are_mirrored or is_constant or not scene.material.alike:
         return 0.0
     return _BY_SHAPES * element
 
