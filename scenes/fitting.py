@@ -130,11 +130,11 @@ def fitted_keys(x: Array, h: Array, request: FitRequest) -> dict[str, Any]:
     every_row = np.arange(len(x))
     fit = _fit_of_rows(np.delete(x, candidates), np.delete(h, candidates), request)
     for _ in range(_PASSES):
-        kept = np.delete(every_row, candidates)
-        alone = _rows_far_from_fit(h[kept] - fit.curve(x[kept]))
-        if not len(alone) or len(candidates) + len(alone) > _MOST_SPIKES * len(x):
+        kept_rows = np.delete(every_row, candidates)
+        rows_apart = _rows_far_from_fit(h[kept_rows] - fit.curve(x[kept_rows]))
+        if not len(rows_apart) or len(candidates) + len(rows_apart) > _MOST_SPIKES * len(x):
             break
-        candidates = np.sort(np.append(candidates, kept[alone]))
+        candidates = np.sort(np.append(candidates, kept_rows[rows_apart]))
         fit = _fit_of_rows(np.delete(x, candidates), np.delete(h, candidates), request)
     # a corner of the shape stands out from its neighbours, and not from the fit
     sizes = np.abs(h[candidates] - fit.curve(x[candidates]))
@@ -271,7 +271,7 @@ def _fit_of_rows(x: Array, h: Array, request: FitRequest) -> _FitOfRows:
         start = middle
     residuals = (h - h[0]) - height * best_fit.curve
     freedom = max(1, len(x) - round(best_fit.numbers))
-    estimated = max(math.sqrt(float(residuals @ residuals) / freedom), 1e-15 * height)
+    estimated_noise = max(math.sqrt(float(residuals @ residuals) / freedom), 1e-15 * height)
     sides = (middle - x[0], x[-1] - middle)
 
     def curve(places: Array) -> Array:
@@ -284,7 +284,7 @@ def _fit_of_rows(x: Array, h: Array, request: FitRequest) -> _FitOfRows:
         **best_fit.keys(length, height),
         "fitted": {
             "kind": request.kind,
-            "noise": estimated if request.noise is None else request.noise,
+            "noise": estimated_noise if request.noise is None else request.noise,
             "noise_stated": request.noise is not None,
             "centre": middle,
             "centre_fitted": centre_given is None,

@@ -901,8 +901,8 @@ class TimeSeriesLoad(StraightLoad, FromFile):
     @model_validator(mode="after")
     def _displacement_goes_alone(self) -> Self:
         _require_displacement_beside_approach(self)
-        reducing = self.reduce is not None or self.least_normal_load is not None
-        if self.is_driven and (self.average > 1 or reducing):
+        reduces_rows = self.reduce is not None or self.least_normal_load is not None
+        if self.is_driven and (self.average > 1 or reduces_rows):
             raise ValueError(
                 "average, reduce and least_normal_load go with records of P and Q: leave them out"
                 " beside tangential_displacement"

@@ -247,10 +247,10 @@ class FromFile(Frozen):
         kinds = self.column_kinds | {name: self.further[name] for name in column_names}
         table = self._table_of(path, tuple(kinds), columns)
         read_as = layout_in_words(path, table)
-        converted = False
+        is_converted = False
         for k, (name, kind) in enumerate(kinds.items()):
             reading = self._reading(path, table, k, name, kind, units)
-            converted = converted or (reading.unit_known and kind != "time")
+            is_converted = is_converted or (reading.unit_known and kind != "time")
             # what is not finite is refused with its row
             with np.errstate(over="ignore", invalid="ignore"):
                 table.values[:, k] -= reading.zero
@@ -261,7 +261,7 @@ class FromFile(Frozen):
             headings = ", ".join(map(repr, table.unused[:_SHOWN]))
             remainder = f" and {len(table.unused) - _SHOWN} more" * (len(table.unused) > _SHOWN)
             read_as.append(("not read", f"{headings}{remainder}"))
-        if converted:
+        if is_converted:
             read_as.append((SCENE_UNITS, units))
         stated_twice = [name for name in column_names if getattr(self, name) is not None]
         if stated_twice:
@@ -365,16 +365,16 @@ class FromFile(Frozen):
         of other rows.
         """
         keys = super().merged(changes)
-        read = self._named(getattr(self, "columns", None))
+        columns_read = self._named(getattr(self, "columns", None))
         if self.table in changes and "file" not in changes:
-            for key in ("file", "read_as", *READING, *(set(read) - changes.keys())):
+            for key in ("file", "read_as", *READING, *(set(columns_read) - changes.keys())):
                 keys.pop(key, None)
         elif (
             self.table not in changes
             and keys.get("file") is not None
             and not changes.keys().isdisjoint(("file", *READING))
         ):
-            for key in (self.table, "read_as", *(set(read) - changes.keys())):
+            for key in (self.table, "read_as", *(set(columns_read) - changes.keys())):
                 keys.pop(key, None)
         return keys
 
@@ -394,11 +394,11 @@ class FromFile(Frozen):
                 table = text_table(path, tuple(self.column_kinds), stated=columns)
                 place = f"{path}, line {table.lines[fault.row]}"
             raise ValueError(f"{place}: {fault.rule}") from fault
-        unused = [key for key in READING if getattr(self, key, None) is not None]
-        if self.file is None and unused:
+        unused_keys = [key for key in READING if getattr(self, key, None) is not None]
+        if self.file is None and unused_keys:
             raise ValueError(
-                f"{unused[0]} says how a file is read, and `{self.table}` stand in the units of the"
-                " scene: leave it out"
+                f"{unused_keys[0]} says how a file is read, and `{self.table}` stand in the units"
+                " of the scene: leave it out"
             )
         return self
 
@@ -531,14 +531,14 @@ def within(path: Array, tolerance: Array) -> Rows:
         with np.errstate(divide="ignore", invalid="ignore"):
             at_lower = (points_between - slack) / change
             at_upper = (points_between + slack) / change
-        unmoving = change == 0
-        if np.any(np.abs(points_between[:, unmoving]) > slack[unmoving]):
+        does_not_move = change == 0
+        if np.any(np.abs(points_between[:, does_not_move]) > slack[does_not_move]):
             return False
         least_share = np.max(
-            np.where(unmoving, 0.0, np.minimum(at_lower, at_upper)), axis=1, initial=0.0
+            np.where(does_not_move, 0.0, np.minimum(at_lower, at_upper)), axis=1, initial=0.0
         )
         largest_share = np.min(
-            np.where(unmoving, 1.0, np.maximum(at_lower, at_upper)), axis=1, initial=1.0
+            np.where(does_not_move, 1.0, np.maximum(at_lower, at_upper)), axis=1, initial=1.0
         )
         return bool(np.all(np.maximum.accumulate(least_share) <= largest_share))
 

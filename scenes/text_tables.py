@@ -504,8 +504,8 @@ def _are_units(cells: Sequence[str]) -> bool:
     (True, True, False)
     """
     words = [cell.strip("[](){}<> ") for cell in cells]
-    bracketed = [cell[:1] in "[({<" and cell[-1:] in "])}>" for cell in cells if cell]
-    if bracketed and all(bracketed):
+    in_brackets = [cell[:1] in "[({<" and cell[-1:] in "])}>" for cell in cells if cell]
+    if in_brackets and all(in_brackets):
         return True
     return any(is_unit(word) or word.lower() in _RAW for word in words)
 
@@ -611,12 +611,12 @@ def _plain_layout(request: _Request, lines: list[Line]) -> _Layout:
     list_of_columns = ", ".join(columns)
     count = len(columns)
     start, mark, cells = _first_row(lines, count)
-    exact = (
+    counts_alike = (
         start == 0
         and len(cells) == count
         and not any(isinstance(heading, str) for heading in request.stated.values())
     )
-    if cells and (request.by_number or exact):
+    if cells and (request.by_number or counts_alike):
         used_columns = tuple(range(count))
         if request.by_number:
             used_columns = tuple(int(request.stated[name]) - 1 for name in columns)
@@ -843,11 +843,11 @@ def _numbers_cell_by_cell(path: Path, rows: Iterator[Line], layout: _Layout, com
     values = array("d")
     line_numbers = array("q")
     text_lines: list[Line] = []  # since the last row
-    repeated: list[int] = []
+    repeated_columns: list[int] = []
     for line, text in rows:
         cells = _cells(text, layout.separator)
         if cells == [name.strip() for name in layout.names]:
-            repeated.append(line)
+            repeated_columns.append(line)
             continue
         if _is_text(cells, layout, comma):
             text_lines.append((line, text))
@@ -859,8 +859,8 @@ def _numbers_cell_by_cell(path: Path, rows: Iterator[Line], layout: _Layout, com
     if not line_numbers:
         _row(path, *text_lines[0], layout, comma, clock)
     left_out = []
-    if repeated:
-        left_out.append(f"line {', '.join(map(str, repeated[:5]))}: the headings once more")
+    if repeated_columns:
+        left_out.append(f"line {', '.join(map(str, repeated_columns[:5]))}: the headings once more")
     if text_lines:
         line, text = text_lines[0]
         count = "1 line" if len(text_lines) == 1 else f"{len(text_lines)} lines"
@@ -876,8 +876,12 @@ def _numbers_cell_by_cell(path: Path, rows: Iterator[Line], layout: _Layout, com
 def _is_text(cells: Sequence[str], layout: _Layout, comma: bool) -> bool:
     """Whether a line is text and no row: a word stands in the first column that is read."""
     place = layout.used[0]
-    first = cells[place] if place < len(cells) else cells[0]
-    return first[:1].isalpha() and _number(first, comma) is None and not is_clock_time(first)
+    first_cell = cells[place] if place < len(cells) else cells[0]
+    return (
+        first_cell[:1].isalpha()
+        and _number(first_cell, comma) is None
+        and not is_clock_time(first_cell)
+    )
 
 
 def _row(

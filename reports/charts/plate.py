@@ -381,9 +381,9 @@ class Panel:
             unit = max((high_x - low_x) / panel_width, (high_y - low_y) / up)
             low_x, high_x = _about_the_middle(low_x, high_x, unit * panel_width)
             low_y, high_y = _about_the_middle(low_y, high_y, unit * up)
-        horizontal = Scale(low_x, high_x, left, self.width - right, self.x.log)
-        vertical = Scale(low_y, high_y, self.height - bottom, top, self.y.log)
-        return Frame(horizontal, vertical, self.width, self.height)
+        x_scale = Scale(low_x, high_x, left, self.width - right, self.x.log)
+        y_scale = Scale(low_y, high_y, self.height - bottom, top, self.y.log)
+        return Frame(x_scale, y_scale, self.width, self.height)
 
     def _automatic_room(self) -> tuple[float, float, float, float]:
         """Left, top, right and bottom of the area: room for title, notes and the words of axes."""

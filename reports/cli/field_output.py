@@ -68,12 +68,12 @@ def fields(job: Job) -> Answer:
         require_drawing(stages)
     load_engines(stages)
     solution = files.with_bodies(solve_finite_elements(job), "fields")
-    chosen = files.instants_of(options.at, solution, "--at")
+    chosen_instants = files.instants_of(options.at, solution, "--at")
     series: Sequence[Instant] = ()
     notes: list[str] = []
     if _series(options):
         series, notes = files.series_of(solution, options.every, options.frames)
-    by_time = {instant.time: instant for instant in (*series, *chosen)}
+    by_time = {instant.time: instant for instant in (*series, *chosen_instants)}
     instants = [by_time[time] for time in sorted(by_time)]
     rows: list[dict[str, Any]] = []
     stills: list[tuple[Instant, Snapshot]] = []
@@ -85,7 +85,7 @@ def fields(job: Job) -> Answer:
         """Snapshots on their way to disk: what is stated of each is noted, those of named instants
         are kept for stills.
         """
-        times_of_stills = {instant.time for instant in chosen}
+        times_of_stills = {instant.time for instant in chosen_instants}
         for instant, snapshot in zip(instants, files.snapshots_of(solution, instants), strict=True):
             rows.append(files.stated(instant, snapshot))
             if instant.time in times_of_stills:
@@ -125,9 +125,9 @@ def fields(job: Job) -> Answer:
         replace_text(job.folder / "fields" / "fields.json", as_json(content))
     names_of_files = ["fields/fields.json", *written_names, *pictures]
     pvd = str(job.folder / "fields" / "fields.pvd")
-    copied = ("instants", "largest nodal stresses", "notes", *measures)
+    copied_keys = ("instants", "largest nodal stresses", "notes", *measures)
     answer = {
-        **{key: content[key] for key in copied},
+        **{key: content[key] for key in copied_keys},
         "passed": True,
         "files": names_of_files,
         "file": pvd,

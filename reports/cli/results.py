@@ -348,10 +348,11 @@ def _difference_parts(change: Difference) -> Iterator[Part]:
     if identical := len(change.rows) - len(listed_rows):
         yield f"{identical} values are the same to the last digit and not listed (--json has them)"
     yield from change.notes
-    different = [row.key for row in change.rows if row.verdict != SAME]
+    different_rows = [row.key for row in change.rows if row.verdict != SAME]
     all_of = f"all {len(change.rows)} values are the same within tolerance"
-    if different:
-        yield f"{len(change.rows)} values, {len(different)} differ: {', '.join(different)}"
+    if different_rows:
+        names = ", ".join(different_rows)
+        yield f"{len(change.rows)} values, {len(different_rows)} differ: {names}"
     else:
         yield all_of
 

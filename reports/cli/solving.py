@@ -598,9 +598,9 @@ def _left_out(report: Report, findings: Sequence[Finding]) -> Iterator[Part]:
             if is_warning:
                 yield f"Warning: {sentence}"
         counts.append("what was read of the record")
-    missed = sum(not finding.met for finding in findings)
-    if missed:
-        counts.append(f"{missed} of {len(findings)} expected numbers missed")
+    n_missed = sum(not finding.met for finding in findings)
+    if n_missed:
+        counts.append(f"{n_missed} of {len(findings)} expected numbers missed")
     elif findings:
         counts.append(f"all {len(findings)} expected numbers met")
     if counts:
@@ -635,8 +635,8 @@ def _budget_shown(report: Report, budget: ErrorBudget) -> Iterator[Part]:
     """Where the errors come from; E stands in the table above it."""
     from reports.comparison.budget_words import budget_table, cost, negligible_terms
 
-    without = negligible_terms(budget)
-    heads, rows, _ = budget_table(budget, (*without, "E"))
+    without_terms = negligible_terms(budget)
+    heads, rows, _ = budget_table(budget, (*without_terms, "E"))
     place_of_rest = heads.index("± u") - 1
     heads = (*heads[:place_of_rest], "left", *heads[place_of_rest + 1 :])
     title = "Where the difference comes from"
@@ -648,8 +648,8 @@ def _budget_shown(report: Report, budget: ErrorBudget) -> Iterator[Part]:
         yield "Left: half-planes have no idealisation error, so u must cover it."
     else:
         yield "Left: the idealisation error."
-    if without:
-        yield f"Below a thousandth of every difference, and not shown: {', '.join(without)}."
+    if without_terms:
+        yield f"Below a thousandth of every difference, and not shown: {', '.join(without_terms)}."
     yield f"Covered by the stated uncertainty: {report.honest}"
     yield cost(budget)
 
@@ -665,10 +665,10 @@ def _expected_shown(findings: Sequence[Finding]) -> Iterator[Part]:
     from reports.comparison.laws import EXPECTED_HEADS, expected_rows
 
     if findings:
-        missed = sum(not finding.met for finding in findings)
+        n_missed = sum(not finding.met for finding in findings)
         yield Sheet("Expected numbers", EXPECTED_HEADS, expected_rows(findings), (2, 3, 4, 5))
-        if missed:
-            yield f"{missed} of {len(findings)} expected numbers are missed."
+        if n_missed:
+            yield f"{n_missed} of {len(findings)} expected numbers are missed."
         else:
             yield f"All {len(findings)} expected numbers are met."
 

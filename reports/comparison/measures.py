@@ -126,8 +126,8 @@ class Measured(PythonNumbers):
             return False
         reference_values, result_values = self.amounts
         difference = self.value * self.denominator
-        missed = abs(result_values - reference_values - difference)
-        return missed > _SAME_DIGITS * max(abs(reference_values), abs(result_values))
+        mismatch = abs(result_values - reference_values - difference)
+        return mismatch > _SAME_DIGITS * max(abs(reference_values), abs(result_values))
 
     def _in_its_unit(self, uncertainty: float | None) -> float | None:
         if uncertainty is None or not math.isfinite(uncertainty) or self.denominator is None:
@@ -419,27 +419,31 @@ def _in_contact_in_both(pair: Pair) -> Mask:
 
 def dissipation(pair: Pair) -> Measured:
     """W of the last cycle."""
-    measured = _beside_extremum(
+    measurement = _beside_extremum(
         pair.plain_reference.dissipation,
         pair.reference.dissipation,
         pair.result.dissipation,
         pair.scales.dissipation,
         external=pair.plain_reference is not pair.reference,
     )
-    measured = _with_stated(pair, measured, "dissipation", "dissipation")
-    if measured.absolute:
+    measurement = _with_stated(pair, measurement, "dissipation", "dissipation")
+    if measurement.absolute:
         note = "the reference dissipates nothing, so the value is absolute"
-        return replace(measured, note=note)
-    return measured
+        return replace(measurement, note=note)
+    return measurement
 
 
 def largest_dissipation_density(pair: Pair) -> Measured:
     """Largest w(x)."""
     common = float(pair.expected.dissipation_density.max())
-    largest = float(pair.found.dissipation_density.max())
-    measured = _beside_theory(pair, "dissipation_density", common, largest, pair.scales.density)
-    measured = _with_stated(pair, measured, "largest_dissipation_density", "dissipation_density")
-    return replace(measured, place=_place_of_largest(pair, pair.found.dissipation_density))
+    largest_value = float(pair.found.dissipation_density.max())
+    measurement = _beside_theory(
+        pair, "dissipation_density", common, largest_value, pair.scales.density
+    )
+    measurement = _with_stated(
+        pair, measurement, "largest_dissipation_density", "dissipation_density"
+    )
+    return replace(measurement, place=_place_of_largest(pair, pair.found.dissipation_density))
 
 
 def edge_tension(pair: Pair) -> Measured:
@@ -458,11 +462,11 @@ def edge_tension(pair: Pair) -> Measured:
 
     reference_value, reference_uncertainty = tension_of_reference
     result_value, result_uncertainty = tension_of_result
-    measured = _of_amounts(reference_value, result_value, pair.scales.shear)
-    scale = pair.scales.shear if measured.absolute else abs(reference_value)
+    measurement = _of_amounts(reference_value, result_value, pair.scales.shear)
+    scale = pair.scales.shear if measurement.absolute else abs(reference_value)
     uncertainty = (reference_uncertainty + result_uncertainty) / scale
-    stated = (reference_uncertainty, result_uncertainty)
-    return replace(measured, uncertainty=uncertainty, stated=stated)
+    uncertainties = (reference_uncertainty, result_uncertainty)
+    return replace(measurement, uncertainty=uncertainty, stated=uncertainties)
 
 
 def _largest_tension(solution: ContactSolution, pair: Pair) -> tuple[float, float] | None:
@@ -473,8 +477,8 @@ def _largest_tension(solution: ContactSolution, pair: Pair) -> tuple[float, floa
         return pair.largest.edge_tension, pair.largest.edge_tension_uncertainty
     if solution.engine != "halfplane_fe":
         return None
-    largest = halfplane_fe.largest_edge_tension(solution)
-    return None if largest is None else (largest.value, largest.uncertainty)
+    largest_tension = halfplane_fe.largest_edge_tension(solution)
+    return None if largest_tension is None else (largest_tension.value, largest_tension.uncertainty)
 
 
 # ------------------------------------------------------------------------------- pressure and shear
@@ -535,18 +539,20 @@ def _normal_resultant(cycle: Cycle, weights: Array, normals: Array) -> Array:
     normals
         (2, n) out of the lower body, p acting along it and q across it
     """
-    along, across = normals
-    resultant = np.asarray(cycle.pressure @ (weights * across))
+    along_face, across_face = normals
+    resultant = np.asarray(cycle.pressure @ (weights * across_face))
     # Zero times no shear, which a pressure alone has, is nothing of P.
-    if along.any():
-        resultant = resultant + cycle.shear @ (weights * along)
+    if along_face.any():
+        resultant = resultant + cycle.shear @ (weights * along_face)
     return resultant
 
 
 def _tangential_resultant(cycle: Cycle, weights: Array, normals: Array) -> Array:
     """Q that the tractions of `cycle` carry, as `_normal_resultant`."""
-    along, across = normals
-    return np.asarray(cycle.shear @ (weights * across) - cycle.pressure @ (weights * along))
+    along_face, across_face = normals
+    return np.asarray(
+        cycle.shear @ (weights * across_face) - cycle.pressure @ (weights * along_face)
+    )
 
 
 def _resultant(
@@ -579,8 +585,8 @@ def _resultant(
 def contact_edge(pair: Pair) -> Measured:
     """Outward shift of the worse contact edge."""
     shift = _shift_of_worse_edge(pair.expected.contact_edges, pair.found.contact_edges)
-    measured = _at_worst(pair, shift / pair.scales.half_width)
-    return replace(measured, elements=_in_elements(pair, measured.value))
+    measurement = _at_worst(pair, shift / pair.scales.half_width)
+    return replace(measurement, elements=_in_elements(pair, measurement.value))
 
 
 def stick_edge(pair: Pair) -> Measured:
@@ -593,20 +599,20 @@ def stick_edge(pair: Pair) -> Measured:
     status_of_reference = _stick_status(pair.expected, length)
     status_of_result = _stick_status(pair.found, length)
     shift = _shift_of_worse_edge(pair.expected.stick_edges, pair.found.stick_edges)
-    compared = pair.judged & _with_stick_edges(status_of_reference, status_of_result)
-    measured = _at_worst(pair, shift / length, compared)
+    is_compared = pair.judged & _with_stick_edges(status_of_reference, status_of_result)
+    measurement = _at_worst(pair, shift / length, is_compared)
 
-    differing = int((status_of_reference != status_of_result)[pair.judged].sum())
+    n_differing = int((status_of_reference != status_of_result)[pair.judged].sum())
     note = ""
-    if differing:
+    if n_differing:
         note = (
-            f"{differing} of {int(pair.judged.sum())} instants differ in full stick, partial slip"
+            f"{n_differing} of {int(pair.judged.sum())} instants differ in full stick, partial slip"
             " or full slip"
         )
-    if measured.value is None and differing:
+    if measurement.value is None and n_differing:
         none_in_both = f"no instant has a stick edge in both: {note}"
-        return replace(measured, value=math.nan, note=none_in_both)
-    return replace(measured, note=note, elements=_in_elements(pair, measured.value))
+        return replace(measurement, value=math.nan, note=none_in_both)
+    return replace(measurement, note=note, elements=_in_elements(pair, measurement.value))
 
 
 def _shift_of_worse_edge(of_reference: Array, of_result: Array) -> Array:
@@ -616,8 +622,8 @@ def _shift_of_worse_edge(of_reference: Array, of_result: Array) -> Array:
     [0.02]
     """
     outward = (of_result - of_reference) * np.array([-1.0, 1.0])
-    worse = np.argmax(np.abs(outward), axis=1)
-    return np.asarray(outward[np.arange(len(outward)), worse])
+    worse_side = np.argmax(np.abs(outward), axis=1)
+    return np.asarray(outward[np.arange(len(outward)), worse_side])
 
 
 def _in_elements(pair: Pair, value: float | None) -> float | None:
@@ -738,9 +744,9 @@ def tangential_displacement(pair: Pair) -> Measured:
     stroke = float(np.ptp(reference_values))
     least_stroke = _NOTHING * pair.scales.shift
     if stroke <= least_stroke:
-        nothing = np.full_like(reference_values, np.nan)
+        no_values = np.full_like(reference_values, np.nan)
         note = "the reference does not move sideways"
-        return Measured(value=None, series=nothing, note=note)
+        return Measured(value=None, series=no_values, note=note)
     # A stroke that is NaN moves: it must not count as standing still and hide.
     series = np.full_like(reference_values, np.nan)
     if stroke > least_stroke:
@@ -839,9 +845,9 @@ def dissipation_density(pair: Pair) -> Measured:
     counts as work).
     """
     reference_values = pair.expected.dissipation_density
-    largest = np.max(np.abs(reference_values))
-    absolute = bool(largest <= _NO_DISSIPATION * pair.scales.density)
-    scale = pair.scales.density if absolute else largest
+    largest_reference = np.max(np.abs(reference_values))
+    absolute = bool(largest_reference <= _NO_DISSIPATION * pair.scales.density)
+    scale = pair.scales.density if absolute else largest_reference
     difference = (pair.found.dissipation_density - reference_values) / scale
     value, x = _worst(difference, np.ones(len(difference), bool), pair.found.x)
     place = None if x is None else x / pair.scales.half_width

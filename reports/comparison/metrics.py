@@ -138,10 +138,12 @@ def missing(solution: ContactSolution) -> dict[str, str]:
     An engine that was not asked for a field, and a foreign result that lacks one, say so alike: in
     `work.skipped`.
     """
-    needed: set[str] = set()
+    needed_fields: set[str] = set()
     for metric in METRICS.values():
-        needed.update(metric.needs)
-    return {name: reason for name, (_, reason) in solution.work.skipped.items() if name in needed}
+        needed_fields.update(metric.needs)
+    return {
+        name: reason for name, (_, reason) in solution.work.skipped.items() if name in needed_fields
+    }
 
 
 def judge(pair: Pair, tolerances: Mapping[str, float]) -> tuple[Metric, ...]:
@@ -160,20 +162,20 @@ def judge(pair: Pair, tolerances: Mapping[str, float]) -> tuple[Metric, ...]:
     for metric in METRICS.values():
         if metric.exists is not None and not metric.exists(pair):
             continue
-        admitted = metric.admitted(tolerances)
-        lacking = _first_lacking(metric, reasons)
+        tolerance = metric.admitted(tolerances)
+        reason = _first_lacking(metric, reasons)
         if FRICTION in metric.needs and not pair.result.scene.friction.coefficient:
             note = "frictionless: nothing sticks and nothing resists slip"
             metrics.append(replace(metric, note=note, tolerance=None))
-        elif lacking:
+        elif reason:
             # Of a contact that carries no shear a lacking shear or slip leaves nothing open.
             is_open = carries_shear or not set(metric.needs) & set(OF_FRICTION)
-            tolerance = admitted if is_open else None
-            metrics.append(replace(metric, note=lacking, tolerance=tolerance, lacking=True))
+            judged_by = tolerance if is_open else None
+            metrics.append(replace(metric, note=reason, tolerance=judged_by, lacking=True))
         else:
             measurement = metric.measure(pair)
             metrics.append(
-                metric.with_value(measurement, None if measurement.value is None else admitted)
+                metric.with_value(measurement, None if measurement.value is None else tolerance)
             )
     return tuple(metrics)
 
@@ -205,8 +207,8 @@ def tolerances_of(
     of_scene = {
         key: value for key, value in scene.tolerances.model_dump().items() if value is not None
     }
-    admitted = {**of_engines, **of_scene, **(tolerances or {})}
-    return {key: value for key, value in admitted.items() if value < math.inf}
+    tolerance_values = {**of_engines, **of_scene, **(tolerances or {})}
+    return {key: value for key, value in tolerance_values.items() if value < math.inf}
 
 
 def markdown() -> str:

@@ -434,11 +434,11 @@ def verdict_in_short(comparison: JudgedPair) -> str:
     """
     certificates = (*comparison.reference_certificates, *comparison.result_certificates)
     has_isolated_points = any(mask.any() for mask in comparison.isolated.values())
-    beginning = lead(comparison)
-    if not beginning or has_isolated_points or not all(check.holds for check in certificates):
-        return f"{beginning} {verdict(comparison)}".strip()
+    first_words = lead(comparison)
+    if not first_words or has_isolated_points or not all(check.holds for check in certificates):
+        return f"{first_words} {verdict(comparison)}".strip()
     # "Undecided." has its names in the next sentence.
-    sentences = [] if standing(comparison) == "undecided" else [beginning]
+    sentences = [] if standing(comparison) == "undecided" else [first_words]
     for state, words in ((Verdict.OUTSIDE, "Outside"), (Verdict.UNDECIDED, "Undecided")):
         names = [_name(metric) for metric in comparison.metrics if metric.verdict is state]
         if names:

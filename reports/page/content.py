@@ -67,14 +67,14 @@ def whole_content(report: Report, command: str, seconds: Mapping[str, float]) ->
     verdicts = {
         name: getattr(comparison, name) for name in ("passed", "accurate", "verdict", "admissible")
     }
-    unscored = [metric.key for metric in comparison.unscored]
+    unscored_keys = [metric.key for metric in comparison.unscored]
     return {
         "format": _FORMAT,
         **common_content(report),
         "profile_fit": fit_content(comparison.scene),
         "verdict": {
             **verdicts,
-            "unscored": unscored,
+            "unscored": unscored_keys,
             "judged": how_judged(comparison, has_budget=budget is not None),
             "honest": report.honest,
             "sentence": verdict(comparison),
