@@ -321,7 +321,7 @@ class _SameLoads(NamedTuple):
         of_half_planes = theory.work(rows)
         if not of_half_planes > 0:
             return cls()
-        with_bodies = follow(*by_rows, curvatures_of(rig.effects))
+        with_bodies = follow(*by_rows, curvatures_of(rig.effects), theory.followed)
         bodies = PathSeries(with_bodies, rig.contact, rig.modulus, rig.effects)
         by_curvatures = float(np.sum(driven.slip_work[rows][1:]))
         return cls(

@@ -121,9 +121,10 @@ _MOST_ON_GRIDS = 0.3
 _INSTANTS = 9
 _PLACES = 36
 _NEAR = 0.01
-# Places at which |q| is compared with f p, and the share of the largest f p by which it is beyond.
-_LOOKED_AT = 100
-_BEYOND_LIMIT = 1e-8
+# Places at which |q| is compared with f p, and the share of the largest f p by which it is beyond:
+# a third of what breaks a law of an answer by steps.
+_LOOKED_AT_FIRST, _LOOKED_AT = 30, 100
+_BEYOND_LIMIT = 3e-7
 # Rows of which this is done at once: 2 MB.
 _AT_ONCE = 2000
 
@@ -531,7 +532,11 @@ class PathSeries:
         edges = _logarithms(followed.table, followed.edge, datum)
         of_pressure = edges.profile + followed.normal_curvature * edges.parabola
         of_pressure = of_pressure + followed.normal_fourth * edges.fourth
-        of_shear = pieces.sums(*tops)[followed.curve]
+        of_shear = pieces.sums(
+            (pieces.slope, tops.profile),
+            (pieces.parabola_slope, tops.parabola),
+            (pieces.fourth_slope, tops.fourth),
+        )[followed.curve]
         of_shear = of_shear + followed.tangential_curvature * edges.parabola
         of_shear = of_shear + followed.tangential_fourth * edges.fourth
         is_pressed = followed.normal_load > 0
@@ -550,20 +555,32 @@ class PathSeries:
         )
         if not np.any(added):
             return senses
-        shares = np.sin(np.linspace(0.0, math.pi / 2, _LOOKED_AT))
-        points = PointFields(self, float(np.max(self.half_width)) * shares)
-        largest_load = int(np.argmax(followed.normal_load))
-        pressure = points.pressure(np.array([largest_load]))
-        allowed = _BEYOND_LIMIT * followed.friction * float(np.nanmax(pressure))
+        largest_load = np.array([np.argmax(followed.normal_load)])
+        middle = PointFields(self, np.zeros(1))
+        allowed = _BEYOND_LIMIT * followed.friction * float(middle.pressure(largest_load)[0, 0])
+        # A hundredth of it at some places, at a row or next to it, shows where to look closer.
+        is_suspect = np.zeros(len(senses))
         for begin in range(0, len(senses), _AT_ONCE):
             rows = np.arange(begin, min(begin + _AT_ONCE, len(senses)))
-            shear = points.shear_of_memory(rows)
-            excess = np.nan_to_num(np.abs(shear) - followed.friction * points.pressure(rows))
-            place = np.argmax(excess, axis=1)[:, None]
-            is_beyond = np.take_along_axis(excess, place, axis=1)[:, 0] > allowed
-            sense = np.sign(np.take_along_axis(shear, place, axis=1)[:, 0])
-            senses[rows] = np.where(is_beyond, sense, 0)
+            largest_excess, _ = self._beyond_limit(rows, _LOOKED_AT_FIRST)
+            is_suspect[rows] = largest_excess > allowed / 100
+        closer = np.flatnonzero(np.convolve(is_suspect, np.ones(5), mode="same"))
+        if len(closer):
+            largest_excess, sense = self._beyond_limit(closer, _LOOKED_AT)
+            senses[closer] = np.where(largest_excess > allowed, sense, 0)
         return senses
+
+    def _beyond_limit(self, rows: Indices, count: int) -> tuple[Array, Array]:
+        """Largest |q| - f p of the memory curve at so many places, and the sign of q there, at rows
+        (n,): (n,) each.
+        """
+        shares = np.sin(np.linspace(0.0, math.pi / 2, count))
+        points = PointFields(self, float(np.max(self.half_width)) * shares)
+        shear = points.shear_of_memory(rows)
+        excess = np.nan_to_num(np.abs(shear) - self.followed.friction * points.pressure(rows))
+        place = np.argmax(excess, axis=1)[:, None]
+        largest_excess = np.take_along_axis(excess, place, axis=1)[:, 0]
+        return largest_excess, np.sign(np.take_along_axis(shear, place, axis=1)[:, 0])
 
     @cached_property
     def _inner_slips(self) -> dict[int, InnerSlip]:
@@ -623,6 +640,8 @@ class PointFields:
         self.series = series
         self._followed = series.followed
         self._x = x
+        # Rows, ascending, of which the slip was worked out, and the slip.
+        self._known_slip: tuple[Indices, Array] = (np.zeros(0, dtype=np.int64), np.zeros((0, 0)))
 
     def pressure(self, rows: Indices) -> Array:
         """p, (n, k)."""
@@ -631,7 +650,9 @@ class PointFields:
         of_profile = self.series.contact.pressure(self._x, profile_load)
         half_width = self.series.half_width[rows]
         bend = followed.normal_curvature[rows, None]
-        pressure = of_profile + bend * self._of_parabola(half_width)
+        pressure = of_profile
+        if np.any(bend):
+            pressure = pressure + bend * self._of_parabola(half_width)
         if np.any(followed.normal_fourth):
             fourth = followed.normal_fourth[rows, None]
             pressure = pressure + fourth * self._of_fourth(half_width)
@@ -649,7 +670,9 @@ class PointFields:
         followed = self._followed
         half_width = self.series.half_width[rows]
         bend = followed.tangential_curvature[rows, None]
-        shear = self._shear_of_curves[followed.curve[rows]] + bend * self._of_parabola(half_width)
+        shear = self._shear_of_curves(rows)
+        if np.any(bend):
+            shear = shear + bend * self._of_parabola(half_width)
         if np.any(followed.tangential_fourth):
             fourth = followed.tangential_fourth[rows, None]
             shear = shear + fourth * self._of_fourth(half_width)
@@ -674,15 +697,26 @@ class PointFields:
 
     def slip(self, rows: Indices) -> Array:
         """s, (n, k)."""
+        known_rows, known_slip = self._known_slip
+        if len(known_rows):
+            place = np.minimum(np.searchsorted(known_rows, rows), len(known_rows) - 1)
+            if np.array_equal(known_rows[place], rows):
+                return known_slip[place]
+        slip = self._slip(rows)
+        if np.all(np.diff(rows) > 0):
+            self._known_slip = (rows, slip)
+        return slip
+
+    def _slip(self, rows: Indices) -> Array:
         followed = self._followed
+        slip = self._slip_of_curves(rows)
         # Inside the contact what sticks follows the curvature of the faces; outside it does not.
         bend = followed.tangential_curvature[rows, None]
-        half_width = self.series.half_width[rows]
-        outside = self._outside_parabola(half_width)
-        slip = self._slip_of_curves[followed.curve[rows]] + bend * (outside - self._x**2 / 2)
-        if np.any(followed.tangential_fourth):
-            fourth = followed.tangential_fourth[rows, None]
-            slip = slip + fourth * (self._outside_fourth(half_width) - self._x**4 / 24)
+        fourth = followed.tangential_fourth[rows, None]
+        if np.any(bend) or np.any(fourth):
+            of_parabola, of_fourth = self._outside(self.series.half_width[rows])
+            slip = slip + bend * (of_parabola - self._x**2 / 2)
+            slip = slip + fourth * (of_fourth - self._x**4 / 24)
         if self.series.way is not None:
             slip = slip + self.series.way[rows, None]
         for number, further in self.inner_slips(rows):
@@ -715,22 +749,28 @@ class PointFields:
         is_rubbed = slips & (self._x >= least_stick)
         return np.asarray(np.sum(np.where(is_rubbed, mean_limit * distance, 0.0), axis=0))
 
-    @cached_property
-    def _shear_of_curves(self) -> Array:
-        """Shear of each memory curve, (pieces, k)."""
-        pieces = self._followed.pieces
-        half = self._followed.table.half_width(pieces.top)
-        of_profile = self.series.contact.pressure_rise(self._x, pieces.load[:, None])
-        return pieces.sums(of_profile, self._of_parabola(half), self._of_fourth(half))
+    def _shear_of_curves(self, rows: Indices) -> Array:
+        """Shear of the memory curves at rows, (n, k)."""
+        followed = self._followed
+        pieces, curves = followed.pieces.of_curves(followed.curve[rows])
+        half_width = followed.table.half_width(pieces.top)
+        of_curves = pieces.sums(
+            (pieces.slope, self.series.contact.pressure_rise(self._x, pieces.load[:, None])),
+            (pieces.parabola_slope, self._of_parabola(half_width)),
+            (pieces.fourth_slope, self._of_fourth(half_width)),
+        )
+        return of_curves[curves]
 
-    @cached_property
-    def _slip_of_curves(self) -> Array:
-        """Slip of each memory curve, (pieces, k)."""
-        pieces = self._followed.pieces
-        half = self._followed.table.half_width(pieces.top)
-        unit = self.series.unit
-        of_profile = unit * self.series.contact.slip_integral(self._x, pieces.load[:, None])
-        return pieces.sums(of_profile, self._outside_parabola(half), self._outside_fourth(half))
+    def _slip_of_curves(self, rows: Indices) -> Array:
+        """Slip of the memory curves at rows, (n, k)."""
+        followed = self._followed
+        pieces, curves = followed.pieces.of_curves(followed.curve[rows])
+        of_profile = self.series.contact.slip_integral(self._x, pieces.load[:, None])
+        terms = [(self.series.unit * pieces.slope, of_profile)]
+        if np.any(pieces.parabola_slope) or np.any(pieces.fourth_slope):
+            of_parabola, of_fourth = self._outside(followed.table.half_width(pieces.top))
+            terms += [(pieces.parabola_slope, of_parabola), (pieces.fourth_slope, of_fourth)]
+        return pieces.sums(*terms)[curves]
 
     def _of_parabola(self, half_width: Array) -> Array:
         """Pressure of a parabola of curvature 1, (E*/2) sqrt(a^2 - x^2): (n, k)."""
@@ -743,23 +783,18 @@ class PointFields:
         square = half_width[:, None] ** 2 + 2 * self._x**2
         return np.asarray(self._of_parabola(half_width) * square / 12)
 
-    def _outside_fourth(self, half_width: Array) -> Array:
-        """(A/pi) int arccosh(|x|/c) dG_4 over c < min(a, |x|) = int (c^3/4) arccosh(|x|/c) dc:
-        (n, k).
+    def _outside(self, half_width: Array) -> tuple[Array, Array]:
+        """(A/pi) int arccosh(|x|/c) dG and dG_4 over c < min(a, |x|), int c arccosh(|x|/c) dc and
+        int (c^3/4) arccosh(|x|/c) dc: (n, k) each.
         """
         x = self._x
         inner = np.minimum(half_width[:, None], x)
-        root = np.sqrt(np.maximum((x - inner) * (x + inner), 0.0))
-        arc = np.arcsinh(root / np.where(inner > 0, inner, np.inf))
-        of_root = 2 / 3 * x**3 - x**2 * root + root**3 / 3
-        return np.asarray((inner**4 * arc + x * of_root) / 16)
-
-    def _outside_parabola(self, half_width: Array) -> Array:
-        """(A/pi) int arccosh(|x|/c) dG over c < min(a, |x|) = int c arccosh(|x|/c) dc: (n, k)."""
-        inner = np.minimum(half_width[:, None], self._x)
-        root = np.sqrt(np.maximum((self._x - inner) * (self._x + inner), 0.0))
-        arc = np.arcsinh(root / np.where(inner > 0, inner, np.inf))
-        return np.asarray((inner**2 * arc + self._x * (self._x - root)) / 2)
+        square = inner**2
+        root = np.sqrt(np.maximum(x**2 - square, 0.0))
+        arc = np.arcsinh(root / np.where(inner > 0, inner, np.inf)) * square
+        of_parabola = (arc + x * (x - root)) / 2
+        of_fourth = (square * arc + x * (2 / 3 * x**3 - x**2 * root + root**3 / 3)) / 16
+        return np.asarray(of_parabola), np.asarray(of_fourth)
 
 
 def _logarithms(table: PunchTable, s: Array, datum: float) -> PunchMoments:
@@ -902,8 +937,8 @@ def _followed(question: Question) -> _Paths:
     largest_parabola = float(table.parabola(table.last))
     rows = route.with_turning_points(rows, friction, curvatures, largest_parabola)
     loads = (rows.normal_load, rows.tangential_load)
-    with_bodies = follow(table, friction, *loads, curvatures, rows.ends)
     without = follow(table, friction, *loads, Curvatures())
+    with_bodies = follow(table, friction, *loads, curvatures, without)
     steady_from = _steady_from(with_bodies, rows, scene)
     return _Paths(
         question=question,
@@ -1163,7 +1198,8 @@ def _works_of_cycles(
 
     # displacements do not have what tilt and bulk strain do to slip
     has_loop = (
-        odd.answer is None
+        paths.question.wants("loop_work")
+        and odd.answer is None
         and odd.on_grids is None
         and paths.is_steady
         and paths.rows.period is not None
@@ -1206,7 +1242,8 @@ def left_of_work(
     rest = change
     for words in CURVATURES:
         these_alone = curvatures_of(with_these_alone(effects, words))
-        by_these = follow(followed.table, followed.friction, *loads, these_alone)
+        by_rows = (followed.table, followed.friction, *loads)
+        by_these = follow(*by_rows, these_alone, half_planes.followed)
         work = bodies.unit * float(np.sum(by_these.step_work[rows][1:]))
         part = work / of_half_planes - 1
         uncertainty += abs(part) * left[words]

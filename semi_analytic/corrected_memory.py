@@ -51,9 +51,9 @@ from __future__ import annotations
 import math
 from bisect import bisect_left
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
-from itertools import chain, pairwise
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
@@ -80,10 +80,10 @@ _STEPS_OF_NEWTON = 60
 _ROUNDING = 1e-11
 # Share of the largest half-width that stands for 0 in a logarithm.
 _LEAST = 1e-9
-# How often p_2 and the edge of contact follow from each other: p_2 moves by a per cent of itself.
-_ROUNDS_OF_MOMENT = 5
-# Rows of a path of which one is enough for q_2.
-_STRIDE = 4
+# How often p_2 and the edge of contact follow from each other, at most and until the load of what
+# they change is this share of P: p_2 moves by a per cent of itself.
+_ROUNDS_OF_MOMENT = 8
+_LEFT_OF_MOMENT = 1e-12
 _GAUSS = np.polynomial.legendre.leggauss(3)
 # Between two tops of a memory curve: |dF| is a cubic in s there for Hertz.
 _GAUSS_OF_WORK = np.polynomial.legendre.leggauss(8)
@@ -447,16 +447,26 @@ class Pieces(list[Piece]):
     def __init__(self) -> None:
         super().__init__([_EMPTY_CURVE])
 
-    def add(self, parent: int, top: float, loads: OfPunches, slopes: OfPunches) -> int:
-        """Number of a new piece whose top is at `top` with eta, G and G_4 = `loads`."""
+    def above(self, parent: int, top: float, loads: OfPunches, slopes: OfPunches) -> Piece:
+        """A piece whose top is at `top` with eta, G and G_4 = `loads`; it is not added."""
         below = self[parent]
         load, parabola, fourth = loads
         slope, parabola_slope, fourth_slope = slopes
         force = below.force + slope * (load - below.load)
         force += parabola_slope * (parabola - below.parabola)
         force += fourth_slope * (fourth - below.fourth)
-        self.append(Piece(parent, top, *loads, force, *slopes))
+        return Piece(
+            parent, top, load, parabola, fourth, force, slope, parabola_slope, fourth_slope
+        )
+
+    def append_numbered(self, piece: Piece) -> int:
+        """Number of a piece that is added."""
+        self.append(piece)
         return len(self) - 1
+
+    def add(self, parent: int, top: float, loads: OfPunches, slopes: OfPunches) -> int:
+        """Number of a new piece, as `above`."""
+        return self.append_numbered(self.above(parent, top, loads, slopes))
 
     def forget_beyond(self, count: int) -> None:
         """Keep the first `count` pieces: those of a trial that was rejected go."""
@@ -560,14 +570,18 @@ class Followed:
         return self._shear_moment(moments(self.pieces.top), moments(self.edge))
 
     def _pressure_moment(self, at_edge: PunchMoments) -> Array:
-        """A moment of p, (n,), of what it is up to the edges of contact."""
-        moment = at_edge.profile + self.normal_curvature * at_edge.parabola
-        moment = moment + self.normal_fourth * at_edge.fourth
+        """The same, 0 where the bodies are apart."""
+        moment = _pressure_moment(at_edge, self.normal_curvature, self.normal_fourth)
         return np.where(self.normal_load > 0, moment, 0.0)
 
     def _shear_moment(self, at_tops: PunchMoments, at_edge: PunchMoments) -> Array:
         """A moment of q, (n,), of what it is up to the tops of the pieces and to the edges."""
-        moment = self.pieces.sums(*at_tops)[self.curve]
+        pieces = self.pieces
+        moment = pieces.sums(
+            (pieces.slope, at_tops.profile),
+            (pieces.parabola_slope, at_tops.parabola),
+            (pieces.fourth_slope, at_tops.fourth),
+        )[self.curve]
         moment = moment + self.tangential_curvature * at_edge.parabola
         moment = moment + self.tangential_fourth * at_edge.fourth
         return np.where(self.normal_load > 0, moment, 0.0)
@@ -707,7 +721,8 @@ class _Parts(NamedTuple):
     piece: Indices
 
 
-class PieceTable(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class PieceTable:
     """The pieces as arrays (k,), in the order of a `Piece`."""
 
     parent: Indices
@@ -727,8 +742,24 @@ class PieceTable(NamedTuple):
             numbers.append(int(self.parent[numbers[-1]]))
         return np.array(numbers[::-1])
 
+    def of_curves(self, curves: Indices) -> tuple[PieceTable, Indices]:
+        """The pieces of some curves, uppermost pieces (n,), alone; and the uppermost among them."""
+        is_needed = np.zeros(len(self.parent), dtype=bool)
+        pieces = np.unique(curves)
+        while len(pieces):
+            is_needed[pieces] = True
+            pieces = np.unique(self.parent[pieces])
+            pieces = pieces[~is_needed[pieces]]
+        is_needed[0] = True
+        chosen = np.flatnonzero(is_needed)
+        new_number = np.cumsum(is_needed) - 1
+        columns = {item.name: getattr(self, item.name)[chosen] for item in fields(self)}
+        columns["parent"] = new_number[columns["parent"]]
+        return PieceTable(**columns), new_number[curves]
+
+    @cached_property
     def _levels(self) -> list[Indices]:
-        """The pieces by the number of pieces below them, from those on the empty curve on."""
+        """The pieces with one piece below them, with two, and so on; the empty curve counts."""
         depth = [0]
         for below in self.parent[1:].tolist():
             depth.append(depth[below] + 1)
@@ -737,24 +768,20 @@ class PieceTable(NamedTuple):
         levels = np.split(order, np.cumsum(np.bincount(depths))[:-1])
         return levels[1:]
 
-    def sums(self, values: Array, parabola_values: Array, fourth_values: Array) -> Array:
-        """Sum over each curve of slope times the rise of `values` + parabola slope times that of
-        `parabola_values` + fourth slope times that of `fourth_values`: (k, ...) as each, which are
-        primitives at the tops.
+    def sums(self, *terms: tuple[Array, Array]) -> Array:
+        """Sum over each curve, (k, ...), of what its pieces add: for each term slopes of pieces
+        (k,) times the rise of values, which are primitives at the tops, (k, ...).
         """
-        shape = (-1,) + (1,) * (values.ndim - 1)
         parent = self.parent
-        total = self.slope.reshape(shape) * (values - values[parent])
-        total = total + self.parabola_slope.reshape(shape) * (
-            parabola_values - parabola_values[parent]
-        )
-        if np.any(self.fourth_slope):
-            rise = fourth_values - fourth_values[parent]
-            total = total + self.fourth_slope.reshape(shape) * rise
+        total = np.zeros_like(terms[0][1])
+        for slopes, values in terms:
+            if np.any(slopes):
+                rise = values - values[parent]
+                total += slopes.reshape((-1,) + (1,) * (values.ndim - 1)) * rise
         total[0] = 0.0
-        for level in self._levels()[1:]:
+        for level in self._levels[1:]:
             total[level] += total[parent[level]]
-        return np.asarray(total)
+        return total
 
 
 def follow(
@@ -763,10 +790,10 @@ def follow(
     normal_load: Array,
     tangential_load: Array,
     curvatures: Curvatures,
-    ends: Sequence[int] = (),
+    half_planes: Followed | None = None,
 ) -> Followed:
     """The memory curve along straight steps between the rows (n,) of a path from rest, P = Q = 0;
-    `ends` are the rows at which its cycles begin and end, if it has any.
+    `half_planes` are those of the same path, where it was followed without curvatures already.
 
     >>> import numpy as np
     >>> from semi_analytic.hertz import HertzContact
@@ -779,24 +806,33 @@ def follow(
     """
     rows = _rows(table, normal_load, tangential_load, curvatures)
     if curvatures.tangential_mixed:
-        # q_2 without this term leaves the order after the next.
-        shear_second = _shear_second(table, friction, rows, ends)
+        if half_planes is None:
+            half_planes = follow(table, friction, normal_load, tangential_load, Curvatures())
+        shear_second = _shear_second(table, rows, half_planes)
         rows[_TANGENTIAL_CURVATURE] += 2 * curvatures.tangential_mixed * shear_second
     return _follow(table, friction, rows)
 
 
-def _shear_second(table: PunchTable, friction: float, rows: Array, ends: Sequence[int]) -> Array:
-    """q_2 along a path whose rows are (10, n), by every fourth row of each cycle and those at which
-    a load turns, straight between them over the way of the loads: it errs by some 1e-3.
+def _shear_second(table: PunchTable, rows: Array, half_planes: Followed) -> Array:
+    """q_2 (n,) that T_22 takes: of half-planes times p_2 over theirs, of rows (10, n). What it
+    leaves of W is a hundredth of what the order after the next may leave.
     """
-    rises = np.diff(rows[:2])
-    turns = np.flatnonzero(np.any(rises[:, 1:] * rises[:, :-1] <= 0, axis=0)) + 1
-    marks = [0, *ends, rows.shape[1] - 1]
-    of_cycles = [np.arange(begin, end, _STRIDE) for begin, end in pairwise(marks)]
-    chosen = np.unique(np.concatenate([*of_cycles, turns, marks]))
-    followed = _follow(table, friction, rows[:, chosen])
-    way = np.append(0.0, np.cumsum(np.abs(rises[0]) + np.abs(rises[1])))
-    return np.interp(way, way[chosen], followed.shear_second)
+    of_rows = dict(zip(Row._fields, rows, strict=True))
+    bends = (of_rows["normal_curvature"], of_rows["normal_fourth"])
+    pressure_second = _pressure_moment(table.second_moments(of_rows["edge"]), *bends)
+    of_half_planes = half_planes.pressure_second
+    ratio = np.divide(
+        pressure_second,
+        of_half_planes,
+        out=np.zeros_like(pressure_second),
+        where=of_half_planes > 0,
+    )
+    return half_planes.shear_second * ratio
+
+
+def _pressure_moment(at_edge: PunchMoments, curvature: Array, fourth: Array) -> Array:
+    """A moment of p, (n,), of what it is up to the edges of contact."""
+    return np.asarray(at_edge.profile + curvature * at_edge.parabola + fourth * at_edge.fourth)
 
 
 def _rows(
@@ -812,10 +848,13 @@ def _rows(
     if curvatures.normal_mixed:
         for _ in range(_ROUNDS_OF_MOMENT):
             at_edge = table.second_moments(edge)
-            moment = at_edge.profile + normal_curvature * at_edge.parabola
-            moment = moment + normal_fourth * at_edge.fourth
+            moment = _pressure_moment(at_edge, normal_curvature, normal_fourth)
+            before = normal_curvature
             normal_curvature = leading_curvature + 2 * curvatures.normal_mixed * moment
             edge = table.contact(normal_load, normal_curvature, normal_fourth, edge)
+            change = np.max(np.abs(normal_curvature - before) * table.parabola(edge))
+            if change <= _LEFT_OF_MOMENT * np.max(normal_load):
+                break
     columns = [
         normal_load,
         tangential_load,
@@ -943,34 +982,52 @@ class MemoryCurve:
             return Step(UNLOADED, front=row.edge)
         pieces = self.pieces
         round_off = _ROUNDING * self.friction * self.largest_load
-        top = state.curve
-        loads = row.edge_loads
-        if row.edge > pieces[top].top:
-            force_at_edge = row.tangential_load - row.tangential_curvature * row.edge_parabola
-            force_at_edge -= row.tangential_fourth * row.edge_fourth
-            top = _grow(pieces, top, row.edge, loads, force_at_edge)
-        else:
-            top = _cut(pieces, top, row.edge, loads)
-        bounds = (_bound(1, self.friction, row), _bound(-1, self.friction, row))
-        bound = _slipping(pieces, top, bounds, round_off)
+        outermost, top = self._up_to_edge(state.curve, row)
         front = row.edge
-        sense = 0
-        if bound is not None:
-            sense = bound.direction
-            top = _front(self.table, pieces, top, bound, round_off)
+        sense = _slipping(outermost, pieces[outermost.parent], self.friction, row, round_off)
+        bound = None
+        if sense:
+            bound = _bound(sense, self.friction, row)
+            top = _front(self.table, pieces, outermost, top, bound, round_off)
             front = pieces[top].top
+        elif top is None:
+            top = pieces.append_numbered(outermost)
         ring = (0.0, 0.0)
         ring_direction = 0
         if state.sense and sense != state.sense:
             # Further in the stroke before may go on.
-            inner_bound = bounds[0] if state.sense > 0 else bounds[1]
+            inner_bound = _bound(state.sense, self.friction, row)
             top, *ends = _ring(self.table, pieces, top, inner_bound, round_off)
             ring = (ends[0], ends[1])
             if ring[1] > ring[0]:
                 ring_direction = state.sense
         if bound is not None:
-            top = pieces.add(top, row.edge, loads, bound.slopes)
+            top = pieces.add(top, row.edge, row.edge_loads, bound.slopes)
         return Step(State(top, ring_direction or sense), front, sense, ring, ring_direction)
+
+    def _up_to_edge(self, curve: int, row: Row) -> tuple[Piece, int | None]:
+        """The outermost piece of a curve that is cut at the edge of contact, or grows to it in
+        stick, a chord; its number, None of one that is new.
+        """
+        pieces = self.pieces
+        number = curve
+        piece = pieces[number]
+        loads = row.edge_loads
+        if row.edge > piece.top:
+            force = row.tangential_load - row.tangential_curvature * row.edge_parabola
+            rise = force - row.tangential_fourth * row.edge_fourth - piece.force
+            load_rise = row.edge_load - piece.load
+            if load_rise > 0:
+                return pieces.above(curve, row.edge, loads, (rise / load_rise, 0.0, 0.0)), None
+            # The face is still flat: only the curvature of the bodies has punches here.
+            slope = rise / (row.edge_parabola - piece.parabola)
+            return pieces.above(curve, row.edge, loads, (0.0, slope, 0.0)), None
+        while number and pieces[piece.parent].top >= row.edge:
+            number = piece.parent
+            piece = pieces[number]
+        if piece.top <= row.edge:
+            return piece, number
+        return pieces.above(piece.parent, row.edge, loads, piece.slopes), None
 
     def slide(self, row: Row, direction: int) -> Step:
         """The state in which the contact slides as a whole, F at the bound of that direction all
@@ -993,54 +1050,39 @@ def _bound(direction: int, friction: float, row: Row) -> _Bound:
     )
 
 
-def _grow(pieces: Pieces, top: int, place: float, loads: OfPunches, force_at_edge: float) -> int:
-    """The curve after growth in stick up to `place`, a chord."""
-    below = pieces[top]
-    load_rise = loads[0] - below.load
-    rise = force_at_edge - below.force
-    if load_rise > 0:
-        return pieces.add(top, place, loads, (rise / load_rise, 0.0, 0.0))
-    # The face is still flat: nothing but the curvature of the bodies has punches here.
-    parabola_rise = loads[1] - below.parabola
-    return pieces.add(top, place, loads, (0.0, rise / parabola_rise, 0.0))
+def _slipping(piece: Piece, below: Piece, friction: float, row: Row, round_off: float) -> int:
+    """Sense of the bound that the outermost piece is beyond, at its top or below; 0 in stick."""
+    for place in (piece, below):
+        core = row.tangential_load - row.tangential_curvature * place.parabola
+        core -= row.tangential_fourth * place.fourth + place.force
+        beyond = row.normal_load - place.load - row.normal_curvature * place.parabola
+        beyond -= row.normal_fourth * place.fourth
+        if abs(core) - friction * beyond > round_off:
+            return 1 if core > 0 else -1
+    return 0
 
 
-def _cut(pieces: Pieces, top: int, place: float, loads: OfPunches) -> int:
-    """The curve up to `place`."""
-    piece = pieces[top]
-    while top and pieces[piece.parent].top >= place:
-        top = piece.parent
-        piece = pieces[top]
-    if piece.top <= place:
-        return top
-    return pieces.add(piece.parent, place, loads, piece.slopes)
-
-
-def _slipping(
-    pieces: Pieces, top: int, bounds: Sequence[_Bound], round_off: float
-) -> _Bound | None:
-    """The bound that the outermost part of the curve is beyond; None in full stick."""
-    outermost = pieces[top]
-    for piece in (outermost, pieces[outermost.parent]):
-        for bound in bounds:
-            if bound.excess(piece) > round_off:
-                return bound
-    return None
-
-
-def _front(table: PunchTable, pieces: Pieces, top: int, bound: _Bound, round_off: float) -> int:
-    """The curve below the line of slip, which begins at the top of `top`."""
-    number = top
-    piece = pieces[number]
+def _front(
+    table: PunchTable,
+    pieces: Pieces,
+    piece: Piece,
+    number: int | None,
+    bound: _Bound,
+    round_off: float,
+) -> int:
+    """The curve below the line of slip, which begins at the top of a piece; `number` of that, None
+    of one that is new.
+    """
+    empty_curve = pieces[0]
     below = pieces[piece.parent]
-    while number and bound.excess(below) > round_off:
+    while piece is not empty_curve and bound.excess(below) > round_off:
         number = piece.parent
         piece = below
         below = pieces[piece.parent]
     if bound.excess(below) >= 0:
         return piece.parent
     if bound.excess(piece) <= 0:
-        return number
+        return pieces.append_numbered(piece) if number is None else number
     place, punch = _crossing(table, below, piece, bound, round_off)
     return pieces.add(piece.parent, place, punch.loads, piece.slopes)
 
@@ -1062,7 +1104,7 @@ def _ring(
         edge = pieces[top].top
         return top, edge, edge
     outer, outer_punch = _crossing(table, pieces[piece.parent], piece, bound, round_off)
-    below = _front(table, pieces, piece.parent, bound, round_off)
+    below = _front(table, pieces, pieces[piece.parent], piece.parent, bound, round_off)
     curve = pieces.add(below, outer, outer_punch.loads, bound.slopes)
     for kept in (piece, *reversed(above)):
         curve = pieces.add(curve, kept.top, kept.loads, kept.slopes)

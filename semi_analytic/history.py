@@ -66,10 +66,10 @@ _SAMPLES = 33
 # Instants of a cycle and of the initial loading where none are asked for.
 _INSTANTS = 400
 _INSTANTS_OF_LOADING = 100
-# Histories that are kept while `histories_kept` holds, by path, friction and number of cycles.
-_kept_histories: ContextVar[dict[tuple[LoadPath, float, int], History] | None] = ContextVar(
-    "histories", default=None
-)
+# Histories that are kept while `histories_kept` holds, by path and friction, then by the most
+# cycles that were followed.
+_Kept = dict[tuple[LoadPath, float], dict[int, "History"]]
+_kept_histories: ContextVar[_Kept | None] = ContextVar("histories", default=None)
 # Share of a cycle, or of the whole path, within which somebody else's instant is one of the path's
 # own.
 SLACK = 1e-9
@@ -571,10 +571,14 @@ def history_of(path: LoadPath, friction: float, cycles: int, time: Array | None 
     kept_histories = _kept_histories.get()
     if kept_histories is None:
         kept_histories = {}
-    key = path, friction, turn_count
-    if key not in kept_histories:
-        kept_histories[key] = _followed_path(*key)
-    history = kept_histories[key]
+    of_path = kept_histories.setdefault((path, friction), {})
+    history = of_path.get(turn_count)
+    for count, longer_history in of_path.items():
+        # What is steady within these cycles has no others.
+        if len(longer_history.cycles) <= turn_count < count:
+            history = longer_history
+    if history is None:
+        history = of_path[turn_count] = _followed_path(path, friction, turn_count)
     if path.period is None:
         return history
     solved_count = len(history.cycles)

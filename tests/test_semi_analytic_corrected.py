@@ -32,7 +32,7 @@ from scenes import (
     Scene,
     load_scene,
 )
-from semi_analytic import corrected, corrected_memory
+from semi_analytic import corrected, corrected_memory, history
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.hertz import HertzContact
 from semi_analytic.inner_slip import inner_slip
@@ -625,6 +625,14 @@ def test_the_size_of_the_work_is_counted() -> None:
     ).work.counts
     assert counts["rows"] < 1100
     assert counts["pieces"] < 3 * counts["rows"]
+
+
+def test_the_path_of_half_planes_is_followed_once() -> None:
+    """Theory's W and fields, that the steps are compared with, take the history that is there."""
+    followed_path = history._followed_path
+    with mock.patch.object(history, "_followed_path", side_effect=followed_path) as spy:
+        semi_analytic.solve(scene_of("paper"), effects=ALL_BENDS)
+    assert spy.call_count == 1
 
 
 def test_what_is_not_taken_is_refused() -> None:
