@@ -32,7 +32,8 @@ from scenes import (
     Scene,
     load_scene,
 )
-from semi_analytic import corrected, corrected_memory, history
+from semi_analytic import corrected, corrected_memory
+from semi_analytic import history as histories
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.hertz import HertzContact
 from semi_analytic.inner_slip import inner_slip
@@ -629,8 +630,8 @@ def test_the_size_of_the_work_is_counted() -> None:
 
 def test_the_path_of_half_planes_is_followed_once() -> None:
     """Theory's W and fields, that the steps are compared with, take the history that is there."""
-    followed_path = history._followed_path
-    with mock.patch.object(history, "_followed_path", side_effect=followed_path) as spy:
+    followed_path = histories._followed_path
+    with mock.patch.object(histories, "_followed_path", side_effect=followed_path) as spy:
         semi_analytic.solve(scene_of("paper"), effects=ALL_BENDS)
     assert spy.call_count == 1
 
