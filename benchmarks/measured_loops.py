@@ -23,6 +23,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import PchipInterpolator
 
 import semi_analytic
 from reports.scoring.loops import LoopScore, read_loop, score_loop
@@ -84,13 +85,15 @@ class Draw:
 @dataclass(frozen=True)
 class Outcome:
     """What was answered: `refusal` is the sentence of a refusal, else the errors and what was
-    stated of them, all over the true values.
+    stated of them, all over the true values. `half_interval` is the wider side of the interval of
+    f, `side_of_truth` that on which the true f lies: few digits of f leave no upper limit.
     """
 
     draw: Draw
     refusal: str = ""
     friction_error: float = 0.0
     half_interval: float = 0.0
+    side_of_truth: float = 0.0
     friction_covered: bool = False
     work_error: float = 0.0
     work_uncertainty: float = 0.0
@@ -187,6 +190,12 @@ def wave_of(form: str, share: Array, random: np.random.Generator) -> Array:
     return triangle / np.arcsin(0.97)
 
 
+def ascending(values: Array, others: Array) -> tuple[Array, Array]:
+    """Where values that ascend do more than stand still."""
+    moves = np.concatenate([[True], np.diff(values) > 0])
+    return values[moves], others[moves]
+
+
 def rows_of(draw: Draw, random: np.random.Generator) -> tuple[Array, Array, float]:
     """U and Q of the rows without noise, and W of a cycle."""
     shift, load, work = steady_cycle(draw)
@@ -196,8 +205,9 @@ def rows_of(draw: Draw, random: np.random.Generator) -> tuple[Array, Array, floa
     driving, other = (shift, load) if draw.control == "U" else (load, shift)
     middle = (driving.max() + driving.min()) / 2
     driven = middle + np.ptp(driving) / 2 * wave_of(draw.form, place, random)
-    falling = np.interp(driven, driving[turn::-1], other[turn::-1])
-    rising = np.interp(driven, driving[turn:], other[turn:])
+    # Straight lines between instants would be an error of a few digits' steps.
+    falling = PchipInterpolator(*ascending(driving[turn::-1], other[turn::-1]))(driven)
+    rising = PchipInterpolator(*ascending(driving[turn:], other[turn:]))(driven)
     answer = np.where(share < 0.5, falling, rising)
     u, q = (driven, answer) if draw.control == "U" else (answer, driven)
     cycle = (place - place[0]) / draw.cycles
@@ -276,10 +286,13 @@ def compared(draw: Draw, score: LoopScore, work: float, seconds: float) -> Outco
     friction = draw.scene.friction.coefficient
     high = np.inf if score.high is None else score.high
     measured = score.rows[0]
+    above = float(high - score.friction)
+    below = score.friction - score.low
     return Outcome(
         draw=draw,
         friction_error=score.friction / friction - 1,
-        half_interval=float(max(high - score.friction, score.friction - score.low)) / friction,
+        half_interval=max(above, below) / friction,
+        side_of_truth=(above if friction > score.friction else below) / friction,
         friction_covered=bool(score.low <= friction <= high),
         work_error=measured.area / work - 1,
         work_uncertainty=measured.area_uncertainty / work,
@@ -298,6 +311,13 @@ def line_of(outcome: Outcome) -> str:
     )
 
 
+def median_ratio(pairs: list[tuple[float, float]]) -> float:
+    """Of what is stated over the true error; 2.9 for an exact interval of 95 %, NaN of none."""
+    if not pairs:
+        return np.nan
+    return float(np.median([stated / max(abs(error), 1e-12) for stated, error in pairs]))
+
+
 def report(outcomes: list[Outcome]) -> None:
     """The table of all."""
     groups = {
@@ -306,15 +326,19 @@ def report(outcomes: list[Outcome]) -> None:
         "run-in": [o for o in outcomes if o.draw.run_in],
         "all that fit": [o for o in outcomes if not o.draw.foreign],
     }
-    print("\nloops          n  refused  answered  f covered  W covered  interval/error  seconds")
+    print(
+        "\nloops          n  refused  answered  f covered  W covered"
+        "  interval/error: side of the true f  wider side  W stated/error  seconds"
+    )
     for name, group in groups.items():
         answered = [o for o in group if not o.refusal]
-        ratios = [o.half_interval / max(abs(o.friction_error), 1e-12) for o in answered]
         print(
             f"{name:13}{len(group):4}{len(group) - len(answered):9}{len(answered):10}"
             f"{sum(o.friction_covered for o in answered):11}"
             f"{sum(o.work_covered for o in answered):11}"
-            f"{np.median(ratios) if ratios else np.nan:16.2f}"
+            f"{median_ratio([(o.side_of_truth, o.friction_error) for o in answered]):35.2f}"
+            f"{median_ratio([(o.half_interval, o.friction_error) for o in answered]):12.2f}"
+            f"{median_ratio([(o.work_uncertainty, o.work_error) for o in answered]):16.2f}"
             f"{np.mean([o.seconds for o in answered]) if answered else np.nan:9.2f}"
         )
     print("\nnot of the model        n  refused")

@@ -26,9 +26,16 @@ causes_in_words.py a cause in a sentence: what it is, how large, what to do
 diagnosis.py       the findings in sentences, with their evidence and what is excluded
 loops.py           a rig's loop of Q over U: the f that fits it, its interval, the engines' loops
 loop_page.py       its page, JSON and table
-loop_branches.py   turning points of Q, the branch of each row, area of the rows
-loop_steadiness.py whether rows are of one steady loop: drift, run-in, cycles that differ
-loop_masing.py     f by least squares at constant P: partial and gross loops by Masing's rule
+loop_rows.py       its rows, read from a table
+loop_branches.py   turning points of Q, the branch of each row
+loop_steady_rows.py   which rows are of one steady loop, and why others are refused
+loop_steadiness.py whether the cycles of a loop differ, and by chance or not
+loop_masing.py     the loop at constant P by Masing's rule: partial and gross
+loop_masing_fit.py f at constant P by least squares, and its interval
 loop_fit.py        f by least squares where P varies: theory's whole loop
+loop_over_time.py  f where Q has more turning points: rows are placed by their times
+loop_fitted.py     what each of these fits gives
+loop_theory.py     the scene's cycle: its loads, and U by either engine
+loop_area.py       W of the rows, and its error
 study.py           a folder of meshes: orders, and what no mesh removes
 """

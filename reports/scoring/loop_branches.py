@@ -1,5 +1,4 @@
-"""Rows of a loop of Q over U: turning points of Q, the branch each row lies on, area of the polygon
-of the rows.
+"""Rows of a loop of Q over U: turning points of Q, and the branch each row lies on.
 
 A row lies on the rising or on the falling branch between two turning points of Q, whatever the form
 of Q over time. Turning points are those between which Q passes a quarter and three quarters of its
@@ -40,10 +39,6 @@ _AS_NOISE = 1.15
 _AT_JOINT = 4.5
 # Instants at which the size of a cycle is found: more than rows of a cycle are.
 _INSTANTS_OF_CYCLE = 600
-# Phases closer than this are alike but for rounding.
-_ROUNDING = 1e-9
-# Sigma of U beyond which rows do not come back to the first one: three of a difference of two.
-_GAP = 4.2
 
 
 class TurningPoint(NamedTuple):
@@ -258,7 +253,10 @@ def _closing_row(
         return None
     rows = stretches[place]
     turn = int(rows[np.argmin(load[rows]) if rising else np.argmax(load[rows])])
-    apart = [values[turn:] - values[0] for values in (load, shift)]
+    # Behind the next turning point rows lie on the other branch, which is nearer than a step.
+    rest = load[turn:]
+    end = turn + int(np.argmax(rest) if rising else np.argmin(rest)) + 1
+    apart = [values[turn:end] - values[0] for values in (load, shift)]
     steps = [float(np.max(np.abs(np.diff(values)))) for values in (load, shift)]
     # Along the branch U changes with Q, roughly as over the whole loop; across the loop it changes
     # alone.
@@ -365,119 +363,3 @@ def _two_parabolas(x: Array, y: Array) -> tuple[float, float, float] | None:
     curve = terms[0] + terms[1] * left + terms[2] * left**2 + terms[3] * right + terms[4] * right**2
     place = int(np.argmax(curve))
     return float(curve[place]), float(fine[place]), math.sqrt(squares / freedom)
-
-
-# ----------------------------------------------------------------------------------------- the area
-@dataclass(frozen=True)
-class LoopArea:
-    """Area of the polygon of the rows, the mean of whole cycles [energy per thickness], and what it
-    is uncertain by.
-
-    Attributes
-    ----------
-    by_distance
-        of the rows from each other: a polygon of twice the step errs four times as much. That
-        is three times the error; half of the difference is stated
-    by_noise
-        1.96 standard deviations, from the scatter of U and Q
-    """
-
-    value: float
-    by_distance: float
-    by_noise: float
-    cycles: int
-
-    @property
-    def uncertainty(self) -> float:
-        """Both together."""
-        return math.hypot(self.by_distance, self.by_noise)
-
-
-def _shoelace(shift: Array, load: Array) -> float:
-    """Closed integral of Q dU along the polygon (n,) and (n,), which ends where it begins."""
-    return float(np.sum((load + np.roll(load, -1)) / 2 * (np.roll(shift, -1) - shift)))
-
-
-def _where_shift_returns(shift: Array, rows: NDArray[np.intp]) -> tuple[int, float]:
-    """Where U (n,) is nearest to its first value on the way to each of these rows: the row behind
-    that place, and the share of the step to it.
-
-    >>> _where_shift_returns(np.array([2.0, 5.0, 1.0, 1.5, 2.5, 3.0]), np.array([3, 4, 5]))
-    (4, 0.5)
-    """
-    before = shift[rows - 1]
-    step = shift[rows] - before
-    to_first = shift[0] - before
-    share = np.clip(to_first / np.where(step == 0, 1.0, step), 0.0, 1.0)
-    nearest = int(np.argmin(np.abs(share * step - to_first)))
-    return int(rows[nearest]), float(share[nearest])
-
-
-def polygon_area(
-    shift: Array, load: Array, phase: Array, shift_noise: float, load_noise: float
-) -> LoopArea:
-    """Area of the polygon through rows in their order, over as many whole cycles as they cover.
-
-    Parameters
-    ----------
-    shift, load
-        U and Q, (n,) each
-    phase
-        (n,) cycles since any instant
-    shift_noise, load_noise
-        sigma of U and Q
-
-    Examples
-    --------
-    >>> angle = 2 * np.pi * np.arange(100) / 100
-    >>> found = polygon_area(-np.sin(angle), np.cos(angle), angle / (2 * np.pi), 0.0, 0.0)
-    >>> abs(found.value + np.pi) < found.by_distance < 0.01
-    True
-    """
-    covered = float(phase[-1] - phase[0])
-    # A row is missing where the last one is a step before the first; phases are known to a
-    # hundredth.
-    missing = 1.6 * covered / (len(phase) - 1) + 0.01
-    cycles = max(math.floor(covered + missing), 1)
-    end = float(phase[0]) + cycles
-    reached = np.flatnonzero(phase >= end)
-    reached = reached[reached > 0.5 * len(phase) * cycles / max(covered, cycles)]
-    by_gap = 0.0
-    if len(reached):  # up to the place between two rows where the loop closes
-        after = int(reached[0])
-        share = float(
-            np.clip(
-                (end - phase[after - 1]) / max(phase[after] - phase[after - 1], 1e-300), 0.0, 1.0
-            )
-        )
-        least_gap = _GAP * shift_noise
-        as_high = 4 * load_noise / (2 * float(np.ptp(load))) + _ROUNDING
-        standing = reached[phase[reached] <= end + as_high]
-        if len(standing) > 1:  # U moves on while Q stands: the loop closes where U comes back
-            after, share = _where_shift_returns(shift, standing)
-            is_last_row = after == len(shift) - 1 and share == 1
-            if is_last_row:  # which may be a step before the first one
-                largest_step = float(np.max(np.abs(np.diff(shift[standing]))))
-                least_gap = max(least_gap, 1.6 * largest_step)
-        ends = [
-            float(values[after - 1] + share * (values[after] - values[after - 1]))
-            for values in (shift, load)
-        ]
-        # U that does not come back closes by a chord at the first Q: an error of the gap times Q
-        # from its mean there.
-        across_gap = ends[0] - float(shift[0])
-        if abs(across_gap) > least_gap:
-            by_gap = abs(across_gap) * abs(float(load[0]) - float(load.max() + load.min()) / 2)
-        shift = np.append(shift[:after], ends[0])
-        load = np.append(load[:after], ends[1])
-    elif (
-        end - phase[-1] > missing
-    ):  # the loop may lie anywhere between the chord and its end tangents
-        by_gap = abs(float((shift[-1] - shift[0]) * (load[-1] - load[0]))) / 2
-    value = _shoelace(shift, load)
-    coarse = (_shoelace(shift[::2], load[::2]) + _shoelace(shift[1::2], load[1::2])) / 2
-    across = (np.roll(shift, -1) - np.roll(shift, 1)) / 2
-    step = (np.roll(load, -1) - np.roll(load, 1)) / 2
-    scatter = math.sqrt(float(np.sum((shift_noise * step) ** 2 + (load_noise * across) ** 2)))
-    by_distance = abs(value - coarse) / 2 + by_gap
-    return LoopArea(value / cycles, by_distance / cycles, 1.96 * scatter / cycles, cycles)

@@ -12,6 +12,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from reports.scoring.loop_branches import Branches, row_noise, sizes_of_cycles
 from scenes.array_types import Array
@@ -21,6 +22,8 @@ from scenes.array_types import Array
 _BY_CHANCE = 3.0
 # Neighbours that are alike to this leave one row's worth in 40: no interval is widened more.
 _MOST_ALIKE = 0.95
+# Singular values of columns that are alike, over the largest.
+_ALIKE_COLUMNS = 1e-8
 # Rows of which the branch is certain: this share of a branch is left out at both of its ends.
 _AT_TURN = 0.1
 # Pairs of rows a cycle apart that a drift is found from.
@@ -72,6 +75,77 @@ def misfit_of(distances: Array, shift_noise: float) -> Misfit:
         return Misfit(0.0, 0.0)
     rms = math.sqrt(squares / len(apart)) * shift_noise
     return Misfit(correlation, rms * math.sqrt(correlation))
+
+
+@dataclass(frozen=True, eq=False)
+class Change:
+    """How a loop changes with a number of its rows, such as time.
+
+    Attributes
+    ----------
+    chance
+        with which scatter alone explains as much
+    rms
+        of the distances that the change explains, in sigma
+    rates
+        (k,) change of the parameters per unit of the number
+    """
+
+    chance: float
+    rms: float
+    rates: Array
+
+
+NO_CHANGE = Change(1.0, 0.0, np.zeros(7))
+"""Of rows of too few cycles to show one."""
+
+
+def change_of(
+    distances: Array, derivatives: Array, when: Array, varying: NDArray[np.bool_]
+) -> Change:
+    """Whether the parameters of a loop change with `when`: the F test of a fit in which each has a
+    part in proportion to it.
+
+    Parameters
+    ----------
+    distances, derivatives
+        of rows from their fit (n,), and by its parameters (n, k)
+    when
+        (n,) a number of each row, such as time
+    varying
+        (k,) which of the parameters may change
+
+    >>> random = np.random.default_rng(2)
+    >>> rows = random.standard_normal((200, 2))
+    >>> time = np.arange(200) / 200 - 0.5
+    >>> steady = random.standard_normal(200)
+    >>> both = np.array([True, True])
+    >>> change_of(steady, rows, time, both).chance > 0.05
+    True
+    >>> change_of(steady + 3 * time * rows[:, 0], rows, time, both).chance < 1e-6
+    True
+    """
+    from scipy.stats import f as fisher
+
+    centred = when - np.mean(when)
+    changes = derivatives[:, varying] * centred[:, None]
+    wider = np.column_stack([derivatives, changes])
+    squares = []
+    ranks = []
+    for columns in (derivatives, wider):
+        terms, _, rank, _ = np.linalg.lstsq(columns, distances, rcond=_ALIKE_COLUMNS)
+        rest = distances - columns @ terms
+        squares.append(float(rest @ rest))
+        ranks.append(int(rank))
+    rates = np.zeros(len(varying))
+    rates[varying] = -terms[len(varying) :]  # a parameter moves against what it leaves
+    added = ranks[1] - ranks[0]
+    freedom = len(distances) - ranks[1]
+    if added < 1 or freedom < 1 or squares[1] == 0:
+        return Change(1.0, 0.0, rates)
+    gain = max(squares[0] - squares[1], 0.0)
+    chance = float(fisher.sf(gain / added / (squares[1] / freedom), added, freedom))
+    return Change(chance, math.sqrt(gain / len(distances)), rates)
 
 
 def drift_of_shift(shift: Array, load: Array, time: Array, branches: Branches) -> float | None:

@@ -1,0 +1,198 @@
+"""The area W of a measured loop of Q over U, and what it is uncertain by.
+
+# notation: Q tangential load, U relative displacement, W area of the loop
+
+Two ways. `polygon_area` goes through the rows in their order. `area_about_fit` takes the area of a
+fitted loop, and adds to it what the rows enclose beside it: where a fit is at hand, no row need
+close the loop, and the rows of all cycles count.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reports.scoring.loop_masing import MasingLoop
+from reports.scoring.loop_masing_fit import MasingFit
+from scenes.array_types import Array
+
+# Phases closer than this are alike but for rounding.
+_ROUNDING = 1e-9
+# Sigma of U beyond which rows do not come back to the first one: three of a difference of two.
+_GAP = 4.2
+# Error of the area of a fitted loop by the samples of its curve, of itself: 2e-9 was measured.
+_OF_SAMPLES = 1e-8
+
+
+@dataclass(frozen=True)
+class LoopArea:
+    """Area of the polygon of the rows, the mean of whole cycles [energy per thickness], and what it
+    is uncertain by.
+
+    Attributes
+    ----------
+    by_distance
+        of the rows from each other: a polygon of twice the step errs four times as much. That
+        is three times the error; half of the difference is stated
+    by_noise
+        1.96 standard deviations, from the scatter of U and Q
+    """
+
+    value: float
+    by_distance: float
+    by_noise: float
+    cycles: int
+
+    @property
+    def uncertainty(self) -> float:
+        """Both together."""
+        return math.hypot(self.by_distance, self.by_noise)
+
+
+def _shoelace(shift: Array, load: Array) -> float:
+    """Closed integral of Q dU along the polygon (n,) and (n,), which ends where it begins."""
+    return float(np.sum((load + np.roll(load, -1)) / 2 * (np.roll(shift, -1) - shift)))
+
+
+def _where_shift_returns(shift: Array, rows: NDArray[np.intp]) -> tuple[int, float]:
+    """Where U (n,) is nearest to its first value on the way to each of these rows: the row behind
+    that place, and the share of the step to it.
+
+    >>> _where_shift_returns(np.array([2.0, 5.0, 1.0, 1.5, 2.5, 3.0]), np.array([3, 4, 5]))
+    (4, 0.5)
+    """
+    before = shift[rows - 1]
+    step = shift[rows] - before
+    to_first = shift[0] - before
+    share = np.clip(to_first / np.where(step == 0, 1.0, step), 0.0, 1.0)
+    nearest = int(np.argmin(np.abs(share * step - to_first)))
+    return int(rows[nearest]), float(share[nearest])
+
+
+def polygon_area(
+    shift: Array, load: Array, phase: Array, shift_noise: float, load_noise: float
+) -> LoopArea:
+    """Area of the polygon through rows in their order, over as many whole cycles as they cover.
+
+    Parameters
+    ----------
+    shift, load
+        U and Q, (n,) each
+    phase
+        (n,) cycles since any instant
+    shift_noise, load_noise
+        sigma of U and Q
+
+    Examples
+    --------
+    >>> angle = 2 * np.pi * np.arange(100) / 100
+    >>> found = polygon_area(-np.sin(angle), np.cos(angle), angle / (2 * np.pi), 0.0, 0.0)
+    >>> abs(found.value + np.pi) < found.by_distance < 0.01
+    True
+    """
+    covered = float(phase[-1] - phase[0])
+    # A row is missing where the last one is a step before the first; phases are known to a
+    # hundredth.
+    missing = 1.6 * covered / (len(phase) - 1) + 0.01
+    cycles = max(math.floor(covered + missing), 1)
+    end = float(phase[0]) + cycles
+    reached = np.flatnonzero(phase >= end)
+    reached = reached[reached > 0.5 * len(phase) * cycles / max(covered, cycles)]
+    by_gap = 0.0
+    if len(reached):  # up to the place between two rows where the loop closes
+        after = int(reached[0])
+        share = float(
+            np.clip(
+                (end - phase[after - 1]) / max(phase[after] - phase[after - 1], 1e-300), 0.0, 1.0
+            )
+        )
+        least_gap = _GAP * shift_noise
+        as_high = 4 * load_noise / (2 * float(np.ptp(load))) + _ROUNDING
+        standing = reached[phase[reached] <= end + as_high]
+        if len(standing) > 1:  # U moves on while Q stands: the loop closes where U comes back
+            after, share = _where_shift_returns(shift, standing)
+            is_last_row = after == len(shift) - 1 and share == 1
+            if is_last_row:  # which may be a step before the first one
+                largest_step = float(np.max(np.abs(np.diff(shift[standing]))))
+                least_gap = max(least_gap, 1.6 * largest_step)
+        ends = [
+            float(values[after - 1] + share * (values[after] - values[after - 1]))
+            for values in (shift, load)
+        ]
+        # U that does not come back closes by a chord at the first Q: an error of the gap times Q
+        # from its mean there.
+        across_gap = ends[0] - float(shift[0])
+        if abs(across_gap) > least_gap:
+            by_gap = abs(across_gap) * abs(float(load[0]) - float(load.max() + load.min()) / 2)
+        shift = np.append(shift[:after], ends[0])
+        load = np.append(load[:after], ends[1])
+    elif (
+        end - phase[-1] > missing
+    ):  # the loop may lie anywhere between the chord and its end tangents
+        by_gap = abs(float((shift[-1] - shift[0]) * (load[-1] - load[0]))) / 2
+    value = _shoelace(shift, load)
+    coarse = (_shoelace(shift[::2], load[::2]) + _shoelace(shift[1::2], load[1::2])) / 2
+    across = (np.roll(shift, -1) - np.roll(shift, 1)) / 2
+    step = (np.roll(load, -1) - np.roll(load, 1)) / 2
+    scatter = math.sqrt(float(np.sum((shift_noise * step) ** 2 + (load_noise * across) ** 2)))
+    by_distance = abs(value - coarse) / 2 + by_gap
+    return LoopArea(value / cycles, by_distance / cycles, 1.96 * scatter / cycles, cycles)
+
+
+def area_about_fit(loop: MasingLoop, fit: MasingFit, cycles: float) -> LoopArea:
+    """Area of a fitted loop, and of what the rows (n,) enclose beside it.
+
+    A row that lies beside the loop by (dU, dQ) stands for the loop from half-way to its neighbours:
+    dW = integral of dQ dU - dU dQ, to first order in the distance. Scatter of a row moves its own
+    part, and the fit: drift above all, which one cycle hardly shows.
+
+    Parameters
+    ----------
+    cycles
+        how many the rows cover
+    """
+    from scipy.stats import t as student
+
+    place = fit.distances.place
+    order = np.argsort(place, kind="stable")
+    lever = np.empty(len(place))
+    lever[order] = _lever(loop, fit, order)
+    beside = float(lever @ fit.distances.value)
+    halves = [float(_lever(loop, fit, half) @ fit.distances.value[half]) for half in _halves(order)]
+
+    through_fit = loop.area_by_parameters + lever @ fit.distances.derivatives
+    by_row = through_fit @ fit.influence
+    by_row[: len(lever)] += lever
+    # The scatter is at least what the digits of the rows leave: sigma is no smaller.
+    variance = max(float(fit.distances.value @ fit.distances.value) / fit.freedom, 1.0)
+    scatter = math.sqrt(variance * float(by_row @ by_row)) * max(fit.misfit.widening, 1.0)
+    by_digits = 0.0
+    if fit.by_digits:
+        by_digits = loop.area_by_friction_where_gross * fit.by_digits
+    return LoopArea(
+        value=loop.area + beside,
+        by_distance=abs(beside - sum(halves) / 2) / 2 + _OF_SAMPLES * loop.area,
+        by_noise=math.hypot(float(student.ppf(0.975, fit.freedom)) * scatter, by_digits),
+        cycles=max(math.floor(cycles), 1),
+    )
+
+
+def _halves(order: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Every second row along the loop."""
+    return order[::2], order[1::2]
+
+
+def _lever(loop: MasingLoop, fit: MasingFit, rows: NDArray[np.intp]) -> Array:
+    """dW of rows along the loop by their distances in sigma (len(rows),), with no others."""
+    place = fit.distances.place[rows]
+    across = fit.distances.across[rows]
+    before = np.concatenate([[place[-1] - 2], place[:-1]])
+    behind = np.concatenate([place[1:], [place[0] + 2]])
+    shift_before, load_before = loop.at_rows(np.mod((before + place) / 2, 2.0))
+    shift_behind, load_behind = loop.at_rows(np.mod((place + behind) / 2, 2.0))
+    by_load = across[:, 1] * fit.weights.load * (shift_behind - shift_before)
+    by_shift = across[:, 0] * fit.weights.shift * (load_behind - load_before)
+    return np.asarray(by_load - by_shift)

@@ -1,0 +1,82 @@
+"""A loop that was fitted to rows: f with its interval, the rig, and where the rows lie.
+
+# notation: C compliance of the rig, f friction coefficient, r factor of the file's Q over the
+#           scene's, U relative displacement
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from reports.scoring.loop_masing import MasingLoop
+from reports.scoring.loop_masing_fit import MasingFit
+from reports.scoring.loop_rows import MeasuredLoop
+from reports.scoring.loop_steadiness import Misfit
+from reports.scoring.loop_theory import SHARES
+from scenes import Scene
+from scenes.array_types import Array
+
+_NO_MISFIT = Misfit(0.0, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class FittedLoop:
+    """f with its interval, the rig, and where the rows lie.
+
+    share, phase : (n,) place on the scene's cycle; cycles since any instant
+    scale, offset : r and Q0 of the file
+    shift_noise, load_noise : sigma of U and of Q
+    misfit : what the distances show; nothing where rows are placed over time
+    model, masing : the fitted loop of Masing's rule, and its fit; None where P varies
+    gross : whether it slides as a whole at its ends
+    """
+
+    scene: Scene
+    friction: float
+    low: float
+    high: float | None
+    compliance: float
+    share: Array
+    phase: Array
+    cycles: float
+    scale: float
+    offset: float
+    shift_noise: float
+    load_noise: float
+    said: tuple[str, ...]
+    misfit: Misfit = _NO_MISFIT
+    model: MasingLoop | None = None
+    masing: MasingFit | None = None
+    gross: bool = False
+
+
+def said_of_scale(scale: float) -> list[str]:
+    """That Q of the file is not that of the scene, where it is not."""
+    if abs(scale - 1) <= 1e-3:
+        return []
+    return [
+        f"Q of the file is {scale:.4g} times that of the scene: loads as in the file were taken, P"
+        " as in the scene"
+    ]
+
+
+def against_rows(
+    loop: MeasuredLoop,
+    shift: Array,
+    share: Array,
+    load_of_cycle: Array,
+    scale: float,
+    rig_compliance: float | None,
+) -> tuple[float, float, float]:
+    """Sum of squares, C and U0 with this U (n_instants,) of theory."""
+    load = np.interp(share, SHARES, load_of_cycle)
+    rest = loop.shift - scale * np.interp(share, SHARES, shift)
+    if rig_compliance is not None:
+        rest = rest - rig_compliance * load
+        origin = float(np.mean(rest))
+        return float(np.sum((rest - origin) ** 2)), rig_compliance, origin
+    columns = np.column_stack([load, np.ones(len(share))])
+    terms = np.linalg.lstsq(columns, rest, rcond=None)[0]
+    return float(np.sum((rest - columns @ terms) ** 2)), float(terms[0]), float(terms[1])

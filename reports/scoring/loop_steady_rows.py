@@ -1,0 +1,471 @@
+"""Rows of a loop whose Q has one highest and one lowest value in a cycle: which of them are of one
+steady loop, their fit, and why others are refused.
+
+# notation: f friction coefficient, P and Q loads, U relative displacement
+
+At constant P the form of Q and U over time counts for nothing. Rows before the first turning point
+may be of the initial loading: of three cycles and more they are left out. Half cycles are left out
+until the parameters of the loop no longer change: neither with time, nor between the first half
+cycle and the others (F test, `loop_steadiness.change_of`). Refused are a drift that is none of a
+gauge, cycles that grow, shrink or have another period, and loops whose form is not that of theory.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reports.scoring.loop_area import polygon_area
+from reports.scoring.loop_branches import Branches, find_branches, row_noise
+from reports.scoring.loop_fit import LoopRows, LoopsOverFriction, Weights, fit_loop
+from reports.scoring.loop_fitted import FittedLoop, said_of_scale
+from reports.scoring.loop_masing import MasingLoop, MeasuredRows, MemoryCurve, memory_curve
+from reports.scoring.loop_masing_fit import BestLoop, MasingFit, best_loop, with_interval
+from reports.scoring.loop_rows import MeasuredLoop
+from reports.scoring.loop_steadiness import (
+    NO_CHANGE,
+    Change,
+    Misfit,
+    differences_of_cycles,
+    drift_of_shift,
+)
+from reports.scoring.loop_theory import (
+    FINE_SHARES,
+    INSTANTS,
+    cycle_loads,
+    has_constant_normal_load,
+    least_friction,
+    theory_shift,
+)
+from reports.units import units
+from scenes import InputError, Scene
+from scenes.array_types import Array
+
+# Error of a fitted f by theory at so many instants, straight between, of itself; and by samples of
+# the memory curve.
+_OF_THEORY = 1e-5
+_OF_MEMORY = 1e-6
+# Part of the distances that is no scatter, over the mean opening of the loop in U, from which rows
+# under a varying P are said not to be examined.
+_STEADY = 0.02
+# The same at constant P, beyond which rows are of no loop of theory; where nearly all of the
+# distances is no scatter (a correlation of neighbours above that), a smaller part shows as much.
+_OF_THEORY_AT_ALL = 0.015
+_NO_SCATTER_AT_ALL = 0.8
+_OF_THEORY_WITHOUT_SCATTER = 0.005
+# Theory's own error of a loop is below this share of its opening.
+_WORTH_SAYING = 1e-3
+# U that moves on by more than this share of its range in a cycle is no drift of a gauge.
+_DRIFT = 0.03
+# A drift below this share of the range of U is not worth a word.
+_DRIFT_SAID = 1e-3
+# Cycles from which on rows before the first turning point are left out.
+_MANY_CYCLES = 3.0
+# Cycles that are left without a run-in, at least: fewer do not show whether they are alike.
+_FEWEST_ALIKE = 2.4
+# Half cycles behind the first turning point that are left out, one after the other.
+_RUN_IN = (0, 1, 2, 3, 4, 6, 8, 12, 16)
+# Chance of scatter alone below which a half cycle more is left out: it costs little; and below
+# which the loop is said to change.
+_LEFT_OUT = 0.02
+_CHANGES = 1e-3
+# Half cycles: a first row so near to a turning point lies on it, and a first half cycle that is
+# shorter goes with the next.
+_ON_A_TURN = 0.02
+_SHORT_HALF_CYCLE = 0.1
+
+
+def fit_steady_rows(
+    loop: MeasuredLoop, scene: Scene, rig_compliance: float | None
+) -> tuple[MeasuredLoop, FittedLoop]:
+    """The rows that are of one steady loop, without the drift of their U, and their fit.
+
+    Raises
+    ------
+    InputError
+        Where the rows are of no steady loop of theory.
+    """
+    if not has_constant_normal_load(scene):
+        # Distances from the nearest point of a loop are no scatter beside its turning points: three
+        # of twenty good loops with noise were refused by them.
+        fit = _fit_where_load_varies(loop, scene, rig_compliance)
+        share = _share_of_opening(loop, fit.misfit, fit.phase)
+        sentence = "P varies: the rows were not examined for drift, run-in and cycles that differ"
+        if share > _STEADY or _cycles_differ(loop):
+            fit = replace(fit, said=(*fit.said, sentence))
+        return loop, _with_widening_said(fit, share)
+
+    drift = _drift_of_cycle(loop)
+    if drift:
+        raise InputError(
+            f"{loop.source}: its rows are of no steady loop: U moves on by {100 * drift:+.2g} % of"
+            " its range in each cycle, so the contact slides on or the gauge does; give the rows of"
+            " cycles that are alike"
+        )
+    curve = memory_curve(scene, least_friction(scene) / float(np.ptp(cycle_loads(scene)[1])))
+    candidates = []
+    for part, sentence in _without_run_in(loop):
+        if _cycles_differ(part):
+            continue
+        candidate = _candidate(part, sentence, curve, rig_compliance)
+        candidates.append(candidate)
+        if candidate.is_steady:
+            break
+    if not candidates:
+        raise InputError(
+            f"{loop.source}: its rows are of no steady loop: {_cycles_differ(loop)}; give the rows"
+            " of cycles that are alike"
+        )
+    chosen = candidates[-1]
+    if not chosen.is_steady:
+        chosen = min(candidates, key=lambda candidate: candidate.unsteady_share)
+    if rig_compliance is None:
+        _require_a_loop_of_theory(chosen, loop, scene)
+    part, fit = _fit_at_constant_load(chosen, scene, curve)
+    fit = replace(fit, cycles=_branches_of_both(loop).cycles)
+    if chosen.share > _OF_THEORY_AT_ALL:
+        sentence = (
+            f"With the stated rig compliance the best fit is {100 * chosen.share:.2g} % of the"
+            " loop's opening away from rows that lie beside each other: leave it out, and it is"
+            " fitted"
+        )
+        fit = replace(fit, said=(*fit.said, sentence))
+    return part, _with_widening_said(_with_change(fit, chosen), chosen.share)
+
+
+# ------------------------------------------------------------------ rows that may be a steady loop
+@dataclass(frozen=True, eq=False)
+class _Candidate:
+    """Rows without a run-in, and what fits them.
+
+    Attributes
+    ----------
+    share
+        part of the distances that is no scatter, over the loop's mean opening in U
+    said
+        what was left out, in words
+    with_time, of_first, by_turns
+        how the loop changes with time [cycles], between its first half cycle and the others, and
+        from one cycle to the next but one
+    sigma_over_opening
+        of U
+    """
+
+    share: float
+    part: MeasuredLoop
+    branches: Branches
+    best: BestLoop
+    said: str
+    with_time: Change
+    of_first: Change
+    by_turns: Change
+    sigma_over_opening: float
+
+    @property
+    def is_steady(self) -> bool:
+        """Whether nothing shows that the loop changes, or is none of theory."""
+        changes = (self.with_time, self.of_first)
+        return min(change.chance for change in changes) > _LEFT_OUT and self.share < _WORTH_SAYING
+
+    @property
+    def unsteady_share(self) -> float:
+        """Of the distances, over the loop's opening: what is no scatter, or what a change with time
+        explains.
+        """
+        by_change = self.with_time.rms * self.sigma_over_opening
+        return max(self.share, by_change)
+
+    def shows(self, change: Change) -> bool:
+        """Whether the loop changes so, and not by chance, by more than theory may miss."""
+        size = change.rms * self.sigma_over_opening
+        return change.chance < _CHANGES and size > _OF_THEORY_AT_ALL
+
+    @property
+    def change_of_log_friction(self) -> float:
+        """Of ln f over all the rows, 0 where chance alone explains it."""
+        if self.with_time.chance > _LEFT_OUT:
+            return 0.0
+        return float(self.with_time.rates[0]) * self.branches.cycles
+
+
+def _candidate(
+    part: MeasuredLoop, said: str, curve: MemoryCurve, rig_compliance: float | None
+) -> _Candidate:
+    """The fit of rows, and what it shows."""
+    branches = _branches_of_both(part)
+    rows = MeasuredRows(part.shift, part.load, part.time, branches, rig_compliance, part.resolution)
+    best = best_loop(rows, curve)
+    with_time = of_first = by_turns = NO_CHANGE
+    if branches.cycles >= _FEWEST_ALIKE:
+        phase = np.maximum.accumulate(branches.phase)
+        first_turn = math.ceil(2 * phase[0] + _ON_A_TURN) / 2
+        if first_turn - phase[0] < _SHORT_HALF_CYCLE:
+            first_turn += 0.5
+        with_time = best.change_with(phase)
+        of_first = best.change_with((phase < first_turn).astype(float))
+        turns = [best.change_with(wave(np.pi * phase)) for wave in (np.cos, np.sin)]
+        by_turns = min(turns, key=lambda change: change.chance)
+    return _Candidate(
+        share=_share_of_opening(part, best.misfit, branches.phase),
+        part=part,
+        branches=branches,
+        best=best,
+        said=said,
+        with_time=with_time,
+        of_first=of_first,
+        by_turns=by_turns,
+        sigma_over_opening=best.search.weights.shift / _opening(part, branches.phase),
+    )
+
+
+def _require_a_loop_of_theory(chosen: _Candidate, loop: MeasuredLoop, scene: Scene) -> None:
+    """InputError for rows that are of no steady loop of theory, with the reason."""
+    misfit = chosen.best.misfit
+    limit = _OF_THEORY_AT_ALL
+    if misfit.correlation > _NO_SCATTER_AT_ALL and not chosen.best.hangs_on_digits:
+        limit = _OF_THEORY_WITHOUT_SCATTER
+    reason = ""
+    if chosen.shows(chosen.by_turns):
+        reason = "its period is another: every second cycle is alike"
+    elif chosen.shows(chosen.with_time):
+        change = chosen.change_of_log_friction
+        verb = "rose" if change > 0 else "fell"
+        reason = (
+            f"its cycles change to the end, as if f {verb} by {100 * math.expm1(abs(change)):.2g} %"
+            f" over {chosen.branches.cycles:.2g} cycles"
+        )
+    elif chosen.share > limit:
+        reason = (
+            "its cycles are alike, but their form is not that of theory (other bodies, plastic"
+            " flow, wear, or noise that is no scatter)"
+        )
+    if not reason:
+        return
+    share = max(chosen.share, chosen.unsteady_share)
+    raise InputError(
+        f"{loop.source}: its rows are of no steady loop of {scene.name}:"
+        f" {_cycles_differ(loop) or reason}; the best fit is {100 * share:.2g} % of the loop's"
+        f" opening away from rows that lie beside each other (limit {100 * limit:.2g} %)"
+    )
+
+
+def _with_change(fit: FittedLoop, chosen: _Candidate) -> FittedLoop:
+    """The fit with an interval that holds a change of f over the rows that are left."""
+    change = chosen.change_of_log_friction
+    if chosen.with_time.chance > _CHANGES or not change:
+        return fit
+    by_change = fit.friction * math.expm1(min(abs(change), 1.0))
+    sentence = (
+        f"The loop still changes over the rows that are left, f by {100 * math.expm1(change):+.2g}"
+        " %: the interval of f holds it"
+    )
+    low = fit.friction - math.hypot(fit.friction - fit.low, by_change)
+    high = (
+        None if fit.high is None else fit.friction + math.hypot(fit.high - fit.friction, by_change)
+    )
+    return replace(fit, low=max(low, 0.0), high=high, said=(*fit.said, sentence))
+
+
+def _without_run_in(loop: MeasuredLoop) -> Iterator[tuple[MeasuredLoop, str]]:
+    """The loop, and the loop without its first rows; each with what was done."""
+    phase = np.maximum.accumulate(_branches_of_both(loop).phase)
+    if phase[-1] - phase[0] < _MANY_CYCLES:
+        yield loop, ""
+    first_turn = math.ceil(2 * phase[0] + _ON_A_TURN) / 2
+    for half_cycles in _RUN_IN:
+        first = int(np.argmax(phase >= first_turn + half_cycles / 2))
+        if phase[-1] - phase[first] < _FEWEST_ALIKE or not first:
+            return
+        rest = replace(
+            loop, shift=loop.shift[first:], load=loop.load[first:], time=loop.time[first:]
+        )
+        sentence = f"Rows 1 to {first} are left out: run-in, unlike the later cycles"
+        if not half_cycles:
+            sentence = (
+                f"Rows 1 to {first}, before the first turning point, are left out: they may be of"
+                " the initial loading"
+            )
+        yield rest, sentence
+
+
+def _branches_of_both(loop: MeasuredLoop) -> Branches:
+    """Branches of the rows by U and Q together, each over its range: their sum has its turning
+    points where the branches have theirs, also where Q stays while the contact slides.
+    """
+    range_of_shift = float(np.ptp(loop.shift))
+    range_of_load = float(np.ptp(loop.load))
+    both = loop.shift / range_of_shift + loop.load / range_of_load
+    step = loop.resolution[0] / range_of_shift + loop.resolution[1] / range_of_load
+    return find_branches(loop.shift, both, loop.time, step, loop.source)
+
+
+def _share_of_opening(loop: MeasuredLoop, misfit: Misfit, phase: Array) -> float:
+    """The part of the distances that is no scatter over the mean opening of the loop in U."""
+    return misfit.systematic / _opening(loop, phase)
+
+
+def _opening(loop: MeasuredLoop, phase: Array) -> float:
+    """Mean opening of the loop in U [length]."""
+    area = polygon_area(loop.shift, loop.load, phase, 0.0, 0.0).value
+    return max(abs(area), 1e-300) / float(np.ptp(loop.load))
+
+
+def _cycles_differ(loop: MeasuredLoop) -> str:
+    """How the cycles differ, in words; "" where they do not."""
+    noise = max(row_noise(loop.load), loop.resolution[1] / math.sqrt(12))
+    return differences_of_cycles(loop.shift, loop.load, loop.time, noise)
+
+
+def _with_widening_said(fit: FittedLoop, share: float) -> FittedLoop:
+    if fit.misfit.widening == 1.0 or share < _WORTH_SAYING:
+        return fit
+    sentence = (
+        f"Neighbouring rows lie on the same side of the best fit (correlation"
+        f" {fit.misfit.correlation:.2g}), by {100 * share:.2g} % of the loop's opening: the"
+        f" interval of f is {fit.misfit.widening:.2g} times as wide for it"
+    )
+    return replace(fit, said=(*fit.said, sentence))
+
+
+def _drift_of_cycle(loop: MeasuredLoop) -> float:
+    """Of U in a cycle, over its range, where it is no drift of a gauge; else 0."""
+    branches = find_branches(loop.shift, loop.load, loop.time, loop.resolution[1], loop.source)
+    rate = drift_of_shift(loop.shift, loop.load, loop.time, branches)
+    if rate is None:
+        return 0.0
+    range_of_shift = float(np.ptp(loop.shift))
+    drift = rate * float(np.ptp(loop.time)) / branches.cycles / range_of_shift
+    by_noise = 2 * row_noise(loop.shift) / range_of_shift
+    return drift if abs(drift) > _DRIFT + by_noise else 0.0
+
+
+# -------------------------------------------------------------------------------------- their fits
+def _fit_at_constant_load(
+    chosen: _Candidate, scene: Scene, curve: MemoryCurve
+) -> tuple[MeasuredLoop, FittedLoop]:
+    """The chosen rows without their drift, and their fit with its interval."""
+    loop = chosen.part
+    branches = chosen.branches
+    fit = with_interval(chosen.best, _OF_MEMORY)
+    passed = (loop.time - loop.time[0]) / float(np.ptp(loop.time))
+    straight = replace(loop, shift=loop.shift - fit.drift * (passed - 0.5))
+    tangential = cycle_loads(scene)[1]
+    scale = (fit.highest - fit.lowest) / float(np.ptp(tangential))
+    of_these = " that are left" if chosen.said else ""
+    said = [
+        (
+            f"The rows{of_these} cover {branches.cycles:.4g} cycles between Q = {fit.lowest:.6g}"
+            f" and {fit.highest:.6g}; P is constant, so that the form of Q and U over time"
+            " counts for nothing"
+        ),
+        *said_of_scale(scale),
+    ]
+    if chosen.said:
+        said.append(chosen.said)
+    range_of_shift = float(np.ptp(loop.shift))
+    error = 1.96 * fit.drift_error
+    if abs(fit.drift) > max(error, _DRIFT_SAID * range_of_shift):
+        said.append(
+            f"U drifts by {100 * fit.drift / range_of_shift / branches.cycles:+.2g} % of its range"
+            " in a cycle: taken out"
+        )
+    if fit.gross:
+        said.append(
+            f"The contact slides as a whole by {fit.slide:.3g} {units(scene)[1]} at each end of the"
+            f" loop: f is Q/P there, with Q = {(fit.highest - fit.lowest) / 2:.6g} from the middle"
+        )
+    if fit.gross:
+        share = np.mod(fit.distances.place / 2 + 0.5, 1.0)
+    else:
+        share = _share_by_load(loop.load, fit.distances.place < 1, fit, tangential)
+    return straight, FittedLoop(
+        scene=scene,
+        friction=fit.friction,
+        low=fit.low,
+        high=fit.high,
+        compliance=fit.compliance,
+        share=share,
+        phase=branches.phase,
+        cycles=branches.cycles,
+        scale=scale,
+        offset=fit.lowest - scale * float(tangential.min()),
+        shift_noise=fit.weights.shift,
+        load_noise=fit.weights.load,
+        said=tuple(said),
+        misfit=fit.misfit,
+        model=MasingLoop(curve, fit.values),
+        masing=fit,
+        gross=fit.gross,
+    )
+
+
+def _fit_where_load_varies(
+    loop: MeasuredLoop, scene: Scene, rig_compliance: float | None
+) -> FittedLoop:
+    """Where P varies and Q has two branches in a cycle: by turning points of Q, and theory between
+    them.
+    """
+    branches = find_branches(loop.shift, loop.load, loop.time, loop.resolution[1], loop.source)
+    rows = LoopRows(loop.shift, loop.load, branches, rig_compliance)
+    tangential = cycle_loads(scene)[1]
+    loads = cycle_loads(scene, FINE_SHARES)[1]
+    model = LoopsOverFriction(
+        loads, least_friction(scene), lambda friction: theory_shift(scene, friction, FINE_SHARES)
+    )
+    fit = fit_loop(rows, model, loop.resolution, _OF_THEORY)
+    weights = Weights(fit.shift_noise, fit.load_noise)
+    nearest = model.nearest_points(rows, fit.friction, fit.terms, weights)
+    scale = (fit.highest - fit.lowest) / float(np.ptp(tangential))
+    said = [
+        (
+            f"The rows cover {branches.cycles:.4g} cycles between Q = {fit.lowest:.6g} and"
+            f" {fit.highest:.6g}; P was taken over Q as in the scene, so that the form of Q and U"
+            " over time counts for nothing"
+        ),
+        *said_of_scale(scale),
+    ]
+    return FittedLoop(
+        scene=scene,
+        friction=fit.friction,
+        low=fit.low,
+        high=fit.high,
+        compliance=fit.compliance,
+        share=np.mod(nearest.place / (len(loads) - 1), 1.0),
+        phase=branches.phase,
+        cycles=branches.cycles,
+        scale=scale,
+        offset=fit.lowest - scale * float(tangential.min()),
+        shift_noise=fit.shift_noise,
+        load_noise=fit.load_noise,
+        said=tuple(said),
+        misfit=fit.misfit,
+    )
+
+
+def _share_by_load(
+    load: Array, on_rising: NDArray[np.bool_], fit: MasingFit, tangential: Array
+) -> Array:
+    """Shares of the scene's cycle at which its Q (n_instants,) is that of the rows (n,), on the
+    same branch.
+    """
+    scale = (fit.highest - fit.lowest) / float(np.ptp(tangential))
+    bottom = int(np.argmin(tangential[:-1]))
+    top = int(np.argmax(tangential[:-1]))
+    share = np.empty(len(load))
+    for rising in (True, False):
+        on_branch = on_rising == rising
+        begin = bottom if rising else top
+        end = top if rising else bottom
+        if end < begin:
+            end += INSTANTS - 1
+        instants = np.arange(begin, end + 1)
+        if not rising:
+            instants = instants[::-1]
+        loads = tangential[instants % (INSTANTS - 1)]
+        load_of_scene = tangential[bottom] + (load[on_branch] - fit.lowest) / scale
+        share[on_branch] = np.interp(load_of_scene, loads, instants / (INSTANTS - 1)) % 1.0
+    return share

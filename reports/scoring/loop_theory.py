@@ -1,0 +1,78 @@
+"""The cycle of a scene as a loop of Q over U: its loads, and U by theory and by finite elements.
+
+# notation: f friction coefficient, P and Q loads, U relative displacement
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+import semi_analytic
+from reports.checking import nearest_to_sliding
+from scenes import Scene
+from scenes.array_types import Array
+
+# Instants of a cycle at which theory is evaluated, straight between: an error of 1e-5 of the range
+# of U.
+INSTANTS = 721
+SHARES = np.linspace(0.0, 1.0, INSTANTS)
+# Rows without noise show the chords between instants: to 1e-5 of f they need three times as many.
+FINE_SHARES = np.linspace(0.0, 1.0, 3 * (INSTANTS - 1) + 1)
+
+
+def least_friction(scene: Scene) -> float:
+    """f of gross sliding at the scene's loads."""
+    return nearest_to_sliding(scene).ratio * scene.friction.coefficient * (1 + 1e-9)
+
+
+def has_two_branches(scene: Scene) -> bool:
+    """Whether Q has one highest and one lowest value in a cycle, and no other turning point."""
+    tangential = cycle_loads(scene)[1]
+    steps = np.diff(tangential)
+    signs = np.sign(steps[np.abs(steps) > 1e-9 * np.ptp(tangential)])
+    return bool(len(signs) > 0 and np.count_nonzero(signs[1:] != signs[:-1]) <= 2)
+
+
+def has_constant_normal_load(scene: Scene) -> bool:
+    """Whether P stays in a cycle."""
+    normal = cycle_loads(scene)[0]
+    return bool(np.ptp(normal) <= 1e-9 * normal.max())
+
+
+def times_of_cycle(scene: Scene, shares: Array) -> Array:
+    """Instants of the last cycle that the scene runs through."""
+    path = scene.load.path()
+    assert path.period is not None
+    return path.cycle_start + path.period * (max(scene.cycles, 2) - 1 + shares)
+
+
+def cycle_loads(scene: Scene, shares: Array = SHARES) -> tuple[Array, Array]:
+    """P and Q of a cycle."""
+    normal, tangential = scene.load.path().at(times_of_cycle(scene, shares))
+    return np.asarray(normal), np.asarray(tangential)
+
+
+def theory_shift(scene: Scene, friction: float, shares: Array = SHARES) -> Array:
+    """U of the steady cycle by half-plane theory."""
+    asked = scene.vary(friction=friction, cycles=max(scene.cycles, 2))
+    solution = semi_analytic.solve(
+        asked,
+        x=0.0,
+        time=times_of_cycle(scene, shares),
+        fields="tangential_displacement",
+        cycles="steady",
+    )
+    return solution.tangential_displacement
+
+
+def finite_element_shift(scene: Scene, friction: float) -> Array:
+    """The same by the finite elements, whose instants lie between."""
+    import halfplane_fe
+
+    solution = halfplane_fe.solve(scene.vary(friction=friction))
+    path = scene.load.path()
+    cycle = solution.last_cycle
+    assert path.period is not None
+    share = (solution.time[cycle] - path.cycle_start) / path.period
+    share -= round(float(share[0]))
+    return np.interp(SHARES, share, solution.tangential_displacement[cycle])
