@@ -54,7 +54,10 @@ def nodal(values: Array) -> Array:
     interface states: a view.
     """
     parts = values[..., 3:].reshape(*values.shape[:-1], 4, -1)
-    return parts if values.ndim == 1 else np.moveaxis(parts, -2, 0)
+    if values.ndim == 1:
+        return parts
+    axes_of_states = range(values.ndim - 1)
+    return parts.transpose(values.ndim - 1, *axes_of_states, values.ndim)
 
 
 def _rigid(number: int) -> property:
@@ -233,6 +236,7 @@ class ContactProblem:
         coupled = self.tangential and self.interface.coupling is not None
         self._shear_scale = 1.0 if coupled else min(1.0, self.friction)
         self._last_digit = _LAST_DIGIT * np.repeat([1.0, self._shear_scale], len(self.height))
+        self._traction_of_state = self.friction * slip_sign(np.arange(4))
 
     @cached_property
     def _systems(self) -> Systems:
@@ -402,12 +406,16 @@ class ContactProblem:
         slip, pressure, shear, gap = nodal(values)
         sticks = (states == STICK) & self.tangential
         is_open = states == OPEN
-        slip[sticks] = start.slip[sticks]
-        pressure[is_open] = 0.0
-        gap[~is_open] = 0.0
-        shear[:] = np.where(sticks, shear, slip_sign(states) * self.friction * pressure)
+        np.copyto(slip, start.slip, where=sticks)
+        np.copyto(pressure, 0.0, where=is_open)
+        np.copyto(gap, 0.0, where=~is_open)
+        np.copyto(shear, self._tractions(states) * pressure, where=~sticks)
         values.flags.writeable = False
         return self._state(time, loads, values, states)
+
+    def _tractions(self, states: States) -> Array:
+        """(n,) q over p of the nodes that slide, else 0."""
+        return self._traction_of_state.take(states)
 
     def values_following(
         self, start: InterfaceState, loads: tuple[float, ...], states: States
@@ -466,11 +474,11 @@ class ContactProblem:
         ):
             return latest_changes.values
         _, pressure, shear, gap = nodal(start.values)
-        beyond_cone = shear - slip_sign(states) * self.friction * pressure
+        beyond_cone = shear - self._tractions(states) * pressure
         residual = np.concatenate(
             [np.where(states == OPEN, pressure, gap), np.where(states == STICK, 0.0, beyond_cone)]
         )
-        rows = np.flatnonzero(np.abs(residual) > self._last_digit)
+        rows = (np.abs(residual) > self._last_digit).nonzero()[0]
         values: Array | float = 0.0
         if len(rows):
             answers = self._systems.answers(states, len(start.loads), rows, -residual[rows])
@@ -491,14 +499,13 @@ class ContactProblem:
         """
         sets_met: set[bytes] = set()
         n_changing = 0
-        sign_at_start = slip_sign(start.state)
         try:
             for iteration in range(self.max_iterations + 1):
                 state = self.following(start, time, loads, states)
                 next_states = self._states_by_law(state, start)
                 n_changing = int(np.count_nonzero(next_states != states))
                 self.work["slip iterations"] += iteration > 0 and not np.array_equal(
-                    slip_sign(next_states), sign_at_start
+                    slip_sign(next_states), slip_sign(start.state)
                 )
                 if not n_changing:
                     return _Solved(state, max(iteration, 1), 0)
@@ -566,12 +573,11 @@ class ContactProblem:
     def _states_by_law(self, answer: InterfaceState, start: InterfaceState) -> States:
         """The states that the law gives the answer's nodes."""
         states = answer.state
+        # What the equations of these states set to zero is zero (`following`): weighted, its
+        # rounding would look like a force.
         slip, pressure, shear, gap = nodal(answer.values)
+        slip_increment = slip - start.slip
         is_open = states == OPEN
-        # What the equations of these states set to zero counts as zero: weighted, its rounding
-        # would look like a force.
-        gap = np.where(is_open, gap, 0.0)
-        slip_increment = np.where(states == STICK, 0.0, slip - start.slip)
         r_normal, r_tangential = self.augmentation
         trial_pressure = pressure - r_normal * gap
         # Within rounding of touching or of the cone a node keeps the state it has.
@@ -591,7 +597,7 @@ class ContactProblem:
         # A sliding node that turns round sticks first: from forward to reverse slip at one go, sets
         # chase each other.
         has_turned = (next_states != states) & (next_states > STICK) & (states > STICK)
-        return np.where(has_turned, STICK, next_states).astype(np.int8)
+        return np.where(has_turned, STICK, next_states).astype(np.int8, copy=False)
 
     def _tilt_at_known_shear(
         self, height: Array, shear: Array, is_closed: Mask, imposed: Array, loads: tuple[float, ...]

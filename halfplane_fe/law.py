@@ -68,7 +68,7 @@ def slip_sign(state: States) -> NDArray[np.int64]:
     >>> slip_sign(np.array([0, 1, 2, 3], dtype=np.int8)).tolist()
     [0, 0, 1, -1]
     """
-    return _SIGN[state]
+    return _SIGN.take(state)  # half the time of _SIGN[state]
 
 
 def violations(

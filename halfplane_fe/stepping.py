@@ -179,8 +179,10 @@ def _up_to_turn(
     follows from what slides: there the slip of the sliding nodes, each weighted by its friction,
     grows no further as the movements go.
     """
+    if not problem.actuators.are_there:
+        return end
     sense = slip_sign(start.state)
-    if not problem.actuators.are_there or not sense.any():
+    if not sense.any():
         return end
     try:
         slip_by_loads, _, _, _ = nodal(problem.rates(start.state, len(start.loads)))
@@ -402,15 +404,15 @@ def next_event(
     else:
         # by Q and by tilt nodes meet at constant P too: the gap or the force of the first of them,
         # as the loads go
-        changing = np.flatnonzero(np.subtract(loads_at_end, start.loads)).tolist()
         at_start = float((gap if event == "touch" else pressure)[node])
-        _, pressure_rates, _, gap_rates = nodal(problem.rates(states, len(start.loads))[changing])
+        _, pressure_rates, _, gap_rates = nodal(problem.rates(states, len(start.loads)))
         rates = (gap_rates if event == "touch" else pressure_rates)[:, node]
+        # what does not change must not add its rounding
+        rates = np.where(np.subtract(loads_at_end, start.loads) != 0, rates, 0.0)
 
         def missing(time: float) -> float:
             """The gap, or the force, of the node of the event."""
-            change_of_loads = np.subtract(loads_at(time), start.loads)[changing]
-            return at_start + float(change_of_loads @ rates)
+            return at_start + float(np.subtract(loads_at(time), start.loads) @ rates)
 
     time = _zero(missing, start.time, end, share, at_start)
     return (event, time) if start.time < time < end else ("regular", end)
@@ -507,11 +509,11 @@ def _first_crossing(before: Array, after: Array, nodes: Mask) -> tuple[float, in
     """Fraction of the increment at which the first of `nodes` goes from positive to negative,
     linearly, and it; 1 if none does.
     """
-    falling = np.flatnonzero(nodes & (before > ROUNDING) & (after < -ROUNDING))
+    falling = (nodes & (before > ROUNDING) & (after < -ROUNDING)).nonzero()[0]
     if not len(falling):
         return 1.0, -1
     shares = before[falling] / (before[falling] - after[falling])
-    first = int(np.argmin(shares))
+    first = int(shares.argmin())
     return float(shares[first]), int(falling[first])
 
 

@@ -117,6 +117,9 @@ class _Base:
         (m, 2 n + 3), of which `count` are known: the force of each row that holds, gap or slip
         of the others, then approach, shift and tilt. Of a node that slides the force beyond f p
         is known, and its row does not hold
+    places
+        (3 + 4 n,) of the values of interface states among the unknowns, (2 n + 3,) as those of
+        `answers`, and the givens, (2 n,) of each row, behind them; shear as the force of its row
     met
         sets that were reached from it: met again, they have the same bits
     """
@@ -130,6 +133,7 @@ class _Base:
     free: Indices
     number: Indices
     answers: Array
+    places: Indices
     met: set[bytes]
     count: int = 0
 
@@ -337,12 +341,20 @@ class Systems:
         [[0.5, 0.5, -0.25, 0.25], [0.0, 0.0, 1.0, 0.0]]
         """
         self.work["linear solves"] += 1
-        n_touching = int(np.count_nonzero(states))
-        n_sticking = int(np.count_nonzero(states == STICK))
-        is_nested = states[:n_touching].all() and (states[:n_sticking] == STICK).all()
-        if self._nested and n_sticking and is_nested:
+        if self._is_nested(states):
             return self._answers_of_nested(states, n_loads, rows, changes)
         return self._answers_from_base(states, n_loads, rows, changes)
+
+    def _is_nested(self, states: States) -> bool:
+        """Whether the first nodes stick, the next ones slide and the last are open, and answers
+        need no base then.
+        """
+        if not self._nested:
+            return False
+        n_touching = int(np.count_nonzero(states))
+        n_sticking = int(np.count_nonzero(states == STICK))
+        touching = states[:n_touching]
+        return bool(n_sticking and touching.all() and (touching[:n_sticking] == STICK).all())
 
     def _answers_of_nested(
         self, states: States, n_loads: int, rows: Indices | None, changes: Array | None
@@ -382,15 +394,16 @@ class Systems:
         base, differs = self._nearest(states)
         if rows is not None:
             differs[rows] = True
-        updated = np.flatnonzero(differs)
-        loads = np.arange(2 * n, 2 * n + n_loads)
-        units = np.concatenate([loads, updated])
+        updated = differs.nonzero()[0]
+        units = np.concatenate([np.arange(2 * n, 2 * n + n_loads), updated])
         self._find(base, units)
-        columns = base.answers[base.number[units]]
+        columns = base.answers.take(base.number[units], axis=0)
         n_cases = n_loads + (rows is not None)
-        unknowns = np.zeros((n_cases, 2 * n + 3))
+        # what is unknown of the base, then what is known of its rows
+        in_base = np.zeros((n_cases, 4 * n + 3))
+        unknowns = in_base[:, : 2 * n + 3]
+        givens = in_base[:, 2 * n + 3 :]
         unknowns[:n_loads] = columns[:n_loads]
-        givens = np.zeros((n_cases, 2 * n))
         if len(updated):
             self.work["factor updates"] += 1
             by_units = self._rows_of_set(base, states, updated, units, columns)
@@ -404,15 +417,9 @@ class Systems:
             factors = _lu_solve(_lu(small_system), right.T).T
             unknowns += factors @ columns[n_loads:]
             givens[:, updated] = factors
-        forces = np.where(base.holds, unknowns[:, : 2 * n], givens)
-        displacements = np.where(base.holds, givens, unknowns[:, : 2 * n])
-        values = np.empty((n_cases, 3 + 4 * n))
-        values[:, :3] = unknowns[:, 2 * n :]
-        slip, pressure, shear, gap = values[:, 3:].reshape(-1, 4, n).transpose(1, 0, 2)
-        slip[:] = displacements[:, n:]
-        pressure[:] = forces[:, :n]
-        shear[:] = forces[:, n:] + base.traction * forces[:, :n]
-        gap[:] = displacements[:, :n]
+        values = in_base.take(base.places, axis=1)
+        _, pressure, shear, _ = values[:, 3:].reshape(-1, 4, n).transpose(1, 0, 2)
+        shear += base.traction * pressure
         return values
 
     def _rows_of_set(
@@ -425,19 +432,27 @@ class Systems:
         that sticks, else q - (+-f) p.
         """
         n = len(states)
+
+        def read(rows: Indices, is_unknown: Mask) -> Array:
+            """(k, len(rows)) what the base does not know of these rows, or else the units."""
+            values = columns.take(rows, axis=1)
+            if not is_unknown.all():
+                values[:, ~is_unknown] = np.equal.outer(units, rows[~is_unknown])
+            return values
+
         node = rows % n
-        is_normal = rows < n
         state = states[node]
-        unit_of_row = np.equal.outer(units, rows)
-        force = np.where(base.holds[rows], columns[:, rows], unit_of_row)
-        displacement = np.where(base.holds[rows], unit_of_row, columns[:, rows])
-        unit_of_normal_row = np.equal.outer(units, node)
-        pressure = np.where(base.holds[node], columns[:, node], unit_of_normal_row)
-        # The force of a tangential row is q beyond what the base takes along with p.
-        slope = base.traction[node] - slip_sign(state) * self.friction
-        beyond_cone = force + np.where(is_normal, 0.0, slope) * pressure
+        is_normal = rows < n
         reads_displacement = np.where(is_normal, state != OPEN, (state == STICK) & self.shears)
-        return np.where(reads_displacement, displacement, beyond_cone)
+        values = read(rows, base.holds[rows] != reads_displacement)
+        # The force of a tangential row is q beyond what the base takes along with p.
+        slope = base.traction[node] - self.friction * slip_sign(state)
+        with_pressure = (~is_normal & ~reads_displacement & (slope != 0)).nonzero()[0]
+        of_pressure = node[with_pressure]
+        values[:, with_pressure] += slope[with_pressure] * read(
+            of_pressure, base.holds[of_pressure]
+        )
+        return values
 
     def corrections(self, states: States, n_loads: int, changes: Array) -> Array:
         """`answers`, with changes of all rows: by the factors of the set itself.
@@ -463,12 +478,9 @@ class Systems:
         """
         n = len(states)
         self.work["linear solves"] += 1
-        n_touching = int(np.count_nonzero(states))
-        n_sticking = int(np.count_nonzero(states == STICK))
-        is_nested = states[:n_touching].all() and (states[:n_sticking] == STICK).all()
-        if self._nested and n_sticking and is_nested:
+        if self._is_nested(states):
             return self._answers_of_nested(states, n_loads, np.arange(2 * n), changes)
-        if not (self._holds_without_stick or n_sticking):
+        if not (self._holds_without_stick or STICK in states):
             raise SingularSet("no node sticks: the bodies slide on each other")
         key = states.tobytes()
         base = self._factorised.pop(key, None)
@@ -502,16 +514,16 @@ class Systems:
         the nearest one or, where it is far, the set itself.
         """
         # An update of a base makes a pivot of rounding from the zero that this is.
-        if not (self._holds_without_stick or np.any(states == STICK)):
+        if not (self._holds_without_stick or STICK in states):
             raise SingularSet("no node sticks: the bodies slide on each other")
         key = states.tobytes()
         kinds = np.concatenate([states != OPEN, states], dtype=np.int8, casting="unsafe")
         base = next((base for base in self._bases if key in base.met), None)
         if base is None and self._bases:
             rows_apart = [np.count_nonzero(base.kinds != kinds) for base in self._bases]
-            nearest_base = int(np.argmin(rows_apart))
-            if rows_apart[nearest_base] <= _MOST_ROWS:
-                base = self._bases[nearest_base]
+            least_rows = min(rows_apart)
+            if least_rows <= _MOST_ROWS:
+                base = self._bases[rows_apart.index(least_rows)]
         if base is None:
             base = self._new_base(states, kinds)
         else:
@@ -537,6 +549,17 @@ class Systems:
         )
         place = np.full(len(holds), -1)
         place[held_rows] = np.arange(len(held_rows))
+        number_of_unknown = np.arange(2 * n)
+        number_of_given = number_of_unknown + 2 * n + 3
+        is_given = ~holds[: 2 * n]
+        places_of_force = np.where(is_given, number_of_given, number_of_unknown)
+        places_of_displacement = np.where(is_given, number_of_unknown, number_of_given)
+        places = [
+            [2 * n, 2 * n + 1, 2 * n + 2],
+            places_of_displacement[n:],
+            places_of_force,
+            places_of_displacement[:n],
+        ]
         return _Base(
             kinds=kinds,
             traction=traction,
@@ -547,6 +570,7 @@ class Systems:
             free=free_rows,
             number=np.full_like(place, -1),
             answers=np.empty((0, 2 * n + 3)),
+            places=np.concatenate(places),
             met=set(),
         )
 
@@ -578,8 +602,8 @@ class Systems:
         forces = np.zeros((2 * n + 2, len(rows)))
         forces[base.held] = solutions
         forces[n : 2 * n] += base.traction[:, None] * forces[:n]
-        displacements = self.matrix[: 2 * n, : 2 * n + 2] @ forces + by_unknown[: 2 * n]
-        answers[:, base.free] = displacements[base.free].T
+        displacements = self.matrix[base.free, : 2 * n + 2] @ forces + by_unknown[base.free]
+        answers[:, base.free] = displacements.T
         answers[:, 2 * n + 2] = rows == 2 * n + 4  # the tilt
         while len(self._bases) > _LEAST_BASES and sum(base.nbytes for base in self._bases) > _BYTES:
             self._bases.pop(0)

@@ -320,9 +320,9 @@ class StraightSegment(LoadSegment):
 
     def loads(self, time: ArrayLike) -> Loads:
         # From the nearer end, so that both ends are met to the last digit.
-        t = np.asarray(time, dtype=float)[()]
+        t = _float_or_array(time)
         near_start = t - self.start <= self.end - t
-        nearer = np.where if np.ndim(t) else _chosen
+        nearer = _chosen if isinstance(t, float) else np.where
         part = (t - nearer(near_start, self.start, self.end)) / (self.end - self.start)
         p, q = (
             nearer(near_start, first_load, last_load) + (last_load - first_load) * part
