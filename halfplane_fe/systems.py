@@ -40,7 +40,7 @@ from scipy.linalg.lapack import dgetrf, dgetrs, dtrtri
 from halfplane_fe.actuators import LOADS_ARE_GIVEN, Actuators
 from halfplane_fe.interface import Interface
 from halfplane_fe.law import slip_sign
-from scenes import OPEN, STICK, ConvergenceError, InputError
+from scenes import OPEN, SLIP_FORWARD, STICK, ConvergenceError, InputError
 from scenes.array_types import Array, Indices, Mask, States
 
 Factors = tuple[Array, NDArray[np.int32]]
@@ -52,7 +52,10 @@ _LEAST_BASES = 4
 # Rows in which a set may differ from its base: beyond that the set becomes a base itself. Of a
 # record on a pad a pass needs 13 bases then, which have room in `_BYTES`; with 96 rows it needs 24,
 # and most of them are made again and again.
-_MOST_ROWS = 144
+_MOST_ROWS = 120
+# Bits of `_kinds` by state: OPEN, STICK, SLIP_FORWARD, SLIP_REVERSE.
+_NORMAL_KINDS = np.array([1, 2, 2, 2], dtype=np.int8)
+_TANGENTIAL_KINDS = np.array([2 + 4, 1, 2, 4], dtype=np.int8)
 # Sets of which `corrections` keeps the factors: the iterations of an increment go to and fro
 # between few of them.
 _FACTORISED = 8
@@ -98,9 +101,9 @@ class _Base:
     Attributes
     ----------
     kinds
-        (2 n,) of its rows: closed, then the states
+        (2 n,) of its rows, see `_kinds`
     traction
-        (n,) q over p of the nodes that slide
+        (n,) q over p of the nodes that slide, open ones that count as sliding among them
     held
         (k,) rows of gap, slip and loads that hold; the unknowns of these numbers are solved for
     place
@@ -141,6 +144,27 @@ class _Base:
     def nbytes(self) -> int:
         """Of the arrays that count."""
         return self.factors[0].nbytes + self.answers.nbytes
+
+
+def _kinds(states: States) -> NDArray[np.int8]:
+    """(2 n,) of the rows of a set as bits, normal ones first: rows without a bit in common are
+    different ones.
+
+    An open node has the bits of both senses of slip: with p = 0, q = (+-f) p is q = 0.
+    """
+    return np.concatenate([_NORMAL_KINDS.take(states), _TANGENTIAL_KINDS.take(states)])
+
+
+def _sliding_where_open(states: States) -> States:
+    """(n,) states, but open nodes slide as the nearest sliding node does: that is how they will
+    when they touch.
+    """
+    sliding_nodes = np.flatnonzero(states > STICK)
+    if not len(sliding_nodes):
+        return np.where(states == OPEN, SLIP_FORWARD, states)
+    distances = np.abs(np.subtract.outer(np.arange(len(states)), sliding_nodes))
+    nearest_sliding = states[sliding_nodes[distances.argmin(axis=1)]]
+    return np.where(states == OPEN, nearest_sliding, states)
 
 
 class _Nested:
@@ -394,6 +418,7 @@ class Systems:
         base, differs = self._nearest(states)
         if rows is not None:
             differs[rows] = True
+            differs[n + rows[rows < n]] = True  # an open node with a given p does not slide
         updated = differs.nonzero()[0]
         units = np.concatenate([np.arange(2 * n, 2 * n + n_loads), updated])
         self._find(base, units)
@@ -485,8 +510,7 @@ class Systems:
         key = states.tobytes()
         base = self._factorised.pop(key, None)
         if base is None:
-            kinds = np.concatenate([states != OPEN, states], dtype=np.int8, casting="unsafe")
-            base = self._new_base(states, kinds)
+            base = self._new_base(states, states)
         self._factorised[key] = base  # what was used last comes last
         if len(self._factorised) > _FACTORISED:
             del self._factorised[next(iter(self._factorised))]
@@ -517,33 +541,42 @@ class Systems:
         if not (self._holds_without_stick or STICK in states):
             raise SingularSet("no node sticks: the bodies slide on each other")
         key = states.tobytes()
-        kinds = np.concatenate([states != OPEN, states], dtype=np.int8, casting="unsafe")
+        kinds = _kinds(states)
         base = next((base for base in self._bases if key in base.met), None)
         if base is None and self._bases:
-            rows_apart = [np.count_nonzero(base.kinds != kinds) for base in self._bases]
+            n_rows = len(kinds)
+            rows_apart = [n_rows - np.count_nonzero(base.kinds & kinds) for base in self._bases]
             least_rows = min(rows_apart)
             if least_rows <= _MOST_ROWS:
                 base = self._bases[rows_apart.index(least_rows)]
         if base is None:
-            base = self._new_base(states, kinds)
+            base = self._new_base(states, _sliding_where_open(states))
         else:
             self._bases.remove(base)
         self._bases.append(base)
         base.met.add(key)
-        return base, base.kinds != kinds
+        return base, (base.kinds & kinds) == 0
 
-    def _new_base(self, states: States, kinds: States) -> _Base:
-        """A base with the factors of these states, and no answers yet."""
+    def _new_base(self, states: States, states_of_shear: States) -> _Base:
+        """A base with the factors of these states, and no answers yet.
+
+        Parameters
+        ----------
+        states
+            which the nodes have
+        states_of_shear
+            the same, but of open nodes that are to count as sliding, see `_kinds`
+        """
         self.work["factorisations"] += 1
         n = len(states)
-        traction = np.asarray(slip_sign(states) * self.friction, dtype=np.float64)
+        traction = np.asarray(slip_sign(states_of_shear) * self.friction, dtype=np.float64)
         sticks = (states == STICK) & self.shears
         holds = np.concatenate([states != OPEN, sticks, [True, True, False, False, False]])
         held_rows = np.flatnonzero(holds)
         free_rows = np.flatnonzero(~holds[: 2 * n])
         columns = self.matrix[np.ix_(held_rows, held_rows)]
         # Sliding nodes take their q along with p.
-        sliding_nodes = np.flatnonzero(traction)
+        sliding_nodes = np.flatnonzero(slip_sign(states))
         columns[:, np.searchsorted(held_rows, sliding_nodes)] += (
             self.matrix[np.ix_(held_rows, n + sliding_nodes)] * traction[sliding_nodes]
         )
@@ -560,6 +593,8 @@ class Systems:
             places_of_force,
             places_of_displacement[:n],
         ]
+        kinds = _kinds(states_of_shear)
+        kinds[:n] = _kinds(states)[:n]
         return _Base(
             kinds=kinds,
             traction=traction,
@@ -588,6 +623,9 @@ class Systems:
         number = np.arange(len(rows))
         is_held = place >= 0
         by_unknown = np.where(is_held, 0.0, self.matrix[:, np.where(is_held, 0, rows)])
+        is_open = ~is_held & (rows < n)
+        open_nodes = rows[is_open]
+        by_unknown[:, is_open] += self.matrix[:, n + open_nodes] * base.traction[open_nodes]
         right = -by_unknown[base.held]
         right[place[is_held], number[is_held]] += 1.0
         solutions = _lu_solve(base.factors, right)
