@@ -23,7 +23,15 @@ from halfplane_fe.return_mapping import ReturnMapping, Start
 from halfplane_fe.settings import Method
 from halfplane_fe.systems import Layer, SingularSet, Systems
 from halfplane_fe.tresca import pressure_at_known_shear, shear_at_known_pressure
-from scenes import OPEN, STICK, ConvergenceError, InputError, freeze
+from scenes import (
+    OPEN,
+    SLIP_FORWARD,
+    SLIP_REVERSE,
+    STICK,
+    ConvergenceError,
+    InputError,
+    freeze,
+)
 from scenes.array_types import Array, Mask, States
 
 # Rounding of nodal forces and displacements in scaled variables, both of order one: within it a
@@ -236,7 +244,8 @@ class ContactProblem:
         coupled = self.tangential and self.interface.coupling is not None
         self._shear_scale = 1.0 if coupled else min(1.0, self.friction)
         self._last_digit = _LAST_DIGIT * np.repeat([1.0, self._shear_scale], len(self.height))
-        self._traction_of_state = self.friction * slip_sign(np.arange(4))
+        all_states = np.array([OPEN, STICK, SLIP_FORWARD, SLIP_REVERSE], dtype=np.int8)
+        self._traction_of_state = np.asarray(self.friction * slip_sign(all_states), dtype=float)
 
     @cached_property
     def _systems(self) -> Systems:
@@ -415,7 +424,8 @@ class ContactProblem:
 
     def _tractions(self, states: States) -> Array:
         """(n,) q over p of the nodes that slide, else 0."""
-        return self._traction_of_state.take(states)
+        tractions: Array = self._traction_of_state.take(states)
+        return tractions
 
     def values_following(
         self, start: InterfaceState, loads: tuple[float, ...], states: States

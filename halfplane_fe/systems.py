@@ -19,7 +19,8 @@ base's answer to the loads, c_r that to a unit in row r, and R the rows of the s
 
     v + sum_r y_r c_r,   sum_r R(c_r) y_r = b - R(v),
 
-r being the rows in which set and base differ: one small system and one sum.
+r being the rows in which set and base differ: one small system and one sum. Answers of a base are
+found by factors of its own, or in the same way from those of another base.
 
 On one half of faces that are their own mirror image, without coupling, the first k nodes touch and
 the first s of them stick, by ascending x, at almost all instants. Such nested sets need no base:
@@ -52,10 +53,12 @@ _LEAST_BASES = 4
 # Rows in which a set may differ from its base: beyond that the set becomes a base itself. Of a
 # record on a pad a pass needs 13 bases then, which have room in `_BYTES`; with 96 rows it needs 24,
 # and most of them are made again and again.
-_MOST_ROWS = 120
+_MOST_ROWS = 80
 # Bits of `_kinds` by state: OPEN, STICK, SLIP_FORWARD, SLIP_REVERSE.
 _NORMAL_KINDS = np.array([1, 2, 2, 2], dtype=np.int8)
 _TANGENTIAL_KINDS = np.array([2 + 4, 1, 2, 4], dtype=np.int8)
+# Rows in which a base may differ from one with factors for its answers to be updates of those.
+_MOST_ROWS_APART = 300
 # Sets of which `corrections` keeps the factors: the iterations of an increment go to and fro
 # between few of them.
 _FACTORISED = 8
@@ -96,10 +99,13 @@ class Layer:
 
 @dataclass(eq=False)
 class _Base:
-    """A set with factors of its own.
+    """A set of which answers are kept.
 
     Attributes
     ----------
+    row_states
+        (2 n,) states of the nodes for their normal rows, then for their tangential ones: there
+        open nodes may count as sliding
     kinds
         (2 n,) of its rows, see `_kinds`
     traction
@@ -110,8 +116,9 @@ class _Base:
         (2 n + 5,) of each row among `held`, -1 of others
     holds
         (2 n,) rows of gap and slip that hold
-    factors
-        of the equations of `held`
+    source
+        of its answers: factors of the equations of `held`, or another base of whose answers they
+        are updates
     free
         (n_free,) rows of gap and slip that do not hold
     number
@@ -127,12 +134,13 @@ class _Base:
         sets that were reached from it: met again, they have the same bits
     """
 
+    row_states: States
     kinds: States
     traction: Array
     held: Indices
     place: Indices
     holds: Mask
-    factors: Factors
+    source: Factors | _Base
     free: Indices
     number: Indices
     answers: Array
@@ -141,18 +149,27 @@ class _Base:
     count: int = 0
 
     @property
+    def origin(self) -> _Base | None:
+        """The base that its answers come from."""
+        return self.source if isinstance(self.source, _Base) else None
+
+    @property
     def nbytes(self) -> int:
         """Of the arrays that count."""
-        return self.factors[0].nbytes + self.answers.nbytes
+        of_factors = 0 if isinstance(self.source, _Base) else self.source[0].nbytes
+        return of_factors + self.answers.nbytes
 
 
-def _kinds(states: States) -> NDArray[np.int8]:
+def _kinds(row_states: States) -> NDArray[np.int8]:
     """(2 n,) of the rows of a set as bits, normal ones first: rows without a bit in common are
     different ones.
 
     An open node has the bits of both senses of slip: with p = 0, q = (+-f) p is q = 0.
     """
-    return np.concatenate([_NORMAL_KINDS.take(states), _TANGENTIAL_KINDS.take(states)])
+    n = len(row_states) // 2
+    return np.concatenate(
+        [_NORMAL_KINDS.take(row_states[:n]), _TANGENTIAL_KINDS.take(row_states[n:])]
+    )
 
 
 def _sliding_where_open(states: States) -> States:
@@ -416,31 +433,53 @@ class Systems:
         """
         n = len(states)
         base, differs = self._nearest(states)
+        given = np.zeros((0, 2 * n))
         if rows is not None:
             differs[rows] = True
             differs[n + rows[rows < n]] = True  # an open node with a given p does not slide
+            given = np.zeros((1, 2 * n))
+            given[0, rows] = changes
         updated = differs.nonzero()[0]
-        units = np.concatenate([np.arange(2 * n, 2 * n + n_loads), updated])
-        self._find(base, units)
-        columns = base.answers.take(base.number[units], axis=0)
-        n_cases = n_loads + (rows is not None)
+        row_states = np.concatenate([states, states])
+        loads = np.arange(2 * n, 2 * n + n_loads)
+        return self._updated(base, row_states, updated, loads, given[:, updated])
+
+    def _updated(
+        self, base: _Base, row_states: States, updated: Indices, units: Indices, given: Array
+    ) -> Array:
+        """(k + c, 3 + 4 n) values of interface states of a set, by an update of a base
+        (Sherman-Morrison-Woodbury).
+
+        Parameters
+        ----------
+        row_states
+            (2 n,) of the set, see `_Base`
+        updated
+            (m,) rows in which set and base differ, and those that are given
+        units
+            (k,) loads, or rows in which they do not differ: by a unit in each
+        given
+            (c, m) what is known of the rows of `updated`: by each of these
+        """
+        n = len(self.normal)
+        self._find(base, np.concatenate([units, updated]))
+        columns = base.answers.take(base.number[np.concatenate([units, updated])], axis=0)
+        n_units = len(units)
+        n_cases = n_units + len(given)
         # what is unknown of the base, then what is known of its rows
         in_base = np.zeros((n_cases, 4 * n + 3))
         unknowns = in_base[:, : 2 * n + 3]
         givens = in_base[:, 2 * n + 3 :]
-        unknowns[:n_loads] = columns[:n_loads]
+        unknowns[:n_units] = columns[:n_units]
+        is_row = (units < 2 * n).nonzero()[0]
+        givens[is_row, units[is_row]] = 1.0
         if len(updated):
             self.work["factor updates"] += 1
-            by_units = self._rows_of_set(base, states, updated, units, columns)
-            small_system = by_units[n_loads:].T
-            right = np.zeros((n_cases, len(updated)))
-            right[:n_loads] = -by_units[:n_loads]
-            if rows is not None:
-                change = np.zeros(2 * n)
-                change[rows] = changes
-                right[n_loads] = change[updated]
+            by_units = self._rows_of_set(base, row_states, updated, units, columns)
+            small_system = by_units[n_units:].T
+            right = np.concatenate([-by_units[:n_units], given])
             factors = _lu_solve(_lu(small_system), right.T).T
-            unknowns += factors @ columns[n_loads:]
+            unknowns += factors @ columns[n_units:]
             givens[:, updated] = factors
         values = in_base.take(base.places, axis=1)
         _, pressure, shear, _ = values[:, 3:].reshape(-1, 4, n).transpose(1, 0, 2)
@@ -448,25 +487,26 @@ class Systems:
         return values
 
     def _rows_of_set(
-        self, base: _Base, states: States, rows: Indices, units: Indices, columns: Array
+        self, base: _Base, row_states: States, rows: Indices, units: Indices, columns: Array
     ) -> Array:
-        """(k, m) what m rows of a set read in k answers of a base, (k, 2 n + 3), each to a unit in
-        a row or load.
+        """(k + m, m) what m rows of a set read in answers of a base, (k + m, 2 n + 3), to k units
+        and to a unit in each of the m rows.
 
         A normal row reads p of an open node, else the gap; a tangential one the slip of a node
         that sticks, else q - (+-f) p.
         """
-        n = len(states)
+        n = len(self.normal)
 
-        def read(rows: Indices, is_unknown: Mask) -> Array:
-            """(k, len(rows)) what the base does not know of these rows, or else the units."""
-            values = columns.take(rows, axis=1)
+        def read(rows_read: Indices, is_unknown: Mask) -> Array:
+            """(k + m, len(rows_read)) what the base does not know of these rows, or the units."""
+            values = columns.take(rows_read, axis=1)
             if not is_unknown.all():
-                values[:, ~is_unknown] = np.equal.outer(units, rows[~is_unknown])
+                all_units = np.concatenate([units, rows])
+                values[:, ~is_unknown] = np.equal.outer(all_units, rows_read[~is_unknown])
             return values
 
         node = rows % n
-        state = states[node]
+        state = row_states[rows]
         is_normal = rows < n
         reads_displacement = np.where(is_normal, state != OPEN, (state == STICK) & self.shears)
         values = read(rows, base.holds[rows] != reads_displacement)
@@ -510,7 +550,7 @@ class Systems:
         key = states.tobytes()
         base = self._factorised.pop(key, None)
         if base is None:
-            base = self._new_base(states, states)
+            base = self._new_base(np.concatenate([states, states]), None)
         self._factorised[key] = base  # what was used last comes last
         if len(self._factorised) > _FACTORISED:
             del self._factorised[next(iter(self._factorised))]
@@ -523,7 +563,8 @@ class Systems:
         right[base.place[rows_of_loads[:2]], np.arange(2)] += 1.0
         of_nodes = base.held < 2 * n
         right[of_nodes, case_of_changes] += changes[base.held[of_nodes]]
-        z[base.held] = _lu_solve(base.factors, right)
+        assert not isinstance(base.source, _Base)  # for the type checker: it has no origin
+        z[base.held] = _lu_solve(base.source, right)
         z[n : 2 * n] += base.traction[:, None] * z[:n]
         displacements = self.matrix[: 2 * n] @ z
         values = np.empty((n_loads + 1, 3 + 4 * n))
@@ -541,7 +582,7 @@ class Systems:
         if not (self._holds_without_stick or STICK in states):
             raise SingularSet("no node sticks: the bodies slide on each other")
         key = states.tobytes()
-        kinds = _kinds(states)
+        kinds = _kinds(np.concatenate([states, states]))
         base = next((base for base in self._bases if key in base.met), None)
         if base is None and self._bases:
             n_rows = len(kinds)
@@ -550,36 +591,38 @@ class Systems:
             if least_rows <= _MOST_ROWS:
                 base = self._bases[rows_apart.index(least_rows)]
         if base is None:
-            base = self._new_base(states, _sliding_where_open(states))
-        else:
-            self._bases.remove(base)
-        self._bases.append(base)
+            row_states = np.concatenate([states, _sliding_where_open(states)])
+            base = self._new_base(row_states, self._origin(row_states))
+        # what was used last comes last, and an origin after what has come from it
+        for used in (base, base.origin):
+            if used in self._bases:
+                self._bases.remove(used)
+            if used is not None:
+                self._bases.append(used)
         base.met.add(key)
         return base, (base.kinds & kinds) == 0
 
-    def _new_base(self, states: States, states_of_shear: States) -> _Base:
-        """A base with the factors of these states, and no answers yet.
-
-        Parameters
-        ----------
-        states
-            which the nodes have
-        states_of_shear
-            the same, but of open nodes that are to count as sliding, see `_kinds`
+    def _origin(self, row_states: States) -> _Base | None:
+        """The nearest base with factors, from which answers of a new one can be found for less than
+        its own factors cost.
         """
-        self.work["factorisations"] += 1
-        n = len(states)
-        traction = np.asarray(slip_sign(states_of_shear) * self.friction, dtype=np.float64)
+        origins = [base for base in self._bases if base.origin is None]
+        if not origins:
+            return None
+        kinds = _kinds(row_states)
+        rows_apart = [np.count_nonzero((base.kinds & kinds) == 0) for base in origins]
+        least_rows = min(rows_apart)
+        return origins[rows_apart.index(least_rows)] if least_rows <= _MOST_ROWS_APART else None
+
+    def _new_base(self, row_states: States, origin: _Base | None) -> _Base:
+        """A base without answers, and with factors if it has no origin."""
+        n = len(self.normal)
+        states = row_states[:n]
+        traction = np.asarray(slip_sign(row_states[n:]) * self.friction, dtype=np.float64)
         sticks = (states == STICK) & self.shears
         holds = np.concatenate([states != OPEN, sticks, [True, True, False, False, False]])
         held_rows = np.flatnonzero(holds)
         free_rows = np.flatnonzero(~holds[: 2 * n])
-        columns = self.matrix[np.ix_(held_rows, held_rows)]
-        # Sliding nodes take their q along with p.
-        sliding_nodes = np.flatnonzero(slip_sign(states))
-        columns[:, np.searchsorted(held_rows, sliding_nodes)] += (
-            self.matrix[np.ix_(held_rows, n + sliding_nodes)] * traction[sliding_nodes]
-        )
         place = np.full(len(holds), -1)
         place[held_rows] = np.arange(len(held_rows))
         number_of_unknown = np.arange(2 * n)
@@ -588,26 +631,37 @@ class Systems:
         places_of_force = np.where(is_given, number_of_given, number_of_unknown)
         places_of_displacement = np.where(is_given, number_of_unknown, number_of_given)
         places = [
-            [2 * n, 2 * n + 1, 2 * n + 2],
+            np.arange(2 * n, 2 * n + 3),  # approach, shift, tilt
             places_of_displacement[n:],
             places_of_force,
             places_of_displacement[:n],
         ]
-        kinds = _kinds(states_of_shear)
-        kinds[:n] = _kinds(states)[:n]
         return _Base(
-            kinds=kinds,
+            row_states=row_states,
+            kinds=_kinds(row_states),
             traction=traction,
             held=held_rows,
             place=place,
             holds=holds[: 2 * n],
-            factors=_lu(columns),
+            source=self._factors(states, held_rows) if origin is None else origin,
             free=free_rows,
             number=np.full_like(place, -1),
             answers=np.empty((0, 2 * n + 3)),
             places=np.concatenate(places),
             met=set(),
         )
+
+    def _factors(self, states: States, held_rows: Indices) -> Factors:
+        """Of the equations of the rows of a set that hold."""
+        self.work["factorisations"] += 1
+        columns = self.matrix[np.ix_(held_rows, held_rows)]
+        # Sliding nodes take their q along with p.
+        sliding_nodes = np.flatnonzero(slip_sign(states))
+        traction = slip_sign(states[sliding_nodes]) * self.friction
+        columns[:, np.searchsorted(held_rows, sliding_nodes)] += (
+            self.matrix[np.ix_(held_rows, len(states) + sliding_nodes)] * traction
+        )
+        return _lu(columns)
 
     def _find(self, base: _Base, required: Indices) -> None:
         """Have the answers of a base to a unit in these rows, or loads (from 2 n on)."""
@@ -619,29 +673,54 @@ class Systems:
             missing_rows[missing_rows < 2 * n], np.arange(-_NEIGHBOURS, _NEIGHBOURS + 1)
         ).clip(0, 2 * n - 1)
         rows = np.union1d(neighbours[base.number[neighbours] < 0], missing_rows)
+        source = base.source
+        if isinstance(source, _Base):
+            answers = self._by_origin(base, source, rows)
+        else:
+            answers = self._by_factors(base, source, rows)
+        end = base.count + len(rows)
+        if end > len(base.answers):  # twice the room, so that it is seldom copied
+            room = np.empty((end, 2 * n + 3))
+            base.answers = np.concatenate([base.answers[: base.count], room])
+        base.answers[base.count : end] = answers
+        base.number[rows] = np.arange(base.count, end)
+        base.count = end
+        while len(self._bases) > _LEAST_BASES and sum(base.nbytes for base in self._bases) > _BYTES:
+            self._bases.pop(0)
+
+    def _by_factors(self, base: _Base, factors: Factors, rows: Indices) -> Array:
+        """(len(rows), 2 n + 3) answers of a base by its factors."""
+        n = len(self.normal)
         place = base.place[rows]
-        number = np.arange(len(rows))
         is_held = place >= 0
         by_unknown = np.where(is_held, 0.0, self.matrix[:, np.where(is_held, 0, rows)])
         is_open = ~is_held & (rows < n)
         open_nodes = rows[is_open]
         by_unknown[:, is_open] += self.matrix[:, n + open_nodes] * base.traction[open_nodes]
         right = -by_unknown[base.held]
-        right[place[is_held], number[is_held]] += 1.0
-        solutions = _lu_solve(base.factors, right)
-        first_number = base.count
-        base.count += len(rows)
-        if base.count > len(base.answers):  # twice the room, so that it is seldom copied
-            room = np.empty((base.count, 2 * n + 3))
-            base.answers = np.concatenate([base.answers[:first_number], room])
-        base.number[rows] = first_number + number
-        answers = base.answers[first_number : base.count]
-        answers[:, base.held] = solutions.T
+        right[place[is_held], is_held.nonzero()[0]] += 1.0
+        solutions = _lu_solve(factors, right)
         forces = np.zeros((2 * n + 2, len(rows)))
         forces[base.held] = solutions
         forces[n : 2 * n] += base.traction[:, None] * forces[:n]
         displacements = self.matrix[base.free, : 2 * n + 2] @ forces + by_unknown[base.free]
+        answers = np.empty((len(rows), 2 * n + 3))
+        answers[:, base.held] = solutions.T
         answers[:, base.free] = displacements.T
         answers[:, 2 * n + 2] = rows == 2 * n + 4  # the tilt
-        while len(self._bases) > _LEAST_BASES and sum(base.nbytes for base in self._bases) > _BYTES:
-            self._bases.pop(0)
+        return answers
+
+    def _by_origin(self, base: _Base, origin: _Base, rows: Indices) -> Array:
+        """(len(rows), 2 n + 3) answers of a base by an update of those of its origin."""
+        n = len(self.normal)
+        updated = ((origin.kinds & base.kinds) == 0).nonzero()[0]
+        is_updated = np.isin(rows, updated)
+        given = np.equal.outer(rows[is_updated], updated).astype(np.float64)
+        values = np.empty((len(rows), 3 + 4 * n))
+        number = np.concatenate([(~is_updated).nonzero()[0], is_updated.nonzero()[0]])
+        values[number] = self._updated(origin, base.row_states, updated, rows[~is_updated], given)
+        _, pressure, shear, _ = values[:, 3:].reshape(-1, 4, n).transpose(1, 0, 2)
+        shear -= base.traction * pressure
+        in_base = np.empty_like(values)
+        in_base[:, base.places] = values
+        return in_base[:, : 2 * n + 3]

@@ -328,6 +328,29 @@ def test_every_set_is_solved_to_rounding_and_few_are_factorised(pair: str) -> No
     assert 0 < work["factorisations"] < 12
 
 
+@pytest.mark.parametrize("rows_apart", [2 * N, 25, 0])
+def test_answers_of_a_base_are_updates_of_another_one_to_rounding(
+    rows_apart: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As are those by factors of its own; of bases that are near enough one alone is factorised."""
+    monkeypatch.setattr(systems, "_MOST_ROWS", 12)
+    monkeypatch.setattr(systems, "_MOST_ROWS_APART", rows_apart)
+    monkeypatch.setattr(systems, "_NEIGHBOURS", 2)
+    set_systems = random_systems()
+    for number, states in enumerate(sets(40)):
+        rows = RNG.choice(2 * N, number % 5 * 12, replace=False)
+        assert (
+            residual(set_systems, states, (1.0, 0.3), rows, RNG.standard_normal(len(rows))) < 1e-11
+        )
+    n_factorised = set_systems.work["factorisations"]
+    assert sum(base.origin is None for base in set_systems._bases) == n_factorised
+    n_bases = len(set_systems._bases)
+    assert n_bases > 6
+    assert {2 * N: n_factorised == 1, 25: 1 < n_factorised < n_bases, 0: n_factorised == n_bases}[
+        rows_apart
+    ]
+
+
 def test_sets_of_first_nodes_are_solved_to_rounding_and_none_is_factorised(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -381,22 +404,31 @@ def test_a_compliance_that_is_not_positive_definite_is_refused() -> None:
     )
 
 
+@pytest.mark.parametrize("rows_apart", [0, 60])
 @pytest.mark.parametrize("every", [40, 8])
-def test_bytes_kept_stay_within_the_bound(every: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_bytes_kept_stay_within_the_bound(
+    every: int, rows_apart: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Room for two bases or three, with their answers; none suffers."""
     n = 60
     base_bytes = 8 * (122**2 + 120 * (3 + 2 * n))  # of a base all of whose answers are there
     monkeypatch.setattr(systems, "_BYTES", bound := 3 * base_bytes)
-    monkeypatch.setattr(systems, "_LEAST_BASES", 1)
+    monkeypatch.setattr(systems, "_LEAST_BASES", 2)
     monkeypatch.setattr(systems, "_MOST_ROWS", 40)
+    monkeypatch.setattr(systems, "_MOST_ROWS_APART", rows_apart)
     set_systems = random_systems(n=n)
     reached = []
     for states in sets(300, n, every):
         assert residual(set_systems, states, (1.0, 0.1), np.arange(2), np.ones(2)) < 1e-10
-        bases = [(base.factors[0], base.answers) for base in set_systems._bases]
-        reached.append(sum(array.nbytes for arrays in bases for array in arrays))
+        factors = [base.source[0] for base in set_systems._bases if base.origin is None]
+        answers = [base.answers for base in set_systems._bases]
+        reached.append(sum(array.nbytes for array in factors + answers))
+        # an origin stays as long as what has come from it
+        assert all(
+            base.origin is None or base.origin in set_systems._bases for base in set_systems._bases
+        )
     assert max(reached) <= bound
-    assert set_systems.work["factorisations"] > 6
+    assert set_systems.work["factorisations"] > (2 if rows_apart else 6)
     assert max(reached) > bound / 2  # or the bound was never met
 
 
