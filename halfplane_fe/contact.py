@@ -587,27 +587,32 @@ class ContactProblem:
         # rounding would look like a force.
         slip, pressure, shear, gap = nodal(answer.values)
         slip_increment = slip - start.slip
-        is_open = states == OPEN
         r_normal, r_tangential = self.augmentation
         trial_pressure = pressure - r_normal * gap
+        pressure_if_closed = np.maximum(trial_pressure, ROUNDING)
+        if self.tangential:
+            trial_shear = shear + r_tangential * slip_increment
+            _, _, if_closed = project(pressure_if_closed, trial_shear, self.friction)
+        else:
+            if_closed = np.full_like(states, STICK)
+        changing = (np.where(trial_pressure > 0, if_closed, OPEN) != states).nonzero()[0]
+        if not len(changing):
+            return states
         # Within rounding of touching or of the cone a node keeps the state it has.
+        before = states[changing]
+        force_to_cone = np.abs(shear) - self.friction * pressure_if_closed
         is_touching = (np.abs(pressure) <= _LEAST_FORCE) & (np.abs(gap) <= ROUNDING)
-        is_closed = np.where(is_touching, ~is_open, trial_pressure > 0)
-        if not self.tangential:
-            return np.where(is_closed, STICK, OPEN).astype(np.int8)
-        pressure_by_law, _, if_closed = project(
-            np.maximum(trial_pressure, ROUNDING),
-            shear + r_tangential * slip_increment,
-            self.friction,
-        )
-        force_to_cone = np.abs(np.abs(shear) - self.friction * pressure_by_law)
-        at_cone = force_to_cone <= _LEAST_FORCE * self._shear_scale
-        at_cone &= (np.abs(slip_increment) <= ROUNDING * self._shear_scale) & ~is_open
-        next_states = np.where(is_closed, np.where(at_cone, states, if_closed), OPEN)
+        at_cone = np.abs(force_to_cone) <= _LEAST_FORCE * self._shear_scale
+        at_cone &= np.abs(slip_increment) <= ROUNDING * self._shear_scale
+        is_closed = np.where(is_touching, states != OPEN, trial_pressure > 0)[changing]
+        keeps = at_cone[changing] & (before != OPEN)
+        after = np.where(is_closed, np.where(keeps, before, if_closed[changing]), OPEN)
         # A sliding node that turns round sticks first: from forward to reverse slip at one go, sets
         # chase each other.
-        has_turned = (next_states != states) & (next_states > STICK) & (states > STICK)
-        return np.where(has_turned, STICK, next_states).astype(np.int8, copy=False)
+        has_turned = (after != before) & (after > STICK) & (before > STICK)
+        next_states = states.copy()
+        next_states[changing] = np.where(has_turned, STICK, after)
+        return next_states
 
     def _tilt_at_known_shear(
         self, height: Array, shear: Array, is_closed: Mask, imposed: Array, loads: tuple[float, ...]

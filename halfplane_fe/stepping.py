@@ -443,9 +443,9 @@ def _misses(
     if problem.interface.coupling is None:
         return False
     at_event = _marginal(solved)
-    too_far = np.any((solved.closed != start.closed) & ~at_event)
+    too_far = ((solved.closed != start.closed) & ~at_event).any()
     meets_event = at_event & (start.closed == (event == "release"))
-    too_short = event != "regular" and not np.any(meets_event)
+    too_short = event != "regular" and not meets_event.any()
     return bool(too_far or too_short)
 
 
