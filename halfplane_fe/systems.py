@@ -46,18 +46,18 @@ from scenes.array_types import Array, Indices, Mask, States
 
 Factors = tuple[Array, NDArray[np.int32]]
 
-# Bytes of bases, and so many at least: a cycle meets the same sets again and again. With 80 MB a
-# record of 2,000 rows on a pad takes two fifths longer.
-_BYTES = 100_000_000
+# Bytes of bases, and so many at least: a cycle meets the same sets again and again. A record of
+# 2,000 rows on a pad makes 29 bases then, as with any number of bytes beyond; with 40 MB it makes
+# 58.
+_BYTES = 60_000_000
 _LEAST_BASES = 4
-# Rows in which a set may differ from its base: beyond that the set becomes a base itself. Of a
-# record on a pad a pass needs 13 bases then, which have room in `_BYTES`; with 96 rows it needs 24,
-# and most of them are made again and again.
+# Rows in which a set may differ from its base: beyond that the set becomes a base itself.
 _MOST_ROWS = 80
 # Bits of `_kinds` by state: OPEN, STICK, SLIP_FORWARD, SLIP_REVERSE.
 _NORMAL_KINDS = np.array([1, 2, 2, 2], dtype=np.int8)
 _TANGENTIAL_KINDS = np.array([2 + 4, 1, 2, 4], dtype=np.int8)
-# Rows in which a base may differ from one with factors for its answers to be updates of those.
+# Rows in which a base may differ from one with factors for its answers to be updates of those: of
+# 700 nodes updates cost less than factors up to there.
 _MOST_ROWS_APART = 300
 # Sets of which `corrections` keeps the factors: the iterations of an increment go to and fro
 # between few of them.
