@@ -249,11 +249,30 @@ def test_flat_pads(below: str, flat: float, history: str) -> None:
     # next to b the pressure is steep
     mesh = MeshSettings(element_size=1 / 32, edge_element_size=1 / 320, growth=0.1)
     kernels = halfplane_fe.solve(scene, mesh, bodies="kernel")
-    of_pads = difference(halfplane_fe.solve(scene, mesh), kernels)
+    elements = halfplane_fe.solve(scene, mesh)
+    of_fits = smooth_largest_pressure(elements) / smooth_largest_pressure(kernels) - 1
+    of_pads = difference(elements, kernels)._replace(pressure=of_fits)
     for quantity, value in zip(Difference._fields, of_pads, strict=True):
-        # Where the flat reaches 0.8 a the promise for p0 is not met: that limit holds there alone.
-        is_narrow = flat == 0.8 and quantity == "pressure"
-        check(f"kernels, flat pads{', b/a 0.8' if is_narrow else ''}: {quantity}", value)
+        check(f"kernels, flat pads: {quantity}", value)
+
+
+def smooth_largest_pressure(solution: ContactSolution) -> float:
+    """The largest pressure by polynomials of degree 4 through the nodes within 0.03 half-widths of
+    the highest one: next to the flat single nodes of the finite elements stray by 0.6 %, and by
+    0.4 % between meshes.
+    """
+    span = 0.03
+    places = np.linspace(-span / 2, span / 2, 201)
+    largest = 0.0
+    for pressure in solution.pressure[solution.last_cycle]:
+        highest = int(np.argmax(pressure))
+        if pressure[highest] < 0.98 * solution.pressure.max():
+            continue
+        distance = solution.x - solution.x[highest]
+        is_near = np.abs(distance) < span
+        polynomial = np.polyfit(distance[is_near], pressure[is_near], 4)
+        largest = max(largest, float(np.polyval(polynomial, places).max()))
+    return largest
 
 
 def test_a_part_of_a_face_has_its_limit_at_the_force() -> None:
