@@ -648,15 +648,9 @@ class PointFields:
         followed = self._followed
         profile_load = followed.table.load(followed.edge[rows])[:, None]
         of_profile = self.series.contact.pressure(self._x, profile_load)
-        half_width = self.series.half_width[rows]
-        bend = followed.normal_curvature[rows, None]
-        pressure = of_profile
-        if np.any(bend):
-            pressure = pressure + bend * self._of_parabola(half_width)
-        if np.any(followed.normal_fourth):
-            fourth = followed.normal_fourth[rows, None]
-            pressure = pressure + fourth * self._of_fourth(half_width)
-        return np.asarray(pressure)
+        bend = followed.normal_curvature[rows]
+        fourth = followed.normal_fourth[rows]
+        return of_profile + self._of_bends(self.series.half_width[rows], bend, fourth)
 
     def shear(self, rows: Indices) -> Array:
         """q, (n, k)."""
@@ -668,32 +662,25 @@ class PointFields:
     def shear_of_memory(self, rows: Indices) -> Array:
         """q without what slips further inside the contact, (n, k)."""
         followed = self._followed
-        half_width = self.series.half_width[rows]
-        bend = followed.tangential_curvature[rows, None]
-        shear = self._shear_of_curves(rows)
-        if np.any(bend):
-            shear = shear + bend * self._of_parabola(half_width)
-        if np.any(followed.tangential_fourth):
-            fourth = followed.tangential_fourth[rows, None]
-            shear = shear + fourth * self._of_fourth(half_width)
-        return np.asarray(shear)
+        bend = followed.tangential_curvature[rows]
+        fourth = followed.tangential_fourth[rows]
+        following = self._of_bends(self.series.half_width[rows], bend, fourth)
+        return self._shear_of_curves(rows) + following
 
     def shear_at(self, row: int) -> Array:
         """The same at one row, (k,): of its memory curve alone."""
         pieces = self._followed.pieces
         chain = pieces.chain(int(self._followed.curve[row]))
         half_widths = self._followed.table.half_width(pieces.top[chain])
-        half_width = self.series.half_width[[row]]
         of_profile = self.series.contact.pressure_rise(self._x, pieces.load[chain, None])
+        of_parabola, of_fourth = self._inside(half_widths)
         shear = pieces.slope[chain[1:]] @ np.diff(of_profile, axis=0)
-        of_parabola = self._of_parabola(half_widths)
         shear = shear + pieces.parabola_slope[chain[1:]] @ np.diff(of_parabola, axis=0)
-        of_fourth = self._of_fourth(half_widths)
         shear = shear + pieces.fourth_slope[chain[1:]] @ np.diff(of_fourth, axis=0)
-        bend = float(self._followed.tangential_curvature[row])
-        fourth = float(self._followed.tangential_fourth[row])
-        shear = shear + bend * self._of_parabola(half_width)[0]
-        return np.asarray(shear + fourth * self._of_fourth(half_width)[0])
+        bend = self._followed.tangential_curvature[[row]]
+        fourth = self._followed.tangential_fourth[[row]]
+        following = self._of_bends(self.series.half_width[[row]], bend, fourth)
+        return np.asarray(shear + following[0])
 
     def slip(self, rows: Indices) -> Array:
         """s, (n, k)."""
@@ -753,13 +740,12 @@ class PointFields:
         """Shear of the memory curves at rows, (n, k)."""
         followed = self._followed
         pieces, curves = followed.pieces.of_curves(followed.curve[rows])
-        half_width = followed.table.half_width(pieces.top)
-        of_curves = pieces.sums(
-            (pieces.slope, self.series.contact.pressure_rise(self._x, pieces.load[:, None])),
-            (pieces.parabola_slope, self._of_parabola(half_width)),
-            (pieces.fourth_slope, self._of_fourth(half_width)),
-        )
-        return of_curves[curves]
+        of_profile = self.series.contact.pressure_rise(self._x, pieces.load[:, None])
+        terms = [(pieces.slope, of_profile)]
+        if np.any(pieces.parabola_slope) or np.any(pieces.fourth_slope):
+            of_parabola, of_fourth = self._inside(followed.table.half_width(pieces.top))
+            terms += [(pieces.parabola_slope, of_parabola), (pieces.fourth_slope, of_fourth)]
+        return pieces.sums(*terms)[curves]
 
     def _slip_of_curves(self, rows: Indices) -> Array:
         """Slip of the memory curves at rows, (n, k)."""
@@ -772,16 +758,24 @@ class PointFields:
             terms += [(pieces.parabola_slope, of_parabola), (pieces.fourth_slope, of_fourth)]
         return pieces.sums(*terms)[curves]
 
-    def _of_parabola(self, half_width: Array) -> Array:
-        """Pressure of a parabola of curvature 1, (E*/2) sqrt(a^2 - x^2): (n, k)."""
+    def _of_bends(self, half_width: Array, bend: Array, fourth: Array) -> Array:
+        """Traction within half-widths (n,) that bends x^2/2 and x^4/24 of gap or faces, times these
+        numbers (n,), make: (n, k).
+        """
+        if not (np.any(bend) or np.any(fourth)):
+            return np.zeros((len(half_width), len(self._x)))
+        of_parabola, of_fourth = self._inside(half_width)
+        return np.asarray(bend[:, None] * of_parabola + fourth[:, None] * of_fourth)
+
+    def _inside(self, half_width: Array) -> tuple[Array, Array]:
+        """Pressure of x^2/2, (E*/2) sqrt(a^2 - x^2), and of x^4/24, (E*/24) sqrt(a^2 - x^2) (a^2 +
+        2 x^2): (n, k) each.
+        """
         half = half_width[:, None]
         root = np.sqrt(np.maximum((half - self._x) * (half + self._x), 0.0))
-        return np.asarray(self.series.modulus / 2 * root)
-
-    def _of_fourth(self, half_width: Array) -> Array:
-        """Pressure of x^4/24, (E*/24) sqrt(a^2 - x^2) (a^2 + 2 x^2): (n, k)."""
-        square = half_width[:, None] ** 2 + 2 * self._x**2
-        return np.asarray(self._of_parabola(half_width) * square / 12)
+        of_parabola = self.series.modulus / 2 * root
+        of_fourth = of_parabola * ((half**2 + 2 * self._x**2) / 12)
+        return of_parabola, of_fourth
 
     def _outside(self, half_width: Array) -> tuple[Array, Array]:
         """(A/pi) int arccosh(|x|/c) dG and dG_4 over c < min(a, |x|), int c arccosh(|x|/c) dc and
@@ -1174,6 +1168,11 @@ def _work_of(paths: _Paths, points: PointFields, distance: Array, odd: OddPart) 
         if largest > 0:
             difference = np.abs(by_steps - exact_density)
             errors["dissipation_density"] = float(np.max(difference)) / largest
+            if half_planes.work(last) > 0:
+                effects = question.effects
+                assert effects is not None  # for the type checker
+                left = left_of_work(paths.bodies, half_planes, last, effects)
+                errors["dissipation_density"] += left
     return _Work(cycles, loop, density, errors)
 
 
@@ -1360,19 +1359,19 @@ def _errors_of_steps(paths: _Paths) -> dict[str, float]:
         replace(
             question,
             effects=None,
-            fields=frozenset((*names, "pressure")),
+            fields=frozenset(names),
             x=x,
             time=paths.rows.time[numbers],
             cycles="all",
         ),
         None,
     )
-    pressure = theory.values["pressure"]
+    points = PointFields(half_planes, x)
+    pressure = points.pressure(numbers)
     largest_pressure = float(np.max(pressure, where=np.isfinite(pressure), initial=0.0))
     half = half_planes.half_width[numbers, None]
     stick = np.nan_to_num(half_planes.stick_half_width[numbers, None])
     is_away = (np.abs(x - half) > _NEAR * half) & (np.abs(x - stick) > _NEAR * half)
-    points = PointFields(half_planes, x)
     by_steps = {"shear": points.shear, "slip": points.slip}
     errors = {}
     for name in names:

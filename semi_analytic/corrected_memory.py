@@ -589,21 +589,23 @@ class Followed:
     @cached_property
     def step_work(self) -> Array:
         """pi/A times the friction work of the step that ends at each row, (n,)."""
-        outer = self._work_of_zones(self.direction, self.front, self.edge)
-        inner = self._work_of_zones(self.ring_direction, self.ring[:, 0], self.ring[:, 1])
         # Punches that the contact leaves in a step slip until then.
         edge_before = np.append(self.edge[:1], self.edge[:-1])
-        left = self._work_of_zones(self.direction, self.edge, edge_before)
-        return outer + inner + left
+        parts = self._parts_of_zones(
+            (self.direction, self.front, self.edge),
+            (self.ring_direction, self.ring[:, 0], self.ring[:, 1]),
+            (self.direction, self.edge, edge_before),
+        )
+        work = np.bincount(parts.row, self._work_of_parts(parts), len(self.edge))
+        return np.asarray(work, dtype=float)
 
-    def _work_of_zones(self, sense: Indices, begin: Array, end: Array) -> Array:
-        """The same of slip of a sense (n,) from `begin` to `end` (n,) in each step.
+    def _work_of_parts(self, parts: _Parts) -> Array:
+        """The same of each part of a slip zone, (m,).
 
         A punch slips in the share of the step in which its F follows the bound, which goes straight
         through the step, and no longer than it is in contact: the load beyond it counts with its
         mean over that share.
         """
-        parts = self._parts_of_zones(sense, begin, end)
         nodes, weights = _GAUSS_OF_WORK
         length = (parts.high - parts.low)[:, None]
         s = parts.low[:, None] + length * (nodes + 1) / 2
@@ -611,7 +613,7 @@ class Followed:
         load = table.load(s)
         parabola = table.parabola(s)
         fourth = table.fourth(s)
-        sense_of_part = sense[parts.row][:, None]
+        sense_of_part = parts.sense[:, None]
 
         def at(row: Indices) -> tuple[Array, Array]:
             """Load carried beyond the punches, and the bound there."""
@@ -652,36 +654,43 @@ class Followed:
         mean = np.maximum(beyond_before + middle * (beyond - beyond_before), 0.0)
         rate = table.half_width_rate(s) / table.half_width(s)
         work = self.friction * (mean * change * rate) @ weights * length[:, 0] / 2
-        return np.asarray(np.bincount(parts.row, work, len(sense)), dtype=float)
+        return np.asarray(work)
 
-    def _parts_of_zones(self, sense: Indices, begin: Array, end: Array) -> _Parts:
-        """The zones cut at the corners of the profile and at the tops of the curve before."""
-        parts: list[tuple[int, float, float, int]] = []
+    def _parts_of_zones(self, *zones: tuple[Indices, Array, Array]) -> _Parts:
+        """Zones of slip of a sense (n,) from s (n,) to s (n,) in each step, cut at the corners of
+        the profile and at the tops of the curve before.
+        """
+        parts: list[tuple[int, float, float, int, int]] = []
         tops, parents, curves = self._lists
-        for row in (np.flatnonzero(sense[1:]) + 1).tolist():
+        slips = [
+            (row, int(sense[row]), float(begin[row]), float(end[row]))
+            for sense, begin, end in zones
+            for row in (np.flatnonzero((sense[1:] != 0) & (end[1:] > begin[1:])) + 1).tolist()
+        ]
+        for row, direction, low, end in slips:
             piece = curves[row - 1]
-            low = float(begin[row])
-            high = float(end[row])
+            high = end
             is_beyond = True  # the edge of the contact before
             while high > low:
                 bottom = max(tops[piece] if is_beyond else tops[parents[piece]], low)
                 of_part = 0 if is_beyond else piece
                 while math.ceil(high) - 1 > bottom:
                     corner = math.ceil(high) - 1
-                    parts.append((row, float(corner), high, of_part))
+                    parts.append((row, float(corner), high, of_part, direction))
                     high = float(corner)
                 if high > bottom:
-                    parts.append((row, bottom, high, of_part))
+                    parts.append((row, bottom, high, of_part, direction))
                     high = bottom
                 if not is_beyond:
                     piece = parents[piece]
                 is_beyond = False
-        columns = np.array(parts).reshape(-1, 4).T
+        columns = np.array(parts).reshape(-1, 5).T
         return _Parts(
             row=columns[0].astype(np.int64),
             low=columns[1],
             high=columns[2],
             piece=columns[3].astype(np.int64),
+            sense=columns[4].astype(np.int64),
         )
 
     @cached_property
@@ -712,13 +721,14 @@ class Followed:
 
 class _Parts(NamedTuple):
     """Parts (m,) of slip zones: row of the path, s of both ends, the piece of the curve before in
-    which it is, 0 beyond the edge of the contact before.
+    which it is, 0 beyond the edge of the contact before, the sense of the slip.
     """
 
     row: Indices
     low: Array
     high: Array
     piece: Indices
+    sense: Indices
 
 
 @dataclass(frozen=True, eq=False)
@@ -1079,11 +1089,13 @@ def _front(
         number = piece.parent
         piece = below
         below = pieces[piece.parent]
-    if bound.excess(below) >= 0:
+    excess_below = bound.excess(below)
+    if excess_below >= 0:
         return piece.parent
-    if bound.excess(piece) <= 0:
+    excess = bound.excess(piece)
+    if excess <= 0:
         return pieces.append_numbered(piece) if number is None else number
-    place, punch = _crossing(table, below, piece, bound, round_off)
+    place, punch = _crossing(table, (below, piece), (excess_below, excess), bound, round_off)
     return pieces.add(piece.parent, place, punch.loads, piece.slopes)
 
 
@@ -1100,10 +1112,13 @@ def _ring(
         above.append(piece)
         number = piece.parent
         piece = pieces[number]
-    if not number or bound.excess(piece) > 0:
+    excess = bound.excess(piece)
+    if not number or excess > 0:
         edge = pieces[top].top
         return top, edge, edge
-    outer, outer_punch = _crossing(table, pieces[piece.parent], piece, bound, round_off)
+    ends = (pieces[piece.parent], piece)
+    excesses = (bound.excess(ends[0]), excess)
+    outer, outer_punch = _crossing(table, ends, excesses, bound, round_off)
     below = _front(table, pieces, pieces[piece.parent], piece.parent, bound, round_off)
     curve = pieces.add(below, outer, outer_punch.loads, bound.slopes)
     for kept in (piece, *reversed(above)):
@@ -1112,13 +1127,19 @@ def _ring(
 
 
 def _crossing(
-    table: PunchTable, below: Piece, piece: Piece, bound: _Bound, round_off: float
+    table: PunchTable,
+    ends: tuple[Piece, Piece],
+    excesses: tuple[float, float],
+    bound: _Bound,
+    round_off: float,
 ) -> tuple[float, PunchLoads]:
-    """The punch of a piece at which F is that of a bound, beyond which it is at one end only."""
+    """The punch of a piece at which F is that of a bound, beyond which it is at one end only:
+    `ends` are the piece below and the piece itself.
+    """
+    below, piece = ends
     low = below.top
     high = piece.top
-    excess_below = bound.excess(below)
-    excess_above = bound.excess(piece)
+    excess_below, excess_above = excesses
     rising = 1.0 if excess_above > excess_below else -1.0
     slope = bound.direction * (bound.slope - piece.slope)
     parabola_slope = bound.direction * (bound.parabola_slope - piece.parabola_slope)

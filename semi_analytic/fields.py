@@ -388,11 +388,11 @@ class _NearIntegral:
         begin, end = limits(inner_end, outer_end, square)
         length = end - begin
         is_rough = self._is_rough(begin, length, square)
-        shortest_span = -1.0
-        for longest_span, count in _SPANS:
-            is_of_rule = (length > shortest_span) & (length <= longest_span)
-            chosen_pieces = np.flatnonzero((length > 0) & ~is_rough & is_of_rule)
-            shortest_span = longest_span
+        number_of_rule = np.searchsorted([longest for longest, _ in _SPANS], length)
+        number_of_rule[(length <= 0) | is_rough] = -1
+        for number in np.unique(number_of_rule[number_of_rule >= 0]).tolist():
+            chosen_pieces = np.flatnonzero(number_of_rule == number)
+            _, count = _SPANS[number]
             node, share = gauss(count)
             for k in range(0, len(chosen_pieces), _NODES // count):
                 m = chosen_pieces[k : k + _NODES // count]
