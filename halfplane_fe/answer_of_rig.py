@@ -83,9 +83,13 @@ def notes_of_rig(
     movement = scales.load / scales.modulus
     loads = "P and Q are unknowns" if scene.load.states_approach else "Q is an unknown"
     miss = _largest_miss(problem, run.states) * movement
+    displacement = "U here is that of the contact, U_act - Q/k_s"
+    if scene.bodies.half_planes:
+        datum = f"{scene.profile.datum_length:.6g} {length}"
+        displacement = f"U and approach here count from {datum}, as in every answer"
     found = (
         f"rig: {loads} of each increment, at whose end the actuators are where the rig prescribes"
-        f" to {miss:.1g} {length}; U is that of the contact"
+        f" to {miss:.1g} {length}; {displacement}"
     )
     return (found, *_notes_of_slides(scene, problem.friction, run, scales))
 

@@ -96,11 +96,11 @@ class Wave(Frozen):
 
 
 class DrivenWave(Frozen):
-    """U = mean + amplitude cos(t - phase) of an actuator, t being the time of the ellipse."""
+    """U_act = mean + amplitude cos(t - phase) of an actuator, t being the time of the ellipse."""
 
     mean: float = Field(0.0, description="length units (library: mm)")
     amplitude: float = Field(0.0, ge=0, description="length units (library: mm)")
-    phase_degrees: float = Field(90.0, ge=-180, le=180, description="lag of U behind P")
+    phase_degrees: float = Field(90.0, ge=-180, le=180, description="lag of U_act behind P")
 
 
 class DrivenApproach(Frozen):
@@ -111,7 +111,7 @@ class DrivenApproach(Frozen):
 
 
 class DrivenWaveSum(Frozen):
-    """U = mean + sum over k of amplitude_k cos(k t - phase_k) of an actuator."""
+    """U_act = mean + sum over k of amplitude_k cos(k t - phase_k) of an actuator."""
 
     mean: float = Field(0.0, description="length units (library: mm)")
     harmonics: tuple[Harmonic, ...] = Field(
@@ -119,8 +119,8 @@ class DrivenWaveSum(Frozen):
     )
 
 
-_TAKES_PLACE_OF_Q = "U of a tangential actuator, in place of the tangential loads"
-_TAKES_PLACE_OF_P = "approach of a normal actuator, in place of the normal loads; needs U"
+_TAKES_PLACE_OF_Q = "U_act of a tangential actuator, in place of the tangential loads"
+_TAKES_PLACE_OF_P = "approach of a normal actuator, in place of the normal loads; needs U_act"
 # 0 where the approach is stated in its place.
 _MeanNormalLoad = Annotated[
     float, Field(ge=0), AfterValidator(lambda load: a_scale(load) if load else load)
@@ -128,9 +128,9 @@ _MeanNormalLoad = Annotated[
 _MEAN_NORMAL_LOAD = (
     "P0, force per unit thickness (library: N/mm); needed unless the approach is stated"
 )
-_IS_SECOND = "true: U of a tangential actuator stands in the place of Q (library: mm)"
+_IS_SECOND = "true: U_act of a tangential actuator stands in the place of Q (library: mm)"
 _IS_FIRST = (
-    "true: the approach of a normal actuator stands in the place of P; needs U (library: mm)"
+    "true: the approach of a normal actuator stands in the place of P; needs U_act (library: mm)"
 )
 
 

@@ -11,8 +11,9 @@ class Rig(Frozen):
     """Stiffness of a rig whose actuators prescribe displacements; a key that is left out is a stiff
     rig.
 
-    The actuator moves by U + Q/k_s, U being the tangential displacement of the contact and k_s
-    `tangential_stiffness`; likewise by the approach + P/k_n.
+    The scene states U_act of the actuator, an answer U of the contact: U_act = U + Q/k_s, k_s being
+    `tangential_stiffness`; likewise the approach + P/k_n. Of half-planes an answer's U counts from
+    the datum of every answer, not from `datum_length`.
 
     >>> Rig(tangential_stiffness=2000.0).normal_stiffness is None
     True
