@@ -53,6 +53,7 @@ from reports.studies.sweep.store import (
 from reports.studies.sweep.study import Axis, Study, evaluate, expand, grid, load_study, study_of
 from scenes import ConvergenceError, InputError, load_scene
 from scenes.files import source_digest
+from semi_analytic.elasticity import composite_modulus
 
 F = {"name": "f", "key": "friction.coefficient"}
 PAPER = {
@@ -73,6 +74,7 @@ BLOCKS = {
     "set": COARSE | {"solver.steps_per_cycle": 12},
 }
 BLOCKS_FE = {"scene": "blocks", "engines": ["fe"], "figures": ["fe.dissipation"]}
+WORK_ALONE = {"figures": ["fe.dissipation"]}
 STRAIGHT = {"load.initial_loading": "straight", "load.mean_tangential_load": 0.0}
 SPAN = {"start": 1, "stop": 2, "count": 300}
 # a quarter of the time of hertz-paper
@@ -236,6 +238,16 @@ def test_axes_set_and_derived_reach_the_scene_and_the_settings() -> None:
     ) == (0.1, 0.5, 48)
 
 
+def test_a_key_of_one_material_is_that_of_both_bodies() -> None:
+    axes = [{"key": "material.young_modulus", "values": [7e4]}]
+    [point] = expand(study(axes=axes, set={"material.poisson_ratio": 0.2}))
+    material = point.question.scene.material
+    assert (material.upper.young_modulus, material.lower.young_modulus) == (7e4, 7e4)
+    assert (material.upper.poisson_ratio, material.lower.poisson_ratio) == (0.2, 0.2)
+    with refused_for("material.lower.young_module"):
+        expand(study(axes=[axes[0] | {"key": "material.young_module"}]))
+
+
 def test_an_address_is_of_what_numbers_depend_on(monkeypatch: pytest.MonkeyPatch) -> None:
     def address(**changes: Any) -> str:
         return expand(study(**changes))[0].address
@@ -300,6 +312,40 @@ def task(of: Study, **changes: Any) -> str:
 def answers(of: Study) -> list[dict[str, Any]]:
     answered: list[dict[str, Any]] = json.loads(solve_task(task(of)))["answers"]
     return answered
+
+
+RIG = BLOCKS | {"scene": "rig-blocks", "axes": [F | {"values": [0.5, 0.6]}]}
+
+
+def test_the_finite_elements_of_a_rig_are_swept() -> None:
+    """Figures at the mean load are there at P0 of the rig, though its answer states found loads."""
+    figures = ["fe.dissipation", "error.dissipation", "exact.dissipation", "exact.p0", "fe.p0"]
+    scene = load_scene("rig-blocks")
+    modulus = composite_modulus(scene.material)
+    mean_load = scene.load.model_dump()["mean_normal_load"]
+    radius = scene.profile.model_dump()["radius"]
+    # The blocks change it by 4e-3; at the largest P it is 15 % more.
+    peak_of_half_planes = math.sqrt(mean_load * modulus / (math.pi * radius))
+    for answer in answers(study(**RIG, figures=figures, uncertainty="cheap")):
+        assert answer["status"] == "done", answer["reason"]
+        values = answer["figures"]
+        work, of_theory = values["fe.dissipation"], values["exact.dissipation"]
+        assert math.isclose(values["error.dissipation"], work / of_theory - 1, rel_tol=1e-12)
+        assert abs(work / of_theory - 1) < values["error.dissipation.uncertainty"] < 1
+        assert math.isclose(values["exact.p0"], peak_of_half_planes, rel_tol=6e-3)
+
+
+def test_what_is_not_known_of_a_rig_is_refused_in_a_sentence() -> None:
+    with refused_for("stick_edge", "each finds loads of its own", "error. before"):
+        expand(study(**RIG, figures=["stick_edge"]))
+
+
+def test_the_approach_of_a_rig_leaves_nothing_to_share() -> None:
+    [answer] = answers(
+        study(**RIG | {"scene": "rig-cylinders", "axes": [F | {"values": [0.5]}]}, **WORK_ALONE)
+    )
+    assert answer["status"] == "done", answer["reason"]
+    assert "follows from the approach" in answer["notes"][""]
 
 
 def test_the_figures_are_those_of_the_engines() -> None:

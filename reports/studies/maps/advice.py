@@ -192,9 +192,8 @@ def parts_of(scene: Scene, folder: Path = PUBLISHED) -> tuple[float, tuple[Part,
             f"{scene.name}: profile.kind = {profile.kind!r}: the maps are of 'hertz' and"
             " 'flat_rounded'; take `halfplane run`"
         )
-    half_width = QUANTITIES["contact_half_width"].value(
-        semi_analytic.solve(scene, cycles="steady", fields=())
-    )
+    steady_cycle = semi_analytic.solve(scene, cycles="steady", fields=())
+    half_width = QUANTITIES["contact_half_width"].of(steady_cycle, scene)
     found = _size(scene, half_width, folder)
     bodies = (scene.bodies.lower, scene.bodies.upper)
     if any(isinstance(body, Cylinder | Pad | ShoulderedPad) for body in bodies):

@@ -3,7 +3,8 @@
 A figure is a metric's key ("stick_edge"), or "fe.", "exact." or "error." before a quantity
 ("fe.peak_pressure"); "error." is that of the finite elements over that of half-plane theory, minus
 1. Quantities are those of the last cycle. Where both engines run, theory is evaluated on the points
-and instants of the finite elements, so that sampling is the same in both.
+and instants of the finite elements, so that sampling is the same in both; under a prescribed
+displacement each engine finds loads of its own, and its values are those of its own instants.
 
 A point that fails is an answer too, with its reason and record.
 """
@@ -38,10 +39,11 @@ from scenes import (
     Friction,
     InputError,
     PolygonLoad,
+    Rig,
     Scene,
 )
 from scenes.files import source_digest
-from scenes.scene import WORDS
+from scenes.scene import WORDS, Load
 
 if TYPE_CHECKING:
     from halfplane_fe import FiniteElementSolution, SolverSettings
@@ -75,24 +77,30 @@ class Quantity:
     that it needs.
 
     `edges` names the field of a finite-element solution that states how far its edges may be from
-    the true ones.
+    the true ones. With `at_mean_load`, `value` has one for each instant, (n,).
     """
 
-    value: Callable[[ContactSolution], float]
+    value: Callable[[ContactSolution], Any]
     words: str
     fields: tuple[str, ...] = ()
     edges: str = ""
+    at_mean_load: bool = False
+
+    def of(self, solution: ContactSolution, scene: Scene) -> float:
+        """The figure of a scene's answer, which states loads where a rig prescribes movements."""
+        value = self.value(solution)
+        return _at_mean_load(solution, value, scene.load) if self.at_mean_load else float(value)
 
 
-def _at_mean_load(solution: ContactSolution, series: np.ndarray) -> float:
+def _at_mean_load(solution: ContactSolution, series: np.ndarray, load: Load) -> float:
     """A figure of the instants, at P0 of an ellipse, else at the largest load: linear between the
     loads of the last cycle.
     """
     steps = solution.last_cycle
     loads = solution.normal_load[steps]
     load_of_figure = float(np.max(loads))
-    if isinstance(solution.scene.load, EllipseLoad):
-        load_of_figure = solution.scene.load.mean_normal_load
+    if isinstance(load, EllipseLoad) and not load.states_approach:
+        load_of_figure = load.mean_normal_load
     order = np.argsort(loads, kind="stable")
     return float(np.interp(load_of_figure, loads[order], series[steps][order]))
 
@@ -114,17 +122,19 @@ QUANTITIES: dict[str, Quantity] = {
         lambda s: np.max(s.pressure[s.last_cycle]), "largest pressure [stress]", ("pressure",)
     ),
     "p0": Quantity(
-        lambda s: _at_mean_load(s, s.pressure.max(axis=1)),
+        lambda s: s.pressure.max(axis=1),
         "peak pressure at the mean load, linear between instants [stress]",
         ("pressure",),
+        at_mean_load=True,
     ),
     "peak_shear": Quantity(
         lambda s: np.max(np.abs(s.shear[s.last_cycle])), "largest |q| [stress]", ("shear",)
     ),
     "contact_half_width": Quantity(
-        lambda s: _at_mean_load(s, s.contact_half_width),
+        lambda s: s.contact_half_width,
         "contact half-width at the mean load, linear between instants [length]",
         edges=_CONTACT,
+        at_mean_load=True,
     ),
     "largest_half_width": Quantity(
         lambda s: np.max(s.contact_half_width[s.last_cycle]),
@@ -234,8 +244,23 @@ def check_figures(figures: Sequence[str], engines: Sequence[str], uncertainty: s
         raise ValueError("uncertainty: an error budget needs both engines")
 
 
+def check_rig(scene: Scene, figures: Sequence[str]) -> None:
+    """InputError for a metric where a displacement is prescribed: it compares the engines at one
+    instant and load.
+    """
+    if not scene.load.is_driven:
+        return
+    of_instants = [name for name in figures if name in METRICS]
+    if of_instants:
+        raise InputError(
+            f"figures: {of_instants[0]!r} compares both engines under one load, and under a"
+            " prescribed displacement each finds loads of its own: take error. before one of"
+            f" {', '.join(QUANTITIES)}"
+        )
+
+
 def _take(
-    name: str, fe: ContactSolution | None, exact: ContactSolution | None
+    name: str, scene: Scene, fe: ContactSolution | None, exact: ContactSolution | None
 ) -> tuple[float | None, str]:
     """A quantity of either engine or its error: the value, or None and why there is none."""
     prefix, _, quantity = name.partition(".")
@@ -244,7 +269,7 @@ def _take(
         if solution is not None and prefix in (engine, "error"):
             if quantity == "stroke" and lacks_datum(solution):
                 return None, "half-planes have no datum: their stroke is not that of these bodies"
-            value_by[engine] = float(QUANTITIES[quantity].value(solution))
+            value_by[engine] = QUANTITIES[quantity].of(solution, scene)
             if not math.isfinite(value_by[engine]):
                 return None, f"there is none in {_ENGINES[engine]}"
     if prefix != "error":
@@ -254,7 +279,9 @@ def _take(
     return value_by["fe"] / value_by["exact"] - 1, ""
 
 
-def _stated_by_edges(name: str, fe: ContactSolution, exact: ContactSolution | None) -> float:
+def _stated_by_edges(
+    name: str, scene: Scene, fe: ContactSolution, exact: ContactSolution | None
+) -> float:
     """What the finite elements themselves state for a half-width, 0 where they state nothing.
 
     The larger of both edges' uncertainties, the median over the last cycle; of an error, over the
@@ -267,7 +294,7 @@ def _stated_by_edges(name: str, fe: ContactSolution, exact: ContactSolution | No
     of_worse_edge = of_edges.max(axis=1)[np.isfinite(of_edges).all(axis=1)]
     scale = 1.0
     if prefix == "error" and exact is not None:
-        scale = QUANTITIES[quantity].value(exact)
+        scale = QUANTITIES[quantity].of(exact, scene)
     if not len(of_worse_edge) or not scale:
         return 0.0
     uncertainty = float(np.median(of_worse_edge)) / scale
@@ -458,6 +485,8 @@ def _finite_elements(point: Question) -> tuple[FiniteElementSolution, dict[str, 
     notes: dict[str, str] = {}
     if point.share_condensations and (load.tilt is not None or load.moment_given):
         notes = {"": "the contact moves with the tilt; solved on bodies of its own"}
+    elif point.share_condensations and load.states_approach:
+        notes = {"": "the load follows from the approach; solved on bodies of its own"}
     elif point.share_condensations:
         try:
             scales = _shared_scales(point.scene)
@@ -482,7 +511,11 @@ def _shared_scales(scene: Scene) -> Scales:
     load = PolygonLoad(initial_loading=((largest_load(scene), 0.0),))
     return _scales_of(
         scene.vary(
-            **(words | {"friction": Friction(coefficient=0.0), "load": load, "cycles": 1})
+            **words,
+            friction=Friction(coefficient=0.0),
+            load=load,
+            rig=Rig(),  # which changes no contact under a given load
+            cycles=1,
         ).model_dump_json()
     )
 
@@ -526,7 +559,8 @@ def evaluate(point: Question, fe: ContactSolution | None, *, polygon: bool = Fal
     """Every figure that is asked for; against theory on the points and instants of `fe`, on the
     polygon of its steps if wanted.
 
-    Theory alone is evaluated on its own points and instants of the steady cycle.
+    Theory alone, and that of prescribed displacements, is evaluated on its own points and instants
+    of the steady cycle.
     """
     import semi_analytic
 
@@ -537,7 +571,7 @@ def evaluate(point: Question, fe: ContactSolution | None, *, polygon: bool = Fal
         if not metrics:
             quantities = [QUANTITIES[name.partition(".")[2]] for name in point.figures]
             fields = sorted({field for quantity in quantities for field in quantity.fields})
-        if fe is None:
+        if fe is None or point.scene.load.is_driven:
             evaluated.exact = semi_analytic.solve(
                 point.scene, cycles="steady", fields=fields, effects=_effects_of_rig(point.scene)
             )
@@ -567,9 +601,10 @@ def evaluate(point: Question, fe: ContactSolution | None, *, polygon: bool = Fal
         value: float | None = None
         reason = "this scene has no such metric"
         if comparison is None or name not in METRICS:
-            value, reason = _take(name, fe, evaluated.exact)
+            value, reason = _take(name, point.scene, fe, evaluated.exact)
             if fe is not None:
-                evaluated.stated[name] = _stated_by_edges(name, fe, evaluated.exact)
+                stated = _stated_by_edges(name, point.scene, fe, evaluated.exact)
+                evaluated.stated[name] = stated
         elif name in metrics_by_key:
             metric = metrics_by_key[name]
             value = metric.value
@@ -616,7 +651,7 @@ def _cheap_uncertainty(
     coarse_bulk = replace(mesh, growth=min(1.0, 2 * mesh.growth))
     # factor of a change, and the two runs that it is between
     shares = [(_MESH, evaluated.values, solved(coarse_bulk))]
-    if scene.unsymmetric:
+    if scene.unsymmetric or scene.load.is_driven:
         # Theory has no answer on the polygon of the steps for every one of these: halved increments
         # instead, second order.
         shares.append((4 / 3, solved(mesh), solved(mesh, finer_steps(solver))))

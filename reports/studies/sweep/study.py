@@ -19,7 +19,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from reports.checking import require_admissible
-from reports.studies.sweep.solving import Question, check_figures
+from reports.studies.sweep.solving import Question, check_figures, check_rig
 from reports.studies.sweep.store import Planned
 from scenes import InputError, Scene, load_scene
 from scenes.files import keys_of
@@ -323,6 +323,7 @@ def expand(study: Study, report: Callable[[int], None] = lambda _count: None) ->
             point = _point(study, json.loads(scene_text), number, coordinates)
             scene = point.question.scene
             require_admissible(scene, words_of_point)
+            check_rig(scene, study.figures)
             if "fe" in study.engines:
                 check_supports(scene)
         except InputError as fault:
@@ -391,10 +392,14 @@ def _point(
 
 
 def _place(content: dict[str, Any], key: str, value: Value) -> None:
-    """Set a dotted key; the parts before the last must be there, the last is judged by the
-    scene.
+    """Set a dotted key; the parts before the last must be there, the last is judged by the scene. A
+    key of one material is that of both bodies, as in a scene file.
     """
     *path, last_key = key.split(".")
+    if path == ["material"] and last_key not in content["material"]:
+        for body in content["material"]:
+            _place(content, f"material.{body}.{last_key}", value)
+        return
     level: Any = content
     for depth, part in enumerate(path):
         if isinstance(level, list) and part.isdigit() and int(part) < len(level):
