@@ -17,7 +17,7 @@ from reports.record_parts import parts_in_words
 from reports.units import energy_unit, load_unit, minus, number
 from scenes import ContactSolution, InputError, Scene, TimeSeriesLoad
 from scenes.array_types import Array
-from scenes.measured import ReadAs, means
+from scenes.measured import ReadAs, means, turning_points
 
 # Of W: a change that is worth a warning.
 _WARNED = 0.01
@@ -40,6 +40,8 @@ _UNBLURRED = 0.999
 _LISTED = 1000
 _INSTANTS = 400
 _SHOWN = 10
+# Of the range of Q: smaller swings are no cycles of their own.
+_SWING = 0.2
 # Columns of rows: time, P, Q.
 _TIME, _NORMAL, _TANGENTIAL = range(3)
 
@@ -307,11 +309,15 @@ class LoadCycle:
 class LoadCycles:
     """Cycles of Q in the order in which they end, and the dissipation so far, (n,) at the times
     (n,).
+
+    `last_whole` is W between the last three turning points of Q, and the times of the first and the
+    last of them; None of a record that repeats, and where Q turns less often.
     """
 
     cycles: tuple[LoadCycle, ...]
     time: Array
     cumulative: Array
+    last_whole: tuple[float, float, float] | None = None
 
     @property
     def counted(self) -> float:
@@ -331,6 +337,7 @@ class LoadCycles:
             "method": "rainflow count of Q, ASTM E1049",
             "counted": self.counted,
             "dissipation_per_cycle": self.per_cycle,
+            "last_whole_cycle": self.last_whole,
             "not_listed": len(self.cycles) - len(cycles_listed),
             "cycles": [asdict(cycle) for cycle in cycles_listed],
             "cumulative": {
@@ -344,7 +351,8 @@ def load_cycles(solution: ContactSolution) -> LoadCycles | None:
     """Cycles of a measured record and the dissipation of each; None for other loads, and for
     results of other programs.
 
-    Of a record that repeats: of its last cycle.
+    Of a record that repeats: of its last cycle, counted from where Q is largest, so that all
+    cycles are closed.
     """
     scene = solution.scene
     if not isinstance(scene.load, TimeSeriesLoad) or solution.engine not in (
@@ -354,9 +362,10 @@ def load_cycles(solution: ContactSolution) -> LoadCycles | None:
         return None
     rows = scene.load.series()
     last_start = 0.0  # of the last cycle, after that of the first
+    period = 0.0
     if scene.load.repeats:
         rows = rows[1:]
-        period = rows[-1, _TIME] - rows[0, _TIME]
+        period = float(rows[-1, _TIME] - rows[0, _TIME])
         last_start = period * (len(solution.cycle_dissipation) - 1)
     if solution.engine == "semi_analytic":
         time, work = _work_at_rows(scene, rows, last_start)
@@ -373,13 +382,56 @@ def load_cycles(solution: ContactSolution) -> LoadCycles | None:
     so_far = np.cumsum(work[in_record])
     so_far -= so_far[0]
     solved_rows = rows[rows[:, _TIME] <= time[-1] + slack]
+    if scene.load.repeats:
+        last_whole = None
+        # the same work in every revolution
+        work_time = np.concatenate([time, time[1:] + period])
+        work_so_far = np.concatenate([so_far, so_far[1:] + so_far[-1]])
+        of_cycles = with_work(_counted_in_turn(solved_rows), work_time, work_so_far)
+        cycle_shift = max(last_start - period, 0.0)
+    else:
+        last_whole = _last_whole_cycle(solved_rows, time, so_far)
+        row_cycles = counted(solved_rows[:, _TIME], solved_rows[:, _TANGENTIAL])
+        of_cycles = with_work(row_cycles, time, so_far)
+        cycle_shift = 0.0
     cycles = [
-        replace(cycle, start=cycle.start + last_start, end=cycle.end + last_start)
-        for cycle in with_work(
-            counted(solved_rows[:, _TIME], solved_rows[:, _TANGENTIAL]), time, so_far
-        )
+        replace(cycle, start=cycle.start + cycle_shift, end=cycle.end + cycle_shift)
+        for cycle in of_cycles
     ]
-    return LoadCycles(tuple(cycles), time + last_start, so_far)
+    return LoadCycles(tuple(cycles), time + last_start, so_far, last_whole)
+
+
+def _counted_in_turn(rows: Array) -> list[LoadCycle]:
+    """Cycles of rows (n, 3) that repeat, from the row of the largest Q to the same row a revolution
+    later: all are closed.
+    """
+    start = int(np.argmax(rows[:, _TANGENTIAL]))
+    period = float(rows[-1, _TIME] - rows[0, _TIME])
+    a_revolution = np.array([period, 0.0, 0.0])
+    rows_later = rows[1 : start + 1] + a_revolution
+    rows_in_turn = np.concatenate([rows[start:], rows_later])
+    cycles = counted(rows_in_turn[:, _TIME], rows_in_turn[:, _TANGENTIAL])
+    # Between two equal peaks the largest swing is counted as its two halves.
+    halves = [cycle for cycle in cycles if cycle.count < 1]
+    if len(halves) != 2:
+        return cycles
+    whole = replace(halves[0], count=1.0, end=halves[1].end)
+    closed = [cycle for cycle in cycles if cycle.count == 1]
+    return sorted([*closed, whole], key=lambda cycle: (cycle.end, -cycle.start))
+
+
+def _last_whole_cycle(rows: Array, time: Array, so_far: Array) -> tuple[float, float, float] | None:
+    """W between the last three turning points of Q of rows (n, 3), with the times of the first and
+    the last, from its sum (m,) at times (m,); swings below a fifth of the range of Q are no turns.
+    """
+    force = rows[:, _TANGENTIAL]
+    # the first is where the first swing begins, which may be anywhere
+    turns = turning_points(force, _SWING * float(np.ptp(force)))[1:]
+    if len(turns) < 3:
+        return None
+    start, end = rows[turns[[-3, -1]], _TIME].tolist()
+    work_at_start, work_at_end = np.interp([start, end], time, so_far).tolist()
+    return work_at_end - work_at_start, start, end
 
 
 def _work_at_rows(scene: Scene, rows: Array, late_time: float) -> tuple[Array, Array]:
@@ -392,7 +444,10 @@ def _work_at_rows(scene: Scene, rows: Array, late_time: float) -> tuple[Array, A
     import semi_analytic
 
     row_times = rows[:, _TIME]
-    ends = np.unique([cycle.end for cycle in counted(row_times, rows[:, _TANGENTIAL])])
+    repeats = scene.load.repeats  # type: ignore[union-attr]
+    cycles = _counted_in_turn(rows) if repeats else counted(row_times, rows[:, _TANGENTIAL])
+    ends = np.array([cycle.end for cycle in cycles])
+    ends = np.unique(np.where(ends > row_times[-1], ends - np.ptp(row_times), ends))
     row_after = np.clip(np.searchsorted(row_times, ends), 1, len(rows) - 1)
     to_after = np.abs(row_times[row_after] - ends)
     from_before = np.abs(ends - row_times[row_after - 1])
@@ -402,7 +457,6 @@ def _work_at_rows(scene: Scene, rows: Array, late_time: float) -> tuple[Array, A
     normal_load = np.interp(time, row_times, rows[:, _NORMAL])
     tangential_load = np.interp(time, row_times, rows[:, _TANGENTIAL])
     path = np.column_stack([time, normal_load, tangential_load])
-    repeats = scene.load.repeats  # type: ignore[union-attr]
     closer = scene.vary(load=TimeSeriesLoad(rows=path, repeats=repeats))
     solution = semi_analytic.solve(closer, x=[0.0], time=time + late_time, fields=("dissipation",))
     return time, solution.record.energy["dissipation"]

@@ -35,6 +35,7 @@ _DRIFT = 0.05
 # Fewer cycles do not show which of them are alike.
 _FEWEST_CYCLES = 3
 _MOST_ROWS = 200_000
+_NEARLY_ALL = 0.9  # of the rows
 
 Mask = NDArray[np.bool_]
 
@@ -202,11 +203,11 @@ def _count(n_swings: int) -> str:
 
 def parts_in_words(scene: Scene) -> list[str]:
     """The parts of a record, and the keys that leave the cycles that are alike alone; empty where
-    the whole record is one part.
+    one part is nearly the whole record.
     """
     parts = record_parts(scene)
     cycles_alike = [part for part in parts if part.kind == "alike"]
-    if len(parts) < 2:
+    if not parts or (len(parts) == 1 and _is_nearly_all(scene, parts[0])):
         return []
     sentences = [part.sentence for part in parts]
     if cycles_alike:
@@ -216,6 +217,13 @@ def parts_in_words(scene: Scene) -> list[str]:
             f" {longest.first}}} and load.end = {{row = {longest.last}}}."
         )
     return sentences
+
+
+def _is_nearly_all(scene: Scene, part: RecordPart) -> bool:
+    """Whether a part has nearly all of the rows that count."""
+    assert isinstance(scene.load, TimeSeriesLoad)
+    first_row, row_beyond = scene.load.bounds()
+    return part.last - part.first + 1 > _NEARLY_ALL * (row_beyond - first_row)
 
 
 def sliding_in_words(load: TimeSeriesLoad, friction: float) -> str:

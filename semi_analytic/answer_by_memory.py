@@ -523,6 +523,7 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
     if wants_increments:
         rows_passed = (located.step + (located.share == 1))[located.back]
         work_so_far = np.cumsum(sums.step_works)[rows_passed]
+        work_so_far += series.revolutions_beyond(request.time) * sums.works[last_part]
         increments = np.diff(work_so_far, prepend=work_so_far[:1])
     snapshot, balance = states.snapshot(request.time, located.back)
     return PathResult(

@@ -677,6 +677,15 @@ class LoadSeries:
         share = np.where(share > 1 - slack_of_share, 1.0, np.maximum(share, 0.0))
         return step, share, slack_of_share
 
+    def revolutions_beyond(self, time: Array) -> Indices:
+        """(n,) whole revolutions by which instants lie beyond the path that was followed: as steady
+        ones they are answered in its last revolution.
+        """
+        if self.period is None:
+            return np.zeros(len(time), dtype=int)
+        path_time, _ = within(time, float(self.times[0]), float(self.times[-1]), self.period)
+        return np.rint((time - path_time) / self.period).astype(int)
+
 
 def series_of(scene: Scene, time: Array | None) -> LoadSeries:
     """The scene's own path of straight legs: as many cycles as `time` needs; until it is steady

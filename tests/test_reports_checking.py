@@ -727,8 +727,40 @@ def test_a_record_that_repeats_has_the_cycles_of_its_last_round() -> None:
     solution = semi_analytic.solve(of_rows(rows, repeats=True))
     cycles = load_cycles(solution)
     assert cycles.cumulative[-1] == pytest.approx(solution.dissipation, rel=1e-12)
-    assert sorted((cycle.range, cycle.count) for cycle in cycles.cycles)[0] == (10, 1)
+    # All are closed: the largest from peak to peak, and the one within it.
+    assert sorted((cycle.range, cycle.count) for cycle in cycles.cycles) == [(10, 1), (60, 1)]
+    assert cycles.per_cycle == pytest.approx(solution.dissipation / 2, rel=1e-12)
+    assert cycles.last_whole is None
     assert load_cycles(semi_analytic.solve("hertz-paper")) is None
+
+
+@pytest.mark.parametrize("revolutions", [2, 3, 7])
+def test_a_record_answered_at_more_revolutions_than_it_needs_has_the_same_cycle(
+    revolutions: int,
+) -> None:
+    """As beside finite elements that settle later."""
+    rows = [[0, 90, 0], [1, 90, 30], [2, 90, 10], [3, 90, 20], [4, 90, -30], [5, 90, 0]]
+    scene = of_rows(rows, repeats=True)
+    own = load_cycles(semi_analytic.solve(scene))
+    time = np.linspace(0.0, 5.0 * revolutions, 11 * revolutions + 1)
+    cycles = load_cycles(semi_analytic.solve(scene, time=time))
+    assert np.min(np.diff(cycles.cumulative)) >= 0
+    np.testing.assert_allclose(cycles.cumulative, own.cumulative, rtol=1e-12, atol=1e-18)
+    assert cycles.counted == own.counted
+
+
+def test_a_record_that_does_not_repeat_states_the_work_of_its_last_whole_cycle() -> None:
+    """Steady cycles after a quarter of the first: their own W, not the mean of all counted ones."""
+    steady = semi_analytic.solve(
+        RIG.vary(load=PolygonLoad(initial_loading=[(90, 0), (90, 30)], cycle=[(90, -30)]))
+    )
+    rows = [[0, 90, 0], [1, 90, 30], [2, 90, -30], [3, 90, 30], [4, 90, -30], [5, 90, 0]]
+    cycles = load_cycles(semi_analytic.solve(of_rows(rows)))
+    work, start, end = cycles.last_whole
+    assert (start, end) == (2.0, 4.0)
+    assert work == pytest.approx(steady.dissipation, rel=1e-12)
+    assert cycles.per_cycle < 0.9 * work
+    assert load_cycles(semi_analytic.solve(of_rows(rows[:3]))).last_whole is None
 
 
 def noisy(size: float, rows: int = 4000, seed: int = 1) -> np.ndarray:

@@ -844,7 +844,11 @@ def summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
     cycles = load_cycles(solution)
     if cycles:
         rows.append(("load cycles, by rainflow of Q", f"{cycles.counted:g}"))
-        rows.append((f"dissipation per load cycle [{unit}]", f"{cycles.per_cycle:.8g}"))
+        rows.append((f"dissipation over their number [{unit}]", f"{cycles.per_cycle:.8g}"))
+        if cycles.last_whole is not None:
+            work, start, end = cycles.last_whole
+            label = f"dissipation of the last whole cycle, time {start:.6g} to {end:.6g} [{unit}]"
+            rows.append((label, f"{work:.8g}"))
     laws = f"all {len(checks)} hold"
     if violated_laws:
         laws = f"violated: {', '.join(violated_laws)}"
