@@ -322,6 +322,13 @@ def split(comparison: JudgedPair, budget: ErrorBudget | None) -> Why:
             parts = _parts_of_alike(advice, comparison)
     except (InputError, ConvergenceError) as reason:
         return Why(total, not_split=str(reason))
+    without_estimate = [words for words, part in parts.items() if math.isnan(part.uncertainty)]
+    if without_estimate:
+        return Why(
+            total,
+            not_split=f"on this mesh the error of {' and of '.join(without_estimate)} has no"
+            " estimate; a finer mesh splits it",
+        )
     return Why(total, parts, Estimate(numerical_part))
 
 

@@ -172,6 +172,23 @@ def test_of_arcs_what_kernels_find_is_one_part(monkeypatch: pytest.MonkeyPatch) 
     assert why.left == pytest.approx((2e-4, 1.5e-3))
 
 
+def test_parts_whose_errors_have_no_estimate_are_not_shown(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """As on a mesh of a few nodes: their sizes, and even their signs, say nothing."""
+    scene = load_scene("pad-on-block")
+
+    def solve(*_: Any, **__: Any) -> SimpleNamespace:
+        return SimpleNamespace(dissipation=1.0, dissipation_uncertainty=math.nan)
+
+    monkeypatch.setattr(halfplane_fe, "solve", solve)
+    run = run_of(scene, -0.06, 5e-3)
+    run.result = SimpleNamespace(settings={"mesh": asdict(MeshSettings())})
+    why = split(run, None)
+    assert why.steps == []
+    assert "finite bodies has no estimate; a finer mesh splits it" in why.sentence
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("scene", "cause"),
