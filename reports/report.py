@@ -127,8 +127,8 @@ class Report:
 
     @property
     def opening(self) -> str:
-        """The first sentence: what differs and by how much; of a scored result also what agrees,
-        and why it differs, or that the reason was not found.
+        """The first sentence: what differs and by how much; of a scored result also why it differs,
+        or that the reason was not found, and then what agrees.
         """
         sentence = headline(self.comparison)
         if not self.diagnoses:
@@ -138,9 +138,9 @@ class Report:
             for metric in self.comparison.headlines
             if metric.verdict is Verdict.WITHIN
         ]
-        reasons = " and ".join(diagnosis.name for diagnosis in self.diagnoses)
+        reasons = " and ".join(diagnosis.name_and_size for diagnosis in self.diagnoses)
         agrees = f"; within tolerance: {', '.join(agreeing)}" if agreeing else ""
-        return f"{sentence.removesuffix('.')}{agrees}; cause: {reasons}."
+        return f"{sentence.removesuffix('.')}; cause: {reasons}{agrees}."
 
     @property
     def passed(self) -> bool:

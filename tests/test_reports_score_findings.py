@@ -422,3 +422,10 @@ def test_a_scale_of_x_is_found_behind_an_offset() -> None:
     )
     faults = {diagnosis.fault for diagnosis in report.diagnoses}
     assert faults == {"offset", "x_scale"}
+    for diagnosis in report.diagnoses:
+        assert not [words for words in diagnosis.evidence if "just this fault" in words]
+        assert any(words.startswith("both causes together leave") for words in diagnosis.evidence)
+    outside, _, last = report.opening.partition("; cause: ")
+    assert "is outside tolerance against half-plane theory in" in outside
+    assert "the scale of x (0.8 times)" in last
+    assert "the origin of x (0.35 a_ref off)" in last

@@ -360,15 +360,44 @@ def test_the_headline_says_how_wrong_theory_is_and_how_far_both_agree() -> None:
         "errors of the dissipation by their own estimates: finite elements 0.05 %."
     )
     slightly_more = with_fields(theory, engine="another code", dissipation=1.02 * TRUTH.dissipation)
-    sentence = headline(compare(theory, slightly_more))
-    assert sentence.startswith(
-        "another code gives 2 % more dissipation and the same peak pressure as half-plane theory"
+    assert headline(compare(theory, slightly_more)) == (
+        "another code is outside tolerance against half-plane theory in 1 of 8 metrics:"
+        " dissipation (+2 % of W_ref, tolerance 0.15 %)."
     )
-    assert "furthest" not in sentence  # W itself is
-    turned = with_fields(theory, engine="another code", shear=-TRUTH.shear)
-    assert "; furthest from its tolerance: shear traction, L2, " in headline(
-        compare(theory, turned)
+    right = with_fields(theory, engine="another code", dissipation=1.0004 * TRUTH.dissipation)
+    assert headline(compare(theory, right)).startswith(
+        "another code gives 0.04 % more dissipation and the same peak pressure as half-plane theory"
     )
+
+
+def test_of_a_wrong_result_the_first_table_begins_with_what_is_outside() -> None:
+    """The shear alone is wrong: no absolute value shows it."""
+    theory = with_fields(TRUTH, engine="semi_analytic")
+    turned = compare(theory, with_fields(theory, engine="another code", shear=-TRUTH.shear))
+    assert " 8 metrics: shear traction, L2 (" in headline(turned)
+    heads, rows = first_table(turned)
+    assert heads[-1] == "verdict"
+    assert [row["key"] for row in rows if row["verdict"] == "outside"] == [rows[0]["key"]]
+    assert rows[0]["label"] == "Shear traction, L2"
+    assert rows[0]["difference"].endswith(" of f ‖p_ref‖")
+    assert len(rows) == 1 + len(turned.headlines)
+    assert len(repr(turned).splitlines()) == 5
+
+
+def test_a_law_violated_within_every_tolerance_contradicts_nothing() -> None:
+    """Shear 0.5 % too large is within its tolerance of 0.8 %, and beyond f p."""
+    theory = with_fields(TRUTH, engine="semi_analytic")
+    comparison = compare(
+        theory, with_fields(theory, engine="another code", shear=1.005 * TRUTH.shear)
+    )
+    assert comparison.accurate
+    assert not comparison.admissible
+    assert headline(comparison).startswith(
+        "another code violates a law of contact: |q| ≤ f p, by 0.0038 (limit 1e-09)"
+    )
+    assert "agrees" not in verdict(comparison)
+    assert verdict(comparison).startswith("A law of contact is violated: cone (fields) in another")
+    assert "; the difference is within all 8 tolerances, " in verdict(comparison)
 
 
 def test_bodies_without_a_tolerance_are_not_judged() -> None:

@@ -341,7 +341,8 @@ class TestNotebook:
         assert "Not within tolerance." in words
         assert "outside" in words
         assert {element.tag for element in table.iter()} <= TABLE
-        assert len(table.findall(".//tr")) == 1 + len(comparison.headlines)
+        outside = [row for row in comparison.others if row.verdict == "outside"]
+        assert len(table.findall(".//tr")) == 1 + len(comparison.headlines) + len(outside)
 
     def test_words_from_outside_are_escaped(self) -> None:
         hostile = evil()

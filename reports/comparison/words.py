@@ -19,6 +19,7 @@ import numpy as np
 from reports.charts.templating import in_template, template
 from reports.comparison.judged import JudgedPair
 from reports.comparison.laws import (
+    Certificate,
     certificates,
     of_unsymmetric,
 )
@@ -280,8 +281,11 @@ def headline(comparison: JudgedPair) -> str:
     solutions agree.
 
     Every figure is result/reference - 1, finite elements/theory - 1, as in the table below it. A
-    figure that is not twice its uncertainty is called not resolved.
+    figure that is not twice its uncertainty is called not resolved. Of somebody else's result that
+    is not within tolerance it says what is outside.
     """
+    if _is_failed(comparison):
+        return _failure(comparison)
     work = comparison.metric("dissipation")
     keys = ("largest_pressure", "largest_half_width")
     if work.value is not None and not work.absolute:
@@ -303,32 +307,75 @@ def headline(comparison: JudgedPair) -> str:
     stated_errors = None
     if all(metric.uncertainty is None for metric in metrics):
         stated_errors = _stated_errors(comparison)
-    worst_metric = _furthest_outside(comparison)
-    if worst_metric is not None and {worst_metric.key, worst_metric.judged_by} & set(keys):
-        worst_metric = None  # it is one of the two already
-    return in_template(
-        "headline",
-        comparison,
-        _names(comparison),
-        kind,
-        claims,
-        stated_errors,
-        _in_sentence(worst_metric) if worst_metric else None,
-    )
+    return in_template("headline", comparison, _names(comparison), kind, claims, stated_errors)
 
 
-def _furthest_outside(comparison: JudgedPair) -> Metric | None:
-    """Of the metrics that are not within their tolerance the one that is most times it."""
-    metrics = [
+# Metrics that the first sentence names, of those that are not within their tolerance.
+_MOST_NAMED = 2
+
+
+def _is_failed(comparison: JudgedPair) -> bool:
+    """Whether it is somebody else's result, judged, and not within tolerance or against a law."""
+    if _both_ours(comparison) or comparison.verdict is None:
+        return False
+    return not comparison.accurate or bool(_violated(comparison))
+
+
+def _failing(comparison: JudgedPair) -> list[Metric]:
+    """The metrics that are not within their tolerance, those of the worst verdict first."""
+    return [
         metric
+        for verdict in (Verdict.OUTSIDE, Verdict.UNDECIDED)
         for metric in comparison.metrics
-        if metric.verdict in (Verdict.OUTSIDE, Verdict.UNDECIDED) and metric.tolerance
+        if metric.verdict is verdict
     ]
+
+
+def _failure(comparison: JudgedPair) -> str:
+    """What of somebody else's result is outside, the most times its tolerance first; without that
+    what is undecided, or the laws that it violates.
+    """
 
     def over_tolerance(metric: Metric) -> float:
         return abs(metric.value or 0.0) / (metric.tolerance or 1.0)
 
-    return max(metrics, key=over_tolerance, default=None)
+    failing = _failing(comparison)
+    of_worst = [metric for metric in failing if metric.verdict is failing[0].verdict]
+    of_worst.sort(key=over_tolerance, reverse=True)
+    # what shares a tolerance says the same twice
+    with_own_tolerance = [metric for metric in of_worst if not metric.judged_by]
+    named = (with_own_tolerance or of_worst)[:_MOST_NAMED]
+    return in_template(
+        "failure",
+        comparison,
+        _names(comparison),
+        comparison.verdict,
+        len(of_worst),
+        _count_of_judged(comparison),
+        [_in_sentence(metric) for metric in named],
+        [check for _, check in _violated(comparison)],
+    )
+
+
+def _violated(comparison: JudgedPair) -> list[tuple[str, Certificate]]:
+    """Name of the engine and the check, of each law of contact that does not hold."""
+    pairs = (
+        (comparison.reference, comparison.reference_certificates),
+        (comparison.result, comparison.result_certificates),
+    )
+    return [
+        (name_of(solution.engine), check)
+        for solution, checks in pairs
+        for check in checks
+        if not check.holds
+    ]
+
+
+def _count_of_judged(comparison: JudgedPair) -> int:
+    """Metrics with a tolerance and a value."""
+    return sum(
+        metric.tolerance is not None and metric.value is not None for metric in comparison.metrics
+    )
 
 
 def _names(comparison: JudgedPair) -> tuple[str, str]:
@@ -395,22 +442,11 @@ def verdict(comparison: JudgedPair) -> str:
     """What was judged: what is outside, what is undecided, or that all is within; and whether the
     laws of contact hold.
     """
-    pairs = (
-        (comparison.reference, comparison.reference_certificates),
-        (comparison.result, comparison.result_certificates),
-    )
-    violated_laws = [
-        f"{check.label} in {name_of(solution.engine)}"
-        for solution, checks in pairs
-        for check in checks
-        if not check.holds
-    ]
+    violated_laws = [f"{check.label} in {name}" for name, check in _violated(comparison)]
     metrics_by_verdict: dict[Verdict, list[dict[str, str]]] = {state: [] for state in Verdict}
-    judged_count = 0
     for metric in comparison.metrics:
         if metric.verdict is not None:
             metrics_by_verdict[metric.verdict].append(_in_sentence(metric))
-        judged_count += metric.tolerance is not None and metric.value is not None
     work = comparison.metric("dissipation")
     work_in_words = None if work.value is None else value_of(work)
     has_no_shear = np.isnan(comparison.result.shear).all()
@@ -419,7 +455,7 @@ def verdict(comparison: JudgedPair) -> str:
         "verdict",
         _names(comparison),
         metrics_by_verdict,
-        judged_count,
+        _count_of_judged(comparison),
         work_in_words,
         violated_laws,
         has_no_shear,
@@ -590,8 +626,12 @@ def first_table(comparison: JudgedPair) -> tuple[tuple[str, ...], list[dict[str,
         for solution in (comparison.reference, comparison.result)
     ]
     rows = []
-    for metric in comparison.headlines:
-        factor, unit = shown_unit(comparison.scene, metric.quantity)
+    for metric in _in_first_table(comparison):
+        label, short = metric.label, metric.short or metric.label
+        factor = 1.0
+        if metric.headline:
+            factor, unit = shown_unit(comparison.scene, metric.quantity)
+            label, short = f"{label} [{unit}]", f"{short} [{unit}]"
         reference_values, result_values = metric.amounts or (math.nan, math.nan)
         stated_of_reference, stated_of_result = metric.stated
         place = ""
@@ -600,8 +640,8 @@ def first_table(comparison: JudgedPair) -> tuple[tuple[str, ...], list[dict[str,
         rows.append(
             {
                 "key": metric.key,
-                "label": f"{metric.label} [{unit}]",
-                "short": f"{metric.short or metric.label} [{unit}]",
+                "label": label,
+                "short": short,
                 "reference": _with_stated(reference_values, stated_of_reference, factor),
                 "result": _with_stated(result_values, stated_of_result, factor),
                 "place": place,
@@ -612,6 +652,16 @@ def first_table(comparison: JudgedPair) -> tuple[tuple[str, ...], list[dict[str,
             }
         )
     return ("", *names, "difference", "verdict"), rows
+
+
+def _in_first_table(comparison: JudgedPair) -> list[Metric]:
+    """The metrics with absolute values; of somebody else's result that is not within tolerance all
+    that fail, before the others.
+    """
+    if not _is_failed(comparison):
+        return list(comparison.headlines)
+    failing = _failing(comparison)
+    return failing + [metric for metric in comparison.headlines if metric not in failing]
 
 
 # Share of a value below which its uncertainty changes none of eight digits: it is called exact.
@@ -660,8 +710,8 @@ def first_cells(
 
 
 def is_empty(row: Mapping[str, str]) -> bool:
-    """Whether neither solution has a value for a row of the first table."""
-    return row["reference"] == row["result"] == "–"
+    """Whether a row of the first table has neither a value of a solution nor a difference."""
+    return row["reference"] == row["result"] == row["difference"] == "–"
 
 
 def without_value(comparison: JudgedPair) -> str:
@@ -680,6 +730,8 @@ def _difference_of(metric: Metric) -> str:
     """
     if metric.value is None:
         return "–"
+    if not metric.headline:
+        return " ".join(filter(None, [value_of(metric), uncertainty_of(metric), unit_of(metric)]))
     if not math.isfinite(metric.value) or metric.absolute:
         return f"{value_of(metric)} {uncertainty_of(metric)}".strip()
     value = 0.0 if abs(metric.value) < _ROUNDING else 100 * metric.value
@@ -716,7 +768,7 @@ def in_five_lines(comparison: JudgedPair, kind: str) -> str:
         f"  {headline(comparison)}",
     ]
     heads, rows = first_cells(comparison)
-    for metric, cells in zip(comparison.headlines, rows, strict=True):
+    for metric, cells in zip(_in_first_table(comparison), rows, strict=True):
         if metric.key in ("dissipation", "largest_pressure"):
             label, *values = cells
             named_values = zip(heads[1:], values, strict=True)

@@ -14,6 +14,7 @@ from reports.scoring.fits import Fit
 from reports.scoring.judgement import NO_COUPLING
 from reports.scoring.traces import FAULTS, WORDS
 from reports.scoring.variants import BLOCK_HEIGHT
+from reports.units import minus
 
 # A factor of the loads this near to one half or two is that of a symmetric model.
 _HALF = 0.03
@@ -31,13 +32,27 @@ def key_of_sentence(cause: Cause, size: float) -> str:
     return cause.key
 
 
+def size_of(cause: Cause, size: float) -> str:
+    """The size in a few words; empty of a cause without one."""
+    label = key_of_sentence(cause, size)
+    if label not in WORDS["sizes"]:
+        return ""
+    return minus(str(WORDS["sizes"][label].format(**_figures(cause, size))))
+
+
+def _figures(cause: Cause, size: float) -> dict[str, float]:
+    """What a size stands for in a sentence."""
+    factor = float(np.exp(size))
+    if key_of_sentence(cause, size) == "units":
+        factor = round_power(factor) or factor
+    return {"factor": factor, "distance": size, "delay": size}
+
+
 def sentence_of(discrepancy: Discrepancy, cause: Cause, size: float, fit: Fit) -> str:
     """The cause, and what to do."""
     factor = float(np.exp(size))
     figures = {
-        "factor": factor,
-        "distance": size,
-        "delay": size,
+        **_figures(cause, size),
         "steps": float(len(discrepancy.comparison.found.time) - 1),
         "height": _height(size),
         "spacing": 1 / discrepancy.elements,
@@ -48,8 +63,6 @@ def sentence_of(discrepancy: Discrepancy, cause: Cause, size: float, fit: Fit) -
     if cause.key == "coarse_edge":
         return _of_mesh(discrepancy, alone=len(fit.causes) == 1)
     label = key_of_sentence(cause, size)
-    if label == "units" and cause.sized:
-        figures["factor"] = round_power(factor) or factor
     if cause.key == "stiffness":
         return FAULTS[label].format(**figures | {"likely": _likely_stiffness(discrepancy, factor)})
     return FAULTS[label].format(**figures)

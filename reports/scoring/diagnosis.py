@@ -13,7 +13,7 @@ import numpy as np
 
 from reports.comparison import Comparison
 from reports.scoring.causes import SHEAR_SIGN, SOFT_NORMAL, Cause
-from reports.scoring.causes_in_words import key_of_sentence, sentence_of
+from reports.scoring.causes_in_words import key_of_sentence, sentence_of, size_of
 from reports.scoring.discrepancy import PRESSURE, discrepancy_of
 from reports.scoring.fits import (
     CHANCE,
@@ -93,7 +93,8 @@ def _named(judgement: Judgement, verdict: Verdict, *, is_traced: bool) -> Iterat
         # a layer's effect on the shear is not predicted
         channels = (PRESSURE,) if cause is SOFT_NORMAL else judgement.channels
         left = share_left(fit, fit_before, channels)
-        evidence = list(_evidence(judgement, fit, left))
+        left_by_all = share_left(fit, judgement.no_cause, channels)
+        evidence = list(_evidence(judgement, fit, left_by_all))
         if verdict.is_shear_left:
             evidence.append("it explains the pressure; the shear differs for a reason not found")
         yield Diagnosis(
@@ -101,6 +102,7 @@ def _named(judgement: Judgement, verdict: Verdict, *, is_traced: bool) -> Iterat
             sentence_of(judgement.discrepancy, cause, fit.sizes[place], fit),
             tuple(evidence),
             strength=1 - min(left, 1.0),
+            size=size_of(cause, fit.sizes[place]),
         )
 
 
@@ -122,12 +124,17 @@ def _evidence(judgement: Judgement, fit: Fit, left: float) -> Iterator[str]:
         " scales"
     )
     of_which = " of the pressure" if SOFT_NORMAL in fit.causes else ""
-    yield f"a result with just this fault leaves {max(left, 0.0):.1%} of the difference{of_which}"
+    who_leaves = "a result with just this fault leaves"
+    taken_out = "the fault"
+    if len(fit.causes) > 1:
+        who_leaves = "both causes together leave"
+        taken_out = "both"
+    yield f"{who_leaves} {max(left, 0.0):.1%} of the difference{of_which}"
     pressure, shear = discrepancy.errors()
     errors_after = replace(discrepancy, expected=fit.predicted).errors()
     yield (
         f"error of the pressure {pressure:.2g} of its norm, of the shear {shear:.2g} of f times"
-        " that, at the worst instant; with the fault taken out, "
+        f" that, at the worst instant; with {taken_out} taken out, "
         f"{errors_after[0]:.2g} and {errors_after[1]:.2g}"
     )
     if discrepancy.missing:

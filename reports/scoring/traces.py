@@ -80,17 +80,25 @@ class Diagnosis:
         measured values, in words
     strength
         0 to 1: 1 minus the share of the difference that a result with just this fault leaves
+    size
+        how large the fault is, in a few words; empty of faults without a size
     """
 
     fault: str
     sentence: str
     evidence: tuple[str, ...]
     strength: float
+    size: str = ""
 
     @property
     def name(self) -> str:
         """The finding in a few words."""
         return str(WORDS["names"][self.fault])
+
+    @property
+    def name_and_size(self) -> str:
+        """The same, with its size."""
+        return f"{self.name} ({self.size})" if self.size else self.name
 
 
 def outliers(comparison: Comparison) -> list[Diagnosis]:
