@@ -5,6 +5,7 @@ charts.
 import csv
 import io
 import json
+import sys
 from html.parser import HTMLParser
 from pathlib import Path
 from xml.etree import ElementTree as ET
@@ -14,6 +15,7 @@ import pytest
 
 import semi_analytic
 from reports import Report, compare, figure, write
+from reports.charts import templating
 from reports.charts.plate import (
     Arrow,
     Axis,
@@ -582,3 +584,51 @@ def test_errors_of_real_bodies_without_a_tolerance_are_drawn_in_per_cent(tmp_pat
     words = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "no metric has a tolerance here" in words
     assert "0 of 0 metrics" not in words
+
+
+# ------------------------------------------------------------------------------- compiled templates
+
+
+def compiled_by_jinja(source: str, monkeypatch: pytest.MonkeyPatch) -> tuple[str, int]:
+    """What a template says, by an environment of its own, and how many were compiled for it."""
+    compiled = []
+    as_it_was = templating.Environment.compile
+
+    def compile_and_count(self, *arguments, **options):
+        compiled.append(arguments)
+        return as_it_was(self, *arguments, **options)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(templating.Environment, "compile", compile_and_count)
+        sources = templating.FunctionLoader({"a.html": source, "a.css": "b {}"}.get)
+        pages = templating.Environment(loader=templating.CompiledTemplates([sources]))
+        said = (
+            pages.get_template("a.html").render(name="pad") + pages.get_template("a.css").render()
+        )
+    return said, len(compiled)
+
+
+def test_templates_are_compiled_once_and_again_where_their_text_or_jinja_changes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As Python compiles modules: never into a folder that cannot be written, nor where Python is
+    told not to.
+    """
+    monkeypatch.setattr(sys, "pycache_prefix", str(tmp_path))
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
+    assert compiled_by_jinja("A {{ name }} ", monkeypatch) == ("A pad b {}", 2)
+    assert not list(tmp_path.rglob("*.pyc"))
+    monkeypatch.setattr(sys, "dont_write_bytecode", False)
+    assert compiled_by_jinja("A {{ name }} ", monkeypatch) == ("A pad b {}", 2)
+    assert len(list(tmp_path.rglob("*.pyc"))) == 2
+    assert compiled_by_jinja("A {{ name }} ", monkeypatch) == ("A pad b {}", 0)
+    assert compiled_by_jinja("O {{ name }} ", monkeypatch) == ("O pad b {}", 1)
+    assert compiled_by_jinja("O {{ name }} ", monkeypatch) == ("O pad b {}", 0)
+    monkeypatch.setattr(templating.jinja2, "__version__", "99")
+    assert compiled_by_jinja("O {{ name }} ", monkeypatch) == ("O pad b {}", 2)
+    for file in tmp_path.rglob("*.pyc"):
+        file.write_bytes(file.read_bytes()[:9])  # half of it
+    assert compiled_by_jinja("O {{ name }} ", monkeypatch) == ("O pad b {}", 2)
+    monkeypatch.setattr(sys, "pycache_prefix", str(tmp_path / "file"))
+    (tmp_path / "file").write_text("no folder")
+    assert compiled_by_jinja("O {{ name }} ", monkeypatch) == ("O pad b {}", 2)

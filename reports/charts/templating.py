@@ -11,13 +11,25 @@ import csv
 import hashlib
 import io
 import re
-from collections.abc import Iterable, Mapping, Sequence
+import zlib
+from collections.abc import Callable, Iterable, Mapping, MutableMapping, Sequence
 from functools import cache
 from importlib import resources
+from importlib.machinery import SourceFileLoader
+from types import CodeType
 from typing import Any, TypeAlias
 
+import jinja2
 import numpy as np
-from jinja2 import Environment, PackageLoader, StrictUndefined, Template, select_autoescape
+from jinja2 import (
+    ChoiceLoader,
+    Environment,
+    FunctionLoader,
+    PackageLoader,
+    StrictUndefined,
+    Template,
+    select_autoescape,
+)
 from markupsafe import Markup
 from numpy.typing import ArrayLike, NDArray
 
@@ -124,14 +136,61 @@ def style_of(css: str, *, text: bool = False) -> Mapping[str, str]:
     return style
 
 
+# What a compiled template depends on beside its text.
+_BLANKS = {"trim_blocks": True, "lstrip_blocks": True}
+# Of macros of templates/words.txt: a template each, escaped as pages are.
+_WORDS = "words of {}.html"
+
+
+class _CompiledOnce(SourceFileLoader):
+    """A template as a module of Python, whose code Python keeps beside the templates and under the
+    same settings as that of any module: compiling templates takes half the time of a page.
+
+    Its code is found by what it was compiled from, not by the age of a file. Where no file can be
+    written it is compiled in each process.
+    """
+
+    def __init__(self, name: str, source: str, compiled: Callable[[], CodeType]) -> None:
+        folder = resources.files("reports") / "templates"
+        super().__init__(name, str(folder / f"{name}.py"))
+        self.source = source.encode()
+        self.compiled = compiled
+
+    def get_data(self, path: str) -> bytes:
+        return self.source if path == self.path else super().get_data(path)
+
+    def path_stats(self, path: str) -> Mapping[str, Any]:  # noqa: ARG002 there is no such file
+        compiled_by = f"{jinja2.__version__} {_BLANKS}".encode()
+        return {"mtime": zlib.crc32(self.source + compiled_by), "size": len(self.source)}
+
+    def source_to_code(self, *_: Any, **_options: Any) -> CodeType:  # type: ignore[override]
+        return self.compiled()
+
+
+class CompiledTemplates(ChoiceLoader):
+    """Templates by the first loader that has them, each of them compiled once."""
+
+    def load(
+        self,
+        environment: Environment,
+        name: str,
+        globals: MutableMapping[str, Any] | None = None,
+    ) -> Template:
+        source, filename, uptodate = self.get_source(environment, name)
+        module = _CompiledOnce(name, source, lambda: environment.compile(source, name, filename))
+        code = module.get_code(name)
+        assert code is not None  # for the type checker: there is always a source
+        return Template.from_code(environment, code, globals or {}, uptodate)
+
+
 @cache
 def _pages() -> Environment:
     pages = Environment(
-        loader=PackageLoader("reports"),
+        loader=CompiledTemplates([PackageLoader("reports"), FunctionLoader(_words_source)]),
         autoescape=select_autoescape(("html",)),
         undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
+        trim_blocks=_BLANKS["trim_blocks"],
+        lstrip_blocks=_BLANKS["lstrip_blocks"],
     )
     pages.filters |= {
         "minus": minus,
@@ -155,18 +214,25 @@ def in_template(macro: str, *values: Any) -> str:
 
 @cache
 def words_of(macro: str) -> Any:
-    """A macro of templates/words.txt, compiled with those that it calls: all of them together take
-    ten times as long.
+    """A macro of templates/words.txt."""
+    return getattr(template(_WORDS.format(macro)).module, macro)
+
+
+def _words_source(name: str) -> str | None:
+    """A macro of templates/words.txt with those that it calls, by the name of its template: to
+    compile all of them together takes ten times as long.
     """
     sources = _macro_sources()
+    macro = next((macro for macro in sources if _WORDS.format(macro) == name), None)
+    if macro is None:
+        return None
     needed_names = [macro]
-    for name in needed_names:  # grows
-        called_names = re.findall(r"\b(\w+)\(", sources[name].partition(")")[2])
+    for needed in needed_names:  # grows
+        called_names = re.findall(r"\b(\w+)\(", sources[needed].partition(")")[2])
         needed_names += [
             called for called in called_names if called in sources and called not in needed_names
         ]
-    source = "".join(sources[name] for name in needed_names)
-    return getattr(_pages().from_string(source).module, macro)
+    return "".join(sources[needed] for needed in needed_names)
 
 
 @cache
