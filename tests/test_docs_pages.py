@@ -30,11 +30,14 @@ import numpy as np
 import pytest
 from PIL import Image
 
+import semi_analytic
 from command_line import COARSE, HERTZ_SCENE, halfplane
 from fuzzing import DOORS
 from reports.cli.application import app
-from scenes import Scene, Tolerances, rig_names, scene_names, scene_text
+from scenes import Scene, Tolerances, load_scene, rig_names, scene_names, scene_text
 from scenes.loads import KEYS
+from semi_analytic.elasticity import composite_modulus
+from semi_analytic.hertz import HertzContact
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
@@ -481,6 +484,46 @@ def test_the_table_of_formulas_holds_each_with_source_function_and_example() -> 
     assert not [
         target for target in linked if target not in page and target.rpartition(".")[0] not in page
     ]
+
+
+# Words under which a contact engineer looks.
+USUAL_WORDS = (
+    *("equivalent", "reduced", "contact, effective", "half-width", "peak pressure"),
+    *("rounded corners", "constant normal load", "stick half-width", "gross slip"),
+    *("Smith-Watson-Topper", "Fatemi-Socie", "Findley"),
+)
+
+
+def test_everyday_formulas_come_first_under_their_usual_words() -> None:
+    page = TEXTS["api/formulas.md"]
+    everyday = page[page.index("## Everyday formulas") : page.index("## All formulas")]
+    assert not [words for words in USUAL_WORDS if words not in everyday]
+
+
+def test_everyday_formulas_are_what_the_functions_give() -> None:
+    """The closed forms of a Hertz contact at constant P, as the page prints them."""
+    scene = load_scene("cattaneo-mindlin")
+    modulus = composite_modulus(scene.material)
+    radius = scene.profile.radius
+    path = scene.load.path()
+    normal, tangential = (float(np.max(load)) for load in path.at([path.cycle_start, 2.0]))
+    contact = HertzContact(modulus, radius, datum_length=scene.profile.datum_length)
+    half_width = np.sqrt(4 * normal * radius / (np.pi * modulus))
+    assert contact.half_width(normal) == pytest.approx(half_width, rel=1e-14)
+    peaks = (
+        2 * normal / (np.pi * half_width),
+        modulus * half_width / (2 * radius),
+        np.sqrt(normal * modulus / (np.pi * radius)),
+    )
+    assert peaks == pytest.approx([float(contact.pressure(0.0, normal))] * 3, rel=1e-14)
+    f = scene.friction.coefficient
+    share = tangential / (f * normal)
+    answer = semi_analytic.solve(scene)
+    stick = answer.stick_half_width[np.argmin(np.abs(answer.time - 2.0))]
+    assert stick == pytest.approx(half_width * np.sqrt(1 - share), rel=1e-9)
+    work = 2 * share - share**2 + 2 * (1 - share) * np.log(1 - share)
+    work *= 2 * f**2 * normal**2 / (np.pi * modulus)
+    assert answer.dissipation == pytest.approx(work, rel=1e-9)
 
 
 def test_each_package_has_its_page_and_the_citation_is_of_this_version() -> None:

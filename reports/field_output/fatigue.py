@@ -192,6 +192,25 @@ def measures(
     Crossland (1956): amplitude of sqrt(J2), the radius of the least sphere around the path of the
     deviator (Papadopoulos 1994, by the steps of Badoiu and Clarkson 2003), and largest hydrostatic
     stress.
+
+    Parameters
+    ----------
+    stress
+        (n_instants, n_points, 4) s_xx, s_yy, s_xy, s_zz of a cycle
+    criteria
+        the measures that were asked for, with their constants
+
+    Examples
+    --------
+    One point under s_xx between 0 and 100: sigma_max^2/(2 E), and tau on planes at 45 degrees.
+
+    >>> stress = np.zeros((2, 1, 4))
+    >>> stress[1, 0, 0] = 100.0
+    >>> values = measures(stress, Criteria(fatemi_socie=(0.0, 300.0), findley=0.0), 2e5, 0.3)
+    >>> round(float(values["Smith-Watson-Topper"][0]), 12)
+    0.025
+    >>> round(float(values["Findley"][0]), 9), round(float(values["Fatemi-Socie"][0]), 12)
+    (25.0, 0.000325)
     """
     xx, yy, xy, zz = np.moveaxis(stress, -1, 0)
     principal_stress = principal(stress)
