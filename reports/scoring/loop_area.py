@@ -10,7 +10,7 @@ close the loop, and the rows of all cycles count.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -169,13 +169,19 @@ def area_about_fit(loop: MasingLoop, fit: MasingFit, cycles: float) -> LoopArea:
     # The scatter is at least what the digits of the rows leave: sigma is no smaller.
     variance = max(float(fit.distances.value @ fit.distances.value) / fit.freedom, 1.0)
     scatter = math.sqrt(variance * float(by_row @ by_row)) * max(fit.misfit.widening, 1.0)
+    by_scatter = float(student.ppf(0.975, fit.freedom)) * scatter
+    # W of a thin loop is no straight function of the rows: over the interval of f it changes more.
+    # A loop without an upper limit of f may be a line.
+    for end in fit.ends:
+        area_at_end = 0.0 if end is None else replace(loop, values=end).area
+        by_scatter = max(by_scatter, abs(area_at_end - loop.area))
     by_digits = 0.0
     if fit.by_digits:
         by_digits = loop.area_by_friction_where_gross * fit.by_digits
     return LoopArea(
         value=loop.area + beside,
         by_distance=abs(beside - sum(halves) / 2) / 2 + _OF_SAMPLES * loop.area,
-        by_noise=math.hypot(float(student.ppf(0.975, fit.freedom)) * scatter, by_digits),
+        by_noise=math.hypot(by_scatter, by_digits),
         cycles=max(math.floor(cycles), 1),
     )
 

@@ -36,7 +36,7 @@ from reports.scoring.loop_masing import (
     MemoryCurve,
     distances_from,
 )
-from reports.scoring.loop_steadiness import Change, Misfit, change_of, misfit_of
+from reports.scoring.loop_steadiness import BY_CHANCE, Change, Misfit, change_of, misfit_of
 from scenes.array_types import Array
 
 # First trials of f, from just above gross sliding to so many times as much; beyond, a loop is a
@@ -105,6 +105,8 @@ class MasingFit:
         rows without the parameters
     by_digits
         error of f by the last digit of a plateau (95 %)
+    ends
+        parameters (7,) at either end of the interval of f, None where it has none
     """
 
     friction: float
@@ -119,6 +121,7 @@ class MasingFit:
     influence: Array
     freedom: int
     by_digits: float
+    ends: tuple[Array | None, Array | None]
 
     @property
     def highest(self) -> float:
@@ -349,10 +352,11 @@ class _Search:
 
     def interval_end(
         self, fits: tuple[_Least, _Least], side: float, excess: float, step: float
-    ) -> float | None:
-        """ln f on this side (1 or -1) of the better fit at which the least sum of squares exceeds
-        its own by `excess`; None where it does not. `fits` are the best partial and the best gross
-        loop; of the worse kind more excess is admitted, since the kind was chosen by the rows too.
+    ) -> Array | None:
+        """Parameters (7,) on this side (1 or -1) of the better fit at whose f the least sum of
+        squares exceeds its own by `excess`; None where it does not. `fits` are the best partial and
+        the best gross loop; of the worse kind more excess is admitted, since the kind was chosen by
+        the rows too.
         """
         least, best = min(fits, key=lambda fit: fit.squares)
         gross_is_better = fits[1].squares < fits[0].squares
@@ -376,7 +380,10 @@ class _Search:
                     break
             return math.sqrt(smallest)
 
-        return passes(root_of_excess, float(best[LOG_F]), side, step)
+        end = passes(root_of_excess, float(best[LOG_F]), side, step)
+        if end is None:
+            return None
+        return self.at_friction(end, latest[first], gross=first).values
 
 
 def passes(value: Callable[[float], float], begin: float, side: float, step: float) -> float | None:
@@ -489,16 +496,17 @@ class BestLoop:
 
 def _misfit(found: Distances, weights: Weights, smallest: Weights) -> Misfit:
     """By neighbours in time, and by neighbours on the loop, which are of several cycles."""
+    by_digits = found.across**2 @ (np.array(smallest) / np.array(weights)) ** 2
+    digits_alone = float(np.mean(found.value**2)) < _BY_DIGITS * float(np.mean(by_digits))
+    # Rows are rounded alike where they lie alike: no fault of the model, but fewer rows' worth,
+    # and no chance either.
+    least_deviations = 0.0 if digits_alone else BY_CHANCE
     order = np.argsort(found.place, kind="stable")
     inwards = np.where(found.place > 1, -1.0, 1.0) * found.value
-    in_time = misfit_of(found.value, weights.shift)
-    on_loop = misfit_of(inwards[order], weights.shift)
+    in_time = misfit_of(found.value, weights.shift, least_deviations)
+    on_loop = misfit_of(inwards[order], weights.shift, least_deviations)
     misfit = max(in_time, on_loop, key=lambda misfit: misfit.correlation)
-    by_digits = found.across**2 @ (np.array(smallest) / np.array(weights)) ** 2
-    if float(np.mean(found.value**2)) < _BY_DIGITS * float(np.mean(by_digits)):
-        # Rows that are rounded alike lie on one side: no fault of the model, but fewer rows' worth.
-        return replace(misfit, systematic=0.0)
-    return misfit
+    return replace(misfit, systematic=0.0) if digits_alone else misfit
 
 
 def best_loop(rows: MeasuredRows, curve: MemoryCurve) -> BestLoop:
@@ -567,8 +575,12 @@ def with_interval(best: BestLoop, error_of_theory: float) -> MasingFit:
     if best.gross:
         by_digits = _digits_of_plateau(search.rows, search.curve, search.weights)
     own = math.hypot(friction * error_of_theory, by_digits)
-    low = 0.0 if down is None else friction - math.hypot(friction - math.exp(down), own)
-    high = None if up is None else friction + math.hypot(math.exp(up) - friction, own)
+    low = 0.0
+    if down is not None:
+        low = friction - math.hypot(friction - math.exp(down[LOG_F]), own)
+    high = None
+    if up is not None:
+        high = friction + math.hypot(math.exp(up[LOG_F]) - friction, own)
     return MasingFit(
         friction=friction,
         low=max(low, 0.0),
@@ -582,6 +594,7 @@ def with_interval(best: BestLoop, error_of_theory: float) -> MasingFit:
         influence=influence,
         freedom=best.freedom,
         by_digits=by_digits,
+        ends=(down, up),
     )
 
 

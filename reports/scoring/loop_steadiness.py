@@ -19,11 +19,14 @@ from scenes.array_types import Array
 
 # Correlation of neighbours in its standard deviations, 1/sqrt(n): chance exceeds three once in
 # 700.
-_BY_CHANCE = 3.0
+BY_CHANCE = 3.0
 # Neighbours that are alike to this leave one row's worth in 40: no interval is widened more.
 _MOST_ALIKE = 0.95
 # Singular values of columns that are alike, over the largest.
 _ALIKE_COLUMNS = 1e-8
+# Blocks of neighbours whose means show a smooth part of the distances, and their least rows.
+_BLOCKS = 40
+_ROWS_OF_BLOCK = 25
 # Rows of which the branch is certain: this share of a branch is left out at both of its ends.
 _AT_TURN = 0.1
 # Pairs of rows a cycle apart that a drift is found from.
@@ -58,8 +61,10 @@ class Misfit:
         return math.sqrt((1 + alike) / (1 - alike))
 
 
-def misfit_of(distances: Array, shift_noise: float) -> Misfit:
+def misfit_of(distances: Array, shift_noise: float, least_deviations: float = BY_CHANCE) -> Misfit:
     """The misfit that distances (n,) in sigma show; `shift_noise` is sigma of U [length].
+
+    A correlation of fewer standard deviations than `least_deviations` is taken for chance.
 
     >>> bool(misfit_of(np.sin(np.arange(200) / 10), 1.0).correlation > 0.9)
     True
@@ -71,10 +76,17 @@ def misfit_of(distances: Array, shift_noise: float) -> Misfit:
     if squares == 0:
         return Misfit(0.0, 0.0)
     correlation = float(apart[1:] @ apart[:-1]) / squares
-    if correlation * math.sqrt(len(apart)) < _BY_CHANCE:
+    if correlation * math.sqrt(len(apart)) <= least_deviations:
         return Misfit(0.0, 0.0)
-    rms = math.sqrt(squares / len(apart)) * shift_noise
-    return Misfit(correlation, rms * math.sqrt(correlation))
+    variance = squares / len(apart)
+    systematic = correlation * variance
+    rows_of_block = len(apart) // _BLOCKS
+    if rows_of_block >= _ROWS_OF_BLOCK:
+        # Many rows show more than their neighbours do: a smooth part stays in the means of blocks.
+        means = apart[: _BLOCKS * rows_of_block].reshape(_BLOCKS, rows_of_block).mean(axis=1)
+        of_blocks = max(float(np.mean(means**2)) - variance / rows_of_block, 0.0)
+        systematic = min(systematic, of_blocks)
+    return Misfit(correlation, math.sqrt(systematic) * shift_noise)
 
 
 @dataclass(frozen=True, eq=False)
