@@ -131,7 +131,7 @@ class ColumnUnit:
     word
         as it stands in the file or was stated; empty where there is none
     source
-        "in its heading", or "stated"
+        "in its heading", "in the line of units", or "stated"
     factor
         from the numbers of the file to the unit of the scene; 1 where no unit is known
     per_length
@@ -167,8 +167,12 @@ def unit_of_column(
     units
         those of the scene, such as "N, mm, MPa"
     """
-    source = "stated" if stated else "in its heading"
     word = stated or table.units[column] or short_unit_in(table.headings[column], kind)
+    source = "in its heading"
+    if stated:
+        source = "stated"
+    elif word and word not in table.headings[column]:
+        source = "in the line of units"
     if not word:
         words = "no unit stated: taken to be in that of the scene"
         return ColumnUnit("", source, 1.0, False, "", "" if kind == "time" else words)

@@ -766,6 +766,19 @@ def test_a_profile_has_the_same_keys(tmp_path: Path) -> None:
     )
 
 
+def test_a_unit_is_said_to_stand_where_it_stands(tmp_path: Path) -> None:
+    (tmp_path / "table.csv").write_text(
+        "x;z [nm]\nµm;\n1000;20000,0\n1250;20500,0\n1500;22000,5\n", encoding="utf-8"
+    )
+    keys = "zero = {x = 1000, h = 20000}"
+    (tmp_path / "mine.toml").write_text(
+        PLAIN.replace(TRACE[0], f"{TRACE[1]}\n{keys}"), encoding="utf-8"
+    )
+    read = dict(load_scene(tmp_path / "mine.toml").profile.read_as)
+    assert read["x"].startswith("'x', µm (in the line of units), times 0.001")
+    assert read["h"].startswith("'z [nm]', nm (in its heading), times 1e-06")
+
+
 SPOILT = st.text("0123456789.,;\t -+eE\n#nan'\"", max_size=80)
 
 
