@@ -20,6 +20,7 @@ from reports.inputs import (
     WORK,
     Draws,
     InputEffects,
+    NearSliding,
     Propagated,
 )
 from reports.report import Report
@@ -82,9 +83,12 @@ def sentences(
     comparison
         of finite elements with theory; without it the difference is that of corrected theory
     """
+    sliding = sliding_in_words(effects.sliding)
     if effects.unknown:
-        return [f"What the inputs make of the answer is not known: {_ended(effects.unknown)}"]
-    all_sentences = [*_of_difference(effects, comparison), *_of_measurement(effects, comparison)]
+        unknown = f"What the inputs make of the answer is not known: {_ended(effects.unknown)}"
+        return [*filter(None, [sliding]), unknown]
+    all_sentences = [sliding]
+    all_sentences += [*_of_difference(effects, comparison), *_of_measurement(effects, comparison)]
     all_sentences += [_matters_most(effects)]
     if effects.draws is not None:
         all_sentences.append(_drawn(effects.draws, scene))
@@ -98,8 +102,7 @@ def sentences(
     if rough_keys:
         all_sentences.append(
             f"Rough, by derivatives that are not enough: {', '.join(rough_keys)}. There the"
-            " second order"
-            " is above a tenth of the uncertainty."
+            " second order is above a tenth of the uncertainty."
         )
     all_sentences += [f"{note[:1].upper()}{_ended(note[1:])}" for note in effects.notes]
     return [sentence for sentence in all_sentences if sentence]
@@ -116,7 +119,23 @@ def sentences_of_report(report: Report) -> list[str]:
     if not report.validation:
         return sentences(effects, comparison.scene, comparison)
     all_sentences = validation.sentences(report.validation, is_measured=report.is_measured)
-    return [*all_sentences, _matters_most(effects)]
+    all_sentences = [sliding_in_words(effects.sliding), *all_sentences, _matters_most(effects)]
+    return [sentence for sentence in all_sentences if sentence]
+
+
+def sliding_in_words(sliding: NearSliding | None) -> str:
+    """Whether the inputs may make the bodies slide; empty where they hardly do.
+
+    >>> sliding_in_words(NearSliding(0.979, 0.05))
+    'Within two standard uncertainties of the inputs |Q| reaches f P, and the bodies slide as a
+    whole: the largest |Q|/(f P) is 0.98 ± 0.05.'
+    """
+    if sliding is None or not sliding.is_in_reach:
+        return ""
+    return (
+        "Within two standard uncertainties of the inputs |Q| reaches f P, and the bodies slide as a"
+        f" whole: the largest |Q|/(f P) is {with_uncertainty(sliding.ratio, sliding.uncertainty)}."
+    )
 
 
 def _ended(sentence: str) -> str:
@@ -296,6 +315,7 @@ def _unit(value: Propagated, scene: Scene) -> str:
         "stress": stress,
         "length": length,
         "load": load_unit(scene),
+        "ratio": "1",
     }[value.unit]
 
 
@@ -346,8 +366,20 @@ def content(
         "difference": {key: _content(value) for key, value in effects.difference.items()},
         "no_difference": effects.no_difference or None,
         "draws": draws,
+        "sliding": sliding_content(effects.sliding),
         "notes": list(effects.notes),
         "unknown": effects.unknown or None,
+    }
+
+
+def sliding_content(sliding: NearSliding | None) -> dict[str, Any] | None:
+    """How near the loads come to gross sliding; None where it is not known."""
+    if sliding is None:
+        return None
+    return {
+        "largest_ratio": sliding.ratio,
+        "standard_uncertainty": sliding.uncertainty,
+        "in_reach": sliding.is_in_reach,
     }
 
 

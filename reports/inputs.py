@@ -40,6 +40,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from reports.checking import nearest_to_sliding
+from reports.comparison.laws import ratio_of_answer
 from reports.comparison.pairs import coupled
 from scenes import (
     NORMAL_LOAD,
@@ -65,12 +66,17 @@ if TYPE_CHECKING:
 WORK = "dissipation"
 PEAK = "peak_pressure"
 STICK = "permanent_stick"
+RATIO = "sliding_ratio"
 # Shares of a standard uncertainty by which an input is moved: the first that leaves the loads below
 # gross sliding on both sides.
 _STEPS = (1.0, 0.25, 0.0625)
 # Standard uncertainties between the loads and gross sliding, below which draws are taken: beyond,
 # fewer than 2 draws in 1,000 slide.
 _NEAR_SLIDING = 3.0
+# The same below which the bodies may slide, at the usual level of 95 %.
+_IN_REACH = 2.0
+# Of the limit of friction: within it the bodies slide already.
+_AT_LIMIT = 1e-9
 # Of the uncertainty: what the second order may be for derivatives to be enough.
 _NEARLY_LINEAR = 0.1
 # Share of P or Q by which it is moved where no uncertainty of it is stated, but that of an input
@@ -112,6 +118,7 @@ OF_DRIVEN = {
     "half_width": QUANTITIES_OF_THEORY["half_width"],
     "permanent_stick": QUANTITIES_OF_THEORY["permanent_stick"],
     "largest_tangential_load": Quantity("largest tangential load", "load", 1, 1, 1, 0),
+    RATIO: Quantity("largest |Q|/(f P)", "ratio", 0, 0, 0, 0),
 }
 """Where a displacement is prescribed in the place of Q."""
 
@@ -157,6 +164,31 @@ class Propagated:
         sizes = {key: abs(change.value) for key, change in self.changes.items()}
         moving_keys = [key for key, size in sizes.items() if size > 0]
         return sorted(moving_keys, key=lambda key: -sizes[key])
+
+
+class NearSliding(NamedTuple):
+    """How near the loads come to gross sliding, and how sure that is.
+
+    Attributes
+    ----------
+    ratio
+        largest |Q|/(f P); of the last cycle where a displacement is prescribed
+    uncertainty
+        standard uncertainty of it by the inputs, towards sliding
+    """
+
+    ratio: float
+    uncertainty: float
+
+    @property
+    def distance(self) -> float:
+        """Standard uncertainties between the ratio and 1; infinite where no input moves it."""
+        return (1 - self.ratio) / self.uncertainty if self.uncertainty > 0 else math.inf
+
+    @property
+    def is_in_reach(self) -> bool:
+        """Whether bodies that do not slide may do so within two standard uncertainties."""
+        return self.ratio < 1 - _AT_LIMIT and self.distance <= _IN_REACH
 
 
 class Drawn(NamedTuple):
@@ -219,6 +251,8 @@ class InputEffects:
         why it is not known, in a sentence; empty where it is
     draws
         of W, where derivatives are not enough; else None
+    sliding
+        how near the loads come to gross sliding; None without friction or where it is not known
     notes
         what is left out, in sentences
     unknown
@@ -231,6 +265,7 @@ class InputEffects:
     difference: Mapping[str, Propagated] = field(default_factory=dict)
     no_difference: str = ""
     draws: Draws | None = None
+    sliding: NearSliding | None = None
     notes: tuple[str, ...] = ()
     unknown: str = ""
 
@@ -284,13 +319,16 @@ def values_of_theory(scene: Scene, effects: BodyEffects | None = None) -> _Value
     if scene.load.is_driven:
         answer = semi_analytic.solve(scene, x=0.0, effects=effects, fields=(WORK, "pressure"))
         rows = answer.last_cycle
-        return {
+        values = {
             WORK: answer.dissipation,
             PEAK: float(answer.pressure[rows].max()),
             "half_width": float(np.max(answer.contact_half_width[rows])),
             "permanent_stick": answer.permanent_stick_half_width,
             "largest_tangential_load": float(np.max(np.abs(answer.tangential_load[rows]))),
         }
+        if scene.friction.coefficient:
+            values[RATIO] = ratio_of_answer(answer)
+        return values
     answer = semi_analytic.solve(scene, x=0.0, fields=(WORK,))
     if _is_long(scene) or _needs_grids(scene):
         return {
@@ -856,8 +894,12 @@ def input_effects(scene: Scene, effects: BodyEffects | None = None) -> InputEffe
     try:
         return _input_effects(scene, effects)
     except (InputError, ConvergenceError) as fault:
-        correlations = scene.uncertainty.correlations
-        return InputEffects(scene.inputs, correlations, unknown=str(fault))
+        return InputEffects(
+            scene.inputs,
+            scene.uncertainty.correlations,
+            sliding=None if scene.load.is_driven else sliding_of_loads(scene),
+            unknown=str(fault),
+        )
 
 
 def _input_effects(scene: Scene, effects: BodyEffects | None) -> InputEffects:
@@ -891,10 +933,18 @@ def _input_effects(scene: Scene, effects: BodyEffects | None) -> InputEffects:
         notes.append(f"of a record of more than {_LONG_RECORD:,} rows {left_out}")
     elif _needs_grids(scene):
         notes.append(f"where theory needs grids {left_out}")
-    reason = reason or _reason_for_draws(scene, values)
-    draws = draws_of_work(scene, reason) if reason else None
-    if reason and draws is None:
-        notes.append(f"derivatives may not be enough: {reason}; draws of this load take too long")
+    sliding = None if scene.load.is_driven else sliding_of_loads(scene)
+    if RATIO in values:
+        ratio = propagated(quantities[RATIO], middle[RATIO], _away(moves), RATIO, correlation)
+        values[RATIO] = ratio
+        sliding = NearSliding(ratio.value, ratio.uncertainty)
+    reason = reason or _near_sliding(sliding)
+    second_order = _large_second_order(values)
+    draws = None
+    if reason or second_order:
+        draws = draws_of_work(scene, reason or second_order)
+        if draws is None:
+            notes.append(_no_draws(reason, second_order, sliding))
     difference: dict[str, Propagated] = {}
     no_difference = _no_difference(scene)
     if not no_difference:
@@ -909,8 +959,30 @@ def _input_effects(scene: Scene, effects: BodyEffects | None) -> InputEffects:
         difference=difference,
         no_difference=no_difference,
         draws=draws,
+        sliding=sliding,
         notes=tuple(notes),
     )
+
+
+def _no_draws(reason: str, second_order: str, sliding: NearSliding | None) -> str:
+    """The note of draws that are not taken; what other sentences say is left out."""
+    words = "draws of this load take too long"
+    if reason and not (sliding is not None and sliding.is_in_reach):
+        words = f"{reason}; {words}"
+    # A large second order stands in the list of rough values.
+    return words if second_order else f"derivatives may not be enough: {words}"
+
+
+def _away(moves: Sequence[_Move]) -> list[_Move]:
+    """Moves of |Q|/(f P), which changes no more once the bodies slide: each input counts by the
+    larger of the changes on its two sides.
+    """
+    one_sided = []
+    for move in moves:
+        size, second_order = move.changes[RATIO]
+        change = math.copysign(abs(size) + second_order, size)
+        one_sided.append(_Move(move.key, {RATIO: Estimate(change, second_order)}))
+    return one_sided
 
 
 def _unknown(entry: Input, middle: _Values) -> _Move:
@@ -948,11 +1020,15 @@ def _difference(
     return differences
 
 
-def _reason_for_draws(scene: Scene, values: Mapping[str, Propagated]) -> str:
-    """Why derivatives are not enough for W; empty where they are."""
-    distance = _distance_to_sliding(scene)
-    if distance < _NEAR_SLIDING:
-        return f"gross sliding is {distance:.2g} standard uncertainties of |Q|/(f P) away"
+def _near_sliding(sliding: NearSliding | None) -> str:
+    """Why derivatives are not enough for W near gross sliding; empty where they are."""
+    if sliding is None or not 0 < sliding.distance < _NEAR_SLIDING:
+        return ""
+    return f"gross sliding is {sliding.distance:.2g} standard uncertainties of |Q|/(f P) away"
+
+
+def _large_second_order(values: Mapping[str, Propagated]) -> str:
+    """Why derivatives are not enough for W anywhere else; empty where they are."""
     work = values[WORK]
     if work.uncertainty and not work.is_nearly_linear:
         share = 100 * work.second_order / work.uncertainty
@@ -960,12 +1036,12 @@ def _reason_for_draws(scene: Scene, values: Mapping[str, Propagated]) -> str:
     return ""
 
 
-def _distance_to_sliding(scene: Scene) -> float:
-    """Standard uncertainties of |Q|/(f P) between its largest value and 1; infinite where no input
-    moves it.
+def sliding_of_loads(scene: Scene) -> NearSliding | None:
+    """How near given loads come to gross sliding, by the inputs; None without friction or where no
+    input has an uncertainty.
     """
-    if scene.load.is_driven or not scene.friction.coefficient:
-        return math.inf
+    if not (scene.friction.coefficient and scene.inputs):
+        return None
     assert scene.uncertainty is not None
     ratio = nearest_to_sliding(scene).ratio
     changes = []
@@ -981,5 +1057,5 @@ def _distance_to_sliding(scene: Scene) -> float:
             change = (ratio_above - ratio_below) / 2
         changes.append(change)
     moves = np.array(changes)
-    variance = float(moves @ scene.uncertainty.correlation_matrix() @ moves)
-    return (1 - ratio) / math.sqrt(variance) if variance > 0 else math.inf
+    variance = max(float(moves @ scene.uncertainty.correlation_matrix() @ moves), 0.0)
+    return NearSliding(ratio, math.sqrt(variance))

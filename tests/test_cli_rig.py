@@ -107,6 +107,27 @@ def test_check_and_run_say_how_far_the_bodies_slide(folder: Path) -> None:
         assert distance == pytest.approx(way / 2, rel=1e-5)
 
 
+def test_how_near_a_rig_is_to_sliding_stands_in_terminal_page_and_json(folder: Path) -> None:
+    """And that it may slide within the uncertainty of the inputs."""
+    near = RIG.replace("0.01]", "0.0032]") + '[uncertainty]\nfriction = "5 %"\n'
+    (folder / "near.toml").write_text(near, encoding="utf-8")
+    _, solved = answer(folder, "exact", "near.toml", "--out", "alone")
+    ratio = solved["largest_sliding_ratio"]
+    assert 0.9 < ratio < 1
+    assert solved["inputs"]["sliding"]["in_reach"]
+    _, checked = answer(folder, "check", "near.toml")
+    assert checked["rig"]["largest_sliding_ratio"] == pytest.approx(ratio, rel=1e-6)
+    assert f"|Q|/(f P) is at most {ratio:.4g}" in checked["sentence"]
+    shown = " ".join(halfplane(folder, "run", "near.toml", "--out", "out", *COARSE).stdout.split())
+    assert "largest |Q|/(f P) of the last cycle, 1" in shown
+    assert f"{ratio:.4g}" in shown
+    assert "Within two standard uncertainties of the inputs |Q| reaches f P" in shown
+    page = (folder / "out" / "report.html").read_text(encoding="utf-8")
+    assert "in the last cycle, but with these inputs the bodies may" in page
+    assert 'class="verdict open"' in page
+    assert f"1 where all slides</dt><dd>{ratio:.4g}</dd>" in page
+
+
 def test_a_page_that_fails_leaves_the_answer(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def fault(*_arguments: object, **_named: object) -> None:
         raise RuntimeError("no page")

@@ -411,6 +411,53 @@ def test_near_sliding_draws_state_how_many_slide() -> None:
         assert drawn.low < drawn.mean < drawn.high
 
 
+REACHED = "Within two standard uncertainties of the inputs |Q| reaches f P"
+
+
+@pytest.mark.parametrize(("factor", "slides"), [(1.5, False), (1.6, True)])
+def test_a_rig_that_slides_two_uncertainties_away_is_told_from_one_that_does_not(
+    factor: float, slides: bool
+) -> None:
+    """Moved by two standard uncertainties of the friction, the answer itself slides or not. That
+    derivatives mean little is said once.
+    """
+    scene = load_scene("rig-compliant")
+    path = {
+        key: [[load, factor * movement] for load, movement in getattr(scene.load, key)]
+        for key in ("initial_loading", "cycle")
+    }
+    scene = scene.vary(load=path, expected=())
+    found = effects_of(scene, {"friction": "5 %"})
+    ratio = inputs.values_of_theory(scene.moved({"friction": -0.1}))[inputs.RATIO]
+    assert found.sliding is not None
+    assert (found.sliding.is_in_reach, ratio == pytest.approx(1.0, abs=1e-9)) == (slides, slides)
+    in_table = found.values[inputs.RATIO]
+    assert found.sliding == (in_table.value, in_table.uncertainty)
+    said = input_words.sentences(found, scene)
+    assert said[0].startswith(REACHED) == slides
+    assert " ".join(said).lower().count("derivatives") == 1
+    content = input_words.content(found, scene)
+    assert content is not None
+    assert content["sliding"]["in_reach"] == slides
+    assert effects_of(scene, {"friction": "0.5 %"}).sliding.is_in_reach is False
+
+
+def test_given_loads_that_may_slide_are_named_by_every_command(tmp_path: Path) -> None:
+    """Also where theory does not take the scene."""
+    load_scene("near-sliding").vary(uncertainty=NEAR).save(tmp_path / "near.toml")
+    for command in ("exact", "check"):
+        assert REACHED in " ".join(halfplane(tmp_path, command, "near.toml").stdout.split())
+    scene = load_scene("near-sliding").vary(uncertainty=NEAR)
+    with mock.patch.object(inputs, "values_of_theory", side_effect=InputError("no such contact")):
+        found = input_effects(scene)
+    assert found is not None
+    assert input_words.sentences(found, scene)[0].startswith(REACHED)
+    far = MINDLIN.vary(uncertainty=NEAR)
+    assert not any(
+        words.startswith(REACHED) for words in input_words.sentences(effects_of(MINDLIN, NEAR), far)
+    )
+
+
 def test_draws_that_slide_are_in_no_mean() -> None:
     """By a tenth of the draws one by one: mean and spread are those of the others."""
     scene = load_scene("near-sliding").vary(uncertainty=NEAR)

@@ -129,7 +129,8 @@ def check(scene: str, options: Options) -> Answer:
         read_in_words,
         unlike_materials,
     )
-    from reports.input_words import stated_content, stated_in_words
+    from reports.input_words import sliding_in_words, stated_content, stated_in_words
+    from reports.inputs import sliding_of_loads
     from reports.measured import check_record, read_in_pairs, record_in_words
     from reports.profile_fit import content as fit_content
     from reports.profile_fit import findings, fit_warnings
@@ -170,6 +171,7 @@ def check(scene: str, options: Options) -> Answer:
                 doubts.append(sentence)
             else:
                 notes.append(sentence)
+    doubts += filter(None, [sliding_in_words(sliding_of_loads(problem))])
     doubts += fit_warnings(problem, contact.half_width if contact else 0.0)
     notes += [sentence for sentence in findings(problem)[0] if sentence not in doubts]
     notes += filter(None, [stated_in_words(problem)])
@@ -235,6 +237,7 @@ def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
     import numpy as np
 
     from reports.checking import engines_for
+    from reports.comparison.laws import ratio_of_answer
     from reports.comparison.words import bodies_in_words, question, read_in_words
     from reports.input_words import stated_content, stated_in_words
     from reports.measured import read_in_pairs
@@ -270,9 +273,12 @@ def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
         force, length, _ = scene.unit_words
         least_load = number(float(solution.tangential_load.min()))
         largest_load = number(float(solution.tangential_load.max()))
+        ratio = ""
+        if scene.friction.coefficient:
+            ratio = f" |Q|/(f P) is at most {ratio_of_answer(solution):.4g}; all slides at 1."
         last_sentence = (
             f"{source}: the scene is well formed. Q goes from {least_load} to {largest_load}"
-            f" {force}/{length}, and P up to {number(float(solution.normal_load.max()))}."
+            f" {force}/{length}, and P up to {number(float(solution.normal_load.max()))}.{ratio}"
             f" `halfplane exact {source}` writes the answer, and a scene with these loads."
         )
         notes += [f"{note[:1].upper()}{note[1:]}." for note in solution.record.notes]
@@ -280,6 +286,7 @@ def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
             "dissipation": solution.dissipation,
             "largest_half_width": float(solution.contact_half_width.max()),
             "largest_tangential_load": float(np.abs(solution.tangential_load).max()),
+            "largest_sliding_ratio": ratio_of_answer(solution),
         }
     content |= {"sentence": last_sentence, "notes": notes}
     parts = [last_sentence, f"Remark: {no_comparison}.", *notes]

@@ -747,7 +747,12 @@ def _answer_alone(
     """
     from reports import profile_fit
     from reports.comparison.json_values import solution_content
-    from reports.comparison.laws import certificates, expected_content, expected_numbers
+    from reports.comparison.laws import (
+        certificates,
+        expected_content,
+        expected_numbers,
+        ratio_of_answer,
+    )
     from reports.comparison.words import summary_rows
     from reports.input_words import content as input_content
 
@@ -762,9 +767,13 @@ def _answer_alone(
     laws = certificates(solution)
     admissible = solution.record.converged and all(law.holds for law in laws)
     code = WITHIN if admissible and all(finding.met for finding in findings) else OUTSIDE
+    of_rig = {}
+    if job.scene.load.is_driven:
+        of_rig["largest_sliding_ratio"] = ratio_of_answer(solution)
 
     def parts() -> Iterator[Part]:
-        yield Sheet(scene.title or scene.name, ("quantity", "value"), summary_rows(solution))
+        rows = summary_rows(solution, loads_are_found=job.scene.load.is_driven)
+        yield Sheet(scene.title or scene.name, ("quantity", "value"), rows)
         yield from _inputs_shown(inputs, job.scene)
         yield from profile_fit.findings(scene)[0]
         yield from _expected_shown(findings)
@@ -781,6 +790,7 @@ def _answer_alone(
             "seconds": job.stages.seconds,
             "profile_fit": profile_fit.content(scene),
             "inputs": input_content(inputs, job.scene),
+            **of_rig,
         }
 
     return Answer(code, parts(), content, scene.name)
@@ -820,7 +830,8 @@ def _answer_of_rig(job: Job, engines: Engines, no_comparison: str) -> Answer:
     def parts() -> Iterator[Part]:
         yield from answer.parts
         if elements is not None:
-            rows = [row for row in summary_rows(elements) if row[0] != "note"]
+            rows = summary_rows(elements, loads_are_found=True)
+            rows = [row for row in rows if row[0] != "note"]
             yield Sheet("the same by finite elements", ("quantity", "value"), rows)
         yield str(page)
 

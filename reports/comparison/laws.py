@@ -25,6 +25,7 @@ from reports.python_numbers import PythonNumbers
 from reports.units import minus
 from scenes import SLIP_FORWARD, SLIP_REVERSE, ContactSolution, Expected, Scene
 from scenes.array_types import Array
+from scenes.segments import largest_ratio_of
 
 # Algebra in double precision over some hundred steps leaves 1e-12 to 1e-10; a law that is broken
 # shows above 1e-6.
@@ -314,6 +315,17 @@ def _scale(expected: Expected, solution: ContactSolution) -> float:
         case "share":
             return 1.0
     return _largest_half_width(solution)
+
+
+def ratio_of_answer(solution: ContactSolution) -> float:
+    """Largest |Q|/(f P) of the last cycle of an answer, whose loads may follow from displacements;
+    NaN without friction.
+    """
+    friction = solution.scene.friction.coefficient
+    if not friction:
+        return math.nan
+    rows = solution.last_cycle
+    return largest_ratio_of(solution.normal_load[rows], solution.tangential_load[rows]) / friction
 
 
 def expected_numbers(scene: Scene, solutions: Iterable[ContactSolution]) -> Iterator[Finding]:

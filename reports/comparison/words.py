@@ -22,6 +22,7 @@ from reports.comparison.laws import (
     Certificate,
     certificates,
     of_unsymmetric,
+    ratio_of_answer,
 )
 from reports.comparison.metrics import Metric
 from reports.comparison.pairs import are_half_planes, coupled, name_of
@@ -878,9 +879,21 @@ def _stated(solution: ContactSolution, name: str) -> str:
     return f" ± {uncertainty:.2g}" if math.isfinite(uncertainty) else ", no estimate of its error"
 
 
-def summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
-    """The same with drift, loops, load cycles, the laws of contact, notes and what was skipped."""
+def row_of_sliding(solution: ContactSolution) -> tuple[str, str]:
+    """How near the loads that were found come to gross sliding."""
+    words = f"largest |Q|/(f P) of the {stretch(solution.scene)}, 1 where all slides"
+    return words, f"{ratio_of_answer(solution):.4g}"
+
+
+def summary_rows(
+    solution: ContactSolution, *, loads_are_found: bool = False
+) -> list[tuple[str, str]]:
+    """The same with drift, loops, load cycles, the laws of contact, notes and what was skipped; how
+    near the loads come to gross sliding where they were found, under a prescribed displacement.
+    """
     rows = first_rows(solution)
+    if loads_are_found and solution.scene.friction.coefficient:
+        rows.append(row_of_sliding(solution))
     checks = certificates(solution)
     unit = energy_unit(solution.scene)
     violated_laws = [

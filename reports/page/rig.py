@@ -33,7 +33,7 @@ from reports.charts.plate import (
 )
 from reports.charts.templating import Table, script, template
 from reports.comparison.pairs import name_of
-from reports.comparison.words import summary_rows
+from reports.comparison.words import row_of_sliding, summary_rows
 from reports.folder import filled
 from reports.inputs import InputEffects
 from reports.units import energy_unit, load_unit, minus, units
@@ -322,6 +322,7 @@ def rows_of(rig: RigMotion) -> list[tuple[str, str]]:
             f"Q [{load}]",
             minus(f"{np.min(rig.tangential_load):.6g} to {np.max(rig.tangential_load):.6g}"),
         ),
+        *([row_of_sliding(rig.solution)] if rig.scene.friction.coefficient else []),
         (f"dissipation W of the {rig.noun} [{energy_unit(rig.scene)}]", f"{work:.6g}"),
     ]
     for motion in Motion:
@@ -363,12 +364,23 @@ def _rows_of_elements(rig: RigMotion, elements: RigMotion) -> list[tuple[str, st
     return rows
 
 
+def may_slide(rig: RigMotion) -> bool:
+    """Whether bodies that do not slide as a whole may do so by the uncertainty of the inputs."""
+    if rig.inputs is None or rig.inputs.sliding is None:
+        return False
+    return rig.inputs.sliding.is_in_reach
+
+
 def _sentence(rig: RigMotion) -> str:
     """What matters first."""
     length = units(rig.scene)[1]
     way = rig.distance(Motion.FORWARD) + rig.distance(Motion.BACK)
     if way:
         sentence_on_slides = f"The bodies slide as a whole by {way:.6g} {length} in the {rig.noun}."
+    elif may_slide(rig):
+        sentence_on_slides = (
+            f"Nothing slides as a whole in the {rig.noun}, but with these inputs the bodies may."
+        )
     else:
         sentence_on_slides = f"Nothing slides as a whole in the {rig.noun}."
     return f"{sentence_on_slides} W = {rig.solution.dissipation:.6g} {energy_unit(rig.scene)}."
@@ -397,6 +409,7 @@ def write(rig: RigMotion, out: str | Path, command: str, remarks: Sequence[str])
             title=rig.scene.title or rig.scene.name,
             scene=rig.scene,
             sentence=_sentence(rig),
+            is_open=may_slide(rig),
             rows=rows_of(rig),
             summary=[row for row in summary if row[0] != "note"],
             notes=(*_notes_of(rig), *remarks),
