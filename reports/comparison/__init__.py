@@ -19,8 +19,9 @@ Offered to the rest of reports, `Comparison` `compare` first; each file imports 
                     `METRICS` `Metric` `missing` `tolerances_of` `WHOLE_CYCLE`
     laws.py         the laws of contact that an answer obeys, whoever is right: `Certificate`
                     `certificates` `LIMIT` `DERIVED` `derived`; the numbers of a solution:
-                    `QUANTITIES` `OF_UNSYMMETRIC`; those that its scene expects: `Finding`
-                    `expected_numbers` `expected_content` `expected_rows` `EXPECTED_HEADS`
+                    `QUANTITIES` `OF_UNSYMMETRIC` `ratio_of_answer`; those that its scene
+                    expects: `Finding` `expected_numbers` `expected_content` `expected_rows`
+                    `EXPECTED_HEADS`
     why.py          the difference of W split by what makes it: `Why` `Step` `percent_of`
                     `in_percent`
     judged.py       all of that with its verdict: `JudgedPair`
@@ -31,8 +32,7 @@ Offered to the rest of reports, `Comparison` `compare` first; each file imports 
                     `beyond_theory` `SUPPORT_WORDS` `sentence` `read_in_words` `stretch`
                     `of_stretch` `for_notebook`; in cells: `amount` `value_of`
                     `with_uncertainty` `shown_unit` `first_table` `first_cells` `first_rows`
-                    `without_value`
-                    `summary_rows` `summary`
+                    `without_value` `row_of_sliding` `summary_rows` `summary`
                     `summary_csv` `summary_latex` `in_five_lines`
     json_values.py  as JSON: `strict` `solution_content` `metric_content`
     budget.py       where the error of each metric comes from: mesh, steps, penalty, far field,
