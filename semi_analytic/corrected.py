@@ -559,15 +559,11 @@ class PathSeries:
         middle = PointFields(self, np.zeros(1))
         allowed = _BEYOND_LIMIT * followed.friction * float(middle.pressure(largest_load)[0, 0])
         # A hundredth of it at some places, at a row or next to it, shows where to look closer.
-        is_suspect = np.zeros(len(senses))
-        for begin in range(0, len(senses), _AT_ONCE):
-            rows = np.arange(begin, min(begin + _AT_ONCE, len(senses)))
-            largest_excess, _ = self._beyond_limit(rows, _LOOKED_AT_FIRST)
-            is_suspect[rows] = largest_excess > allowed / 100
+        largest_excess, _ = self._beyond_limit(np.arange(len(senses)), _LOOKED_AT_FIRST)
+        is_suspect = (largest_excess > allowed / 100).astype(float)
         closer = np.flatnonzero(np.convolve(is_suspect, np.ones(5), mode="same"))
-        if len(closer):
-            largest_excess, sense = self._beyond_limit(closer, _LOOKED_AT)
-            senses[closer] = np.where(largest_excess > allowed, sense, 0)
+        largest_excess, sense = self._beyond_limit(closer, _LOOKED_AT)
+        senses[closer] = np.where(largest_excess > allowed, sense, 0)
         return senses
 
     def _beyond_limit(self, rows: Indices, count: int) -> tuple[Array, Array]:
@@ -576,11 +572,17 @@ class PathSeries:
         """
         shares = np.sin(np.linspace(0.0, math.pi / 2, count))
         points = PointFields(self, float(np.max(self.half_width)) * shares)
-        shear = points.shear_of_memory(rows)
-        excess = np.nan_to_num(np.abs(shear) - self.followed.friction * points.pressure(rows))
-        place = np.argmax(excess, axis=1)[:, None]
-        largest_excess = np.take_along_axis(excess, place, axis=1)[:, 0]
-        return largest_excess, np.sign(np.take_along_axis(shear, place, axis=1)[:, 0])
+        largest_excess = np.zeros(len(rows))
+        sense = np.zeros(len(rows))
+        for begin in range(0, len(rows), _AT_ONCE):
+            block = slice(begin, begin + _AT_ONCE)
+            shear = points.shear_of_memory(rows[block])
+            limit = self.followed.friction * points.pressure(rows[block])
+            excess = np.nan_to_num(np.abs(shear) - limit)
+            place = np.argmax(excess, axis=1)[:, None]
+            largest_excess[block] = np.take_along_axis(excess, place, axis=1)[:, 0]
+            sense[block] = np.sign(np.take_along_axis(shear, place, axis=1)[:, 0])
+        return largest_excess, sense
 
     @cached_property
     def _inner_slips(self) -> dict[int, InnerSlip]:
