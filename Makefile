@@ -145,10 +145,10 @@ publish: $(STAMP) ## both engines on the whole library, into reports/published: 
 	@$(HOME_HERE) $(ONE_THREAD) $(PY) benchmarks/publishing.py $(if $(PAGES),--pages)
 	@$(HOME_HERE) $(ONE_THREAD) $(PY) docs/pages.py
 
-maps: $(STAMP) ### studies of the idealisation error, into reports/published/maps: tables, laws, pages (PAGES=1: pages alone)
+maps: $(STAMP) ### errors of theory for each kind of body, into reports/published/maps: tables, figures, pages (PAGES=1: pages alone)
 	@echo "==> maps"
 	@mkdir -p "$$TMPDIR" .cache/home
-	@$(HOME_HERE) $(ONE_THREAD) $(PY) -m reports map all $(if $(PAGES),--pages)
+	@$(HOME_HERE) $(ONE_THREAD) $(PY) -m reports map all --out reports/published/maps $(if $(PAGES),--pages)
 
 peers: $(STAMP) ### other people's codes: CalculiX and GetFEM of Debian (asks for root); Kratos, tamaas, ContactMechanics (into .peers)
 	@echo "==> peers: $(PEERS)"

@@ -125,12 +125,11 @@ COMMANDS = {
     "export plain.toml --out deck --steps-per-cycle 8 --quiet": 0,
     "score exact/semi_analytic.nc --scene plain.toml --out score --quiet": 0,
     "diff run run": 0,
-    "advise bodies.toml": 1,
+    "advise bodies.toml": 0,
     "sweep study.toml --workers 1 --quiet": 0,
     "sweep status out/study": 0,
     "sweep report out/study": 0,
-    "map limits": 2,  # an installed copy's own tables are not written over
-    "map limits --out maps --pages": 0,
+    "map pair --out maps --pages": 2,  # no tables there
     "paper --out paper --quiet": 0,
 }
 STUDY = """
@@ -149,11 +148,7 @@ import json, sys
 from pathlib import Path
 from halfplane.reports.cli import main
 from halfplane.reports.cli.application import app
-from halfplane.reports.studies.maps.laws import PUBLISHED
 if __name__ == "__main__":
-    Path("maps").mkdir()
-    for table in PUBLISHED.glob("limits-*.csv"):
-        (Path("maps") / table.name).write_bytes(table.read_bytes())
     found = {"": [name for name in app if name[0] != "-"]}
     for words in json.loads(sys.argv[1]):
         try:

@@ -8,8 +8,6 @@ each key stands for.
 - `CLAIM`, or `SECTION: CLAIM` where two sections share it: docs/numbers.json, by make numbers
 - `limit: FILE`: how much of a file is read, from the code
 - `CalculiX, CASE: METRIC`: benchmarks/third.json, by benchmarks/third.py
-- `MAP: ROW: COLUMN` is a cell of a table on a page of reports/published/maps, ROW being the row's
-  first cells; `MAP: SOME WORDS` is the sentence on it that starts so
 """
 
 from __future__ import annotations
@@ -58,8 +56,6 @@ def values(
         | third_values(third, published)
     )
     known |= uncertain_values(stored("uncertainty.json")) | claim_values(stored("numbers.json"))
-    for path in sorted((ROOT / "reports" / "published" / "maps").glob("*.md")):
-        known |= map_values(path.stem, path.read_text(encoding="utf-8"))
     return known
 
 
@@ -180,36 +176,6 @@ def third_values(cases: Mapping[str, Any], scenes: Mapping[str, Any]) -> dict[st
     numbers["CalculiX, scenes tried"] = str(len(tried_cases))
     numbers["CalculiX, scenes converged"] = str(converged)
     return numbers
-
-
-def map_values(name: str, page: str) -> dict[str, str]:
-    """Key -> cell or sentence of a published map; what two of them share the key of is left out."""
-    pairs: list[tuple[str, str]] = []
-    for block in re.findall(r"(?:^\|.*\|\n)+", page, flags=re.M):
-        lines = [line.strip("| ").split(" | ") for line in block.splitlines()]
-        head, _, *rows = (list(map(str.strip, cells)) for cells in lines)
-        # A row is known by as many of its first cells as tell it from the others; a row without a
-        # law has fewer cells.
-        name_length = 1
-        while name_length < len(head):
-            names = {tuple(row[:name_length]) for row in rows}
-            if len(names) == len(rows):
-                break
-            name_length += 1
-        for row in rows:
-            row_name = ", ".join(row[:name_length])
-            for column, text in zip(head[name_length:], row[name_length:], strict=False):
-                pairs.append((f"{row_name}: {column}", text))
-    for line in page.splitlines():
-        # without the question before an answer, or a whole caption
-        plain = re.sub(r"^\*+[^*]+\*+ ?", "", line)
-        if not plain or plain[0] in "#|!<":
-            continue
-        for sentence in re.split(r"(?<=\.) (?=[A-Z`])", plain):
-            first_words = " ".join(sentence.split()[:5])
-            pairs.append((first_words, sentence.replace("**", "")))
-    count_of = Counter(key for key, _ in pairs)
-    return {f"{name}: {key}": _minus(text) for key, text in pairs if count_of[key] == 1}
 
 
 def _minus(text: str) -> str:

@@ -1,8 +1,7 @@
 """Comparison of two solutions, the page about it, and the command line.
 
 `compare`, `score`, `input_effects`, `write` and `figure` are all that a script needs. Public is
-what `__all__` of `reports`, `reports.studies.maps` and `reports.studies.sweep` names; the modules
-beneath may change.
+what `__all__` of `reports` and `reports.studies.sweep` names; the modules beneath may change.
 Names are loaded when they are first asked for: `halfplane --help` must not wait for numpy. With the
 first of them, or at once where `scenes` or an engine is loaded already, scenes and solutions get
 their HTML and figures.

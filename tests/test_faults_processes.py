@@ -471,7 +471,7 @@ def prepare_disk(job: str, old: Path, disk: Path) -> None:
     shutil.copytree(old, disk)
     if job == "map":
         shutil.copytree(Path(reports.__file__).parent / "published" / "maps", disk / "maps")
-        (disk / "maps" / "curvature.md").write_text("a page to be written again", encoding="utf-8")
+        (disk / "maps" / "pair.md").write_text("a page to be written again", encoding="utf-8")
 
 
 @pytest.mark.parametrize(

@@ -51,7 +51,6 @@ from reports.scoring.against import score_file
 from reports.scoring.loops import MeasuredLoop, score_loop
 from reports.scoring.mapping import Mapping
 from reports.scoring.reading import read
-from reports.studies.maps.advice import parts_of
 from scene_cases import scene_of
 from scenes import (
     Block,
@@ -631,7 +630,6 @@ def test_a_record_too_long_for_finite_elements_is_checked_without_them(tmp_path:
 
 ROWS = MeasuredLoop("rig", np.zeros(1), np.zeros(1), np.zeros(1))
 KNOW_P_AND_Q_ALONE = {
-    "advise": (parts_of, "advice covers no bulk stress or tilt"),
     "a measured loop": (
         lambda scene: score_loop(ROWS, scene),
         "no measured loop is scored with bulk stress",

@@ -227,7 +227,7 @@ class Options:
         float | None, _option("Depth over which the stress is averaged for --fatigue.")
     ] = None
     cycles: Annotated[_Count | None, _option("Revolutions at most.")] = None
-    # sweep, map
+    # sweep
     executor: Annotated[
         Literal["processes", "dask"], _option("Processes of this machine, or a dask cluster.")
     ] = "processes"
@@ -241,11 +241,11 @@ class Options:
     resume: Annotated[
         bool, _flag("What every run does: the results that the folder holds are used.")
     ] = False
-    stores: Annotated[Path, _option("Folder of the sweeps' stores.")] = Path("out/maps")
-    remake: Annotated[bool, _flag("Start afresh: drop the sweeps' results first.")] = False
-    pages: Annotated[
-        bool, _flag("Laws, figures and pages alone, from the tables that are there.")
-    ] = False
+    # map
+    remake: Annotated[bool, _flag("Start afresh: drop the tables first.")] = False
+    pages: Annotated[bool, _flag("Figures and pages alone, from the tables that are there.")] = (
+        False
+    )
     # init, scenes, schema
     start: Annotated[
         str,
@@ -481,8 +481,8 @@ _COMMANDS = (
     _Command(
         "Judge",
         "advise",
-        "How wrong is half-plane theory for these bodies, and why? No contact is solved; exit code"
-        " 1: more than the limit, or not known.",
+        "How wrong is half-plane theory for these bodies, and why? By their numbers or kernels;"
+        " exit code 1: more than the limit, or not known.",
         "studies.maps.commands:advise",
         (_SCENE_NAME,),
         ("limit", "json"),
@@ -490,14 +490,11 @@ _COMMANDS = (
     _Command(
         "Judge",
         "map",
-        "Run the studies of a map of the idealisation error, or resume them, and write its page.",
+        "From which height on does theory hold for this kind of body? Table and page.",
         "studies.maps.commands:make_map",
-        (_Operand("name", str, "Name of a map (docs/maps.md), or all."),),
-        (*_OUTPUT, "stores", "workers", "remake", "pages"),
-        {
-            "out": "Folder of tables and pages; a checkout's reports/published/maps if left out.",
-            "workers": "Processes; all cores if left out.",
-        },
+        (_Operand("name", str, "Kind of body (docs/maps.md), or all."),),
+        (*_OUTPUT, "remake", "pages"),
+        {"out": "Folder of tables and pages; out/maps if left out."},
     ),
     _Command(
         "Judge",

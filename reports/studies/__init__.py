@@ -2,7 +2,7 @@
 imports them.
 
     sweep   a scene over axes of its keys, with a store and a page; processes or dask
-    maps    maps of the idealisation error, made of sweeps; their laws; advice on a scene
+    maps    errors of theory by kind of body: numbers, kernels, finite elements; advice on a scene
     paper   the paper's figures, statements and misprints again
     third   the scene as a deck for CalculiX, and CalculiX' answer
 

@@ -1,12 +1,14 @@
-"""Maps of the idealisation error: studies of finite elements against half-plane theory, their laws,
-corrections and pages.
+"""Maps of the idealisation error: how far half-plane theory is off for each kind of body, over its
+height, its width and friction.
 
-The studies are in `studies/`, the published tables and pages in reports/published/maps;
-docs/maps.md describes them.
+    families    kinds of body, and their scenes
+    errors      errors by numbers, kernels and finite elements; heights from which theory holds
+    pages       figures, tables and pages from the tables of a folder
+    commands    `halfplane map` and `halfplane advise`
+
+docs/maps.md describes them; the published ones are in reports/published/maps.
 """
 
 from __future__ import annotations
 
-from reports.studies.maps.laws import Law, fit_law
-
-__all__ = ["Law", "fit_law"]
+__all__: list[str] = []

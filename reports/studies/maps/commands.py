@@ -1,81 +1,86 @@
-"""The commands of the maps of the idealisation error: run their studies, and advise by what is
-published.
-"""
+"""The commands of the idealisation error: its maps, and advice on a scene."""
 
 from __future__ import annotations
 
 import math
-import shutil
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from reports.cli.application import OUTSIDE, WITHIN, Answer, Options, share_of
 from reports.cli.solving import read
-from reports.console import Part, Sheet
-from reports.studies.sweep.commands import swept
+from reports.console import Part, Sheet, Stages
 
 if TYPE_CHECKING:
-    from reports.advising import Advice as AdviceByNumbers
-    from reports.studies.maps.advice import Advice
-    from scenes import Estimate
+    from reports.advising import Advice, Change
+    from reports.advising_by_kernels import KernelAdvice
+    from scenes import Estimate, Scene
+
+_MODEL_ITSELF = (
+    "both bodies are half-planes of like materials (Dundurs' β is 0): half-plane theory is the very"
+    " model"
+)
 
 
 def make_map(name: str, options: Options) -> Answer:
-    """Run the studies of a map, or of all, and write tables and pages; 3 where a point failed.
-
-    Raises
-    ------
-    InputError
-        Where `out` is left out in an installed copy, whose tables `halfplane advise` reads.
+    """Compute what is missing of a map, or of all, write tables and pages, and show from which
+    height on theory holds.
     """
     from reports.folder import replace_text
-    from reports.studies.maps.laws import MAPS, PUBLISHED, STUDIES, as_csv, map_named
-    from reports.studies.maps.pages import require_free, write
-    from reports.studies.sweep.store import read_index
-    from scenes import InputError
+    from reports.studies.maps import pages
+    from reports.studies.maps.errors import (
+        computed,
+        distances_of,
+        rows_in,
+        table_of_distances,
+    )
+    from reports.studies.maps.families import KINDS, kind_named
 
-    if options.out is None and not (PUBLISHED / "README.md").exists():
-        raise InputError(
-            "the published maps are those of a checkout, and this is an installed copy: name a"
-            " folder by --out"
-        )
-    folder = options.out or PUBLISHED
-    code = WITHIN
-    states: dict[str, Any] = {}
-    maps = list(MAPS.values()) if name == "all" else [map_named(name)]
-    require_free(folder)
-    studies: list[str] = []
+    folder = options.out or Path("out/maps")
+    kinds = list(KINDS.values()) if name == "all" else [kind_named(name)]
+    pages.require_free(folder)
     if not options.pages:
-        for error_map in maps:
-            studies += error_map.studies
-    for study in studies:
-        store = options.stores / study
-        if options.remake and store.exists():
-            shutil.rmtree(store)
-        of_sweep = Options(out=store, workers=options.workers, resume=True, quiet=options.quiet)
-        answer = swept(str(STUDIES / f"{study}.toml"), of_sweep)
-        if answer.content is None:
-            return answer
-        code = max(code, answer.code)
-        replace_text(folder / f"{study}.csv", as_csv(read_index(store)))
-        state = answer.content()
-        states[study] = {key: state[key] for key in state if key not in ("title", "file")}
-    write(folder)
+        folder.mkdir(parents=True, exist_ok=True)
+        stages = Stages(options.quiet)
+        for kind in kinds:
+            table, heights = (folder / file for file in pages.table_names(kind))
+            if options.remake:
+                table.unlink(missing_ok=True)
+            with stages.stage(kind.title, "points") as report:
+                is_new = computed(kind, table, report)
+                if is_new or not heights.exists():
+                    distances = distances_of(kind, rows_in(table), report)
+                    replace_text(heights, table_of_distances(distances))
+    pages.write(folder)
     page = str(folder / "README.md")
-    return Answer(code, [page], lambda: {"passed": code == WITHIN, "studies": states, "page": page})
+    shown = [tables for tables in pages.stored(folder) if tables.kind in kinds]
+
+    def parts() -> Iterator[Part]:
+        heads = ("kind", "width", "W", "p0", "tension")
+        title = "height/a from which theory is within 1; 5; 10 %"
+        yield Sheet(title, heads, pages.rows_of_heights(shown))
+        yield page
+
+    def content() -> dict[str, Any]:
+        heights = {
+            tables.kind.name: [row._asdict() for row in tables.distances] for tables in shown
+        }
+        return {"passed": True, "heights": heights, "page": page}
+
+    return Answer(WITHIN, parts(), content)
 
 
 def advise(scene: str, options: Options) -> Answer:
-    """How wrong half-plane theory is for the bodies of a scene, and why: by corrected theory, and
-    where the numbers of the bodies say nothing by the published maps. Outside where the error of
-    the dissipation may exceed the limit, or is not known.
+    """How wrong half-plane theory is for the bodies of a scene, and why: by the numbers of the
+    bodies, and where these do not say it by their kernel solve. Outside where the error of the
+    dissipation may exceed the limit, or is not known.
     """
     from reports.advising import advise as advise_by_numbers
+    from reports.advising_by_kernels import advise_by_kernels
     from reports.comparison.pairs import are_half_planes
     from reports.comparison.verdicts import Verdict
-    from reports.studies.maps.advice import Advice, parts_of
-    from scenes import InputError
+    from scenes import ConvergenceError, InputError
 
     limit = share_of(options.limit)
     if not 0 < limit < 1:
@@ -84,152 +89,146 @@ def advise(scene: str, options: Options) -> Answer:
             " for 5 %"
         )
     problem = read(scene)
-    reason = ""
-    if not are_half_planes(problem):
-        try:
-            of_bodies = advise_by_numbers(problem, limit)
-        except InputError as declined:
-            reason = str(declined)
-        else:
-            code = WITHIN if of_bodies.verdict is Verdict.WITHIN else OUTSIDE
-            return Answer(
-                code,
-                _parts_by_numbers(of_bodies),
-                lambda: _numbers_content(of_bodies),
-                problem.name,
-            )
-    advice = Advice(problem, *parts_of(problem), limit)
-    code = WITHIN if advice.may_be_used else OUTSIDE
+    if not problem.friction.coefficient:
+        raise InputError(
+            f"{problem.name}: friction.coefficient = 0: nothing is dissipated, so no error is"
+            " relative to it"
+        )
+    if are_half_planes(problem):
+        return _answer_in_words(problem, limit, Verdict.WITHIN, _MODEL_ITSELF)
+    by_numbers = None
+    try:
+        by_numbers = advise_by_numbers(problem, limit)
+        reason = by_numbers.declined
+    except InputError as declined:
+        reason = str(declined)
+    if by_numbers is not None and not reason:
+        return _answer_by_numbers(by_numbers)
+    try:
+        return _answer_by_kernels(advise_by_kernels(problem, limit, reason))
+    except (InputError, ConvergenceError) as refused:
+        if by_numbers is not None:
+            return _answer_by_numbers(by_numbers, str(refused))
+        words = (
+            f"Not known: neither the numbers of the bodies ({reason.rstrip('.')}) nor their kernel"
+            f" solve ({str(refused).rstrip('.')}) take this scene. Solve it (`halfplane run`)."
+        )
+        return _answer_in_words(problem, limit, None, words)
 
-    def parts() -> Iterator[Part]:
-        if reason:
-            yield f"By the published maps, as corrected theory does not take this scene: {reason}"
-        yield from _advice_parts(advice, scene)
 
-    def content() -> dict[str, Any]:
-        return {"by": "maps", "declined": reason or None, **_advice_content(advice)}
+def _answer_in_words(scene: Scene, limit: float, verdict: str | None, sentence: str) -> Answer:
+    """Where no error is to be stated."""
+    from reports.comparison.verdicts import Verdict
 
-    return Answer(code, parts(), content, problem.name)
+    is_within = verdict is Verdict.WITHIN
+    content = {
+        "by": None,
+        "passed": is_within,
+        "sentence": sentence,
+        "limit": limit,
+        "verdict": verdict,
+    }
+    code = WITHIN if is_within else OUTSIDE
+    return Answer(code, [f"{scene.name}: {sentence}"], lambda: content, scene.name)
 
 
-def _parts_by_numbers(advice: AdviceByNumbers) -> Iterator[Part]:
-    """Sentence, changes with theory's values, and what makes that of the dissipation."""
+def _answer_by_numbers(advice: Advice, kernels_refused: str = "") -> Answer:
+    """By corrected theory; `kernels_refused` states why no kernel solve takes the place of a size
+    alone.
+    """
     from reports.advising import sentence
     from reports.comparison.pairs import coupled
-    from reports.studies.maps.advice import percent
-    from reports.units import energy_unit, units
-
-    yield sentence(advice)
-    scene = advice.scene
-    _, length, stress = units(scene)
-    unit_of = {"dissipation": energy_unit(scene), "peak_pressure": stress}
-    rows = []
-    for name, (words, theory, change) in advice.changes.items():
-        unit = unit_of.get(name, length)
-        changed = "no estimate" if math.isnan(change.value) else percent(*change)
-        rows.append((words, f"{theory:.6g} {unit}", changed))
-    heads = ("quantity", "half-plane theory", "bodies/theory − 1")
-    yield Sheet(f"{scene.title or scene.name}: by corrected theory, no contact solved", heads, rows)
-    causes = [(words, percent(*part)) for words, part in advice.parts.items()]
-    if advice.left_out:
-        what = "tilt and bulk strain, a size"
-        if coupled(scene):
-            what = "coupling, tilt and bulk strain, a size"
-        causes.append((what, f"± {100 * advice.left_out:.2g} %"))
-    yield Sheet("What makes the change of the dissipation", ("cause", "share of it"), causes)
-
-
-def _numbers_content(advice: AdviceByNumbers) -> dict[str, Any]:
-    """The numbers of the bodies, the changes that they make, the parts of that of the
-    dissipation, and the answer.
-    """
-    from reports.advising import sentence
     from reports.comparison.verdicts import Verdict
 
-    def pair(estimate: Estimate) -> dict[str, float]:
-        return {"change": estimate.value, "uncertainty": estimate.uncertainty}
+    def parts() -> Iterator[Part]:
+        yield sentence(advice)
+        if kernels_refused:
+            yield f"The kernel solve does not take this scene: {kernels_refused}"
+        yield _sheet_of_changes(advice.scene, advice.changes, "corrected theory, no contact solved")
+        causes = [(words, _percent(part)) for words, part in advice.parts.items()]
+        if advice.left_out:
+            what = "tilt and bulk strain, a size"
+            if coupled(advice.scene):
+                what = "coupling, tilt and bulk strain, a size"
+            causes.append((what, f"± {100 * advice.left_out:.2g} %"))
+        yield Sheet("What makes the change of the dissipation", ("cause", "share of it"), causes)
 
-    changes = {
-        name: {"theory": change.theory, **pair(change.change)}
-        for name, change in advice.changes.items()
-    }
-    return {
-        "by": "corrected theory",
-        "passed": advice.verdict is Verdict.WITHIN,
-        "sentence": sentence(advice),
-        "limit": advice.limit,
-        "verdict": advice.verdict,
-        "changes": changes,
-        "parts": {words: pair(part) for words, part in advice.parts.items()},
-        "left_out": advice.left_out,
-        "declined": advice.declined,
-        "effects": asdict(advice.effects),
-    }
-
-
-def _advice_content(advice: Advice) -> dict[str, Any]:
-    """Every departure (`errors` null where the maps know nothing), the sum of what is known, and
-    the answer.
-
-    Within by values that are extrapolated is undecided: they have no uncertainty estimate.
-    """
-    from reports.comparison.verdicts import Verdict
-    from reports.studies.maps.advice import FIGURES, sentence, total
-
-    def pairs(values: Any) -> dict[str, dict[str, float]]:
+    def content() -> dict[str, Any]:
         return {
-            name.removeprefix("error."): dict(
-                zip(("error", "uncertainty"), values(name), strict=True)
-            )
-            for name in FIGURES
+            **_content(advice, "corrected theory", sentence(advice)),
+            "parts": {words: _pair(part) for words, part in advice.parts.items()},
+            "left_out": advice.left_out,
+            "declined": "; ".join(filter(None, (advice.declined, kernels_refused))),
+            "effects": asdict(advice.effects),
         }
 
-    verdict = advice.verdict
-    if verdict is Verdict.WITHIN and advice.extrapolated:
-        verdict = Verdict.UNDECIDED
+    code = WITHIN if advice.verdict is Verdict.WITHIN else OUTSIDE
+    return Answer(code, parts(), content, advice.scene.name)
+
+
+def _answer_by_kernels(advice: KernelAdvice) -> Answer:
+    from reports.advising_by_kernels import sentence
+    from reports.comparison.verdicts import Verdict
+
+    def parts() -> Iterator[Part]:
+        yield sentence(advice)
+        yield _sheet_of_changes(advice.scene, advice.changes, "the kernel solve of the bodies")
+
+    def content() -> dict[str, Any]:
+        return {
+            **_content(advice, "kernel solve", sentence(advice)),
+            "declined": advice.instead_of,
+        }
+
+    code = WITHIN if advice.verdict is Verdict.WITHIN else OUTSIDE
+    return Answer(code, parts(), content, advice.scene.name)
+
+
+def _sheet_of_changes(scene: Scene, changes: Mapping[str, Change], by: str) -> Sheet:
+    """Theory's values, and what the bodies make of them."""
+    from reports.units import energy_unit, units
+
+    _, length, stress = units(scene)
+    unit_of = {
+        "dissipation": energy_unit(scene),
+        "peak_pressure": stress,
+        "edge_tension": stress,
+    }
+    rows = []
+    for name, (words, theory, change) in changes.items():
+        changed = "no estimate" if math.isnan(change.value) else _percent(change)
+        rows.append((words, f"{theory:.6g} {unit_of.get(name, length)}", changed))
+    heads = ("quantity", "half-plane theory", "bodies/theory − 1")
+    return Sheet(f"{scene.title or scene.name}: by {by}", heads, rows)
+
+
+def _content(advice: Advice | KernelAdvice, by: str, sentence: str) -> dict[str, Any]:
+    """What both kinds of advice answer in JSON."""
+    from reports.comparison.verdicts import Verdict
+
     return {
-        "passed": advice.may_be_used,
-        "sentence": sentence(advice),
+        "by": by,
+        "passed": advice.verdict is Verdict.WITHIN,
+        "sentence": sentence,
         "limit": advice.limit,
-        "verdict": verdict,
-        "within_limit": None if verdict is None else verdict is Verdict.WITHIN,
-        "extrapolated": advice.extrapolated,
-        "contact_half_width": advice.half_width,
-        "departures": [
-            {
-                "what": part.what,
-                "errors": None if part.values is None else pairs(part.values.__getitem__),
-                "extrapolated": part.extrapolated,
-                "from": part.how,
-            }
-            for part in advice.parts
-        ],
-        "sum_of_known": pairs(lambda name: total(advice.known, name)) if advice.known else None,
+        "verdict": advice.verdict,
+        "changes": {
+            name: {"theory": change.theory, **_pair(change.change)}
+            for name, change in advice.changes.items()
+        },
     }
 
 
-def _advice_parts(advice: Advice, source: str) -> Iterator[Part]:
-    from reports.studies.maps.advice import FIGURES, cell, cells, sentence, total
-    from reports.studies.maps.laws import WORDS
-    from reports.units import units
+def _pair(estimate: Estimate) -> dict[str, float]:
+    return {"change": estimate.value, "uncertainty": estimate.uncertainty}
 
-    if not advice.parts:
-        yield f"{source}: {sentence(advice)}"
-        return
-    rows = [(part.what, *cells(part), part.how) for part in advice.parts]
-    if len(rows) > 1 and advice.known:
-        name = "sum" if len(advice.known) == len(rows) else "sum of what is known"
-        rows.append(
-            (
-                name,
-                *(cell(*total(advice.known, figure), advice.extrapolated) for figure in FIGURES),
-                "all added up",
-            )
-        )
-    heads = ("departure", *(WORDS[figure] for figure in FIGURES), "where from")
-    load = "mean" if advice.scene.load.kind == "ellipse" else "largest"
-    size = f"a = {advice.half_width:.4g} {units(advice.scene)[1]} at the {load} load"
-    yield Sheet(
-        f"{advice.scene.title or source}: bodies/half-plane theory − 1; {size}", heads, rows
-    )
-    yield sentence(advice)
+
+def _percent(change: Estimate) -> str:
+    """A change with its uncertainty; "not resolved" where that is the larger one."""
+    from reports.comparison.words import with_uncertainty
+
+    value, uncertainty = change
+    words = f"{with_uncertainty(100 * value, 100 * uncertainty)} %"
+    if not words.startswith("−"):
+        words = f"+{words}"
+    return words if abs(value) > uncertainty else f"{words} (not resolved)"

@@ -1,0 +1,191 @@
+"""How wrong half-plane theory is where the numbers of the bodies do not say it: by the kernel solve
+of the bodies (`halfplane_fe.solve(scene, bodies="kernel")`), in some seconds.
+
+That is for pads and cylinders, whose faces are curved; for unlike materials, half-planes among
+them; and where tilt and bulk strain are large. Contact solver, increments and elements are those of
+the finite elements: it is no check of them.
+
+The uncertainty of a change is what the solve states for the value, over theory's, and what the
+kernels leave of finite elements of the bodies, by `benchmarks/curved.py`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from reports.advising import WORK, Change
+from reports.comparison.pairs import coupled
+from reports.comparison.verdicts import Verdict, verdict_on
+from reports.comparison.why import in_percent
+from scenes import ContactSolution, Estimate, FlatRounded, InputError, Scene
+
+# What the kernels leave of values of finite elements, relative to them. Of flat pads the largest
+# pressure stands next to the end of the flat, where no polynomial follows it.
+_LEFT = 3e-4
+_LEFT_OF_FLAT_PAD = 1e-3
+
+
+@dataclass(frozen=True)
+class KernelAdvice:
+    """What is expected of finite elements of the bodies of a scene, over half-plane theory.
+
+    Attributes
+    ----------
+    changes
+        by the name of the quantity; "dissipation" is the first. The edge tension of flat faces
+        alone is among them
+    instead_of
+        why not by the numbers of the bodies
+    limit
+        of |change of the dissipation| up to which theory may be used
+    """
+
+    scene: Scene
+    changes: dict[str, Change]
+    instead_of: str
+    limit: float
+
+    @property
+    def work(self) -> Estimate:
+        """Change of the dissipation."""
+        return self.changes[WORK].change
+
+    @property
+    def verdict(self) -> Verdict:
+        """Of the change of the dissipation on the limit."""
+        return verdict_on(self.work.value, self.limit, self.work.uncertainty)
+
+
+def advise_by_kernels(scene: Scene, limit: float, instead_of: str) -> KernelAdvice:
+    """How far the bodies of a scene are from half-plane theory, by their kernel solve.
+
+    Parameters
+    ----------
+    limit
+        share of the dissipation
+    instead_of
+        why not by the numbers of the bodies
+
+    Raises
+    ------
+    InputError
+        For bodies that have no kernels; where theory dissipates nothing.
+    ConvergenceError, InadmissibleLoadError
+        As the solve.
+    """
+    import halfplane_fe
+
+    _dissipating_theory(scene)  # before anything is solved
+    changes = changes_of(halfplane_fe.solve(scene, bodies="kernel"))
+    for key, change in changes.items():
+        estimate = change.change
+        left = _LEFT_OF_FLAT_PAD if _is_at_flank(scene, key) else _LEFT
+        changes[key] = change._replace(
+            change=Estimate(estimate.value, estimate.uncertainty + left * (1 + estimate.value))
+        )
+    return KernelAdvice(scene, changes, instead_of, limit)
+
+
+def _is_at_flank(scene: Scene, quantity: str) -> bool:
+    """Whether a quantity is the largest pressure of a pad with a flat."""
+    has_flat = scene.bodies.faces_are_true and isinstance(scene.profile, FlatRounded)
+    return quantity == "peak_pressure" and has_flat
+
+
+def changes_of(solution: ContactSolution) -> dict[str, Change]:
+    """What finite elements or a kernel solve make of the values of theory, with what these state to
+    be uncertain by.
+
+    Raises
+    ------
+    InputError
+        Where theory dissipates nothing: no error is relative to it.
+    """
+    import halfplane_fe
+    import semi_analytic
+
+    scene = solution.scene
+    theory = _dissipating_theory(scene)
+    largest = semi_analytic.extremes(theory, names=("edge_tension",))
+    stated = solution.uncertainties
+    last_cycle = solution.last_cycle
+    half_width = np.nanmax(solution.contact_half_width[last_cycle])
+    changes = {
+        WORK: _change(
+            "dissipation",
+            theory.dissipation,
+            solution.dissipation,
+            solution.dissipation_uncertainty,
+        ),
+        "peak_pressure": _change(
+            "largest pressure",
+            largest.pressure,
+            solution.pressure[last_cycle].max(),
+            stated["largest_pressure"],
+        ),
+        "half_width": _change(
+            "largest contact half-width",
+            largest.half_width,
+            half_width,
+            stated["largest_half_width"],
+        ),
+        "permanent_stick": _change(
+            "permanent stick half-width",
+            theory.permanent_stick_half_width,
+            solution.permanent_stick_half_width,
+            stated["permanent_stick_half_width"],
+        ),
+    }
+    tension = halfplane_fe.largest_edge_tension(solution)
+    if tension is not None:
+        changes["edge_tension"] = _change(
+            "largest edge tension", largest.edge_tension, tension.value, tension.uncertainty
+        )
+    return changes
+
+
+def _dissipating_theory(scene: Scene) -> ContactSolution:
+    """Half-plane theory of a scene; InputError where it dissipates nothing."""
+    import semi_analytic
+
+    theory = semi_analytic.solve(scene, fields=WORK)
+    if not theory.dissipation:
+        raise InputError(
+            f"{scene.name}: half-plane theory dissipates nothing: no error is relative to it"
+        )
+    return theory
+
+
+def _change(words: str, theory: float, value: float, uncertainty: float) -> Change:
+    """A value over theory's, minus 1; NaN where theory has none."""
+    if not theory or not math.isfinite(theory):
+        return Change(words, theory, Estimate(math.nan, math.nan))
+    return Change(words, theory, Estimate(float(value / theory - 1), float(uncertainty / theory)))
+
+
+def _why(advice: KernelAdvice) -> str:
+    """Why the numbers of the bodies do not say it, in a few words."""
+    if advice.scene.bodies.faces_are_true:
+        return "their faces are curved"
+    if coupled(advice.scene):
+        return "their materials are unlike"
+    return advice.instead_of
+
+
+def sentence(advice: KernelAdvice) -> str:
+    """By how much theory is expected to err in the dissipation, and what to do."""
+    change = advice.work
+    words = (
+        f"Half-plane theory is expected to err by {in_percent(change.value)}"
+        f" ± {in_percent(change.uncertainty).lstrip('+')} % in the dissipation"
+        f" (finite elements/theory − 1), by the kernel solve of the bodies: {_why(advice)}."
+    )
+    limit = f"the limit of {100 * advice.limit:g} %"
+    if advice.verdict is Verdict.WITHIN:
+        return f"{words} That is within {limit}: theory may be used."
+    if advice.verdict is Verdict.UNDECIDED:
+        return f"{words} Whether it is within {limit} is undecided: solve it (`halfplane run`)."
+    return f"{words} It is outside {limit}: solve the scene (`halfplane run`)."

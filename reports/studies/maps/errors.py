@@ -1,0 +1,262 @@
+"""Errors of half-plane theory at the points of a map, each as bodies/theory - 1, three ways: by the
+numbers of the bodies (corrected theory), by their kernels, and by finite elements, which check
+both.
+
+The tables of the maps hold a row a point and a way. The distances are the least heights from which
+the kernel solve is within 1, 5 and 10 % of theory, found by a root finder on |error| = level.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+import pandas as pd
+from scipy.optimize import brentq
+
+import halfplane_fe
+from meshes import MeshSettings
+from reports.advising import Change, advise
+from reports.advising_by_kernels import changes_of
+from reports.charts.templating import table_text
+from reports.folder import replace_text
+from reports.studies.maps.families import KINDS, Kind, Place
+from scenes import Estimate, InputError, Scene
+
+Way = Literal["numbers", "kernels", "elements"]
+Report = Callable[[int, int, str], None]
+QUANTITIES = {
+    "dissipation": "dissipation W",
+    "peak_pressure": "largest pressure p0",
+    "half_width": "largest half-width a",
+    "edge_tension": "largest edge tension",
+}
+"""Errors of a row, and their words."""
+LEVELS = (0.01, 0.05, 0.1)
+"""Errors of theory up to which the heights are looked for."""
+MESH = MeshSettings(element_size=1 / 16, edge_element_size=1 / 64)
+"""Of the kernel solve: beside the default mesh, which the finite elements have, W within 3e-4, the
+edge tension within 6e-3.
+"""
+# Of the edge tension: twice what it is where the right instant is taken.
+_MOST_UNCERTAIN = 0.02
+# Of the logarithm of a height: less than the digits that are shown.
+_OF_HEIGHT = 5e-3
+_UNKNOWN = Estimate(math.nan, math.nan)
+
+
+class Row(NamedTuple):
+    """The errors at a point by one way; NaN of what it does not give."""
+
+    way: Way
+    place: Place
+    errors: dict[str, Estimate]
+
+
+def row_of(kind: Kind, place: Place, way: Way) -> Row:
+    """The errors of theory at a point.
+
+    Raises
+    ------
+    InputError, ConvergenceError
+        Where that way does not answer.
+    """
+    scene = kind.scene(place)
+    if way == "numbers":
+        advice = advise(scene)
+        return Row(way, place, _errors({} if advice.declined else advice.changes))
+    if way == "kernels":
+        return Row(way, place, _errors(_changes_by_kernels(scene)))
+    return Row(way, place, _errors(changes_of(halfplane_fe.solve(scene))))
+
+
+def _changes_by_kernels(scene: Scene) -> Mapping[str, Change]:
+    """On the mesh of the maps, or on the default one where that leaves the edge tension uncertain:
+    a single instant that few nodes see is then taken for the largest.
+    """
+    changes = changes_of(halfplane_fe.solve(scene, MESH, bodies="kernel"))
+    tension = changes.get("edge_tension")
+    if tension is None or tension.change.uncertainty <= _MOST_UNCERTAIN:
+        return changes
+    return changes_of(halfplane_fe.solve(scene, bodies="kernel"))
+
+
+def _errors(changes: Mapping[str, Change]) -> dict[str, Estimate]:
+    """Of every quantity of a row; NaN of what is not known."""
+    return {
+        quantity: changes[quantity].change if quantity in changes else _UNKNOWN
+        for quantity in QUANTITIES
+    }
+
+
+# ------------------------------------------------------------------------------------------- tables
+_KEYS = ("way", "height", "width", "friction")
+
+
+def points_of(kind: Kind) -> list[tuple[Place, Way]]:
+    """What a map holds: kernels, and numbers of flat bodies, at every height; finite elements at
+    those that they check.
+    """
+    points: list[tuple[Place, Way]] = []
+    for place in kind.places(kind.heights):
+        points.append((place, "kernels"))
+        if not kind.is_curved:
+            points.append((place, "numbers"))
+    points += [(place, "elements") for place in kind.places(kind.checked)]
+    return points
+
+
+def table_of(rows: Sequence[Row]) -> str:
+    """The rows as CSV, six digits."""
+    columns: dict[str, list[str]] = {"way": [row.way for row in rows]}
+    for coordinate in _KEYS[1:]:
+        columns[coordinate] = [f"{getattr(row.place, coordinate):g}" for row in rows]
+    for quantity in QUANTITIES:
+        for part in Estimate._fields:
+            name = quantity if part == "value" else f"{quantity}_{part}"
+            columns[name] = [_digits(getattr(row.errors[quantity], part)) for row in rows]
+    return table_text(columns)
+
+
+def _digits(value: float) -> str:
+    return "" if math.isnan(value) else f"{value:.6g}"
+
+
+def rows_in(table: Path) -> list[Row]:
+    """The rows of a table; none where it is not there.
+
+    Raises
+    ------
+    InputError
+        For a file that is no such table.
+    """
+    if not table.exists():
+        return []
+    try:
+        records = pd.read_csv(table).to_dict("records")
+        return [_row_of_record(record) for record in records]
+    except (OSError, ValueError, KeyError) as reason:
+        raise InputError(f"{table}: this is no table of a map: {reason}") from reason
+
+
+def _row_of_record(record: dict[str, Any]) -> Row:
+    errors = {
+        quantity: Estimate(float(record[quantity]), float(record[f"{quantity}_uncertainty"]))
+        for quantity in QUANTITIES
+    }
+    place = Place(*(float(record[coordinate]) for coordinate in _KEYS[1:]))
+    return Row(record["way"], place, errors)
+
+
+def computed(kind: Kind, table: Path, report: Report) -> bool:
+    """All rows of a map, in its table after each; those that it holds are not computed again.
+    Whether any was.
+    """
+    rows = {(row.place, row.way): row for row in rows_in(table)}
+    points = points_of(kind)
+    missing = [point for point in points if point not in rows]
+    for number, (place, way) in enumerate(missing, start=1):
+        report(number, len(missing), f"{kind.title}, {way}")
+        rows[place, way] = row_of(kind, place, way)
+        ready = [rows[point] for point in points if point in rows]
+        replace_text(table, table_of(ready))
+    return bool(missing)
+
+
+# ---------------------------------------------------------------------------------------- distances
+class Distance(NamedTuple):
+    """From which height on theory is within a level.
+
+    Attributes
+    ----------
+    height
+        over a, the larger of all frictions: 0 where theory is within it at every height of the
+        map, infinite where at none
+    """
+
+    width: float
+    quantity: str
+    level: float
+    height: float
+
+
+def distances_of(kind: Kind, rows: Sequence[Row], report: Report) -> list[Distance]:
+    """The least heights from which on theory is within each of `LEVELS` of the kernel solve."""
+    quantities = [quantity for quantity in QUANTITIES if quantity != "half_width"]
+    if kind.is_curved:
+        quantities.remove("edge_tension")
+    wanted = [
+        (width, quantity, level)
+        for width in kind.widths
+        for quantity in quantities
+        for level in LEVELS
+    ]
+    distances = []
+    for number, (width, quantity, level) in enumerate(wanted, start=1):
+        report(number, len(wanted), f"{kind.title}: heights")
+        heights = []
+        for friction in kind.frictions:
+            line = [
+                row for row in rows if row.way == "kernels" and row.place[1:] == (width, friction)
+            ]
+            heights.append(_least_height(kind, line, quantity, level))
+        distances.append(Distance(width, quantity, level, max(heights)))
+    return distances
+
+
+def _least_height(kind: Kind, line: Sequence[Row], quantity: str, level: float) -> float:
+    """From which height on |error| is below a level: between the last point of a line that is above
+    it and the next one, by Brent's method in the logarithms of both.
+    """
+    sizes = np.array([abs(row.errors[quantity].value) for row in line])
+    above = np.flatnonzero(sizes > level)
+    if not len(above):
+        return 0.0
+    last = int(above[-1])
+    if last + 1 == len(line):
+        return math.inf
+    ends = [math.log(row.place.height) for row in line[last : last + 2]]
+    known = dict(zip(ends, line[last : last + 2], strict=True))
+
+    def excess(log_height: float) -> float:
+        """log(|error|/level); its end where the error is 0."""
+        row = known.get(log_height)
+        if row is None:
+            place = line[last].place._replace(height=math.exp(log_height))
+            row = _by_kernels(kind.name, place)
+        error = row.errors[quantity].value
+        return math.log(max(abs(error), 1e-9) / level)
+
+    return math.exp(brentq(excess, *ends, xtol=_OF_HEIGHT))
+
+
+@lru_cache(maxsize=256)
+def _by_kernels(name: str, place: Place) -> Row:
+    return row_of(KINDS[name], place, "kernels")
+
+
+def table_of_distances(distances: Sequence[Distance]) -> str:
+    """Distances as CSV."""
+    columns: dict[str, list[str]] = {
+        name: [_cell(getattr(row, name)) for row in distances] for name in Distance._fields
+    }
+    return table_text(columns)
+
+
+def _cell(value: float | str) -> str:
+    return value if isinstance(value, str) else f"{value:.4g}"
+
+
+def distances_in(table: Path) -> list[Distance]:
+    """The distances of a table; none where it is not there."""
+    if not table.exists():
+        return []
+    try:
+        records = pd.read_csv(table).to_dict("records")
+        return [Distance(**record) for record in records]
+    except (OSError, ValueError, TypeError) as reason:
+        raise InputError(f"{table}: this is no table of heights: {reason}") from reason
