@@ -61,9 +61,9 @@ def nodal(values: Array) -> Array:
     """(4, ..., n) slip, pressure, shear and gap of the nodes, from (..., 3 + 4 n) values of
     interface states: a view.
     """
-    parts = values[..., 3:].reshape(*values.shape[:-1], 4, -1)
     if values.ndim == 1:
-        return parts
+        return values[3:].reshape(4, -1)
+    parts = values[..., 3:].reshape(*values.shape[:-1], 4, -1)
     axes_of_states = range(values.ndim - 1)
     return parts.transpose(values.ndim - 1, *axes_of_states, values.ndim)
 

@@ -47,9 +47,9 @@ from scenes.array_types import Array, Indices, Mask, States
 Factors = tuple[Array, NDArray[np.int32]]
 
 # Bytes of bases, and so many at least: a cycle meets the same sets again and again. A record of
-# 2,000 rows on a pad makes 29 bases then, as with any number of bytes beyond; with 40 MB it makes
+# 2,000 rows on a pad makes 28 bases then, as with any number of bytes beyond; with 40 MB it makes
 # 58.
-_BYTES = 60_000_000
+_BYTES = 80_000_000
 _LEAST_BASES = 4
 # Rows in which a set may differ from its base: beyond that the set becomes a base itself.
 _MOST_ROWS = 80
@@ -64,7 +64,7 @@ _MOST_ROWS_APART = 300
 _FACTORISED = 8
 # Rows on either side of one that is needed whose answers are found along with it: edges of contact
 # and stick travel from node to node.
-_NEIGHBOURS = 12
+_NEIGHBOURS = 24
 # Rows of a triangle that are multiplied at once: read from memory once for both products, and not
 # beyond the diagonal.
 _ROWS = 256
