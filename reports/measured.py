@@ -259,11 +259,14 @@ def _reduction_in_words(scene: Scene, load: TimeSeriesLoad, record: RecordCheck)
 
 def _noise_in_words(scene: Scene, load: TimeSeriesLoad, record: RecordCheck) -> Sentence:
     """How noisy the rows are, and what that makes of W."""
-    sigma_normal, sigma_tangential = record.noise
-    noise = (
-        f"The rows look noisy: standard deviation {sigma_normal:.2g} of P and"
-        f" {sigma_tangential:.2g} {load_unit(scene)} of Q"
-    )
+    seen = []
+    unseen = ""
+    for name, sigma in zip("PQ", record.noise, strict=True):
+        if sigma:
+            seen.append(f"{sigma:.2g} {load_unit(scene)} of {name}")
+        else:
+            unseen = f"; that of {name} does not show beside its changes from row to row"
+    noise = f"The rows look noisy: standard deviation {' and '.join(seen)}{unseen}"
     if load.average > 1:
         share = _change(record.unreduced, record.all_rows)
         cause = ""

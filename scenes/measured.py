@@ -328,10 +328,13 @@ class FromFile(Frozen):
         if unit.fault and name in stated_units:
             raise InputError(f"units.{name}: {unit.fault}")
         if unit.fault and kind not in ("time", "moment") and name not in scales:
+            of_loads = ""
+            if kind == "load":
+                of_loads = ": to loads per unit thickness, or to forces beside the key thickness"
             raise InputError(
                 f"{path}: the heading {heading!r} of {name} has {unit.word!r} where a unit"
                 f" stands: {unit.fault}; state the unit of the numbers, such as units ="
-                f" {{{name} = {LIKELY_UNITS[kind]!r}}}, or their factor by scale"
+                f" {{{name} = {LIKELY_UNITS[kind]!r}}}, or their factor by scale{of_loads}"
             )
         thickness = getattr(self, "thickness", None) if kind == "load" else None
         if unit.known and kind == "load" and unit.per_length == (thickness is not None):

@@ -802,6 +802,14 @@ def test_what_noise_makes_of_the_work_is_found_and_warned_of(size: float, warned
         )
 
 
+def test_noise_of_q_that_does_not_show_is_not_said_to_be_none() -> None:
+    rows = noisy(0.2)
+    rows[:, 2] = 20 * np.sin(2 * np.pi * rows[:, 0])
+    scene = of_rows(rows)
+    words = " ".join(text for text, _ in record_in_words(scene, check_record(scene)))
+    assert "of P; that of Q does not show beside its changes" in words
+
+
 def test_coarse_or_clean_rows_are_not_taken_for_noise() -> None:
     time = np.arange(400.0)
     for clean in (

@@ -1132,3 +1132,13 @@ def test_loads_with_units_behind_a_blank_are_found_by_their_usual_names(tmp_path
     np.testing.assert_allclose(
         load_scene(tmp_path / "scene.json").load.rows.values, [[0, 100, 0], [1, 100, 20]]
     )
+
+
+def test_a_scale_of_volts_is_asked_for_with_what_it_leads_to(tmp_path):
+    (tmp_path / "scope.csv").write_text(
+        "Time,Channel A,Channel B\n(s),(V),(mV)\n\n" + "".join(f"{k},5,{k}\n" for k in range(9))
+    )
+    columns = {"P": "Channel A", "Q": "Channel B"}
+    load = {"kind": "time_series", "file": str(tmp_path / "scope.csv"), "columns": columns}
+    with refused_for("'V'", "their factor by scale: to loads per unit thickness"):
+        load_scene("hertz-paper").vary(load=load, expected=())
