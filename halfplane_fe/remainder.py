@@ -531,8 +531,9 @@ def require_flat(name: str, shape: Shape, scene: Scene) -> None:
     if not isinstance(shape, Block | TShape):
         raise InputError(
             f"bodies.{name}: body effects are known for flat faces, and that of a {shape.kind} is"
-            " curved; take a block or a t_shape, or solve the scene with finite elements or, for"
-            ' arcs and flats between them, `solve(scene, bodies="kernel")`'
+            " curved; take a block or a t_shape, or solve the scene with finite elements,"
+            " `halfplane fe`; in Python, for arcs and flats between them, also"
+            ' `solve(scene, bodies="kernel")`'
         )
     if isinstance(shape, Block) and shape.base == "rollers" and shape.sides == "free":
         raise InputError(

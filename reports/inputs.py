@@ -535,6 +535,45 @@ class _ScalingLaws:
 
 
 # --------------------------------------------------------------------------------- the difference
+def _no_values(scene: Scene) -> str:
+    """Why nothing is known of the inputs, and what does instead; empty where theory takes a
+    scene.
+    """
+    if not (scene.load.is_driven and scene.bodies.faces_are_true):
+        return ""
+    kind = _curved_kind(scene)
+    block = " A block of the same width and height in its place is near." if "pad" in kind else ""
+    return (
+        "under a prescribed displacement theory needs what the bodies add to half-planes, which is"
+        f" known of flat faces, and that of a {kind} is curved. `halfplane sweep` with engines ="
+        f' ["fe"], over an input moved by its uncertainty up and down, shows what it makes.{block}'
+    )
+
+
+def _curved_kind(scene: Scene) -> str:
+    """Kind of the body with a curved face, in words."""
+    bodies = (scene.bodies.upper, scene.bodies.lower)
+    kinds = [body.kind for body in bodies if body.kind not in ("half_plane", "block", "t_shape")]
+    return kinds[0].replace("_", " ")
+
+
+def not_stated(scene: Scene) -> str:
+    """What a run will not state of the inputs, and why, in a sentence; empty where it states all,
+    and of half-planes, for which theory has no error.
+    """
+    if not scene.inputs or scene.bodies.half_planes:
+        return ""
+    if reason := _no_values(scene):
+        return f"What the inputs make of the answer will not be known: {reason}"
+    reason = "" if scene.load.is_driven else _no_difference(scene)
+    if not reason:
+        return ""
+    return (
+        "How far the inputs move the difference of the two models will not be stated, a"
+        f" measurement's uncertainty will: {reason.rstrip('.')}."
+    )
+
+
 def _no_difference(scene: Scene) -> str:
     """Why the input term of the difference is not known; empty where it can be found."""
     if scene.load.is_driven:
@@ -548,6 +587,12 @@ def _no_difference(scene: Scene) -> str:
         return (
             "the materials are unlike (Dundurs' beta is not 0), and corrected theory does not"
             " follow that"
+        )
+    if scene.bodies.faces_are_true:
+        return (
+            "what the bodies add to half-planes is known of flat faces, and that of a"
+            f" {_curved_kind(scene)} is curved. `halfplane sweep` of error.dissipation over an"
+            " input, moved by its uncertainty up and down, shows it"
         )
     return ""
 
@@ -891,6 +936,8 @@ def input_effects(scene: Scene, effects: BodyEffects | None = None) -> InputEffe
     if not scene.inputs:
         return None
     assert scene.uncertainty is not None
+    if reason := _no_values(scene):
+        return InputEffects(scene.inputs, scene.uncertainty.correlations, unknown=reason)
     try:
         return _input_effects(scene, effects)
     except (InputError, ConvergenceError) as fault:

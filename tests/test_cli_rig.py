@@ -20,6 +20,7 @@ from command_line import (
     refused,
     require_schema,
 )
+from reports.inputs import input_effects
 from reports.page.notebook import scene_html
 from reports.page.rig import Motion, RigMotion
 from scenes import load_scene
@@ -213,6 +214,16 @@ def test_of_curved_faces_finite_elements_alone_know_how_far_they_move(folder: Pa
     assert code == 0
     assert "Finite elements alone take this scene" in checked["remarks"][0]
     assert "rig" not in checked
+    # Stated uncertainties are of no use there: that is said beforehand, with what does instead.
+    stated = PAD + '[uncertainty]\nfriction = "5 %"\n'
+    (folder / "stated.toml").write_text(stated, encoding="utf-8")
+    _, checked = answer(folder, "check", "stated.toml")
+    [remark] = checked["remarks"][1:]
+    for words in ("will not be known", "a pad is curved", "`halfplane sweep`", "A block of the"):
+        assert words in remark
+    found = input_effects(load_scene(folder / "stated.toml"))
+    assert found is not None
+    assert found.unknown in remark
     assert "a block or a t_shape" in refused(folder, "exact", "pad.toml", "--quiet")
 
 

@@ -390,6 +390,9 @@ def test_an_unknown_term_of_the_difference_is_said(scene: Scene, words: str) -> 
     found = effects_of(scene, {"normal_load": "2 %"})
     assert not found.difference
     assert words in found.no_difference
+    before = inputs.not_stated(scene.vary(uncertainty={"normal_load": "2 %"}))
+    assert (found.no_difference in before) != scene.bodies.half_planes
+    assert "solve(" not in before
 
 
 # ------------------------------------------------------------------------------------------- draws

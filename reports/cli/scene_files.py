@@ -130,7 +130,7 @@ def check(scene: str, options: Options) -> Answer:
         unlike_materials,
     )
     from reports.input_words import sliding_in_words, stated_content, stated_in_words
-    from reports.inputs import sliding_of_loads
+    from reports.inputs import not_stated, sliding_of_loads
     from reports.measured import check_record, read_in_pairs, record_in_words
     from reports.profile_fit import content as fit_content
     from reports.profile_fit import findings, fit_warnings
@@ -171,7 +171,8 @@ def check(scene: str, options: Options) -> Answer:
                 doubts.append(sentence)
             else:
                 notes.append(sentence)
-    doubts += filter(None, [sliding_in_words(sliding_of_loads(problem))])
+    sliding = sliding_in_words(sliding_of_loads(problem))
+    doubts += filter(None, [sliding, not_stated(problem)])
     doubts += fit_warnings(problem, contact.half_width if contact else 0.0)
     notes += [sentence for sentence in findings(problem)[0] if sentence not in doubts]
     notes += filter(None, [stated_in_words(problem)])
@@ -240,6 +241,7 @@ def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
     from reports.comparison.laws import ratio_of_answer
     from reports.comparison.words import bodies_in_words, question, read_in_words
     from reports.input_words import stated_content, stated_in_words
+    from reports.inputs import not_stated
     from reports.measured import read_in_pairs
     from reports.units import number
     from scenes import InputError
@@ -254,9 +256,10 @@ def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
     tables_read = read_in_pairs(scene)
     notes = [question(scene), *filter(None, [bodies_in_words(scene), stated_in_words(scene)])]
     notes += [read_in_words(name, pairs) for name, pairs in tables_read.items()]
+    remarks = [f"{no_comparison}.", *filter(None, [not_stated(scene)])]
     content = {
         "passed": True,
-        "remarks": [f"{no_comparison}."],
+        "remarks": remarks,
         "read_as": tables_read,
         "engines": engines.reasons,
         "largest_contact": None,
@@ -289,7 +292,7 @@ def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
             "largest_sliding_ratio": ratio_of_answer(solution),
         }
     content |= {"sentence": last_sentence, "notes": notes}
-    parts = [last_sentence, f"Remark: {no_comparison}.", *notes]
+    parts = [last_sentence, *(f"Remark: {remark}" for remark in remarks), *notes]
     return Answer(WITHIN, parts, lambda: content, scene.name)
 
 
