@@ -34,7 +34,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -44,6 +44,7 @@ from reports.comparison.laws import ratio_of_answer
 from reports.comparison.pairs import coupled
 from scenes import (
     NORMAL_LOAD,
+    Block,
     BodyEffects,
     Compound,
     ConvergenceError,
@@ -54,6 +55,7 @@ from scenes import (
     InadmissibleLoadError,
     Input,
     InputError,
+    Pad,
     Scene,
     TimeSeriesLoad,
     sampled,
@@ -535,18 +537,40 @@ class _ScalingLaws:
 
 
 # --------------------------------------------------------------------------------- the difference
+def with_blocks(scene: Scene) -> Scene:
+    """The scene with a block for each pad where a displacement is prescribed, the profile being the
+    gap between flat faces: what its arcs add is left out. Else the scene itself.
+
+    Changes of W are near: by 5 % of the friction -5.37 % for blocks by theory, -5.38 % for a pad
+    with a/R = 0.014 by finite elements.
+    """
+    if not scene.load.is_driven:
+        return scene
+    blocks = {}
+    for name in ("lower", "upper"):
+        body = getattr(scene.bodies, name)
+        if isinstance(body, Pad):
+            blocks[name] = Block(**body.model_dump(exclude={"kind"}))
+    return scene.vary(bodies=blocks) if blocks else scene
+
+
+_BLOCKS_FOR_PADS = (
+    "under a prescribed displacement pads are taken as blocks of their size here: what their arcs"
+    " add is not in it"
+)
+
+
 def _no_values(scene: Scene) -> str:
     """Why nothing is known of the inputs, and what does instead; empty where theory takes a
     scene.
     """
     if not (scene.load.is_driven and scene.bodies.faces_are_true):
         return ""
-    kind = _curved_kind(scene)
-    block = " A block of the same width and height in its place is near." if "pad" in kind else ""
     return (
         "under a prescribed displacement theory needs what the bodies add to half-planes, which is"
-        f" known of flat faces, and that of a {kind} is curved. `halfplane sweep` with engines ="
-        f' ["fe"], over an input moved by its uncertainty up and down, shows what it makes.{block}'
+        f" known of flat faces, and that of a {_curved_kind(scene)} is curved. `halfplane sweep`"
+        ' with engines = ["fe"], over an input moved by its uncertainty up and down, shows what it'
+        " makes"
     )
 
 
@@ -563,8 +587,11 @@ def not_stated(scene: Scene) -> str:
     """
     if not scene.inputs or scene.bodies.half_planes:
         return ""
-    if reason := _no_values(scene):
-        return f"What the inputs make of the answer will not be known: {reason}"
+    taken = with_blocks(scene)
+    if reason := _no_values(taken):
+        return f"What the inputs make of the answer will not be known: {reason}."
+    if taken is not scene:
+        return f"What the inputs make of the answer: {_BLOCKS_FOR_PADS}."
     reason = "" if scene.load.is_driven else _no_difference(scene)
     if not reason:
         return ""
@@ -936,10 +963,14 @@ def input_effects(scene: Scene, effects: BodyEffects | None = None) -> InputEffe
     if not scene.inputs:
         return None
     assert scene.uncertainty is not None
-    if reason := _no_values(scene):
+    taken = with_blocks(scene)
+    if reason := _no_values(taken):
         return InputEffects(scene.inputs, scene.uncertainty.correlations, unknown=reason)
     try:
-        return _input_effects(scene, effects)
+        of_taken = _input_effects(taken, effects)
+        if taken is scene:
+            return of_taken
+        return replace(of_taken, notes=(*of_taken.notes, _BLOCKS_FOR_PADS))
     except (InputError, ConvergenceError) as fault:
         return InputEffects(
             scene.inputs,

@@ -214,17 +214,33 @@ def test_of_curved_faces_finite_elements_alone_know_how_far_they_move(folder: Pa
     assert code == 0
     assert "Finite elements alone take this scene" in checked["remarks"][0]
     assert "rig" not in checked
-    # Stated uncertainties are of no use there: that is said beforehand, with what does instead.
-    stated = PAD + '[uncertainty]\nfriction = "5 %"\n'
-    (folder / "stated.toml").write_text(stated, encoding="utf-8")
-    _, checked = answer(folder, "check", "stated.toml")
-    [remark] = checked["remarks"][1:]
-    for words in ("will not be known", "a pad is curved", "`halfplane sweep`", "A block of the"):
-        assert words in remark
-    found = input_effects(load_scene(folder / "stated.toml"))
-    assert found is not None
-    assert found.unknown in remark
-    assert "a block or a t_shape" in refused(folder, "exact", "pad.toml", "--quiet")
+
+
+def test_inputs_of_pads_under_a_prescribed_displacement_are_those_of_blocks(folder: Path) -> None:
+    """Said beforehand, and with the answer; of cylinders nothing is known, and a sweep is named."""
+    stated = '[uncertainty]\nfriction = "5 %"\n'
+    block = PAD.replace('kind = "pad"', 'kind = "block"')
+    cylinder = PAD.replace(
+        'kind = "pad"\nwidth = 12.0\nheight = 12.0', 'kind = "cylinder"\nradius = 50.0'
+    )
+    for name, text in (("pad", PAD), ("block", block), ("cylinder", cylinder)):
+        (folder / f"{name}.toml").write_text(text + stated, encoding="utf-8")
+    of_pad = input_effects(load_scene(folder / "pad.toml"))
+    of_block = input_effects(load_scene(folder / "block.toml"))
+    assert of_pad is not None
+    assert of_block is not None
+    assert of_pad.values == of_block.values
+    assert of_pad.work_uncertainty > 0.01
+    assert "pads are taken as blocks" in of_pad.notes[-1]
+    assert "pads are taken as blocks" not in " ".join(of_block.notes)
+    _, checked = answer(folder, "check", "pad.toml")
+    assert "pads are taken as blocks" in checked["remarks"][1]
+    _, checked = answer(folder, "check", "cylinder.toml")
+    of_cylinder = input_effects(load_scene(folder / "cylinder.toml"))
+    assert of_cylinder is not None
+    for words in ("will not be known", "a cylinder is curved", "`halfplane sweep`"):
+        assert words in checked["remarks"][1]
+    assert of_cylinder.unknown in checked["remarks"][1]
 
 
 @pytest.mark.slow
