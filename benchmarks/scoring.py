@@ -208,6 +208,7 @@ FAULTS = {
         (1.5, 1.1, 1.02), altered(lambda p, q, k: k * p, lambda p, q, k: k * q)
     ),
     "pressure_factor": Fault((1.5, 1.1, 1.01), altered(lambda p, q, k: k * p)),
+    "shear_factor": Fault((1.5, 1.1, 1.02), altered(shear=lambda p, q, k: k * q)),
     "x_scale": Fault((1.1, 0.5, 1.02), stretched),
     "offset": Fault((0.3, 0.03, 0.01, 0.001), moved),
     "stiffness": Fault((2.0, 0.91, 0.97, 0.99, 0.998), asked(stiffer)),

@@ -19,12 +19,14 @@ import semi_analytic
 from meshes import MeshSettings
 from problems import COARSE, FEW_STEPS, fe_run
 from reports import compare, write
+from reports.charts.plate import Plate
 from reports.comparison import Comparison
-from reports.comparison.cycles import events, last_cycle, sample
+from reports.comparison.cycles import events, first_row, last_cycle, sample
 from reports.comparison.datum import effects_between
 from reports.comparison.metrics import METRICS, markdown
 from reports.comparison.words import unit_of
 from reports.page.content import as_json
+from reports.page.history_figures import _within
 from reports.page.writing import draw
 from reports.report import Report
 from scenes import (
@@ -933,17 +935,32 @@ def test_displacements_of_bodies_compare_with_what_the_bodies_add() -> None:
     assert abs(own_datum.metric("tangential_displacement").value) < 5e-3
 
 
-def loop_caption(comparison: Comparison) -> str:
-    """Caption of the loop of Q over U."""
-    plates = {plate.name: plate for plate in draw(Report(comparison))}
-    return plates["hysteresis"].caption
+def loop_of(comparison: Comparison) -> Plate:
+    """The loop of Q over U."""
+    return {plate.name: plate for plate in draw(Report(comparison))}["hysteresis"]
 
 
 def test_the_loop_on_the_page_says_what_half_planes_count_from() -> None:
     theory, fe, effects = both_engines_on_blocks()
-    known = loop_caption(compare(theory, fe, effects=effects))
-    assert "that of half-planes with c_t, c_n of these bodies" in known
-    assert "no datum: that of half-planes" in loop_caption(compare(theory, fe))
+    known = loop_of(compare(theory, fe, effects=effects))
+    assert "that of half-planes with c_t, c_n of these bodies" in known.caption
+    unknown = loop_of(compare(theory, fe))
+    assert "no datum: that of half-planes" in unknown.caption
+    # Without a datum the difference of U is the distance of two places.
+    for plate, loops_with_numbers in ((known, ["stroke", "width"]), (unknown, ["width"])):
+        notes = [note for panel in plate.panels for note in panel.notes]
+        assert [note.rpartition(" ")[2] for note in notes] == loops_with_numbers
+
+
+def test_numbers_of_instants_stay_within_the_frame() -> None:
+    box = (70.0, 10.0, 400.0, 250.0)
+    for at, outward in (((398.0, 100.0), (13.0, 0.0)), ((72.0, 12.0), (-9.0, -9.0))):
+        place = np.array(at) + _within(np.array(outward), np.array(at), box)
+        assert 75 <= place[0] <= 395
+        assert 17 <= place[1] <= 243
+        assert np.hypot(*(place - at)) > 9
+    free = np.array([13.0, 0.0])
+    assert np.array_equal(_within(free, np.array([200.0, 100.0]), box), free)
 
 
 def test_bodies_whose_compliance_is_not_known_have_no_datum() -> None:
@@ -1106,6 +1123,21 @@ def test_events_of_a_cycle_under_constant_pressure_are_spread_over_time_not_over
     )
     chosen = [time[event.index] for event in events(crowded, 0.5)]
     assert (len(chosen), min(np.diff(chosen)) > 0.1) == (6, True)
+
+
+def test_events_of_a_record_are_its_rows() -> None:
+    """The path leads from no load to the first row: no row has P = 0."""
+    rows = [[0.0, 3.0, 0.0], [1.0, 4.0, 1.0], [2.0, 2.0, -0.5], [3.0, 3.0, 0.5]]
+    scene = ROUGH.scene.vary(load={"kind": "time_series", "rows": rows})
+    answer = semi_analytic.solve(scene)
+    cycle = last_cycle(answer)
+    assert cycle.normal_load[0] == 0
+    first = first_row(cycle, scene)
+    marked = events(cycle, scene.friction.coefficient, first)
+    labels = {event.label: cycle.normal_load[event.index] for event in marked}
+    assert (labels["P least"], labels["P largest"]) == (2.0, 4.0)
+    assert min(event.index for event in marked) >= first > 0
+    assert first_row(last_cycle(ROUGH), ROUGH.scene) == 0
 
 
 def test_events_of_the_papers_ellipse() -> None:

@@ -40,6 +40,7 @@ OF_FILE = (
     "units",
     "traction_factor",
     "pressure_factor",
+    "shear_factor",
     "x_scale",
     "offset",
 )
@@ -162,6 +163,7 @@ FIGURES = {
     "loads": (1.3, "Loads"),
     "units": (1e6, "units"),
     "pressure_factor": (1.01, "pressure alone"),
+    "shear_factor": (1.02, "shear alone"),
     "x_scale": (1.1, "x is"),
     "offset": (0.03, "off along x"),
     "other_times": (0.05, "late"),

@@ -414,6 +414,23 @@ def test_a_soft_penalty_shows_behind_a_shear_of_the_wrong_sign() -> None:
     assert [diagnosis.fault for diagnosis in report.diagnoses] == ["shear_sign", "elastic_slip"]
 
 
+@pytest.mark.parametrize("factor", [1.005, 1.02])
+def test_a_factor_of_the_shear_is_told_from_another_friction(factor: float) -> None:
+    """Of 0.5 % the shear is within its tolerance and exceeds f p; another f leaves the sum of the
+    shear as it is.
+    """
+    x = np.linspace(-1.1, 1.1, 81)
+    true = semi_analytic.solve(CATTANEO, x=x, time=[4.5])
+    factored = score(x, true.pressure, factor * true.shear, scene=CATTANEO, time=[4.5])
+    assert [diagnosis.fault for diagnosis in factored.diagnoses] == ["shear_factor"]
+    assert f"a factor of the shear alone ({factor} times)" in factored.opening
+    friction = 1.05 * CATTANEO.friction.coefficient
+    rougher = semi_analytic.solve(CATTANEO.vary(friction=friction), x=x, time=[4.5])
+    other = score(x, rougher.pressure, rougher.shear, scene=CATTANEO, time=[4.5])
+    assert [diagnosis.fault for diagnosis in other.diagnoses] == ["friction"]
+    assert not score(x, true.pressure, true.shear, scene=CATTANEO, time=[4.5]).diagnoses
+
+
 def test_a_scale_of_x_is_found_behind_an_offset() -> None:
     """The points end within theory's contact, whose sum over them is no measure of P."""
     solution = semi_analytic.solve(CATTANEO, x=np.linspace(-1.1, 1.1, 41), time=[4.5])

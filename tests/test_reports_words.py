@@ -19,8 +19,11 @@ import halfplane_fe
 import semi_analytic
 from problems import COARSE, FEW_STEPS
 from reports import Comparison, Report, compare, write
+from reports.advising import COUPLING, FINITE_BODIES
 from reports.charts.plate import Arrow, Curve, Note
+from reports.charts.templating import in_template
 from reports.comparison.metrics import METRICS
+from reports.comparison.why import Why
 from reports.comparison.words import (
     beyond_theory,
     bodies_in_words,
@@ -47,6 +50,7 @@ from scenes import (
     Bodies,
     ContactSolution,
     Cylinder,
+    Estimate,
     InputError,
     Pad,
     Scene,
@@ -384,6 +388,18 @@ def test_of_a_wrong_result_the_first_table_begins_with_what_is_outside() -> None
     assert len(repr(turned).splitlines()) == 5
 
 
+def test_the_sentence_below_why_describes_the_split_that_is_shown() -> None:
+    """Curvatures are numbers of the bodies; coupling and finite bodies are contact solves."""
+    total = Estimate(-0.3, 0.01)
+    split_by_numbers = Why(total, {"curvature under P": Estimate(-0.3, 0.001)})
+    of_unlike = Why(total, {COUPLING: Estimate(-0.1, 0.01), FINITE_BODIES: Estimate(-0.2, 0.01)})
+    by_kernels = Why(total, {FINITE_BODIES: Estimate(-0.3, 0.01)})
+    sentences = [in_template("why", why) for why in (split_by_numbers, of_unlike, by_kernels)]
+    assert ["Curvature, tilt" in words for words in sentences] == [True, False, False]
+    assert ["Coupling is what" in words for words in sentences] == [False, True, False]
+    assert "beside theory. What a body adds" in sentences[2]
+
+
 def test_a_law_violated_within_every_tolerance_contradicts_nothing() -> None:
     """Shear 0.5 % too large is within its tolerance of 0.8 %, and beyond f p."""
     theory = with_fields(TRUTH, engine="semi_analytic")
@@ -641,12 +657,13 @@ def test_coupling_of_unlike_half_planes_is_a_finding_and_no_error_of_the_engines
     assert ("not a fault of the engines" in beyond_theory(comparison)) is is_finding
 
 
-def test_the_docs_table_of_bodies_is_a_scene_s_and_names_every_key() -> None:
+def test_the_docs_table_of_bodies_is_a_scene_s_and_the_page_of_keys_names_every_key() -> None:
     page = (Path(__file__).parent.parent / "docs" / "bodies.md").read_text(encoding="utf-8")
     (block,) = re.findall(r"^```toml\n(.*?)^```", page, flags=re.DOTALL | re.MULTILINE)
     assert Bodies.model_validate(tomllib.loads(block)["bodies"]).upper.kind == "pad"
+    keys = (Path(__file__).parent.parent / "docs" / "scene-keys.md").read_text(encoding="utf-8")
     for kind in (Block, Pad, Cylinder):
-        assert all(f"`{key}`" in page for key in kind.model_fields)
+        assert all(f"`{key}`" in keys for key in kind.model_fields)
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,7 @@ verdict.
 Offered to the rest of reports, `Comparison` `compare` first; each file imports those above it only:
 
     cycles.py       the last cycle of a solution, on the points of another: `Cycle` `last_cycle`
-                    `Event` `events` `OF_BULK`
+                    `Event` `events` `first_row` `OF_BULK`
     dimensionless.py the scales: `scales` `Scales` `compliance` `energy_scale`
     datum.py        what displacements count from, c_t and c_n of finite bodies:
                     `effects_between` `lacks_datum` `from_supports`

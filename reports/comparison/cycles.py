@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import ContactSolution, InputError, freeze
+from scenes import ContactSolution, InputError, Scene, TimeSeriesLoad, freeze
 from scenes.array_types import Array
 
 _FIELDS = ("pressure", "shear", "slip")
@@ -323,18 +323,19 @@ class Event:
     label: str
 
 
-def events(cycle: Cycle, friction: float) -> tuple[Event, ...]:
+def events(cycle: Cycle, friction: float, first: int = 0) -> tuple[Event, ...]:
     """Six instants (all, of fewer) in the order of time: extremes of P, Q, Q - f P, Q + f P, then
-    those furthest from all chosen.
+    those furthest from all chosen; none before the index `first`.
 
     Without bulk stress and tilt Q - f P is largest where forward slip ends, Q + f P least where
     reverse slip ends.
     """
-    labels = _extremes(cycle, friction)
+    labels = _extremes(cycle, friction, first)
     if not labels:
-        labels[0] = "the only instant" if len(cycle.time) == 1 else "between"
+        labels[first] = "the only instant" if len(cycle.time) == 1 else "between"
     for _ in range(min(_EVENTS, len(cycle.time) - 1) - len(labels)):
         distance = _distance_in_time(cycle, labels)
+        distance[:first] = 0.0
         farthest_row = int(np.argmax(distance))
         # instants may share one time, where a result was placed on the path by its loads
         if distance[farthest_row] <= 0:
@@ -343,12 +344,22 @@ def events(cycle: Cycle, friction: float) -> tuple[Event, ...]:
     return tuple(Event(index, labels[index]) for index in sorted(labels))
 
 
-def _extremes(cycle: Cycle, friction: float) -> dict[int, str]:
+def first_row(cycle: Cycle, scene: Scene) -> int:
+    """Index of the first instant of a cycle that lies on the rows of a record: the path leads from
+    no load to the first row, which no row states; 0 of other loads.
+    """
+    if not isinstance(scene.load, TimeSeriesLoad):
+        return 0
+    time = float(scene.load.used_rows().values[0][0])
+    return min(int(np.searchsorted(cycle.time, time)), len(cycle.time) - 1)
+
+
+def _extremes(cycle: Cycle, friction: float, first: int) -> dict[int, str]:
     """Index -> label of the first instants at which a load, or its distance to sliding, is extreme;
     none of a quantity that is constant.
     """
-    normal_load = cycle.normal_load
-    tangential_load = cycle.tangential_load
+    normal_load = cycle.normal_load[first:]
+    tangential_load = cycle.tangential_load[first:]
     # With bulk stress or tilt each edge has a law of its own, and slip ends elsewhere.
     ends_slip = cycle.tilt is None and cycle.shear_moment is None
     quantities = {
@@ -367,7 +378,7 @@ def _extremes(cycle: Cycle, friction: float) -> dict[int, str]:
         if np.ptp(quantity) > 1e-9 * size:
             # The first instant, to rounding: the end of a cycle repeats its start.
             is_largest = quantity >= np.max(quantity) - 1e-12 * size
-            labels.setdefault(int(np.flatnonzero(is_largest)[0]), label)
+            labels.setdefault(first + int(np.flatnonzero(is_largest)[0]), label)
     return labels
 
 

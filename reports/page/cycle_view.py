@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from reports.charts.plate import Axis, Key, Mark, Panel, Rule, limits
 from reports.comparison import Comparison, words
-from reports.comparison.cycles import Cycle, events
+from reports.comparison.cycles import Cycle, events, first_row
 from reports.comparison.pairs import name_of
 from reports.units import minus
 from scenes import ContactSolution
@@ -70,7 +70,11 @@ class CycleView:
             EngineView("f", self.result_cycle, name_of(comparison.result.engine)),
         )
         self.keys = [Key(f"{engine.look} p", engine.name) for engine in self.engines]
-        self.chosen_events = events(self.result_cycle, self.scene.friction.coefficient)
+        self.chosen_events = events(
+            self.result_cycle,
+            self.scene.friction.coefficient,
+            first_row(self.result_cycle, self.scene),
+        )
         chosen_instants = [event.index for event in self.chosen_events]
         self.shown_instant = max(chosen_instants, key=self._slip_and_load)
         self.time = self.result_cycle.time

@@ -384,8 +384,9 @@ def _events(panel: Panel, across: Array, up: Array, events: Sequence[Event]) -> 
     for count, event in enumerate(events, start=1):
         k = event.index
         index = {"event": k}
-        shift = 13 * _outward(x, y, k)
-        place = np.array([x[k], y[k]]) + shift
+        at = np.array([x[k], y[k]])
+        shift = _within(13 * _outward(x, y, k), at, panel.frame.box)
+        place = at + shift
         yield Dot(float(across[k]), float(up[k]), "event", 3.4, data=index)
         if all(np.hypot(*(place - number)) > 11 for number in numbers):
             numbers.append(place)
@@ -413,6 +414,24 @@ def _outward(x: Array, y: Array, k: int) -> Array:
     if normal_direction @ from_middle < 0:
         normal_direction = -normal_direction
     return np.asarray(normal_direction / (np.hypot(*normal_direction) or 1.0))
+
+
+# Half the width and half the height of a number [units of a drawing].
+_HALF_NUMBER = np.array([5.0, 7.0])
+
+
+def _within(shift: Array, at: Array, box: tuple[float, float, float, float]) -> Array:
+    """A shift from a place that keeps a number in the frame: as it is, else turned round, else
+    shortened.
+    """
+    left, top, right, bottom = box
+    lowest = np.array([left, top]) + _HALF_NUMBER
+    highest = np.array([right, bottom]) - _HALF_NUMBER
+    for sign in ([1, 1], [1, -1], [-1, 1], [-1, -1]):
+        place = at + sign * shift
+        if np.all((lowest <= place) & (place <= highest)):
+            return np.asarray(sign * shift)
+    return np.asarray(np.clip(at + shift, lowest, highest) - at)
 
 
 def _follower(x: str, across: float, up: float, css: str) -> Dot:
@@ -509,6 +528,8 @@ def _loop_panel(view: CycleView, name: str, shift: tuple[str, list[Array]], titl
     fraction = view.result_cycle.fraction
     numbers_and_place = difference_in_words(share, fraction, "{}", " %")
     numbers = numbers_and_place.rpartition(" at ")[0]
+    if letter == "U" and view.comparison.lacks_datum:
+        numbers = ""  # the distance of two places from which U is counted
     loop_extent = "stroke" if letter == "U" else "width"
     marks: list[Mark] = []
     for key, values, load in zip(view.keys, (reference_values, result_values), loads, strict=True):

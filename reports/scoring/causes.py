@@ -140,6 +140,21 @@ def _of_pressure_alone(discrepancy: Discrepancy) -> Sequence[float]:
     return _of_factor(discrepancy) if right and _slips(discrepancy) else ()
 
 
+def _of_shear_alone(discrepancy: Discrepancy) -> Sequence[float]:
+    """By the sums of the shear over the points, at all instants; none where they have other
+    signs.
+    """
+    if not _slips(discrepancy):
+        return ()
+    sums, sums_expected = (
+        np.sum(discrepancy.weight * shear, axis=1)
+        for shear in (discrepancy.found[SHEAR], discrepancy.expected[SHEAR])
+    )
+    square = float(sums_expected @ sums_expected)
+    ratio = float(sums @ sums_expected) / square if square else 0.0
+    return (_away_from_zero(np.log(ratio)),) if ratio > 0 else ()
+
+
 def _of_stretch(discrepancy: Discrepancy) -> Sequence[float]:
     """By the second moment of the pressure, and by its sum, which a coarse mesh leaves alone."""
     _, width_ratio, _ = _moments(discrepancy)
@@ -307,6 +322,13 @@ SHEAR_SIGN = Cause(
     channel=SHEAR,
     sized=False,
 )
+SHEAR_FACTOR = Cause(
+    "shear_factor",
+    lambda variant, k: replace(variant, shear_factor=float(np.exp(k)) * variant.shear_factor),
+    _of_shear_alone,
+    channel=SHEAR,
+    group="friction",
+)
 FRICTIONLESS = Cause(
     "frictionless",
     lambda variant, _: replace(variant, shear_factor=0.0),
@@ -376,6 +398,7 @@ CAUSES = (
     _of_load("tilt_sign"),
     _of_load("tilt_left_out"),
     SHEAR_SIGN,
+    SHEAR_FACTOR,
     FRICTIONLESS,
     FRICTION,
     FULL_STICK,

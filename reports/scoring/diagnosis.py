@@ -14,7 +14,7 @@ import numpy as np
 from reports.comparison import Comparison
 from reports.scoring.causes import SHEAR_SIGN, SOFT_NORMAL, Cause
 from reports.scoring.causes_in_words import key_of_sentence, sentence_of, size_of
-from reports.scoring.discrepancy import PRESSURE, discrepancy_of
+from reports.scoring.discrepancy import PRESSURE, Discrepancy, discrepancy_of
 from reports.scoring.fits import (
     CHANCE,
     MOST_LEFT,
@@ -58,7 +58,7 @@ def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
     if discrepancy.within:
         named_causes = (*cells, *traces) or tuple(long_steps_by_work(comparison))
         if named_causes or comparison.verdict == "within":
-            return named_causes
+            return named_causes or tuple(_of_cone(discrepancy))
     judgement = Judgement(discrepancy, Search(discrepancy, Predictions(discrepancy)))
     verdict = judgement.verdict()
     causes = list(_named(judgement, verdict, is_traced=bool(traces)))
@@ -75,6 +75,17 @@ def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
     if not causes and not traces and not cells and not discrepancy.within:
         causes = [_not_found(judgement, verdict)]
     return (*cells, *traces, *causes)
+
+
+def _of_cone(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
+    """A factor of the shear, of a result within every tolerance whose shear exceeds f p."""
+    checks = discrepancy.comparison.result_certificates
+    if not discrepancy.sheared or all(check.holds for check in checks if check.name == "cone"):
+        return
+    judgement = Judgement(discrepancy, Search(discrepancy, Predictions(discrepancy)))
+    fit = judgement.of_cone()
+    if fit is not None:
+        yield from _named(judgement, Verdict(fit), is_traced=False)
 
 
 def _named(judgement: Judgement, verdict: Verdict, *, is_traced: bool) -> Iterator[Diagnosis]:

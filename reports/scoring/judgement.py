@@ -27,6 +27,7 @@ from reports.scoring.causes import (
     CAUSES,
     COUPLING,
     ODD_PART,
+    SHEAR_FACTOR,
     SMALL_BODY,
     SOFT_NORMAL,
     Cause,
@@ -344,7 +345,29 @@ class Judgement:
     # ------------------------------------------------------------------------- what rows exclude
     def _is_possible(self, fit: Fit, before: Fit, channels: Sequence[int]) -> bool:
         """Whether the rows do not speak against it, and its sizes are those of a fault."""
-        return not self._contradicted(fit) and not _is_no_change(fit, before, channels)
+        if _is_no_change(fit, before, channels):
+            return False
+        if SHEAR_FACTOR in fit.causes and not self._is_factor_of_shear(fit, before):
+            return False
+        return not self._contradicted(fit)
+
+    def _is_factor_of_shear(self, fit: Fit, before: Fit) -> bool:
+        """Whether the sums of the shear follow the factor, and next to nothing is left: another f
+        leaves the sums as they are, and another Q moves the edges of stick.
+        """
+        if share_left(fit, before, (SHEAR,)) > _ALONE:
+            return False
+        weight = self.discrepancy.weight
+        sums, sums_predicted = (
+            np.sum(weight * shear, axis=1)
+            for shear in (self.discrepancy.found[SHEAR], fit.predicted[SHEAR])
+        )
+        square = float(sums_predicted @ sums_predicted)
+        if not square:
+            return False
+        factor = float(np.exp(fit.sizes[fit.causes.index(SHEAR_FACTOR)]))
+        ratio = float(sums @ sums_predicted) / square
+        return abs(ratio - 1) <= _UNMOVED * abs(factor - 1)
 
     def _contradicted(self, fit: Fit) -> bool:
         """Whether the sum of the pressures speaks against a factor of loads, traction or x."""
@@ -369,6 +392,13 @@ class Judgement:
         return True
 
     # --------------------------------------------------------------------------------- the shear
+    def of_cone(self) -> Fit | None:
+        """A factor of the shear that is within its tolerance and breaks |q| <= f p; None where it
+        leaves more than noise.
+        """
+        fits = self._explanations_of_shear([(SHEAR_FACTOR,)], self.no_cause)
+        return fits[0] if fits and self.is_right(fits[0], SHEAR) else None
+
     def _with_shear(self, pressure_fit: Fit) -> list[Fit]:
         """Explanations of pressure and shear that begin with that of the pressure, the best first.
 
