@@ -57,9 +57,8 @@ def make_map(name: str, options: Options) -> Answer:
     shown = [tables for tables in pages.stored(folder) if tables.kind in kinds]
 
     def parts() -> Iterator[Part]:
-        heads = ("kind", "width", "W", "p0", "tension")
         title = "height/a from which theory is within 1; 5; 10 %"
-        yield Sheet(title, heads, pages.rows_of_heights(shown))
+        yield Sheet(title, pages.HEADS_OF_HEIGHTS, pages.rows_of_heights(shown))
         yield page
 
     def content() -> dict[str, Any]:

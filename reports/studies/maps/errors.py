@@ -36,6 +36,8 @@ QUANTITIES = {
     "edge_tension": "largest edge tension",
 }
 """Errors of a row, and their words."""
+OF_DESIGNERS = {"dissipation": "W", "peak_pressure": "p0", "edge_tension": "edge tension"}
+"""Errors that heights are looked for of, and their short words."""
 LEVELS = (0.01, 0.05, 0.1)
 """Errors of theory up to which the heights are looked for."""
 MESH = MeshSettings(element_size=1 / 16, edge_element_size=1 / 64)
@@ -186,7 +188,7 @@ class Distance(NamedTuple):
 
 def distances_of(kind: Kind, rows: Sequence[Row], report: Report) -> list[Distance]:
     """The least heights from which on theory is within each of `LEVELS` of the kernel solve."""
-    quantities = [quantity for quantity in QUANTITIES if quantity != "half_width"]
+    quantities = list(OF_DESIGNERS)
     if kind.is_curved:
         quantities.remove("edge_tension")
     wanted = [

@@ -15,6 +15,7 @@ from reports.comparison.why import in_percent, percent_of
 from reports.folder import MANIFEST, claim, filled
 from reports.studies.maps.errors import (
     LEVELS,
+    OF_DESIGNERS,
     QUANTITIES,
     Distance,
     Row,
@@ -26,6 +27,7 @@ from reports.studies.maps.families import KINDS, Kind, Place
 from reports.studies.sweep.page import bars
 from scenes import Estimate, InputError
 
+HEADS_OF_HEIGHTS = ("kind", "width/height", *OF_DESIGNERS.values())
 PUBLISHED = Path(__file__).parents[2] / "published" / "maps"
 # Errors below are not drawn, in per cent: less than what finite elements are uncertain by.
 _LEAST_DRAWN = 0.03
@@ -149,20 +151,19 @@ def index(maps: Sequence[Tables]) -> str:
 
 def heights_of(maps: Sequence[Tables]) -> str:
     """Markdown of the designer's table: a row a kind and width, a cell the three heights."""
-    heads = ["kind", "width", *(words for key, words in QUANTITIES.items() if key != "half_width")]
-    return markdown_table(heads, rows_of_heights(maps))
+    return markdown_table(HEADS_OF_HEIGHTS, rows_of_heights(maps))
 
 
 def rows_of_heights(maps: Sequence[Tables]) -> list[list[str]]:
     """Cells of the designer's table: kind, width, and the heights from which each quantity is
     within 1, 5 and 10 %.
     """
-    shown = [quantity for quantity in QUANTITIES if quantity != "half_width"]
     rows = []
     for tables in maps:
+        what = f"{tables.kind.width_words} " if tables.kind.is_flat_pad else ""
         for width in tables.kind.widths:
-            cells = [tables.kind.name, f"{tables.kind.width_words} {width:g}"]
-            cells += [_heights(tables, width, quantity) for quantity in shown]
+            cells = [tables.kind.name, f"{what}{width:g}"]
+            cells += [_heights(tables, width, quantity) for quantity in OF_DESIGNERS]
             rows.append(cells)
     return rows
 
