@@ -118,7 +118,11 @@ def third_solver(text: str) -> str:
 
 def table_of_heights() -> Iterator[str]:
     """From which height on theory holds, as the published maps have it."""
+    yield '<div class="wide">'
+    yield ""
     yield maps.heights_of(maps.stored(maps.PUBLISHED))
+    yield ""
+    yield "</div>"
 
 
 def bound_in_words() -> Iterator[str]:
