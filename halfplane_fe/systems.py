@@ -719,8 +719,7 @@ class Systems:
         values = np.empty((len(rows), 3 + 4 * n))
         number = np.concatenate([(~is_updated).nonzero()[0], is_updated.nonzero()[0]])
         values[number] = self._updated(origin, base.row_states, updated, rows[~is_updated], given)
-        _, pressure, shear, _ = values[:, 3:].reshape(-1, 4, n).transpose(1, 0, 2)
-        shear -= base.traction * pressure
+        # q of nodes that slide is known of the base, and left out
         in_base = np.empty_like(values)
         in_base[:, base.places] = values
         return in_base[:, : 2 * n + 3]
