@@ -32,6 +32,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from meshes import MeshSettings
@@ -47,6 +48,7 @@ from scenes import (
     Estimate,
     InputError,
     Scene,
+    scene_of,
 )
 
 if TYPE_CHECKING:
@@ -167,11 +169,15 @@ class Advice:
         return verdict
 
 
-def advise(scene: Scene, limit: float = 0.05, effects: BodyEffects | None = None) -> Advice:
+def advise(
+    scene: Scene | str | Path, limit: float = 0.05, effects: BodyEffects | None = None
+) -> Advice:
     """How far finite bodies are from half-plane theory, by corrected theory.
 
     Parameters
     ----------
+    scene
+        or a name of the library, or a file
     limit
         share of the dissipation
     effects
@@ -191,6 +197,7 @@ def advise(scene: Scene, limit: float = 0.05, effects: BodyEffects | None = None
         ratio_of_next_order,
     )
 
+    scene = scene_of(scene)
     is_coupled = coupled(scene)
     if is_coupled and scene.bodies.half_planes:
         raise InputError(
