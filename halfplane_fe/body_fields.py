@@ -677,12 +677,12 @@ def _steps_of_large_tension(solution: ContactSolution) -> list[int]:
         ):
             break
         tension[step] = float(np.abs(sampled_tractions(nodal_values[step]).edge_tension()).max())
-    by_tension = sorted(tension, key=lambda step: -tension[step])
-    candidates = by_tension[:n_candidates]
-    if largest_alone:
-        least_tension = max(tension.values(), default=0.0) * (1 - _ROUND_OFF)
-        candidates = [step for step in by_tension[:_CANDIDATES] if tension[step] >= least_tension]
-    return sorted(candidates)
+    highest_tensions = sorted(tension.values(), reverse=True)[:n_candidates]
+    if not highest_tensions:
+        return []
+    # instants that are alike but for round-off are all among them, or none
+    least_tension = highest_tensions[-1] * (1 - _ROUND_OFF)
+    return [step for step in cycle if tension.get(step, -math.inf) >= least_tension]
 
 
 def _bulk_stress(solution: ContactSolution, steps: Sequence[int], number: int) -> Array:

@@ -47,6 +47,8 @@ RIM = 3
 # Share of the half-width behind them that p^2 is fitted to on fine meshes: there the error of
 # single nodes is left, which many nodes make small.
 _SPAN = 0.3
+# Of the width of the contact: places that differ by less are one.
+_ROUND_OFF = 1e-9
 # Nodes that p^2 is fitted to: fewest of all, on a coarse mesh, and most.
 _FEWEST = 6
 _USUAL = 16
@@ -545,7 +547,9 @@ class _FittedEdge(NamedTuple):
 
 def _fitted_edge(x: Array, p: Array, fit: RootFit) -> _FittedEdge | None:
     """The left end by the nodal p; None where no smooth edge is seen."""
-    end_of_span = x[min(fit.rim, len(x) - 1)] + _SPAN * (x[-1] - x[0]) / 2
+    width = x[-1] - x[0]
+    # a node at its end, but for round-off, counts
+    end_of_span = x[min(fit.rim, len(x) - 1)] + (_SPAN / 2 + _ROUND_OFF) * width
     within_span = int(np.searchsorted(x, end_of_span)) - fit.rim
     n_nodes = round(fit.share * np.clip(within_span, _USUAL, _MANY_FITTED))
     n_nodes = min(n_nodes, len(x) // 2 - fit.rim)
