@@ -203,6 +203,7 @@ def score_loop(
 
     Examples
     --------
+    >>> import semi_analytic
     >>> from scenes import load_scene
     >>> scene = load_scene("cattaneo-mindlin")  # f = 0.5
     >>> path, share = scene.load.path(), np.arange(200) / 100
