@@ -13,11 +13,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from reports.comparison.pairs import name_of
-from reports.record_parts import parts_in_words
+from reports.record_parts import parts_in_words, turns_of
 from reports.units import energy_unit, load_unit, minus, number
 from scenes import ContactSolution, InputError, Scene, TimeSeriesLoad
 from scenes.array_types import Array
-from scenes.measured import ReadAs, means, turning_points
+from scenes.measured import ReadAs, means
 
 # Of W: a change that is worth a warning.
 _WARNED = 0.01
@@ -40,8 +40,6 @@ _UNBLURRED = 0.999
 _LISTED = 1000
 _INSTANTS = 400
 _SHOWN = 10
-# Of the range of Q: smaller swings are no cycles of their own.
-_SWING = 0.2
 # Columns of rows: time, P, Q.
 _TIME, _NORMAL, _TANGENTIAL = range(3)
 
@@ -313,14 +311,14 @@ class LoadCycles:
     """Cycles of Q in the order in which they end, and the dissipation so far, (n,) at the times
     (n,).
 
-    `last_whole` is W between the last three turning points of Q, and the times of the first and the
-    last of them; None of a record that repeats, and where Q turns less often.
+    `last_whole` lies between the last three turning points of Q, with all its work; None of a
+    record that repeats, and where Q turns less often.
     """
 
     cycles: tuple[LoadCycle, ...]
     time: Array
     cumulative: Array
-    last_whole: tuple[float, float, float] | None = None
+    last_whole: LoadCycle | None = None
 
     @property
     def counted(self) -> float:
@@ -340,7 +338,7 @@ class LoadCycles:
             "method": "rainflow count of Q, ASTM E1049",
             "counted": self.counted,
             "dissipation_per_cycle": self.per_cycle,
-            "last_whole_cycle": self.last_whole,
+            "last_whole_cycle": None if self.last_whole is None else asdict(self.last_whole),
             "not_listed": len(self.cycles) - len(cycles_listed),
             "cycles": [asdict(cycle) for cycle in cycles_listed],
             "cumulative": {
@@ -390,18 +388,27 @@ def load_cycles(solution: ContactSolution) -> LoadCycles | None:
         # the same work in every revolution
         work_time = np.concatenate([time, time[1:] + period])
         work_so_far = np.concatenate([so_far, so_far[1:] + so_far[-1]])
-        of_cycles = with_work(_counted_in_turn(solved_rows), work_time, work_so_far)
         cycle_shift = max(last_start - period, 0.0)
     else:
         last_whole = _last_whole_cycle(solved_rows, time, so_far)
-        row_cycles = counted(solved_rows[:, _TIME], solved_rows[:, _TANGENTIAL])
-        of_cycles = with_work(row_cycles, time, so_far)
+        work_time = time
+        work_so_far = so_far
         cycle_shift = 0.0
+    row_cycles = _cycles_of_rows(solved_rows, repeats=scene.load.repeats)
     cycles = [
         replace(cycle, start=cycle.start + cycle_shift, end=cycle.end + cycle_shift)
-        for cycle in of_cycles
+        for cycle in with_work(row_cycles, work_time, work_so_far)
     ]
     return LoadCycles(tuple(cycles), time + last_start, so_far, last_whole)
+
+
+def _cycles_of_rows(rows: Array, *, repeats: bool) -> list[LoadCycle]:
+    """Cycles of rows (n, 3), without their work; times of those that repeat may lie in the next
+    revolution.
+    """
+    if repeats:
+        return _counted_in_turn(rows)
+    return counted(rows[:, _TIME], rows[:, _TANGENTIAL])
 
 
 def _counted_in_turn(rows: Array) -> list[LoadCycle]:
@@ -423,18 +430,26 @@ def _counted_in_turn(rows: Array) -> list[LoadCycle]:
     return sorted([*closed, whole], key=lambda cycle: (cycle.end, -cycle.start))
 
 
-def _last_whole_cycle(rows: Array, time: Array, so_far: Array) -> tuple[float, float, float] | None:
-    """W between the last three turning points of Q of rows (n, 3), with the times of the first and
-    the last, from its sum (m,) at times (m,); swings below a fifth of the range of Q are no turns.
+def _last_whole_cycle(rows: Array, time: Array, so_far: Array) -> LoadCycle | None:
+    """The cycle between the last three turning points of Q of rows (n, 3), its work from the sum
+    (m,) at times (m,); None where Q turns less often.
     """
-    force = rows[:, _TANGENTIAL]
-    # the first is where the first swing begins, which may be anywhere
-    turns = turning_points(force, _SWING * float(np.ptp(force)))[1:]
+    turns = turns_of(rows[:, _TANGENTIAL])[-3:]
     if len(turns) < 3:
         return None
-    start, end = rows[turns[[-3, -1]], _TIME].tolist()
+    times, _, forces = rows[turns].T.tolist()
+    start, _, end = times
     work_at_start, work_at_end = np.interp([start, end], time, so_far).tolist()
-    return work_at_end - work_at_start, start, end
+    highest = max(forces)
+    lowest = min(forces)
+    return LoadCycle(
+        count=1.0,
+        range=highest - lowest,
+        mean=(highest + lowest) / 2,
+        start=start,
+        end=end,
+        dissipation=work_at_end - work_at_start,
+    )
 
 
 def _work_at_rows(scene: Scene, rows: Array, late_time: float) -> tuple[Array, Array]:
@@ -448,8 +463,7 @@ def _work_at_rows(scene: Scene, rows: Array, late_time: float) -> tuple[Array, A
 
     row_times = rows[:, _TIME]
     repeats = scene.load.repeats  # type: ignore[union-attr]
-    cycles = _counted_in_turn(rows) if repeats else counted(row_times, rows[:, _TANGENTIAL])
-    ends = np.array([cycle.end for cycle in cycles])
+    ends = np.array([cycle.end for cycle in _cycles_of_rows(rows, repeats=repeats)])
     ends = np.unique(np.where(ends > row_times[-1], ends - np.ptp(row_times), ends))
     row_after = np.clip(np.searchsorted(row_times, ends), 1, len(rows) - 1)
     to_after = np.abs(row_times[row_after] - ends)

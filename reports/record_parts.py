@@ -117,11 +117,7 @@ def record_parts(scene: Scene) -> tuple[RecordPart, ...]:
 def _cycles_of(rows: Array, is_loaded: Mask) -> _Cycles | None:
     """Cycles of Q while there is a load; None for too few."""
     tangential = np.where(is_loaded, rows[:, _TANGENTIAL], 0.0)
-    swing = _SWING * float(np.ptp(tangential))
-    if not swing > 0:
-        return None
-    # the first is where the first swing begins, which may be anywhere
-    turns = turning_points(tangential, swing)[1:]
+    turns = turns_of(tangential)
     if len(turns) < 2 * _FEWEST_CYCLES:
         return None
     return _Cycles(
@@ -129,6 +125,17 @@ def _cycles_of(rows: Array, is_loaded: Mask) -> _Cycles | None:
         ranges=np.abs(np.diff(tangential[turns])),
         means=(tangential[turns[1:]] + tangential[turns[:-1]]) / 2,
     )
+
+
+def turns_of(force: Array) -> NDArray[np.int64]:
+    """Rows (m,) at which a force (n,) turns, swings that are no cycles left out.
+
+    >>> turns_of(np.array([0.0, 1.0, -1.0, -0.9, -1.0, 1.0, 0.0])).tolist()
+    [1, 2, 5]
+    """
+    swing = _SWING * float(np.ptp(force))
+    # the first is where the first swing begins, which may be anywhere
+    return turning_points(force, swing)[1:]
 
 
 def _at_rest(rows: Array, count: int) -> Mask:

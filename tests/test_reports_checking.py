@@ -754,10 +754,10 @@ def test_a_record_that_does_not_repeat_states_the_work_of_its_last_whole_cycle()
     )
     rows = [[0, 90, 0], [1, 90, 30], [2, 90, -30], [3, 90, 30], [4, 90, -30], [5, 90, 0]]
     cycles = load_cycles(semi_analytic.solve(of_rows(rows)))
-    work, start, end = cycles.last_whole
-    assert (start, end) == (2.0, 4.0)
-    assert work == pytest.approx(steady.dissipation, rel=1e-12)
-    assert cycles.per_cycle < 0.9 * work
+    last = cycles.last_whole
+    assert (last.start, last.end, last.range, last.mean) == (2.0, 4.0, 60.0, 0.0)
+    assert last.dissipation == pytest.approx(steady.dissipation, rel=1e-12)
+    assert cycles.per_cycle < 0.9 * last.dissipation
     assert load_cycles(semi_analytic.solve(of_rows(rows[:3]))).last_whole is None
 
 

@@ -910,10 +910,11 @@ def summary_rows(
     if cycles:
         rows.append(("load cycles, by rainflow of Q", f"{cycles.counted:g}"))
         rows.append((f"dissipation over their number [{unit}]", f"{cycles.per_cycle:.8g}"))
-        if cycles.last_whole is not None:
-            work, start, end = cycles.last_whole
-            label = f"dissipation of the last whole cycle, time {start:.6g} to {end:.6g} [{unit}]"
-            rows.append((label, f"{work:.8g}"))
+        last = cycles.last_whole
+        if last is not None:
+            period = f"time {last.start:.6g} to {last.end:.6g}"
+            label = f"dissipation of the last whole cycle, {period} [{unit}]"
+            rows.append((label, f"{last.dissipation:.8g}"))
     laws = f"all {len(checks)} hold"
     if violated_laws:
         laws = f"violated: {', '.join(violated_laws)}"
