@@ -444,12 +444,10 @@ def growth_page(stored_points: Found) -> list[str]:
         dearest = points[-1]
         size = f"{dearest['size']:.0f} {kind.unit}"
         spent = f"{dearest['seconds']:.3g}"
-        cells.append(
-            (kind.what, size, spent, f"{steepest(points):.2f}", f"{dearest['memory']:.0f}")
-        )
+        cells.append((kind.what, size, spent, f"{steepest(points):.2f}"))
         if name == "path":
             each = f"{dearest['each']:.2g}"
-            cells.append(("an increment", size, each, f"{steepest(points, 'each'):.2f}", "–"))
+            cells.append(("an increment", size, each, f"{steepest(points, 'each'):.2f}"))
         if steepest(points) > MOST:
             steep.append(name)
     share_of_path = [
@@ -466,7 +464,7 @@ def growth_page(stored_points: Found) -> list[str]:
             f" {min(share_of_path):.0%} to {max(share_of_path):.0%} of a run."
         ),
         "",
-        *markdown("cost of | size | time [s] | exponent", [row[:-1] for row in cells]),
+        *markdown("cost of | size | time [s] | exponent", cells),
     ]
 
 

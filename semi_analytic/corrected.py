@@ -526,21 +526,10 @@ class PathSeries:
     def _logarithms(self) -> tuple[Array, Array]:
         """int ln(2 L/c) dP and dM over the punches, (n,) each."""
         followed = self.followed
-        pieces = followed.pieces
         datum = self.contact.datum_length if self.effects is None else self.effects.datum_length
-        tops = _logarithms(followed.table, pieces.top, datum)
-        edges = _logarithms(followed.table, followed.edge, datum)
-        of_pressure = edges.profile + followed.normal_curvature * edges.parabola
-        of_pressure = of_pressure + followed.normal_fourth * edges.fourth
-        of_shear = pieces.sums(
-            (pieces.slope, tops.profile),
-            (pieces.parabola_slope, tops.parabola),
-            (pieces.fourth_slope, tops.fourth),
-        )[followed.curve]
-        of_shear = of_shear + followed.tangential_curvature * edges.parabola
-        of_shear = of_shear + followed.tangential_fourth * edges.fourth
-        is_pressed = followed.normal_load > 0
-        return np.where(is_pressed, of_pressure, 0.0), np.where(is_pressed, of_shear, 0.0)
+        at_tops = _logarithms(followed.table, followed.pieces.top, datum)
+        at_edge = _logarithms(followed.table, followed.edge, datum)
+        return followed.of_pressure(at_edge), followed.of_shear(at_tops, at_edge)
 
     @cached_property
     def _inner_senses(self) -> Indices:

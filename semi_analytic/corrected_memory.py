@@ -550,32 +550,35 @@ class Followed:
     @cached_property
     def pressure_second(self) -> Array:
         """p_2, (n,)."""
-        return self._pressure_moment(self.table.second_moments(self.edge))
+        return self.of_pressure(self.table.second_moments(self.edge))
 
     @cached_property
     def shear_second(self) -> Array:
         """q_2, (n,)."""
         moments = self.table.second_moments
-        return self._shear_moment(moments(self.pieces.top), moments(self.edge))
+        return self.of_shear(moments(self.pieces.top), moments(self.edge))
 
     @cached_property
     def pressure_fourth(self) -> Array:
         """p_4 = int x^4 p dx, (n,)."""
-        return self._pressure_moment(self.table.fourth_moments(self.edge))
+        return self.of_pressure(self.table.fourth_moments(self.edge))
 
     @cached_property
     def shear_fourth(self) -> Array:
         """q_4 = int x^4 q dx, (n,)."""
         moments = self.table.fourth_moments
-        return self._shear_moment(moments(self.pieces.top), moments(self.edge))
+        return self.of_shear(moments(self.pieces.top), moments(self.edge))
 
-    def _pressure_moment(self, at_edge: PunchMoments) -> Array:
-        """The same, 0 where the bodies are apart."""
+    def of_pressure(self, at_edge: PunchMoments) -> Array:
+        """An integral over the punches of p, (n,), by what it is up to the edges.
+
+        It is 0 where the bodies are apart.
+        """
         moment = _pressure_moment(at_edge, self.normal_curvature, self.normal_fourth)
         return np.where(self.normal_load > 0, moment, 0.0)
 
-    def _shear_moment(self, at_tops: PunchMoments, at_edge: PunchMoments) -> Array:
-        """A moment of q, (n,), of what it is up to the tops of the pieces and to the edges."""
+    def of_shear(self, at_tops: PunchMoments, at_edge: PunchMoments) -> Array:
+        """The same of q, of what it is up to the tops of the pieces and to the edges."""
         pieces = self.pieces
         moment = pieces.sums(
             (pieces.slope, at_tops.profile),

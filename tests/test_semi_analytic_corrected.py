@@ -185,6 +185,22 @@ def test_brute_force_with_small_cells_finds_every_change(history: str, bend: str
     assert change == pytest.approx(brute_change(history, effects, 160, 200), abs=3.5e-3)
 
 
+def require_changes(
+    steps: Any, rows: list[int], solution: ContactSolution, plain: ContactSolution
+) -> None:
+    """Tractions and slip of a solution change between these rows as brute force finds, to 1 %, and
+    four times better than those of half-planes. Changes, for ten rows of initial loading lock in a
+    rough shear.
+    """
+    for name in ("pressure", "shear", "slip"):
+        brute = np.diff(getattr(steps, name)[rows], axis=0)
+        scale = np.linalg.norm(brute)
+        rest = np.linalg.norm(np.diff(getattr(solution, name), axis=0) - brute) / scale
+        without = np.linalg.norm(np.diff(getattr(plain, name), axis=0) - brute) / scale
+        assert rest < 0.01
+        assert rest < 0.25 * without
+
+
 def test_tractions_and_slip_are_those_of_brute_force() -> None:
     history = "ellipse .3"
     scene = scene_of(history)
@@ -199,14 +215,7 @@ def test_tractions_and_slip_are_those_of_brute_force() -> None:
     time = path.cycle_start + path.period * (2 + (np.array(rows) + 1) / last)
     solution = semi_analytic.solve(scene, x=contact.x, time=time, effects=ALL_BENDS)
     plain = semi_analytic.solve(scene, x=contact.x, time=time)
-    for name in ("pressure", "shear", "slip"):
-        # Changes since the last row: ten rows of initial loading lock in a rough shear.
-        brute = np.diff(getattr(steps, name)[rows], axis=0)
-        scale = np.linalg.norm(brute)
-        rest = np.linalg.norm(np.diff(getattr(solution, name), axis=0) - brute) / scale
-        without = np.linalg.norm(np.diff(getattr(plain, name), axis=0) - brute) / scale
-        assert rest < 0.01
-        assert rest < 0.25 * without
+    require_changes(steps, rows, solution, plain)
 
 
 # ----------------------------------------------------------------------------- what must not change
@@ -796,13 +805,7 @@ def test_the_next_order_changes_tractions_and_work_as_brute_force_finds() -> Non
     steps, plain_steps = (
         contact.follow(height, 0.3, loads, 0 * loads, share * fourths) for share in (1, 0)
     )
-    for name in ("pressure", "shear", "slip"):
-        brute = np.diff(getattr(steps, name)[rows], axis=0)
-        scale = np.linalg.norm(brute)
-        rest = np.linalg.norm(np.diff(getattr(solution, name), axis=0) - brute) / scale
-        without = np.linalg.norm(np.diff(getattr(plain, name), axis=0) - brute) / scale
-        assert rest < 0.01
-        assert rest < 0.25 * without
+    require_changes(steps, rows, solution, plain)
     brute_works = [float(np.sum(of.work[-last:])) for of in (steps, plain_steps)]
     change = solution.dissipation / plain.dissipation - 1
     assert change < -0.1
