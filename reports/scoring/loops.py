@@ -260,12 +260,8 @@ def score_loop(
         )
         with_rig = scale * shift + compliance * load_of_cycle + origin
         work = scale**2 * float(np.sum((tangential[1:] + tangential[:-1]) / 2 * np.diff(shift)))
-        shift_at_rows = np.interp(share, SHARES, with_rig)
-        _, rest = means_of_parts(share, loop.shift - shift_at_rows)
-        slope = _slope(shift_at_rows, np.interp(share, SHARES, load_of_cycle))
-        rows.append(
-            LoopRow(name, coefficient, work, 0.0, slope, math.sqrt(float(np.mean(rest**2))))
-        )
+        slope, distance = _beside_rows(loop, share, with_rig, load_of_cycle)
+        rows.append(LoopRow(name, coefficient, work, 0.0, slope, distance))
         curves.append((name, with_rig, load_of_cycle + fit.offset))
 
     cases = {"best f": fit.friction / scale, OF_SCENE: scene.friction.coefficient / scale}
@@ -273,16 +269,11 @@ def score_loop(
         cases = {}
         for name, slid in _sliding_loops(fit.model, scene.friction.coefficient).items():
             shift, loads = slid.closed(SHARES)
-            center = float(np.mean(loop.shift - np.interp(share, SHARES, shift)))
-            slope = _slope(np.interp(share, SHARES, shift), np.interp(share, SHARES, loads))
-            _, rest = means_of_parts(share, loop.shift - np.interp(share, SHARES, shift) - center)
-            rows.append(
-                LoopRow(
-                    name, slid.friction, slid.area, 0.0, slope, math.sqrt(float(np.mean(rest**2)))
-                )
-            )
+            shift = shift + float(np.mean(loop.shift - np.interp(share, SHARES, shift)))
+            slope, distance = _beside_rows(loop, share, shift, loads)
+            rows.append(LoopRow(name, slid.friction, slid.area, 0.0, slope, distance))
             middle = float(loop.load.max() + loop.load.min()) / 2
-            curves.append((name, shift + center, loads + middle))
+            curves.append((name, shift, loads + middle))
         if against == "fe":
             said.append(
                 "Finite elements are left out: under given P and Q they can't slide as a whole"
@@ -320,6 +311,18 @@ def score_loop(
         load=loop.load,
         curves=tuple(curves),
     )
+
+
+def _beside_rows(
+    loop: MeasuredLoop, share: Array, shift: Array, load: Array
+) -> tuple[float, float]:
+    """Slope of a computed loop, U and Q at the shares of a cycle of the engines, and the root mean
+    square of its distances from the rows along U; `share` (n_rows,) places the rows on it.
+    """
+    shift_at_rows = np.interp(share, SHARES, shift)
+    slope = _slope(shift_at_rows, np.interp(share, SHARES, load))
+    _, distances = means_of_parts(share, loop.shift - shift_at_rows)
+    return slope, math.sqrt(float(np.mean(distances**2)))
 
 
 def _area(loop: MeasuredLoop, fit: FittedLoop) -> LoopArea:
