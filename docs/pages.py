@@ -3,9 +3,9 @@ of `make pages`.
 
     python docs/pages.py
 
-verification.md, gallery.md, misprints.md, expected.csv, headings.csv, architecture.svg, the tables
-of scenes.md, third.md, maps.md, metrics.md and scene-keys.md, the maps of packages, and the numbers
-in the text of every page. Tests make all of it again.
+verification.md, gallery.md, misprints.md, expected.csv, headings.csv, third.csv, architecture.svg,
+the tables of scenes.md, third.md, maps.md, metrics.md and scene-keys.md, the maps of packages, and
+the numbers in the text of every page. Tests make all of it again.
 """
 
 from __future__ import annotations
@@ -16,11 +16,12 @@ import json
 import re
 import sys
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import architecture
+import numpy as np
 import quoting
 import reference
 
@@ -40,6 +41,8 @@ PUBLISHED = ROOT / "reports" / "published"
 sys.path.append(str(ROOT / "benchmarks"))  # the table of cases
 WRITTEN = "<!-- written by `make pages` -->"
 THIRD = ROOT / "benchmarks" / "third.json"
+TWICE = ", 2 revolutions"
+THIRD_METRICS = ("peak_pressure", "shear", "dissipation")
 BOUND = ROOT / "benchmarks" / "bound.json"
 CURVED = ROOT / "benchmarks" / "curved.json"
 COVERED = ROOT / "benchmarks" / "covered.json"
@@ -67,6 +70,7 @@ def made(examples: Paper | None = None) -> dict[str, str]:
         "scenes.md": scenes_page(written["scenes.md"]),
         "expected.csv": expected(),
         "third.md": third_solver(written["third.md"]),
+        "third.csv": third_file(),
         "finite-elements.md": between(
             written["finite-elements.md"], "the coverage", coverage_tables()
         ),
@@ -105,15 +109,17 @@ def third() -> dict[str, Any]:
 
 def third_solver(text: str) -> str:
     """The page with its two tables: CalculiX' values as benchmarks/third.py measured them, ours as
-    published.
+    published. Of one revolution every case stands in third.csv.
     """
     cases = third()
-    for words, suffix in (("two revolutions", ", 2 revolutions"), ("one revolution", "")):
-        chosen = {
-            name: case for name, case in cases.items() if name.partition(",")[0] + suffix == name
-        }
-        text = between(text, words, third_table(chosen))
-    return text
+    two_revolutions = {name: case for name, case in cases.items() if name.endswith(TWICE)}
+    text = between(text, "two revolutions", third_table(two_revolutions))
+    return between(text, "one revolution", third_by_bodies(once_around(cases)))
+
+
+def once_around(cases: Mapping[str, Any]) -> dict[str, Any]:
+    """The cases of one revolution with the settings of every scene."""
+    return {name: case for name, case in cases.items() if "," not in name}
 
 
 def table_of_heights() -> Iterator[str]:
@@ -298,20 +304,77 @@ def with_maps(text: str) -> str:
 
 def third_table(cases: Mapping[str, Any]) -> Iterator[str]:
     """A row for each case: the errors of CalculiX, each beside ours."""
-    scenes = published()
-    rows = []
-    for name, case in sorted(cases.items()):
-        scene = name.partition(",")[0]
-        cells = [scene]
-        for key in ("peak_pressure", "shear", "dissipation"):
-            of_calculix = quoting.share(scenes[scene], key, case["errors"].get(key))
-            of_ours = quoting.published_share(scenes[scene], key)
-            cells += [of_calculix or case["failure"] or "–", of_ours or "–"]
-        rows.append(cells)
+    rows = [[name.partition(",")[0], *third_cells(name, case)] for name, case in cases.items()]
+    yield from third_rows(cases, rows)
+
+
+def third_by_bodies(cases: Mapping[str, Any]) -> Iterator[str]:
+    """Median and largest error where theory is exact; a row for each of the other cases."""
+    exact_cases = {name: case for name, case in cases.items() if is_exact(name)}
+    count = len(exact_cases)
+    rows = [
+        [f"{count} of like half-planes, median", *third_sizes(exact_cases, np.median)],
+        ["the same, largest", *third_sizes(exact_cases, np.max)],
+    ]
+    rows += [[name, *third_cells(name, case)] for name, case in cases.items() if not is_exact(name)]
+    yield from third_rows(cases, rows)
+
+
+def third_rows(cases: Mapping[str, Any], rows: list[list[str]]) -> Iterator[str]:
+    """The table, under the versions and days of its cases."""
     days = sorted({f"{case['code']} on {case['day']}" for case in cases.values()})
     yield from (f"Measured with {', '.join(days)}.", "")
     errors = "peak p: CalculiX | ours | q, L2: CalculiX | ours | W: CalculiX | ours"
     yield from table(f"scene | {errors}", rows)
+
+
+def third_cells(name: str, case: Mapping[str, Any]) -> list[str]:
+    """Errors of CalculiX and ours in a case, in the order of the table."""
+    scene = name.partition(",")[0]
+    content = published()[scene]
+    cells = []
+    for key in THIRD_METRICS:
+        of_calculix = quoting.share(content, key, case["errors"].get(key))
+        of_ours = quoting.published_share(content, key)
+        cells += [of_calculix or case["failure"] or "–", of_ours or "–"]
+    return cells
+
+
+def third_sizes(
+    cases: Mapping[str, Any], statistic: Callable[[list[float]], np.floating]
+) -> list[str]:
+    """A statistic of the sizes of errors of CalculiX and ours, in the order of the table."""
+    contents = published()
+    cells = []
+    for key in THIRD_METRICS:
+        of_calculix = []
+        of_ours = []
+        for name, case in cases.items():
+            content = contents[name]
+            if quoting.share(content, key, case["errors"].get(key)) is None:
+                continue
+            of_calculix.append(abs(case["errors"][key]))
+            of_ours.append(abs(content["frozen"][f"metric.{key}"]))
+        cells += [f"{100 * statistic(sizes):.2g} %" for sizes in (of_calculix, of_ours)]
+    return cells
+
+
+def is_exact(name: str) -> bool:
+    """Whether half-plane theory is exact for a scene of the library: half-planes of like
+    materials.
+    """
+    scene = load_scene(name)
+    return scene.bodies.half_planes and scene.material.alike
+
+
+def third_file() -> str:
+    """Every case of one revolution, as CSV: the errors of CalculiX, each beside ours."""
+    written = io.StringIO()
+    rows = csv.writer(written, lineterminator="\n")
+    columns = [f"{key}, {code}" for key in THIRD_METRICS for code in ("CalculiX", "ours")]
+    rows.writerow(["scene", *columns])
+    rows.writerows([name, *third_cells(name, case)] for name, case in once_around(third()).items())
+    return written.getvalue()
 
 
 # ------------------------------------------------------------------------------------- verification
@@ -353,11 +416,10 @@ def verification() -> Iterator[str]:
     )
     yield ""
     rows = []
-    for (name, content), of_scene in zip(scenes.items(), verdicts, strict=True):
-        errors = [error(content, key) for key in METRICS]
+    for name, content in scenes.items():
         link = f"[{name}](../reports/published/{name}.md)"
-        rows.append([link, *errors, f"{sum(of_scene)}/{len(of_scene)}"])
-    yield from table(f"scene | {' | '.join(METRICS.values())} | met", rows)
+        rows.append([link, *(error(content, key) for key in METRICS)])
+    yield from table(f"scene | {' | '.join(METRICS.values())}", rows)
 
 
 def requirements() -> dict[str, list[dict[str, Any]]]:

@@ -74,7 +74,7 @@ BOUNDS = (("minimum", "≥"), ("exclusiveMinimum", ">"), ("maximum", "≤"), ("e
 FEW = 3  # words that are listed even where the description has them
 MANY = 12  # words of a closed set that are not listed: a wrong one is refused with the right ones
 PLAIN = {
-    "number": "any",
+    "number": NONE,
     "integer": "whole number",
     "boolean": "`true`, `false`",
     "string": "text",
@@ -93,7 +93,7 @@ COLUMNS = {
     "slip": "slip",
     "frame": "frame",
 }
-MOST_HEADINGS = 5  # of a column on the page
+MOST_HEADINGS = 3  # of a column on the page
 HEADINGS = """[headings.csv](headings.csv) has all, in English, German, French, Italian and Spanish.
 """
 Row = tuple[str, str, Mapping[str, Any]]  # kind, key, the model that has it
@@ -280,7 +280,7 @@ def unit(key: str, description: str) -> str:
 def admitted(entry: Mapping[str, Any]) -> str:
     """The values that a key takes, in words."""
     if "not" in entry:
-        return "function (Python only)"
+        return "function"
     if "$ref" in entry:
         return TABLES.get(entry["$ref"].rpartition("/")[2], BY_COLUMN)
     options = entry.get("anyOf")
@@ -304,7 +304,7 @@ def admitted_list(entry: Mapping[str, Any]) -> str:
         "number": "numbers",
         "string": "words",
     }
-    words = f"list of {plurals[entry['type']]}"
+    words = plurals[entry["type"]]
     if len(entry.get("enum", ())) > MANY:
         return f"{words}, a closed set"
     if "enum" in entry or entry["type"] == "number":

@@ -139,9 +139,7 @@ class Pad(_Rectangle):
 
 
 class Cylinder(Frozen):
-    """Half of a solid cylinder, its plane of symmetry bonded to a rigid plane (which carries the
-    load of an upper body).
-    """
+    """Half of a solid cylinder, its plane of symmetry bonded to a rigid plane."""
 
     kind: Literal["cylinder"] = "cylinder"
     radius: Positive = Field(description="radius of the cylinder, length units (library: mm)")
@@ -158,8 +156,7 @@ class Cylinder(Frozen):
 
 
 class TShape(_Sided):
-    """Flange with a flat face on a narrower stem, the end of which is fixed to a rigid plane (which
-    carries the load of an upper body).
+    """Flange with a flat face on a narrower stem, the end of which is fixed to a rigid plane.
 
     >>> TShape(width=20.0, flange_height=6.0, stem_width=12.0, height=18.0).step
     Step(depth=6.0, half_width=6.0)
@@ -203,8 +200,8 @@ class TShape(_Sided):
 
 
 class ShoulderedPad(_Sided):
-    """Pad on a wider shoulder, the base of which is fixed to a rigid plane (which carries the load
-    of an upper body); its face is the true profile, as that of a pad.
+    """Pad on a wider shoulder, the base of which is fixed to a rigid plane; its face is the true
+    profile, as that of a pad.
 
     >>> ShoulderedPad(width=8.0, shoulder_depth=5.0, shoulder_width=20.0, height=15.0).step
     Step(depth=5.0, half_width=10.0)

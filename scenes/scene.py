@@ -163,20 +163,14 @@ class Tolerances(Frozen):
     """
 
     dissipation: Positive | None = Field(None, description="relative, of the last cycle")
-    peak_pressure: Positive | None = Field(
-        None, description="relative, worst instant of the last cycle"
-    )
-    pressure: Positive | None = Field(
-        None, description="relative L2 over ||p||, worst instant of the last cycle"
-    )
-    shear: Positive | None = Field(
-        None, description="relative L2 over f ||p||, worst instant of the last cycle"
-    )
+    peak_pressure: Positive | None = Field(None, description="relative, worst instant")
+    pressure: Positive | None = Field(None, description="relative L2 over ||p||, worst instant")
+    shear: Positive | None = Field(None, description="relative L2 over f ||p||, worst instant")
     contact_edge: Positive | None = Field(
-        None, description="over the reference half-width, worst instant of the last cycle"
+        None, description="over the reference half-width, worst instant"
     )
     stick_edge: Positive | None = Field(
-        None, description="over the reference half-width, worst instant of the last cycle"
+        None, description="over the reference half-width, worst instant"
     )
 
     def limit(self, key: str) -> float | None:
