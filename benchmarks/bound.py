@@ -13,9 +13,9 @@ must not exceed the stated uncertainty plus the difference of the two meshes. Wh
 it gives a size alone (uncertainty above 1 %, tilt and bulk strain above 5 %) it is not held to
 that, and counts as declined.
 
-Constants of `reports.advising` were fixed on seeds 49 to 51. benchmarks/bound.json has the cases
-of another seed, drawn after that, as many as were solved: docs/maps.md shows them. Exit code 1
-where less than 95 % of those not declined are covered, or more than a third is declined.
+Constants of `reports.advising_by_numbers` were fixed on seeds 49 to 51. benchmarks/bound.json has
+the cases of another seed, drawn after that, as many as were solved: docs/maps.md shows them. Exit
+code 1 where less than 95 % of those not declined are covered, or more than a third is declined.
 
 Solved cases are stored in .cache/bound by scene and mesh, so that the form of the bound can be
 changed without solving them again; delete the folder after a change of the finite elements.
@@ -35,7 +35,7 @@ import numpy as np
 import halfplane_fe
 import semi_analytic
 from meshes import MeshSettings
-from reports.advising import advise
+from reports.advising_by_numbers import advise_by_numbers
 from scenes import ConvergenceError, InputError, Scene
 
 ROOT = Path(__file__).parents[1]
@@ -223,7 +223,7 @@ def judged(case: Case) -> dict[str, Any]:
         "height": case.height,
     }
     try:
-        advice = advise(case.scene)
+        advice = advise_by_numbers(case.scene)
     except InputError as refusal:
         return row | {"refused": str(refusal)}
     theory = semi_analytic.solve(case.scene, fields=("dissipation",)).dissipation

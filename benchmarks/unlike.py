@@ -9,8 +9,8 @@ materials: |Dundurs' beta| is 0.06 to 0.19. The radius follows E*, so that the h
 Truth is the kernel solve of the bodies, which finite elements of them meet within 3e-5 of W
 (tests/test_halfplane_fe_kernels.py). |kernels/theory - 1 - change| must not exceed what is stated.
 
-Constants of `reports.advising` were fixed on seed 301. Exit code 1 where less than 95 % are
-covered.
+Constants of `reports.advising_by_numbers` were fixed on seed 301. Exit code 1 where less than
+95 % are covered.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from bound import drawn
 import halfplane_fe
 import semi_analytic
 from meshes import MeshSettings
-from reports.advising import advise
+from reports.advising_by_numbers import advise_by_numbers
 from scenes import ConvergenceError, InputError, Scene
 from semi_analytic.elasticity import composite_modulus
 
@@ -63,7 +63,7 @@ def main(arguments: list[str]) -> int:
         scene = of_unlike_materials(case.scene, random)
         words = f"{case.bodies:24s} {case.height:5.1f} a  {case.load:22s}"
         try:
-            change = advise(scene).work
+            change = advise_by_numbers(scene).work
             work = halfplane_fe.solve(scene, MESH, bodies="kernel").dissipation
         except (InputError, ConvergenceError) as failure:
             print(words, str(failure)[:80], flush=True)

@@ -28,7 +28,7 @@ import reports
 import semi_analytic
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings
-from reports.advising import split
+from reports.advising_by_numbers import split
 from reports.charts.plate import Cell, Plate, stacks
 from reports.comparison.budget import climb, error_budget, theory_on_steps
 from reports.console import Stages

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reports.advising import WORK, Change
+from reports.advising_by_numbers import WORK, Change
 from reports.comparison.pairs import coupled
 from reports.comparison.verdicts import Verdict, verdict_on
 from reports.comparison.why import in_percent
@@ -48,6 +48,10 @@ class KernelAdvice:
     instead_of: str
     limit: float
 
+    def __repr__(self) -> str:
+        """The sentence that `halfplane advise` begins with."""
+        return sentence(self)
+
     @property
     def work(self) -> Estimate:
         """Change of the dissipation."""
@@ -78,8 +82,8 @@ def advise_by_kernels(scene: Scene, limit: float, instead_of: str) -> KernelAdvi
     """
     import halfplane_fe
 
-    _dissipating_theory(scene)  # before anything is solved
-    changes = changes_of(halfplane_fe.solve(scene, bodies="kernel"))
+    theory = _dissipating_theory(scene)  # before anything is solved
+    changes = changes_of(halfplane_fe.solve(scene, bodies="kernel"), theory)
     for key, change in changes.items():
         estimate = change.change
         left = _LEFT_OF_FLAT_PAD if _is_at_flank(scene, key) else _LEFT
@@ -95,9 +99,11 @@ def _is_at_flank(scene: Scene, quantity: str) -> bool:
     return quantity == "peak_pressure" and has_flat
 
 
-def changes_of(solution: ContactSolution) -> dict[str, Change]:
+def changes_of(
+    solution: ContactSolution, theory: ContactSolution | None = None
+) -> dict[str, Change]:
     """What finite elements or a kernel solve make of the values of theory, with what these state to
-    be uncertain by.
+    be uncertain by. Theory is solved where it is not given.
 
     Raises
     ------
@@ -108,7 +114,7 @@ def changes_of(solution: ContactSolution) -> dict[str, Change]:
     import semi_analytic
 
     scene = solution.scene
-    theory = _dissipating_theory(scene)
+    theory = theory or _dissipating_theory(scene)
     largest = semi_analytic.extremes(theory, names=("edge_tension",))
     stated = solution.uncertainties
     last_cycle = solution.last_cycle

@@ -1,5 +1,6 @@
 """How large the next order of finite bodies is, N_4 and T_4 beside N and T, and what the orders
-after it leave of the changes that the bodies make: what `corrected` and `reports.advising` state.
+after it leave of the changes that the bodies make: what `corrected` and
+`reports.advising_by_numbers` state.
 
 With r = |N_4 a^2/N| the order after the next is 0.02 r + 0.1 r^2 of what N and its next order
 change, likewise of T; the next order of tilt and bulk strain, which is not known, 0.6 of the larger

@@ -15,9 +15,10 @@ import halfplane_fe
 import semi_analytic
 from command_line import answer_of, halfplane
 from meshes import MeshSettings
-from reports import advising_by_kernels
-from reports.advising import WORK, advise, sentence, split
-from reports.advising_by_kernels import advise_by_kernels, changes_of
+from reports import advising, advising_by_kernels
+from reports.advising import NoAdvice, advise
+from reports.advising_by_kernels import KernelAdvice, advise_by_kernels, changes_of
+from reports.advising_by_numbers import WORK, Advice, advise_by_numbers, sentence, split
 from reports.cli.application import Options
 from reports.comparison.verdicts import Verdict
 from reports.studies.maps import commands
@@ -45,7 +46,7 @@ def one_block() -> Scene:
 
 
 def test_two_blocks_change_theory_as_finite_elements_do_and_the_parts_add_up() -> None:
-    advice = advise(load_scene("blocks"))
+    advice = advise_by_numbers(load_scene("blocks"))
     for quantity, of_finite_elements in OF_BLOCKS.items():
         change = advice.changes[quantity].change
         uncertainty = change.uncertainty + (OF_EDGE if quantity == "half_width" else 0.0)
@@ -223,7 +224,7 @@ def test_what_kernels_find_explains_finite_elements(scene: Scene, cause: str) ->
 
 
 def test_of_unlike_bodies_a_size_is_stated_and_the_kernel_solve_is_named() -> None:
-    advice = advise(unlike_blocks())
+    advice = advise_by_numbers(unlike_blocks())
     assert advice.declined.startswith("the materials are unlike")
     assert advice.work.value == pytest.approx(-0.0534, abs=1e-4)  # by the curvatures alone
     assert 0.02 < advice.work.uncertainty < 0.1
@@ -232,13 +233,15 @@ def test_of_unlike_bodies_a_size_is_stated_and_the_kernel_solve_is_named() -> No
     assert 'solve(scene, bodies="kernel")' in sentence(advice)
     assert "coupling of pressure and shear" in sentence(advice)
     # however wide the limit is, a size is never enough to use theory
-    assert advise(unlike_blocks(), limit=0.9).verdict is Verdict.UNDECIDED
+    assert advise_by_numbers(unlike_blocks(), limit=0.9).verdict is Verdict.UNDECIDED
 
 
 def test_coupling_counts_the_more_the_larger_beta_is_and_the_smaller_friction() -> None:
     def left_out(upper_modulus: float, friction: float) -> float:
         material = {"upper": {"young_modulus": upper_modulus}}
-        return advise(unlike_blocks().vary(material=material, friction=friction)).left_out
+        return advise_by_numbers(
+            unlike_blocks().vary(material=material, friction=friction)
+        ).left_out
 
     assert left_out(20e3, 1.0) > left_out(70e3, 1.0) > left_out(70e3, 1.5)
 
@@ -247,7 +250,7 @@ def test_coupling_counts_the_more_the_larger_beta_is_and_the_smaller_friction() 
 def test_the_kernel_solve_of_unlike_bodies_is_within_the_size_that_is_stated() -> None:
     scene = unlike_blocks()
     work = halfplane_fe.solve(scene, bodies="kernel").dissipation
-    advice = advise(scene)
+    advice = advise_by_numbers(scene)
     left = work / advice.changes[WORK].theory - 1 - advice.work.value
     assert 0.1 * advice.work.uncertainty < abs(left) < advice.work.uncertainty
 
@@ -255,7 +258,7 @@ def test_the_kernel_solve_of_unlike_bodies_is_within_the_size_that_is_stated() -
 def test_values_of_theory_are_its_own_and_not_those_at_points() -> None:
     scene = load_scene("blocks")
     largest = semi_analytic.extremes(semi_analytic.solve(scene, x=[0.5]))
-    changes = advise(scene).changes
+    changes = advise_by_numbers(scene).changes
     assert changes["peak_pressure"].theory == pytest.approx(largest.pressure, rel=1e-9)
     assert changes["half_width"].theory == pytest.approx(largest.half_width, rel=1e-9)
 
@@ -263,13 +266,13 @@ def test_values_of_theory_are_its_own_and_not_those_at_points() -> None:
 def test_where_nothing_is_dissipated_no_error_is_stated() -> None:
     scene = load_scene("blocks").vary(expected=[], load={"tangential_amplitude": 0.0})
     with pytest.raises(InputError, match="dissipates nothing"):
-        advise(scene)
+        advise_by_numbers(scene)
 
 
 def test_at_constant_normal_load_the_curvature_under_it_moves_no_work() -> None:
     load = load_scene("cattaneo-mindlin").load.model_dump(mode="json")
     scene = load_scene("blocks").vary(expected=[], load=load)
-    advice = advise(scene)
+    advice = advise_by_numbers(scene)
     parts = advice.parts
     # the next order alone does: the contact is no parabola's any more
     assert 1e-6 < abs(parts["curvature under P"].value) < 1e-4
@@ -278,7 +281,7 @@ def test_at_constant_normal_load_the_curvature_under_it_moves_no_work() -> None:
 
 
 def test_bulk_strain_and_tilt_of_one_block_are_a_part_of_the_change() -> None:
-    advice = advise(one_block())
+    advice = advise_by_numbers(one_block())
     part = advice.parts["tilt and bulk strain"]
     # In closed form to second order: 0.0819 (a/h)^2.
     assert part.value == pytest.approx(8.19e-4, abs=part.uncertainty)
@@ -303,7 +306,7 @@ def test_a_t_shape_tilts_and_strains_and_is_told_as_finite_elements_have_it() ->
         "height": 18.0,
     }
     bodies = {"lower": t_shape, "upper": {"kind": "half_plane"}}
-    advice = advise(load_scene("blocks").vary(bodies=bodies, expected=[]))
+    advice = advise_by_numbers(load_scene("blocks").vary(bodies=bodies, expected=[]))
     # `halfplane run`, growth of the mesh 0.1
     assert abs(advice.work.value + 0.09258) < advice.work.uncertainty < 0.007
     assert abs(advice.parts["tilt and bulk strain"].value) > 0.05
@@ -316,7 +319,7 @@ def test_where_grids_take_no_profile_tilt_and_bulk_strain_are_left_out_and_said(
         raise InputError("no such profile")
 
     monkeypatch.setattr(semi_analytic, "change_by_tilt_and_strain", refused)
-    advice = advise(one_block())
+    advice = advise_by_numbers(one_block())
     assert advice.work.uncertainty >= advice.left_out > 0
     assert "tilt and bulk strain" not in advice.parts
     assert "tilt and bulk strain are left out" in sentence(advice)
@@ -353,6 +356,22 @@ def test_what_the_numbers_do_not_cover_is_said_and_solved_by_kernels(
     assert ("edge_tension" in advice["changes"]) is (name == "unlike-beta-fifth")
 
 
+def test_advice_from_python_is_that_of_the_command() -> None:
+    """By kernels where the numbers decline; where neither takes the scene it is not known."""
+    by_kernels = advise("unlike-beta-fifth")
+    assert isinstance(by_kernels, KernelAdvice)
+    assert repr(by_kernels).startswith("Half-plane theory is expected to err by −6.1")
+    assert isinstance(advise("blocks"), Advice)
+    with pytest.raises(NoAdvice, match="Not known: neither the numbers of the bodies"):
+        advise(without_kernels())
+
+
+def without_kernels() -> Scene:
+    """A pad of which neither the numbers nor the kernels are known."""
+    profile = {"kind": "polynomial", "length": 1.0, "rises": [5e-3, 1e-4]}
+    return load_scene("pad-on-block").vary(profile=profile, expected=[])
+
+
 def test_where_the_numbers_give_a_size_alone_kernels_give_the_change(tmp_path: Path) -> None:
     leaning_block().save(tmp_path / "leaning.toml")
     code, advice = answer(tmp_path, "advise", "leaning.toml", "--limit", "90%")
@@ -367,7 +386,7 @@ def test_where_kernels_fail_the_size_stays_and_the_reason_is_said(
     def fails(*_: Any) -> None:
         raise InputError("no kernels today")
 
-    monkeypatch.setattr(advising_by_kernels, "advise_by_kernels", fails)
+    monkeypatch.setattr(advising, "advise_by_kernels", fails)
     leaning_block().save(tmp_path / "leaning.toml")
     advised = commands.advise(str(tmp_path / "leaning.toml"), Options(limit="90%"))
     assert advised.content is not None
@@ -382,9 +401,7 @@ def test_where_kernels_fail_the_size_stays_and_the_reason_is_said(
 
 
 def test_what_neither_covers_is_not_known_and_said(tmp_path: Path) -> None:
-    profile = {"kind": "polynomial", "length": 1.0, "rises": [5e-3, 1e-4]}
-    scene = load_scene("pad-on-block").vary(profile=profile, expected=[])
-    scene.save(tmp_path / "quartic.toml")
+    without_kernels().save(tmp_path / "quartic.toml")
     code, advice = answer(tmp_path, "advise", "quartic.toml")
     assert (code, advice["by"], advice["verdict"]) == (1, None, None)
     assert advice["sentence"].startswith("Not known: neither the numbers of the bodies")
@@ -420,7 +437,7 @@ def test_what_kernels_leave_of_the_pressure_of_a_flat_pad_is_counted(
     of_solution = changes_of(coarse_kernels(load_scene("pad-on-block")))
     before = of_solution["peak_pressure"].change
     monkeypatch.setattr(halfplane_fe, "solve", lambda *_, **__: None)
-    monkeypatch.setattr(advising_by_kernels, "changes_of", lambda _: dict(of_solution))
+    monkeypatch.setattr(advising_by_kernels, "changes_of", lambda *_: dict(of_solution))
     round_pad = load_scene("pad-on-block")
     profile = {"kind": "flat_rounded", "radius": 80.0, "flat_half_length": 0.5}
     flat_pad = round_pad.vary(profile=profile, expected=[])
@@ -487,9 +504,9 @@ def test_corrected_theory_is_solved_from_the_command_line_and_judged_by_its_own_
 
 def test_where_tilt_makes_much_of_the_change_its_size_alone_is_given() -> None:
     effects = replace(effects_of_blocks(), tilt_under_shear=Estimate(8e-6))
-    advice = advise(load_scene("blocks"), effects=effects)
+    advice = advise_by_numbers(load_scene("blocks"), effects=effects)
     assert abs(advice.parts["tilt and bulk strain"].value) > 0.05
     assert advice.declined.startswith("tilt and bulk strain make more than 5 %")
     assert advice.verdict is not Verdict.WITHIN
     assert "no more than its size" in sentence(advice)
-    assert not advise(load_scene("blocks"), effects=effects_of_blocks()).declined
+    assert not advise_by_numbers(load_scene("blocks"), effects=effects_of_blocks()).declined

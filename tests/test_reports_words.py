@@ -19,7 +19,7 @@ import halfplane_fe
 import semi_analytic
 from problems import COARSE, FEW_STEPS
 from reports import Comparison, Report, compare, write
-from reports.advising import COUPLING, FINITE_BODIES
+from reports.advising_by_numbers import COUPLING, FINITE_BODIES
 from reports.charts.plate import Arrow, Curve, Note
 from reports.charts.templating import in_template
 from reports.comparison.metrics import METRICS

@@ -15,7 +15,7 @@ import halfplane_fe
 import semi_analytic
 from refusals import refused_for, require_facts
 from reports import score
-from reports.advising import advise
+from reports.advising_by_numbers import advise_by_numbers
 from reports.studies.sweep import run
 from reports.studies.sweep.study import study_of
 from reports.studies.third.deck import build_deck
@@ -190,7 +190,7 @@ DOORS: dict[str, Callable[[Any], object]] = {
     "halfplane_fe.solve": halfplane_fe.solve,
     "reports.score": lambda scene: score([0.0, 0.1], [1.0, 1.0], [0.0, 0.0], scene=scene),
     "export": build_deck,
-    "advise": advise,
+    "advise": advise_by_numbers,
 }
 LOADS = {
     "friction_coefficient": 0.5,

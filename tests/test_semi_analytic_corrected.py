@@ -21,7 +21,7 @@ import halfplane_fe
 import semi_analytic
 from corrected_oracle import CellContact
 from meshes import MeshSettings
-from reports.advising import advise
+from reports.advising_by_numbers import advise_by_numbers
 from reports.comparison.laws import certificates
 from scenes import (
     BodyEffects,
@@ -839,7 +839,7 @@ def test_fields_of_layers_four_half_widths_high(history: str, kind: str) -> None
     assert abs(rest.half_width) < 6e-4
     assert abs(rest.displacement) < 2e-4
     assert abs(rest.approach) < 1e-4
-    advice = advise(scene, effects=effects)
+    advice = advise_by_numbers(scene, effects=effects)
     corrected_solution = semi_analytic.solve(scene, x=0.0, effects=effects)
     theory = semi_analytic.solve(scene, x=0.0)
     change = corrected_solution.dissipation / theory.dissipation - 1
@@ -1087,7 +1087,7 @@ def test_layers_and_guided_walls(kind: str, height: float, history: str) -> None
     """The rest of W is within what `advise` states, and falls by the fourth power."""
     scene = pair_of(history, height, kind)
     rest = rest_of_pair(scene)
-    stated = advise(scene).work.uncertainty
+    stated = advise_by_numbers(scene).work.uncertainty
     assert abs(rest.work) < stated + rest.work_uncertainty
     # The promise of a corrected answer; of W what two layers four half-widths high leave, falling
     # by the fourth power at least, and the uncertainty of the elements.

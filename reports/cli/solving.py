@@ -399,7 +399,7 @@ def _measured(job: Job, comparison: Comparison, begun: float | None) -> Report:
     if are_half_planes(job.scene):
         return report
     with job.stages.stage("why"):
-        from reports.advising import split
+        from reports.advising_by_numbers import split
 
         causes = split(report.comparison, report.budget)
     return replace(report, comparison=replace(report.comparison, why=causes))

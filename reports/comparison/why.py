@@ -4,9 +4,9 @@ finite elements, split by what makes it.
     E = parts of the bodies + what is left + mesh and steps
 
 E is finite elements/theory - 1, as in the first table. The parts are those of corrected theory
-(`reports.advising`), in a stated order; mesh and steps are the terms of the error budget. What is
-left is the rest, so that the sum ends at E by construction: its size against its uncertainty, that
-of the parts and of E together, says whether the parts explain the difference.
+(`reports.advising_by_numbers`), in a stated order; mesh and steps are the terms of the error
+budget. What is left is the rest, so that the sum ends at E by construction: its size against its
+uncertainty, that of the parts and of E together, says whether the parts explain the difference.
 
 Corrected theory shares mesher and elements with the finite elements. It explains the difference,
 and is no check of it.

@@ -13,8 +13,8 @@ from reports.cli.solving import read
 from reports.console import Part, Sheet, Stages
 
 if TYPE_CHECKING:
-    from reports.advising import Advice, Change
     from reports.advising_by_kernels import KernelAdvice
+    from reports.advising_by_numbers import Advice, Change
     from scenes import Estimate, Scene
 
 _MODEL_ITSELF = (
@@ -71,15 +71,14 @@ def make_map(name: str, options: Options) -> Answer:
 
 
 def advise(scene: str, options: Options) -> Answer:
-    """How wrong half-plane theory is for the bodies of a scene, and why: by the numbers of the
-    bodies, and where these do not say it by their kernel solve. Outside where the error of the
-    dissipation may exceed the limit, or is not known.
+    """How wrong half-plane theory is for the bodies of a scene, and why. Outside where the error of
+    the dissipation may exceed the limit, or is not known.
     """
-    from reports.advising import advise as advise_by_numbers
-    from reports.advising_by_kernels import advise_by_kernels
+    from reports import advising
+    from reports.advising_by_numbers import Advice
     from reports.comparison.pairs import are_half_planes
     from reports.comparison.verdicts import Verdict
-    from scenes import ConvergenceError, InputError
+    from scenes import InputError
 
     limit = share_of(options.limit)
     if not 0 < limit < 1:
@@ -88,31 +87,15 @@ def advise(scene: str, options: Options) -> Answer:
             " for 5 %"
         )
     problem = read(scene)
-    if not problem.friction.coefficient:
-        raise InputError(
-            f"{problem.name}: friction.coefficient = 0: nothing is dissipated, so no error is"
-            " relative to it"
-        )
-    if are_half_planes(problem):
+    if are_half_planes(problem) and problem.friction.coefficient:
         return _answer_in_words(problem, limit, Verdict.WITHIN, _MODEL_ITSELF)
-    by_numbers = None
     try:
-        by_numbers = advise_by_numbers(problem, limit)
-        reason = by_numbers.declined
-    except InputError as declined:
-        reason = str(declined)
-    if by_numbers is not None and not reason:
-        return _answer_by_numbers(by_numbers)
-    try:
-        return _answer_by_kernels(advise_by_kernels(problem, limit, reason))
-    except (InputError, ConvergenceError) as refused:
-        if by_numbers is not None:
-            return _answer_by_numbers(by_numbers, str(refused))
-        words = (
-            f"Not known: neither the numbers of the bodies ({reason.rstrip('.')}) nor their kernel"
-            f" solve ({str(refused).rstrip('.')}) take this scene. Solve it (`halfplane run`)."
-        )
-        return _answer_in_words(problem, limit, None, words)
+        advice = advising.advise(problem, limit)
+    except advising.NoAdvice as not_known:
+        return _answer_in_words(problem, limit, None, str(not_known))
+    if isinstance(advice, Advice):
+        return _answer_by_numbers(advice)
+    return _answer_by_kernels(advice)
 
 
 def _answer_in_words(scene: Scene, limit: float, verdict: str | None, sentence: str) -> Answer:
@@ -131,18 +114,16 @@ def _answer_in_words(scene: Scene, limit: float, verdict: str | None, sentence: 
     return Answer(code, [f"{scene.name}: {sentence}"], lambda: content, scene.name)
 
 
-def _answer_by_numbers(advice: Advice, kernels_refused: str = "") -> Answer:
-    """By corrected theory; `kernels_refused` states why no kernel solve takes the place of a size
-    alone.
-    """
-    from reports.advising import sentence
+def _answer_by_numbers(advice: Advice) -> Answer:
+    """By corrected theory."""
+    from reports.advising_by_numbers import sentence
     from reports.comparison.pairs import coupled
     from reports.comparison.verdicts import Verdict
 
     def parts() -> Iterator[Part]:
         yield sentence(advice)
-        if kernels_refused:
-            yield f"The kernel solve does not take this scene: {kernels_refused}"
+        if advice.declined_by_kernels:
+            yield f"The kernel solve does not take this scene: {advice.declined_by_kernels}"
         yield _sheet_of_changes(advice.scene, advice.changes, "corrected theory, no contact solved")
         causes = [(words, _percent(part)) for words, part in advice.parts.items()]
         if advice.left_out:
@@ -157,7 +138,7 @@ def _answer_by_numbers(advice: Advice, kernels_refused: str = "") -> Answer:
             **_content(advice, "corrected theory", sentence(advice)),
             "parts": {words: _pair(part) for words, part in advice.parts.items()},
             "left_out": advice.left_out,
-            "declined": "; ".join(filter(None, (advice.declined, kernels_refused))),
+            "declined": "; ".join(filter(None, (advice.declined, advice.declined_by_kernels))),
             "effects": asdict(advice.effects),
         }
 

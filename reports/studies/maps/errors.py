@@ -20,8 +20,8 @@ from scipy.optimize import brentq
 
 import halfplane_fe
 from meshes import MeshSettings
-from reports.advising import Change, advise
 from reports.advising_by_kernels import changes_of
+from reports.advising_by_numbers import Change, advise_by_numbers
 from reports.charts.templating import table_text
 from reports.folder import replace_text
 from reports.studies.maps.families import KINDS, Kind, Place
@@ -69,7 +69,7 @@ def row_of(kind: Kind, place: Place, way: Way) -> Row:
     """
     scene = kind.scene(place)
     if way == "numbers":
-        advice = advise(scene)
+        advice = advise_by_numbers(scene)
         return Row(way, place, _errors({} if advice.declined else advice.changes))
     if way == "kernels":
         return Row(way, place, _errors(_changes_by_kernels(scene)))
