@@ -419,10 +419,68 @@ def largest_contact(scene: Scene, source: str) -> _LargestContact:
     would split, a tilt of a profile that bends down somewhere. The history does not matter, nor
     does bulk stress: neither moves p.
     """
-    import semi_analytic
     from semi_analytic.elasticity import composite_modulus
 
     load, time = _when_largest(scene)
+    pressed = _pressed_convex(scene, load, time)
+    if pressed is None:
+        pressed = _pressed_by_the_engine(scene, load, time, source)
+    left, right = pressed.left, pressed.right
+    # Close points at the edges, where a flat with rounded corners has its peak; then closer ones
+    # around the best.
+    half = (right - left) / 2
+    x = (left + right) / 2 + half * np.sin(np.linspace(-np.pi / 2, np.pi / 2, 257))
+    kinks = np.array([*scene.profile.kinks, *(-kink for kink in scene.profile.kinks)])
+    x = np.union1d(x, kinks[(left < kinks) & (kinks < right)])
+    pressure = pressed.pressure(x)
+    best_place = int(np.argmax(pressure))
+    x_around_best = np.linspace(x[max(best_place - 1, 0)], x[min(best_place + 1, len(x) - 1)], 65)
+    peak = max(float(pressure[best_place]), float(np.max(pressed.pressure(x_around_best))))
+    ends = np.array([left, right])
+    heights = scene.profile.height(ends[:, None] * np.array([1 - 1e-6, 1 + 1e-6]))
+    slopes = (heights[:, 1] - heights[:, 0]) / (2e-6 * np.abs(ends))
+    typical_pressure = peak if np.isfinite(peak) else load / (2 * half)
+    strain = typical_pressure / composite_modulus(scene.material)
+    return _LargestContact(load, half, peak, strain, float(np.max(slopes)), _ratios(scene, half))
+
+
+@dataclass(frozen=True)
+class _Pressed:
+    """The profile under one load: ends of the contact, and p [stress] at points (n,)."""
+
+    left: float
+    right: float
+    pressure: Callable[[Array], Array]
+
+
+def _pressed_convex(scene: Scene, load: float, time: float) -> _Pressed | None:
+    """Of a convex profile, in a thousandth of the engine's time; None of another, under a moment,
+    and where the profile can't carry the load.
+    """
+    from semi_analytic.elasticity import composite_modulus
+    from semi_analytic.profiles import convex_profile
+
+    turning = _tilt_or_moment_at(scene, time)
+    if "moment" in turning:
+        return None
+    pressure_by_slope = composite_modulus(scene.material) / (2 * np.pi)
+    tilt = np.array([turning.get("tilt", 0.0)])
+    try:
+        shape = convex_profile(scene.profile)
+        middle, half_width = shape.contact(load / (np.pi * pressure_by_slope), tilt)
+    except InputError:
+        return None
+
+    def pressure(x: Array) -> Array:
+        return pressure_by_slope * np.maximum(shape.pressure(x, middle, half_width), 0.0)
+
+    return _Pressed(float((middle - half_width)[0]), float((middle + half_width)[0]), pressure)
+
+
+def _pressed_by_the_engine(scene: Scene, load: float, time: float, source: str) -> _Pressed:
+    """Of any profile that theory knows; InputError naming `source` for another load or profile."""
+    import semi_analytic
+
     pressed_load = PolygonLoad(initial_loading=((load, 0.0),), **_tilt_or_moment_at(scene, time))
     pressed_scene = scene.model_copy(update={"load": pressed_load})
 
@@ -433,24 +491,7 @@ def largest_contact(scene: Scene, source: str) -> _LargestContact:
         left, right = solved(np.zeros(1)).contact_edges[0].tolist()
     except InputError as fault:
         raise InputError(f"{source}: half-plane theory refuses it: {fault}") from fault
-    # Close points at the edges, where a flat with rounded corners has its peak; then closer ones
-    # around the best.
-    half = (right - left) / 2
-    x = (left + right) / 2 + half * np.sin(np.linspace(-np.pi / 2, np.pi / 2, 257))
-    kinks = np.array([*scene.profile.kinks, *(-kink for kink in scene.profile.kinks)])
-    x = np.union1d(x, kinks[(left < kinks) & (kinks < right)])
-    pressure = solved(x, "pressure").pressure[0]
-    best_place = int(np.argmax(pressure))
-    x_around_best = np.linspace(x[max(best_place - 1, 0)], x[min(best_place + 1, len(x) - 1)], 65)
-    peak = max(
-        float(pressure[best_place]), float(np.max(solved(x_around_best, "pressure").pressure))
-    )
-    ends = np.array([left, right])
-    heights = scene.profile.height(ends[:, None] * np.array([1 - 1e-6, 1 + 1e-6]))
-    slopes = (heights[:, 1] - heights[:, 0]) / (2e-6 * np.abs(ends))
-    typical_pressure = peak if np.isfinite(peak) else load / (2 * half)
-    strain = typical_pressure / composite_modulus(scene.material)
-    return _LargestContact(load, half, peak, strain, float(np.max(slopes)), _ratios(scene, half))
+    return _Pressed(left, right, lambda x: solved(x, "pressure").pressure[0])
 
 
 def _tilt_or_moment_at(scene: Scene, time: float) -> dict[str, float]:
