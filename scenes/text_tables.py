@@ -16,7 +16,7 @@ from array import array
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from itertools import islice
+from itertools import islice, pairwise
 from pathlib import Path
 from typing import NamedTuple, TextIO
 
@@ -41,6 +41,8 @@ _LONGEST_OF_ALL = 10_000_000
 _ENCODINGS = {
     "utf-8-sig": "UTF-8",
     "cp1252": "Windows-1252, since it is not UTF-8",
+    "cp932": "Shift-JIS, since it is neither UTF-8 nor Windows-1252",
+    "latin-1": "Latin-1, since no other set of characters fits",
     "utf-16": "UTF-16",
     "utf-16-le": "UTF-16, without its mark of byte order",
     "utf-16-be": "UTF-16, without its mark of byte order",
@@ -50,6 +52,8 @@ _MARKS_OF_16 = (b"\xff\xfe", b"\xfe\xff")
 _ZEROS_OF_16 = 0.8
 # What an instrument writes where a unit stands, which is none of a load or a length.
 _RAW = ("v", "mv", "volt", "volts", "bit", "counts", "div")
+# A line that has units, in the languages of `column_names`.
+_OF_UNITS = re.compile(r"unit|einheit|unidad")
 # Lines that are looked at before the table is read, bytes that show what it is written in.
 _LOOK = 200
 _START = 50_000
@@ -261,12 +265,12 @@ def _encodings_of(start: bytes) -> list[str]:
     """What the first bytes of a file may be written in, the likeliest first.
 
     >>> _encodings_of("Zeit;P".encode("utf-16-le")), _encodings_of(b"time,P")
-    (['utf-16-le'], ['utf-8-sig', 'cp1252'])
+    (['utf-16-le'], ['utf-8-sig', 'cp1252', 'cp932', 'latin-1'])
     """
     if start.startswith(_MARKS_OF_16):
         return ["utf-16"]
     if b"\0" not in start:
-        return ["utf-8-sig", "cp1252"]
+        return ["utf-8-sig", "cp1252", "cp932", "latin-1"]
     pairs = max(len(start) // 2, 1)
     if start[1::2].count(0) > _ZEROS_OF_16 * pairs:
         return ["utf-16-le"]
@@ -329,9 +333,9 @@ def _number(text: str, comma: bool) -> float | None:
 
 
 def _numeric(text: str, separator: str | None) -> bool:
-    """Whether every cell is a number or a time of day."""
+    """Whether every cell is a number, with or without marks between thousands, or a time of day."""
     return all(
-        _number(cell, separator != "," and "," in cell) is not None or is_clock_time(cell)
+        _is_number_or_time(cell, separator) or _GROUPED.match(cell)
         for cell in _cells(text, separator)
     )
 
@@ -388,16 +392,20 @@ def _layout(request: _Request, lines: list[Line]) -> _Layout:
         )
     fewest_known_headings = (0,) if columns else (2, 0)
     for fewest_known in fewest_known_headings:
+        uneven_layouts: list[_Layout] = []
         for index in range(len(lines)):
             if _is_row(lines[index][1], max(len(columns), 1)):
                 break
-            layouts = list(_layouts_below(request, lines, index, fewest_known))
-            for layout, has_even_rows in layouts:
+            for layout, has_even_rows in _layouts_below(request, lines, index, fewest_known):
                 if has_even_rows:
                     return layout
-            # Rows without a cell for each heading: a fault of theirs, if nothing else fits.
-            if layouts:
-                return layouts[0][0]
+                uneven_layouts.append(layout)
+        # Rows without a cell for each heading: a fault of theirs, if nothing else fits. A line of
+        # text that is cut by another mark than the rows has no headings of theirs.
+        _, mark_of_rows, cells_of_row = _first_row(lines_without_remarks, max(len(columns), 2))
+        for layout in uneven_layouts:
+            if not cells_of_row or layout.separator == mark_of_rows:
+                return layout
     return _plain_layout(request, lines_without_remarks)
 
 
@@ -435,8 +443,10 @@ def _layouts_below(
             may_skip = bool(request.columns) or fewest_known > 0
             below = _below_headings(lines_below, mark, used_columns, len(names), may_skip)
             units = [
-                unit_below or unit_in(name)[1]
-                for unit_below, name in zip(below.units, names, strict=True)
+                unit_below or unit_in(name)[1] or unit_above
+                for unit_below, name, unit_above in zip(
+                    below.units, names, _labelled_units(lines_above, mark, len(names)), strict=True
+                )
             ]
             first_row = below.rows[0][1] if below.rows else None
             start = below.rows[0][0] if below.rows else line_number + 1
@@ -494,6 +504,30 @@ def _below_headings(
             return _Below(units, (), lines[place:])
     # no row of numbers: what stands below is at fault
     return _Below([""] * count, (), lines)
+
+
+def _labelled_units(lines: list[Line], mark: str | None, count: int) -> list[str]:
+    """Units of `count` columns from a line that says so in its first cell, as oscilloscopes and
+    LabVIEW write it: one for each column behind the first, or volts for all; else empty ones.
+
+    >>> _labelled_units([(1, "Horizontal Units,s"), (2, "Vertical Units,V,V")], ",", 3)
+    ['', 'V', 'V']
+    >>> _labelled_units([(1, "Vertical Units,V,,-1.0,5.1,Vertical Units,V,,-1.0,0.2")], ",", 2)
+    ['V', 'V']
+    """
+    units = [""] * count
+    n_found = 0
+    for _, text in lines:
+        label, *cells = _cells(text, mark)
+        if not _OF_UNITS.search(plain(label).lower()) or not cells:
+            continue
+        has_numbers = any(_is_number_or_time(cell, mark) for cell in cells)
+        if n_found < len(cells) < count and _are_units(cells) and not has_numbers:
+            n_found = len(cells)
+            units[1:] = cells + [""] * (count - 1 - n_found)
+        elif not n_found and cells[0].lower() in _RAW:
+            units = [cells[0]] * count
+    return units
 
 
 def _are_units(cells: Sequence[str]) -> bool:
@@ -611,6 +645,9 @@ def _plain_layout(request: _Request, lines: list[Line]) -> _Layout:
     list_of_columns = ", ".join(columns)
     count = len(columns)
     start, mark, cells = _first_row(lines, count)
+    if request.by_number:
+        places = [int(request.stated[name]) - 1 for name in columns]
+        start, mark, cells = _first_row_with_numbers(lines, places) or (start, mark, cells)
     counts_alike = (
         start == 0
         and len(cells) == count
@@ -629,13 +666,18 @@ def _plain_layout(request: _Request, lines: list[Line]) -> _Layout:
         column_names = dict(zip(used_columns, columns, strict=True))
         names = [column_names.get(k, f"column {k + 1}") for k in range(len(cells))]
         head, headings, units = _above(lines[:start], mark, len(cells))
+        labelled_units = _labelled_units(lines, mark, len(cells))
+        units = units or ("",) * len(cells)
+        units = tuple(
+            unit or labelled for unit, labelled in zip(units, labelled_units, strict=True)
+        )
         n_skipped = start
         if head:
             n_skipped = sum(line[0] < head for line in lines)
         return _Layout(
             mark,
             headings or tuple(names),
-            units or ("",) * len(cells),
+            units,
             used_columns,
             head,
             lines[start][0],
@@ -683,9 +725,10 @@ def _likeliest_headings(request: _Request, lines: list[Line]) -> tuple[Line, lis
     """The line above the rows in which most columns are found, and its cells; where none is found,
     the line above the first row of numbers, or above the units, else the first.
     """
-    start, mark, cells = _first_row(lines, 2)
-    if not cells:
-        start, mark, cells = _first_row(lines, 1)
+    for fewest_cells in (len(request.columns), 2, 1):
+        start, mark, cells = _first_row(lines, fewest_cells)
+        if cells:
+            break
     separators = (mark,) if cells else tuple(SEPARATORS)
     best_line = lines[max(start - 1, 0)]
     if start > 1 and _are_units(_cells(best_line[1], mark)):
@@ -717,6 +760,30 @@ def _first_row(lines: list[Line], count: int) -> tuple[int, str | None, list[str
     return 0, None, []
 
 
+def _first_row_with_numbers(
+    lines: list[Line], places: Sequence[int]
+) -> tuple[int, str | None, list[str]] | None:
+    """The same of the first row with numbers at these places, whatever stands beside them, and in
+    the next row too; None where there is none.
+
+    >>> rows = [(1, "Model,7,,0.0,5.1"), (2, "Source,CH1,,0.1,5.2"), (3, ",,,0.2,5.3")]
+    >>> _first_row_with_numbers(rows, [3, 4])
+    (0, ',', ['Model', '7', '', '0.0', '5.1'])
+    """
+
+    def has_numbers(text: str, mark: str | None) -> bool:
+        cells = _cells(text, mark)
+        return max(places) < len(cells) and all(
+            _is_number_or_time(cells[place], mark) for place in places
+        )
+
+    for mark in SEPARATORS:
+        for k, (row, next_row) in enumerate(pairwise([text for _, text in lines])):
+            if has_numbers(row, mark) and has_numbers(next_row, mark):
+                return k, mark, _cells(row, mark)
+    return None
+
+
 def _above(
     lines: list[Line], mark: str | None, count: int
 ) -> tuple[int, tuple[str, ...], tuple[str, ...]]:
@@ -729,14 +796,15 @@ def _above(
         for way in _headings(text, mark)
         if len(way) == count
     ]
-    units: tuple[str, ...] = ()
-    if len(rows) > 1 and all(is_unit(cell.strip("[]() ")) for cell in rows[-1][1]):
-        units = tuple(cell.strip("[]() ") for cell in rows[-1][1])
+    units = [""] * count
+    if len(rows) > 1 and _are_units(rows[-1][1]):
+        units = [cell.strip("[](){}<> ") for cell in rows[-1][1]]
         rows.pop()
     if not rows or rows[-1][0] < lines[-1][0] - 1:
         return 0, (), ()
     number, names = rows[-1]
-    return number, tuple(names), units or tuple(unit_in(name)[1] for name in names)
+    units_of_names = [unit or unit_in(name)[1] for unit, name in zip(units, names, strict=True)]
+    return number, tuple(names), tuple(units_of_names)
 
 
 def _has_decimal_comma(lines: Iterator[Line], layout: _Layout) -> bool:

@@ -676,6 +676,26 @@ FORMS = {
         [[0, 20, 20], [1e-3, 40, 30]],
         ("times 20 (scale)", "not read: 'CH3', 'CH4'"),
     ),
+    "units in a line that says so": (
+        "LabVIEW Measurement\nDecimal_Separator\t,\nY_Unit_Label\tkN\tN\tµm\n"
+        "X_Value\tNormalkraft\tReibkraft\tWeg\tComment\n0,0\t1,5\t5,0\t0\n0,5\t1,6\t6,5\t0\n",
+        'thickness = 10\ncolumns = {time = "X_Value"}',
+        [[0, 150, 0.5], [0.5, 160, 0.65]],
+        ("kN (in the line of units), times 1000", "3 skipped"),
+    ),
+    "settings beside the rows": (
+        "Record Length,3,,-1.0,5,Record Length,3,,-1.0,1\nVertical Units,V,,0.0,6,,,,0.0,2\n"
+        ",,,1.0,7,,,,1.0,3\n",
+        "columns = {time = 4, P = 5, Q = 10}\nscale = {P = 20, Q = 10}",
+        [[-1, 100, 10], [0, 120, 20], [1, 140, 30]],
+        ("'V' in the line of units", "times 20 (scale)"),
+    ),
+    "a line of text that other marks cut": (
+        "Channels\tTime P Q\nExport: 29.11.2026 12:30:05\nTime [s];P;Q\n0;1;2\n1;2;3\n",
+        "",
+        [[0, 1, 2], [1, 2, 3]],
+        ("semicolon", "2 skipped"),
+    ),
     "headings once more": (
         "time,P,Q\n0,1,2\ntime,P,Q\n1,2,3\n",
         "",
@@ -820,12 +840,14 @@ def test_whatever_stands_in_a_table_is_numbers_or_a_sentence(
         ("utf-16", "UTF-16"),
         ("utf-16-be", "UTF-16, without its mark"),
         ("cp1252", "Windows-1252"),
+        ("cp932", "Shift-JIS"),
     ],
 )
 def test_tables_of_other_systems_are_read_and_what_they_are_written_in_is_said(
     encoding: str, name: str, tmp_path: Path
 ) -> None:
-    text = "# Kraft über Zeit\r\nZeit;P;Q\r\n0;1,5;0,5\r\n1;2,5;0,5\r\n"
+    remark = "試験片の番号" if encoding == "cp932" else "Kraft über Zeit"
+    text = f"# {remark}\r\nZeit;P;Q\r\n0;1,5;0,5\r\n1;2,5;0,5\r\n"
     (tmp_path / "table.csv").write_bytes(text.encode(encoding))
     scene = PLAIN.replace(*SERIES).replace('"table.csv"', '"table.csv"\ncolumns = {time = "Zeit"}')
     (tmp_path / "mine.toml").write_text(scene, encoding="utf-8")
@@ -1134,11 +1156,21 @@ def test_loads_with_units_behind_a_blank_are_found_by_their_usual_names(tmp_path
     )
 
 
-def test_a_scale_of_volts_is_asked_for_with_what_it_leads_to(tmp_path):
-    (tmp_path / "scope.csv").write_text(
-        "Time,Channel A,Channel B\n(s),(V),(mV)\n\n" + "".join(f"{k},5,{k}\n" for k in range(9))
-    )
-    columns = {"P": "Channel A", "Q": "Channel B"}
+@pytest.mark.parametrize(
+    "head",
+    [
+        "Time,Channel A,Channel B\n(s),(V),(mV)\n\n",
+        "x-axis,1,2\nsecond,Volt,Volt\n",
+        "Horizontal Units,s\nVertical Units,V,V\nTIME,CH1,CH2\n",
+    ],
+)
+@pytest.mark.parametrize("by_number", [True, False])
+def test_a_scale_of_volts_is_asked_for_with_what_it_leads_to(tmp_path, head, by_number):
+    (tmp_path / "scope.csv").write_text(head + "".join(f"{k},5,{k}\n" for k in range(9)))
+    names = head.replace("second,Volt,Volt\n", "").replace("(s),(V),(mV)\n\n", "")
+    columns = dict(zip(("time", "P", "Q"), names.splitlines()[-1].split(","), strict=True))
+    if by_number:
+        columns = {"time": 1, "P": 2, "Q": 3}
     load = {"kind": "time_series", "file": str(tmp_path / "scope.csv"), "columns": columns}
-    with refused_for("'V'", "their factor by scale: to loads per unit thickness"):
+    with refused_for("'V", "their factor by scale: to loads per unit thickness"):
         load_scene("hertz-paper").vary(load=load, expected=())
