@@ -80,32 +80,32 @@ class _NearestToSliding:
 
 
 def nearest_to_sliding(scene: Scene) -> _NearestToSliding:
-    """The worst |Q|/(f P) of the initial loading and one cycle, each leg sampled and the worst
-    sample refined.
+    """The largest |Q|/(f P) of the initial loading and one cycle, with its time and loads. Each
+    load segment is sampled, and the samples around the largest once more.
 
     >>> from scenes import load_scene
     >>> round(nearest_to_sliding(load_scene("cattaneo-mindlin")).ratio, 12)
     0.6
     """
-    legs = _deciding_legs(scene)
+    named_legs = _deciding_legs(scene)
 
     def worst_of(leg: LoadSegment) -> tuple[float, float]:
         return _highest(leg, lambda time: _ratio(*leg.loads(time), scene.friction.coefficient))
 
-    worst_instants = [worst_of(leg) for leg, _ in legs]
-    place = int(np.argmax([ratio for ratio, _ in worst_instants]))
-    ratio, time = worst_instants[place]
-    leg, part = legs[place]
+    worst_instants = [worst_of(leg) for leg, _ in named_legs]
+    worst_leg = int(np.argmax([ratio for ratio, _ in worst_instants]))
+    ratio, time = worst_instants[worst_leg]
+    leg, part_of_path = named_legs[worst_leg]
     normal_load, tangential_load = leg.loads(time)
-    return _NearestToSliding(ratio, part, time, float(normal_load), float(tangential_load))
+    return _NearestToSliding(ratio, part_of_path, time, float(normal_load), float(tangential_load))
 
 
 def _deciding_legs(scene: Scene) -> list[tuple[LoadSegment, str]]:
-    """The legs of the initial loading and of one cycle, or of a path that does not repeat, and
-    which of them each is part of.
+    """Load segments among which |Q|/(f P) is largest, and of each whether it is initial loading,
+    cycle or path.
 
-    Of the rows of a record, which may be millions, those steps alone that decide, block by block:
-    that with the worst ratio and that with the largest P, both of which are at rows.
+    All of a load path; of the rows of a record, which may be millions, two steps of each block:
+    that with the largest ratio and that with the largest P, both of which are at rows.
     """
     load = scene.load
     if not isinstance(load, TimeSeriesLoad):
@@ -136,8 +136,10 @@ def _deciding_legs(scene: Scene) -> list[tuple[LoadSegment, str]]:
 
 
 def require_admissible(scene: Scene, source: str) -> None:
-    """InputError naming `source`, the instant, the loads and the rule if the path leaves the
-    admissible region. Where displacements are prescribed, loads that follow from them never do.
+    """Check that P stays positive and |Q| below f P throughout the path of a scene.
+
+    InputError naming `source`, the instant, the loads and the rule if not. Loads that follow from
+    prescribed displacements are always admissible.
     """
     if scene.load.is_driven:
         return
@@ -145,11 +147,11 @@ def require_admissible(scene: Scene, source: str) -> None:
         _check(scene)
     except InadmissibleLoadError as fault:
         if _is_tension(scene):
-            never = (
+            sign_in_words = (
                 "never positive" if largest_normal_load(scene) <= 0 else "negative but for noise"
             )
             raise InputError(
-                f"{source}: load: P is {never}; it is a compression, positive where the"
+                f"{source}: load: P is {sign_in_words}; it is a compression, positive where the"
                 " bodies are pressed together, so turn its sign if compression is negative in this"
                 " record: sign = {P = -1} beside the file"
             ) from fault
@@ -175,8 +177,11 @@ def _is_tension(scene: Scene) -> bool:
 
 
 def _cure_of_record(load: TimeSeriesLoad, friction: float, time: float) -> str:
-    """The row of a fault, and the keys that take it out: the noise below a load, rows that slide,
-    or another start or end.
+    """For a record of loads that slides or lifts off at `time`: the number of that row, and the
+    keys of the scene that take such rows out.
+
+    These are a least normal load below which there is only noise, rows that slide, or another start
+    or end.
     """
     rows = load.rows.values
     first_row, row_beyond = load.bounds()
@@ -184,27 +189,29 @@ def _cure_of_record(load: TimeSeriesLoad, friction: float, time: float) -> str:
     row = min(row, row_beyond - 1)
     used_rows = rows[first_row:row_beyond]
     slides = np.abs(used_rows[:, 2]) > friction * used_rows[:, 1]
-    place = f"; that is row {row + 1:,} of {len(rows):,}"
-    noise = float(np.max(used_rows[slides, 1], initial=0.0))
+    row_in_words = f"; that is row {row + 1:,} of {len(rows):,}"
+    largest_load_of_noise = float(np.max(used_rows[slides, 1], initial=0.0))
     largest_load = float(np.max(used_rows[:, 1]))
     if (
         load.least_normal_load is None
         and not load.repeats
         and not load.has_bulk_or_tilt
-        and noise < _NOISE * largest_load
+        and largest_load_of_noise < _NOISE * largest_load
     ):
         # Twice the largest P of the bad rows, to two digits: noise does not end there.
-        noise = max(2 * noise, _NOISE / 50 * largest_load)
-        step = 10.0 ** (np.floor(np.log10(noise)) - 1)
-        least_load = float(np.floor(noise / step) + 1) * step
+        largest_load_of_noise = max(2 * largest_load_of_noise, _NOISE / 50 * largest_load)
+        last_digit = 10.0 ** (np.floor(np.log10(largest_load_of_noise)) - 1)
+        least_load = float(np.floor(largest_load_of_noise / last_digit) + 1) * last_digit
         return (
-            f"{place}. Rows of so little load are noise where it is: write load.least_normal_load ="
+            f"{row_in_words}. Rows of so little load are noise where it is: write"
+            f" load.least_normal_load ="
             f" {least_load:.6g}"
         )
     if sliding := sliding_in_words(load, friction):
-        return f"{place}. {sliding}"
+        return f"{row_in_words}. {sliding}"
     return (
-        f"{place}. To leave rows out, write load.start or load.end: a time, or {{row = {row + 2}}}"
+        f"{row_in_words}. To leave rows out, write load.start or load.end: a time, or"
+        f" {{row = {row + 2}}}"
     )
 
 
@@ -232,34 +239,34 @@ def _when_largest(scene: Scene) -> tuple[float, float]:
 
 
 def _ratio(normal_load: Array, tangential_load: Array, friction: float) -> Array:
-    """|Q|/(f P) of legs (..., n samples each); 0 at P = Q = 0, infinite at P < 0 or at Q beside P =
-    0 or f = 0.
+    """|Q|/(f P) at the samples of load segments, all (..., n). 0 at P = Q = 0; infinite at P < 0,
+    and at Q where f P = 0.
     """
-    size = np.abs(tangential_load)
+    size_of_q = np.abs(tangential_load)
     # A load that is zero but for the rounding of its own leg is zero.
-    size = np.where(
-        size <= _ROUNDING * friction * np.max(np.abs(normal_load), axis=-1, keepdims=True),
+    size_of_q = np.where(
+        size_of_q <= _ROUNDING * friction * np.max(np.abs(normal_load), axis=-1, keepdims=True),
         0.0,
-        size,
+        size_of_q,
     )
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        ratio = size / (friction * normal_load)
-    return np.asarray(np.where(normal_load < 0, np.inf, np.where(size == 0, 0.0, ratio)))
+        ratio = size_of_q / (friction * normal_load)
+    return np.asarray(np.where(normal_load < 0, np.inf, np.where(size_of_q == 0, 0.0, ratio)))
 
 
 def _highest(leg: LoadSegment, value_at: Callable[[Array], Array]) -> tuple[float, float]:
-    """(largest value, its time) on one leg: the best sample, then twice the best of samples close
-    around it.
+    """(largest value, its time) on one load segment: the best of its samples, then twice the best
+    of closer samples around it. `value_at` gives the value at times (n,).
     """
     time = sampled(leg, _SAMPLES)
     for _ in range(3):
-        value = value_at(time)
-        place = int(np.argmax(value))
-        highest_value = float(value[place])
-        time_of_highest = float(time[place])
-        if not np.isfinite(highest_value) or place in (0, len(time) - 1):
+        values = value_at(time)
+        index_of_highest = int(np.argmax(values))
+        highest_value = float(values[index_of_highest])
+        time_of_highest = float(time[index_of_highest])
+        if not np.isfinite(highest_value) or index_of_highest in (0, len(time) - 1):
             break
-        time = np.linspace(time[place - 1], time[place + 1], _SAMPLES)
+        time = np.linspace(time[index_of_highest - 1], time[index_of_highest + 1], _SAMPLES)
     return highest_value, time_of_highest
 
 
@@ -290,8 +297,8 @@ class Engines:
         }
 
     def in_words(self, source: str) -> str:
-        """Which engine takes the scene, and which does not and why, with the command that works; ""
-        where both do.
+        """Which engine takes the scene, which does not and why, and the command that works for it;
+        "" where both take it. `source` is the scene's name in that command.
         """
         if self.separate:
             return (
@@ -314,8 +321,10 @@ class Engines:
 
 
 def engines_for(scene: Scene, source: str, *, finite_elements: bool = True) -> Engines:
-    """Which engines take a scene whose load path is admissible; finite elements can be asked where
-    theory refuses alone.
+    """Which of theory and finite elements can solve a scene whose load path is admissible.
+
+    In the answer the reason why an engine refuses is "" where it accepts. With `finite_elements`
+    False these are looked at only where theory refuses. `source` names the scene in messages.
 
     Raises
     ------
@@ -324,15 +333,25 @@ def engines_for(scene: Scene, source: str, *, finite_elements: bool = True) -> E
         bodies that finite elements refuse (theory has half-planes in their place), and what both
         refuse.
     """
-    from semi_analytic.profiles import contact_of
-
     if scene.load.is_driven:
         if scene.bodies.faces_are_true:
             return Engines(_NO_THEORY_OF_CURVED_FACES, "")
         return Engines("", "", separate=True)
-    reason_of_theory = ""
-    reason_of_elements = ""
-    room = ""
+    reason_of_theory = _refusal_of_theory(scene, source)
+    if not reason_of_theory and not scene.bodies.half_planes:
+        _require_room(scene, source)
+    if not finite_elements and not reason_of_theory:
+        return Engines("", "")
+    reason_of_elements, size_in_words = _refusal_of_elements(scene, source, reason_of_theory)
+    return Engines(reason_of_theory, reason_of_elements, size_in_words)
+
+
+def _refusal_of_theory(scene: Scene, source: str) -> str:
+    """Why half-plane theory does not solve a scene; "" where it does. InputError naming `source`
+    for rows of a profile that no engine can use.
+    """
+    from semi_analytic.profiles import contact_of
+
     try:
         if scene.unsymmetric:
             from semi_analytic.solution import require_followable
@@ -341,48 +360,53 @@ def engines_for(scene: Scene, source: str, *, finite_elements: bool = True) -> E
         else:
             contact_of(scene.profile, scene.material).half_width(largest_normal_load(scene))
     except InputError as fault:
-        reason_of_theory = str(fault)
         if isinstance(fault, ProfileDataError):
             raise InputError(f"{source}: half-plane theory refuses it: {fault}") from fault
-    if not reason_of_theory and not scene.bodies.half_planes:
-        _require_room(scene, source)
-    if finite_elements or reason_of_theory:
-        import halfplane_fe
+        return str(fault)
+    return ""
 
-        try:
-            estimate = halfplane_fe.require_solvable(scene)
-            room = "" if estimate is None else estimate.in_words
-        except InputError as fault:
-            reason_of_elements = str(fault)
-            if reason_of_theory:
-                raise InputError(
-                    f"{source}: {fault}; half-plane theory refuses the scene too:"
-                    f" {reason_of_theory}"
-                ) from fault
-            if not scene.bodies.half_planes:
-                raise InputError(
-                    f"{source}: {fault}; `halfplane exact {source}` gives half-plane theory's"
-                    " answer, which knows no bodies"
-                ) from fault
-    return Engines(reason_of_theory, reason_of_elements, room)
+
+def _refusal_of_elements(scene: Scene, source: str, reason_of_theory: str) -> tuple[str, str]:
+    """Why finite elements do not solve a scene ("" where they do), and how the size of its contact
+    was estimated ("" where it was not).
+
+    InputError naming `source` where no engine is left: theory refuses too, as `reason_of_theory`
+    states, or knows no bodies of a finite size.
+    """
+    import halfplane_fe
+
+    try:
+        estimate = halfplane_fe.require_solvable(scene)
+    except InputError as fault:
+        if reason_of_theory:
+            raise InputError(
+                f"{source}: {fault}; half-plane theory refuses the scene too: {reason_of_theory}"
+            ) from fault
+        if not scene.bodies.half_planes:
+            raise InputError(
+                f"{source}: {fault}; `halfplane exact {source}` gives half-plane theory's"
+                " answer, which knows no bodies"
+            ) from fault
+        return str(fault), ""
+    return "", "" if estimate is None else estimate.in_words
 
 
 def _require_room(scene: Scene, source: str) -> None:
-    """InputError where the contact by half-plane theory is wider than the narrower face; nothing is
-    meshed for it.
+    """InputError where the contact at the largest load, by half-plane theory, is wider than the
+    narrower face; nothing is meshed.
 
     A layer thinner than the face is wide makes the contact narrower than theory's: there the limit
     is wider, and finite elements look at what is below it.
     """
     from halfplane_fe.supports import face_room
 
-    room = float(face_room(scene))
+    half_width_of_face = float(face_room(scene))
     heights = [
         float(getattr(body, "height", np.inf)) for body in (scene.bodies.lower, scene.bodies.upper)
     ]
-    limit = _ROOM if min(heights) >= 1.5 * room else _ROOM_OF_LAYERS
+    largest_share = _ROOM if min(heights) >= 1.5 * half_width_of_face else _ROOM_OF_LAYERS
     contact = largest_contact(scene, source)
-    if contact.half_width <= limit * room:
+    if contact.half_width <= largest_share * half_width_of_face:
         return
     force, length, stress = units(scene)
     remarks_before = "".join(f"{remark} " for remark in remarks(scene, contact))
@@ -390,9 +414,11 @@ def _require_room(scene: Scene, source: str) -> None:
         f"{source}: {remarks_before}Check the units first: loads are in {force} per {length} of"
         " thickness, E"
         f" is in {stress}, sizes are in {length}. bodies: the contact at the largest load reaches"
-        f" past the end of the narrower face, at |x| = {room:.6g}: by half-plane theory P ="
+        f" past the end of the narrower face, at |x| = {half_width_of_face:.6g}: by half-plane"
+        f" theory P ="
         f" {contact.normal_load:.6g} gives the half-width {contact.half_width:.4g}, which is"
-        f" {contact.half_width / room:.3g} times that. If the units are right, make the bodies"
+        f" {contact.half_width / half_width_of_face:.3g} times that. If the units are right, make"
+        f" the bodies"
         f" wider, or the load less; `halfplane exact {source}` gives half-plane theory's answer,"
         " which knows no bodies"
     )
@@ -412,36 +438,39 @@ class _LargestContact:
 
 
 def largest_contact(scene: Scene, source: str) -> _LargestContact:
-    """What theory says of the largest load; InputError naming `source` where it can't press the
-    profile together with it.
+    """Half-width, peak pressure, strain and slope of the contact at the largest load, by half-plane
+    theory.
 
-    That is a table or a function which ends within the contact, a shape under which the contact
-    would split, a tilt of a profile that bends down somewhere. The history does not matter, nor
-    does bulk stress: neither moves p.
+    Neither the history nor bulk stress matters: they do not move p. InputError naming `source`
+    where theory can't press the profile with that load: a table or function that ends within the
+    contact, a shape under which the contact would split, a tilt of a profile that bends down
+    somewhere.
     """
     from semi_analytic.elasticity import composite_modulus
 
-    load, time = _when_largest(scene)
-    pressed = _pressed_convex(scene, load, time)
-    if pressed is None:
-        pressed = _pressed_by_the_engine(scene, load, time, source)
-    left, right = pressed.left, pressed.right
+    largest_load, time = _when_largest(scene)
+    contact = _pressed_convex(scene, largest_load, time)
+    if contact is None:
+        contact = _pressed_by_the_engine(scene, largest_load, time, source)
+    left, right = contact.left, contact.right
     # Close points at the edges, where a flat with rounded corners has its peak; then closer ones
     # around the best.
-    half = (right - left) / 2
-    x = (left + right) / 2 + half * np.sin(np.linspace(-np.pi / 2, np.pi / 2, 257))
+    half_width = (right - left) / 2
+    x = (left + right) / 2 + half_width * np.sin(np.linspace(-np.pi / 2, np.pi / 2, 257))
     kinks = np.array([*scene.profile.kinks, *(-kink for kink in scene.profile.kinks)])
     x = np.union1d(x, kinks[(left < kinks) & (kinks < right)])
-    pressure = pressed.pressure(x)
-    best_place = int(np.argmax(pressure))
-    x_around_best = np.linspace(x[max(best_place - 1, 0)], x[min(best_place + 1, len(x) - 1)], 65)
-    peak = max(float(pressure[best_place]), float(np.max(pressed.pressure(x_around_best))))
-    ends = np.array([left, right])
-    heights = scene.profile.height(ends[:, None] * np.array([1 - 1e-6, 1 + 1e-6]))
-    slopes = (heights[:, 1] - heights[:, 0]) / (2e-6 * np.abs(ends))
-    typical_pressure = peak if np.isfinite(peak) else load / (2 * half)
+    pressure = contact.pressure(x)
+    peak_index = int(np.argmax(pressure))
+    x_around_peak = np.linspace(x[max(peak_index - 1, 0)], x[min(peak_index + 1, len(x) - 1)], 65)
+    peak = max(float(pressure[peak_index]), float(np.max(contact.pressure(x_around_peak))))
+    contact_edges = np.array([left, right])
+    heights = scene.profile.height(contact_edges[:, None] * np.array([1 - 1e-6, 1 + 1e-6]))
+    slopes = (heights[:, 1] - heights[:, 0]) / (2e-6 * np.abs(contact_edges))
+    typical_pressure = peak if np.isfinite(peak) else largest_load / (2 * half_width)
     strain = typical_pressure / composite_modulus(scene.material)
-    return _LargestContact(load, half, peak, strain, float(np.max(slopes)), _ratios(scene, half))
+    return _LargestContact(
+        largest_load, half_width, peak, strain, float(np.max(slopes)), _ratios(scene, half_width)
+    )
 
 
 @dataclass(frozen=True)
@@ -454,17 +483,19 @@ class _Pressed:
 
 
 def _pressed_convex(scene: Scene, load: float, time: float) -> _Pressed | None:
-    """Of a convex profile, in a thousandth of the engine's time; None of another, under a moment,
-    and where the profile can't carry the load.
+    """Ends and pressure of the contact of a convex profile under one load, in a thousandth of the
+    engine's time.
+
+    None for another profile, under a moment, and where the profile can't carry the load.
     """
     from semi_analytic.elasticity import composite_modulus
     from semi_analytic.profiles import convex_profile
 
-    turning = _tilt_or_moment_at(scene, time)
-    if "moment" in turning:
+    tilt_or_moment = _tilt_or_moment_at(scene, time)
+    if "moment" in tilt_or_moment:
         return None
     pressure_by_slope = composite_modulus(scene.material) / (2 * np.pi)
-    tilt = np.array([turning.get("tilt", 0.0)])
+    tilt = np.array([tilt_or_moment.get("tilt", 0.0)])
     try:
         shape = convex_profile(scene.profile)
         middle, half_width = shape.contact(load / (np.pi * pressure_by_slope), tilt)
@@ -478,36 +509,38 @@ def _pressed_convex(scene: Scene, load: float, time: float) -> _Pressed | None:
 
 
 def _pressed_by_the_engine(scene: Scene, load: float, time: float, source: str) -> _Pressed:
-    """Of any profile that theory knows; InputError naming `source` for another load or profile."""
+    """Ends and pressure of the contact under one load, of any profile that theory takes. InputError
+    naming `source` for another load or profile.
+    """
     import semi_analytic
 
     pressed_load = PolygonLoad(initial_loading=((load, 0.0),), **_tilt_or_moment_at(scene, time))
     pressed_scene = scene.model_copy(update={"load": pressed_load})
 
-    def solved(x: Array, *fields: str) -> ContactSolution:
+    def solution_at(x: Array, *fields: str) -> ContactSolution:
         return semi_analytic.solve(pressed_scene, x=x, time=[1.0], fields=fields)
 
     try:
-        left, right = solved(np.zeros(1)).contact_edges[0].tolist()
+        left, right = solution_at(np.zeros(1)).contact_edges[0].tolist()
     except InputError as fault:
         raise InputError(f"{source}: half-plane theory refuses it: {fault}") from fault
-    return _Pressed(left, right, lambda x: solved(x, "pressure").pressure[0])
+    return _Pressed(left, right, lambda x: solution_at(x, "pressure").pressure[0])
 
 
 def _tilt_or_moment_at(scene: Scene, time: float) -> dict[str, float]:
-    """Tilt or moment of the path at an instant, by the name that a load has for it; empty where the
+    """Tilt or moment of the load path at time `time`, by its key in a scene's load; empty where the
     path has neither.
     """
     if not scene.load.has_bulk_or_tilt:
         return {}
     path = scene.load.path()
-    name = "moment" if path.moment_given else "tilt"
-    value: dict[str, float] = {}
+    key = "moment" if path.moment_given else "tilt"
+    value_by_key: dict[str, float] = {}
     for leg in (*path.initial_loading, *path.cycle):
         if leg.turning is not None and leg.start <= time <= leg.end:
             tilt, moment = leg.turning.loads(time)
-            value = {name: float(moment if path.moment_given else tilt)}
-    return value
+            value_by_key = {key: float(moment if path.moment_given else tilt)}
+    return value_by_key
 
 
 @dataclass(frozen=True)
@@ -529,7 +562,9 @@ class _BulkAndTilt:
 
 
 def bulk_and_tilt(scene: Scene) -> _BulkAndTilt | None:
-    """The bulk strain of a scene's path and what it does; None without bulk stress and tilt."""
+    """Largest bulk strain of a scene's path, how far it moves the stick zone, and how far tilt or
+    moment shift the contact over its half-width. None without bulk stress and tilt.
+    """
     import semi_analytic
     from semi_analytic.elasticity import composite_modulus
 
@@ -549,7 +584,7 @@ def bulk_and_tilt(scene: Scene) -> _BulkAndTilt | None:
             np.array([leg.loads(time)[0], strain_of_lower + strain_of_upper, *tilt_or_moment])
         )
     load, strain, tilt, moment = np.concatenate(samples, axis=1)
-    centre = None
+    largest_shift = None
     if isinstance(scene.profile, Hertz):
         is_pressed = load > 0
         radius = scene.profile.radius
@@ -560,19 +595,19 @@ def bulk_and_tilt(scene: Scene) -> _BulkAndTilt | None:
             if path.moment_given
             else -radius * tilt[is_pressed]
         )
-        shift = middle / half_width
-        centre = float(shift[np.argmax(np.abs(shift))])
+        shift_over_half_width = middle / half_width
+        largest_shift = float(shift_over_half_width[np.argmax(np.abs(shift_over_half_width))])
     largest_strain = float(np.max(np.abs(strain)))
     eccentricity = semi_analytic.eccentricity(scene)
     if eccentricity is None:
-        return _BulkAndTilt(largest_strain, None, None, centre)
-    share_of_moderate = None
+        return _BulkAndTilt(largest_strain, None, None, largest_shift)
+    share_of_limit = None
     if eccentricity.strain:
-        share_of_moderate = np.inf
+        share_of_limit = np.inf
         if eccentricity.limit:
-            share_of_moderate = eccentricity.strain / eccentricity.limit
+            share_of_limit = eccentricity.strain / eccentricity.limit
     value = eccentricity.value if np.isfinite(eccentricity.value) else None
-    return _BulkAndTilt(largest_strain, value, share_of_moderate, centre)
+    return _BulkAndTilt(largest_strain, value, share_of_limit, largest_shift)
 
 
 def bulk_in_words(effect: _BulkAndTilt) -> str:
@@ -580,19 +615,21 @@ def bulk_in_words(effect: _BulkAndTilt) -> str:
     return in_template("bulk", effect)
 
 
-def _ratios(scene: Scene, half: float) -> dict[str, float]:
-    """By name, such as "a/R" and "lower width/a"."""
+def _ratios(scene: Scene, half_width: float) -> dict[str, float]:
+    """Sizes of profile and bodies beside the half-width a of the contact, by name, such as "a/R"
+    and "lower width/a".
+    """
     sizes = scene.profile.model_dump(include={*_RADII, *_HALF_LENGTHS})
-    ratios = {f"a/{name}": half / sizes[key] for key, name in _RADII.items() if key in sizes}
+    ratios = {f"a/{name}": half_width / sizes[key] for key, name in _RADII.items() if key in sizes}
     for key in _HALF_LENGTHS:
         if key in sizes:
-            ratios["b/a"] = sizes[key] / half
+            ratios["b/a"] = sizes[key] / half_width
     for name, body in (("lower", scene.bodies.lower), ("upper", scene.bodies.upper)):
         if isinstance(body, Block | Pad | TShape | ShoulderedPad):
-            ratios[f"{name} width/a"] = body.width / half
-            ratios[f"{name} height/a"] = body.height / half
+            ratios[f"{name} width/a"] = body.width / half_width
+            ratios[f"{name} height/a"] = body.height / half_width
         elif isinstance(body, Cylinder):
-            ratios[f"{name} radius/a"] = body.radius / half
+            ratios[f"{name} radius/a"] = body.radius / half_width
     return ratios
 
 
@@ -608,7 +645,9 @@ def rows_of_sliding(scene: Scene, nearest: _NearestToSliding) -> list[tuple[str,
 
 
 def rows_of_contact(scene: Scene, contact: _LargestContact) -> list[tuple[str, str]]:
-    """The contact at the largest load by half-plane theory, as rows of a table."""
+    """Rows (label with unit, value) of a table on the contact at the largest load, by half-plane
+    theory.
+    """
     _, length, stress = units(scene)
     rows = [
         (f"largest P [{load_unit(scene)}]", number(contact.normal_load)),
@@ -624,14 +663,19 @@ def rows_of_contact(scene: Scene, contact: _LargestContact) -> list[tuple[str, s
 
 
 def remarks(scene: Scene, contact: _LargestContact) -> list[str]:
-    """Sentences about numbers that are no fault but look like one; none where all is as usual."""
+    """Sentences about input that is allowed but looks like a mistake: a modulus in a wrong unit,
+    friction in per cent, strains or slopes beyond linear elasticity. None where all is as usual.
+    """
     sentences = []
     force, length, stress = units(scene)
     pascal = UNITS["stress"].get(stress, 0.0)
-    pair = {"material": scene.material.upper}
+    material_by_key = {"material": scene.material.upper}
     if not scene.material.alike:
-        pair = {"material.upper": scene.material.upper, "material.lower": scene.material.lower}
-    for key, material in pair.items() if pascal else ():
+        material_by_key = {
+            "material.upper": scene.material.upper,
+            "material.lower": scene.material.lower,
+        }
+    for key, material in material_by_key.items() if pascal else ():
         modulus = material.young_modulus * pascal
         too_stiff = modulus > _DIAMOND
         too_soft = modulus < _SOFT and material.poisson_ratio < _RUBBER

@@ -36,7 +36,7 @@ from command_line import (
 )
 from refusals import require_facts
 from reports.cli.application import FORMAT, app
-from reports.cli.machine import Finding
+from reports.cli.machine import Finding, drawing
 from reports.console import Stages, TimeLeft, say, show_table
 from reports.folder import claim
 from reports.studies.paper.page import PaperReport
@@ -530,6 +530,12 @@ def test_what_doctor_finds_amiss_is_1(
     assert (code, answer["passed"]) == (1, False)
     assert answer["checks"]["off-screen rendering"] == {"good": False, "found": "no screen"}
     assert halfplane(tmp_path, "doctor", "--quiet") == Done(1, "", "")
+
+
+def test_a_check_that_ends_early_is_no_good_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A library that ends its process without an error, before the check has printed a line."""
+    monkeypatch.setattr("reports.cli.machine._SCREEN", "raise SystemExit(0)")
+    assert drawing() == (False, "ended before its check was done; only field pictures need it")
 
 
 # of the dissipation, ± 0.0006: a limit of the error itself is undecided

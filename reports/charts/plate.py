@@ -46,8 +46,8 @@ class Scale:
     log: bool = False
 
     def place(self, values: ArrayLike) -> Array:
-        """Places of `values`; NaN where there is none, a logarithm of what is not positive among
-        them.
+        """Places along the axis, in units of the drawing, of `values`; NaN where a value has none,
+        as a logarithm of what is not positive.
 
         >>> (
         ...     Scale(0.0, 2.0, 0.0, 100.0).place([0.5]),
@@ -98,17 +98,19 @@ def _ticks_of_powers(low: float, high: float, count: int) -> list[float]:
 
 
 def _even_ticks(low: float, high: float, count: int) -> list[float]:
-    """Multiples of 1, 2, 2.5 or 5 times a power of ten, about `count` of them."""
+    """Round numbers from `low` to `high` for the ticks of an axis, about `count` of them: multiples
+    of 1, 2, 2.5 or 5 times a power of ten.
+    """
     rough_step = (high - low) / count
     power = 10.0 ** np.floor(np.log10(rough_step))
     steps = [step * power for step in (1, 2, 2.5, 5, 10)]
-    coarse_step = next(k for k, step in enumerate(steps) if step >= 0.999 * rough_step)
-    numbers = _multiples(low, high, steps[coarse_step])
+    step_index = next(k for k, step in enumerate(steps) if step >= 0.999 * rough_step)
+    ticks = _multiples(low, high, steps[step_index])
     # One number says nothing of an axis' scale: then the next finer step, which is below `rough`
     # and has more than one.
-    if len(numbers) <= 1 and coarse_step > 0:
-        numbers = _multiples(low, high, steps[coarse_step - 1])
-    return numbers.tolist()
+    if len(ticks) <= 1 and step_index > 0:
+        ticks = _multiples(low, high, steps[step_index - 1])
+    return ticks.tolist()
 
 
 def _multiples(low: float, high: float, step: float) -> Array:
@@ -140,7 +142,8 @@ def _label(number: float) -> str:
 def limits(
     *values: ArrayLike, margin: float = 0.06, least: float = 0.0, zero: bool = False
 ) -> tuple[float, float]:
-    """From the least to the largest finite value with a margin on both sides; never empty.
+    """Lower and upper end of an axis for these values: their finite range with a margin on both
+    sides; never empty.
 
     Parameters
     ----------
@@ -152,20 +155,20 @@ def limits(
         whether 0 must be in it
     """
     numbers = np.concatenate([np.ravel(np.asarray(array, dtype=float)) for array in values])
-    finite = numbers[np.isfinite(numbers)]
-    least_value = float(finite.min()) if finite.size else 0.0
-    largest_value = float(finite.max()) if finite.size else 1.0
+    finite_numbers = numbers[np.isfinite(numbers)]
+    least_value = float(finite_numbers.min()) if finite_numbers.size else 0.0
+    largest_value = float(finite_numbers.max()) if finite_numbers.size else 1.0
     if zero:
         least_value = min(least_value, 0.0)
         largest_value = max(largest_value, 0.0)
-    spread = max(
+    range_shown = max(
         largest_value - least_value, least, 1e-9 * max(abs(least_value), abs(largest_value)), 1e-300
     )
-    if largest_value - least_value < spread:
+    if largest_value - least_value < range_shown:
         middle = (least_value + largest_value) / 2
-        least_value = middle - spread / 2
-        largest_value = middle + spread / 2
-    return least_value - margin * spread, largest_value + margin * spread
+        least_value = middle - range_shown / 2
+        largest_value = middle + range_shown / 2
+    return least_value - margin * range_shown, largest_value + margin * range_shown
 
 
 @dataclass(frozen=True)
@@ -369,7 +372,9 @@ class Panel:
 
     @property
     def frame(self) -> Frame:
-        """The area that the marks lie in."""
+        """The area that the marks lie in, with the scales of both axes; with `equal`, a unit of x
+        is as long as a unit of y.
+        """
         left, top, right, bottom = self.room or self._automatic_room()
         low_x = self.x.low
         high_x = self.x.high
@@ -377,10 +382,10 @@ class Panel:
         high_y = self.y.high
         if self.equal:
             panel_width = self.width - left - right
-            up = self.height - top - bottom
-            unit = max((high_x - low_x) / panel_width, (high_y - low_y) / up)
-            low_x, high_x = _about_the_middle(low_x, high_x, unit * panel_width)
-            low_y, high_y = _about_the_middle(low_y, high_y, unit * up)
+            panel_height = self.height - top - bottom
+            length_of_unit = max((high_x - low_x) / panel_width, (high_y - low_y) / panel_height)
+            low_x, high_x = _about_the_middle(low_x, high_x, length_of_unit * panel_width)
+            low_y, high_y = _about_the_middle(low_y, high_y, length_of_unit * panel_height)
         x_scale = Scale(low_x, high_x, left, self.width - right, self.x.log)
         y_scale = Scale(low_y, high_y, self.height - bottom, top, self.y.log)
         return Frame(x_scale, y_scale, self.width, self.height)
@@ -446,30 +451,33 @@ class Plate:
     columns: int = 2
 
     def svg(self) -> str:
-        """The whole figure as a document of its own: its legend in rows, beneath it its panels in
-        columns, with their colours.
+        """The whole figure as the text of an SVG document: its legend in rows, beneath it its
+        panels in columns, with colours of their own.
+
+        A stack is some panels one under the other; stacks fill the columns row by row.
         """
         panel_stacks = stacks(self)
-        columns = min(self.columns, len(panel_stacks))
-        columns_of_stacks = [panel_stacks[column::columns] for column in range(columns)]
-        widths = [_width_of(column) for column in columns_of_stacks]
+        n_columns = min(self.columns, len(panel_stacks))
+        stacks_by_column = [panel_stacks[index::n_columns] for index in range(n_columns)]
+        widths = [_width_of(stacks_of_column) for stacks_of_column in stacks_by_column]
         width = sum(widths)
         elements, top = self._legend(width)
-        for first_stack in range(0, len(panel_stacks), columns):
-            lowest_place = top
-            for column, stack in enumerate(panel_stacks[first_stack : first_stack + columns]):
-                place = top
+        for first_index in range(0, len(panel_stacks), n_columns):
+            stacks_of_row = panel_stacks[first_index : first_index + n_columns]
+            bottom_of_row = top
+            for index, stack in enumerate(stacks_of_row):
+                y = top
                 for panel in stack:
                     box = {
-                        "x": sum(widths[:column]),
-                        "y": place,
+                        "x": sum(widths[:index]),
+                        "y": y,
                         "width": panel.width,
                         "height": panel.height,
                     }
                     elements.append(_panel_svg(panel, alone=True, **box))
-                    place += panel.height
-                lowest_place = max(lowest_place, place)
-            top = lowest_place
+                    y += panel.height
+                bottom_of_row = max(bottom_of_row, y)
+            top = bottom_of_row
         ground = _element("rect", width=width, height=top, fill="#ffffff")
         return _element(
             "svg",
@@ -483,14 +491,16 @@ class Plate:
         )
 
     def _legend(self, width: float) -> tuple[list[str], float]:
-        """The legend in rows of that width as SVG, and its height."""
+        """Elements of the legend as SVG, in rows no wider than `width`, and the height that they
+        take.
+        """
         pen = _Pen(Frame(_UNIT, _UNIT, 0, 0), alone=True)
         left = 10.0
         top = 6.0
         elements = []
         for key in self.keys:
-            size = 44.0 + 6.6 * len(key.text)  # letters 12 high are 6.6 wide in the mean
-            if left > 10.0 and left + size > width:
+            width_of_entry = 44.0 + 6.6 * len(key.text)  # letters 12 high are 6.6 wide in the mean
+            if left > 10.0 and left + width_of_entry > width:
                 left = 10.0
                 top += 18.0
             if key.patch:
@@ -502,7 +512,7 @@ class Plate:
                 path = f"M{left:g} {top + 7:g}L{left + 24:g} {top + 7:g}"
                 elements.append(_element("path", d=path, **pen.look(f"curve {key.css}")))
             elements.append(pen.words(left + 30, top + 11, key.text, "word"))
-            left += size
+            left += width_of_entry
         return elements, top + 22.0 if self.keys else 0.0
 
     def csv(self) -> str:
@@ -524,8 +534,8 @@ def worded(
     words: str = "",
     **numbers: object,
 ) -> Plate:
-    """A figure of the page: its title, its caption and what it shows are in templates/figures.txt
-    under `words`, or its name.
+    """A figure of a page, with its title, caption and description from templates/figures.txt. They
+    stand there under `words`, or else under `name`; `numbers` fill them in.
     """
     text = getattr(template("figures.txt").module, words or name)(**numbers)
     title, caption, alt = str(text).strip().split("\n")
@@ -552,23 +562,24 @@ def colour_scale(
     tick_values: Sequence[float] = (),
     width: float = 480.0,
 ) -> Panel:
-    """What the colours of a map stand for, from the lower to the upper of `ends`; ticks at these
-    values, or at round numbers.
+    """A panel that shows what the colours of a map stand for: a strip of colours from the lower to
+    the upper of `ends`, with ticks at `tick_values` or at round numbers. `words` says which
+    quantity.
     """
     low_end, high_end = ends
     if high_end <= low_end:
         high_end = low_end + (abs(low_end) or 1.0)
-    numbers = [value for value in tick_values if low_end <= value <= high_end]
+    ticks_shown = [value for value in tick_values if low_end <= value <= high_end]
     if not tick_values:
-        numbers = _ticks(low_end, high_end, 4, log=log)
-    middles = (np.arange(64) + 0.5) / 64
-    row = Bitmap(np.arange(64, dtype=np.uint8)[None, :], shades(middles, colours))
-    ticks = tuple(zip(numbers, labels(numbers), strict=True))
+        ticks_shown = _ticks(low_end, high_end, 4, log=log)
+    middles_of_colours = (np.arange(64) + 0.5) / 64
+    strip = Bitmap(np.arange(64, dtype=np.uint8)[None, :], shades(middles_of_colours, colours))
+    ticks = tuple(zip(ticks_shown, labels(ticks_shown), strict=True))
     return Panel(
         name,
         Axis(low_end, high_end, words, log, ticks=ticks),
         Axis(0.0, 1.0, "", count=0),
-        [row],
+        [strip],
         f"Colours: {words}",
         width,
         74.0,
@@ -603,11 +614,11 @@ def _element(name: str, content: str = "", /, **attributes: object) -> str:
 def _path_of(
     horizontal: ArrayLike, vertical: ArrayLike, tolerance: float = 0.0, passes: int = 0
 ) -> str:
-    """A line through places; a NaN breaks it. Places that repeat the last one to a hundredth are
-    left out, and see `_LONG_LINE`.
+    """The "d" of an SVG path: a line through places, which a NaN breaks.
 
-    In each of `passes` every other place goes that lies within `tolerance` of the straight line
-    between its neighbours.
+    Places that repeat the one before to a hundredth are left out; of a line longer than
+    `_LONG_LINE` so are those that do not show. In each of `passes` every other place goes that lies
+    within `tolerance` of the straight line between its neighbours.
 
     >>> (
     ...     _path_of([0, 1, np.nan, 2, 3], [0, 1, 1, 1, 1]),

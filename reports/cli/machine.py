@@ -77,7 +77,7 @@ def examine(out: str | Path = "out") -> tuple[Finding, ...]:
             "Python", sys.version_info >= (3, 11), f"{python_version()} on {system()} {processor()}"
         ),
         Finding("packages", *_packages()),
-        Finding("gmsh", *_alone(_GMSH, "it needs the Debian packages that the README lists")),
+        Finding("gmsh", *_run_apart(_GMSH, "it needs the Debian packages that the README lists")),
         Finding("off-screen rendering", *drawing()),
         Finding("output folder", *_folder(out)),
     )
@@ -85,11 +85,13 @@ def examine(out: str | Path = "out") -> tuple[Finding, ...]:
 
 def drawing() -> tuple[bool, str]:
     """Whether pictures can be drawn without a screen, and what was found."""
-    return _alone(_SCREEN, "only field pictures need it")
+    return _run_apart(_SCREEN, "only field pictures need it")
 
 
 def _packages() -> tuple[bool, str]:
-    """Whether all packages are installed, and their versions."""
+    """Whether all packages that the program needs are installed, and in words their versions and
+    which are missing.
+    """
     version_of = {}
     for name in _PACKAGES:
         with suppress(PackageNotFoundError):
@@ -101,22 +103,28 @@ def _packages() -> tuple[bool, str]:
     return not missing_packages, words
 
 
-def _alone(program: str, hint: str) -> tuple[bool, str]:
-    """Run `program` in a process of its own: a library that brings its process down must not take
-    the doctor along.
+def _run_apart(program: str, hint: str) -> tuple[bool, str]:
+    """Run a Python `program` in a process of its own: whether it ended well, and the last line that
+    it printed, or its last line of error with the `hint`.
+
+    A library that brings its process down must not take the doctor along.
     """
+    command = [sys.executable, "-c", program]
     with tempfile.TemporaryDirectory() as folder:
-        words = [sys.executable, "-c", program]
         try:
             process = subprocess.run(
-                words, capture_output=True, text=True, timeout=120, check=False, cwd=folder
+                command, capture_output=True, text=True, timeout=120, check=False, cwd=folder
             )
         except subprocess.TimeoutExpired:
             return False, f"no answer in 120 s; {hint}"
-    if process.returncode == 0:
-        return True, process.stdout.strip().splitlines()[-1]
-    lines = process.stderr.strip().splitlines() or [f"ended with code {process.returncode}"]
-    return False, f"{lines[-1]}; {hint}"
+    printed_lines = process.stdout.strip().splitlines()
+    if process.returncode == 0 and printed_lines:
+        return True, printed_lines[-1]
+    if process.returncode == 0:  # its last statement prints: it never came so far
+        return False, f"ended before its check was done; {hint}"
+    error_lines = process.stderr.strip().splitlines()
+    reason = error_lines[-1] if error_lines else f"ended with code {process.returncode}"
+    return False, f"{reason}; {hint}"
 
 
 def _folder(out: str | Path) -> tuple[bool, str]:

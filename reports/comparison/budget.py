@@ -101,8 +101,8 @@ class Refinements(PythonNumbers):
 
 
 def theory_on_steps(result: ContactSolution) -> ContactSolution | None:
-    """Half-plane theory on the straight lines between the instants of a result; None where bulk
-    stress or tilt leave it none.
+    """Half-plane theory on the straight lines between the load instants of a result, on its points.
+    None where bulk stress or tilt leave theory without an answer.
     """
     import semi_analytic
 
@@ -118,8 +118,9 @@ def theory_on_steps(result: ContactSolution) -> ContactSolution | None:
 
 
 def without_steps(comparison: Comparison) -> dict[str, float | None]:
-    """Metric -> value against theory on the polygon of the result's own increments; on the smooth
-    path where it has no other.
+    """Metric -> value with the error of the load increments taken out: against theory on the
+    result's own straight increments. On the smooth path where bulk stress or tilt leave theory no
+    other.
     """
     if comparison.polygon_reference is None and not (comparison.pulled or comparison.turned):
         raise InputError(
@@ -149,8 +150,8 @@ def _values(comparison: Comparison) -> dict[str, float | None]:
 
 
 def mesh_ratio(mesh: MeshSettings) -> float | None:
-    """Ratio of neighbouring runs: 2, or what three coarsenings leave room for; None where that is
-    less than 1.2.
+    """Ratio of element sizes of neighbouring meshes in a refinement study: 2, or less where three
+    coarsenings by 2 would make elements too large. None where less than 1.2 is left.
 
     >>> from meshes import MeshSettings
     >>> (
@@ -168,8 +169,8 @@ def mesh_ratio(mesh: MeshSettings) -> float | None:
 def coarser(
     mesh: MeshSettings, settings: SolverSettings, factor: float
 ) -> tuple[MeshSettings, SolverSettings]:
-    """All surface elements `factor` times larger (in the middle to 0.25 a at most); a penalty layer
-    stays the same layer.
+    """Settings with all surface elements `factor` times larger, at most 0.25 a. The stiffnesses of
+    a penalty layer grow with the elements, so that the layer stays the same.
     """
     middle_size = min(_LARGEST, factor * mesh.element_size)
     edge_size = min(_LARGEST, factor * mesh.edge_element_size)
@@ -190,12 +191,12 @@ def climb(
     stage: _Stage,
     coarsenings: int = 3,
 ) -> Refinements:
-    """Solve all that measures the errors of a run that was cut by `mesh` and iterated by
-    `settings`.
+    """Solve again on coarser meshes, with other far fields, increments or penalty layers: all that
+    measures the errors of a run with this `mesh` and these `settings`.
 
-    With three coarser meshes, their size ratio r, the runs are h, r h, r^2 h, r^3 h; with two, the
-    least that shows an order, they cost a third of that. The far field is measured at r^2 h, a
-    penalty layer at h and r h.
+    With three coarser meshes, their size ratio r, the runs are h, r h, r^2 h, r^3 h. Two coarser
+    meshes are the least that shows an order, at a third of the cost. The far field is measured at
+    r^2 h, a penalty layer at h and r h. `stage` reports progress.
     """
     start_seconds = time.process_time()
     ratio = mesh_ratio(mesh)
@@ -211,46 +212,48 @@ def climb(
         return _no_refinements(base_run, comparison)
     solver = _RunSolver(comparison, stage)
     mesh_runs = [base_run]
-    for power in range(1, coarsenings + 1):
-        size = ratio**power
+    for exponent in range(1, coarsenings + 1):
+        size = ratio**exponent
         coarser_mesh, coarser_settings = coarser(mesh, settings, size)
         mesh_runs.append(solver.run(f"{size:.3g}h", size, coarser_mesh, coarser_settings))
 
     coarse_run = mesh_runs[2]
     coarse_mesh, coarse_settings = coarser(mesh, settings, ratio**2)
-    far_field: tuple[Run, ...] = ()
+    far_field_runs: tuple[Run, ...] = ()
     not_measured: dict[str, str] = {}
     if "half_plane" in (comparison.scene.bodies.lower.kind, comparison.scene.bodies.upper.kind):
         radius = mesh.far_radius
         if 4 <= radius <= 500:
-            far_field = _far_field_runs(solver, coarse_run, coarse_mesh, coarse_settings)
+            far_field_runs = _far_field_runs(solver, coarse_run, coarse_mesh, coarse_settings)
         else:
             not_measured["far field"] = (
                 f"a half-disc of radius {radius:g} a leaves no room for one of half and one of"
                 " twice"
             )
-    step: tuple[Run, ...] | None = None
+    step_runs: tuple[Run, ...] | None = None
     if not solver.on_polygon:
         label = f"{coarse_run.label}, halved increments"
         finer_settings = finer_steps(coarse_settings)
         halved_run = solver.run(label, coarse_run.size, coarse_mesh, finer_settings)
-        step = (coarse_run, halved_run)
-    penalty: tuple[tuple[Run, Run], ...] = ()
+        step_runs = (coarse_run, halved_run)
+    penalty_pairs: tuple[tuple[Run, Run], ...] = ()
     if settings.method == "penalty":
-        penalty = _penalty_runs(solver, mesh_runs[:2], mesh, settings)
+        penalty_pairs = _penalty_runs(solver, mesh_runs[:2], mesh, settings)
     return Refinements(
         mesh=tuple(mesh_runs),
-        far_field=far_field,
-        penalty=penalty,
+        far_field=far_field_runs,
+        penalty=penalty_pairs,
         coarse=coarse_run.label,
         not_measured=not_measured,
         seconds=time.process_time() - start_seconds,
-        step=step,
+        step=step_runs,
     )
 
 
 def _no_refinements(base_run: Run, comparison: Comparison) -> Refinements:
-    """The run alone, where its elements are too large for three coarser meshes."""
+    """A refinement study of one run, for elements too large for three coarser meshes; each kind of
+    error states that as the reason why it is not measured.
+    """
     reason = "the run's own elements leave no room for three coarser meshes"
     return Refinements(
         mesh=(base_run,),
@@ -280,7 +283,9 @@ class _RunSolver:
         self.stage = stage
 
     def run(self, label: str, size: float, mesh: MeshSettings, settings: SolverSettings) -> Run:
-        """The run of that label and size; without values where it or theory has no answer."""
+        """Solve one mesh and settings of a refinement study, and compare the answer with half-plane
+        theory. Where either has no answer the run has no values, and states the failure.
+        """
         import halfplane_fe
 
         with self.stage(f"budget, {label}") as report:
@@ -321,20 +326,21 @@ def _far_field_runs(
 def _penalty_runs(
     solver: _RunSolver, runs: Iterable[Run], mesh: MeshSettings, settings: SolverSettings
 ) -> tuple[tuple[Run, Run], ...]:
-    """(With the layer, without it) on the meshes of `runs`.
+    """Pairs (with the penalty layer, with Coulomb's law met exactly), one on the mesh of each of
+    `runs`.
 
     These are the run's own mesh and the next: the second shows what the mesh does to the
-    difference. On coarser ones that says nothing: where edges stand in their elements moves W by
-    more than the layer does.
+    difference. Coarser ones would not: where edges stand in their elements moves W by more than the
+    layer does.
     """
     exact_settings = replace(
         settings, method="active_set", normal_stiffness=None, tangential_stiffness=None
     )
     pairs = []
     for run in runs:
-        coarser_mesh, _ = coarser(mesh, settings, run.size)
+        mesh_of_run, _ = coarser(mesh, settings, run.size)
         label = f"{run.label}, law met exactly"
-        pairs.append((run, solver.run(label, run.size, coarser_mesh, exact_settings)))
+        pairs.append((run, solver.run(label, run.size, mesh_of_run, exact_settings)))
     return tuple(pairs)
 
 
@@ -437,15 +443,18 @@ class ErrorBudget:
 
     @property
     def honest(self) -> str:
-        """What can be said of the stated uncertainties."""
-        coverings = [budget.honest for budget in self.budgets if budget.honest is not None]
-        if not coverings:
+        """In words: of how many metrics the stated uncertainty covers what the measured errors
+        leave unexplained. That can be checked only where the exact answer of the bodies is known.
+        """
+        coverings_known = [budget.honest for budget in self.budgets if budget.honest is not None]
+        if not coverings_known:
             return (
                 "cannot be checked here: the exact answer of these bodies is unknown (that of"
                 " half-planes is known)"
             )
         return (
-            f"{sum(coverings)} of {len(coverings)} metrics: the stated uncertainty covers what the"
+            f"{sum(coverings_known)} of {len(coverings_known)} metrics: the stated uncertainty"
+            f" covers what the"
             " measured terms leave unexplained"
         )
 
@@ -453,9 +462,13 @@ class ErrorBudget:
 def error_budget(
     comparison: Comparison, refinements: Refinements, plain_seconds: float
 ) -> ErrorBudget:
-    """The budgets of every metric of `comparison` that has a finite value."""
-    half_planes = are_half_planes(comparison.scene)
-    solver = _solver(comparison)
+    """For every metric of `comparison` with a finite value, the part of each source of error in it:
+    mesh, penalty layer, load increments, far field, iteration, theory.
+
+    `plain_seconds` is the CPU time of the run without the refinements.
+    """
+    has_exact_answer = are_half_planes(comparison.scene)
+    iteration_term = _solver(comparison)
     budgets = []
     for metric in comparison.metrics:
         if metric.key in _PARTS or metric.value is None or not math.isfinite(metric.value):
@@ -465,10 +478,10 @@ def error_budget(
             _penalty(metric, comparison, refinements),
             _step(metric, refinements),
             _far_field(metric, comparison, refinements),
-            solver,
+            iteration_term,
             _theory(metric, comparison),
         )
-        budgets.append(Budget(metric, terms, half_planes))
+        budgets.append(Budget(metric, terms, has_exact_answer))
     return ErrorBudget(tuple(budgets), refinements, plain_seconds)
 
 
@@ -490,28 +503,32 @@ def _not_measured(name: str, runs: Iterable[Run] = (), why: str = "", before: st
 
 
 def _extrapolated(
-    name: str, metric: Metric, refinements: Refinements, runs: tuple[Run, ...], order: float
+    name: str, metric: Metric, refinements: Refinements, runs: tuple[Run, ...], formal_order: float
 ) -> Term:
-    """phi - phi_0 of the run itself, which is that of size 1; no value where the values only
-    scatter.
+    """The error of a metric by one kind of refinement: its value in the run itself (size 1) minus
+    the limit of `runs` at size zero. No value where the values only scatter.
     """
     value_at = dict(_sizes_and_values(metric, runs))
     if name in refinements.not_measured or len(value_at) < 3 or 1.0 not in value_at:
         return _not_measured(name, runs, refinements.not_measured.get(name, ""))
-    limit = extrapolate(Refinement(tuple(value_at), tuple(value_at.values()), order, ROUNDING))
-    share = None
+    limit = extrapolate(
+        Refinement(tuple(value_at), tuple(value_at.values()), formal_order, ROUNDING)
+    )
+    error_of_run = None
     if limit.kind not in ("oscillating", "diverging"):
-        share = value_at[1.0] - (limit.value or 0.0)
-    return Term(name, share, limit.uncertainty, limit.rule, order=limit.order, kind=limit.kind)
+        error_of_run = value_at[1.0] - (limit.value or 0.0)
+    return Term(
+        name, error_of_run, limit.uncertainty, limit.rule, order=limit.order, kind=limit.kind
+    )
 
 
 def _mesh(metric: Metric, comparison: Comparison, refinements: Refinements) -> Term:
-    """phi(h) - phi(0).
+    """The error that the mesh makes in a metric: value of the run minus its limit for size zero.
 
-    Where the run states an uncertainty of the value, that is the uncertainty of this share: a value
-    and its difference from theory are equally uncertain. The coarser meshes then say what the share
-    is, where they know it better than that. They say both where nothing is stated, and where they
-    follow a curve that ends outside of what is stated.
+    A run that states an uncertainty of the value passes it on, since a value and its difference
+    from theory are equally uncertain. The coarser meshes then state the error, where they know it
+    better. They state both where the run states nothing, and where their curve ends outside of what
+    it states.
     """
     term = _extrapolated("mesh", metric, refinements, refinements.mesh, 2.0)
     if term.uncertainty is None:
@@ -535,8 +552,8 @@ def _mesh(metric: Metric, comparison: Comparison, refinements: Refinements) -> T
 
 
 def _no_less_than_stated(term: Term, metric: Metric, comparison: Comparison) -> Term:
-    """The term of a metric whose value has no uncertainty of its own: no less doubtful than what
-    the run states of edges and peaks.
+    """`term`, its uncertainty raised to what the run states of contact edges, stick edges and
+    pressure peaks. For metrics whose own value has no stated uncertainty.
     """
     least_uncertainty = max(
         metric.uncertainty or 0.0,
@@ -570,8 +587,8 @@ def _stated_of_edges(metric: Metric, comparison: Comparison) -> float:
 
 
 def _stated_of_peak(metric: Metric, comparison: Comparison) -> float:
-    """Uncertainty that the result itself states of its largest pressure, over the reference's; 0 of
-    other metrics, and without one.
+    """Uncertainty that the result states of its largest pressure, over the reference's; 0 for
+    metrics that are no peak, and where none is stated.
 
     A few meshes may agree by chance: the peak is a smooth function of them only where edges stand
     alike in their elements. Of half-planes the true error is known, and the runs cover it.
@@ -586,17 +603,17 @@ def _stated_of_peak(metric: Metric, comparison: Comparison) -> float:
 
 
 def _step(metric: Metric, refinements: Refinements) -> Term:
-    """What the metric loses when theory steps through the same polygon as the result: exact, for
-    every metric.
+    """The error that straight load increments make in a metric: exact where theory steps through
+    the same increments.
 
-    Where theory has no answer on it, what halved increments change: 4/3 of that by the second order
-    of increments, as uncertain as all of it.
+    Elsewhere 4/3 of what halved increments change, by second order, and as uncertain as that
+    change.
     """
     if refinements.step is not None:
         values = [value for _, value in _sizes_and_values(metric, refinements.step)]
         if len(values) < 2:
-            words_before = "half-plane theory has no answer on the polygon of the steps, and "
-            return _not_measured("step", refinements.step, before=words_before)
+            reason_before = "half-plane theory has no answer on the polygon of the steps, and "
+            return _not_measured("step", refinements.step, before=reason_before)
         change = values[0] - values[1]
         method = (
             f"halved increments at {refinements.coarse}, second order; half-plane theory has no"
@@ -613,27 +630,36 @@ def _step(metric: Metric, refinements: Refinements) -> Term:
 
 
 def _penalty(metric: Metric, comparison: Comparison, refinements: Refinements) -> Term:
-    """With the layer less without; uncertain by what one coarser mesh makes of that, twice."""
+    """The error that a penalty layer makes in a metric: value with the layer minus value without
+    it.
+
+    Its uncertainty is twice what the next coarser mesh changes of that difference. None, and exact,
+    without a layer.
+    """
     if comparison.result.settings.get("solver", {}).get("method") != "penalty":
         method = "none by construction: the law is met exactly"
         return Term("penalty", None, 0.0, method, bound=True)
-    shares = []
-    for pair in refinements.penalty:
-        values = [value for _, value in _sizes_and_values(metric, pair)]
+    differences = []
+    for run_pair in refinements.penalty:
+        values = [value for _, value in _sizes_and_values(metric, run_pair)]
         if len(values) == 2:
             with_layer, without_layer = values
-            shares.append(with_layer - without_layer)
-    if "penalty" in refinements.not_measured or len(shares) < 2:
+            differences.append(with_layer - without_layer)
+    if "penalty" in refinements.not_measured or len(differences) < 2:
         reason = refinements.not_measured.get("penalty", "")
         return _not_measured("penalty", chain(*refinements.penalty), reason)
     method = (
         "with the layer less without it, at h; twice what that changes by at the next coarser mesh"
     )
-    return Term("penalty", shares[0], 2 * abs(shares[0] - shares[1]), method)
+    return Term("penalty", differences[0], 2 * abs(differences[0] - differences[1]), method)
 
 
 def _far_field(metric: Metric, comparison: Comparison, refinements: Refinements) -> Term:
-    """phi(L) - phi(infinity) on the coarse mesh."""
+    """The error that the finite radius L of a meshed half-plane makes in a metric: phi(L) −
+    phi(infinity) on the coarse mesh, phi the metric.
+
+    Where the radii show no order their scatter is its uncertainty.
+    """
     if "half_plane" not in (comparison.scene.bodies.lower.kind, comparison.scene.bodies.upper.kind):
         return Term("far field", None, 0.0, "none: the bodies have a size of their own", bound=True)
     term = _extrapolated("far field", metric, refinements, refinements.far_field, 4.0)
@@ -660,7 +686,9 @@ def _solver(comparison: Comparison) -> Term:
 
 
 def _theory(metric: Metric, comparison: Comparison) -> Term:
-    """What the reference states of its own quadratures and series."""
+    """The error of half-plane theory's own quadratures and series in a metric, as theory estimates
+    it; round-off where it uses closed forms.
+    """
     field = _FIELDS.get(metric.key, metric.key)
     polygon = comparison.polygon_reference
     records = [comparison.reference.record]
@@ -746,8 +774,8 @@ class Extrapolation(PythonNumbers):
 
 
 def observed_order(sizes: tuple[float, ...], values: tuple[float, ...]) -> float | None:
-    """p of the curve through three solutions; None where they are not monotone or drift apart as h
-    falls.
+    """Order p of the curve phi_0 + alpha h^p through three solutions, finest first. None where they
+    are not monotone, or drift apart as the size h falls.
 
     >>> round(observed_order((1.0, 2.0, 4.0), (0.97050, 0.96854, 0.96178)), 6)
     1.78617
@@ -762,24 +790,23 @@ def observed_order(sizes: tuple[float, ...], values: tuple[float, ...]) -> float
     fine_log_ratio = math.log(sizes[1] / sizes[0])
     coarse_log_ratio = math.log(sizes[2] / sizes[1])
 
-    def excess(p: float) -> float:
+    def misfit(p: float) -> float:
         growth = math.expm1(p * coarse_log_ratio) / math.expm1(p * fine_log_ratio)
         return p * fine_log_ratio + math.log(growth) - log_of_changes
 
     least_order, largest_order = _ORDERS
-    if excess(least_order) >= 0 or excess(largest_order) <= 0:
+    if misfit(least_order) >= 0 or misfit(largest_order) <= 0:
         return None
     from scipy.optimize import brentq  # a tenth of a second, for few comparisons
 
-    return float(brentq(excess, least_order, largest_order, xtol=1e-14))
+    return float(brentq(misfit, least_order, largest_order, xtol=1e-14))
 
 
 def kind_of(refinement: Refinement) -> _Kind:
-    """How the values go as h falls, all solutions considered.
+    """How the values of a refinement study change as the element size falls.
 
-    Same sense throughout: monotone where a curve with p > 0 fits best, diverging otherwise.
-    Changing sense: oscillating where the last change is smaller than the largest before it,
-    diverging otherwise.
+    All in one sense: monotone where a curve with p > 0 fits best, else diverging. In changing
+    senses: oscillating where the last change is smaller than the largest before it, else diverging.
     """
     if len(refinement.values) < 3:
         return "too few"
@@ -792,15 +819,14 @@ def kind_of(refinement: Refinement) -> _Kind:
 
 
 def extrapolate(refinement: Refinement) -> Extrapolation:
-    """Order, kind, value at size zero and its uncertainty.
+    """Order, kind, value at size zero and its uncertainty, from solutions of different size.
 
-    Solutions of which every three neighbours are monotone, with plausible orders that agree to a
-    quarter of the formal one, follow a curve: Roache, safety factor 1.25, the uncertainty by the
-    lowest of these orders. Monotone otherwise: least squares, not less than the spread of the three
-    finest. Oscillating or diverging: the finest value, give or take no less than the spread of all.
-    These floors are ours: of noise about as large as the trend, the published rules on four
-    solutions cover four truths of five only, with the floors 94 of 100
-    (tests/test_reports_budget.py).
+    Where every three neighbours are monotone and their orders plausible and alike to a quarter of
+    the formal one: Roache, safety factor 1.25, the uncertainty by the lowest order. Monotone
+    otherwise: least squares, not less than the spread of the three finest. Oscillating or
+    diverging: the finest value, with no less than the spread of all. These floors are ours: of
+    noise about as large as the trend, the published rules on four solutions cover four truths of
+    five only, with the floors 94 of 100 (tests/test_reports_budget.py).
 
     >>> found = extrapolate(Refinement((1.0, 2.0, 4.0), (0.97050, 0.96854, 0.96178)))
     >>> found.kind, round(found.value, 6), round(found.uncertainty / 0.97050, 6)
@@ -855,43 +881,52 @@ class _Fit:
     """
 
     limit: float
-    finest: float
+    finest_value: float
     deviation: float
     order: float | None = None
 
 
 def _least_squares(refinement: Refinement, kind: _Kind) -> Extrapolation:
-    """Eca and Hoekstra (2014), section 3, with the floors of `extrapolate`."""
-    fit, words, order = _trusted_curve(refinement)
+    """Limit at size zero and its uncertainty, from a curve fitted to four or more solutions (Eca
+    and Hoekstra 2014, section 3).
+
+    The uncertainty is no less than the spread of the three finest solutions where all are monotone,
+    else than the spread of all. Without a trend the value is that of the finest.
+    """
+    fit, order_in_words, order = _trusted_curve(refinement)
     finest_value = refinement.values[0]
     mean_change = refinement.spread / (len(refinement.values) - 1)
-    residual = abs(finest_value - fit.finest)
-    distance = abs(fit.limit - fit.finest)
-    safety = _SAFE if refinement.plausible(order) else _DOUBTFUL
-    uncertainty = safety * distance + fit.deviation + residual
-    if fit.deviation >= mean_change:
-        penalty = _DOUBTFUL * fit.deviation / mean_change
-        uncertainty = penalty * (distance + fit.deviation + residual)
+    residual = abs(finest_value - fit.finest_value)
+    error_of_finest = abs(fit.limit - fit.finest_value)
+    safety_factor = _SAFE if refinement.plausible(order) else _DOUBTFUL
+    uncertainty = safety_factor * error_of_finest + fit.deviation + residual
+    if fit.deviation >= mean_change:  # the solutions scatter more than they change
+        scatter_factor = _DOUBTFUL * fit.deviation / mean_change
+        uncertainty = scatter_factor * (error_of_finest + fit.deviation + residual)
     if kind == "monotone":
         spread_of_finest = max(refinement.values[:3]) - min(refinement.values[:3])
         uncertainty = max(uncertainty, spread_of_finest)
-        return Extrapolation(order, kind, fit.limit, uncertainty, f"least squares, {words}")
+        rule = f"least squares, {order_in_words}"
+        return Extrapolation(order, kind, fit.limit, uncertainty, rule)
     uncertainty = max(uncertainty, refinement.spread)
-    return Extrapolation(
-        None, kind, finest_value, uncertainty, f"the finest; scatter about {words}"
-    )
+    rule = f"the finest; scatter about {order_in_words}"
+    return Extrapolation(None, kind, finest_value, uncertainty, rule)
 
 
 def _trusted_curve(refinement: Refinement) -> tuple[_Fit, str, float | None]:
-    """The curve that is trusted, in words, and the order observed."""
-    formal = refinement.formal_order
+    """The fitted curve that is trusted, its order in words, and the order observed.
+
+    That is the curve of free order where its order lies between a quarter of the formal one and the
+    formal one; else the best of those with fixed orders.
+    """
+    formal_order = refinement.formal_order
     free_fit = _best_free_fit(refinement)
     order = free_fit.order
-    if order is not None and formal / 4 <= order <= formal:
+    if order is not None and formal_order / 4 <= order <= formal_order:
         return free_fit, f"order {order:.2f}", order
-    powers_of_curves: list[tuple[float, ...]] = [(formal / 2,), (formal,)]
-    if order is None or order < formal / 4:
-        powers_of_curves.append((formal / 2, formal))
+    powers_of_curves: list[tuple[float, ...]] = [(formal_order / 2,), (formal_order,)]
+    if order is None or order < formal_order / 4:
+        powers_of_curves.append((formal_order / 2, formal_order))
     fits = [
         (_fit(refinement, powers, weights), powers)
         for powers in powers_of_curves
@@ -923,8 +958,8 @@ def _order(refinement: Refinement) -> float | None:
 
 
 def _fit_of_free_order(refinement: Refinement, weights: Array) -> _Fit:
-    """The curve phi_0 + alpha h^p that fits best, p free within `_ORDERS`; its order is None at the
-    ends of that range, where there is none.
+    """The curve phi_0 + alpha h^p that fits best with these `weights` (k,), p free within
+    `_ORDERS`. Its order is None where the best p is an end of that range.
     """
     h = np.array(refinement.sizes) / refinement.sizes[-1]
     values = np.array(refinement.values)
@@ -937,34 +972,38 @@ def _fit_of_free_order(refinement: Refinement, weights: Array) -> _Fit:
         alpha = (weights * powers) @ deviations / np.sum(weights * powers**2, axis=1)
         return np.asarray(np.sum(weights * (deviations - alpha[:, None] * powers) ** 2, axis=1))
 
-    grid = np.geomspace(*_ORDERS, 97)
-    best_index = int(np.argmin(residual(grid)))
+    trial_orders = np.geomspace(*_ORDERS, 97)
+    best_index = int(np.argmin(residual(trial_orders)))
     order = None
-    if 0 < best_index < len(grid) - 1:
+    if 0 < best_index < len(trial_orders) - 1:
         from scipy.optimize import minimize_scalar
 
         minimum = minimize_scalar(
             lambda p: residual(p)[0],
-            bounds=(float(grid[best_index - 1]), float(grid[best_index + 1])),
+            bounds=(float(trial_orders[best_index - 1]), float(trial_orders[best_index + 1])),
             method="bounded",
             options={"xatol": 1e-9},
         )
         order = float(minimum.x)
-    return _fit(refinement, (order or float(grid[best_index]),), weights, order)
+    return _fit(refinement, (order or float(trial_orders[best_index]),), weights, order)
 
 
 def _fit(
     refinement: Refinement, powers: tuple[float, ...], weights: Array, order: float | None = None
 ) -> _Fit:
-    """Weighted least squares of phi_0 + sum alpha_k h^p_k; an `order` that was found counts as a
-    parameter of the fit.
+    """Weighted least squares of phi_0 + sum alpha_k h^p_k through the solutions, h their sizes and
+    p_k the `powers`. An `order` that was itself fitted counts as a parameter.
     """
     h = np.array(refinement.sizes) / refinement.sizes[-1]
     values = np.array(refinement.values)
-    columns = np.column_stack([np.ones_like(h), *(h**p for p in powers)])
-    root = np.sqrt(weights)
-    coefficients = np.linalg.lstsq(columns * root[:, None], values * root, rcond=None)[0]
-    fitted_values = columns @ coefficients
-    freedom = max(len(h) - len(coefficients) - (order is not None), 1)
-    deviation = math.sqrt(float(np.sum(weights * (values - fitted_values) ** 2)) / freedom)
+    terms = np.column_stack([np.ones_like(h), *(h**p for p in powers)])
+    root_of_weights = np.sqrt(weights)
+    coefficients = np.linalg.lstsq(
+        terms * root_of_weights[:, None], values * root_of_weights, rcond=None
+    )[0]
+    fitted_values = terms @ coefficients
+    degrees_of_freedom = max(len(h) - len(coefficients) - (order is not None), 1)
+    deviation = math.sqrt(
+        float(np.sum(weights * (values - fitted_values) ** 2)) / degrees_of_freedom
+    )
     return _Fit(float(coefficients[0]), float(fitted_values[0]), deviation, order)

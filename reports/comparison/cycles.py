@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import ContactSolution, InputError, Scene, TimeSeriesLoad, freeze
+from scenes import OPEN, ContactSolution, InputError, Scene, TimeSeriesLoad, freeze
 from scenes.array_types import Array
 
 _FIELDS = ("pressure", "shear", "slip")
@@ -86,8 +86,8 @@ def _stated_of_bulk(source: ContactSolution | Cycle) -> tuple[str, ...]:
 
 
 def last_cycle(solution: ContactSolution) -> Cycle:
-    """The last whole cycle of `solution`, or all instants where it says itself that it holds none;
-    InputError where it has none.
+    """Fields, edges and loads of the last whole cycle of `solution`, or of all its instants where
+    it states that it holds no whole cycle. InputError where it should hold one and does not.
     """
     if "whole_cycle" in solution.work.skipped:
         return _all_instants(solution)
@@ -122,7 +122,9 @@ def _all_instants(solution: ContactSolution) -> Cycle:
 def _cycle_of_steps(
     solution: ContactSolution, steps: NDArray[np.intp], fraction: Array, *, whole: bool
 ) -> Cycle:
-    """The `steps` of a solution as a cycle, with its `fraction` at each."""
+    """The instants `steps` of a solution as a `Cycle`; `fraction` is the share of the period at
+    each, or the time where they are not a whole cycle.
+    """
 
     def at_steps(name: str) -> Any:
         # Those of a path that is one cycle are not copied: of a long record they take tens of
@@ -146,20 +148,24 @@ def _cycle_of_steps(
 
 
 def sample_instants(reference: ContactSolution, like: Cycle) -> Cycle:
-    """`reference` at the times of `like` (not whole) and on its points; times after its end are
-    those of its last cycle.
+    """The reference at the times and on the points of `like`, a result that is no whole cycle.
+    Times after the reference's end are those of its last cycle.
     """
-    cycle = _all_instants(reference)
-    if len(cycle.time) == len(like.time) and np.array_equal(cycle.time, like.time):
-        return sample(cycle, like, reference.engine)
+    whole_reference = _all_instants(reference)
+    if len(whole_reference.time) == len(like.time) and np.array_equal(
+        whole_reference.time, like.time
+    ):
+        return sample(whole_reference, like, reference.engine)
 
     period = reference.scene.load.path().period
     time_in_path = like.time
     if period is not None:
-        time_after_end = np.maximum(like.time - cycle.time[-1], 0.0)
+        time_after_end = np.maximum(like.time - whole_reference.time[-1], 0.0)
         periods_after_end = np.ceil(time_after_end / period - _SAME_FRACTION)
         time_in_path = like.time - period * periods_after_end
-    sampled_cycle = sample(cycle, replace(like, fraction=freeze(time_in_path)), reference.engine)
+    sampled_cycle = sample(
+        whole_reference, replace(like, fraction=freeze(time_in_path)), reference.engine
+    )
     return replace(sampled_cycle, time=like.time, fraction=like.time)
 
 
@@ -200,7 +206,11 @@ def _are_same_places(places: Array, other_places: Array, tolerance: float) -> bo
 
 
 def _sample_from_elsewhere(cycle: Cycle, like: Cycle, engine: str) -> Cycle:
-    """`cycle` on the points and instants of `like`, which starts later in the path's cycle."""
+    """`cycle` on the points and instants of `like`, which starts later in the load path's cycle.
+
+    Its instants in the next cycle are taken one period earlier, sampled in the order of time, and
+    put back.
+    """
     is_in_next_cycle = like.fraction > 1 + _SAME_FRACTION
     fraction_in_cycle = like.fraction - np.where(is_in_next_cycle, 1.0, 0.0)
     order = np.argsort(fraction_in_cycle, kind="stable")
@@ -218,7 +228,9 @@ def _sample_from_elsewhere(cycle: Cycle, like: Cycle, engine: str) -> Cycle:
 
 
 def _refuse_points_beyond(cycle: Cycle, x: Array, engine: str) -> None:
-    """InputError where `x` has points beyond an end at which `cycle` still carries pressure."""
+    """InputError, naming `engine`, where `x` has points beyond an end of `cycle` at which it still
+    carries pressure: nothing is known there.
+    """
     pressure_at_ends = np.max(cycle.pressure[:, [0, -1]], axis=0)
     carries_left, carries_right = pressure_at_ends > _NO_PRESSURE * np.max(cycle.pressure)
     beyond_left = x[0] < cycle.x[0]
@@ -232,38 +244,45 @@ def _refuse_points_beyond(cycle: Cycle, x: Array, engine: str) -> None:
 
 
 def _at_instants(cycle: Cycle, like: Cycle) -> tuple[Cycle, dict[str, float]]:
-    """`cycle` at the instants of `like`, and the error of that for its fields and edges."""
-    values_over_time: dict[str, Any] = {}
+    """`cycle` at the instants of `like`: linear in the fraction of the cycle, states from the
+    nearest instant.
+
+    Also an estimate of the interpolation error of each field and edge, over its largest value.
+    """
+    sampled_values: dict[str, Any] = {}
     for name in (*_FIELDS, *_EDGES, *cycle.series):
-        values_over_time[name] = freeze(
-            _linear(like.fraction, cycle.fraction, getattr(cycle, name))
-        )
-    nearest_rows = _nearest(like.fraction, cycle.fraction)
+        sampled_values[name] = freeze(_linear(like.fraction, cycle.fraction, getattr(cycle, name)))
+    nearest_instants = _nearest(like.fraction, cycle.fraction)
     sampled_cycle = replace(
         cycle,
         time=like.time,
         fraction=like.fraction,
-        state=freeze(cycle.state[nearest_rows], np.int8),
-        **values_over_time,
+        state=freeze(cycle.state[nearest_instants], np.int8),
+        **sampled_values,
     )
-    values_at_instants = {name: getattr(cycle, name) for name in (*_FIELDS, *_EDGES)}
-    return sampled_cycle, _errors(cycle.fraction, values_at_instants)
+    given_values = {name: getattr(cycle, name) for name in (*_FIELDS, *_EDGES)}
+    return sampled_cycle, _errors(cycle.fraction, given_values)
 
 
 def _at_points(cycle: Cycle, x: Array) -> tuple[Cycle, dict[str, float]]:
-    """`cycle` at the points `x`, and the error of that for its fields and the pointwise
-    dissipation.
+    """`cycle` (k instants) at the points `x`: linear in x, states from the nearest point and open
+    beyond its range.
+
+    Also an estimate of the interpolation error of each field and of the pointwise dissipation, over
+    its largest value.
     """
-    values_at_points: dict[str, Array] = {
+    # points first, as `_linear` takes them: (n_points, k), the pointwise dissipation (n_points,)
+    given_values: dict[str, Array] = {
         name: getattr(cycle, name).T for name in (*_FIELDS, "dissipation_density")
     }
-    values_over_x: dict[str, Any] = {}
-    for name, values in values_at_points.items():
-        values_over_x[name] = freeze(_linear(x, cycle.x, values).T)
+    sampled_values: dict[str, Any] = {}
+    for name, values in given_values.items():
+        sampled_values[name] = freeze(_linear(x, cycle.x, values).T)
     is_beyond = (x < cycle.x[0]) | (x > cycle.x[-1])
-    state = np.where(is_beyond, 0, cycle.state[:, _nearest(x, cycle.x)])
-    sampled_cycle = replace(cycle, x=x, state=freeze(state, np.int8), **values_over_x)
-    return sampled_cycle, _errors(cycle.x, values_at_points)
+    nearest_points = _nearest(x, cycle.x)
+    state = np.where(is_beyond, OPEN, cycle.state[:, nearest_points])
+    sampled_cycle = replace(cycle, x=x, state=freeze(state, np.int8), **sampled_values)
+    return sampled_cycle, _errors(cycle.x, given_values)
 
 
 def _nearest(places: Array, samples: Array) -> NDArray[np.intp]:
@@ -277,7 +296,9 @@ def _errors(samples: Array, values_at_samples: Mapping[str, Array]) -> dict[str,
 
 
 def _linear(places: Array, samples: Array, values: Array) -> Array:
-    """`values` (len(samples), ...) at `places`, linear between samples and constant beyond them."""
+    """`values` (n_samples, ...) given at `samples`, at `places` instead: linear between samples,
+    constant beyond them.
+    """
     sample_above = np.clip(np.searchsorted(samples, places, side="right"), 1, len(samples) - 1)
     sample_below = sample_above - 1
     weight = np.clip(
@@ -293,11 +314,9 @@ def _linear(places: Array, samples: Array, values: Array) -> Array:
 
 
 def _halving(samples: Array, values: Array) -> float:
-    """Largest error of the linear rule when every second sample is left out, over the largest
-    |value|.
-
-    Both halves are tried: a square-root edge errs most where it falls into the middle of an
-    interval.
+    """Error of linear interpolation in `values`, estimated by leaving out every second sample: the
+    largest difference over the largest |value|. Both halves are tried: a square-root edge errs most
+    where it falls into the middle of an interval.
     """
     largest_value = float(np.nanmax(np.abs(values), initial=0.0))
     if len(samples) < 4 or largest_value == 0.0:
@@ -324,11 +343,11 @@ class Event:
 
 
 def events(cycle: Cycle, friction: float, first: int = 0) -> tuple[Event, ...]:
-    """Six instants (all, of fewer) in the order of time: extremes of P, Q, Q - f P, Q + f P, then
-    those furthest from all chosen; none before the index `first`.
+    """Six instants of a cycle to be shown, in the order of time, none before the index `first`:
+    extremes of P, Q, Q − f P and Q + f P, then those furthest from all chosen.
 
-    Without bulk stress and tilt Q - f P is largest where forward slip ends, Q + f P least where
-    reverse slip ends.
+    All where there are fewer. Without bulk stress and tilt Q − f P is largest where forward slip
+    ends, Q + f P least where reverse slip ends.
     """
     labels = _extremes(cycle, friction, first)
     if not labels:
@@ -355,8 +374,8 @@ def first_row(cycle: Cycle, scene: Scene) -> int:
 
 
 def _extremes(cycle: Cycle, friction: float, first: int) -> dict[int, str]:
-    """Index -> label of the first instants at which a load, or its distance to sliding, is extreme;
-    none of a quantity that is constant.
+    """Index -> label of the first instants from `first` on at which P, Q, Q − f P or Q + f P is
+    largest or least. None for a quantity that is constant.
     """
     normal_load = cycle.normal_load[first:]
     tangential_load = cycle.tangential_load[first:]
@@ -372,12 +391,12 @@ def _extremes(cycle: Cycle, friction: float, first: int) -> dict[int, str]:
         ("reverse slip ends" if ends_slip else "Q + f P least"): -tangential_load
         - friction * normal_load,
     }
-    size = float(np.max(np.abs(normal_load)))
+    scale = float(np.max(np.abs(normal_load)))
     labels: dict[int, str] = {}
     for label, quantity in quantities.items():
-        if np.ptp(quantity) > 1e-9 * size:
+        if np.ptp(quantity) > 1e-9 * scale:
             # The first instant, to rounding: the end of a cycle repeats its start.
-            is_largest = quantity >= np.max(quantity) - 1e-12 * size
+            is_largest = quantity >= np.max(quantity) - 1e-12 * scale
             labels.setdefault(first + int(np.flatnonzero(is_largest)[0]), label)
     return labels
 

@@ -116,18 +116,21 @@ class Measured(PythonNumbers):
 
     @property
     def is_on_points_of_result(self) -> bool:
-        """Whether the value is no difference of the two amounts: it is taken at the points and
-        instants of the result, where the reference has another value than its own.
+        """Whether `value` is not the difference of the two `amounts` (reference, result) over
+        `denominator`.
+
+        It is then taken on the points and instants of the result, where the reference has another
+        value than its own.
 
         >>> Measured(value=0.0, amounts=(4.0, 3.9), denominator=3.9).is_on_points_of_result
         True
         """
         if self.value is None or self.amounts is None or self.denominator is None:
             return False
-        reference_values, result_values = self.amounts
+        reference_amount, result_amount = self.amounts
         difference = self.value * self.denominator
-        mismatch = abs(result_values - reference_values - difference)
-        return mismatch > _SAME_DIGITS * max(abs(reference_values), abs(result_values))
+        mismatch = abs(result_amount - reference_amount - difference)
+        return mismatch > _SAME_DIGITS * max(abs(reference_amount), abs(result_amount))
 
     def _in_its_unit(self, uncertainty: float | None) -> float | None:
         if uncertainty is None or not math.isfinite(uncertainty) or self.denominator is None:
@@ -150,8 +153,8 @@ def over(numerator: Array, denominator: Array) -> Array:
 
 
 def shares(at: Array) -> Array:
-    """Weights of the trapezoidal rule on the points or instants `at`: (n,) -> (n,); 1 each where
-    all are one, as loads alike are.
+    """Weights of the trapezoidal rule on the points or instants `at`, (n,) -> (n,). Where all of
+    `at` are equal each weight is 1.
 
     >>> shares(np.array([0.0, 1.0, 3.0])).tolist(), shares(np.array([2.0])).tolist()
     ([0.5, 1.5, 1.0], [1.0])
@@ -174,8 +177,8 @@ def _first_largest(size: Array) -> int:
 
 
 def _worst(series: Array, applies: Mask, places: Array) -> tuple[float | None, float | None]:
-    """The value of largest size and its place, the first of like ones, among those that apply; a
-    NaN is the worst there is.
+    """The value of largest size and its place, of those of `series` (k,) that apply; the first
+    where several are as large. A NaN counts as largest; (None, None) where none applies.
 
     >>> _worst(np.array([1.0, -3.0, 9.0]), np.array([True, True, False]), np.array([0.0, 0.5, 1.0]))
     (-3.0, 0.5)
@@ -183,8 +186,8 @@ def _worst(series: Array, applies: Mask, places: Array) -> tuple[float | None, f
     if not applies.any():
         return None, None
     size = np.where(np.isnan(series), np.inf, np.abs(series))
-    worst_place = _first_largest(np.where(applies, size, -1.0))
-    return float(series[worst_place]), float(places[worst_place])
+    worst_index = _first_largest(np.where(applies, size, -1.0))
+    return float(series[worst_index]), float(places[worst_index])
 
 
 def _at_worst(
@@ -204,26 +207,33 @@ def _nothing_to_compare(why: str) -> Measured:
 
 
 def _of_amounts(
-    of_reference: float, of_result: float, scale: float, **of_measured: Any
+    reference_amount: float, result_amount: float, scale: float, **further_fields: Any
 ) -> Measured:
-    """Relative difference of the result from the reference; over `scale` where the reference is
-    nothing beside that (1e-12).
+    """The difference of the result's amount from the reference's, over the reference's. Where that
+    is nothing beside `scale` (1e-12 of it), over `scale`.
     """
-    absolute = abs(of_reference) <= _NOTHING * scale
-    denominator = scale if absolute else of_reference
+    absolute = abs(reference_amount) <= _NOTHING * scale
+    denominator = scale if absolute else reference_amount
     return Measured(
-        value=(of_result - of_reference) / denominator,
+        value=(result_amount - reference_amount) / denominator,
         absolute=absolute,
-        amounts=(of_reference, of_result),
+        amounts=(reference_amount, result_amount),
         denominator=denominator,
-        **of_measured,
+        **further_fields,
     )
 
 
 def _beside_extremum(
-    extremum: float, common: float, measured: float, scale: float, *, external: bool, note: str = ""
+    extremum: float,
+    common: float,
+    value_of_result: float,
+    scale: float,
+    *,
+    external: bool,
+    note: str = "",
 ) -> Measured:
-    """A value of the result beside the reference's own.
+    """An extreme value of the result, say its dissipation, minus the reference's own, over the
+    latter.
 
     Parameters
     ----------
@@ -238,25 +248,25 @@ def _beside_extremum(
         that from `common`, so that their error drops out, and a note says so; where they miss
         the reference's own by too much there is none
     """
-    amounts = (extremum, measured)
-    if math.isinf(extremum) and math.isfinite(measured):
+    amounts = (extremum, value_of_result)
+    if math.isinf(extremum) and math.isfinite(value_of_result):
         return Measured(value=None, note="infinite in the reference", amounts=amounts)
     if not external:
-        return _of_amounts(extremum, measured, scale, note=note)
+        return _of_amounts(extremum, value_of_result, scale, note=note)
     size = abs(extremum) if abs(extremum) > _NOTHING * scale else scale
     share_missed = abs(common - extremum) / size
     if share_missed > _UNRESOLVED:
-        too_few = (
+        reason_for_none = (
             f"the result's points and instants are too few: on them the reference has {common:.4g}"
             f" in place of {extremum:.4g}"
         )
-        return Measured(value=None, note=too_few, amounts=amounts)
+        return Measured(value=None, note=reason_for_none, amounts=amounts)
     if share_missed > _SAME_DIGITS:
         note = (
             "the difference is that on the result's points and instants, where the reference has"
             f" {common:.5g}"
         )
-    return replace(_of_amounts(common, measured, scale, note=note), amounts=amounts)
+    return replace(_of_amounts(common, value_of_result, scale, note=note), amounts=amounts)
 
 
 def _beside_theory(pair: Pair, name: str, common: float, measured: float, scale: float) -> Measured:
@@ -273,7 +283,7 @@ def _beside_theory(pair: Pair, name: str, common: float, measured: float, scale:
 
 
 def _with_stated(pair: Pair, measured: Measured, name: str, error: str = "") -> Measured:
-    """With the uncertainties that the two solutions state of its amounts.
+    """`measured` with the uncertainties that the reference and the result state of its two amounts.
 
     Parameters
     ----------
@@ -357,8 +367,8 @@ def _middle_of_stick(solution: ContactSolution) -> float:
 
 
 def _length_of_stick_zone(pair: Pair, length_of: Callable[[ContactSolution], float]) -> Measured:
-    """A length of the permanent stick zone, result − reference over a_ref; NaN is that there is
-    none.
+    """A length of the zone that sticks through the whole cycle, result − reference over a_ref.
+    `length_of` takes it from a solution; NaN means that there is no such zone.
     """
     reference_value = float(length_of(pair.reference))
     result_value = float(length_of(pair.result))
@@ -378,7 +388,11 @@ def _length_of_stick_zone(pair: Pair, length_of: Callable[[ContactSolution], flo
 
 
 def largest_slip(pair: Pair) -> Measured:
-    """Largest range of s of a point while it is in contact, by each on its own points."""
+    """Largest range of the slip s that any point has while in contact, result beside reference,
+    each on its own points.
+
+    No value where the finite elements slip by no more than round-off and theory does slip.
+    """
     if not pair.result.scene.friction.coefficient:
         return _nothing_to_compare("nothing resists slip")
     touches_in_result = pair.found.state != OPEN
@@ -388,25 +402,28 @@ def largest_slip(pair: Pair) -> Measured:
     range_in_result = range_of_slip(pair.found.slip, touches_in_result)
     reference_value = float(range_of_slip(pair.expected.slip, touches_in_reference).max())
     result_value = float(range_in_result.max())
-    beside_theory = _beside_theory(pair, "slip", reference_value, result_value, pair.scales.slip)
-    beside_theory = _with_stated(pair, beside_theory, "largest_slip", "slip")
-    if pair.result.engine == "halfplane_fe" and beside_theory.amounts is not None:
+    measurement = _beside_theory(pair, "slip", reference_value, result_value, pair.scales.slip)
+    measurement = _with_stated(pair, measurement, "largest_slip", "slip")
+    if pair.result.engine == "halfplane_fe" and measurement.amounts is not None:
         round_off = _ROUND_OFF_OF_SLIP * float(np.max(np.abs(pair.found.slip)))
-        if result_value <= round_off < beside_theory.amounts[0]:
-            return replace(beside_theory, value=None, note=_NO_SLIP_RESOLVED)
-    return replace(beside_theory, place=_place_of_largest(pair, range_in_result))
+        if result_value <= round_off < measurement.amounts[0]:
+            return replace(measurement, value=None, note=_NO_SLIP_RESOLVED)
+    return replace(measurement, place=_place_of_largest(pair, range_in_result))
 
 
 def largest_slip_common(pair: Pair) -> Measured:
-    """Largest range of s of the points that are in contact in both."""
+    """Largest range of the slip s, over the points and instants in contact in both result and
+    reference; the result's relative difference.
+    """
     touching = _in_contact_in_both(pair)
     if not touching.any():
         return _nothing_to_compare(_NOT_IN_CONTACT)
     range_in_result = range_of_slip(pair.found.slip, touching)
-    of_reference = float(range_of_slip(pair.expected.slip, touching).max())
+    reference_value = float(range_of_slip(pair.expected.slip, touching).max())
+    result_value = float(range_in_result.max())
     return _of_amounts(
-        of_reference,
-        float(range_in_result.max()),
+        reference_value,
+        result_value,
         pair.scales.slip,
         place=_place_of_largest(pair, range_in_result),
     )
@@ -418,7 +435,9 @@ def _in_contact_in_both(pair: Pair) -> Mask:
 
 
 def dissipation(pair: Pair) -> Measured:
-    """W of the last cycle."""
+    """Friction work W of the last cycle: (result − reference)/reference. Absolute where the
+    reference dissipates nothing.
+    """
     measurement = _beside_extremum(
         pair.plain_reference.dissipation,
         pair.reference.dissipation,
@@ -447,26 +466,31 @@ def largest_dissipation_density(pair: Pair) -> Measured:
 
 
 def edge_tension(pair: Pair) -> Measured:
-    """Largest stress along a face at an edge of contact."""
+    """Difference in the largest tensile stress along a face at an edge of contact, (result −
+    reference)/reference.
+
+    Its uncertainty is the sum of those that both state. No value without friction, or where either
+    does not know that stress.
+    """
     if not pair.result.scene.friction.coefficient:
         return _nothing_to_compare("frictionless: nothing stretches the faces")
     tension_of_reference = _largest_tension(pair.plain_reference, pair)
     tension_of_result = _largest_tension(pair.result, pair)
-    engines = []
+    engines_without_value = []
     if tension_of_reference is None:
-        engines.append(name_of(pair.reference.engine))
+        engines_without_value.append(name_of(pair.reference.engine))
     if tension_of_result is None:
-        engines.append(name_of(pair.result.engine))
+        engines_without_value.append(name_of(pair.result.engine))
     if tension_of_reference is None or tension_of_result is None:
-        return _nothing_to_compare(f"not known of {' and '.join(engines)}")
+        return _nothing_to_compare(f"not known of {' and '.join(engines_without_value)}")
 
     reference_value, reference_uncertainty = tension_of_reference
     result_value, result_uncertainty = tension_of_result
     measurement = _of_amounts(reference_value, result_value, pair.scales.shear)
     scale = pair.scales.shear if measurement.absolute else abs(reference_value)
-    uncertainty = (reference_uncertainty + result_uncertainty) / scale
-    uncertainties = (reference_uncertainty, result_uncertainty)
-    return replace(measurement, uncertainty=uncertainty, stated=uncertainties)
+    relative_uncertainty = (reference_uncertainty + result_uncertainty) / scale
+    stated_uncertainties = (reference_uncertainty, result_uncertainty)
+    return replace(measurement, uncertainty=relative_uncertainty, stated=stated_uncertainties)
 
 
 def _largest_tension(solution: ContactSolution, pair: Pair) -> tuple[float, float] | None:
@@ -530,7 +554,7 @@ def tangential_resultant(pair: Pair) -> Measured:
 
 
 def _normal_resultant(cycle: Cycle, weights: Array, normals: Array) -> Array:
-    """P that the tractions of `cycle` carry, (k,) [force / thickness].
+    """Normal load P that the tractions of a cycle carry at each instant, (k,) [force / thickness].
 
     Parameters
     ----------
@@ -556,21 +580,29 @@ def _tangential_resultant(cycle: Cycle, weights: Array, normals: Array) -> Array
 
 
 def _resultant(
-    pair: Pair, resultant_of: Callable[[Cycle, Array, Array], Array], load: str
+    pair: Pair, resultant_of: Callable[[Cycle, Array, Array], Array], name_of_load: str
 ) -> Measured:
-    """With the result's own weights nothing of the reference enters; by the trapezoidal rule the
-    rule's own error is taken off.
+    """Load that the result's tractions carry, minus the load that it states, over P: the worst
+    instant.
+
+    `resultant_of` integrates tractions; `name_of_load` names the stated one. With the result's own
+    weights nothing of the reference enters; by the trapezoidal rule the rule's own error, taken
+    from the reference, is subtracted.
     """
     x = pair.found.x
-    flat = np.array([np.zeros_like(x), np.ones_like(x)])
+    normals_of_flat = np.array([np.zeros_like(x), np.ones_like(x)])
     weights = getattr(pair.result, "weights", None)
     normals = getattr(pair.result, "normals", None)
     note = ""
-    surface = shares(x) if weights is None else weights
-    resultant = resultant_of(pair.found, surface, flat if normals is None else normals)
-    excess = resultant - getattr(pair.found, load)
+    weights_of_points = shares(x) if weights is None else weights
+    resultant = resultant_of(
+        pair.found, weights_of_points, normals_of_flat if normals is None else normals
+    )
+    excess = resultant - getattr(pair.found, name_of_load)
     if weights is None:
-        error_of_rule = resultant_of(pair.expected, shares(x), flat) - getattr(pair.expected, load)
+        error_of_rule = resultant_of(pair.expected, shares(x), normals_of_flat) - getattr(
+            pair.expected, name_of_load
+        )
         excess = excess - error_of_rule
         note = (
             "the result states no weights, so by the trapezoidal rule, minus its error for the"
@@ -590,10 +622,10 @@ def contact_edge(pair: Pair) -> Measured:
 
 
 def stick_edge(pair: Pair) -> Measured:
-    """Outward shift of the worse stick edge, at instants at which both have one.
+    """Outward shift of the worse edge of the stick zone over a_ref, at instants at which result and
+    reference both have one.
 
-    Instants at which the two differ in full stick, partial slip or full slip are counted, not
-    hidden.
+    The note counts the instants at which the two differ in full stick, partial slip or full slip.
     """
     length = pair.scales.half_width
     status_of_reference = _stick_status(pair.expected, length)
@@ -610,8 +642,8 @@ def stick_edge(pair: Pair) -> Measured:
             " or full slip"
         )
     if measurement.value is None and n_differing:
-        none_in_both = f"no instant has a stick edge in both: {note}"
-        return replace(measurement, value=math.nan, note=none_in_both)
+        reason_for_none = f"no instant has a stick edge in both: {note}"
+        return replace(measurement, value=math.nan, note=reason_for_none)
     return replace(measurement, note=note, elements=_in_elements(pair, measurement.value))
 
 
@@ -655,23 +687,25 @@ def _stick_status(cycle: Cycle, length: float) -> NDArray[np.int8]:
     return np.where(carries, status, _OUT_OF_CONTACT).astype(np.int8)
 
 
-def _with_stick_edges(of_reference: NDArray[np.int8], of_result: NDArray[np.int8]) -> Mask:
-    """Instants of a cycle at which edges of stick are compared, from the `_stick_status` of both,
-    (k,).
+def _with_stick_edges(
+    status_of_reference: NDArray[np.int8], status_of_result: NDArray[np.int8]
+) -> Mask:
+    """Instants at which the edges of the stick zones are compared, (k,), from the `_stick_status`
+    (no, some or full slip) of reference and result.
 
-    Both have edges, and it is not one step by which one of them comes to full stick, or leaves it,
-    before the other: the edge jumps there, and that step is an error of an event.
+    Both must have edges. Left out is a single step by which one of them changes to or from full
+    stick before the other: the edge jumps there, and that step is an error of an event.
 
     >>> _with_stick_edges(
     ...     np.array([1, 1, 2, 2, 1, 1], dtype=np.int8), np.array([1, 1, 1, 2, 1, 2], dtype=np.int8)
     ... ).tolist()
     [True, True, False, True, True, True]
     """
-    both_have_edges = (of_reference != _FULL_SLIP) & (of_result != _FULL_SLIP)
+    both_have_edges = (status_of_reference != _FULL_SLIP) & (status_of_result != _FULL_SLIP)
     is_one_step_late = (
-        (of_reference != of_result)
-        & _is_that_of_a_neighbour(of_reference, of_result)
-        & _is_that_of_a_neighbour(of_result, of_reference)
+        (status_of_reference != status_of_result)
+        & _is_that_of_a_neighbour(status_of_reference, status_of_result)
+        & _is_that_of_a_neighbour(status_of_result, status_of_reference)
     )
     return np.asarray(both_have_edges & ~is_one_step_late)
 
@@ -695,10 +729,11 @@ def state(pair: Pair) -> Measured:
 
 
 def slip(pair: Pair) -> Measured:
-    """Root mean square of s - s_ref over the range of s_ref, where both are in contact: apart from
-    there it is a displacement and nothing slips.
+    """Root mean square of s − s_ref over the range of s_ref, at the worst instant; s is the slip of
+    the points in contact in both.
 
-    Absolute, over f p_ref a_ref/E*, where the range of s_ref is below 1e-12 of that.
+    A point that is open is displaced, and nothing slips there. Absolute, over f p_ref a_ref/E*,
+    where the range of s_ref is below 1e-12 of that.
     """
     touching = _in_contact_in_both(pair)
     applies = pair.judged & touching.any(axis=1)
@@ -708,8 +743,10 @@ def slip(pair: Pair) -> Measured:
     absolute = bool(range_of_reference <= _NOTHING * pair.scales.slip)
     scale = pair.scales.slip if absolute else range_of_reference
     difference = np.where(touching, (pair.found.slip - pair.expected.slip) / scale, 0.0)
-    lengths = touching * shares(pair.found.x)
-    mean_square = over((difference**2 * lengths).sum(axis=1), lengths.sum(axis=1))
+    length_in_contact = touching * shares(pair.found.x)
+    mean_square = over(
+        (difference**2 * length_in_contact).sum(axis=1), length_in_contact.sum(axis=1)
+    )
     return _at_worst(pair, np.sqrt(mean_square), applies, absolute=absolute)
 
 
@@ -736,7 +773,12 @@ def _series_of_tilted(pair: Pair, name: str, scale: float) -> Measured:
 
 
 def tangential_displacement(pair: Pair) -> Measured:
-    """U of each instant, over the range of U_ref."""
+    """Difference of the tangential displacement U, over the range of U_ref in the cycle, at the
+    worst instant.
+
+    No value where the two count U from different places, or where the reference does not move
+    sideways.
+    """
     if pair.lacks_datum:
         return _nothing_to_compare(_NO_DATUM)
     reference_values = pair.expected.tangential_displacement
@@ -786,15 +828,17 @@ def dissipation_without_steps(pair: Pair) -> Measured:
 
 
 def dissipation_of_steps(pair: Pair) -> Measured:
-    """W_ref on the straight lines between the instants, with what the result adds for a curve: the
-    error of the steps alone.
+    """What straight load increments do to the friction work W: the reference on the result's own
+    increments, minus the reference on the smooth path, over the latter.
+
+    What the result adds within an increment for the curve of its path is added to the former too.
     """
-    polygon = pair.polygon_reference or pair.reference
-    straight = on_straight_steps(pair.result).dissipation
-    factor_of_curve = pair.result.dissipation / straight if straight else 1.0
+    reference_on_steps = pair.polygon_reference or pair.reference
+    work_on_steps = on_straight_steps(pair.result).dissipation
+    factor_of_curve = pair.result.dissipation / work_on_steps if work_on_steps else 1.0
     return _of_amounts(
         pair.reference.dissipation,
-        polygon.dissipation * factor_of_curve,
+        reference_on_steps.dissipation * factor_of_curve,
         pair.scales.dissipation,
     )
 
@@ -807,7 +851,9 @@ def hysteresis(pair: Pair) -> Measured:
 
 
 def bulk_term(pair: Pair) -> Measured:
-    """-closed integral of m_q d(eps)."""
+    """Work of the bulk stress per cycle, −(closed integral of m_q d(eps)), result − reference over
+    W_ref. m_q is the moment of the shear, eps the bulk strain. Absolute where W_ref is nothing.
+    """
     if not pair.periodic:
         return _nothing_to_compare(_NO_LOOP)
     for cycle, solution in ((pair.expected, pair.reference), (pair.found, pair.result)):
@@ -818,28 +864,31 @@ def bulk_term(pair: Pair) -> Measured:
     work = pair.reference.dissipation
     scale = pair.scales.dissipation
     is_absolute = abs(work) <= _NO_DISSIPATION * scale
-    return Measured(value=difference / (scale if is_absolute else work), absolute=is_absolute)
+    denominator = scale if is_absolute else work
+    return Measured(value=difference / denominator, absolute=is_absolute)
 
 
 def drift(pair: Pair) -> Measured:
-    """Change of W in the last cycle over W."""
+    """How far the friction work W still changes from cycle to cycle: the change in the last cycle
+    over W, result − reference. The note states both changes.
+    """
     reference_value = pair.reference.dissipation_drift
     result_value = pair.result.dissipation_drift
-    parts = []
+    sentences = []
     for solution, change in ((pair.reference, reference_value), (pair.result, result_value)):
         if math.isnan(change):
-            parts.append(f"{name_of(solution.engine)}: not known")
+            sentences.append(f"{name_of(solution.engine)}: not known")
         elif change:
             size = minus(f"{change:+.1e}")
-            parts.append(f"{name_of(solution.engine)}: {size} in its last cycle")
-    note = "; ".join(parts)
+            sentences.append(f"{name_of(solution.engine)}: {size} in its last cycle")
+    note = "; ".join(sentences)
     if math.isnan(reference_value) or math.isnan(result_value):
         return _nothing_to_compare(note)
     return Measured(value=result_value - reference_value, note=note)
 
 
 def dissipation_density(pair: Pair) -> Measured:
-    """w(x) at the worst point, over the largest w_ref.
+    """Friction work per area, w(x) − w_ref(x) over the largest w_ref, at the worst point.
 
     Absolute, over A f^2 P_ref^2/a_ref, where the reference does no friction work anywhere (a NaN
     counts as work).

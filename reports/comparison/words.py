@@ -888,37 +888,22 @@ def row_of_sliding(solution: ContactSolution) -> tuple[str, str]:
 def summary_rows(
     solution: ContactSolution, *, loads_are_found: bool = False
 ) -> list[tuple[str, str]]:
-    """The same with drift, loops, load cycles, the laws of contact, notes and what was skipped; how
-    near the loads come to gross sliding where they were found, under a prescribed displacement.
+    """Rows (label with unit, value) of the summary of a solution: those of `first_rows`, then drift
+    and loops of the work, load cycles, laws of contact, notes and what was skipped.
+
+    With `loads_are_found`, under a prescribed displacement, also how near the loads come to gross
+    sliding.
     """
     rows = first_rows(solution)
     if loads_are_found and solution.scene.friction.coefficient:
         rows.append(row_of_sliding(solution))
-    checks = certificates(solution)
-    unit = energy_unit(solution.scene)
-    violated_laws = [
-        f"{check.label} ({check.value:.1e} at time {check.time:.4g})"
-        for check in checks
-        if not check.holds
-    ]
     if solution.dissipation_drift and np.isfinite(solution.dissipation_drift):
         drift = f"{solution.dissipation_drift:+.2e} of it"
         rows.append(("dissipation, change from the cycle before", drift))
     if np.isfinite(solution.loop_work):
         rows += _loop_rows(solution)
-    cycles = load_cycles(solution)
-    if cycles:
-        rows.append(("load cycles, by rainflow of Q", f"{cycles.counted:g}"))
-        rows.append((f"dissipation over their number [{unit}]", f"{cycles.per_cycle:.8g}"))
-        last = cycles.last_whole
-        if last is not None:
-            period = f"time {last.start:.6g} to {last.end:.6g}"
-            label = f"dissipation of the last whole cycle, {period} [{unit}]"
-            rows.append((label, f"{last.dissipation:.8g}"))
-    laws = f"all {len(checks)} hold"
-    if violated_laws:
-        laws = f"violated: {', '.join(violated_laws)}"
-    rows.append(("laws of contact", laws))
+    rows += _rows_of_load_cycles(solution)
+    rows.append(("laws of contact", _laws_in_words(solution)))
     rows += [("note", note) for note in solution.record.notes]
     # What the engine counted of its own work is in the file beside it, and on the page.
     return rows + [
@@ -927,8 +912,40 @@ def summary_rows(
     ]
 
 
+def _rows_of_load_cycles(solution: ContactSolution) -> Iterator[tuple[str, str]]:
+    """Number of load cycles of a record, and friction work of their mean and of the last whole one;
+    none of a path that is no record.
+    """
+    cycles = load_cycles(solution)
+    if not cycles:
+        return
+    unit = energy_unit(solution.scene)
+    yield "load cycles, by rainflow of Q", f"{cycles.counted:g}"
+    yield f"dissipation over their number [{unit}]", f"{cycles.per_cycle:.8g}"
+    last_cycle = cycles.last_whole
+    if last_cycle is not None:
+        period = f"time {last_cycle.start:.6g} to {last_cycle.end:.6g}"
+        label = f"dissipation of the last whole cycle, {period} [{unit}]"
+        yield label, f"{last_cycle.dissipation:.8g}"
+
+
+def _laws_in_words(solution: ContactSolution) -> str:
+    """How many laws of contact hold, or which are violated, by how much and when."""
+    checks = certificates(solution)
+    violated_laws = [
+        f"{check.label} ({check.value:.1e} at time {check.time:.4g})"
+        for check in checks
+        if not check.holds
+    ]
+    if violated_laws:
+        return f"violated: {', '.join(violated_laws)}"
+    return f"all {len(checks)} hold"
+
+
 def _loop_rows(solution: ContactSolution) -> Iterator[tuple[str, str]]:
-    """Work of the loads round the cycle: of Q, of the bulk stress, of P."""
+    """Rows (label with unit, value) of the work that the loads do in a closed cycle: of the
+    tangential load Q, of the bulk stress, of the normal load P.
+    """
     unit = energy_unit(solution.scene)
     bulk_work = of_unsymmetric(solution).get("bulk_work")
     integrand = "(Q dU - m_q d(eps)), eps the bulk strain" if bulk_work else "Q dU"

@@ -47,7 +47,8 @@ _YY_XY = {
 
 
 def read_fields(path: Path, mapping: Mapping) -> SurfaceResult:
-    """The tractions of every instant in the file or in what it collects.
+    """Tractions on the contact surface at every instant of a field file, or of the files that it
+    collects; `mapping` states names, units and signs.
 
     Raises
     ------
@@ -56,6 +57,49 @@ def read_fields(path: Path, mapping: Mapping) -> SurfaceResult:
         surface; a mesh that changes.
     """
     frames = read_frames(path)
+    _require_one_mesh(path, frames)
+    kind, components, source_in_words = _tractions(path, frames[0], mapping)
+    needed_names = [name for quantity, name in components.items() if quantity != "slip"]
+    part_numbers, mesh, left_out = _parts_with(path, frames[0], mapping, needed_names)
+    if "slip" in components and not _holds(mesh, components["slip"]):
+        left_out.append(
+            f"{components['slip']} is not in all of the files that hold"
+            f" {' and '.join(needed_names)}, and was left out"
+        )
+        del components["slip"]
+    rows, body, surface_notes = _surface(path, mesh, mapping)
+    factors = {
+        quantity: float(converted(mapping, quantity, np.ones(1))[0]) for quantity in components
+    }
+    if kind != "fields":
+        loaded_body = body
+        if kind == "vector" and mapping.signs.shear:
+            loaded_body = "upper" if mapping.signs.shear == "on upper" else "lower"
+        source_in_words = source_in_words.format(loaded_body)
+        is_turned = kind == "vector" and loaded_body == "upper"
+        factors |= _factors_of_vector(mapping, is_turned=is_turned)
+    values_of: dict[str, list[Array]] = {quantity: [] for quantity in components}
+    for k, frame in enumerate(frames, start=1):
+        try:
+            part = joined([frame.parts[number] for number in part_numbers])
+            surface_values = {
+                quantity: _component(part, name)[rows] for quantity, name in components.items()
+            }
+        except (KeyError, IndexError) as reason:
+            raise InputError(
+                f"{path}: instant {k} has no field {reason}, which the first one has"
+            ) from reason
+        for quantity, values in surface_values.items():
+            values_of[quantity].append(factors[quantity] * values)
+    fields = {quantity: np.array(values) for quantity, values in values_of.items()}
+    x = converted(mapping, "x", mesh.points[rows, 0])
+    instants = _times_of(path, frames, mapping)
+    notes = [source_in_words, *left_out, *surface_notes]
+    return surface_result(str(path), mapping.code, x, dict(fields), {"time": instants}, notes)
+
+
+def _require_one_mesh(path: Path, frames: Sequence[FieldFrame]) -> None:
+    """InputError where the points of an instant are not those of the first one."""
     first_points = joined(frames[0].parts).points
     tolerance = SAME * extent(first_points)
     for k, frame in enumerate(frames[1:], start=2):
@@ -66,51 +110,34 @@ def read_fields(path: Path, mapping: Mapping) -> SurfaceResult:
                 f"{path}: the points of instant {k} are not those of the first; give all instants"
                 " on one undeformed mesh"
             )
-    kind, components, words = _tractions(path, frames[0], mapping)
-    needed_names = [name for quantity, name in components.items() if quantity != "slip"]
-    numbers, mesh, left_out = _parts_with(path, frames[0], mapping, needed_names)
-    if "slip" in components and not _holds(mesh, components["slip"]):
-        left_out.append(
-            f"{components['slip']} is not in all of the files that hold"
-            f" {' and '.join(list(components.values())[:-1])}, and was left out"
-        )
-        del components["slip"]
-    rows, body, surface_notes = _surface(path, mesh, mapping)
-    factors = {
-        quantity: float(converted(mapping, quantity, np.ones(1))[0]) for quantity in components
-    }
-    if kind != "fields":  # the traction on the lower body is (q, -p), on the upper one (-q, p)
-        loaded_body = body
-        if kind == "vector" and mapping.signs.shear:
-            loaded_body = "upper" if mapping.signs.shear == "on upper" else "lower"
-        factor = mapping.factors.stress or 1.0
-        if kind == "vector" and loaded_body == "upper":
-            factor = -factor
-        factors = {"pressure": -factor, "shear": factor}
-        words = words.format(loaded_body)
-    values_of: dict[str, list[Array]] = {quantity: [] for quantity in components}
-    for k, frame in enumerate(frames, start=1):
-        try:
-            part = joined([frame.parts[number] for number in numbers])
-            for quantity, name in components.items():
-                values_of[quantity].append(factors[quantity] * _component(part, name)[rows])
-        except (KeyError, IndexError) as reason:
-            raise InputError(
-                f"{path}: instant {k} has no field {reason}, which the first one has"
-            ) from reason
-    times = [frame.time for frame in frames]
-    series = None if None in times else converted(mapping, "time", np.array(times, float))
+
+
+def _factors_of_vector(mapping: Mapping, *, is_turned: bool) -> dict[Quantity, float]:
+    """Factors from components of a traction or stress to pressure p and shear q: the traction on
+    the lower body is (q, -p), that on the upper one is turned, (-q, p).
+    """
+    factor = mapping.factors.stress or 1.0
+    if is_turned:
+        factor = -factor
+    return {"pressure": -factor, "shear": factor}
+
+
+def _times_of(path: Path, frames: Sequence[FieldFrame], mapping: Mapping) -> Array | None:
+    """Times of the instants, (k,): those that the mapping states, else the file's own; None where
+    neither has all.
+    """
     if mapping.times is not None:
-        series = stated_times(str(path), mapping, len(frames))
-    fields = {quantity: np.array(values) for quantity, values in values_of.items()}
-    x = converted(mapping, "x", mesh.points[rows, 0])
-    notes = [words, *left_out, *surface_notes]
-    return surface_result(str(path), mapping.code, x, dict(fields), {"time": series}, notes)
+        return stated_times(str(path), mapping, len(frames))
+    times = [frame.time for frame in frames]
+    return None if None in times else converted(mapping, "time", np.array(times, float))
 
 
 def _tractions(path: Path, frame: FieldFrame, mapping: Mapping) -> tuple[str, _Components, str]:
-    """The first way to tractions that an instant offers ("fields", "vector" or "stress"), its
-    components, and a sentence on it, in which {} stands for the body.
+    """Where the first instant of a file holds tractions: the kind ("fields", "vector" or "stress",
+    looked for in this order), the field or component of each quantity, and a sentence on it, in
+    which {} stands for the body.
+
+    InputError where it holds none.
     """
     fields = dict(ChainMap(*(part.point_fields for part in frame.parts)))
     scalars = [name for name, values in fields.items() if values.ndim == 1]
@@ -125,18 +152,18 @@ def _tractions(path: Path, frame: FieldFrame, mapping: Mapping) -> tuple[str, _C
     for name, values in arrays.items():
         if values.shape[1] >= 2 and plain(name) in map(plain, _VECTORS):
             components: _Components = {"pressure": f"{name}:1", "shear": f"{name}:0"}
-            words = f"tractions are the field {name}, taken to act on the {{}} body"
-            return "vector", components, words
+            source_in_words = f"tractions are the field {name}, taken to act on the {{}} body"
+            return "vector", components, source_in_words
     for name, values in arrays.items():
         if values.shape[1] >= 3 and plain(name) in map(plain, _STRESSES):
             yy, xy, order = _order(path, name, values)
             components = {"pressure": f"{name}:{yy}", "shear": f"{name}:{xy}"}
-            words = (
+            source_in_words = (
                 "no contact tractions in the file: p = -sigma_yy and q = sigma_xy of the {} body's"
                 f" nodal {name} (components {order}), which is extrapolated to the surface and"
                 " coarser than contact tractions"
             )
-            return "stress", components, words
+            return "stress", components, source_in_words
     cell_names = dict(ChainMap(*(part.cell_fields for part in frame.parts)))
     cell_hint = ""
     if cell_names:
@@ -152,7 +179,9 @@ def _tractions(path: Path, frame: FieldFrame, mapping: Mapping) -> tuple[str, _C
 def _named_tractions(
     path: Path, names: Sequence[str], mapping: Mapping
 ) -> tuple[str, _Components, str]:
-    """The fields called pressure, shear and slip, with a sentence on them."""
+    """Which of the fields `names` are pressure, shear and slip, by the mapping or by known names;
+    the kind "fields" and a sentence on it. Only the pressure must be there.
+    """
     quantities: tuple[Quantity, ...] = ("pressure", "shear", "slip")
     components: _Components = {}
     for quantity in quantities:
@@ -160,14 +189,16 @@ def _named_tractions(
         name = find_column(mapping, quantity, names, str(path), needed=is_needed)
         if name is not None:
             components[quantity] = name
-    words = f"tractions are the fields {components['pressure']}"
-    words += f" and {components['shear']}" if "shear" in components else ", without a shear"
-    return "fields", components, words
+    source_in_words = f"tractions are the fields {components['pressure']}"
+    source_in_words += (
+        f" and {components['shear']}" if "shear" in components else ", without a shear"
+    )
+    return "fields", components, source_in_words
 
 
 def _order(path: Path, name: str, values: Array) -> tuple[int, int, str]:
-    """Where sigma_yy and sigma_xy stand among the components of a stress, and their order in
-    words.
+    """Places of sigma_yy and sigma_xy among the components of the stress field `name`, `values` (n,
+    components), and that order in words. InputError where so many components are not understood.
     """
     count = values.shape[1]
     if count not in _YY_XY:
@@ -183,27 +214,31 @@ def _order(path: Path, name: str, values: Array) -> tuple[int, int, str]:
 def _parts_with(
     path: Path, frame: FieldFrame, mapping: Mapping, names: list[str]
 ) -> tuple[list[int], FieldPart, list[str]]:
-    """The parts that hold all the named fields, and what marks the surface where any part does; as
-    one mesh; the others named.
+    """Of an instant in several files, those that hold all fields `names` and what marks the
+    surface: their numbers, all of them as one mesh, and a note on each file left out.
+
+    InputError where no file holds all.
     """
     if isinstance(mapping.columns.slip, str):
         names = [*names, mapping.columns.slip]
     marker = str(mapping.surface or "").partition("=")[0]
     has_marker = [marker in part.point_fields or marker in part.cell_fields for part in frame.parts]
-    numbers = []
-    faults = []
+    part_numbers = []
+    faults_of_parts = []
     for number, part in enumerate(frame.parts):
         missing_names = [name for name in names if not _holds(part, name)]
         if any(has_marker) and not has_marker[number]:
             missing_names.append(marker)
         if missing_names:
-            faults.append(f"{part.name} has no {listed(missing_names)}")
+            faults_of_parts.append(f"{part.name} has no {listed(missing_names)}")
         else:
-            numbers.append(number)
-    if not numbers:
-        raise InputError(f"{path}: no file of it has all that is to be read: {'; '.join(faults)}")
-    mesh = joined([frame.parts[number] for number in numbers])
-    return numbers, mesh, [f"{fault}: left out" for fault in faults]
+            part_numbers.append(number)
+    if not part_numbers:
+        raise InputError(
+            f"{path}: no file of it has all that is to be read: {'; '.join(faults_of_parts)}"
+        )
+    mesh = joined([frame.parts[number] for number in part_numbers])
+    return part_numbers, mesh, [f"{fault}: left out" for fault in faults_of_parts]
 
 
 def _holds(part: FieldPart, name: str) -> bool:
@@ -223,8 +258,8 @@ def _component(part: FieldPart, name: str) -> Array:
 
 # --------------------------------------------------------------------------- where the surface lies
 def _surface(path: Path, mesh: FieldPart, mapping: Mapping) -> tuple[Integers, str, list[str]]:
-    """Rows of points in one plane, ascending in x, whose face they are ("lower" or "upper"), and
-    how they were found.
+    """Rows of the mesh points on the contact surface, ascending in x; whose face they are ("lower"
+    or "upper"); and notes on how they were found.
 
     They are what the mapping marks, else all of a mesh without cells of a body, else the face at y
     = y_offset.
@@ -264,19 +299,18 @@ def _surface(path: Path, mesh: FieldPart, mapping: Mapping) -> tuple[Integers, s
 
 
 def _marked_rows(path: Path, mesh: FieldPart, surface: str) -> Integers:
-    """Rows of points that a field of points or of cells marks: NAME=VALUE by a tag's value, NAME
-    where it is not 0.
+    """Rows of points that a field marks, of points or of cells.
 
-    A set that meshio writes into a VTU is -1 outside and counts from 0 inside: where -1 occurs it
-    is what is not marked.
+    `surface` is NAME, for where the field is not 0, or NAME=VALUE. A set that meshio writes into a
+    VTU is -1 outside and counts from 0 inside: where -1 occurs it is what is not marked.
     """
     name, equal_sign, value = surface.partition("=")
     fault = f"{path}: surface = {surface!r}"
     fields: Fields[str, tuple[Array, ...]] = {n: (v,) for n, v in mesh.point_fields.items()}
-    places: list[Integers] = [np.arange(len(mesh.points))]
+    points_of_blocks: list[Integers] = [np.arange(len(mesh.points))]
     if name not in fields:
         fields = mesh.cell_fields
-        places = [cells for _, cells in mesh.cells]
+        points_of_blocks = [cells for _, cells in mesh.cells]
     if name not in fields:
         raise InputError(
             f"{fault} of the mapping names no field of it"
@@ -291,7 +325,7 @@ def _marked_rows(path: Path, mesh: FieldPart, surface: str) -> Integers:
         raise InputError(f"{fault}: {value!r} is no number") from reason
     no_mark = -1.0 if any(np.any(block == -1) for block in blocks) else 0.0
     marked_points = []
-    for points_of_block, block in zip(places, blocks, strict=True):
+    for points_of_block, block in zip(points_of_blocks, blocks, strict=True):
         is_marked = block != no_mark if mark is None else block == mark
         marked_points.append(points_of_block[is_marked].ravel())
     rows = np.unique(np.concatenate(marked_points))

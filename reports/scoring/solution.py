@@ -680,20 +680,22 @@ def _extent(surface: SurfaceResult) -> tuple[float, float]:
     return float(touched[0]), float(touched[-1])
 
 
-def _oddities(surface: SurfaceResult, tangential: Array, scene: Scene) -> Iterator[str]:
-    """Signs that look wrong and are scored as they are; `tangential` is Q of the scene at the
-    result's instants.
+def _oddities(surface: SurfaceResult, tangential_load: Array, scene: Scene) -> Iterator[str]:
+    """Sentences about signs of a result that look wrong and are scored as they are: tension, shear
+    against Q, slip against the shear.
+
+    `tangential_load` (k,) is Q of the scene at the result's instants.
     """
     if surface.pressure.min() < -TOUCHES * surface.pressure.max():
         row, column = np.unravel_index(np.argmin(surface.pressure), surface.pressure.shape)
-        least = surface.pressure[row, column]
+        least_pressure = surface.pressure[row, column]
         yield (
-            f"the pressure is tension at some points, down to {least:.4g} at"
+            f"the pressure is tension at some points, down to {least_pressure:.4g} at"
             f" x = {surface.x[column]:.4g} of instant {row + 1}; it is scored as it is"
         )
-    _, force = resultants(surface)
-    largest_product = float(np.linalg.norm(force) * np.linalg.norm(tangential))
-    if float(force @ tangential) < -0.5 * largest_product:
+    _, resultant_shear = resultants(surface)
+    largest_product = float(np.linalg.norm(resultant_shear) * np.linalg.norm(tangential_load))
+    if float(resultant_shear @ tangential_load) < -0.5 * largest_product:
         yield (
             "the shear is opposite to Q in the mean: it looks like the shear on the upper body; it"
             ' is scored as it is (signs.shear = "on upper" turns it)'

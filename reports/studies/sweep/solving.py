@@ -93,8 +93,8 @@ class Quantity:
 
 
 def _at_mean_load(solution: ContactSolution, series: np.ndarray, load: Load) -> float:
-    """A figure of the instants, at P0 of an ellipse, else at the largest load: linear between the
-    loads of the last cycle.
+    """A quantity given at every instant, `series`, at one load of the last cycle: at the mean load
+    P0 of an elliptical path, else at the largest load. Linear between the loads of the instants.
     """
     steps = solution.last_cycle
     loads = solution.normal_load[steps]
@@ -215,7 +215,9 @@ def label_of(name: str, scene: Scene) -> tuple[str, str]:
 
 
 def check_figures(figures: Sequence[str], engines: Sequence[str], uncertainty: str) -> None:
-    """ValueError for a name that is none, is there twice, or needs what isn't run."""
+    """ValueError where a name in `figures` is no quantity of a sweep, stands there twice, or needs
+    one of the `engines` that does not run; and where this kind of `uncertainty` does not fit them.
+    """
     for name in figures:
         prefix, _, quantity = name.partition(".")
         is_quantity = prefix in (*_ENGINES, "error") and quantity in QUANTITIES
@@ -245,15 +247,15 @@ def check_figures(figures: Sequence[str], engines: Sequence[str], uncertainty: s
 
 
 def check_rig(scene: Scene, figures: Sequence[str]) -> None:
-    """InputError for a metric where a displacement is prescribed: it compares the engines at one
-    instant and load.
+    """InputError where a displacement is prescribed and a figure is a metric: metrics compare both
+    engines at one load, and here each finds loads of its own.
     """
     if not scene.load.is_driven:
         return
-    of_instants = [name for name in figures if name in METRICS]
-    if of_instants:
+    metric_names = [name for name in figures if name in METRICS]
+    if metric_names:
         raise InputError(
-            f"figures: {of_instants[0]!r} compares both engines under one load, and under a"
+            f"figures: {metric_names[0]!r} compares both engines under one load, and under a"
             " prescribed displacement each finds loads of its own: take error. before one of"
             f" {', '.join(QUANTITIES)}"
         )
@@ -262,42 +264,49 @@ def check_rig(scene: Scene, figures: Sequence[str]) -> None:
 def _take(
     name: str, scene: Scene, fe: ContactSolution | None, exact: ContactSolution | None
 ) -> tuple[float | None, str]:
-    """A quantity of either engine or its error: the value, or None and why there is none."""
+    """A figure such as "fe.peak_pressure" or "error.stroke": its value and "", or None and the
+    reason why it has none.
+
+    The prefix says whose quantity it is, or that it is finite elements/theory − 1.
+    """
     prefix, _, quantity = name.partition(".")
-    value_by = {}
+    value_by_engine = {}
     for engine, solution in (("fe", fe), ("exact", exact)):
         if solution is not None and prefix in (engine, "error"):
             if quantity == "stroke" and lacks_datum(solution):
                 return None, "half-planes have no datum: their stroke is not that of these bodies"
-            value_by[engine] = QUANTITIES[quantity].of(solution, scene)
-            if not math.isfinite(value_by[engine]):
+            value_by_engine[engine] = QUANTITIES[quantity].of(solution, scene)
+            if not math.isfinite(value_by_engine[engine]):
                 return None, f"there is none in {_ENGINES[engine]}"
     if prefix != "error":
-        return value_by[prefix], ""
-    if not value_by["exact"]:
+        return value_by_engine[prefix], ""
+    if not value_by_engine["exact"]:
         return None, "it is 0 in half-plane theory, so nothing is relative to it"
-    return value_by["fe"] / value_by["exact"] - 1, ""
+    return value_by_engine["fe"] / value_by_engine["exact"] - 1, ""
 
 
 def _stated_by_edges(
     name: str, scene: Scene, fe: ContactSolution, exact: ContactSolution | None
 ) -> float:
-    """What the finite elements themselves state for a half-width, 0 where they state nothing.
+    """Uncertainty that the finite elements themselves state for a half-width, 0 where they state
+    none.
 
-    The larger of both edges' uncertainties, the median over the last cycle; of an error, over the
-    half-width of theory.
+    That is the larger of both edges' uncertainties, the median over the last cycle; for an error,
+    over theory's half-width.
     """
     prefix, _, quantity = name.partition(".")
     if prefix == "exact" or not QUANTITIES[quantity].edges:
         return 0.0
-    of_edges = np.asarray(getattr(fe, QUANTITIES[quantity].edges))[fe.last_cycle]
-    of_worse_edge = of_edges.max(axis=1)[np.isfinite(of_edges).all(axis=1)]
+    edge_uncertainties = np.asarray(getattr(fe, QUANTITIES[quantity].edges))[fe.last_cycle]
+    uncertainty_of_worse_edge = edge_uncertainties.max(axis=1)[
+        np.isfinite(edge_uncertainties).all(axis=1)
+    ]
     scale = 1.0
     if prefix == "error" and exact is not None:
         scale = QUANTITIES[quantity].of(exact, scene)
-    if not len(of_worse_edge) or not scale:
+    if not len(uncertainty_of_worse_edge) or not scale:
         return 0.0
-    uncertainty = float(np.median(of_worse_edge)) / scale
+    uncertainty = float(np.median(uncertainty_of_worse_edge)) / scale
     return uncertainty if math.isfinite(uncertainty) else 0.0
 
 
@@ -340,8 +349,8 @@ class Question:
 
     @property
     def address(self) -> str:
-        """Of its result: sha256 of what numbers depend on and of the code; questions that differ in
-        words alone have one.
+        """Name under which a result is stored: sha256 of all that its numbers depend on, code
+        included. Questions that differ in words alone, such as a title, have one address.
         """
         content = self.as_json() | {
             "engines": sorted(self.engines),
@@ -356,7 +365,8 @@ class Question:
 
 
 def solve_task(text: str) -> str:
-    """Solve the points of a task.
+    """Solve the questions of a task in a worker process; text in, text out. Nothing is solved where
+    the worker has other code or libraries than the sender.
 
     Parameters
     ----------
@@ -372,33 +382,35 @@ def solve_task(text: str) -> str:
     from meshes import MeshSettings
 
     task = json.loads(text)
-    of_sender = task["versions"]
-    of_worker = code_versions()
+    versions_of_sender = task["versions"]
+    versions_of_worker = code_versions()
     differences = []
-    for name in sorted(of_sender.keys() | of_worker.keys()):
-        sender_version = of_sender.get(name, "missing")
-        worker_version = of_worker.get(name, "missing")
+    for name in sorted(versions_of_sender.keys() | versions_of_worker.keys()):
+        sender_version = versions_of_sender.get(name, "missing")
+        worker_version = versions_of_worker.get(name, "missing")
         if sender_version != worker_version:
             differences.append(f"{name} is {sender_version} here and {worker_version} there")
     if differences:
         worker = f"worker {platform.node()} (process {os.getpid()})"
         return json.dumps({"mismatch": f"{worker}: {', '.join(differences)}", "answers": []})
-    points = []
+    questions = []
     for content in task["points"]:
         scene = Scene.model_validate_json(json.dumps(content.pop("scene")))
         mesh = MeshSettings(**content.pop("mesh"))
         solver = SolverSettings(**content.pop("solver"))
-        points.append(Question(scene, mesh, solver, **content))
+        questions.append(Question(scene, mesh, solver, **content))
     with threadpool_limits(limits=1):
-        answers = [_answer(point) for point in points]
+        answers = [_answer(question) for question in questions]
     return json.dumps({"mismatch": "", "answers": answers}, allow_nan=False)
 
 
-def _answer(point: Question) -> dict[str, Any]:
-    """One point: its figures, or the reason why it has none."""
+def _answer(question: Question) -> dict[str, Any]:
+    """The answer to one question as JSON values: its status and figures, or the reason why it has
+    none; with seconds and host.
+    """
     begun = time.perf_counter()
     try:
-        answer = _solve(point)
+        answer = _solve(question)
     except ConvergenceError as failure:
         answer = {
             "status": "failed",
@@ -411,51 +423,53 @@ def _answer(point: Question) -> dict[str, Any]:
         # One point must not end a sweep of thousands; what went wrong stands in its row, and
         # nothing is taken for an answer.
         answer = {"status": "failed", "reason": f"{type(failure).__name__}: {failure}"}
-    blank: dict[str, Any] = {
+    empty_answer: dict[str, Any] = {
         "status": "done",
         "reason": "",
         "figures": {},
         "notes": {},
         "record": {},
     }
-    return blank | answer | {"seconds": time.perf_counter() - begun, "host": platform.node()}
+    return empty_answer | answer | {"seconds": time.perf_counter() - begun, "host": platform.node()}
 
 
-def _solve(point: Question) -> dict[str, Any]:
-    """Figures, notes and record of a point; what is not finite is no value, and its note states
-    so.
+def _solve(question: Question) -> dict[str, Any]:
+    """Figures, notes and record that a question asks for, as JSON values. A number that is not
+    finite becomes None, and a note states it.
     """
     fe = None
     notes: dict[str, str] = {}
-    if "fe" in point.engines:
-        fe, notes = _finite_elements(point)
-    evaluated = evaluate(point, fe)
-    values = dict(evaluated.values)
-    record = _record(evaluated.exact if fe is None else fe)
-    notes |= evaluated.notes
+    if "fe" in question.engines:
+        fe, notes = _finite_elements(question)
+    evaluation = evaluate(question, fe)
+    values = dict(evaluation.values)
+    record = _record(evaluation.exact if fe is None else fe)
+    notes |= evaluation.notes
     if fe is not None:
-        if evaluated.exact is not None:
-            notes_of_theory = evaluated.exact.record.notes
+        if evaluation.exact is not None:
+            notes_of_theory = evaluation.exact.record.notes
             record["notes"] += [f"half-plane theory: {note}" for note in notes_of_theory]
-        if point.uncertainty == "cheap":
-            values |= _cheap_uncertainty(point, fe, evaluated, notes)
-        if point.uncertainty == "budget":
-            values |= _budget(point, evaluated, notes)
+        if question.uncertainty == "cheap":
+            values |= _cheap_uncertainty(question, fe, evaluation, notes)
+        if question.uncertainty == "budget":
+            values |= _budget(question, evaluation, notes)
     for name, value in values.items():
         if value is not None and not math.isfinite(value):
             notes.setdefault(name, f"the value is {value}")
-    clean_solution = {
+    finite_values = {
         name: None if value is None or not math.isfinite(value) else float(value)
         for name, value in values.items()
     }
-    return {"figures": clean_solution, "notes": notes, "record": record}
+    return {"figures": finite_values, "notes": notes, "record": record}
 
 
 def _record(solution: ContactSolution | None) -> dict[str, Any]:
-    """How an answer came about."""
+    """How a solution came about, as JSON values: convergence, notes, sizes, counts and seconds of
+    the work, worst residual of each law. Empty without a solution.
+    """
     if solution is None:
         return {}
-    worst_checks = {
+    worst_residuals = {
         name: float(max(values, default=0.0))
         for name, values in solution.record.certificates.items()
     }
@@ -470,48 +484,52 @@ def _record(solution: ContactSolution | None) -> dict[str, Any]:
         "counts": {name: int(count) for name, count in solution.work.counts.items()},
         "seconds": {name: float(seconds) for name, seconds in solution.work.seconds.items()},
         "worst": {
-            name: value if math.isfinite(value) else None for name, value in worst_checks.items()
+            name: value if math.isfinite(value) else None for name, value in worst_residuals.items()
         },
     }
 
 
-def _finite_elements(point: Question) -> tuple[FiniteElementSolution, dict[str, str]]:
-    """The solution, on the bodies that its whole group shares if wanted; where these don't hold the
-    contact, on its own.
+def _finite_elements(question: Question) -> tuple[FiniteElementSolution, dict[str, str]]:
+    """The finite-element solution of a question, and notes by figure ("" for all).
+
+    Where its group of questions shares bodies it is solved on these; where they don't hold the
+    contact, on bodies of its own.
     """
     import halfplane_fe
 
-    load = point.scene.load
+    load = question.scene.load
     notes: dict[str, str] = {}
-    if point.share_condensations and (load.tilt is not None or load.moment_given):
+    if question.share_condensations and (load.tilt is not None or load.moment_given):
         notes = {"": "the contact moves with the tilt; solved on bodies of its own"}
-    elif point.share_condensations and load.states_approach:
+    elif question.share_condensations and load.states_approach:
         notes = {"": "the load follows from the approach; solved on bodies of its own"}
-    elif point.share_condensations:
+    elif question.share_condensations:
         try:
-            scales = _shared_scales(point.scene)
-            return halfplane_fe.solve(point.scene, point.mesh, point.solver, scales=scales), {}
+            scales = _shared_scales(question.scene)
+            return halfplane_fe.solve(
+                question.scene, question.mesh, question.solver, scales=scales
+            ), {}
         except ConvergenceError as failure:
             if "reached the end of the meshed side" not in str(failure):
                 raise
         notes = {"": "the contact left the side that its group shares; solved on bodies of its own"}
-    return halfplane_fe.solve(point.scene, point.mesh, point.solver), notes
+    return halfplane_fe.solve(question.scene, question.mesh, question.solver), notes
 
 
 def _shared_scales(scene: Scene) -> Scales:
-    """Those of the same bodies under the largest load alone, without friction: one for a group,
-    whichever points it has.
+    """Scales of the same bodies under the largest load alone, without friction: they are one for a
+    group of scenes that differ in friction, history or words.
     """
     from halfplane_fe.scales import largest_load
 
     # Words move no number, and would keep points of one group apart.
-    words = {
+    default_words = {
         name: Scene.model_fields[name].get_default(call_default_factory=True) for name in WORDS
     }
     load = PolygonLoad(initial_loading=((largest_load(scene), 0.0),))
     return _scales_of(
         scene.vary(
-            **words,
+            **default_words,
             friction=Friction(coefficient=0.0),
             load=load,
             rig=Rig(),  # which changes no contact under a given load
@@ -522,6 +540,9 @@ def _shared_scales(scene: Scene) -> Scales:
 
 @lru_cache(maxsize=256)
 def _scales_of(scene: str) -> Scales:
+    """Scales that a mesh is made for, of a scene as JSON; without those of slip and dissipation,
+    since without friction or Q they say nothing.
+    """
     from halfplane_fe.scales import find_scales
 
     # Without friction or Q nothing is dissipated: that says nothing of the points.
@@ -555,131 +576,141 @@ def _effects_of_rig(scene: Scene) -> BodyEffects | None:
     return halfplane_fe.body_effects(scene)
 
 
-def evaluate(point: Question, fe: ContactSolution | None, *, polygon: bool = False) -> Evaluated:
-    """Every figure that is asked for; against theory on the points and instants of `fe`, on the
-    polygon of its steps if wanted.
+def evaluate(question: Question, fe: ContactSolution | None, *, polygon: bool = False) -> Evaluated:
+    """Every figure that a question asks for.
 
-    Theory alone, and that of prescribed displacements, is evaluated on its own points and instants
-    of the steady cycle.
+    Theory is solved on the points and instants of `fe`, with `polygon` on the straight lines
+    between them. Theory alone, and that of prescribed displacements, is solved on its own points
+    and instants of the steady cycle.
     """
     import semi_analytic
 
-    evaluated = Evaluated()
-    metrics = set(point.figures) & METRICS.keys()
-    if "exact" in point.engines:
+    evaluation = Evaluated()
+    metric_keys = set(question.figures) & METRICS.keys()
+    if "exact" in question.engines:
         fields: Sequence[str] = semi_analytic.FIELDS
-        if not metrics:
-            quantities = [QUANTITIES[name.partition(".")[2]] for name in point.figures]
+        if not metric_keys:
+            quantities = [QUANTITIES[name.partition(".")[2]] for name in question.figures]
             fields = sorted({field for quantity in quantities for field in quantity.fields})
-        if fe is None or point.scene.load.is_driven:
-            evaluated.exact = semi_analytic.solve(
-                point.scene, cycles="steady", fields=fields, effects=_effects_of_rig(point.scene)
+        if fe is None or question.scene.load.is_driven:
+            evaluation.exact = semi_analytic.solve(
+                question.scene,
+                cycles="steady",
+                fields=fields,
+                effects=_effects_of_rig(question.scene),
             )
         else:
-            evaluated.exact = semi_analytic.solve(
-                point.scene, x=fe.x, time=fe.time, straight_steps=polygon, fields=fields
+            evaluation.exact = semi_analytic.solve(
+                question.scene, x=fe.x, time=fe.time, straight_steps=polygon, fields=fields
             )
-    if metrics and evaluated.exact is not None and fe is not None:
+    if metric_keys and evaluation.exact is not None and fe is not None:
         from reports.comparison import compare
         from reports.comparison.budget import theory_on_steps
 
-        straight_answer = None
+        theory_on_polygon = None
         if not polygon and (
-            point.uncertainty == "budget" or {"dissipation_polygon", "dissipation_step"} & metrics
+            question.uncertainty == "budget"
+            or {"dissipation_polygon", "dissipation_step"} & metric_keys
         ):
-            straight_answer = theory_on_steps(fe)
+            theory_on_polygon = theory_on_steps(fe)
         effects = None
-        if metrics & _OF_DISPLACEMENTS:
-            effects = effects_between(evaluated.exact, fe)
-        evaluated.comparison = compare(
-            evaluated.exact, fe, polygon_reference=straight_answer, effects=effects
+        if metric_keys & _OF_DISPLACEMENTS:
+            effects = effects_between(evaluation.exact, fe)
+        evaluation.comparison = compare(
+            evaluation.exact, fe, polygon_reference=theory_on_polygon, effects=effects
         )
-    comparison = evaluated.comparison
+    comparison = evaluation.comparison
     metrics_by_key = {metric.key: metric for metric in comparison.metrics} if comparison else {}
-    for name in point.figures:
-        evaluated.stated[name] = 0.0
+    for name in question.figures:
+        evaluation.stated[name] = 0.0
         value: float | None = None
         reason = "this scene has no such metric"
         if comparison is None or name not in METRICS:
-            value, reason = _take(name, point.scene, fe, evaluated.exact)
+            value, reason = _take(name, question.scene, fe, evaluation.exact)
             if fe is not None:
-                stated = _stated_by_edges(name, point.scene, fe, evaluated.exact)
-                evaluated.stated[name] = stated
+                stated = _stated_by_edges(name, question.scene, fe, evaluation.exact)
+                evaluation.stated[name] = stated
         elif name in metrics_by_key:
             metric = metrics_by_key[name]
             value = metric.value
             reason = metric.note or "there is nothing to compare"
-            evaluated.stated[name] = _stated(metric, comparison)
-        evaluated.values[name] = value
+            evaluation.stated[name] = _stated(metric, comparison)
+        evaluation.values[name] = value
         if value is None:
-            evaluated.notes[name] = reason
-    return evaluated
+            evaluation.notes[name] = reason
+    return evaluation
 
 
 def _stated(metric: Metric, comparison: Comparison) -> float:
-    """What the result states for a metric's uncertainty: the metric's own, or that of the edges at
-    its instant over a_ref; or 0.
+    """Uncertainty that the result states for a metric, or for the edges at the metric's instant
+    over a_ref, whichever is larger; 0 where it states none.
     """
     fe = comparison.result
     stated_values = [0.0, metric.uncertainty or 0.0]
-    of_edges = getattr(fe, f"{metric.key}_uncertainty", None)
-    if of_edges is not None and metric.time is not None:
+    edge_uncertainties = getattr(fe, f"{metric.key}_uncertainty", None)
+    if edge_uncertainties is not None and metric.time is not None:
         instant = int(abs(fe.time - metric.time).argmin())
-        stated_values.append(float(max(of_edges[instant])) / comparison.scales.half_width)
+        stated_values.append(float(max(edge_uncertainties[instant])) / comparison.scales.half_width)
     return max(value for value in stated_values if math.isfinite(value))
 
 
 def _cheap_uncertainty(
-    point: Question, fe: FiniteElementSolution, evaluated: Evaluated, notes: dict[str, str]
+    question: Question,
+    fe: FiniteElementSolution,
+    evaluation: Evaluated,
+    notes: dict[str, str],
 ) -> Values:
-    """What a coarser mesh, theory on the polygon of the steps and a farther far field change each
-    figure by, added up.
+    """Uncertainty of each figure, by its name + ".uncertainty": what a coarser mesh, theory on
+    straight increments and a farther far field change it by, added up.
 
-    The mesh is made twice as coarse at the surface and in the bulk, and its share taken as `_MESH`
-    times the change, or as what the solution itself states for its edges where that is more; the
-    far field's as `_FAR` times the change.
+    The mesh is made twice as coarse at the surface and in the bulk; its part is `_MESH` times the
+    change, or what the solution itself states where that is more. The far field's part is `_FAR`
+    times its change. A figure that one of the runs lacks has none, and `notes` gets the reason.
     """
     import halfplane_fe
     from reports.comparison.budget import coarser, finer_steps
 
-    scene = point.scene
-    mesh, solver = coarser(point.mesh, point.solver, 2.0)
+    scene = question.scene
+    coarse_mesh, coarse_solver = coarser(question.mesh, question.solver, 2.0)
 
-    def solved(cut: MeshSettings, law: SolverSettings = solver) -> Values:
-        return evaluate(point, halfplane_fe.solve(scene, cut, law, scales=fe.scales)).values
+    def values_with(mesh: MeshSettings, solver: SolverSettings = coarse_solver) -> Values:
+        return evaluate(question, halfplane_fe.solve(scene, mesh, solver, scales=fe.scales)).values
 
-    coarse_bulk = replace(mesh, growth=min(1.0, 2 * mesh.growth))
-    # factor of a change, and the two runs that it is between
-    shares = [(_MESH, evaluated.values, solved(coarse_bulk))]
+    coarse_bulk = replace(coarse_mesh, growth=min(1.0, 2 * coarse_mesh.growth))
+    # factor of a change, and the values of the two runs that it is between
+    comparisons = [(_MESH, evaluation.values, values_with(coarse_bulk))]
     if scene.unsymmetric or scene.load.is_driven:
-        # Theory has no answer on the polygon of the steps for every one of these: halved increments
+        # Theory has no answer on straight increments for every one of these: halved increments
         # instead, second order.
-        shares.append((4 / 3, solved(mesh), solved(mesh, finer_steps(solver))))
-    elif "exact" in point.engines:
-        shares.append((1.0, evaluated.values, evaluate(point, fe, polygon=True).values))
-    if (
-        "half_plane" in (scene.bodies.lower.kind, scene.bodies.upper.kind)
-        and point.mesh.far_radius <= 500
-    ):
+        half_increments = values_with(coarse_mesh, finer_steps(coarse_solver))
+        comparisons.append((4 / 3, values_with(coarse_mesh), half_increments))
+    elif "exact" in question.engines:
+        on_polygon = evaluate(question, fe, polygon=True).values
+        comparisons.append((1.0, evaluation.values, on_polygon))
+    has_half_plane = "half_plane" in (scene.bodies.lower.kind, scene.bodies.upper.kind)
+    if has_half_plane and question.mesh.far_radius <= 500:
         # Both with the bulk as it is: a far field beyond a coarse bulk shows what the bulk does.
-        shares.append((_FAR, solved(mesh), solved(replace(mesh, far_radius=2 * mesh.far_radius))))
-    total: Values = {}
-    for name in point.figures:
+        far_mesh = replace(coarse_mesh, far_radius=2 * coarse_mesh.far_radius)
+        comparisons.append((_FAR, values_with(coarse_mesh), values_with(far_mesh)))
+    uncertainties: Values = {}
+    for name in question.figures:
         if name.startswith("exact."):
             continue
+        key = f"{name}.uncertainty"
         changes = []
-        for factor, values, changed_values in shares:
+        for factor, values, changed_values in comparisons:
             value = values[name]
             changed_value = changed_values[name]
             if value is not None and changed_value is not None:
                 changes.append(factor * abs(value - changed_value))
-        if len(changes) == len(shares):
-            of_mesh = max(changes[0], evaluated.stated[name])
-            total[f"{name}.uncertainty"] = of_mesh + sum(changes[1:])
+        if len(changes) == len(comparisons):
+            change_by_mesh, *further_changes = changes
+            stated_uncertainty = evaluation.stated[name]
+            uncertainties[key] = max(change_by_mesh, stated_uncertainty) + sum(further_changes)
         else:
-            total[f"{name}.uncertainty"] = None
-            notes[f"{name}.uncertainty"] = "one of the runs that it is taken from has no such value"
-    return total
+            uncertainties[key] = None
+            notes[key] = "one of the runs that it is taken from has no such value"
+    return uncertainties
 
 
 def _silent(_name: str) -> Any:
@@ -687,19 +718,22 @@ def _silent(_name: str) -> Any:
     return nullcontext(lambda *_: None)
 
 
-def _budget(point: Question, evaluated: Evaluated, notes: dict[str, str]) -> Values:
-    """The rest of each metric that no numerical error accounts for, and how uncertain it is."""
+def _budget(question: Question, evaluation: Evaluated, notes: dict[str, str]) -> Values:
+    """What is left of each metric when all numerical errors are taken off, by its name +
+    ".idealisation", and the uncertainty of that, by its name + ".uncertainty".
+
+    Where there is none, `notes` gets the reasons.
+    """
     from reports.comparison.budget import climb, error_budget
 
-    comparison = evaluated.comparison
+    comparison = evaluation.comparison
     assert comparison is not None
-    refinements = climb(comparison, point.mesh, point.solver, _silent)
-    budgets = {
-        budget.metric.key: budget for budget in error_budget(comparison, refinements, 1.0).budgets
-    }
+    refinements = climb(comparison, question.mesh, question.solver, _silent)
+    budgets = error_budget(comparison, refinements, 1.0).budgets
+    budget_by_key = {budget.metric.key: budget for budget in budgets}
     values: Values = {}
-    for name in evaluated.values:
-        budget = budgets.get(name)
+    for name in evaluation.values:
+        budget = budget_by_key.get(name)
         values[f"{name}.idealisation"] = None if budget is None else budget.rest
         values[f"{name}.uncertainty"] = None if budget is None else budget.uncertainty
         if budget is None or budget.uncertainty is None:
