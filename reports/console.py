@@ -47,8 +47,8 @@ class TimeLeft:
         self._total = 0
 
     def words(self, count: int, total: int | None) -> str:
-        """For a part of the job of which `count` of `total` steps are done; empty before anything
-        can be said of it.
+        """In words, how long the rest of a part of a job takes, of which `count` of `total` steps
+        are done. Empty before anything can be said of it.
 
         >>> clock = iter([0.0, 0.0, 3.0]).__next__
         >>> left = TimeLeft(clock)
@@ -85,8 +85,8 @@ class Stages:
 
     @contextmanager
     def stage(self, name: str, steps_noun: str = "stretches") -> Generator[_Report, None, None]:
-        """Times a stage; yields report(count, total or None, text), which counts the steps that are
-        done.
+        """Run a stage of a job: time it, show its progress, log it. Yields report(count, total or
+        None, text), which the stage calls with the number of steps that are done.
 
         Parameters
         ----------
@@ -95,12 +95,12 @@ class Stages:
         """
         start = time.perf_counter()
         self.note(f"{name} ...")
-        display = (
+        progress_display = (
             self._progress_bar(name) if self.console.is_terminal else self._lines(name, steps_noun)
         )
         last_text = ""
 
-        with display as show:
+        with progress_display as show:
 
             def report(count: int, total: int | None, text: str) -> None:
                 """Shows every step; the last one of a total goes into the log too."""
@@ -126,7 +126,9 @@ class Stages:
 
     @contextmanager
     def _progress_bar(self, name: str) -> Generator[_Report, None, None]:
-        """A bar that vanishes at the end, for a terminal."""
+        """Show the progress of a stage on a terminal, as a bar that vanishes at the end. Yields
+        report(count, total, text).
+        """
         from rich.progress import (
             BarColumn,
             MofNCompleteColumn,
@@ -157,16 +159,18 @@ class Stages:
 
     @contextmanager
     def _lines(self, name: str, steps_noun: str) -> Generator[_Report, None, None]:
-        """A line now and then, for a file or a pipe."""
-        last_line = time.perf_counter()
+        """Show the progress of a stage in a file or a pipe, as a line now and then. Yields
+        report(count, total, text).
+        """
+        time_of_last_line = time.perf_counter()
         time_left = TimeLeft()
         self.console.print(Text(f"{name} ..."))
 
         def report(count: int, total: int | None, text: str) -> None:
-            nonlocal last_line
+            nonlocal time_of_last_line
             words = time_left.words(count, total)
-            if time.perf_counter() - last_line >= _LINE_EVERY:
-                last_line = time.perf_counter()
+            if time.perf_counter() - time_of_last_line >= _LINE_EVERY:
+                time_of_last_line = time.perf_counter()
                 steps = f"{count} of {total} {steps_noun}" if total else ""
                 parts = ", ".join(filter(None, (text, steps, words)))
                 self.console.print(Text(f"  {name}: {parts}"))
@@ -201,17 +205,19 @@ def show(parts: Iterable[Part]) -> None:
 def show_table(
     title: str, columns: Sequence[str], rows: Iterable[Sequence[str]], right: Sequence[int] = ()
 ) -> None:
-    """A table on stdout; columns whose numbers are in `right` are set flush right."""
+    """Print a table on stdout, no word broken where that can be; columns whose numbers are in
+    `right` are set flush right.
+    """
     console = Console(highlight=False)
-    lines = [list(row) for row in rows]
+    table_rows = [list(row) for row in rows]
     # Rules between columns, and a blank on both sides of each where no word has to be broken for
     # it.
-    with_blanks = _widths([columns, *lines], console.width - 3 * len(columns) + 1)
-    without = _widths([columns, *lines], console.width - len(columns) - 1)
-    widest = _widths([columns, *lines], sys.maxsize)
-    if without == widest != with_blanks:
-        with_blanks = []  # rather no blanks than cells of two lines
-    blank = 0 if without and not with_blanks else 1
+    widths_with_blanks = _widths([columns, *table_rows], console.width - 3 * len(columns) + 1)
+    widths_without_blanks = _widths([columns, *table_rows], console.width - len(columns) - 1)
+    full_widths = _widths([columns, *table_rows], sys.maxsize)
+    if widths_without_blanks == full_widths != widths_with_blanks:
+        widths_with_blanks = []  # rather no blanks than cells of two lines
+    blank = 0 if widths_without_blanks and not widths_with_blanks else 1
     table = Table(
         title=Text(_printable(title)),
         title_justify="left",
@@ -219,19 +225,21 @@ def show_table(
         pad_edge=False,
         padding=(0, blank),
     )
-    widths: Sequence[int | None] = with_blanks or without or [None] * len(columns)
-    for number, (column, cells) in enumerate(zip(columns, widths, strict=True)):
+    widths: Sequence[int | None] = (
+        widths_with_blanks or widths_without_blanks or [None] * len(columns)
+    )
+    for number, (column, column_width) in enumerate(zip(columns, widths, strict=True)):
         justify: Literal["right", "left"] = "right" if number in right else "left"
-        table.add_column(column, justify=justify, overflow="fold", width=cells)
-    for row in lines:
+        table.add_column(column, justify=justify, overflow="fold", width=column_width)
+    for row in table_rows:
         cells_of_row = map(_wrapped, row, widths)
         table.add_row(*map(_coloured, cells_of_row))
     console.print(table)
 
 
-def _widths(lines: Sequence[Sequence[str]], room: int) -> list[int]:
-    """Widths of columns in which no word is broken, for a table that has `room` for its cells;
-    empty where there is none.
+def _widths(rows: Sequence[Sequence[str]], total_width: int) -> list[int]:
+    """Widths of the columns of a table in which no word is broken; `rows` are its rows,
+    `total_width` is the width of all its cells together. Empty where there is no room for that.
 
     >>> (
     ...     _widths([("a long head", "b"), ("word", "c")], 80),
@@ -240,16 +248,16 @@ def _widths(lines: Sequence[Sequence[str]], room: int) -> list[int]:
     ... )
     ([11, 1], [6, 6], [])
     """
-    columns = list(zip(*lines, strict=True))
+    columns = list(zip(*rows, strict=True))
     full_widths = [max(map(_width_of, column)) for column in columns]
-    if sum(full_widths) <= room:
+    if sum(full_widths) <= total_width:
         return full_widths
     widths = [_longest_word(column) for column in columns]
-    if sum(widths) > room:
+    if sum(widths) > total_width:
         return []
-    while spare := room - sum(widths):
+    while width_left := total_width - sum(widths):
         narrow_columns = [k for k, width in enumerate(widths) if width < full_widths[k]]
-        for k in narrow_columns[:spare]:
+        for k in narrow_columns[:width_left]:
             widths[k] += 1
     return widths
 
@@ -277,7 +285,7 @@ def _words(cell: str) -> list[str]:
 
 
 def _wrapped(cell: str, width: int | None) -> str:
-    """The cell in lines of at most `width`, broken between its words; as it is where no width is
+    """A cell in lines of at most `width`, broken between its words; as it is where no width is
     known.
 
     >>> _wrapped("-56 ± 74 %", 8)
@@ -296,8 +304,8 @@ def _wrapped(cell: str, width: int | None) -> str:
 
 
 def _coloured(cell: str) -> Text:
-    """Verdict words in colour, where the terminal has any; every cell taken literally, brackets and
-    all.
+    """A cell as text with its verdict in colour, where the terminal has any; brackets are taken
+    literally.
     """
     style = {
         "within": "green",

@@ -84,8 +84,8 @@ def replace_file(path: str | Path, content: bytes | memoryview) -> None:
 
 
 def replace_text(path: Path, text: str) -> None:
-    """Write a file in one go: a reader sees the old one or the new one; InputError where that is
-    not possible.
+    """Write a text file in one go, so that a reader sees the old one or the new one. InputError
+    where that is not possible.
     """
     try:
         remove_left_behind(path.parent)
@@ -99,8 +99,8 @@ def replace_text(path: Path, text: str) -> None:
 
 @contextmanager
 def _made(folder: Path) -> Generator[None, None, None]:
-    """`folder` is there, with all above it; what had to be made for that goes again after an error,
-    unless something lies in it.
+    """Within this context `folder` is there, with all above it. What had to be made for that goes
+    again after an error, unless something lies in it.
     """
     missing_folders = [path for path in (folder, *folder.parents) if not path.exists()]
     try:
@@ -114,7 +114,9 @@ def _made(folder: Path) -> Generator[None, None, None]:
 
 
 def remove_left_behind(folder: Path) -> None:
-    """Remove what killed processes left in `folder` under a hidden name of ours."""
+    """Remove what killed processes of this program left in `folder`, under hidden names that only
+    it uses.
+    """
     with suppress(OSError), os.scandir(folder) as entries:
         hidden_folders = [
             Path(entry.path)
@@ -187,10 +189,8 @@ def default_folder(name: str) -> Path:
 
 
 def claim(out: str | Path, names: Iterable[str] = RESULTS) -> Path:
-    """`out` as a path that results can be written to; it is not made yet. What killed runs left in
-    it and beside it is removed.
-
-    `names` are files that will be written there.
+    """`out` as a path that results can be written to; it is not made yet. `names` are the files
+    that will be written there. What killed runs left in it and beside it is removed.
 
     Raises
     ------
@@ -315,8 +315,8 @@ def _move_solutions(
     solutions: tuple[str, ...],
     fault: Exception,
 ) -> None:
-    """After `fault`: the solutions that were written go to their folder, and a note of the fault
-    names them.
+    """After `fault`, save at least the solutions that were written: move them from `staging` to
+    their folder, and add a note to the fault that names them.
     """
     with suppress(OSError, InputError):  # the fault itself is what has to be said
         if written_names := _leave_only(staging / "results", solutions):
@@ -332,8 +332,8 @@ def _is_about_another_file(fault: OSError, staging: Path) -> bool:
 
 
 def _visible(staging: Path) -> Path:
-    """The folder under a name that users see and no run removes, what they have no use for taken
-    out; else under its own.
+    """Give a hidden folder of results a name that users see and no run removes, empty folders and
+    files of our own bookkeeping taken out. Its path, the old one where that fails.
     """
     try:
         for path in staging.iterdir():
@@ -353,7 +353,9 @@ def _unwritable(out: str | Path, reason: OSError) -> InputError:
 
 
 def _refuse_foreign(folder: Path, names: Iterable[str], out: str | Path) -> None:
-    """InputError if one of `names` is in `folder` already and no manifest of ours lists it."""
+    """InputError if one of `names` is in `folder` already and no manifest of this program lists it,
+    or would be written outside through a link.
+    """
     # Where folders can't be locked another run may move its files now: the manifest goes there
     # before them, so it is read after.
     existing = {name for name in names if os.path.lexists(folder / name)}
@@ -396,8 +398,8 @@ def _manifest(path: Path, names: Iterable[str]) -> Path:
 
 
 def _owned(folder: Path) -> list[str]:
-    """Files in `folder` that an earlier run listed as its own; a manifest that is not ours lists
-    none.
+    """Names of files in `folder` that an earlier run listed in its manifest; none without a
+    manifest of this program.
     """
     try:
         manifest = parsed_json(text_of(folder / MANIFEST, "the manifest"))
@@ -422,61 +424,63 @@ def _lies_in(folder: Path, name: str) -> bool:
 
 
 def _move(staging: Path, folder: Path, fresh: tuple[str, ...], out: str | Path) -> None:
-    """The results to `folder`: the old page goes first, the new one comes last. After an error
-    everything is as it was before.
+    """Move the results from `staging` to `folder`: the old page goes first, the new one comes last.
 
-    The manifest that goes there before any file lists what was there and what will be, so that a
-    run killed between two moves leaves nothing that the next one takes for somebody else's; the one
-    that goes there last, what is there.
+    After an error everything is as it was before. The manifest that goes there before any file
+    lists what was there and what will be; the last one lists what is there. So a run killed between
+    two moves leaves nothing that the next one takes for somebody else's.
     """
     results = staging / "results"
-    before = staging / "before"
+    old_results = staging / "before"
     new_names = _files(results)
     with _made(folder), _alone_in(folder, out, make=True), ExitStack() as folders:
         _refuse_foreign(folder, new_names, out)
         other_names = set(_owned(folder)) - {*new_names, MANIFEST}
-        stale = {name for name in other_names if name.startswith(fresh)}
-        old = sorted(
-            (name for name in {*new_names, *stale} if os.path.lexists(folder / name)),
+        stale_names = {name for name in other_names if name.startswith(fresh)}
+        replaced_names = sorted(
+            (name for name in {*new_names, *stale_names} if os.path.lexists(folder / name)),
             key=lambda name: (name != _PAGE, name),
         )
-        begun = _manifest(staging / "begun.json", {*new_names, *other_names})
-        ended = _manifest(staging / "ended.json", {*new_names, *(other_names - stale)})
-        for name in old:
-            (before / name).parent.mkdir(parents=True, exist_ok=True)
+        first_manifest = _manifest(staging / "begun.json", {*new_names, *other_names})
+        last_manifest = _manifest(
+            staging / "ended.json", {*new_names, *(other_names - stale_names)}
+        )
+        for name in replaced_names:
+            (old_results / name).parent.mkdir(parents=True, exist_ok=True)
         for parent in {(folder / name).parent for name in new_names} - {folder}:
             folders.enter_context(_made(parent))
         try:
-            with interrupts_wait(), ExitStack() as undo:
+            with interrupts_wait(), ExitStack() as undoing:
                 if os.path.lexists(folder / MANIFEST):
                     shutil.copyfile(folder / MANIFEST, before_manifest := staging / MANIFEST)
-                    undo.callback(os.replace, before_manifest, folder / MANIFEST)
+                    undoing.callback(os.replace, before_manifest, folder / MANIFEST)
                 else:
-                    undo.callback((folder / MANIFEST).unlink, missing_ok=True)
-                os.replace(begun, folder / MANIFEST)
-                for name in old:
-                    os.rename(folder / name, before / name)
-                    undo.callback(os.rename, before / name, folder / name)
+                    undoing.callback((folder / MANIFEST).unlink, missing_ok=True)
+                os.replace(first_manifest, folder / MANIFEST)
+                for name in replaced_names:
+                    os.rename(folder / name, old_results / name)
+                    undoing.callback(os.rename, old_results / name, folder / name)
                 for name in sorted(new_names, key=lambda name: (name == _PAGE, name)):
                     os.replace(results / name, folder / name)
-                    undo.callback(os.replace, folder / name, results / name)
-                os.replace(ended, folder / MANIFEST)
-                undo.pop_all()
+                    undoing.callback(os.replace, folder / name, results / name)
+                os.replace(last_manifest, folder / MANIFEST)
+                undoing.pop_all()
         except KeyboardInterrupt as stop:
             raise FilledBefore(f"the results in {out} are whole") from stop
-        for above in {(folder / name).parent for name in stale} - {folder}:
+        for parent_folder in {(folder / name).parent for name in stale_names} - {folder}:
             with suppress(OSError):  # something is left in it
-                above.rmdir()
+                parent_folder.rmdir()
 
 
 @contextmanager
 def _alone_in(folder: Path, out: str | Path, *, make: bool = False) -> Generator[None, None, None]:
-    """Wait for other processes that move files to `folder`; not where the system can't lock a
-    folder (Windows, some networks).
+    """Within this context no other process of this program moves files to `folder`: wait for a lock
+    on it.
 
-    One that goes meanwhile is made again, or FileNotFoundError.
+    Without a lock where the system can't lock a folder (Windows, some networks). A folder that is
+    removed meanwhile is made again with `make`, else FileNotFoundError.
     """
-    end = time.monotonic() + _PATIENCE
+    latest_time = time.monotonic() + _PATIENCE
     handle = None
     while fcntl is not None:
         if make:
@@ -492,7 +496,7 @@ def _alone_in(folder: Path, out: str | Path, *, make: bool = False) -> Generator
         except OSError:  # there are no locks here
             break
         os.close(handle)
-        if time.monotonic() > end:
+        if time.monotonic() > latest_time:
             raise InputError(
                 f"--out {out}: another process has held this folder for {_PATIENCE:g} s and moves"
                 " no files (is it stopped?); end it, or name another folder"

@@ -36,7 +36,8 @@ _SYMBOLS = {WORK: "W", PEAK: "the largest pressure"}
 
 
 def stated_in_words(scene: Scene) -> str:
-    """The standard uncertainties as they were read; empty where none is stated.
+    """A sentence on the standard uncertainties that a scene states of its inputs, and their
+    correlations; empty where it states none.
 
     >>> from scenes import load_scene
     >>> stated_in_words(load_scene("hertz-paper").vary(uncertainty={"friction": "5 %"}))
@@ -55,8 +56,8 @@ def stated_in_words(scene: Scene) -> str:
 
 
 def stated_content(scene: Scene) -> list[dict[str, Any]] | None:
-    """The same as JSON: key, value, what is stated, share (degrees of the phase); None where none
-    is stated.
+    """The standard uncertainties that a scene states of its inputs, for JSON: a share of the value,
+    or degrees of a phase. None where it states none.
     """
     rows = [
         {
@@ -75,8 +76,8 @@ def stated_content(scene: Scene) -> list[dict[str, Any]] | None:
 def sentences(
     effects: InputEffects, scene: Scene, comparison: JudgedPair | None = None
 ) -> list[str]:
-    """The difference with its input term, what a measurement could see, which input matters most;
-    then what was drawn, and what is left out.
+    """What uncertain inputs do to the answer, in sentences: the difference of the models, what a
+    measurement could see, which input matters most, what was drawn, what is left out.
 
     Parameters
     ----------
@@ -93,15 +94,17 @@ def sentences(
     if effects.draws is not None:
         all_sentences.append(_drawn(effects.draws, scene))
     drawn_values = effects.draws.values if effects.draws is not None else {}
-    drawn_words = {QUANTITIES_OF_THEORY[key].words for key in drawn_values}
-    rough_keys = [
+    names_of_drawn = {QUANTITIES_OF_THEORY[key].words for key in drawn_values}
+    names_of_rough = [
         value.words
         for key, value in (*effects.values.items(), *effects.difference.items())
-        if value.uncertainty > 0 and not value.is_nearly_linear and value.words not in drawn_words
+        if value.uncertainty > 0
+        and not value.is_nearly_linear
+        and value.words not in names_of_drawn
     ]
-    if rough_keys:
+    if names_of_rough:
         all_sentences.append(
-            f"Rough, by derivatives that are not enough: {', '.join(rough_keys)}. There the"
+            f"Rough, by derivatives that are not enough: {', '.join(names_of_rough)}. There the"
             " second order is above a tenth of the uncertainty."
         )
     all_sentences += [f"{note[:1].upper()}{_ended(note[1:])}" for note in effects.notes]
@@ -109,8 +112,8 @@ def sentences(
 
 
 def sentences_of_report(report: Report) -> list[str]:
-    """The same of a report. A result that may be measured stands against theory in place of what a
-    measurement could see.
+    """What uncertain inputs do to the answer of a report, in sentences. Where the result may be a
+    measurement they say how it stands against theory, in place of what a measurement could see.
     """
     effects = report.inputs
     comparison = report.comparison
@@ -124,7 +127,8 @@ def sentences_of_report(report: Report) -> list[str]:
 
 
 def sliding_in_words(sliding: NearSliding | None) -> str:
-    """Whether the inputs may make the bodies slide; empty where they hardly do.
+    """A sentence where two standard uncertainties of the inputs may make the bodies slide as a
+    whole; else empty.
 
     >>> sliding_in_words(NearSliding(0.979, 0.05))
     'Within two standard uncertainties of the inputs |Q| reaches f P, and the bodies slide as a
@@ -143,6 +147,9 @@ def _ended(sentence: str) -> str:
 
 
 def _of_difference(effects: InputEffects, comparison: JudgedPair | None) -> Iterator[str]:
+    """A sentence on the difference of the two models in W with the uncertainty by the inputs, or on
+    why it is not stated.
+    """
     if effects.no_difference:
         if comparison is not None:
             yield (
@@ -168,8 +175,8 @@ def _difference_of_work(term: Propagated, comparison: JudgedPair | None) -> tupl
 
 
 def _of_measurement(effects: InputEffects, comparison: JudgedPair | None) -> Iterator[str]:
-    """What a measurement of W with these inputs is uncertain by, and whether it could see the
-    difference.
+    """A sentence on the uncertainty that these inputs give a measurement of W, and whether it could
+    see the difference of the two models.
     """
     relative_uncertainty = effects.work_uncertainty
     if not math.isfinite(relative_uncertainty):
@@ -188,7 +195,9 @@ def _of_measurement(effects: InputEffects, comparison: JudgedPair | None) -> Ite
 
 
 def _matters_most(effects: InputEffects) -> str:
-    """Which input moves W most, or the largest pressure where nothing is dissipated."""
+    """A sentence on which input changes W most, and which comes next; of the largest pressure where
+    nothing is dissipated.
+    """
     for key in (WORK, PEAK):
         value = effects.values.get(key)
         if value is None or not value.ranking:
@@ -206,22 +215,25 @@ def _matters_most(effects: InputEffects) -> str:
 
 
 def _drawn(draws: Draws, scene: Scene) -> str:
+    """Sentences on the work W of random draws of the inputs: why they were drawn, mean and
+    deviation, how many slide or are impossible.
+    """
     unit = energy_unit(scene)
     work = draws.values[WORK]
     mean_in_words = with_uncertainty(work.mean, work.uncertainty)
-    sentence = (
+    text = (
         f"{draws.reason[:1].upper()}{draws.reason[1:]}. So W is taken from {draws.count:,} random"
         f" draws of the inputs: {mean_in_words} {unit}. 95 % of them lie from {work.low:.4g} to"
         f" {work.high:.4g}."
     )
     if draws.sliding:
-        sentence += (
+        text += (
             f" {significant(100 * draws.sliding, 2)} % of the draws slide as a whole, have no W,"
             " and are in neither mean nor deviation."
         )
     if draws.impossible > 0:
-        sentence += f" {100 * draws.impossible:.2g} % are of inputs that no scene can have."
-    return minus(sentence)
+        text += f" {100 * draws.impossible:.2g} % are of inputs that no scene can have."
+    return minus(text)
 
 
 MODELS_ALONE = (
@@ -237,7 +249,9 @@ HEADS = ("Value of theory", "value", "u", "u in %", "most of it")
 
 
 def rows(effects: InputEffects, scene: Scene) -> list[tuple[str, ...]]:
-    """Each value of theory with its standard uncertainty by the inputs, and which make it."""
+    """Rows of the table of theory's values: value, standard uncertainty by the inputs, the same in
+    per cent, and the three inputs that make most of it.
+    """
     words = {entry.key: entry.words for entry in effects.inputs}
     table: list[tuple[str, ...]] = []
     for value in effects.values.values():
@@ -269,25 +283,27 @@ HEADS_OF_DIFFERENCE = ("By corrected theory", "%", "u, points", "most of it, poi
 
 
 def rows_of_difference(effects: InputEffects) -> list[tuple[str, ...]]:
-    """The differences of the two models with their own terms: W, and the largest pressure of a
-    parabola.
+    """Rows of the table of differences of the two models: size in per cent, uncertainty by the
+    inputs in points, and the three inputs that make most of it.
     """
     words = {entry.key: entry.words for entry in effects.inputs}
     table: list[tuple[str, ...]] = []
     for value in effects.difference.values():
-        parts = [
+        parts_of_inputs = [
             f"{words[key]} {significant(100 * abs(value.changes[key].value), 2)}"
             for key in value.ranking[:3]
         ]
         size = with_uncertainty(100 * value.value, 100 * value.uncertainty).partition(" ±")[0]
-        points = significant(100 * value.uncertainty, 2)
-        table.append((value.words, size, points, ", ".join(parts) or "–"))
+        points_of_uncertainty = significant(100 * value.uncertainty, 2)
+        table.append((value.words, size, points_of_uncertainty, ", ".join(parts_of_inputs) or "–"))
     return table
 
 
 def table_of_inputs(effects: InputEffects) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
-    """Heads, and a row for each input: its standard uncertainty, what that makes of W of theory,
-    and of the difference of W where that is known; the sums below, correlations counted.
+    """Heads, and a row for each input: its standard uncertainty, what that changes of W of theory
+    in per cent, and of the difference of W in points where that is known.
+
+    The last row holds the sums, correlations counted.
     """
     heads = ("Input", "as stated", "moves W by %")
     work = effects.values.get(WORK)
@@ -349,15 +365,17 @@ def content_of_report(report: Report) -> dict[str, Any] | None:
 def content(
     effects: InputEffects | None, scene: Scene, comparison: JudgedPair | None = None
 ) -> dict[str, Any] | None:
-    """The same without a report."""
+    """What uncertain inputs do to the answer, for JSON; None where the scene states no uncertainty
+    of them.
+    """
     if effects is None:
         return None
     draws = None
     if effects.draws is not None:
-        of_values = {
+        values_of_draws = {
             key: drawn_value._asdict() for key, drawn_value in effects.draws.values.items()
         }
-        draws = vars(effects.draws) | {"values": of_values}
+        draws = vars(effects.draws) | {"values": values_of_draws}
     return {
         "stated": stated_content(scene),
         "correlations": [list(entry) for entry in effects.correlations],
@@ -384,6 +402,9 @@ def sliding_content(sliding: NearSliding | None) -> dict[str, Any] | None:
 
 
 def _content(value: Propagated) -> dict[str, Any]:
+    """A value with its uncertainty by the inputs, for JSON: what each input changes, and the inputs
+    in order of that.
+    """
     changes = {
         key: {"value": change.value, "error": change.uncertainty}
         for key, change in value.changes.items()

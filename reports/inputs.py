@@ -287,7 +287,8 @@ class InputEffects:
 def propagated(
     quantity: Quantity, value: float, moves: Sequence[_Move], key: str, correlation: Array
 ) -> Propagated:
-    """A value with the uncertainty that inputs give it, in the order of `moves`.
+    """A value of theory with the standard uncertainty that all inputs give it. Each of `moves`
+    holds what one input changes of all values; `key` is that of this value.
 
     Parameters
     ----------
@@ -308,8 +309,11 @@ def propagated(
 
 # ------------------------------------------------------------------------------- one scene's values
 def values_of_theory(scene: Scene, effects: BodyEffects | None = None) -> _Values:
-    """Values of half-plane theory of the last cycle, by the names of `QUANTITIES_OF_THEORY`; where
-    a displacement is prescribed those of `OF_DRIVEN`, with the effects of the bodies.
+    """Half-plane theory's values of the last cycle by name (work, largest pressure, half-widths,
+    ...).
+
+    Under a prescribed displacement other names, with what the bodies add to half-planes in
+    `effects`.
 
     Raises
     ------
@@ -319,31 +323,31 @@ def values_of_theory(scene: Scene, effects: BodyEffects | None = None) -> _Value
     import semi_analytic
 
     if scene.load.is_driven:
-        answer = semi_analytic.solve(scene, x=0.0, effects=effects, fields=(WORK, "pressure"))
-        rows = answer.last_cycle
+        solution = semi_analytic.solve(scene, x=0.0, effects=effects, fields=(WORK, "pressure"))
+        steps = solution.last_cycle
         values = {
-            WORK: answer.dissipation,
-            PEAK: float(answer.pressure[rows].max()),
-            "half_width": float(np.max(answer.contact_half_width[rows])),
-            "permanent_stick": answer.permanent_stick_half_width,
-            "largest_tangential_load": float(np.max(np.abs(answer.tangential_load[rows]))),
+            WORK: solution.dissipation,
+            PEAK: float(solution.pressure[steps].max()),
+            "half_width": float(np.max(solution.contact_half_width[steps])),
+            "permanent_stick": solution.permanent_stick_half_width,
+            "largest_tangential_load": float(np.max(np.abs(solution.tangential_load[steps]))),
         }
         if scene.friction.coefficient:
-            values[RATIO] = ratio_of_answer(answer)
+            values[RATIO] = ratio_of_answer(solution)
         return values
-    answer = semi_analytic.solve(scene, x=0.0, fields=(WORK,))
+    solution = semi_analytic.solve(scene, x=0.0, fields=(WORK,))
     if _is_long(scene) or _needs_grids(scene):
         return {
-            WORK: answer.dissipation,
-            "half_width": float(np.max(answer.contact_half_width[answer.last_cycle])),
-            "permanent_stick": answer.permanent_stick_half_width,
+            WORK: solution.dissipation,
+            "half_width": float(np.max(solution.contact_half_width[solution.last_cycle])),
+            "permanent_stick": solution.permanent_stick_half_width,
         }
-    largest_values = semi_analytic.extremes(answer, names=("slip", "edge_tension"))
+    largest_values = semi_analytic.extremes(solution, names=("slip", "edge_tension"))
     return {
-        WORK: answer.dissipation,
+        WORK: solution.dissipation,
         PEAK: largest_values.pressure,
         "half_width": largest_values.half_width,
-        "permanent_stick": answer.permanent_stick_half_width,
+        "permanent_stick": solution.permanent_stick_half_width,
         "slip": largest_values.slip,
         "edge_tension": largest_values.edge_tension,
     }
@@ -369,10 +373,13 @@ class _Move(NamedTuple):
 
 
 def central_differences(
-    values_at: Callable[[Scene], _Values], scene: Scene, entry: Input, middle: _Values
+    values_at: Callable[[Scene], _Values], scene: Scene, entry: Input, values_at_inputs: _Values
 ) -> _Move:
-    """Central differences for one input. Where one standard uncertainty makes the loads slide, a
-    smaller step.
+    """What one input changes of all values of theory: they are taken with the input moved up and
+    down by its standard uncertainty.
+
+    Where that makes the loads slide, by a smaller step. `values_at_inputs` holds the values at the
+    input itself.
 
     Raises
     ------
@@ -388,18 +395,18 @@ def central_differences(
             if share == _STEPS[-1]:
                 raise
             continue
-        return _Move(entry.key, _differences(middle, values_above, values_below, share))
+        return _Move(entry.key, _differences(values_at_inputs, values_above, values_below, share))
     raise AssertionError  # the last step returns or raises
 
 
 def _differences(
-    middle: _Values, values_above: _Values, values_below: _Values, share: float
+    values_at_inputs: _Values, values_above: _Values, values_below: _Values, share: float
 ) -> dict[str, Estimate]:
-    """Change for one standard uncertainty and the second order of it, from values at a share of it
-    on both sides.
+    """By value: its change for one standard uncertainty of an input, and the second order of that.
+    From values with the input moved up and down by `share` of the uncertainty.
     """
     changes = {}
-    for key, value in middle.items():
+    for key, value in values_at_inputs.items():
         change = (values_above[key] - values_below[key]) / (2 * share)
         second_order = abs(values_above[key] + values_below[key] - 2 * value) / (2 * share**2)
         changes[key] = Estimate(change, second_order)
@@ -417,34 +424,40 @@ def _change_of_modulus(scene: Scene, entry: Input) -> float:
 
 # ----------------------------------------------------------------------------------- theory's moves
 def moves_of_theory(
-    scene: Scene, middle: _Values, effects: Callable[[Scene], BodyEffects | None]
+    scene: Scene, values_at_inputs: _Values, effects_of: Callable[[Scene], BodyEffects | None]
 ) -> list[_Move]:
-    """What each input changes: by the scaling laws where they hold, by central differences
-    elsewhere.
+    """For each input, what its standard uncertainty changes of theory's values `values_at_inputs`:
+    by scaling laws where they hold, else by central differences.
+
+    `effects_of` gives what the bodies of a moved scene add to half-planes.
     """
 
     def values_at(moved: Scene) -> _Values:
-        return values_of_theory(moved, effects(moved))
+        return values_of_theory(moved, effects_of(moved))
 
     laws_hold = not (scene.load.is_driven or scene.unsymmetric)
     if not laws_hold:
-        return [central_differences(values_at, scene, entry, middle) for entry in scene.inputs]
-    laws = _ScalingLaws(scene, middle, values_at)
-    return [_by_laws(laws, scene, entry, middle, values_at) for entry in scene.inputs]
+        return [
+            central_differences(values_at, scene, entry, values_at_inputs) for entry in scene.inputs
+        ]
+    laws = _ScalingLaws(scene, values_at_inputs, values_at)
+    return [_by_laws(laws, scene, entry, values_at_inputs, values_at) for entry in scene.inputs]
 
 
 def _by_laws(
     laws: _ScalingLaws,
     scene: Scene,
     entry: Input,
-    middle: _Values,
+    values_at_inputs: _Values,
     values_at: Callable[[Scene], _Values],
 ) -> _Move:
-    """What one input changes, by the scaling laws where they give it."""
+    """What one input `entry` changes of theory's values: by a scaling law where there is one for
+    its key, else by central differences.
+    """
     key = entry.key
     if key.startswith("bodies.") and not key.endswith(".radius"):
         # half-plane theory has no bodies
-        return _Move(key, dict.fromkeys(middle, Estimate(0.0)))
+        return _Move(key, dict.fromkeys(values_at_inputs, Estimate(0.0)))
     if key == "friction":
         return laws.move(key, entry.standard, laws.of_friction())
     if key.startswith("material."):
@@ -456,7 +469,7 @@ def _by_laws(
         return laws.move(key, entry.standard, laws.of_normal_load())
     if key in ("normal_load", "tangential_load"):
         return laws.by_differences(key)
-    return central_differences(values_at, scene, entry, middle)
+    return central_differences(values_at, scene, entry, values_at_inputs)
 
 
 class _ScalingLaws:
@@ -539,10 +552,10 @@ class _ScalingLaws:
 # --------------------------------------------------------------------------------- the difference
 def with_blocks(scene: Scene) -> Scene:
     """The scene with a block for each pad where a displacement is prescribed, the profile being the
-    gap between flat faces: what its arcs add is left out. Else the scene itself.
+    gap between flat faces; else the scene itself.
 
-    Changes of W are near: by 5 % of the friction -5.37 % for blocks by theory, -5.38 % for a pad
-    with a/R = 0.014 by finite elements.
+    What the arcs of the pads add is left out. Changes of W are near: by 5 % of the friction -5.37 %
+    for blocks by theory, -5.38 % for a pad with a/R = 0.014 by finite elements.
     """
     if not scene.load.is_driven:
         return scene
@@ -561,8 +574,8 @@ _BLOCKS_FOR_PADS = (
 
 
 def _no_values(scene: Scene) -> str:
-    """Why nothing is known of the inputs, and what does instead; empty where theory takes a
-    scene.
+    """Why nothing can be said of the inputs of a scene, and what to do instead; "" where theory
+    takes the scene.
     """
     if not (scene.load.is_driven and scene.bodies.faces_are_true):
         return ""
@@ -582,15 +595,15 @@ def _curved_kind(scene: Scene) -> str:
 
 
 def not_stated(scene: Scene) -> str:
-    """What a run will not state of the inputs, and why, in a sentence; empty where it states all,
-    and of half-planes, for which theory has no error.
+    """A sentence on what a run will not state of the effect of the inputs, and why. Empty where it
+    states all, and for half-planes, for which theory has no error.
     """
     if not scene.inputs or scene.bodies.half_planes:
         return ""
-    taken = with_blocks(scene)
-    if reason := _no_values(taken):
+    scene_solved = with_blocks(scene)
+    if reason := _no_values(scene_solved):
         return f"What the inputs make of the answer will not be known: {reason}."
-    if taken is not scene:
+    if scene_solved is not scene:
         return f"What the inputs make of the answer: {_BLOCKS_FOR_PADS}."
     reason = "" if scene.load.is_driven else _no_difference(scene)
     if not reason:
@@ -602,7 +615,9 @@ def not_stated(scene: Scene) -> str:
 
 
 def _no_difference(scene: Scene) -> str:
-    """Why the input term of the difference is not known; empty where it can be found."""
+    """Why the effect of the inputs on the difference of theory and real bodies is not known; ""
+    where it can be found.
+    """
     if scene.load.is_driven:
         return (
             "under a prescribed displacement each engine finds loads of its own, and nothing is"
@@ -625,8 +640,8 @@ def _no_difference(scene: Scene) -> str:
 
 
 def moves_of_difference(scene: Scene, effects: BodyEffects) -> tuple[_Values, list[_Move]]:
-    """E of W and of the largest pressure by corrected theory, and what each input changes in them,
-    the inputs common to both models.
+    """The error of theory (finite bodies/half-planes − 1) in the work W and the largest pressure,
+    by corrected theory; and what each input changes in it, being the same in both models.
 
     Parameters
     ----------
@@ -641,14 +656,14 @@ def moves_of_difference(scene: Scene, effects: BodyEffects) -> tuple[_Values, li
     import halfplane_fe
 
     def values_at(moved: Scene) -> _Values:
-        of_moved = effects
+        effects_of_moved = effects
         if moved.bodies != scene.bodies or moved.material != scene.material:
-            of_moved = halfplane_fe.body_effects(moved)
-        return difference_at(moved, of_moved, by_batch=by_batch)
+            effects_of_moved = halfplane_fe.body_effects(moved)
+        return difference_at(moved, effects_of_moved, by_batch=by_batch)
 
     by_batch = takes_batch(scene, effects)
-    middle = difference_at(scene, effects, by_batch=by_batch)
-    laws = _LawOfModulus(scene, middle, values_at)
+    errors_at_inputs = difference_at(scene, effects, by_batch=by_batch)
+    laws = _LawOfModulus(scene, errors_at_inputs, values_at)
     moves = []
     for entry in scene.inputs:
         if entry.key == "material.young_modulus":
@@ -656,8 +671,8 @@ def moves_of_difference(scene: Scene, effects: BodyEffects) -> tuple[_Values, li
         elif entry.key in ("normal_load", "tangential_load"):
             moves.append(laws.by_differences(entry.key))
         else:
-            moves.append(central_differences(values_at, scene, entry, middle))
-    return middle, moves
+            moves.append(central_differences(values_at, scene, entry, errors_at_inputs))
+    return errors_at_inputs, moves
 
 
 class _LawOfModulus:
@@ -698,8 +713,8 @@ def takes_batch(scene: Scene, effects: BodyEffects) -> bool:
 
 
 def difference_at(scene: Scene, effects: BodyEffects, *, by_batch: bool) -> _Values:
-    """W and the largest pressure of finite bodies over those of half-planes, minus 1, by corrected
-    theory.
+    """Work W and largest pressure of finite bodies over those of half-planes, minus 1, by corrected
+    theory with the `effects` of the bodies.
 
     Parameters
     ----------
@@ -721,13 +736,15 @@ def _difference_of_work(scene: Scene, effects: BodyEffects, by_batch: bool) -> f
 
 
 def _works_by_batch(scene: Scene, effects: BodyEffects) -> tuple[float, float]:
-    """W of half-planes and of finite bodies."""
+    """Friction work W of a cycle for half-planes and for finite bodies, by the quick formula for
+    elliptical load paths. InputError where the loads have no W.
+    """
     import semi_analytic
 
     load = scene.load
     assert isinstance(load, EllipseLoad)  # for the type checker: see `takes_batch`
 
-    def work(with_effects: BodyEffects | None) -> float:
+    def work_with(body_effects: BodyEffects | None) -> float:
         batch = semi_analytic.dissipation(
             profile=scene.profile,
             material=scene.material,
@@ -737,14 +754,14 @@ def _works_by_batch(scene: Scene, effects: BodyEffects) -> tuple[float, float]:
             mean_tangential_load=load.mean_tangential_load,
             tangential_amplitude=load.tangential_amplitude,
             phase_degrees=load.phase_degrees,
-            effects=with_effects,
+            effects=body_effects,
         )
         return float(batch.value)
 
-    theory = work(None)
-    if math.isnan(theory):
+    work_of_half_planes = work_with(None)
+    if math.isnan(work_of_half_planes):
         semi_analytic.solve(scene, x=0.0, fields=(WORK,))  # raises the sentence that says why
-    return theory, work(effects)
+    return work_of_half_planes, work_with(effects)
 
 
 def _works_by_solving(scene: Scene, effects: BodyEffects) -> tuple[float, float]:
@@ -757,22 +774,23 @@ def _works_by_solving(scene: Scene, effects: BodyEffects) -> tuple[float, float]
 
 
 def _difference_of_peak(scene: Scene, effects: BodyEffects) -> float:
-    """Of the largest pressure of a parabola, p0 = sqrt(P E* (1/R + N P + N_Q Q)/pi); NaN of other
-    profiles.
+    """Largest pressure of finite bodies over that of half-planes, minus 1, for a parabola: p0 =
+    sqrt(P E* (1/R + N P + N_Q Q)/pi), N and N_Q the curvatures of the bodies' faces per load. NaN
+    for other profiles.
     """
     profile = scene.profile
     if not isinstance(profile, Hertz):
         return math.nan
     normal_load, tangential_load = _loads_of_last_cycle(scene)
-    bend = effects.normal_curvature.value * normal_load
-    bend = bend + effects.normal_curvature_under_shear.value * tangential_load
-    squared = normal_load * (1 + profile.radius * bend)
-    return math.sqrt(float(np.max(squared) / np.max(normal_load))) - 1
+    added_curvature = effects.normal_curvature.value * normal_load
+    added_curvature = added_curvature + effects.normal_curvature_under_shear.value * tangential_load
+    pressure_squared = normal_load * (1 + profile.radius * added_curvature)
+    return math.sqrt(float(np.max(pressure_squared) / np.max(normal_load))) - 1
 
 
 def _loads_of_last_cycle(scene: Scene) -> tuple[Array, Array]:
-    """P and Q, of the whole path where nothing repeats: at rows, or at turning points of P and
-    between them.
+    """Normal and tangential loads P and Q of the last cycle, or of the whole path where nothing
+    repeats: at the rows of a record, else at the turning points of P and at samples between them.
     """
     if isinstance(scene.load, TimeSeriesLoad):
         rows = scene.load.series()
@@ -788,20 +806,23 @@ def _loads_of_last_cycle(scene: Scene) -> tuple[Array, Array]:
 
 # ------------------------------------------------------------------------------------------- draws
 def draws_of_work(scene: Scene, reason: str) -> Draws | None:
-    """W of random inputs: normal, with the stated correlations, the same in each run. None of long
-    records, prescribed displacements, bulk stress and tilt, whose draws take too long.
+    """Friction work W for random draws of the inputs: normal, with the stated correlations, the
+    same in each run.
+
+    `reason` says why they are needed. None for long records, prescribed displacements, bulk stress
+    and tilt, whose draws take too long.
     """
     entries = scene.inputs
     if scene.load.is_driven or scene.unsymmetric or _is_long(scene):
         return None
     is_ellipse = isinstance(scene.load, EllipseLoad)
-    has_own_shapes = isinstance(scene.profile, Compound) and any(
+    moves_compound_profile = isinstance(scene.profile, Compound) and any(
         entry.key.startswith("profile.") for entry in entries
     )
-    count = DRAWS if is_ellipse and not has_own_shapes else FEW_DRAWS
+    count = DRAWS if is_ellipse and not moves_compound_profile else FEW_DRAWS
     samples = samples_of(scene, count)
-    draw = values_of_ellipses if is_ellipse else values_one_by_one
-    values, slides = draw(scene, samples)
+    values_of = values_of_ellipses if is_ellipse else values_one_by_one
+    values, slides = values_of(scene, samples)
     sliding_share = float(np.mean(slides))
     return Draws(
         count=count,
@@ -835,10 +856,12 @@ def samples_of(scene: Scene, count: int) -> dict[str, Array]:
 def values_of_ellipses(
     scene: Scene, samples: Mapping[str, Array]
 ) -> tuple[dict[str, Array], Array]:
-    """Values of draws (n,), NaN where none is, and whether they slide, (n,), in one batch; the
-    permanent stick half-width too where the profile is a parabola or is not moved.
+    """Values of all draws under elliptical loads in one batch, (n,) each, NaN where a draw has
+    none; and which draws slide, (n,).
 
-    W of E*, P and Q is W of E*_0, P E*_0/E* and Q E*_0/E*, times E*/E*_0; half-widths are the same.
+    `samples` holds the relative change of each input. The permanent stick half-width is among them
+    where the profile is a parabola or is not moved. W of E*, P and Q is W of E*_0, P E*_0/E* and Q
+    E*_0/E*, times E*/E*_0; half-widths are the same.
     """
     import semi_analytic
     from semi_analytic.elasticity import composite_modulus
@@ -850,13 +873,13 @@ def values_of_ellipses(
     def factor(key: str) -> Array:
         return 1 + samples[key] if key in samples else ones
 
-    modulus = ones
+    modulus_factor = ones
     if any(key.startswith("material.") for key in samples):
-        modulus = _moduli(scene, samples) / composite_modulus(scene.material)
+        modulus_factor = _moduli(scene, samples) / composite_modulus(scene.material)
     load = scene.load
     assert isinstance(load, EllipseLoad)  # for the type checker: others take no batch
-    normal_factor = factor("normal_load") / modulus
-    tangential_factor = factor("tangential_load") / modulus
+    normal_factor = factor("normal_load") / modulus_factor
+    tangential_factor = factor("tangential_load") / modulus_factor
     profile: Any = scene.profile
     if any(key.startswith("profile.") or key.endswith(".radius") for key in samples):
         profile = _profiles(scene, samples)
@@ -870,28 +893,32 @@ def values_of_ellipses(
         tangential_amplitude=load.tangential_amplitude * tangential_factor,
         phase_degrees=load.phase_degrees + samples.get("phase_degrees", 0.0),
     )
-    values = {WORK: batch.value * modulus}
+    values = {WORK: batch.value * modulus_factor}
     stick_load = batch.permanent_stick_load
     if profile is scene.profile:
         contact = contact_of(scene.profile, scene.material)
         has_value = np.isfinite(stick_load)
-        stick = contact.half_width(np.where(has_value, stick_load, 0.0))
-        values[STICK] = np.where(has_value, stick, np.nan)
+        stick_half_width = contact.half_width(np.where(has_value, stick_load, 0.0))
+        values[STICK] = np.where(has_value, stick_half_width, np.nan)
     elif isinstance(scene.profile, Hertz):
-        parabola = 4 * profile["radius"] / (math.pi * composite_modulus(scene.material))
-        values[STICK] = np.sqrt(parabola * stick_load)
+        width_squared_per_load = (
+            4 * profile["radius"] / (math.pi * composite_modulus(scene.material))
+        )
+        values[STICK] = np.sqrt(width_squared_per_load * stick_load)
     return values, batch.reason == semi_analytic.Reason.SLIDING
 
 
 def _moduli(scene: Scene, samples: Mapping[str, Array]) -> Array:
-    """E* of draws, (n,), 1/E* = (1 - nu_l^2)/E_l + (1 - nu_u^2)/E_u; NaN where nu is none."""
+    """Composite modulus E* of all draws, (n,): 1/E* = (1 − nu_l^2)/E_l + (1 − nu_u^2)/E_u.
+    `samples` holds the relative change of each input; NaN where nu is not below 0.5.
+    """
     compliance: Array = np.zeros(len(next(iter(samples.values()))))
     for body in ("lower", "upper"):
         material = getattr(scene.material, body)
         constants: dict[str, Array] = {}
         for name in ("young_modulus", "poisson_ratio"):
-            of_this_body = samples.get(f"material.{body}.{name}", np.zeros(()))
-            change = samples.get(f"material.{name}", of_this_body)
+            change_of_body = samples.get(f"material.{body}.{name}", np.zeros(()))
+            change = samples.get(f"material.{name}", change_of_body)
             constants[name] = getattr(material, name) * (1 + change)
         nu = np.where(np.abs(constants["poisson_ratio"]) < 0.5, constants["poisson_ratio"], np.nan)
         compliance = compliance + (1 - nu**2) / constants["young_modulus"]
@@ -899,7 +926,9 @@ def _moduli(scene: Scene, samples: Mapping[str, Array]) -> Array:
 
 
 def _profiles(scene: Scene, samples: Mapping[str, Array]) -> dict[str, Any]:
-    """The profile's keys with an array for each that is uncertain."""
+    """Keys of the scene's profile, with an array of all draws for each key that is uncertain;
+    `samples` holds the relative changes.
+    """
     keys = scene.profile.model_dump()
     for key, change in samples.items():
         if key.startswith("profile."):
@@ -917,7 +946,9 @@ def _profiles(scene: Scene, samples: Mapping[str, Array]) -> dict[str, Any]:
 
 
 def values_one_by_one(scene: Scene, samples: Mapping[str, Array]) -> tuple[dict[str, Array], Array]:
-    """The same, a solve for each draw."""
+    """W and permanent stick half-width of all draws, (n,) each, NaN where a draw has none; and
+    which draws slide, (n,). Each draw is solved; `samples` holds the relative change of each input.
+    """
     import semi_analytic
 
     count = len(next(iter(samples.values())))
@@ -926,21 +957,21 @@ def values_one_by_one(scene: Scene, samples: Mapping[str, Array]) -> tuple[dict[
     for k in range(count):
         try:
             moved_scene = scene.moved({key: float(row[k]) for key, row in samples.items()})
-            answer = semi_analytic.solve(moved_scene, x=0.0, fields=(WORK,))
+            solution = semi_analytic.solve(moved_scene, x=0.0, fields=(WORK,))
         except InadmissibleLoadError:
             slides[k] = True
         except InputError:  # no scene can have these inputs: counted by its NaN
             continue
         else:
-            values[WORK][k] = answer.dissipation
-            values[STICK][k] = answer.permanent_stick_half_width
+            values[WORK][k] = solution.dissipation
+            values[STICK][k] = solution.permanent_stick_half_width
     return values, slides
 
 
 # ---------------------------------------------------------------------------------- the whole of it
 def input_effects(scene: Scene, effects: BodyEffects | None = None) -> InputEffects | None:
-    """What the stated uncertainties of the inputs make of a scene's answer; None where none is
-    stated. Where theory does not take the scene it says why.
+    """What the stated uncertainties of the inputs do to a scene's answer; None where none is
+    stated. Where theory does not take the scene the answer says why.
 
     Parameters
     ----------
@@ -963,14 +994,14 @@ def input_effects(scene: Scene, effects: BodyEffects | None = None) -> InputEffe
     if not scene.inputs:
         return None
     assert scene.uncertainty is not None
-    taken = with_blocks(scene)
-    if reason := _no_values(taken):
+    scene_solved = with_blocks(scene)
+    if reason := _no_values(scene_solved):
         return InputEffects(scene.inputs, scene.uncertainty.correlations, unknown=reason)
     try:
-        of_taken = _input_effects(taken, effects)
-        if taken is scene:
-            return of_taken
-        return replace(of_taken, notes=(*of_taken.notes, _BLOCKS_FOR_PADS))
+        effects_of_inputs = _input_effects(scene_solved, effects)
+        if scene_solved is scene:
+            return effects_of_inputs
+        return replace(effects_of_inputs, notes=(*effects_of_inputs.notes, _BLOCKS_FOR_PADS))
     except (InputError, ConvergenceError) as fault:
         return InputEffects(
             scene.inputs,
@@ -981,7 +1012,8 @@ def input_effects(scene: Scene, effects: BodyEffects | None = None) -> InputEffe
 
 
 def _input_effects(scene: Scene, effects: BodyEffects | None) -> InputEffects:
-    """The same.
+    """What the uncertainties of the inputs do to the values of theory and, where it is known, to
+    the difference that real bodies make. Random draws are added where derivatives are not enough.
 
     Raises
     ------
@@ -996,15 +1028,15 @@ def _input_effects(scene: Scene, effects: BodyEffects | None) -> InputEffects:
     def effects_of(moved_scene: Scene) -> BodyEffects | None:
         return _effects_of_driven(moved_scene, scene, effects)
 
-    middle = values_of_theory(scene, effects_of(scene))
+    values_at_inputs = values_of_theory(scene, effects_of(scene))
     values = {}
-    reason = ""
+    reason_for_draws = ""
     try:
-        moves = moves_of_theory(scene, middle, effects_of)
+        moves = moves_of_theory(scene, values_at_inputs, effects_of)
     except InadmissibleLoadError:
-        moves = [_unknown(entry, middle) for entry in scene.inputs]
-        reason = "a sixteenth of a standard uncertainty makes the loads slide"
-    for key, value in middle.items():
+        moves = [_unknown(entry, values_at_inputs) for entry in scene.inputs]
+        reason_for_draws = "a sixteenth of a standard uncertainty makes the loads slide"
+    for key, value in values_at_inputs.items():
         values[key] = propagated(quantities[key], value, moves, key, correlation)
     left_out = "the largest pressure, the slip and the edge tension are left out"
     if _is_long(scene):
@@ -1013,16 +1045,18 @@ def _input_effects(scene: Scene, effects: BodyEffects | None) -> InputEffects:
         notes.append(f"where theory needs grids {left_out}")
     sliding = None if scene.load.is_driven else sliding_of_loads(scene)
     if RATIO in values:
-        ratio = propagated(quantities[RATIO], middle[RATIO], _away(moves), RATIO, correlation)
+        ratio = propagated(
+            quantities[RATIO], values_at_inputs[RATIO], _away(moves), RATIO, correlation
+        )
         values[RATIO] = ratio
         sliding = NearSliding(ratio.value, ratio.uncertainty)
-    reason = reason or _near_sliding(sliding)
+    reason_for_draws = reason_for_draws or _near_sliding(sliding)
     second_order = _large_second_order(values)
     draws = None
-    if reason or second_order:
-        draws = draws_of_work(scene, reason or second_order)
+    if reason_for_draws or second_order:
+        draws = draws_of_work(scene, reason_for_draws or second_order)
         if draws is None:
-            notes.append(_no_draws(reason, second_order, sliding))
+            notes.append(_no_draws(reason_for_draws, second_order, sliding))
     difference: dict[str, Propagated] = {}
     no_difference = _no_difference(scene)
     if not no_difference:
@@ -1070,7 +1104,9 @@ def _unknown(entry: Input, middle: _Values) -> _Move:
 def _effects_of_driven(
     moved_scene: Scene, scene: Scene, effects: BodyEffects | None
 ) -> BodyEffects | None:
-    """What theory of a prescribed displacement needs of the bodies; None of given loads."""
+    """What theory of a prescribed displacement needs of the bodies of `moved_scene`: `effects`
+    where its bodies are those of `scene`. None where loads are given, or for half-planes.
+    """
     if not moved_scene.load.is_driven or moved_scene.bodies.half_planes:
         return None
     import halfplane_fe
@@ -1084,13 +1120,16 @@ def _effects_of_driven(
 def _difference(
     scene: Scene, effects: BodyEffects | None, correlation: Array
 ) -> dict[str, Propagated]:
+    """By value, the error of theory for the real bodies with the uncertainty that the inputs give
+    it; `correlation` (n, n) is that of the inputs.
+    """
     import halfplane_fe
 
     if effects is None:
         effects = halfplane_fe.body_effects(scene)
-    middle, moves = moves_of_difference(scene, effects)
+    errors_at_inputs, moves = moves_of_difference(scene, effects)
     differences = {}
-    for key, value in middle.items():
+    for key, value in errors_at_inputs.items():
         if math.isfinite(value):
             words = f"difference of the {QUANTITIES_OF_THEORY[key].words}"
             quantity = QUANTITIES_OF_THEORY[key]._replace(words=words, unit="share")
@@ -1115,8 +1154,8 @@ def _large_second_order(values: Mapping[str, Propagated]) -> str:
 
 
 def sliding_of_loads(scene: Scene) -> NearSliding | None:
-    """How near given loads come to gross sliding, by the inputs; None without friction or where no
-    input has an uncertainty.
+    """The largest |Q|/(f P) of given loads with its standard uncertainty by the inputs. None
+    without friction, and where no input has an uncertainty.
     """
     if not (scene.friction.coefficient and scene.inputs):
         return None
@@ -1134,6 +1173,8 @@ def sliding_of_loads(scene: Scene) -> NearSliding | None:
             ratio_below = nearest_to_sliding(scene.moved({entry.key: -entry.standard})).ratio
             change = (ratio_above - ratio_below) / 2
         changes.append(change)
-    moves = np.array(changes)
-    variance = max(float(moves @ scene.uncertainty.correlation_matrix() @ moves), 0.0)
+    changes_of_ratio = np.array(changes)
+    variance = max(
+        float(changes_of_ratio @ scene.uncertainty.correlation_matrix() @ changes_of_ratio), 0.0
+    )
     return NearSliding(ratio, math.sqrt(variance))

@@ -73,45 +73,51 @@ class RecordCheck:
 
 
 def check_record(scene: Scene) -> RecordCheck | None:
-    """The check of a measured record; None for other loads."""
+    """What averaging, reduction and noise of a measured record of loads change in its dissipation
+    W, by half-plane theory; None for other loads.
+
+    Values of W are None for records that repeat or are very long.
+    """
     load = scene.load
     if not isinstance(load, TimeSeriesLoad):
         return None
     rows = load.used_rows().values
     n_kept = len(load.kept_rows())
-    noise = (noise_of(rows[:, _NORMAL]), noise_of(rows[:, _TANGENTIAL]))
+    noise_of_loads = (noise_of(rows[:, _NORMAL]), noise_of(rows[:, _TANGENTIAL]))
     if len(rows) > _MOST_ROWS or load.repeats:
-        return RecordCheck(len(rows), n_kept, None, None, None, None, noise, 1, None)
+        return RecordCheck(len(rows), n_kept, None, None, None, None, noise_of_loads, 1, None)
 
     all_kept: dict[str, Any] = {"reduce": None, "threshold": None}
     dissipation = _work(scene)
-    unreduced = dissipation if load.reduce is None else _work(scene, **all_kept)
-    all_rows = unreduced if load.average == 1 else _work(scene, average=1, **all_kept)
-    half_threshold = None
+    unreduced_work = dissipation if load.reduce is None else _work(scene, **all_kept)
+    work_of_all_rows = unreduced_work if load.average == 1 else _work(scene, average=1, **all_kept)
+    work_at_half_threshold = None
     if load.threshold is not None and max(load.threshold.P, load.threshold.Q) > 0:
-        halves = {"P": load.threshold.P / 2, "Q": load.threshold.Q / 2}
-        half_threshold = _work(scene, threshold=halves)
-    average = 1
-    averaged = None
-    if any(noise):
-        average = _longest_means(rows, noise)
-        if average > 1:
-            averaged = _work(scene, average=average, **all_kept)
+        half_of_each = {"P": load.threshold.P / 2, "Q": load.threshold.Q / 2}
+        work_at_half_threshold = _work(scene, threshold=half_of_each)
+    rows_per_mean = 1
+    work_of_means = None
+    if any(noise_of_loads):
+        rows_per_mean = _longest_means(rows, noise_of_loads)
+        if rows_per_mean > 1:
+            work_of_means = _work(scene, average=rows_per_mean, **all_kept)
     return RecordCheck(
         len(rows),
         n_kept,
         dissipation,
-        unreduced,
-        all_rows,
-        half_threshold,
-        noise,
-        average,
-        averaged,
+        unreduced_work,
+        work_of_all_rows,
+        work_at_half_threshold,
+        noise_of_loads,
+        rows_per_mean,
+        work_of_means,
     )
 
 
 def _work(scene: Scene, **changes: Any) -> float | None:
-    """W of the record, reduced otherwise; None where that has no solution."""
+    """Dissipation W of a record of loads by half-plane theory, with `changes` in the keys of its
+    load; None where that has no solution.
+    """
     import semi_analytic
 
     try:
@@ -125,8 +131,8 @@ def _work(scene: Scene, **changes: Any) -> float | None:
 
 
 def noise_of(values: Array) -> float:
-    """Standard deviation of white noise of rows (n,), from the median of their fourth differences;
-    0 where none is seen.
+    """Standard deviation of white noise in the values of rows, (n,), from the median of their
+    fourth differences; 0 where no noise shows.
 
     White noise has second differences of variance 6 sigma^2, fourth ones of 70 sigma^2, and can't
     be predicted from the rows before. Of a load that is resolved by its rows the fourth differences
@@ -143,15 +149,15 @@ def noise_of(values: Array) -> float:
     if len(values) < _LEAST_ROWS:
         return 0.0
     sigma_of_second = _sigma_of_differences(values, 2, 6)
-    fourth = _sigma_of_differences(values, 4, 70)
-    if not (fourth > 0 and _LEAST_RATIO < sigma_of_second / fourth < _MOST_RATIO):
+    sigma_of_fourth = _sigma_of_differences(values, 4, 70)
+    if not (sigma_of_fourth > 0 and _LEAST_RATIO < sigma_of_second / sigma_of_fourth < _MOST_RATIO):
         return 0.0
     windows = np.lib.stride_tricks.sliding_window_view(values - np.mean(values), _LAGS + 1)
     values_before = windows[:, :-1]
     value_after = windows[:, -1]
     weights = np.linalg.lstsq(values_before, value_after, rcond=None)[0]
-    not_predicted = float(np.std(value_after - values_before @ weights))
-    return fourth if not_predicted > _LEAST_RATIO * fourth else 0.0
+    prediction_error = float(np.std(value_after - values_before @ weights))
+    return sigma_of_fourth if prediction_error > _LEAST_RATIO * sigma_of_fourth else 0.0
 
 
 def _sigma_of_differences(values: Array, order: int, variance: int) -> float:
@@ -163,19 +169,23 @@ def _sigma_of_differences(values: Array, order: int, variance: int) -> float:
 
 
 def _longest_means(rows: Array, sigma: tuple[float, float]) -> int:
-    """How many rows (n, 3) a mean may stand for: as long as the means of a noisy load still look
-    like noise, and those of a load without noise reach as far, they blur nothing of the loads.
+    """Over how many rows of a record (n, 3: time, P, Q) a mean may be taken to remove noise;
+    `sigma` is that of P and Q.
+
+    The means of a noisy load must still look like noise, and those of a load without noise keep its
+    range: they blur nothing.
     """
     loads = (_NORMAL, _TANGENTIAL)
-    noisy = [column for column, size in zip(loads, sigma, strict=True) if size]
-    clean = [column for column in loads if column not in noisy]
+    noisy_columns = [column for column, size in zip(loads, sigma, strict=True) if size]
+    clean_columns = [column for column in loads if column not in noisy_columns]
     count = 1
     while len(rows) // (count + 1) >= _LEAST_ROWS:
-        longer = means(rows, count + 1)
-        if not all(noise_of(longer[:, column]) for column in noisy):
+        longer_means = means(rows, count + 1)
+        if not all(noise_of(longer_means[:, column]) for column in noisy_columns):
             break
         if any(
-            np.ptp(longer[:, column]) < _UNBLURRED * np.ptp(rows[:, column]) for column in clean
+            np.ptp(longer_means[:, column]) < _UNBLURRED * np.ptp(rows[:, column])
+            for column in clean_columns
         ):
             break
         count += 1
@@ -190,7 +200,9 @@ class Sentence(NamedTuple):
 
 
 def record_in_words(scene: Scene, record: RecordCheck) -> Iterator[Sentence]:
-    """What counts of a record, its parts, and what reduction, threshold and noise change in W."""
+    """Sentences on a measured record of loads: which rows count, its parts, and what reduction,
+    threshold and noise change in W.
+    """
     load = scene.load
     assert isinstance(load, TimeSeriesLoad)
     yield from _rows_in_words(scene, load)
@@ -216,7 +228,9 @@ def _per_cent(share: float) -> str:
 
 
 def _rows_in_words(scene: Scene, load: TimeSeriesLoad) -> Iterator[Sentence]:
-    """Which rows count, where not all do."""
+    """Sentences on which rows of a record count, where not all do: by start and end, or by a least
+    normal load.
+    """
     first_row, row_beyond = load.bounds()
     if row_beyond - first_row < len(load.rows):
         yield Sentence(
@@ -238,53 +252,69 @@ def _rows_in_words(scene: Scene, load: TimeSeriesLoad) -> Iterator[Sentence]:
 
 
 def _reduction_in_words(scene: Scene, load: TimeSeriesLoad, record: RecordCheck) -> Sentence:
-    """How many rows the path goes through, and what leaving out the others changes in W."""
-    path = f"The path goes through {record.kept:,} of {record.rows:,} rows"
-    all_of = "all of them" if load.average == 1 else f"all means of {load.average}"
+    """A sentence on how many rows of a record the load path goes through, and what leaving out the
+    others changes in W; a warning where that is much.
+    """
+    rows_in_words = f"The path goes through {record.kept:,} of {record.rows:,} rows"
+    unreduced_in_words = "all of them" if load.average == 1 else f"all means of {load.average}"
     if record.dissipation is None and record.unreduced is None:
-        return Sentence(f"{path}; what that changes in W was not computed.", warns=False)
+        return Sentence(f"{rows_in_words}; what that changes in W was not computed.", warns=False)
     if record.unreduced is None:
-        text = f"{path}; {all_of} have no solution, so the change of W is not known."
+        text = (
+            f"{rows_in_words}; {unreduced_in_words} have no solution, so the change of W is not"
+            f" known."
+        )
         return Sentence(text, warns=True)
-    share = _change(record.dissipation, record.unreduced)
+    relative_change = _change(record.dissipation, record.unreduced)
     text = (
-        f"{path}: by half-plane theory W = {number(record.dissipation or 0.0)}"
-        f" {energy_unit(scene)}, and {number(record.unreduced)} with {all_of}"
-        f" ({_per_cent(share)})."
+        f"{rows_in_words}: by half-plane theory W = {number(record.dissipation or 0.0)}"
+        f" {energy_unit(scene)}, and {number(record.unreduced)} with {unreduced_in_words}"
+        f" ({_per_cent(relative_change)})."
     )
-    return Sentence(text, abs(share) > _WARNED)
+    return Sentence(text, abs(relative_change) > _WARNED)
 
 
 def _noise_in_words(scene: Scene, load: TimeSeriesLoad, record: RecordCheck) -> Sentence:
-    """How noisy the rows are, and what that makes of W."""
-    seen = []
-    unseen = ""
+    """A sentence on how noisy the rows of a record are, and what that noise changes in W; a warning
+    where that is much.
+    """
+    noisy_loads = []
+    quiet_load = ""
     for name, sigma in zip("PQ", record.noise, strict=True):
         if sigma:
-            seen.append(f"{sigma:.2g} {load_unit(scene)} of {name}")
+            noisy_loads.append(f"{sigma:.2g} {load_unit(scene)} of {name}")
         else:
-            unseen = f"; that of {name} does not show beside its changes from row to row"
-    noise = f"The rows look noisy: standard deviation {' and '.join(seen)}{unseen}"
+            quiet_load = f"; that of {name} does not show beside its changes from row to row"
+    noise_in_words = (
+        f"The rows look noisy: standard deviation {' and '.join(noisy_loads)}{quiet_load}"
+    )
     if load.average > 1:
-        share = _change(record.unreduced, record.all_rows)
+        relative_change = _change(record.unreduced, record.all_rows)
         cause = ""
-        if abs(share) > _WARNED:
+        if abs(relative_change) > _WARNED:
             cause = (
                 ": by noise, or because means of so many rows blur the loads; compare with a"
                 " smaller load.average"
             )
-        text = f"{noise}. The means of {load.average} rows change W by {_per_cent(share)}{cause}."
+        text = (
+            f"{noise_in_words}. The means of {load.average} rows change W by"
+            f" {_per_cent(relative_change)}{cause}."
+        )
         return Sentence(text, warns=False)
     if record.by_noise is None:
         text = (
-            f"{noise}. How much of W is noise can't be told: there are too few rows a cycle, or the"
+            f"{noise_in_words}. How much of W is noise can't be told: there are too few rows a"
+            f" cycle, or the"
             " record repeats."
         )
         return Sentence(text, warns=False)
-    share = _change(record.averaged, record.all_rows)
-    warns = abs(share) > _WARNED
+    relative_change = _change(record.averaged, record.all_rows)
+    warns = abs(relative_change) > _WARNED
     cure = f"; load.average = {record.average} takes it out" if warns else ""
-    text = f"{noise}. Means of {record.average} rows change W by {_per_cent(share)}{cure}."
+    text = (
+        f"{noise_in_words}. Means of {record.average} rows change W by"
+        f" {_per_cent(relative_change)}{cure}."
+    )
     return Sentence(text, warns)
 
 
@@ -331,7 +361,9 @@ class LoadCycles:
         return float(self.cumulative[-1]) / self.counted if self.counted else float("nan")
 
     def content(self) -> dict[str, Any]:
-        """For JSON: of many cycles those of most dissipation, of many instants some, evenly."""
+        """The load cycles for JSON. Of many cycles those of most dissipation are listed, of many
+        instants some, evenly.
+        """
         cycles_listed = sorted(self.cycles, key=lambda cycle: -cycle.dissipation)[:_LISTED]
         instants = np.unique(np.linspace(0, len(self.time) - 1, _INSTANTS).astype(int))
         return {
@@ -349,11 +381,10 @@ class LoadCycles:
 
 
 def load_cycles(solution: ContactSolution) -> LoadCycles | None:
-    """Cycles of a measured record and the dissipation of each; None for other loads, and for
-    results of other programs.
+    """Cycles of Q in a measured record, by rainflow count, with the dissipation of each.
 
-    Of a record that repeats: of its last cycle, counted from where Q is largest, so that all
-    cycles are closed.
+    None for other loads, and for results of other programs. Of a record that repeats it is the last
+    cycle, counted from where Q is largest, so that all cycles are closed.
     """
     scene = solution.scene
     if not isinstance(scene.load, TimeSeriesLoad) or solution.engine not in (
@@ -362,44 +393,44 @@ def load_cycles(solution: ContactSolution) -> LoadCycles | None:
     ):
         return None
     rows = scene.load.series()
-    last_start = 0.0  # of the last cycle, after that of the first
+    start_of_last = 0.0  # of the last cycle, after that of the first
     period = 0.0
     if scene.load.repeats:
         rows = rows[1:]
         period = float(rows[-1, _TIME] - rows[0, _TIME])
-        last_start = period * (len(solution.cycle_dissipation) - 1)
+        start_of_last = period * (len(solution.cycle_dissipation) - 1)
     if solution.engine == "semi_analytic":
-        time, work = _work_at_rows(scene, rows, last_start)
+        time, work = _work_at_rows(scene, rows, start_of_last)
     else:
-        time = solution.time - last_start
+        time = solution.time - start_of_last
         work = solution.record.energy.get("dissipation", np.empty(0))
     if len(work) != len(time):
         return None
-    slack = 1e-9 * (rows[-1, _TIME] - rows[0, _TIME])
-    in_record = time >= rows[0, _TIME] - slack
+    time_tolerance = 1e-9 * (rows[-1, _TIME] - rows[0, _TIME])
+    in_record = time >= rows[0, _TIME] - time_tolerance
     if np.count_nonzero(in_record) < 2:
         return None
     time = time[in_record]
-    so_far = np.cumsum(work[in_record])
-    so_far -= so_far[0]
-    solved_rows = rows[rows[:, _TIME] <= time[-1] + slack]
+    work_so_far = np.cumsum(work[in_record])
+    work_so_far -= work_so_far[0]
+    solved_rows = rows[rows[:, _TIME] <= time[-1] + time_tolerance]
     if scene.load.repeats:
-        last_whole = None
+        last_whole_cycle = None
         # the same work in every revolution
         work_time = np.concatenate([time, time[1:] + period])
-        work_so_far = np.concatenate([so_far, so_far[1:] + so_far[-1]])
-        cycle_shift = max(last_start - period, 0.0)
+        work_over_two_periods = np.concatenate([work_so_far, work_so_far[1:] + work_so_far[-1]])
+        cycle_shift = max(start_of_last - period, 0.0)
     else:
-        last_whole = _last_whole_cycle(solved_rows, time, so_far)
+        last_whole_cycle = _last_whole_cycle(solved_rows, time, work_so_far)
         work_time = time
-        work_so_far = so_far
+        work_over_two_periods = work_so_far
         cycle_shift = 0.0
     row_cycles = _cycles_of_rows(solved_rows, repeats=scene.load.repeats)
     cycles = [
         replace(cycle, start=cycle.start + cycle_shift, end=cycle.end + cycle_shift)
-        for cycle in with_work(row_cycles, work_time, work_so_far)
+        for cycle in with_work(row_cycles, work_time, work_over_two_periods)
     ]
-    return LoadCycles(tuple(cycles), time + last_start, so_far, last_whole)
+    return LoadCycles(tuple(cycles), time + start_of_last, work_so_far, last_whole_cycle)
 
 
 def _cycles_of_rows(rows: Array, *, repeats: bool) -> list[LoadCycle]:
@@ -412,36 +443,37 @@ def _cycles_of_rows(rows: Array, *, repeats: bool) -> list[LoadCycle]:
 
 
 def _counted_in_turn(rows: Array) -> list[LoadCycle]:
-    """Cycles of rows (n, 3) that repeat, from the row of the largest Q to the same row a revolution
-    later: all are closed.
+    """Load cycles of rows (n, 3: time, P, Q) that repeat, counted from the row of the largest Q to
+    the same row one period later: all are closed.
     """
     start = int(np.argmax(rows[:, _TANGENTIAL]))
     period = float(rows[-1, _TIME] - rows[0, _TIME])
-    a_revolution = np.array([period, 0.0, 0.0])
-    rows_later = rows[1 : start + 1] + a_revolution
+    shift_by_period = np.array([period, 0.0, 0.0])
+    rows_later = rows[1 : start + 1] + shift_by_period
     rows_in_turn = np.concatenate([rows[start:], rows_later])
     cycles = counted(rows_in_turn[:, _TIME], rows_in_turn[:, _TANGENTIAL])
     # Between two equal peaks the largest swing is counted as its two halves.
     halves = [cycle for cycle in cycles if cycle.count < 1]
     if len(halves) != 2:
         return cycles
-    whole = replace(halves[0], count=1.0, end=halves[1].end)
-    closed = [cycle for cycle in cycles if cycle.count == 1]
-    return sorted([*closed, whole], key=lambda cycle: (cycle.end, -cycle.start))
+    largest_cycle = replace(halves[0], count=1.0, end=halves[1].end)
+    closed_cycles = [cycle for cycle in cycles if cycle.count == 1]
+    return sorted([*closed_cycles, largest_cycle], key=lambda cycle: (cycle.end, -cycle.start))
 
 
-def _last_whole_cycle(rows: Array, time: Array, so_far: Array) -> LoadCycle | None:
-    """The cycle between the last three turning points of Q of rows (n, 3), its work from the sum
-    (m,) at times (m,); None where Q turns less often.
+def _last_whole_cycle(rows: Array, time: Array, work_so_far: Array) -> LoadCycle | None:
+    """The load cycle between the last three turning points of Q, in rows (n, 3: time, P, Q); None
+    where Q turns less often. Its work is taken from the sum `work_so_far` (m,) at the times `time`
+    (m,).
     """
     turns = turns_of(rows[:, _TANGENTIAL])[-3:]
     if len(turns) < 3:
         return None
-    times, _, forces = rows[turns].T.tolist()
+    times, _, loads_at_turns = rows[turns].T.tolist()
     start, _, end = times
-    work_at_start, work_at_end = np.interp([start, end], time, so_far).tolist()
-    highest = max(forces)
-    lowest = min(forces)
+    work_at_start, work_at_end = np.interp([start, end], time, work_so_far).tolist()
+    highest = max(loads_at_turns)
+    lowest = min(loads_at_turns)
     return LoadCycle(
         count=1.0,
         range=highest - lowest,
@@ -452,36 +484,40 @@ def _last_whole_cycle(rows: Array, time: Array, so_far: Array) -> LoadCycle | No
     )
 
 
-def _work_at_rows(scene: Scene, rows: Array, late_time: float) -> tuple[Array, Array]:
-    """Times of rows (n, 3) and of the ends of their cycles, and W since the time before each, by
-    half-plane theory.
+def _work_at_rows(scene: Scene, rows: Array, shift_of_time: float) -> tuple[Array, Array]:
+    """Times of the rows (n, 3: time, P, Q) and of the ends of their load cycles, and the
+    dissipation since the time before each, by half-plane theory.
 
-    A row more on a straight line changes nothing of the path, so that the work between two rows
-    needs no interpolation.
+    `shift_of_time` shifts them to the last cycle of a record that repeats. A row more on a straight
+    line changes nothing of the path, so that the work between two rows needs no interpolation.
     """
     import semi_analytic
 
     row_times = rows[:, _TIME]
     repeats = scene.load.repeats  # type: ignore[union-attr]
-    ends = np.array([cycle.end for cycle in _cycles_of_rows(rows, repeats=repeats)])
-    ends = np.unique(np.where(ends > row_times[-1], ends - np.ptp(row_times), ends))
-    row_after = np.clip(np.searchsorted(row_times, ends), 1, len(rows) - 1)
-    to_after = np.abs(row_times[row_after] - ends)
-    from_before = np.abs(ends - row_times[row_after - 1])
+    cycle_ends = np.array([cycle.end for cycle in _cycles_of_rows(rows, repeats=repeats)])
+    cycle_ends = np.unique(
+        np.where(cycle_ends > row_times[-1], cycle_ends - np.ptp(row_times), cycle_ends)
+    )
+    row_after = np.clip(np.searchsorted(row_times, cycle_ends), 1, len(rows) - 1)
+    to_after = np.abs(row_times[row_after] - cycle_ends)
+    from_before = np.abs(cycle_ends - row_times[row_after - 1])
     spacing = row_times[row_after] - row_times[row_after - 1]
-    between_rows = ends[np.minimum(to_after, from_before) > 1e-9 * spacing]
+    between_rows = cycle_ends[np.minimum(to_after, from_before) > 1e-9 * spacing]
     time = np.sort(np.concatenate([row_times, between_rows]))
     normal_load = np.interp(time, row_times, rows[:, _NORMAL])
     tangential_load = np.interp(time, row_times, rows[:, _TANGENTIAL])
-    path = np.column_stack([time, normal_load, tangential_load])
-    closer = scene.vary(load=TimeSeriesLoad(rows=path, repeats=repeats))
-    solution = semi_analytic.solve(closer, x=[0.0], time=time + late_time, fields=("dissipation",))
+    loads_at_times = np.column_stack([time, normal_load, tangential_load])
+    scene_with_ends = scene.vary(load=TimeSeriesLoad(rows=loads_at_times, repeats=repeats))
+    solution = semi_analytic.solve(
+        scene_with_ends, x=[0.0], time=time + shift_of_time, fields=("dissipation",)
+    )
     return time, solution.record.energy["dissipation"]
 
 
 def counted(time: Array, force: Array) -> list[LoadCycle]:
-    """Cycles of a force (n,), straight between the times (n,), without their work, in the order in
-    which they end.
+    """Load cycles of a force (n,), straight between the times (n,), by rainflow count and without
+    their work, in the order in which they end.
 
     A closed cycle lasts from its first reversal to when the force is back there, so that cycles lie
     within one another in time; halves follow each other.
@@ -495,53 +531,57 @@ def counted(time: Array, force: Array) -> list[LoadCycle]:
     return sorted(cycles, key=lambda cycle: (cycle.end, -cycle.start))
 
 
-def with_work(cycles: Sequence[LoadCycle], time: Array, so_far: Array) -> Iterator[LoadCycle]:
-    """The cycles with the work of each, from its sum `so_far` (m,) at times (m,), straight between
-    them.
+def with_work(cycles: Sequence[LoadCycle], time: Array, work_so_far: Array) -> Iterator[LoadCycle]:
+    """The cycles with the dissipation of each, without that of cycles within it. It comes from the
+    sum `work_so_far` (m,) at the times `time` (m,), straight between them.
     """
-    ended: list[tuple[float, float]] = []  # start and work of cycles that none has taken in yet
+    open_cycles: list[tuple[float, float]] = []  # start and work; none of them lies in another yet
     for cycle in cycles:
-        at_start, at_end = np.interp([cycle.start, cycle.end], time, so_far).tolist()
+        at_start, at_end = np.interp([cycle.start, cycle.end], time, work_so_far).tolist()
         work = at_end - at_start
-        work_alone = work
-        while ended and ended[-1][0] >= cycle.start:
-            _, work_within = ended.pop()
-            work_alone -= work_within
-        ended.append((cycle.start, work))
-        yield replace(cycle, dissipation=work_alone)
+        work_outside = work
+        while open_cycles and open_cycles[-1][0] >= cycle.start:
+            _, work_within = open_cycles.pop()
+            work_outside -= work_within
+        open_cycles.append((cycle.start, work))
+        yield replace(cycle, dissipation=work_outside)
 
 
 def _back(time: Array, force: Array, first_row: int, last_row: int) -> float:
-    """When the force, after the row `last_row`, is again what it was at the row `first_row`."""
+    """Time at which the force (n,), after the row `last_row`, is again what it was at the row
+    `first_row`; straight between rows. The end of the rows where it is never.
+    """
     level = force[first_row]
     direction = np.sign(level - force[last_row])
-    begin = last_row + 1
-    count = 64  # rows that are looked at together
-    while begin < len(force):
-        rows_beyond = np.flatnonzero(direction * (force[begin : begin + count] - level) >= 0)
+    first_searched = last_row + 1
+    rows_searched = 64  # rows that are looked at together
+    while first_searched < len(force):
+        rows_beyond = np.flatnonzero(
+            direction * (force[first_searched : first_searched + rows_searched] - level) >= 0
+        )
         if len(rows_beyond):
-            row = begin + int(rows_beyond[0])
+            row = first_searched + int(rows_beyond[0])
             share = (level - force[row - 1]) / (force[row] - force[row - 1])
             return float(time[row - 1] + share * (time[row] - time[row - 1]))
-        begin += count
-        count *= 2
+        first_searched += rows_searched
+        rows_searched *= 2
     return float(time[-1])
 
 
 def record_content(scene: Scene) -> dict[str, Any] | None:
-    """For JSON: how files were read, what reduction and noise make of W; None where nothing was
-    measured.
+    """For JSON: how files of a scene were read, and what reduction and noise of its record change
+    in W. None where nothing was measured.
     """
-    read = read_in_pairs(scene)
+    tables_read = read_in_pairs(scene)
     record = check_record(scene)
-    if not read and record is None:
+    if not tables_read and record is None:
         return None
     numbers = None
     sentences: list[str] = []
     if record is not None:
         numbers = asdict(record) | {"by_noise": record.by_noise}
         sentences = [sentence.text for sentence in record_in_words(scene, record)]
-    return {"read_as": read, "loads": numbers, "sentences": sentences}
+    return {"read_as": tables_read, "loads": numbers, "sentences": sentences}
 
 
 def read_in_pairs(scene: Scene) -> dict[str, ReadAs]:
@@ -557,26 +597,28 @@ def read_in_pairs(scene: Scene) -> dict[str, ReadAs]:
 
 
 def section(scene: Scene, solutions: Sequence[ContactSolution]) -> dict[str, Any] | None:
-    """What the page shows of measured data: how files were read, sentences on the record, its
-    cycles; None where there is none.
+    """What the page shows of measured data: how files were read, sentences on the record of loads,
+    and its load cycles by each solution; None where there is none.
     """
-    read = read_in_pairs(scene)
+    tables_read = read_in_pairs(scene)
     record = check_record(scene)
-    if not read and record is None:
+    if not tables_read and record is None:
         return None
     cycles = []
     for solution in solutions:
-        of_solution = load_cycles(solution)
-        if of_solution is not None:
-            cycles.append((name_of(solution.engine).capitalize(), of_solution))
-    most: list[int] = []
+        cycles_of_solution = load_cycles(solution)
+        if cycles_of_solution is not None:
+            cycles.append((name_of(solution.engine).capitalize(), cycles_of_solution))
+    rows_of_most_work: list[int] = []
     if cycles:
-        _, of_first = cycles[0]
-        dissipations = [cycle.dissipation for cycle in of_first.cycles]
-        most = sorted(range(len(dissipations)), key=lambda k: -dissipations[k])[:_SHOWN]
+        _, cycles_of_first = cycles[0]
+        dissipations = [cycle.dissipation for cycle in cycles_of_first.cycles]
+        rows_of_most_work = sorted(range(len(dissipations)), key=lambda k: -dissipations[k])[
+            :_SHOWN
+        ]
     return {
-        "read": read,
+        "read": tables_read,
         "said": list(record_in_words(scene, record)) if record else [],
         "cycles": cycles,
-        "most": most,
+        "most": rows_of_most_work,
     }

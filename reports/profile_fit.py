@@ -75,11 +75,11 @@ def fit_of(scene: Scene) -> Fitted | None:
 
 
 def fit_uncertainty(scene: Scene, resamples: int = _RESAMPLES, seed: int = 0) -> FitUncertainty:
-    """W, a and p0 with their 95 % uncertainty: of what other noise on the fitted curve changes, 2
-    standard deviations and the mean.
-
-    In place of the mean, if it is more: the change by a tenth of the smoothing. The curve that gets
-    the noise has lost already what smoothing takes from the rows.
+    """Dissipation W, half-width a and peak pressure p0 under a profile fitted to rows, with their
+    95 % uncertainty by the noise of the rows: fits to rows with other noise change them by 2
+    standard deviations and a mean. In place of the mean, if it is more: the change by a tenth of
+    the smoothing. The curve that gets the noise has lost already what smoothing takes from the
+    rows.
 
     Residuals with a pattern are no noise. Then each other measurement has them too, moved along x,
     and the change by a smoothing spline through the same rows, with a tilt of its own, is added: it
@@ -95,49 +95,52 @@ def fit_uncertainty(scene: Scene, resamples: int = _RESAMPLES, seed: int = 0) ->
         raise InputError(
             f"{scene.name}: its profile is not fitted to rows, so that there is no noise to follow"
         )
-    way = _way_to_work(scene)
-    count = min(resamples, _MARCHES) if way is _Work.MARCHED else resamples
+    way_to_work = _way_to_work(scene)
+    count = min(resamples, _MARCHES) if way_to_work is _Work.MARCHED else resamples
     random = np.random.default_rng(seed)
     pattern = _pattern(scene)
-    of_fit = _values(scene, way)
-    resampled = []
+    values_of_fit = _values(scene, way_to_work)
+    values_of_resamples = []
     for _ in range(count):
         noise = _noise(random, fit, pattern)
-        values = _values_of_another_fit(scene, fitted_again(scene.profile, noise), way)
+        values = _values_of_another_fit(scene, fitted_again(scene.profile, noise), way_to_work)
         if values is not None:
-            resampled.append(values)
-    if len(resampled) < max(2, count // 2):
+            values_of_resamples.append(values)
+    if len(values_of_resamples) < max(2, count // 2):
         raise InputError(
-            f"{scene.name}: of {count} other measurements with this noise only {len(resampled)} can"
+            f"{scene.name}: of {count} other measurements with this noise only"
+            f" {len(values_of_resamples)} can"
             " carry the load: measure a wider stretch, or more closely"
         )
 
-    changes = np.array(resampled) - of_fit
+    changes = np.array(values_of_resamples) - values_of_fit
     # The mean is what the fit itself errs by at this noise: a curve that may not bend down, or is
     # smoothed, has some.
     bias = np.abs(np.mean(changes, axis=0))
     if fit.weight:
         less_smoothed = fitted_again(scene.profile, smoothing=0.1)
-        closer = _values_of_another_fit(scene, less_smoothed, way)
-        if closer is not None:
-            bias = np.maximum(bias, np.abs(closer - of_fit))
+        values_less_smoothed = _values_of_another_fit(scene, less_smoothed, way_to_work)
+        if values_less_smoothed is not None:
+            bias = np.maximum(bias, np.abs(values_less_smoothed - values_of_fit))
     uncertainty = 2 * np.std(changes, axis=0) + bias
     if pattern is not None and fit.kind != "smoothing_spline":
-        spline = _values_of_another_fit(scene, fitted_by_spline(scene.profile), way)
-        if spline is None:
+        values_of_spline = _values_of_another_fit(
+            scene, fitted_by_spline(scene.profile), way_to_work
+        )
+        if values_of_spline is None:
             raise InputError(
                 f"{scene.name}: the residuals have a pattern, and no smoothing spline through these"
                 " rows carries the load: state another kind of fit, or fewer rows by its key"
                 " extent"
             )
-        uncertainty += _SPLINE * np.abs(spline - of_fit)
-    work, half_width, peak_pressure = map(Spread, of_fit.tolist(), uncertainty.tolist())
+        uncertainty += _SPLINE * np.abs(values_of_spline - values_of_fit)
+    work, half_width, peak_pressure = map(Spread, values_of_fit.tolist(), uncertainty.tolist())
     return FitUncertainty(
-        None if way is _Work.LEFT_OUT else work,
+        None if way_to_work is _Work.LEFT_OUT else work,
         half_width,
         peak_pressure,
         count,
-        count - len(resampled),
+        count - len(values_of_resamples),
         seed,
     )
 
@@ -162,8 +165,8 @@ def _way_to_work(scene: Scene) -> _Work:
 def _values_of_another_fit(
     scene: Scene, profile_keys: dict[str, Any] | None, way: _Work
 ) -> NDArray[np.float64] | None:
-    """W, a, p0 with another fit; None where there is none, or its contact is wider than the
-    rows.
+    """Dissipation, half-width and peak pressure (3,) with other keys of the profile; None where
+    there are no keys, or where the contact is wider than the rows.
     """
     if profile_keys is None:
         return None
@@ -174,7 +177,8 @@ def _values_of_another_fit(
 
 
 def _pattern(scene: Scene) -> NDArray[np.float64] | None:
-    """Residuals (n,) of the rows that count where they are no noise; None where they may be.
+    """Residuals (n,) of the fitted rows where they have a pattern along x; None where they may be
+    noise.
 
     Of white noise neighbouring residuals are not correlated, and the mean of m of them has a
     variance m times less. Chance alone misses either in one case of 1,000.
@@ -184,18 +188,20 @@ def _pattern(scene: Scene) -> NDArray[np.float64] | None:
     used_rows = fit.used_rows()
     residuals = fit.residuals(scene.profile.height)[used_rows]
     residuals = residuals - np.mean(residuals)
-    square = float(residuals @ residuals)
-    if np.sqrt(square / len(residuals)) <= _ROUND_OFF * float(
+    sum_of_squares = float(residuals @ residuals)
+    if np.sqrt(sum_of_squares / len(residuals)) <= _ROUND_OFF * float(
         np.ptp(fit.rows.values[used_rows, 1])
     ):
         return None
     count = len(residuals)
-    correlation = float(residuals[1:] @ residuals[:-1]) / square
-    size = int(np.sqrt(count))
-    blocks = count // size
-    means = residuals[: blocks * size].reshape(blocks, size).mean(axis=1)
-    excess = size * float(np.mean(means**2)) / (square / count) - 1
-    has_pattern = correlation * np.sqrt(count) > _CHANCE or excess > _CHANCE * np.sqrt(2 / blocks)
+    correlation = float(residuals[1:] @ residuals[:-1]) / sum_of_squares
+    block_size = int(np.sqrt(count))
+    blocks = count // block_size
+    means = residuals[: blocks * block_size].reshape(blocks, block_size).mean(axis=1)
+    excess_variance = block_size * float(np.mean(means**2)) / (sum_of_squares / count) - 1
+    has_pattern = correlation * np.sqrt(count) > _CHANCE or excess_variance > _CHANCE * np.sqrt(
+        2 / blocks
+    )
     return residuals if has_pattern else None
 
 
@@ -224,7 +230,7 @@ def _values(scene: Scene, way: _Work) -> NDArray[np.float64]:
 
 
 def _work_of_ellipse(scene: Scene) -> float:
-    """W of an ellipse, by the call for arrays of ellipses."""
+    """Dissipation W of a cycle under an elliptical load path. InputError where it has no value."""
     load = scene.load
     names = (
         "mean_normal_load",
@@ -246,7 +252,8 @@ def _work_of_ellipse(scene: Scene) -> float:
 
 
 def fit_in_words(scene: Scene, half_width: float) -> list[str]:
-    """What was fitted to which rows, how well, and how far they reach; none for another profile.
+    """Sentences on a fitted profile: what was fitted to which rows, how well, and how far the rows
+    reach; none for a profile that is not fitted.
 
     Parameters
     ----------
@@ -289,7 +296,7 @@ def _spikes_in_words(fit: Fitted) -> str:
 
 
 def _shape_in_words(scene: Scene) -> str:
-    """What kind of curve the profile is, with its sizes."""
+    """The kind of curve that a fitted profile is, with its sizes."""
     _, length, _ = units(scene)
     match scene.profile:
         case Hertz(radius=radius):
@@ -306,8 +313,8 @@ def _shape_in_words(scene: Scene) -> str:
 
 
 def fit_warnings(scene: Scene, half_width: float) -> list[str]:
-    """What is wrong with a fit: residuals that are no noise, or not that stated, a contact wider
-    than the rows; none, if nothing.
+    """Sentences on what is wrong with a fit: residuals that are no noise or not the stated one, a
+    contact wider than the rows; none if nothing is.
 
     Parameters
     ----------
@@ -327,17 +334,17 @@ def fit_warnings(scene: Scene, half_width: float) -> list[str]:
             " smaller extent. The uncertainty is widened: by this pattern moved along x, and by"
             " the change that a smoothing spline makes."
         )
-    rows = len(fit.used_rows())
+    n_rows = len(fit.used_rows())
     # of the residuals' variance over that of the noise
-    excess = (fit.residual / fit.noise) ** 2 * rows / fit.freedom
-    if fit.noise_stated and abs(excess - 1) > _CHANCE * np.sqrt(2 / fit.freedom):
+    variance_ratio = (fit.residual / fit.noise) ** 2 * n_rows / fit.freedom
+    if fit.noise_stated and abs(variance_ratio - 1) > _CHANCE * np.sqrt(2 / fit.freedom):
         cause = "the noise is smaller than stated, or the rows were smoothed before"
-        if excess > 1:
+        if variance_ratio > 1:
             cause = "this kind of profile does not describe the rows, or the noise is larger"
             if pattern is None:
                 cause += ". The uncertainty does not cover that"
         warnings.append(
-            f"The residuals are {np.sqrt(excess):.2g} times what the stated noise explains:"
+            f"The residuals are {np.sqrt(variance_ratio):.2g} times what the stated noise explains:"
             f" {cause}."
         )
     if half_width > fit.extent:
@@ -350,20 +357,26 @@ def fit_warnings(scene: Scene, half_width: float) -> list[str]:
 
 
 def _uncertainty_in_words(scene: Scene, uncertainty: FitUncertainty) -> str:
-    """The three values, with what makes them uncertain."""
+    """A sentence on dissipation, half-width and peak pressure with their 95 % uncertainty by the
+    noise of the rows.
+    """
     _, length, stress = units(scene)
 
-    def share(spread: Spread) -> str:
+    def with_share(spread: Spread) -> str:
         if not spread.value:
             return "0"
         return f"{spread.value:.6g} ± {100 * spread.uncertainty / spread.value:.2g} %"
 
-    work = f"W = {share(uncertainty.dissipation)}, " if uncertainty.dissipation else ""
+    work_in_words = (
+        f"W = {with_share(uncertainty.dissipation)}, " if uncertainty.dissipation else ""
+    )
     words_of_failed = f", {uncertainty.failed} of them unfit" if uncertainty.failed else ""
     return (
-        f"The noise of the rows leaves open (95 %): {work}a = {share(uncertainty.half_width)}"
+        f"The noise of the rows leaves open (95 %): {work_in_words}a ="
+        f" {with_share(uncertainty.half_width)}"
         f" {length},"
-        f" p0 = {share(uncertainty.peak_pressure)} {stress}. That is by {uncertainty.resamples}"
+        f" p0 = {with_share(uncertainty.peak_pressure)} {stress}. That is by"
+        f" {uncertainty.resamples}"
         " other"
         f" measurements with this noise{words_of_failed}."
     )
@@ -371,8 +384,8 @@ def _uncertainty_in_words(scene: Scene, uncertainty: FitUncertainty) -> str:
 
 @lru_cache(maxsize=4)
 def findings(scene: Scene) -> tuple[tuple[str, ...], FitUncertainty | None]:
-    """The sentences about a fitted profile and what its noise leaves open; none, and None, of
-    another scene.
+    """Sentences on a fitted profile, and the uncertainty that the noise of its rows leaves; none,
+    and None, for a profile that is not fitted.
 
     The page, its JSON and the terminal ask for the same, which takes up to some seconds: it is
     worked out once.
@@ -391,7 +404,9 @@ def findings(scene: Scene) -> tuple[tuple[str, ...], FitUncertainty | None]:
 
 
 def content(scene: Scene) -> dict[str, Any] | None:
-    """The same for JSON; None of a scene whose profile is not fitted."""
+    """A fitted profile, its uncertainty by noise and sentences on both, for JSON; None for a
+    profile that is not fitted.
+    """
     fitted = fit_of(scene)
     if fitted is None:
         return None

@@ -272,8 +272,8 @@ class Options:
         return {name: value for name, value in values.items() if value is not None}
 
     def command(self, name: str, operand: str, out: Path) -> str:
-        """The command line that repeats this: every option that differs from its default but --json
-        and --quiet.
+        """The command line that repeats this run: command `name`, its operand, every option that
+        differs from its default but --json and --quiet, and the folder `out`.
 
         >>> Options(order=1, quiet=True).command("run", "hertz-paper", Path("out/first"))
         'halfplane run hertz-paper --order 1 --out out/first'
@@ -292,7 +292,7 @@ class Options:
         return shlex.join([*words, "--out", str(out)])
 
     def settings(self) -> "tuple[MeshSettings, SolverSettings]":
-        """How the finite elements are meshed and iterated; InputError for a value out of range.
+        """Settings of mesh and solver from these options; InputError for a value out of range.
 
         >>> mesh, _ = Options(preset="coarse", growth=0.2).settings()
         >>> mesh.edge_element_size, mesh.growth
@@ -301,11 +301,13 @@ class Options:
         from halfplane_fe import SolverSettings
         from meshes import MeshSettings
 
-        mesh, solver = (
+        mesh_values, solver_values = (
             self.stated(_FINITE_ELEMENTS & kind.__dataclass_fields__.keys())
             for kind in (MeshSettings, SolverSettings)
         )
-        return replace(MeshSettings.preset(self.preset), **mesh), SolverSettings(**solver)
+        return replace(MeshSettings.preset(self.preset), **mesh_values), SolverSettings(
+            **solver_values
+        )
 
 
 _NAMES = [option.name for option in fields(Options)]
@@ -587,11 +589,11 @@ def share_of(text: str) -> float:
         return math.nan
 
 
-def requested_tolerances(words: Sequence[str]) -> dict[str, float]:
-    """Metric key -> tolerance, of `--tolerance 5%` (W, p0, a and c together) and `--tolerance
-    KEY=VALUE`, the last of a key.
+def requested_tolerances(texts: Sequence[str]) -> dict[str, float]:
+    """Metric key -> tolerance, from the texts after `--tolerance`.
 
-    `KEY=none` is an infinite one: the metric is not judged.
+    `5%` is for W, p0, a and c together, `KEY=VALUE` for one metric; the last of a key counts.
+    `KEY=none` is infinite: the metric is not judged.
 
     Raises
     ------
@@ -605,34 +607,35 @@ def requested_tolerances(words: Sequence[str]) -> dict[str, float]:
     {'dissipation': 0.03, 'largest_pressure': 0.05, 'largest_half_width': 0.05, 'permanent_stick':
     0.05}
     """
-    if not words:
+    if not texts:
         return {}
     from reports.comparison.metrics import METRICS
     from scenes import InputError
     from scenes.frozen import did_you_mean
 
     tolerances: dict[str, float] = {}
-    for word in words:
-        key, equals, text = word.rpartition("=")
+    for requested in texts:
+        key, equals, value_in_words = requested.rpartition("=")
         if equals and key not in METRICS:
             known_names = list(METRICS)
             raise InputError(
-                f"--tolerance {word}: unknown metric {key!r};{did_you_mean(key, known_names)}"
+                f"--tolerance {requested}: unknown metric {key!r};{did_you_mean(key, known_names)}"
                 " there are"
                 f" {', '.join(known_names)}"
             )
-        unjudged = bool(equals) and text.strip() == "none"
-        value = math.inf if unjudged else share_of(text)
-        if not unjudged and not 0 < value < math.inf:
+        is_unjudged = bool(equals) and value_in_words.strip() == "none"
+        value = math.inf if is_unjudged else share_of(value_in_words)
+        if not is_unjudged and not 0 < value < math.inf:
             raise InputError(
-                f"--tolerance {word}: write a share above 0, such as 5% or 0.05, or one of a"
+                f"--tolerance {requested}: write a share above 0, such as 5% or 0.05, or one of a"
                 " metric: dissipation=3%; dissipation=none leaves it unjudged"
             )
-        if not unjudged and value >= 1 and not text.endswith("%"):
-            ways = f"{key}{equals}{value:g}%, or {key}{equals}{100 * value:g}%"
+        if not is_unjudged and value >= 1 and not value_in_words.endswith("%"):
+            alternatives = f"{key}{equals}{value:g}%, or {key}{equals}{100 * value:g}%"
             raise InputError(
-                f"--tolerance {word}: a number without % is a share, and this is {100 * value:g} %;"
-                f" write {ways}"
+                f"--tolerance {requested}: a number without % is a share, and this is"
+                f" {100 * value:g} %;"
+                f" write {alternatives}"
             )
         tolerances |= dict.fromkeys([key] if equals else _COMMON, value)
     return tolerances
@@ -652,15 +655,13 @@ _UNREAD = 141
 
 @contextmanager
 def ended_by_signals() -> Generator[list[int], None, None]:
-    """SIGTERM and SIGHUP end the program as Ctrl-C does; yields the signals received, in their
-    order.
-
-    A signal that was to be ignored (nohup) stays ignored.
+    """Within this context SIGTERM and SIGHUP end the program as Ctrl-C does. Yields the list of
+    signals received, in their order. A signal that was to be ignored (nohup) stays ignored.
     """
-    received: list[int] = []
+    signals_received: list[int] = []
 
-    def end(number: int, _frame: object) -> None:
-        received.append(number)
+    def end_program(number: int, _frame: object) -> None:
+        signals_received.append(number)
         raise KeyboardInterrupt
 
     numbers = [
@@ -670,12 +671,12 @@ def ended_by_signals() -> Generator[list[int], None, None]:
     ]
     for number in numbers:
         if signal.getsignal(number) in (signal.SIG_DFL, signal.default_int_handler):
-            signal.signal(number, end)
+            signal.signal(number, end_program)
     try:
-        yield received
+        yield signals_received
     finally:
         for number in numbers:
-            if signal.getsignal(number) is end:
+            if signal.getsignal(number) is end_program:
                 signal.signal(number, signal.SIG_DFL)  # nothing is left to keep
 
 
@@ -708,36 +709,36 @@ app = App(
 
 
 def _function_of(row: _Command) -> Callable[..., int]:
-    """The function that the application calls for a command: with its operands, and its options one
-    by one.
+    """The function that the command-line library calls for one command of the table: its signature
+    has the command's operands, and its options one by one.
     """
-    table = {option.name: option for option in fields(Options)}
+    option_by_name = {option.name: option for option in fields(Options)}
     parameters = []
     for operand in row.operands:
         kind = Parameter.POSITIONAL_ONLY if operand.alone else Parameter.POSITIONAL_OR_KEYWORD
         default = Parameter.empty if operand.default is ... else operand.default
-        words = Words(help=operand.words)
+        help_words = Words(help=operand.words)
         parameters.append(
             Parameter(
-                operand.name, kind, default=default, annotation=Annotated[operand.kind, words]
+                operand.name, kind, default=default, annotation=Annotated[operand.kind, help_words]
             )
         )
-    for marked in row.options:
-        option = table[marked.rstrip("!")]
-        default = Parameter.empty if marked.endswith("!") else option.default
+    for option_name in row.options:
+        option = option_by_name[option_name.rstrip("!")]
+        default = Parameter.empty if option_name.endswith("!") else option.default
         annotation: Any = option.type
         if option.name in row.words:
-            words = Words(help=row.words[option.name], group="Parameters")
-            annotation = Annotated[option.type, words]
+            help_words = Words(help=row.words[option.name], group="Parameters")
+            annotation = Annotated[option.type, help_words]
         parameters.append(
             Parameter(option.name, Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
         )
     signature = Signature(parameters)
 
     def command(*operands: Any, **options: Any) -> int:
-        bound = signature.bind(*operands, **options)
-        bound.apply_defaults()
-        values = dict(bound.arguments)
+        bound_arguments = signature.bind(*operands, **options)
+        bound_arguments.apply_defaults()
+        values = dict(bound_arguments.arguments)
         subjects = [values.pop(operand.name) for operand in row.operands]
         chosen = Options(**values)
         module, _, name = row.does.partition(":")
@@ -749,8 +750,8 @@ def _function_of(row: _Command) -> Callable[..., int]:
 
 
 def _print_answer(row: _Command, answer: Answer, options: Options) -> int:
-    """The one place where commands print: lines and tables, or with --json one document whose
-    numbers are finite or null.
+    """Print the answer of a command: lines and tables, or with --json one document whose numbers
+    are finite or null. No other place prints. Returns the exit code.
     """
     if options.json and answer.content is not None:
         from reports.comparison.json_values import strict
@@ -788,8 +789,8 @@ for _order, _row in enumerate(_COMMANDS):
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line and return its exit code; without `arguments` the process is ours, its
-    streams and signals too.
+    """Run the command line and return its exit code. Without `arguments` they are those of the
+    process, whose streams and signals are then handled too.
     """
     if arguments is not None:
         return Context().run(_run, list(arguments))
@@ -797,10 +798,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if isinstance(stream, io.TextIOWrapper):
             # of signs that the terminal's encoding lacks
             stream.reconfigure(errors="backslashreplace")
-    with ended_by_signals() as received:
+    with ended_by_signals() as signals_received:
         code = WITHIN
         try:
-            code = Context().run(_run, sys.argv[1:], received)
+            code = Context().run(_run, sys.argv[1:], signals_received)
             sys.stdout.flush()
         except BrokenPipeError:
             _drop_unwritten()
@@ -814,7 +815,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 )
         except KeyboardInterrupt:  # a second one, while the first was reported
             code = INTERRUPTED
-        return 128 + received[0] if code == INTERRUPTED and received else code
+        return 128 + signals_received[0] if code == INTERRUPTED and signals_received else code
 
 
 def _drop_unwritten() -> None:
@@ -824,9 +825,9 @@ def _drop_unwritten() -> None:
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
-def _run(tokens: list[str], received: Sequence[int] = ()) -> int:
-    """The exit code of a command line; whatever is refused or goes wrong, in a sentence.
-    `received`: signals until now.
+def _run(tokens: list[str], signals_received: Sequence[int] = ()) -> int:
+    """Exit code of a command line given as `tokens`; whatever is refused or goes wrong is printed
+    as one sentence. `signals_received` holds the signals until now.
     """
     try:
         if any(token == "" or (token.startswith("--") and token.endswith("=")) for token in tokens):
@@ -842,13 +843,13 @@ def _run(tokens: list[str], received: Sequence[int] = ()) -> int:
         raise
     # The outermost door: nothing may leave it but an exit code.
     except Exception as fault:  # noqa: BLE001
-        return _report_fault(fault, tokens, received)
+        return _report_fault(fault, tokens, signals_received)
 
 
 @contextmanager
 def _warnings_in_sentences() -> Generator[None, None, None]:
-    """Each warning of a library once, as one line on stderr, without the path and the line of its
-    source.
+    """Within this context each warning of a library is printed once, as one line on stderr without
+    the path and the line of its source.
     """
     sentences_printed: set[str] = set()
 
@@ -863,8 +864,10 @@ def _warnings_in_sentences() -> Generator[None, None, None]:
         yield
 
 
-def _report_fault(fault: Exception, tokens: list[str], received: Sequence[int]) -> int:
-    """The exit code of what went wrong, and its sentence on stderr."""
+def _report_fault(fault: Exception, tokens: list[str], signals_received: Sequence[int]) -> int:
+    """Print what went wrong as one sentence on stderr, and return the exit code for it.
+    `signals_received` holds the signals until now.
+    """
     # scenes is heavy: it is imported when it must have been imported already, never for --help.
     if isinstance(fault, ValueError | RuntimeError):
         from scenes import ConvergenceError, InputError
@@ -891,7 +894,7 @@ def _report_fault(fault: Exception, tokens: list[str], received: Sequence[int]) 
             f" run the command again{_notes_of(fault)}"
         )
     # Compiled modules and locks make another error of Ctrl-C.
-    return _interrupted("") if received else _internal(fault, tokens)
+    return _interrupted("") if signals_received else _internal(fault, tokens)
 
 
 def _interrupted(sentence: str) -> int:
@@ -900,7 +903,9 @@ def _interrupted(sentence: str) -> int:
 
 
 def _internal(fault: Exception, tokens: Sequence[str]) -> int:
-    """A fault of the program: one sentence, and where its traceback is."""
+    """Report a fault of the program itself: one sentence, and where its traceback was written.
+    Returns the exit code.
+    """
     lines = [
         time.strftime("%Y-%m-%d %H:%M:%S %z  ") + shlex.join(["halfplane", *tokens]),
         *traceback.format_exception(fault),
@@ -924,8 +929,8 @@ def _notes_of(fault: Exception) -> str:
 
 
 def _keep_traceback(text: str) -> str:
-    """Keep a traceback in run.log of the output folder, else in the temporary folder, else on
-    stderr; where that is, in words.
+    """Write a traceback to run.log of the output folder, else to the temporary folder, else to
+    stderr. Returns in words where it is.
     """
     with suppress(Exception):  # where the folder can't take it, the next place does
         from reports.folder import add_to_log, output_folder
@@ -952,7 +957,7 @@ def _one_line(text: str) -> str:
 
 
 def _misspelt(fault: CycloptsError) -> str:
-    """What a command line that can't be read has wrong: one sentence, with the nearest known word
+    """One sentence on what is wrong with a command line that can't be read: the nearest known word,
     and what to do.
     """
     from scenes.frozen import did_you_mean
@@ -962,10 +967,11 @@ def _misspelt(fault: CycloptsError) -> str:
 
     if isinstance(fault, UnknownCommandError):
         words = list(fault.unused_tokens or [""])
-        option = words[0].startswith("-")
-        hint = nearest(words[0], [name for name in app if name.startswith("-") is option])
+        is_option = words[0].startswith("-")
+        suggestion = nearest(words[0], [name for name in app if name.startswith("-") is is_option])
         return (
-            f"there is no {'option' if option else 'command'} {words[0]!r}; {hint}`halfplane"
+            f"there is no {'is_option' if is_option else 'command'} {words[0]!r};"
+            f" {suggestion}`halfplane"
             " --help` lists them"
         )
     chain = list(fault.command_chain or ())
@@ -985,21 +991,22 @@ def _misspelt(fault: CycloptsError) -> str:
     if isinstance(fault, UnusedCliTokensError):
         # `sweep` takes a misspelt command of its own for a study, and what follows is left over.
         first_token = (fault.root_input_tokens or [])[len(chain) :][:1]
-        left = " ".join(fault.unused_tokens or [])
-        hint = (
+        words_left_over = " ".join(fault.unused_tokens or [])
+        suggestion = (
             nearest(first_token[0], [name for name in fault.app or () if not name.startswith("-")])
             if first_token
             else ""
         )
         if (
             first_token
-            and not hint
-            and left.endswith((".toml", ".json"))
+            and not suggestion
+            and words_left_over.endswith((".toml", ".json"))
             and not first_token[0].endswith((".toml", ".json"))
         ):
-            hint = f"write `halfplane {command} {left}`; "
+            suggestion = f"write `halfplane {command} {words_left_over}`; "
         return (
-            f"{command}: unexpected argument {left!r}; {hint}{help_of_command} shows what it takes"
+            f"{command}: unexpected argument {words_left_over!r}; {suggestion}{help_of_command}"
+            f" shows what it takes"
         )
     if (
         isinstance(fault, MissingArgumentError)

@@ -53,7 +53,9 @@ def _criteria(options: Options) -> Criteria | None:
 
 @at_work
 def fields(job: Job) -> Answer:
-    """Finite elements, and displacement, stress and tractions of both bodies on disk."""
+    """The command `fields`: solve by finite elements, then write displacement, stress and tractions
+    of both bodies to files, with pictures and fatigue measures on request.
+    """
     from reports.comparison.json_values import strict
     from reports.field_output import fatigue, files
     from reports.folder import filled, replace_text
@@ -73,29 +75,29 @@ def fields(job: Job) -> Answer:
     notes: list[str] = []
     if _series(options):
         series, notes = files.series_of(solution, options.every, options.frames)
-    by_time = {instant.time: instant for instant in (*series, *chosen_instants)}
-    instants = [by_time[time] for time in sorted(by_time)]
-    rows: list[dict[str, Any]] = []
-    stills: list[tuple[Instant, Snapshot]] = []
+    instant_by_time = {instant.time: instant for instant in (*series, *chosen_instants)}
+    instants = [instant_by_time[time] for time in sorted(instant_by_time)]
+    stated_values: list[dict[str, Any]] = []
+    snapshots_drawn: list[tuple[Instant, Snapshot]] = []
 
     def as_json(content: dict[str, Any]) -> str:
         return json.dumps(strict(content), allow_nan=False, indent=1) + "\n"
 
-    def passing() -> Generator[Snapshot, None, None]:
+    def noted_snapshots() -> Generator[Snapshot, None, None]:
         """Snapshots on their way to disk: what is stated of each is noted, those of named instants
         are kept for stills.
         """
         times_of_stills = {instant.time for instant in chosen_instants}
         for instant, snapshot in zip(instants, files.snapshots_of(solution, instants), strict=True):
-            rows.append(files.stated(instant, snapshot))
+            stated_values.append(files.stated(instant, snapshot))
             if instant.time in times_of_stills:
-                stills.append((instant, snapshot))
+                snapshots_drawn.append((instant, snapshot))
             yield snapshot
 
     with filled(job.folder, fresh=("fields/", "pictures/")) as staging:
         with stages.stage("files for ParaView", "instants") as report:
             names = files.write_fields(
-                solution, passing(), staging / "fields", report, len(instants)
+                solution, noted_snapshots(), staging / "fields", report, len(instants)
             )
         written_names = [f"fields/{name}" for name in names]
         measures: dict[str, Any] = {}
@@ -108,7 +110,7 @@ def fields(job: Job) -> Answer:
         content = files.record(
             solution,
             command=options.command("fields", job.source, job.folder),
-            instants=rows,
+            instants=stated_values,
             notes=notes,
             files=written_names,
             pictures=[],
@@ -118,23 +120,23 @@ def fields(job: Job) -> Answer:
         (staging / "fields" / "fields.json").write_text(as_json(content), encoding="utf-8")
     # What was solved is saved before anything is drawn.
     pictures: list[str] = []
-    if options.pictures and stills:
+    if options.pictures and snapshots_drawn:
         with filled(job.folder, fresh=("pictures/",)) as staging:
-            pictures = _draw(solution, stills, staging / "pictures", stages)
+            pictures = _draw(solution, snapshots_drawn, staging / "pictures", stages)
         content |= {"pictures": pictures, "seconds": dict(stages.seconds)}
         replace_text(job.folder / "fields" / "fields.json", as_json(content))
     names_of_files = ["fields/fields.json", *written_names, *pictures]
     pvd = str(job.folder / "fields" / "fields.pvd")
     copied_keys = ("instants", "largest nodal stresses", "notes", *measures)
-    answer = {
+    json_answer = {
         **{key: content[key] for key in copied_keys},
         "passed": True,
         "files": names_of_files,
         "file": pvd,
         "seconds": stages.seconds,
     }
-    parts = _parts(scene, rows, names_of_files, notes, measures.get("fatigue", ()), pvd)
-    return Answer(WITHIN, parts, lambda: answer, scene.name)
+    parts = _parts(scene, stated_values, names_of_files, notes, measures.get("fatigue", ()), pvd)
+    return Answer(WITHIN, parts, lambda: json_answer, scene.name)
 
 
 def _parts(
@@ -145,8 +147,8 @@ def _parts(
     measures: Sequence[dict[str, Any]],
     file: str,
 ) -> Iterator[Part]:
-    """The instants with their largest nodal stress, the largest of all where they are many, and
-    what was written.
+    """What the terminal shows of field output: a row for each instant with its largest nodal stress
+    (of many instants the worst alone), notes, fatigue measures, what was written.
     """
     from reports.comparison.words import with_uncertainty
     from reports.field_output.files import NO_PEAK
@@ -160,16 +162,19 @@ def _parts(
     rows = []
     for instant in instants_listed:
         peak = instant["largest_nodal_von_mises"]
-        edge = instant["tension_at_edge"]
-        nodal = f"{number(peak['value'])} at {_place(peak)}, {peak['body']}"
-        at_edge = "–"
-        if edge is not None:
-            at_edge = (
-                f"{with_uncertainty(edge['value'], edge['uncertainty'])} at {_rounded(edge['x'])},"
-                f" {edge['body']}"
+        tension = instant["tension_at_edge"]
+        peak_in_words = f"{number(peak['value'])} at {_place(peak)}, {peak['body']}"
+        tension_in_words = "–"
+        if tension is not None:
+            tension_in_words = (
+                f"{with_uncertainty(tension['value'], tension['uncertainty'])} at"
+                f" {_rounded(tension['x'])},"
+                f" {tension['body']}"
             )
-        loads = [number(instant[key]) for key in ("time", "normal_load", "tangential_load")]
-        rows.append((instant["label"], *loads, nodal, at_edge))
+        time_and_loads = [
+            number(instant[key]) for key in ("time", "normal_load", "tangential_load")
+        ]
+        rows.append((instant["label"], *time_and_loads, peak_in_words, tension_in_words))
     heads = (
         "instant",
         "time",
@@ -214,8 +219,8 @@ def _parts(
 
 
 def _largest_measures(measures: Sequence[dict[str, Any]], stress: str) -> list[tuple[str, ...]]:
-    """The largest value of each measure by both engines, in the body in which finite elements have
-    it.
+    """Rows of a table: each fatigue measure, its largest value by theory and by finite elements,
+    their difference and place. Of the two bodies that in which the finite elements have more.
     """
     from reports.units import minus
 
@@ -250,7 +255,7 @@ def _draw(
     folder: Path,
     stages: Stages,
 ) -> list[str]:
-    """Pictures of the mesh and of each snapshot; returns their names."""
+    """Draw the mesh and the stress of each snapshot as files in `folder`; returns their names."""
     with stages.stage("pictures", "pictures") as report:
         import numpy as np
 
@@ -258,10 +263,12 @@ def _draw(
         from reports.field_output.pictures import mesh, scales_of, stress
 
         folder.mkdir()
-        edge = float(np.nanmax(solution.contact_edges))
+        contact_edge = float(np.nanmax(solution.contact_edges))
         names = [
             _write_picture(
-                mesh(solution.bodies, reference_scales(solution).half_width, edge, named=True),
+                mesh(
+                    solution.bodies, reference_scales(solution).half_width, contact_edge, named=True
+                ),
                 folder,
             )
         ]

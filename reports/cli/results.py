@@ -32,8 +32,8 @@ if TYPE_CHECKING:
 
 # ------------------------------------------------------------------------------- an external result
 def score(result: str | None, options: Options) -> Answer:
-    """A file, or each file of a folder, against the reference: verdict, likely causes of the
-    difference, page.
+    """The command `score`: compare a file, or each file of a folder, with the reference of a scene.
+    Verdict, likely causes of the difference, page.
     """
     from scenes import ConvergenceError, InputError
 
@@ -57,16 +57,16 @@ def score(result: str | None, options: Options) -> Answer:
     from reports.scoring.mapping import load_mapping
 
     path = Path(result)
-    loop = options.as_ == "loop"
+    is_loop = options.as_ == "loop"
     scene = read(options.scene)
     mapping = load_mapping(options.mapping)
     if not path.exists():
         raise InputError(f"{result}: there is no such file or folder")
-    if loop and not path.is_file():
+    if is_loop and not path.is_file():
         raise InputError(f"{path}: a loop is one file, a table with the columns U and Q")
-    if loop and options.tolerance:
+    if is_loop and options.tolerance:
         raise InputError("--tolerance: a loop has none, its own scatter judges it; leave this out")
-    if not loop and options.rig_compliance is not None:
+    if not is_loop and options.rig_compliance is not None:
         raise InputError(
             "--rig-compliance: it goes with --as loop; say that too, or leave this out"
         )
@@ -76,10 +76,10 @@ def score(result: str | None, options: Options) -> Answer:
             " 1/stress"
         )
     tolerances = requested_tolerances(options.tolerance)
-    folder = claim(options.out or _folder_of(path, loop))
+    folder = claim(options.out or _folder_of(path, is_loop))
     command = options.command("score", result, folder)
     try:
-        if loop:
+        if is_loop:
             return _scored_loop(path, mapping, scene, options, folder, command)
         return _scored(path, mapping, scene, options, tolerances, folder, command)
     except ConvergenceError as failure:
@@ -93,8 +93,8 @@ def score(result: str | None, options: Options) -> Answer:
         )
 
 
-def _folder_of(path: Path, loop: bool) -> Path:
-    """out/score-<stem>, unless that holds the score of another result.
+def _folder_of(path: Path, is_loop: bool) -> Path:
+    """The default output folder of a score, out/score-<stem of the file>.
 
     Raises
     ------
@@ -106,15 +106,15 @@ def _folder_of(path: Path, loop: bool) -> Path:
     from scenes.files import parsed_json, text_of
 
     folder = default_folder(f"score-{path.resolve().stem}")
-    for name, of_loop in (("comparison.json", False), ("loop.json", True)):
+    for name, holds_loop in (("comparison.json", False), ("loop.json", True)):
         try:
             score = parsed_json(text_of(folder / name, "the score"))
-            words = shlex.split(score["command"])
-            earlier_path = Path(words[words.index("score") + 1])
+            command_words = shlex.split(score["command"])
+            earlier_path = Path(command_words[command_words.index("score") + 1])
         except (OSError, InputError, ValueError, KeyError, IndexError, TypeError):
             continue  # not there, or not of a score
-        if of_loop != loop or earlier_path.resolve() != path.resolve():
-            kind = "the loop" if of_loop else "the score"
+        if holds_loop != is_loop or earlier_path.resolve() != path.resolve():
+            kind = "the loop" if holds_loop else "the score"
             raise InputError(
                 f"{folder}: it holds {kind} of {earlier_path}, which this one would replace; name a"
                 f" folder for {path} by --out"
@@ -131,7 +131,11 @@ def _scored(
     folder: Path,
     command: str,
 ) -> Answer:
-    """Tractions and whatever else files hold, against the reference."""
+    """The answer on external results at `path`: score, likely causes of the difference,
+    uncertainties of the inputs, page; files of a folder as a mesh study.
+
+    `command` is the command line that the page states.
+    """
     stages = Stages(options.quiet)
     with stages.stage("loading"):
         from reports.page.content import whole_content
@@ -161,8 +165,8 @@ def _scored(
 
 
 def _with_inputs(report: Report, mapping: Mapping, stages: Stages) -> Report:
-    """The report with what the stated uncertainties of the inputs make of theory, and the result
-    against it where it may be a measurement.
+    """The report with what the scene's uncertain inputs do to theory. A result that may be a
+    measurement is held against theory with that uncertainty.
     """
     from dataclasses import replace
 
@@ -184,16 +188,18 @@ def _with_inputs(report: Report, mapping: Mapping, stages: Stages) -> Report:
 def _scored_loop(
     path: Path, mapping: Mapping, scene: Scene, options: Options, folder: Path, command: str
 ) -> Answer:
-    """A measured loop of Q over U as the reference: which f fits it, beside the engines' loops."""
+    """The answer on a measured loop of Q over U: which friction coefficient fits it, beside the
+    loops of both engines; and its page. `command` is the command line that the page states.
+    """
     stages = Stages(options.quiet)
     with stages.stage("loading"):
         from reports.comparison.words import read_in_words
         from reports.scoring import loop_page, loops
     with stages.stage("reading"):
-        rows = loops.read_loop(path, mapping, scene)
+        measured_rows = loops.read_loop(path, mapping, scene)
     with stages.stage("fitting"):
         score = loops.score_loop(
-            rows, scene, rig_compliance=options.rig_compliance, against=options.against
+            measured_rows, scene, rig_compliance=options.rig_compliance, against=options.against
         )
     from reports import validation
     from reports.input_words import content as input_content
@@ -203,10 +209,10 @@ def _scored_loop(
     if scene.inputs:
         with stages.stage("uncertainty of the inputs"):
             inputs = input_effects(scene)
-    against = validation.against_loop(score, inputs, mapping.measured)
-    sentences = validation.sentences(against, is_measured=True)
+    loop_validation = validation.against_loop(score, inputs, mapping.measured)
+    sentences = validation.sentences(loop_validation, is_measured=True)
     further_content = {
-        "validation": [entry.content() for entry in against],
+        "validation": [entry.content() for entry in loop_validation],
         "inputs": input_content(inputs, scene),
     }
     with stages.stage("report"):
@@ -236,7 +242,9 @@ def _scored_loop(
 
 
 def _score_shown(report: Report, page: str) -> Iterator[Part]:
-    """Guesses, verdict, likely causes, and the mesh study where it is one."""
+    """What the terminal shows of a score: what was assumed, the verdict, what has no value,
+    evidence and likely causes, the mesh study if there is one. `page` is the path of the page.
+    """
     from reports.comparison.words import read_in_words
 
     yield from (f"Assumed: {sentence}." for sentence in report.guesses)
@@ -286,7 +294,9 @@ def _inputs_said(report: Report) -> Iterator[Part]:
 
 # ------------------------------------------------------------------ two runs, or one and a baseline
 def diff(a: str, b: str, options: Options) -> Answer:
-    """The table of A and B; with --accept B becomes a baseline of A."""
+    """The command `diff`: compare the values of two files or folders, A and B. With --accept the
+    values of A are written to B as a baseline.
+    """
     from reports.comparison.findings import (
         difference,
         is_baseline,
@@ -313,15 +323,15 @@ def diff(a: str, b: str, options: Options) -> Answer:
     findings_before = read_findings(b) if path.exists() else None
     # Compared with itself where there is nothing yet: that is how an unknown key of --tolerance is
     # found.
-    change = difference(findings, findings_before or findings, tolerances)
+    difference_to_b = difference(findings, findings_before or findings, tolerances)
     write_baseline(
         findings, path, {**(findings_before.tolerances if findings_before else {}), **tolerances}
     )
     last_sentence = (
         f"{b}: {len(findings.figures)} values of {findings.scene.name or findings.source} accepted"
     )
-    parts = [*(_difference_parts(change) if findings_before else ()), last_sentence]
-    return Answer(WITHIN, parts, change.content, change.scene)
+    parts = [*(_difference_parts(difference_to_b) if findings_before else ()), last_sentence]
+    return Answer(WITHIN, parts, difference_to_b.content, difference_to_b.scene)
 
 
 def _difference_answer(change: Difference) -> Answer:
@@ -330,6 +340,9 @@ def _difference_answer(change: Difference) -> Answer:
 
 
 def _difference_parts(change: Difference) -> Iterator[Part]:
+    """What the terminal shows of the difference of A and B: a table of the values that are not the
+    same, and how many there are.
+    """
     from reports.comparison.findings import SAME
 
     listed_rows = [
@@ -345,16 +358,18 @@ def _difference_parts(change: Difference) -> Iterator[Part]:
         if listed_rows
         else title
     )
-    if identical := len(change.rows) - len(listed_rows):
-        yield f"{identical} values are the same to the last digit and not listed (--json has them)"
+    if n_identical := len(change.rows) - len(listed_rows):
+        yield (
+            f"{n_identical} values are the same to the last digit and not listed (--json has them)"
+        )
     yield from change.notes
     different_rows = [row.key for row in change.rows if row.verdict != SAME]
-    all_of = f"all {len(change.rows)} values are the same within tolerance"
+    all_same_in_words = f"all {len(change.rows)} values are the same within tolerance"
     if different_rows:
         names = ", ".join(different_rows)
         yield f"{len(change.rows)} values, {len(different_rows)} differ: {names}"
     else:
-        yield all_of
+        yield all_same_in_words
 
 
 def _cells(row: Row) -> tuple[str, ...]:

@@ -30,24 +30,27 @@ _COMMENTS = 32
 
 # --------------------------------------------------------------------------------------------- init
 def init(file: Path, options: Options) -> Answer:
-    """Write a scene file: a copy of a library scene, or the commented example with the values given
-    as options.
+    """The command `init`: write a scene file, a copy of a library scene or the commented example
+    with the values given as options.
     """
     from scenes import InputError, scene_companions, scene_text
 
-    start = options.start
-    if start and (options.bodies or options.profile != "hertz"):
-        word = "--bodies" if options.bodies else "--profile"
+    copied_name = options.start
+    if copied_name and (options.bodies or options.profile != "hertz"):
+        refused_option = "--bodies" if options.bodies else "--profile"
         raise InputError(
-            f"{word}: it goes with the commented example, not with --from; leave one of the two out"
+            f"{refused_option}: it goes with the commented example, not with --from; leave one of"
+            f" the two out"
         )
     if file.suffix != ".toml":
         raise InputError(f"{file}: a commented scene is written as .toml; name the file so")
     _refuse_taken(file)
-    text = scene_text(start) if start else example(options.bodies, options.profile)
+    text = scene_text(copied_name) if copied_name else example(options.bodies, options.profile)
     companions: dict[Path, str] = {}
-    if start:
-        companions = {file.parent / name: text for name, text in scene_companions(start).items()}
+    if copied_name:
+        companions = {
+            file.parent / name: text for name, text in scene_companions(copied_name).items()
+        }
     for path in companions:
         if path.exists():
             raise InputError(
@@ -69,9 +72,10 @@ def init(file: Path, options: Options) -> Answer:
     names = ", ".join(path.name for path in companions)
     companions_in_words = f" (with {names})" if names else ""
     sentences = []
-    if start:
+    if copied_name:
         sentences.append(
-            f"{file}: its expected numbers are those of {start}: change them, or take them out,"
+            f"{file}: its expected numbers are those of {copied_name}: change them, or take them"
+            f" out,"
             " when you change the question"
         )
     sentences.append(
@@ -89,28 +93,32 @@ def _refuse_taken(path: Path, reason: OSError | None = None) -> None:
 
 
 def example(bodies: bool = False, profile: Literal["hertz", "flat_rounded"] = "hertz") -> str:
-    """The commented example; with `bodies`, its tables of bodies are no comments any more; with
-    `profile` another than Hertz's.
+    """Text of the commented example of a scene file. With `bodies` its tables of bodies are no
+    comments any more; `profile` says which profile is none.
     """
     text = (resources.files("reports") / "templates" / "scene.toml").read_text("utf-8")
     if bodies:
-        start = text.index("# [bodies.lower]")
-        end = text.index("# What you admit")
-        text = text[:start] + re.sub(r"(?m)^# ", "", text[start:end]) + text[end:]
+        first_place = text.index("# [bodies.lower]")
+        last_place = text.index("# What you admit")
+        text = (
+            text[:first_place]
+            + re.sub(r"(?m)^# ", "", text[first_place:last_place])
+            + text[last_place:]
+        )
     if profile == "flat_rounded":
-        for old, new in (
+        for old_line, new_line in (
             ('kind = "hertz"', '# kind = "hertz"'),
             ('# kind = "flat_rounded"', 'kind = "flat_rounded"'),
             ("# flat_half_length = 0.5", "flat_half_length = 0.5"),
         ):
-            text = re.sub(rf"(?m)^{old} *", f"{new:<{_COMMENTS}}", text, count=1)
+            text = re.sub(rf"(?m)^{old_line} *", f"{new_line:<{_COMMENTS}}", text, count=1)
     return text
 
 
 # -------------------------------------------------------------------------------------------- check
 def check(scene: str, options: Options) -> Answer:
-    """Validate a scene as `run` does; print its largest half-width and pressure, and how near it
-    comes to gross sliding.
+    """The command `check`: validate a scene as `run` does. It prints half-width and pressure at the
+    largest load, how near the loads come to gross sliding, and remarks on doubtful input.
     """
     from reports.checking import (
         bulk_and_tilt,
@@ -136,75 +144,79 @@ def check(scene: str, options: Options) -> Answer:
     from reports.profile_fit import findings, fit_warnings
     from scenes import InputError, TimeSeriesLoad
 
-    problem = read(scene, driven=True)
+    scene_read = read(scene, driven=True)
     if options.picture is not None:
-        _draw_fit(problem, options.picture)
-    if problem.load.is_driven:
-        return _check_rig(problem, scene, options)
-    loop_read = _loop_read(problem, options)
+        _draw_fit(scene_read, options.picture)
+    if scene_read.load.is_driven:
+        return _check_rig(scene_read, scene, options)
+    loop_read = _loop_read(scene_read, options)
     rows = 0
-    if isinstance(problem.load, TimeSeriesLoad):
-        rows = len(problem.load.kept_rows())
+    if isinstance(scene_read.load, TimeSeriesLoad):
+        rows = len(scene_read.load.kept_rows())
     load_engines(Stages(quiet=True), ["semi_analytic.solution"])
-    engines = engines_for(problem, scene, finite_elements=rows <= _MOST_ROWS)
-    nearest_instant = nearest_to_sliding(problem)
-    bulk = bulk_and_tilt(problem)
+    engines = engines_for(scene_read, scene, finite_elements=rows <= _MOST_ROWS)
+    nearest_instant = nearest_to_sliding(scene_read)
+    bulk = bulk_and_tilt(scene_read)
     contact = None
-    doubts: list[str] = []
+    doubtful_points: list[str] = []
     with suppress(InputError):  # of theory, where finite elements alone take the scene
-        contact = largest_contact(problem, scene)
-        doubts += remarks(problem, contact)
-    if no_comparison := engines.in_words(scene):
-        doubts.append(f"{no_comparison}.")
+        contact = largest_contact(scene_read, scene)
+        doubtful_points += remarks(scene_read, contact)
+    if refusals_in_words := engines.in_words(scene):
+        doubtful_points.append(f"{refusals_in_words}.")
     elif rows > _MOST_ROWS:
-        doubts.append(
+        doubtful_points.append(
             f"The record has {rows} rows, and finite elements take at least two increments a row."
             " Solve it by half-plane theory alone: `halfplane exact`."
         )
-    of_bodies = (bodies_in_words(problem), unlike_materials(problem), idealisation(problem))
-    notes = [question(problem), *filter(None, of_bodies)]
-    tables_read = read_in_pairs(problem) | loop_read
+    sentences_on_bodies = (
+        bodies_in_words(scene_read),
+        unlike_materials(scene_read),
+        idealisation(scene_read),
+    )
+    notes = [question(scene_read), *filter(None, sentences_on_bodies)]
+    tables_read = read_in_pairs(scene_read) | loop_read
     notes += [read_in_words(name, pairs) for name, pairs in tables_read.items()]
-    if record := check_record(problem):
-        for sentence, is_warning in record_in_words(problem, record):
+    if record := check_record(scene_read):
+        for sentence, is_warning in record_in_words(scene_read, record):
             if is_warning:
-                doubts.append(sentence)
+                doubtful_points.append(sentence)
             else:
                 notes.append(sentence)
-    sliding = sliding_in_words(sliding_of_loads(problem))
-    doubts += filter(None, [sliding, not_stated(problem)])
-    doubts += fit_warnings(problem, contact.half_width if contact else 0.0)
-    notes += [sentence for sentence in findings(problem)[0] if sentence not in doubts]
-    notes += filter(None, [stated_in_words(problem)])
+    sliding = sliding_in_words(sliding_of_loads(scene_read))
+    doubtful_points += filter(None, [sliding, not_stated(scene_read)])
+    doubtful_points += fit_warnings(scene_read, contact.half_width if contact else 0.0)
+    notes += [sentence for sentence in findings(scene_read)[0] if sentence not in doubtful_points]
+    notes += filter(None, [stated_in_words(scene_read)])
     verdict = (
         f"{scene}: the scene is well formed and its load path admissible. |Q|/(f P) is at most"
         f" {nearest_instant.ratio:.4g}; gross sliding starts at 1."
     )
-    cells = rows_of_contact(problem, contact) if contact else []
-    cells += rows_of_sliding(problem, nearest_instant)
+    cells = rows_of_contact(scene_read, contact) if contact else []
+    cells += rows_of_sliding(scene_read, nearest_instant)
     table = Sheet("By half-plane theory", ("", "value"), cells, (1,))
     sizes = filter(None, [engines.room, bulk_in_words(bulk) if bulk else ""])
     content = {
         "passed": True,
         "sentence": verdict,
         "notes": notes,
-        "remarks": doubts,
+        "remarks": doubtful_points,
         "read_as": tables_read,
         "engines": engines.reasons,
         "largest_contact": vars(contact) if contact else None,
         "nearest_to_sliding": vars(nearest_instant),
-        "profile_fit": fit_content(problem),
-        "uncertainty_of_inputs": stated_content(problem),
+        "profile_fit": fit_content(scene_read),
+        "uncertainty_of_inputs": stated_content(scene_read),
     }
     if bulk:
         content["bulk_and_tilt"] = vars(bulk)
-    marked = [f"Remark: {doubt}" for doubt in doubts]
-    parts: list[Part] = [verdict, table, *marked, *sizes, *notes]
-    return Answer(WITHIN, parts, lambda: content, problem.name)
+    marked_remarks = [f"Remark: {doubt}" for doubt in doubtful_points]
+    parts: list[Part] = [verdict, table, *marked_remarks, *sizes, *notes]
+    return Answer(WITHIN, parts, lambda: content, scene_read.name)
 
 
 def _draw_fit(scene: Scene, file: Path) -> None:
-    """The picture of a profile's fit.
+    """Write the picture of a profile's fit to rows as an SVG file.
 
     Raises
     ------
@@ -313,7 +325,8 @@ def _answer_of_theory(scene: Scene, source: str) -> ContactSolution:
 
 
 def _loop_read(scene: Scene, options: Options) -> dict[str, tuple[tuple[str, str], ...]]:
-    """How the table of --loop was read, by its path; empty without one.
+    """How the table of --loop was read, as (quantity, words) pairs by its path; empty without
+    one.
 
     Raises
     ------
@@ -365,6 +378,7 @@ def tagged(chosen: Sequence[str]) -> list[Scene]:
 
 
 def _listing(scenes: Sequence[Scene]) -> Iterator[str]:
+    """Lines that list scenes of the library: name, title, purpose and tags of each."""
     if not scenes:
         yield "no scene has all of these tags"
         return
@@ -381,11 +395,14 @@ def _listing(scenes: Sequence[Scene]) -> Iterator[str]:
 
 
 def _details(scene: Scene) -> Iterator[str]:
+    """Lines that state all about one scene: question, bodies, tolerances, files, expected
+    numbers.
+    """
     from reports.comparison.metrics import tolerances_of
     from reports.comparison.pairs import are_half_planes
     from reports.comparison.words import bodies_in_words, idealisation, question, unlike_materials
 
-    admitted = tolerances_of(scene, are_half_planes(scene)).items()
+    tolerance_of_metric = tolerances_of(scene, are_half_planes(scene)).items()
     expected_lines = [
         f"{number.quantity.replace('_', ' ')} = {number.value:.9g} to {number.tolerance:g},"
         f" {number.engine}: {number.source}"
@@ -396,7 +413,7 @@ def _details(scene: Scene) -> Iterator[str]:
     sentences = (bodies_in_words(scene), unlike_materials(scene), idealisation(scene))
     sections.append(("bodies", " ".join(filter(None, sentences))))
     limits = (
-        ", ".join(f"{key.replace('_', ' ')} {value:g}" for key, value in admitted)
+        ", ".join(f"{key.replace('_', ' ')} {value:g}" for key, value in tolerance_of_metric)
         or "none: nothing is judged"
     )
     sections.append(("tolerances", limits))
@@ -417,6 +434,7 @@ def _companions(scene: Scene) -> list[str]:
 
 
 def _record(scene: Scene) -> dict[str, Any]:
+    """All about one scene, for JSON."""
     from reports.comparison.words import question
 
     content = scene.model_dump(mode="json")

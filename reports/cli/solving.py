@@ -39,8 +39,8 @@ _STYLES = {"within": "bold green", "outside": "bold red", "undecided": "bold yel
 
 # -------------------------------------------------------------- what every command that solves does
 def read(source: str, *, driven: bool = False) -> Scene:
-    """The scene of `source`, its load path checked; InputError in a sentence otherwise, and for
-    prescribed displacements where the command does not take them (`driven` False).
+    """The scene that `source` names (in the library, or a file), its load path checked. InputError
+    in a sentence otherwise, and for prescribed displacements unless `driven`.
     """
     from reports.checking import require_admissible
     from scenes import InputError, load_scene
@@ -71,11 +71,12 @@ class Job:
 
 
 def at_work(work: Callable[[Job], Answer]) -> Callable[[str, Options], Answer]:
-    """A command that reads a scene, claims a folder and does its work; what was solved before a
-    failure is kept there.
+    """Make a command out of `work`, which solves a job: read the scene, claim the output folder,
+    turn failures into answers with their exit codes.
 
-    A file of somebody else in the folder is refused before anything is solved: `_written_by` knows
-    what the command will write.
+    What was solved before a failure or an interruption is kept in the folder. A file of somebody
+    else there is refused before anything is solved: `_written_by` knows what the command will
+    write.
     """
 
     @wraps(work)
@@ -84,20 +85,20 @@ def at_work(work: Callable[[Job], Answer]) -> Callable[[str, Options], Answer]:
         from reports.folder import claim, default_folder
         from scenes import ConvergenceError, InputError, Interrupted
 
-        problem = read(scene, driven=work.__name__ in ("exact", "fe", "run"))
+        scene_read = read(scene, driven=work.__name__ in ("exact", "fe", "run"))
         folder = claim(
-            options.out or default_folder(problem.name), _written_by(work.__name__, problem)
+            options.out or default_folder(scene_read.name), _written_by(work.__name__, scene_read)
         )
         try:
-            return work(Job(scene, problem, options, folder, Stages(options.quiet)))
+            return work(Job(scene, scene_read, options, folder, Stages(options.quiet)))
         except InputError as fault:
             # One about an option or the file names that already, one of an engine does not.
             if str(fault).startswith((scene, "--")):
                 raise
-            named_error = InputError(f"{scene}: {fault}")
+            error_with_source = InputError(f"{scene}: {fault}")
             for note in getattr(fault, "__notes__", ()):  # of what was saved
-                named_error.add_note(note)
-            raise named_error from fault
+                error_with_source.add_note(note)
+            raise error_with_source from fault
         except Interrupted as stop:
             partial_solution = stop.partial
             if partial_solution is None or len(partial_solution.time) < 2:
@@ -114,12 +115,12 @@ def at_work(work: Callable[[Job], Answer]) -> Callable[[str, Options], Answer]:
             )
             return Answer(INTERRUPTED)
         except ConvergenceError as failure:
-            complain(f"halfplane: {problem.name}: not converged: {failure}")
-            content = {"passed": False, "error": str(failure), "file": None}
+            complain(f"halfplane: {scene_read.name}: not converged: {failure}")
+            json_content = {"passed": False, "error": str(failure), "file": None}
             parts: list[Part] = []
             if failure.partial is not None:
                 path = write_solution(failure.partial, folder, name="partial")
-                content["file"] = str(path)
+                json_content["file"] = str(path)
                 rows = summary_rows(failure.partial)
                 parts = [
                     Sheet("Steps solved before it failed", ("quantity", "value"), rows),
@@ -127,22 +128,22 @@ def at_work(work: Callable[[Job], Answer]) -> Callable[[str, Options], Answer]:
                 ]
             elif not options.json:
                 complain("halfplane: no step was solved, so nothing was written")
-            return Answer(NOT_CONVERGED, parts, lambda: content, problem.name)
+            return Answer(NOT_CONVERGED, parts, lambda: json_content, scene_read.name)
 
     return command
 
 
 def _written_by(command: str, scene: Scene) -> tuple[str, ...]:
-    """Files that a command writes to its folder, whatever comes of it; what failed or was
-    interrupted leaves "partial".
+    """Names of the files that a command writes to its folder, whatever comes of it; a failure or an
+    interruption leaves those named "partial".
     """
     from reports.folder import RESULTS, files_of_a_solution
 
-    partial = files_of_a_solution("partial")
+    partial_files = files_of_a_solution("partial")
     if command == "exact":
-        return (*files_of_a_solution("semi_analytic"), *partial)
+        return (*files_of_a_solution("semi_analytic"), *partial_files)
     if command == "fe":
-        return (*files_of_a_solution("halfplane_fe"), *partial)
+        return (*files_of_a_solution("halfplane_fe"), *partial_files)
     if command == "export":
         return (deck_file(scene),)
     if command == "run":  # of a scene that one engine alone takes, the answer of that one
@@ -150,9 +151,9 @@ def _written_by(command: str, scene: Scene) -> tuple[str, ...]:
             *RESULTS,
             *files_of_a_solution("semi_analytic"),
             *files_of_a_solution("halfplane_fe"),
-            *partial,
+            *partial_files,
         )
-    return (*RESULTS, *partial)
+    return (*RESULTS, *partial_files)
 
 
 def deck_file(scene: Scene) -> str:
@@ -166,7 +167,9 @@ _ENGINES = ("halfplane_fe.solution", "semi_analytic.solution")
 
 
 def load_engines(stages: Stages, engines: Sequence[str] = _ENGINES) -> None:
-    """Import the engines as a stage of its own; InputError where a library can't be loaded."""
+    """Import the packages of the engines, timed as a stage of its own. InputError where a library
+    can't be loaded.
+    """
     from scenes import InputError
 
     with stages.stage("loading"):
@@ -247,8 +250,8 @@ _LONG_RECORD = 200
 
 
 def _reason_for_no_budget(scene: Scene) -> str:
-    """Why the uncertainty of real bodies is measured on request only; empty where it is measured
-    anyway.
+    """Why the uncertainty of the answer for real bodies is measured on request only: the record is
+    long. "" where it is measured anyway.
     """
     from scenes import TimeSeriesLoad
 
@@ -264,7 +267,8 @@ def _reason_for_no_budget(scene: Scene) -> str:
 # ------------------------------------------------------------------------------------- both engines
 @at_work
 def run(job: Job) -> Answer:
-    """Both engines on one scene, their comparison, its page; the exit code is that of the verdict.
+    """The command `run`: solve a scene with both engines, compare, write the page; the exit code is
+    that of the verdict.
 
     A scene that one engine alone takes gets that one's answer, as of `exact` or `fe`.
     """
@@ -280,18 +284,18 @@ def run(job: Job) -> Answer:
     # What theory refuses is known before the finite elements are solved.
     engines = engines_for(job.scene, job.source)
     options.settings()
-    if no_comparison := engines.in_words(job.source):
-        _require_no_option_of_both(job, no_comparison)
-        complain(f"halfplane: {job.scene.name}: no comparison. {no_comparison}")
+    if reason_for_none := engines.in_words(job.source):
+        _require_no_option_of_both(job, reason_for_none)
+        complain(f"halfplane: {job.scene.name}: no comparison. {reason_for_none}")
         if job.scene.load.is_driven:
-            return _answer_of_rig(job, engines, no_comparison)
+            return _answer_of_rig(job, engines, reason_for_none)
         if engines.half_plane:  # the reason why theory does not take it
             solution = solve_finite_elements(job)
             command = "fe"
         else:
             solution = _solve_half_plane(job)
             command = "exact"
-        return replace(_answer_alone(job, solution, no_comparison), command=command)
+        return replace(_answer_alone(job, solution, reason_for_none), command=command)
     if options.third:
         _third_solver(options.third).require()
     return _answer_of_both(job, _compared(job, tolerances))
@@ -321,8 +325,9 @@ def _third_solver(name: str) -> Any:
 
 
 def _compared(job: Job, tolerances: dict[str, float]) -> Report:
-    """Solve by both engines, compare, measure the uncertainties and ask the third solver as asked,
-    and write the page.
+    """Solve by both engines, compare, measure the uncertainties and ask the third solver as
+    requested, and write the page. The finite elements' solution is saved if anything after it
+    fails.
     """
     from reports.comparison.pairs import are_half_planes
 
@@ -334,7 +339,7 @@ def _compared(job: Job, tolerances: dict[str, float]) -> Report:
         wants_budget = not reason_for_none
     if reason_for_none:
         job.stages.remark(reason_for_none)
-    begun = time.process_time()
+    seconds_before = time.process_time()
     fe = solve_finite_elements(job)
     with _kept_if_interrupted(fe):
         with _saved_if_it_fails(fe, job.folder):
@@ -342,7 +347,7 @@ def _compared(job: Job, tolerances: dict[str, float]) -> Report:
             if reason_for_none:
                 note = f"{reason_for_none[:1].upper()}{reason_for_none[1:]}."
                 comparison = replace(comparison, notes=(*comparison.notes, note))
-            report = _measured(job, comparison, begun if wants_budget else None)
+            report = _measured(job, comparison, seconds_before if wants_budget else None)
             inputs = _effects_of_inputs(job, comparison.effects)
             report = replace(report, inputs=inputs)
             if job.options.third:
@@ -355,15 +360,17 @@ def _compared(job: Job, tolerances: dict[str, float]) -> Report:
 def _comparison_with_theory(
     job: Job, fe: ContactSolution, tolerances: dict[str, float]
 ) -> Comparison:
-    """Half-plane theory at the points and instants of the finite elements, beside them."""
+    """The finite elements' solution compared with half-plane theory at its points and instants;
+    with theory on the straight lines between these instants too.
+    """
     from reports.comparison.budget import theory_on_steps
 
     reference = _solve_half_plane(job, x=fe.x, time=fe.time)
     # Of a thinned answer the steps are those of the path itself.
-    polygon: ContactSolution | None = reference
+    theory_on_polygon: ContactSolution | None = reference
     if not fe.thinned:
         with job.stages.stage("half-plane theory, on the polygon of the steps"):
-            polygon = theory_on_steps(fe)
+            theory_on_polygon = theory_on_steps(fe)
     with job.stages.stage("comparison"):
         from reports.comparison import compare
         from reports.comparison.datum import effects_between
@@ -371,31 +378,32 @@ def _comparison_with_theory(
         return compare(
             reference,
             fe,
-            polygon_reference=polygon,
+            polygon_reference=theory_on_polygon,
             tolerances=tolerances,
             effects=effects_between(reference, fe),
         )
 
 
-def _measured(job: Job, comparison: Comparison, begun: float | None) -> Report:
-    """The report on a comparison, with its budget of errors if it is to be measured.
+def _measured(job: Job, comparison: Comparison, seconds_before: float | None) -> Report:
+    """The report on a comparison, with the budget of its errors if that is to be measured, and for
+    real bodies the causes of the difference.
 
-    `begun` is the processor time before the finite elements were solved, by which the cost of the
-    budget is stated; None without a budget.
+    `seconds_before` is the processor time before the finite elements were solved, by which the cost
+    of the budget is stated; None without a budget.
     """
     from reports.comparison.budget import climb, error_budget
     from reports.comparison.pairs import are_half_planes
     from reports.report import Report, with_budget
 
-    if begun is None:
+    if seconds_before is None:
         return Report(comparison)
-    cost = time.process_time() - begun
+    seconds_of_run = time.process_time() - seconds_before
     # Two coarser meshes show an order; three where the budget was asked for.
-    meshes = 3 if job.options.budget else 2
+    coarsenings = 3 if job.options.budget else 2
     mesh, settings = job.options.settings()
     # Every run is a stage of its own.
-    refinements = climb(comparison, mesh, settings, job.stages.stage, meshes)
-    report = with_budget(comparison, error_budget(comparison, refinements, cost))
+    refinements = climb(comparison, mesh, settings, job.stages.stage, coarsenings)
+    report = with_budget(comparison, error_budget(comparison, refinements, seconds_of_run))
     if are_half_planes(job.scene):
         return report
     with job.stages.stage("why"):
@@ -418,7 +426,9 @@ def _effects_of_inputs(job: Job, effects: BodyEffects | None = None) -> InputEff
 def _inputs_shown(
     inputs: InputEffects | None, scene: Scene, comparison: Comparison | None = None
 ) -> Iterator[Part]:
-    """What the inputs make of the answer: the sentences, and the tables."""
+    """What the uncertainties of the scene's inputs do to the answer, for the terminal: sentences,
+    then tables. Nothing where the scene states none.
+    """
     from reports import input_words
 
     if inputs is None:
@@ -436,7 +446,7 @@ def _inputs_shown(
 
 
 def _write_page(job: Job, report: Report) -> None:
-    """The page of a run with its files, as the last stage."""
+    """Write the page of a run and its files to the job's folder, timed as the last stage."""
     fe = report.comparison.result
     command = job.command("run")
     with job.stages.stage("report"):
@@ -457,8 +467,8 @@ def _write_page(job: Job, report: Report) -> None:
 
 @contextmanager
 def _kept_if_interrupted(solution: ContactSolution) -> Generator[None, None, None]:
-    """Ctrl-C after the finite elements are solved hands on their solution, unless the whole report
-    was written already.
+    """Within this context Ctrl-C raises `Interrupted` with `solution` in it, so that it is saved;
+    unless the whole report was written already.
     """
     from reports.folder import FilledBefore
     from scenes import Interrupted
@@ -489,7 +499,9 @@ _OF_A_METRIC = ("value", "uncertainty", "unit", "tolerance", "accurate", "verdic
 
 
 def _answer_of_both(job: Job, report: Report) -> Answer:
-    """The verdict; the exit code, whose reason is the last line on stderr."""
+    """The answer of `run` from its report: exit code, what the terminal shows, and the content for
+    --json. What the exit code is for stands in the last line on stderr.
+    """
     from reports.comparison import laws
     from reports.comparison.words import lead
     from reports.page.content import whole_content
@@ -529,33 +541,33 @@ def _answer_of_both(job: Job, report: Report) -> Answer:
             yield from _left_out(report, findings)
         yield str(page)
 
-    def content() -> dict[str, Any]:
-        of_report = whole_content(report, "", stages.seconds)
-        of_fe = of_report["result"]
+    def json_content() -> dict[str, Any]:
+        report_content = whole_content(report, "", stages.seconds)
+        content_of_elements = report_content["result"]
         metrics: dict[str, Any] = {}
-        for key, metric in of_report["metrics"].items():
+        for key, metric in report_content["metrics"].items():
             metrics[key] = {name: metric[name] for name in _OF_A_METRIC}
-        work = ("dissipation", "dissipation_uncertainty", "dissipation_drift")
+        work_keys = ("dissipation", "dissipation_uncertainty", "dissipation_drift")
         last_keys = ("expected", "profile_fit", "notes", "seconds")
         return {
-            "headline": of_report["headline"],
-            "table": of_report["table"],
-            **of_report["verdict"],
+            "headline": report_content["headline"],
+            "table": report_content["table"],
+            **report_content["verdict"],
             "lead": lead(comparison),
             "metrics": metrics,
-            "why": of_report["why"],
-            "inputs": of_report["inputs"],
-            **{name: of_fe[name] for name in work},
-            **{name: of_report[name] for name in last_keys},
+            "why": report_content["why"],
+            "inputs": report_content["inputs"],
+            **{name: content_of_elements[name] for name in work_keys},
+            **{name: report_content[name] for name in last_keys},
             "page": str(page),
         }
 
-    return Answer(code, parts(), content, scene.name)
+    return Answer(code, parts(), json_content, scene.name)
 
 
 def verdict_shown(report: Report, verbose: bool = True) -> Iterator[Part]:
-    """The headline, the table of absolute values, the causes and the verdict; in short unless
-    verbose.
+    """Headline, table of absolute values, causes and verdict of a report, for the terminal; in
+    short unless `verbose`.
     """
     from reports.comparison.words import (
         first_cells,
@@ -577,34 +589,34 @@ def verdict_shown(report: Report, verbose: bool = True) -> Iterator[Part]:
     if comparison.why is not None:
         yield comparison.why.sentence
     style = _STYLES.get(standing(comparison) or "", "")
-    whole_verdict = f"{lead(comparison)} {verdict(comparison)}".strip()
-    yield whole_verdict if verbose else verdict_in_short(comparison), style
+    long_verdict = f"{lead(comparison)} {verdict(comparison)}".strip()
+    yield long_verdict if verbose else verdict_in_short(comparison), style
     # In short, how it was judged is said only where the size alone decides.
     if verbose or judged_by_size(comparison):
-        words = how_judged(comparison, has_budget=report.budget is not None)
-        yield from filter(None, [words])
+        rule_of_judging = how_judged(comparison, has_budget=report.budget is not None)
+        yield from filter(None, [rule_of_judging])
 
 
 def _left_out(report: Report, findings: Sequence[Finding]) -> Iterator[Part]:
-    """Warnings about the record, and in one line what the page and `--verbose` say besides: how
-    each note begins.
+    """For a terminal without --verbose: warnings about the record of loads, and a line on what the
+    page says besides, by how each note begins.
     """
     from reports.measured import check_record, record_in_words
 
     scene = report.comparison.scene
-    counts = [f"“{_beginning(note)} …”" for note in report.comparison.result.record.notes]
+    topics = [f"“{_beginning(note)} …”" for note in report.comparison.result.record.notes]
     if record := check_record(scene):
         for sentence, is_warning in record_in_words(scene, record):
             if is_warning:
                 yield f"Warning: {sentence}"
-        counts.append("what was read of the record")
+        topics.append("what was read of the record")
     n_missed = sum(not finding.met for finding in findings)
     if n_missed:
-        counts.append(f"{n_missed} of {len(findings)} expected numbers missed")
+        topics.append(f"{n_missed} of {len(findings)} expected numbers missed")
     elif findings:
-        counts.append(f"all {len(findings)} expected numbers met")
-    if counts:
-        yield f"On the page, and with --verbose: {', '.join(counts)}."
+        topics.append(f"all {len(findings)} expected numbers met")
+    if topics:
+        yield f"On the page, and with --verbose: {', '.join(topics)}."
 
 
 def _beginning(note: str) -> str:
@@ -617,7 +629,9 @@ def _beginning(note: str) -> str:
 
 
 def _notes_shown(report: Report) -> Iterator[Part]:
-    """What the dissipation is uncertain by, and what the finite elements and the record note."""
+    """For a terminal with --verbose: the uncertainty of the dissipation, the notes of the finite
+    elements, what was read of the record of loads.
+    """
     from reports.comparison.words import uncertain_work
     from reports.measured import check_record, record_in_words
 
@@ -632,13 +646,15 @@ def _notes_shown(report: Report) -> Iterator[Part]:
 
 
 def _budget_shown(report: Report, budget: ErrorBudget) -> Iterator[Part]:
-    """Where the errors come from; E stands in the table above it."""
+    """The budget of errors for the terminal: a table of what each source contributes to each
+    difference, and sentences on it. E itself stands in the table above.
+    """
     from reports.comparison.budget_words import budget_table, cost, negligible_terms
 
-    without_terms = negligible_terms(budget)
-    heads, rows, _ = budget_table(budget, (*without_terms, "E"))
-    place_of_rest = heads.index("± u") - 1
-    heads = (*heads[:place_of_rest], "left", *heads[place_of_rest + 1 :])
+    terms_left_out = negligible_terms(budget)
+    heads, rows, _ = budget_table(budget, (*terms_left_out, "E"))
+    column_of_rest = heads.index("± u") - 1
+    heads = (*heads[:column_of_rest], "left", *heads[column_of_rest + 1 :])
     title = "Where the difference comes from"
     if _are_per_cent(rows):
         title += ", per cent"
@@ -648,8 +664,8 @@ def _budget_shown(report: Report, budget: ErrorBudget) -> Iterator[Part]:
         yield "Left: half-planes have no idealisation error, so u must cover it."
     else:
         yield "Left: the idealisation error."
-    if without_terms:
-        yield f"Below a thousandth of every difference, and not shown: {', '.join(without_terms)}."
+    if terms_left_out:
+        yield f"Below a thousandth of every difference, and not shown: {', '.join(terms_left_out)}."
     yield f"Covered by the stated uncertainty: {report.honest}"
     yield cost(budget)
 
@@ -674,8 +690,8 @@ def _expected_shown(findings: Sequence[Finding]) -> Iterator[Part]:
 
 
 def exit_code(comparison: Comparison) -> int:
-    """0 if the comparison passed, else 1; where that is for undecided or unscored metrics, the last
-    lines on stderr say so.
+    """Exit code of a comparison: 0 if it passed, else 1. Where metrics are undecided or could not
+    be scored, the last lines on stderr name them.
     """
     if comparison.unscored:
         keys = ", ".join(metric.key for metric in comparison.unscored)
@@ -742,8 +758,10 @@ _OF_ONE_ENGINE = (
 def _answer_alone(
     job: Job, solution: ContactSolution, note: str = "", inputs: InputEffects | None = None
 ) -> Answer:
-    """Files and summary of one engine's answer; `note` is kept with the answer, `inputs` are found
-    here where they are not given.
+    """Save the solution of one engine and make the answer of its command: summary, JSON, exit code.
+
+    `note` is added to the solution's notes; `inputs`, what uncertain inputs do to it, is found here
+    where it is not given.
     """
     from reports import profile_fit
     from reports.comparison.json_values import solution_content
@@ -767,9 +785,9 @@ def _answer_alone(
     laws = certificates(solution)
     admissible = solution.record.converged and all(law.holds for law in laws)
     code = WITHIN if admissible and all(finding.met for finding in findings) else OUTSIDE
-    of_rig = {}
+    values_of_rig = {}
     if job.scene.load.is_driven:
-        of_rig["largest_sliding_ratio"] = ratio_of_answer(solution)
+        values_of_rig["largest_sliding_ratio"] = ratio_of_answer(solution)
 
     def parts() -> Iterator[Part]:
         rows = summary_rows(solution, loads_are_found=job.scene.load.is_driven)
@@ -779,26 +797,30 @@ def _answer_alone(
         yield from _expected_shown(findings)
         yield path
 
-    def content() -> dict[str, Any]:
-        of_solution = solution_content(solution, laws)
+    def json_content() -> dict[str, Any]:
+        content_of_solution = solution_content(solution, laws)
         return {
             "passed": code == WITHIN,
             "admissible": admissible,
-            **{name: of_solution[name] for name in _OF_ONE_ENGINE if name in of_solution},
+            **{
+                name: content_of_solution[name]
+                for name in _OF_ONE_ENGINE
+                if name in content_of_solution
+            },
             "expected": expected_content(findings),
             "file": path,
             "seconds": job.stages.seconds,
             "profile_fit": profile_fit.content(scene),
             "inputs": input_content(inputs, job.scene),
-            **of_rig,
+            **values_of_rig,
         }
 
-    return Answer(code, parts(), content, scene.name)
+    return Answer(code, parts(), json_content, scene.name)
 
 
 def _answer_of_rig(job: Job, engines: Engines, no_comparison: str) -> Answer:
-    """The answer to prescribed displacements, of theory where it takes the bodies, saved first, and
-    the page of both engines.
+    """The answer to prescribed displacements: theory, or finite elements where it refuses the
+    bodies, saved first; then the page of both. `no_comparison` says why the two are not compared.
     """
     from reports.comparison.words import summary_rows
 
@@ -810,38 +832,38 @@ def _answer_of_rig(job: Job, engines: Engines, no_comparison: str) -> Answer:
         command = "exact"
     inputs = _effects_of_inputs(job)
     answer = _answer_alone(job, solution, no_comparison, inputs)
-    elements = None
-    of_elements: dict[str, Any] = {}
+    solution_of_elements = None
+    content_of_elements: dict[str, Any] = {}
     if not engines.half_plane:
-        elements, of_elements = _elements_of_rig(job)
+        solution_of_elements, content_of_elements = _elements_of_rig(job)
     with job.stages.stage("report"):
         from reports.page.rig import RigMotion, write
 
-        rig = RigMotion(job.scene, solution, inputs, elements)
-        refusal = of_elements.get("refused")
+        rig = RigMotion(job.scene, solution, inputs, solution_of_elements)
+        refusal = content_of_elements.get("refused")
         remarks = (no_comparison, refusal) if refusal else (no_comparison,)
         page = write(rig, job.folder, job.command("run"), remarks)
 
-    def content() -> dict[str, Any]:
+    def json_content() -> dict[str, Any]:
         assert answer.content is not None  # for the type checker: an engine's answer has JSON
-        both = {"finite_elements": of_elements} if of_elements else {}
-        return {**answer.content(), **both, "page": str(page)}
+        further_content = {"finite_elements": content_of_elements} if content_of_elements else {}
+        return {**answer.content(), **further_content, "page": str(page)}
 
     def parts() -> Iterator[Part]:
         yield from answer.parts
-        if elements is not None:
-            rows = summary_rows(elements, loads_are_found=True)
+        if solution_of_elements is not None:
+            rows = summary_rows(solution_of_elements, loads_are_found=True)
             rows = [row for row in rows if row[0] != "note"]
             yield Sheet("the same by finite elements", ("quantity", "value"), rows)
         yield str(page)
 
-    code = answer.code if of_elements.get("admissible", True) else OUTSIDE
-    return replace(answer, code=code, parts=parts(), content=content, command=command)
+    code = answer.code if content_of_elements.get("admissible", True) else OUTSIDE
+    return replace(answer, code=code, parts=parts(), content=json_content, command=command)
 
 
 def _elements_of_rig(job: Job) -> tuple[ContactSolution | None, dict[str, Any]]:
-    """The finite elements' answer beside that of theory, saved, and its content for JSON; their
-    refusal in its place.
+    """The finite elements' solution under a prescribed displacement, saved, and its content for
+    JSON. Where they refuse the scene: None and the refusal.
     """
     from reports.comparison.json_values import solution_content
     from reports.comparison.laws import certificates
@@ -877,8 +899,10 @@ _INSTANTS = (
 def write_solution(
     solution: ContactSolution, out: Path, name: str = "", *, states_loads: bool = True
 ) -> Path:
-    """NetCDF, the summary as JSON, a CSV of the instants and, with `states_loads`, the scene;
-    returns the path of the NetCDF file.
+    """Save a solution in the folder `out`: NetCDF, the summary as JSON, a CSV of the instants and,
+    with `states_loads`, the scene.
+
+    `name` is their stem, by default the engine. Returns the path of the NetCDF file.
     """
     from reports.charts.templating import table_text
     from reports.comparison.cycles import OF_BULK

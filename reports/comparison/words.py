@@ -44,8 +44,8 @@ SUPPORT_WORDS = {
 
 # ------------------------------------------------------------------------------------ what is asked
 def stretch(scene: Scene) -> str:
-    """What values of a whole path are of: the "last cycle" where it repeats, else the "whole
-    record" or the "whole path".
+    """In words, which part of its path the values of a scene are of: the "last cycle" where loads
+    repeat, the "whole record" for rows of loads, else the "whole path".
 
     >>> from scenes import load_scene
     >>> [stretch(load_scene(name)) for name in ("hertz-paper", "time-series", "hertz-normal")]
@@ -59,8 +59,8 @@ def stretch(scene: Scene) -> str:
 
 
 def of_stretch(text: str, scene: Scene) -> str:
-    """`text` of a metric, whose rows speak of the last cycle, with the word for what this scene's
-    values are of.
+    """`text` of a metric, which speaks of the last cycle, with "whole record" or "whole path" in
+    its place where the loads of `scene` do not repeat.
 
     >>> from scenes import load_scene
     >>> (
@@ -86,8 +86,8 @@ def question(scene: Scene) -> str:
 
 
 def bulk_and_tilt(scene: Scene) -> str:
-    """Bulk stresses, tilt, moment or line of action of the loads, a sentence each; empty without
-    any.
+    """The bulk stresses, tilt, moment or line of action in the loads of a scene, a sentence each;
+    empty without any.
 
     >>> from scenes import load_scene
     >>> bulk_and_tilt(
@@ -101,12 +101,12 @@ def bulk_and_tilt(scene: Scene) -> str:
     return in_template("bulk_and_tilt", scene.load, partial(_over_time, scene), *units(scene))
 
 
-def _over_time(scene: Scene, pair: str, place: int, value: Any, of: str = "of") -> str:
-    """A number, the formula of a wave, or the range of anything else through the path, with a
-    preposition.
+def _over_time(scene: Scene, name_of_pair: str, index: int, value: Any, of: str = "of") -> str:
+    """A load in words, with a preposition: a number, the formula of a cosine, or the range of
+    anything else along the path.
 
-    The range is that of the load at `place` of the pair of loads which a leg of the path has under
-    the name `pair`.
+    The range is that of the load at index `index` in a pair of loads; `name_of_pair` names that
+    pair in each load segment.
     """
     if isinstance(value, Wave):
         return (
@@ -116,9 +116,9 @@ def _over_time(scene: Scene, pair: str, place: int, value: Any, of: str = "of") 
     if isinstance(value, int | float):
         return f"{of} {number(value)}"
     path = scene.load.path()
-    legs = [getattr(leg, pair) for leg in path.cycle or path.initial_loading]
+    legs = [getattr(leg, name_of_pair) for leg in path.cycle or path.initial_loading]
     values = np.concatenate(
-        [np.ravel(leg.loads(sampled(leg, 65))[place]) for leg in legs if leg is not None]
+        [np.ravel(leg.loads(sampled(leg, 65))[index]) for leg in legs if leg is not None]
     )
     least_value = number(float(f"{values.min():.4g}"))
     largest_value = number(float(f"{values.max():.4g}"))
@@ -173,8 +173,8 @@ _ROUNDING = 1e-13
 
 
 def _in_digits(value: float, *, share: bool = True, plus: bool = True, digits: int = 3) -> str:
-    """A value to so many significant digits, in per cent if it is a share of something; rounding,
-    below 1e-13, is 0.
+    """A value in words to so many significant digits; in per cent if it is a `share` of something,
+    with a plus sign if `plus`. Less than 1e-13 is round-off, written as 0.
 
     >>> (
     ...     _in_digits(-0.00123456),
@@ -248,8 +248,8 @@ _MOST_DIGITS = 8
 
 
 def with_uncertainty(value: float, uncertainty: float | None) -> str:
-    """A size with its uncertainty, as many digits as that leaves it: one of u, two where that
-    begins with 1.
+    """ "value ± u" with as many decimals as the uncertainty u leaves: one digit of u, or two where
+    it begins with 1. Without u (None) three digits of the value.
 
     >>> (
     ...     with_uncertainty(2.8512, 0.0614),
@@ -267,13 +267,15 @@ def with_uncertainty(value: float, uncertainty: float | None) -> str:
     if uncertainty == 0:
         return f"{minus(f'{value:.3g}')} ± 0"
     power = math.floor(math.log10(uncertainty))
-    digits = max(0, -power + (round(uncertainty / 10**power, 6) < 2))
-    if digits > 6:  # a row of zeros says less than a power of ten
-        significant = 2
+    decimals = max(0, -power + (round(uncertainty / 10**power, 6) < 2))
+    if decimals > 6:  # a row of zeros says less than a power of ten
+        significant_digits = 2
         if abs(value) > uncertainty:
-            significant = min(math.floor(math.log10(abs(value))) + digits + 1, _MOST_DIGITS)
-        return f"{minus(f'{value:.{significant}g}')} ± {minus(f'{uncertainty:.1g}')}"
-    return f"{minus(f'{value:.{digits}f}')} ± {uncertainty:.{digits}f}"
+            significant_digits = min(
+                math.floor(math.log10(abs(value))) + decimals + 1, _MOST_DIGITS
+            )
+        return f"{minus(f'{value:.{significant_digits}g}')} ± {minus(f'{uncertainty:.1g}')}"
+    return f"{minus(f'{value:.{decimals}f}')} ± {uncertainty:.{decimals}f}"
 
 
 # --------------------------------------------------------------------------------------- the answer
@@ -281,34 +283,36 @@ def headline(comparison: JudgedPair) -> str:
     """The answer in a sentence: how wrong half-plane theory is for these bodies, or how far the two
     solutions agree.
 
-    Every figure is result/reference - 1, finite elements/theory - 1, as in the table below it. A
-    figure that is not twice its uncertainty is called not resolved. Of somebody else's result that
-    is not within tolerance it says what is outside.
+    Every figure is result/reference − 1, as in the table below it. One that is not twice its
+    uncertainty is called not resolved. Of an external result outside its tolerances the sentence
+    says what is outside.
     """
     if _is_failed(comparison):
         return _failure(comparison)
-    work = comparison.metric("dissipation")
+    dissipation = comparison.metric("dissipation")
     keys = ("largest_pressure", "largest_half_width")
-    if work.value is not None and not work.absolute:
+    if dissipation.value is not None and not dissipation.absolute:
         keys = ("dissipation", "largest_pressure")
     metrics = [
         metric
         for metric in map(comparison.metric, keys)
         if metric.value is not None and math.isfinite(metric.value)
     ]
-    kind = "external"
+    kind_of_sentence = "external"
     if _both_ours(comparison) and are_half_planes(comparison.scene):
-        kind = "agree"
+        kind_of_sentence = "agree"
     elif _both_ours(comparison) and comparison.result.engine == "halfplane_fe":
-        kind = "theory"
-    if kind == "agree":
+        kind_of_sentence = "theory"
+    if kind_of_sentence == "agree":
         claims = [_agreement(metric) for metric in metrics]
     else:
         claims = [_claim(metric) for metric in metrics]
     stated_errors = None
     if all(metric.uncertainty is None for metric in metrics):
         stated_errors = _stated_errors(comparison)
-    return in_template("headline", comparison, _names(comparison), kind, claims, stated_errors)
+    return in_template(
+        "headline", comparison, _names(comparison), kind_of_sentence, claims, stated_errors
+    )
 
 
 # Metrics that the first sentence names, of those that are not within their tolerance.
@@ -333,40 +337,46 @@ def _failing(comparison: JudgedPair) -> list[Metric]:
 
 
 def _failure(comparison: JudgedPair) -> str:
-    """What of somebody else's result is outside, the most times its tolerance first; without that
-    what is undecided, or the laws that it violates.
+    """The sentence on an external result that fails: which metrics are outside, those with the
+    largest multiple of their tolerance first.
+
+    Without any of these, what is undecided, or which laws of contact it violates.
     """
 
-    def over_tolerance(metric: Metric) -> float:
+    def multiple_of_tolerance(metric: Metric) -> float:
         return abs(metric.value or 0.0) / (metric.tolerance or 1.0)
 
-    failing = _failing(comparison)
-    of_worst = [metric for metric in failing if metric.verdict is failing[0].verdict]
-    of_worst.sort(key=over_tolerance, reverse=True)
+    failing_metrics = _failing(comparison)
+    worst_metrics = [
+        metric for metric in failing_metrics if metric.verdict is failing_metrics[0].verdict
+    ]
+    worst_metrics.sort(key=multiple_of_tolerance, reverse=True)
     # what shares a tolerance says the same twice
-    with_own_tolerance = [metric for metric in of_worst if not metric.judged_by]
-    named = (with_own_tolerance or of_worst)[:_MOST_NAMED]
+    metrics_with_tolerance = [metric for metric in worst_metrics if not metric.judged_by]
+    metrics_named = (metrics_with_tolerance or worst_metrics)[:_MOST_NAMED]
     return in_template(
         "failure",
         comparison,
         _names(comparison),
         comparison.verdict,
-        len(of_worst),
+        len(worst_metrics),
         _count_of_judged(comparison),
-        [_in_sentence(metric) for metric in named],
+        [_in_sentence(metric) for metric in metrics_named],
         [check for _, check in _violated(comparison)],
     )
 
 
 def _violated(comparison: JudgedPair) -> list[tuple[str, Certificate]]:
-    """Name of the engine and the check, of each law of contact that does not hold."""
-    pairs = (
+    """(name of the engine, check) for every law of contact that the reference or the result
+    violates.
+    """
+    checked_solutions = (
         (comparison.reference, comparison.reference_certificates),
         (comparison.result, comparison.result_certificates),
     )
     return [
         (name_of(solution.engine), check)
-        for solution, checks in pairs
+        for solution, checks in checked_solutions
         for check in checks
         if not check.holds
     ]
@@ -385,16 +395,16 @@ def _names(comparison: JudgedPair) -> tuple[str, str]:
 
 
 def _stated_errors(comparison: JudgedPair) -> list[tuple[str, str]]:
-    """Name of each engine and what it states of the error of its dissipation in per cent, where
-    that is no rounding.
+    """(name of the engine, per cent in words) for the error that each solution states of its
+    dissipation, where it is more than round-off.
     """
     errors = []
     for solution in (comparison.result, comparison.reference):
-        share = solution.record.errors.get("dissipation", 0.0)
+        relative_error = solution.record.errors.get("dissipation", 0.0)
         if solution.dissipation > 0 and math.isfinite(solution.dissipation_uncertainty):
-            share = solution.dissipation_uncertainty / solution.dissipation
-        if share > 1e-6:
-            errors.append((name_of(solution.engine), f"{100 * share:.2g}"))
+            relative_error = solution.dissipation_uncertainty / solution.dissipation
+        if relative_error > 1e-6:
+            errors.append((name_of(solution.engine), f"{100 * relative_error:.2g}"))
     return errors
 
 
@@ -405,8 +415,10 @@ def _agreement(metric: Metric) -> tuple[str, str, str]:
 
 
 def _claim(metric: Metric) -> tuple[str, str, str]:
-    """What the result makes of a figure of the reference: "more", "less" or "none" of it and by how
-    many per cent, "equal", or "open": not resolved, since its uncertainty exceeds half of it.
+    """A metric as (sense, name, per cent in words): the result has "more", "less" or "none" of it
+    than the reference, or is "equal".
+
+    The sense is "open", not resolved, where the uncertainty exceeds half of the value.
     """
     value = metric.value or 0.0
     uncertainty = metric.uncertainty
@@ -440,8 +452,8 @@ def _in_sentence(metric: Metric) -> dict[str, str]:
 
 
 def verdict(comparison: JudgedPair) -> str:
-    """What was judged: what is outside, what is undecided, or that all is within; and whether the
-    laws of contact hold.
+    """In sentences: which metrics are outside their tolerance, which are undecided, or that all are
+    within; whether the laws of contact hold; what could not be scored.
     """
     violated_laws = [f"{check.label} in {name}" for name, check in _violated(comparison)]
     metrics_by_verdict: dict[Verdict, list[dict[str, str]]] = {state: [] for state in Verdict}
@@ -452,7 +464,7 @@ def verdict(comparison: JudgedPair) -> str:
     work_in_words = None if work.value is None else value_of(work)
     has_no_shear = np.isnan(comparison.result.shear).all()
     isolated_count = sum(int(mask.sum()) for mask in comparison.isolated.values())
-    verdicts = in_template(
+    sentences = in_template(
         "verdict",
         _names(comparison),
         metrics_by_verdict,
@@ -462,12 +474,12 @@ def verdict(comparison: JudgedPair) -> str:
         has_no_shear,
         isolated_count,
     )
-    return f"{verdicts} {not_scored(comparison)}".strip()
+    return f"{sentences} {not_scored(comparison)}".strip()
 
 
 def verdict_in_short(comparison: JudgedPair) -> str:
-    """The verdict by names alone: what is outside, what is undecided, or that all is within. Where
-    a law of contact is violated, or points were left out, it is that of `verdict`.
+    """The verdict with names only: what is outside, what is undecided, or that all is within. The
+    long `verdict` where a law of contact is violated or points were left out.
     """
     certificates = (*comparison.reference_certificates, *comparison.result_certificates)
     has_isolated_points = any(mask.any() for mask in comparison.isolated.values())
@@ -529,7 +541,9 @@ def lead(comparison: JudgedPair) -> str:
 
 
 def uncertain_work(comparison: JudgedPair) -> str:
-    """The result's dissipation with its uncertainty, in a sentence; empty where that is unknown."""
+    """A sentence on the dissipation of the result and its uncertainty; empty where that is not
+    known.
+    """
     solution = comparison.result
     if math.isnan(solution.dissipation_uncertainty):
         return ""
@@ -581,26 +595,26 @@ def read_in_words(name: str, read_as: ReadAs) -> str:
 
 
 def for_notebook(comparison: JudgedPair, *, has_budget: bool) -> str:
-    """Headline, first table and verdict as HTML."""
+    """A comparison as HTML for a notebook: headline, table of absolute values, verdict."""
     heads, rows = first_cells(comparison)
     sentences = (
         lead(comparison),
         verdict(comparison),
         how_judged(comparison, has_budget=has_budget),
     )
-    answer = {
+    texts = {
         "headline": headline(comparison),
         "heads": heads,
         "rows": rows,
         "last": " ".join(sentences),
     }
     scene = comparison.scene
-    return template("notebook.html").render(answer, title=scene.title or scene.name)
+    return template("notebook.html").render(texts, title=scene.title or scene.name)
 
 
 # ------------------------------------------------------------------------------------------- tables
 def shown_unit(scene: Scene, quantity: str) -> tuple[float, str]:
-    """Factor and unit in which a quantity is shown: slip in µm where lengths are in mm, the others
+    """(factor, unit) in which a quantity is shown: slip in µm where lengths are in mm, all others
     in units of the scene.
     """
     force, length, stress = units(scene)
@@ -616,13 +630,13 @@ def shown_unit(scene: Scene, quantity: str) -> tuple[float, str]:
 
 
 def first_table(comparison: JudgedPair) -> tuple[tuple[str, ...], list[dict[str, str]]]:
-    """The table of absolute values: its heads, and a row for each quantity that either solution
-    has.
+    """The table of absolute values of a comparison: its heads, and a row for each quantity that
+    either solution has, as texts by key.
 
-    Keys of a row: key, label, short, reference, result, difference, verdict, place (of the
-    result's), tolerance, note.
+    Keys: key, label, short (label), reference, result, place (of the result's value), difference,
+    verdict, tolerance, note.
     """
-    names = [
+    solution_names = [
         {"semi_analytic": "theory"}.get(solution.engine, name_of(solution.engine))
         for solution in (comparison.reference, comparison.result)
     ]
@@ -633,7 +647,7 @@ def first_table(comparison: JudgedPair) -> tuple[tuple[str, ...], list[dict[str,
         if metric.headline:
             factor, unit = shown_unit(comparison.scene, metric.quantity)
             label, short = f"{label} [{unit}]", f"{short} [{unit}]"
-        reference_values, result_values = metric.amounts or (math.nan, math.nan)
+        reference_amount, result_amount = metric.amounts or (math.nan, math.nan)
         stated_of_reference, stated_of_result = metric.stated
         place = ""
         if metric.place is not None and metric.value is not None:
@@ -643,8 +657,8 @@ def first_table(comparison: JudgedPair) -> tuple[tuple[str, ...], list[dict[str,
                 "key": metric.key,
                 "label": label,
                 "short": short,
-                "reference": _with_stated(reference_values, stated_of_reference, factor),
-                "result": _with_stated(result_values, stated_of_result, factor),
+                "reference": _with_stated(reference_amount, stated_of_reference, factor),
+                "result": _with_stated(result_amount, stated_of_result, factor),
                 "place": place,
                 "difference": _difference_of(metric),
                 "verdict": metric.verdict or "–",
@@ -652,7 +666,7 @@ def first_table(comparison: JudgedPair) -> tuple[tuple[str, ...], list[dict[str,
                 "note": metric.note,
             }
         )
-    return ("", *names, "difference", "verdict"), rows
+    return ("", *solution_names, "difference", "verdict"), rows
 
 
 def _in_first_table(comparison: JudgedPair) -> list[Metric]:
@@ -669,9 +683,12 @@ def _in_first_table(comparison: JudgedPair) -> list[Metric]:
 _EXACT = 1e-8
 
 
-def _with_stated(value: float, stated: float | None, factor: float) -> str:
-    """A value times a factor with the uncertainty that its solution states, or "no estimate"; five
-    digits of what is exact and of a solution that states nothing; a dash for what it does not hold.
+def _with_stated(value: float, uncertainty: float | None, factor: float) -> str:
+    """A value times a factor in words, with the uncertainty that its solution states, or "no
+    estimate".
+
+    Five digits of what is exact (0) and of a solution that states nothing (None); a dash for a
+    value that it does not hold (NaN).
 
     >>> (
     ...     _with_stated(66.6168, 0.0753, 1.0),
@@ -684,11 +701,11 @@ def _with_stated(value: float, stated: float | None, factor: float) -> str:
     if math.isnan(value):
         return "–"
     plain_text = minus(f"{factor * value:.5g}")
-    if stated is None or stated <= _EXACT * abs(value):
+    if uncertainty is None or uncertainty <= _EXACT * abs(value):
         return plain_text
-    if math.isnan(stated):
+    if math.isnan(uncertainty):
         return f"{plain_text}, no estimate"
-    return with_uncertainty(factor * value, factor * stated)
+    return with_uncertainty(factor * value, factor * uncertainty)
 
 
 def first_cells(
@@ -697,8 +714,8 @@ def first_cells(
     *,
     with_empty: bool = True,
 ) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
-    """The table of absolute values as heads and cells, for the terminal (with short labels) and a
-    notebook; with or without the rows that `without_value` names.
+    """The table of absolute values as heads and cells, with long or short labels; without the rows
+    that neither solution has a value for unless `with_empty`.
     """
     heads, rows = first_table(comparison)
     cells = []
@@ -726,8 +743,8 @@ def without_value(comparison: JudgedPair) -> str:
 
 
 def _difference_of(metric: Metric) -> str:
-    """A difference with its uncertainty, in per cent unless the metric is absolute; a length of
-    stick in per cent of a.
+    """A metric's difference in words with its uncertainty, in per cent unless it is absolute; the
+    length of the stick zone in per cent of a, the half-width of the reference's contact.
     """
     if metric.value is None:
         return "–"
@@ -737,16 +754,16 @@ def _difference_of(metric: Metric) -> str:
         return f"{value_of(metric)} {uncertainty_of(metric)}".strip()
     value = 0.0 if abs(metric.value) < _ROUNDING else 100 * metric.value
     uncertainty = None if metric.uncertainty is None else 100 * metric.uncertainty
-    words = with_uncertainty(value, uncertainty)
-    if not re.search("[1-9]", words.partition("±")[0]):
-        words = words.removeprefix("−")  # of a zero no sign is known
+    difference_in_words = with_uncertainty(value, uncertainty)
+    if not re.search("[1-9]", difference_in_words.partition("±")[0]):
+        difference_in_words = difference_in_words.removeprefix("−")  # of a zero no sign is known
     elif value > 0:
-        words = f"+{words}"
-    return f"{words} %{' of a' if metric.unit == 'of a_ref' else ''}"
+        difference_in_words = f"+{difference_in_words}"
+    return f"{difference_in_words} %{' of a' if metric.unit == 'of a_ref' else ''}"
 
 
 def summary(comparison: JudgedPair) -> str:
-    """The first table as plain text, with the headline above it and the verdict below."""
+    """A comparison as plain text: headline, table of absolute values, verdict."""
     heads, rows = first_cells(comparison)
     widths = [max(map(len, column)) for column in zip(heads, *rows, strict=True)]
     lines = []
@@ -760,8 +777,8 @@ def summary(comparison: JudgedPair) -> str:
 
 
 def in_five_lines(comparison: JudgedPair, kind: str) -> str:
-    """For an interactive session: who was compared on what, the headline, dissipation and largest
-    pressure of both, the verdict. `kind` is what it is called.
+    """A comparison for an interactive session: who was compared on what, the headline, dissipation
+    and largest pressure of both, the verdict. `kind` is what the object is called.
     """
     name = comparison.scene.name or comparison.scene.title or "a scene"
     lines = [
@@ -778,8 +795,9 @@ def in_five_lines(comparison: JudgedPair, kind: str) -> str:
 
 
 def summary_csv(comparison: JudgedPair) -> str:
-    """The first table as CSV: numbers with every digit, in the shown units, the error E and its
-    uncertainty as they are defined for the metric; empty where there is none.
+    """The table of absolute values as CSV: numbers with every digit in the units shown, then the
+    error E and its uncertainty as the metric defines them. A cell is empty where there is no
+    number.
     """
     table = io.StringIO()
     writer = csv.writer(table, lineterminator="\n")
@@ -813,10 +831,10 @@ _LATEX = {
 
 
 def summary_latex(comparison: JudgedPair) -> str:
-    """The first table as a `tabular` of LaTeX; needs the package booktabs."""
+    """The table of absolute values as a `tabular` of LaTeX; needs the package booktabs."""
     heads, cells = first_cells(comparison)
-    table = str.maketrans(_LATEX)
-    rows = [" & ".join(cell.translate(table) for cell in row) for row in (heads, *cells)]
+    escapes = str.maketrans(_LATEX)
+    rows = [" & ".join(cell.translate(escapes) for cell in row) for row in (heads, *cells)]
     heads_row, *value_rows = [rf"{row} \\" for row in rows]
     lines = [
         rf"\begin{{tabular}}{{l{'r' * (len(heads) - 2)}l}}",
@@ -832,16 +850,18 @@ def summary_latex(comparison: JudgedPair) -> str:
 
 # ---------------------------------------------------------------------------------- of one solution
 def first_rows(solution: ContactSolution) -> list[tuple[str, str]]:
-    """What a person wants to know first, as (quantity, value): how the solution ended, its size,
-    its largest values.
+    """The first rows (label with unit, value) of the summary of a solution: how it ended, its size,
+    largest pressure and half-widths, dissipation.
     """
     scene = solution.scene
     _, length, stress = units(scene)
     dissipation = _or_none(solution.dissipation)
     uncertainty = solution.dissipation_uncertainty
     if not np.isnan(uncertainty):
-        share = f" ({uncertainty / solution.dissipation:.2%})" if solution.dissipation else ""
-        dissipation += f" ± {uncertainty:.2g}{share}, by mesh and steps"
+        share_in_words = (
+            f" ({uncertainty / solution.dissipation:.2%})" if solution.dissipation else ""
+        )
+        dissipation += f" ± {uncertainty:.2g}{share_in_words}, by mesh and steps"
     last_loads = (
         f"P {solution.normal_load[-1]:.6g}, Q {solution.tangential_load[-1]:.6g} {load_unit(scene)}"
     )
@@ -862,9 +882,9 @@ def first_rows(solution: ContactSolution) -> list[tuple[str, str]]:
         (f"largest contact half-width [{length}]", half_width),
         (f"permanent stick half-width [{length}]", permanent_stick),
     ]
-    of_ends = of_unsymmetric(solution)
-    if of_ends:
-        ends = [of_ends[f"permanent_stick_{side}"] for side in ("left", "right")]
+    values_of_ends = of_unsymmetric(solution)
+    if values_of_ends:
+        ends = [values_of_ends[f"permanent_stick_{side}"] for side in ("left", "right")]
         rows.append((f"ends of permanent stick [{length}]", ", ".join(map(_or_none, ends))))
     return [*rows, (f"dissipation of the {stretch(scene)} [{energy_unit(scene)}]", dissipation)]
 
