@@ -80,11 +80,11 @@ def _nbytes(values: dict[str, Any]) -> int:
 
 
 def _digest(body: BodyMesh, material: Elastic, datum_length: float) -> bytes:
-    """SHA-256 of all that `condense` reads: another value of any of it, to the last bit, is another
-    body.
+    """SHA-256 of all that `condense` reads of a body, its key in the cache of condensed bodies: a
+    body that differs in any bit has another key.
     """
     mesh = body.mesh
-    words = [
+    settings = [
         type(mesh).__name__,
         body.grading,
         sorted(body.supports.items()),
@@ -93,11 +93,11 @@ def _digest(body: BodyMesh, material: Elastic, datum_length: float) -> bytes:
     ]
     arrays = {"nodes": mesh.doflocs, "elements": mesh.t}
     arrays |= {f"boundary {name}": facets for name, facets in mesh.boundaries.items()}
-    digest = hashlib.sha256(repr(words).encode())
+    hasher = hashlib.sha256(repr(settings).encode())
     for name, array in sorted(arrays.items()):
-        digest.update(repr((name, array.dtype.str, array.shape)).encode())
-        digest.update(np.ascontiguousarray(array).tobytes())
-    return digest.digest()
+        hasher.update(repr((name, array.dtype.str, array.shape)).encode())
+        hasher.update(np.ascontiguousarray(array).tobytes())
+    return hasher.digest()
 
 
 # 300 MB hold some two hundred bodies of the default mesh (1.5 MB each), or two of 2,000 contact

@@ -204,27 +204,29 @@ class Tractions:
 
 
 def _sums(series: Array, w: Complex) -> Complex:
-    """sum A_k w^k, sum B_k w^k, sum k A_k w^k, sum k B_k w^k: (4, n) from (2, k), by Horner's rule
-    from where w^k counts.
+    """The sums of A_k w^k, B_k w^k, k A_k w^k and k B_k w^k over k = 1, 2, ... at points w (n,),
+    |w| <= 1: (4, n) from `series` (2, k) of A_k and B_k.
+
+    By Horner's rule from the last term that counts at a point. Points are sorted by their number of
+    terms, longest first, so that those which have term k are the first ones.
     """
-    n_terms = series.shape[1]
-    number = np.arange(1, n_terms + 1)
+    series_length = series.shape[1]
+    number = np.arange(1, series_length + 1)
     with np.errstate(divide="ignore"):
         terms_to_negligible = math.log(_NEGLIGIBLE) / np.log(np.minimum(np.abs(w), 1 - 1e-12))
-        terms = np.minimum(np.ceil(terms_to_negligible), n_terms).astype(int)
-    order = np.argsort(-terms, kind="stable")
-    terms = np.maximum(terms[order], 1)
-    w_in_order = w[order]
+        terms_needed = np.minimum(np.ceil(terms_to_negligible), series_length).astype(int)
+    longest_first = np.argsort(-terms_needed, kind="stable")
+    terms_needed = np.maximum(terms_needed[longest_first], 1)
+    w_longest_first = w[longest_first]
     weights = np.concatenate([series, number * series])
-    total = np.zeros((4, len(w)), dtype=complex)
-    # how many points have term k
-    active = np.searchsorted(-terms, -number, side="right")
-    for k in range(int(terms.max(initial=0)), 0, -1):
-        n = active[k - 1]
-        total[:, :n] += weights[:, k - 1, None]
-        total[:, :n] *= w_in_order[:n]
-    sums = np.empty_like(total)
-    sums[:, order] = total
+    partial_sums = np.zeros((4, len(w)), dtype=complex)
+    points_with_term = np.searchsorted(-terms_needed, -number, side="right")
+    for k in range(int(terms_needed.max(initial=0)), 0, -1):
+        n_points = points_with_term[k - 1]
+        partial_sums[:, :n_points] += weights[:, k - 1, None]
+        partial_sums[:, :n_points] *= w_longest_first[:n_points]
+    sums = np.empty_like(partial_sums)
+    sums[:, longest_first] = partial_sums
     return sums
 
 
@@ -336,21 +338,28 @@ def tractions(nodal: Nodal, fit: RootFit = _USUAL_FIT, level: bool = False) -> T
 def sampled_tractions(
     nodal: Nodal, fit: RootFit = _USUAL_FIT, level: bool = False
 ) -> SampledTractions:
-    """Nodal tractions at angles across the contact.
+    """Smoothed p and q at equal angles across the contact, by the nodal tractions and the edges of
+    contact that a fit of p^2 finds; those of `nodal.contact` where there are too few nodes.
 
     Parameters
     ----------
+    fit
+        how p^2 is fitted behind the edges
     level
-        whether q/p stays what it is at the outermost node from there on, in full stick and in
-        full slip
+        whether q/p stays what it is at the outermost node from there to the edge, instead of
+        following its slope, in full stick and in full slip
     """
     x = nodal.x
     form = _form(nodal)
-    p = nodal.pressure / form(x)
-    left = _fitted_edge(x, p, fit)
-    right = _fitted_edge(-x[::-1], p[::-1], fit)  # mirrored
-    rough = left is None or right is None
-    edges = nodal.contact if left is None or right is None else (left.edge, -right.edge)
+    p_over_form = nodal.pressure / form(x)
+    fit_at_left = _fitted_edge(x, p_over_form, fit)
+    fit_at_right = _fitted_edge(-x[::-1], p_over_form[::-1], fit)  # mirrored
+    rough = fit_at_left is None or fit_at_right is None
+    edges = (
+        nodal.contact
+        if fit_at_left is None or fit_at_right is None
+        else (fit_at_left.edge, -fit_at_right.edge)
+    )
     middle = (edges[0] + edges[1]) / 2
     half_width = (edges[1] - edges[0]) / 2
     n_angles = _ANGLES_PER_NODE * len(x)
@@ -358,22 +367,26 @@ def sampled_tractions(
     theta = math.pi * (np.arange(n_angles) + 0.5) / n_angles
     places = middle - half_width * np.cos(theta)
     behind_rims = slice(None) if rough else slice(fit.rim, -fit.rim)
-    nodes = x[behind_rims]
-    pressure = p[behind_rims]
-    in_contact = np.abs(nodes - middle) < half_width
-    angle = np.arccos((middle - nodes[in_contact]) / half_width)
-    smooth = np.interp(theta, angle, pressure[in_contact] / np.sin(angle)) * np.sin(theta)
-    if left is not None and right is not None:
-        for side, at_edge in ((1.0, left), (-1.0, right)):
-            beyond_start = side * places < at_edge.start
-            square = np.polyval(at_edge.square, side * places[beyond_start] - at_edge.start)
-            smooth[beyond_start] = np.sqrt(np.maximum(square, 0.0))
-    smooth = smooth * form(places)
-    shear = _shear(places, smooth, nodal, 0 if rough else fit.rim, level)
+    inner_x = x[behind_rims]
+    inner_p = p_over_form[behind_rims]
+    is_in_contact = np.abs(inner_x - middle) < half_width
+    angle = np.arccos((middle - inner_x[is_in_contact]) / half_width)
+    smooth_pressure = np.interp(theta, angle, inner_p[is_in_contact] / np.sin(angle)) * np.sin(
+        theta
+    )
+    if fit_at_left is not None and fit_at_right is not None:
+        for side, fit_at_edge in ((1.0, fit_at_left), (-1.0, fit_at_right)):
+            is_beyond_start = side * places < fit_at_edge.start
+            squared_p = np.polyval(
+                fit_at_edge.square, side * places[is_beyond_start] - fit_at_edge.start
+            )
+            smooth_pressure[is_beyond_start] = np.sqrt(np.maximum(squared_p, 0.0))
+    smooth_pressure = smooth_pressure * form(places)
+    shear = _shear(places, smooth_pressure, nodal, 0 if rough else fit.rim, level)
     lengths = np.sin(theta) * half_width * math.pi / n_angles
     missing_load = nodal.tangential_load - float(lengths @ shear)
-    missing_shear = _unit_missing_shear(places, smooth, lengths, nodal) * missing_load
-    return SampledTractions(edges, theta, smooth, shear, missing_shear, rough)
+    missing_shear = _unit_missing_shear(places, smooth_pressure, lengths, nodal) * missing_load
+    return SampledTractions(edges, theta, smooth_pressure, shear, missing_shear, rough)
 
 
 def tension_of_nodes(nodal: Nodal) -> float:
@@ -420,13 +433,14 @@ class TractionsAndUncertainty(NamedTuple):
 
 
 def tractions_with_uncertainty(nodal: Nodal) -> TractionsAndUncertainty:
-    """`tractions`, and the uncertainty of the tension at both edges.
+    """Sine series of p and q across the contact, and the uncertainty of the tension s_xx at both
+    its edges.
 
-    It is the largest of what three changes make, and what was put at the stick edges. The changes:
-    a multiple of what other rims, fewer nodes or a higher degree change; all nodes, where fewer
-    were fitted because p^2 is rough; q/p that stays as it is at the outermost node. Beside it
-    stands, where the load has turned but no node shows it yet, what slip as narrow as the rim
-    changes: it changes q by 2 f p with p = K sqrt(d), hence s_xx by (8/pi) f K sqrt(width).
+    The uncertainty is the largest of what three changes make, and what was put at the stick edges.
+    The changes: a multiple of what other rims, fewer nodes or a higher degree change; all nodes,
+    where fewer were fitted because p^2 is rough; q/p that stays as it is at the outermost node.
+    Beside it stands, where the load has turned but no node shows it yet, what slip as narrow as the
+    rim changes: it changes q by 2 f p with p = K sqrt(d), hence s_xx by (8/pi) f K sqrt(width).
     """
     if len(nodal.x) < FEWEST:
         return TractionsAndUncertainty(None, np.zeros(2), np.zeros(2))
@@ -434,28 +448,32 @@ def tractions_with_uncertainty(nodal: Nodal) -> TractionsAndUncertainty:
     tension = series.edge_tension()
     spacing = float(np.median(np.diff(nodal.x)))
     spacing_ratio = spacing / series.half_width
-    least_ratio = min(_LEAST_COARSE * math.sqrt(spacing_ratio), _LEAST_FINE * spacing_ratio)
-    uncertainty = np.full(2, least_ratio * nodal.friction * float(nodal.pressure.max()))
-    by_others = _BY_OTHERS_OF_TABLE if nodal.tabulated else _BY_OTHERS
+    least_uncertainty_ratio = min(
+        _LEAST_COARSE * math.sqrt(spacing_ratio), _LEAST_FINE * spacing_ratio
+    )
+    uncertainty = np.full(2, least_uncertainty_ratio * nodal.friction * float(nodal.pressure.max()))
+    factor_of_other_fits = _BY_OTHERS_OF_TABLE if nodal.tabulated else _BY_OTHERS
     for fit in _OTHER_FITS:
         difference = np.abs(sampled_tractions(nodal, fit).edge_tension() - tension)
-        uncertainty = np.maximum(uncertainty, by_others * difference)
+        uncertainty = np.maximum(uncertainty, factor_of_other_fits * difference)
     if series.rough:
         uncertainty = np.maximum(uncertainty, _BY_FEW_NODES / len(nodal.x) * np.abs(tension))
     unshortened_series = sampled_tractions(nodal, _UNSHORTENED_FIT)
     difference = np.abs(unshortened_series.edge_tension() - tension)
     uncertainty = np.maximum(uncertainty, difference)
-    at_level = sampled_tractions(nodal, level=True)
-    difference = np.abs(at_level.edge_tension() - tension)
+    level_tractions = sampled_tractions(nodal, level=True)
+    difference = np.abs(level_tractions.edge_tension() - tension)
     uncertainty = np.maximum(uncertainty, difference)
     of_unseen_slip = np.zeros(2)
     if not (nodal.growing or nodal.slips(RIM + 1)) and math.isfinite(nodal.stick[0]):
         # p at a depth d into the contact is sum k A_k sqrt(2 d/h) there: p^2/d at the nodes of the
         # rim.
-        rim = min(RIM, len(nodal.x) // 2)
-        depth = np.array([nodal.x[rim] - series.edges[0], series.edges[1] - nodal.x[-1 - rim]])
-        pressure = np.array([nodal.pressure[rim], nodal.pressure[-1 - rim]])
-        of_unseen_slip = _UNSEEN * 8 / math.pi * nodal.friction * pressure * (depth > 0)
+        rim_nodes = min(RIM, len(nodal.x) // 2)
+        depths = np.array(
+            [nodal.x[rim_nodes] - series.edges[0], series.edges[1] - nodal.x[-1 - rim_nodes]]
+        )
+        rim_pressures = np.array([nodal.pressure[rim_nodes], nodal.pressure[-1 - rim_nodes]])
+        of_unseen_slip = _UNSEEN * 8 / math.pi * nodal.friction * rim_pressures * (depths > 0)
     return TractionsAndUncertainty(series, uncertainty + series.placed, of_unseen_slip)
 
 
@@ -477,8 +495,8 @@ def _series(values: Array) -> Array:
 
 
 def _form(nodal: Nodal) -> Callable[[Array], Array]:
-    """What of p no root and no polynomial has: that of jumps of the profile's curvature, up to a
-    factor.
+    """A function of x with the shape of p over a smooth function, by the jumps of the profile's
+    curvature; 1 everywhere where there are none.
 
     With x between the edges l and r of contact, phi the angle whose cosine is (b - m)/h, and a jump
     k of h'' at b,
@@ -507,9 +525,9 @@ def _form(nodal: Nodal) -> Callable[[Array], Array]:
             side = 1.0 if place > middle else -1.0
             b = side * (place - middle) / half_width
             t = side * u
-            root_of_b = math.sqrt(1 - b**2)
-            away = np.where(t == b, 1.0, t - b)
-            logarithm = np.log(np.abs((1 - b * t + root * root_of_b) / away))
+            root_at_b = math.sqrt(1 - b**2)
+            distance_from_jump = np.where(t == b, 1.0, t - b)
+            logarithm = np.log(np.abs((1 - b * t + root * root_at_b) / distance_from_jump))
             logarithm[t == b] = 0.0
             by_curvature = math.acos(b) + (t - b) * logarithm / root
             over_root += side * jump / (2 * math.pi) * by_curvature
@@ -517,10 +535,10 @@ def _form(nodal: Nodal) -> Callable[[Array], Array]:
 
     smooth_part = 0.0
     if len(nodal.x) > 3 * RIM:
-        inner_nodes = nodal.x[RIM:-RIM]
-        square = (inner_nodes - left) * (right - inner_nodes)
-        root = np.sqrt(np.maximum(square, (_AT_EDGE * half_width) ** 2))
-        smooth_part = float(np.mean(nodal.pressure[RIM:-RIM] / root - of_kinks(inner_nodes)))
+        inner_x = nodal.x[RIM:-RIM]
+        squared_root = (inner_x - left) * (right - inner_x)
+        root = np.sqrt(np.maximum(squared_root, (_AT_EDGE * half_width) ** 2))
+        smooth_part = float(np.mean(nodal.pressure[RIM:-RIM] / root - of_kinks(inner_x)))
     if not len(kinks) or not np.all(smooth_part + of_kinks(nodal.x) > 0):
         return np.ones_like
     return lambda x: smooth_part + of_kinks(x)
@@ -546,41 +564,52 @@ class _FittedEdge(NamedTuple):
 
 
 def _fitted_edge(x: Array, p: Array, fit: RootFit) -> _FittedEdge | None:
-    """The left end by the nodal p; None where no smooth edge is seen."""
+    """The left edge of contact, where p^2, fitted by a polynomial of the distance from the
+    outermost nodes that count, is zero; None where no smooth edge is seen.
+
+    x and p are those of the nodes (n,), ascending in x. Half as many nodes are fitted, down to
+    `_FEWEST`, while the fit is rough.
+    """
     width = x[-1] - x[0]
     # a node at its end, but for round-off, counts
-    end_of_span = x[min(fit.rim, len(x) - 1)] + (_SPAN / 2 + _ROUND_OFF) * width
-    within_span = int(np.searchsorted(x, end_of_span)) - fit.rim
-    n_nodes = round(fit.share * np.clip(within_span, _USUAL, _MANY_FITTED))
+    span_end = x[min(fit.rim, len(x) - 1)] + (_SPAN / 2 + _ROUND_OFF) * width
+    nodes_in_span = int(np.searchsorted(x, span_end)) - fit.rim
+    n_nodes = round(fit.share * np.clip(nodes_in_span, _USUAL, _MANY_FITTED))
     n_nodes = min(n_nodes, len(x) // 2 - fit.rim)
     while n_nodes >= _FEWEST:
         degree = fit.further_degrees + next(of for fewest, of in _DEGREES if n_nodes >= fewest)
         exponents = np.arange(degree, -1, -1)
         fitted_nodes = slice(fit.rim, fit.rim + n_nodes)
         distance = x[fitted_nodes] - x[fit.rim]
-        square = p[fitted_nodes] ** 2
-        number = np.arange(n_nodes)
+        squared_p = p[fitted_nodes] ** 2
+        node_number = np.arange(n_nodes)
         powers = distance[-1] ** exponents
-        polynomial = (distance[:, None] ** exponents / powers).T / square
+        polynomial = (distance[:, None] ** exponents / powers).T / squared_p
         # what the mesh adds: alternating between corners and mid-side nodes, and dying out
-        alternating_signs = (-1.0) ** number / (number + 4)
-        matrix = np.stack([*polynomial, alternating_signs], axis=1) * square[-1]
-        factors = np.linalg.lstsq(matrix, np.ones(n_nodes), rcond=None)[0]
-        coefficients = factors[: degree + 1] * square[-1] / powers
-        residual = np.polyval(coefficients, distance) / square - 1
-        root_mean_square = math.sqrt(float(np.mean(residual**2)))
-        roots = np.roots(coefficients)
-        roots = roots[(np.abs(roots.imag) < 1e-12) & (roots.real < 0)].real
-        if root_mean_square < fit.most_rough and len(roots):
+        alternating_signs = (-1.0) ** node_number / (node_number + 4)
+        matrix = np.stack([*polynomial, alternating_signs], axis=1) * squared_p[-1]
+        fitted_factors = np.linalg.lstsq(matrix, np.ones(n_nodes), rcond=None)[0]
+        coefficients = fitted_factors[: degree + 1] * squared_p[-1] / powers
+        relative_residual = np.polyval(coefficients, distance) / squared_p - 1
+        root_mean_square = math.sqrt(float(np.mean(relative_residual**2)))
+        edge_distances = np.roots(coefficients)
+        edge_distances = edge_distances[
+            (np.abs(edge_distances.imag) < 1e-12) & (edge_distances.real < 0)
+        ].real
+        if root_mean_square < fit.most_rough and len(edge_distances):
             start = float(x[fit.rim])
-            return _FittedEdge(float(x[fit.rim] + roots.max()), start, coefficients)
+            return _FittedEdge(float(x[fit.rim] + edge_distances.max()), start, coefficients)
         n_nodes //= 2
     return None
 
 
-def _shear(places: Array, smooth: Array, nodal: Nodal, rim: int, level: bool) -> Array:
-    """q at some places of pressure `smooth`: +-f p where it slips, elsewhere linear in the angle
-    across the stick zone between the nodes.
+def _shear(places: Array, pressure: Array, nodal: Nodal, rim: int, level: bool) -> Array:
+    """Shear traction q at places (n,) of smoothed `pressure`: +-f p where it slips, elsewhere
+    linear in the angle across the stick zone between the nodes that stick, `rim` nodes at either
+    end left out.
+
+    Without a slip zone that nodes show, q/p is linear between nodes and on to the edge, or constant
+    from the outermost node to the edge where `level`.
     """
     x = nodal.x
     q = nodal.shear
@@ -588,50 +617,60 @@ def _shear(places: Array, smooth: Array, nodal: Nodal, rim: int, level: bool) ->
     if not nodal.slips(1):
         # q/p has no root at the edge, in full stick and in full slip: linear from node to node, and
         # on to the edge.
-        ratio = q / nodal.pressure
-        ratios = np.interp(places, x, ratio)
+        nodal_ratio = q / nodal.pressure
+        ratio = np.interp(places, x, nodal_ratio)
         if not level:
-            for end, node_behind, side in ((0, 1, -1.0), (-1, -2, 1.0)):
-                is_outside = side * (places - x[end]) > 0
-                slope = (ratio[end] - ratio[node_behind]) / (x[end] - x[node_behind])
-                ratios[is_outside] += slope * (places[is_outside] - x[end])
-        return np.asarray(np.clip(ratios, -friction, friction) * smooth)
-    low, high = nodal.stick
+            for end_node, next_node, side in ((0, 1, -1.0), (-1, -2, 1.0)):
+                is_outside = side * (places - x[end_node]) > 0
+                slope = (nodal_ratio[end_node] - nodal_ratio[next_node]) / (
+                    x[end_node] - x[next_node]
+                )
+                ratio[is_outside] += slope * (places[is_outside] - x[end_node])
+        return np.asarray(np.clip(ratio, -friction, friction) * pressure)
+    left_stick, right_stick = nodal.stick
     limit_left = np.sign(q[0]) * friction
     limit_right = np.sign(q[-1]) * friction
-    shear = np.where(places < low, limit_left, limit_right) * smooth
-    sticking_places = (places > low) & (places < high)
-    sticking_nodes = (x > low) & (x < high)
-    sticking_nodes[:rim] = False
-    sticking_nodes[-rim or len(x) :] = False
+    shear = np.where(places < left_stick, limit_left, limit_right) * pressure
+    is_stick_place = (places > left_stick) & (places < right_stick)
+    is_stick_node = (x > left_stick) & (x < right_stick)
+    is_stick_node[:rim] = False
+    is_stick_node[-rim or len(x) :] = False
 
     def angle(x: Array) -> Array:
-        return np.arccos(np.clip((low + high - 2 * x) / (high - low), -1, 1))
+        return np.arccos(
+            np.clip((left_stick + right_stick - 2 * x) / (right_stick - left_stick), -1, 1)
+        )
 
-    shear_at_low, shear_at_high = np.interp([low, high], places, smooth) * [limit_left, limit_right]
-    shear[sticking_places] = np.interp(
-        angle(places[sticking_places]),
-        np.concatenate([[0.0], angle(x[sticking_nodes]), [math.pi]]),
-        np.concatenate([[shear_at_low], q[sticking_nodes], [shear_at_high]]),
+    shear_at_left, shear_at_right = np.interp([left_stick, right_stick], places, pressure) * [
+        limit_left,
+        limit_right,
+    ]
+    shear[is_stick_place] = np.interp(
+        angle(places[is_stick_place]),
+        np.concatenate([[0.0], angle(x[is_stick_node]), [math.pi]]),
+        np.concatenate([[shear_at_left], q[is_stick_node], [shear_at_right]]),
     )
     return np.asarray(shear)
 
 
-def _unit_missing_shear(places: Array, smooth: Array, lengths: Array, nodal: Nodal) -> Array:
-    """Where a missing force belongs, of unit resultant: within three nodes of the stick edges; as p
-    where there are none.
+def _unit_missing_shear(places: Array, pressure: Array, lengths: Array, nodal: Nodal) -> Array:
+    """A shear traction of unit resultant at places (n,), which stand for `lengths` of the face:
+    what the smoothed q lacks of the load is put there.
 
-    As a smooth hump: a step of q would stretch the face without limit.
+    Smooth humps within three nodes of the stick edges, since a step of q would stretch the face
+    without limit; where nothing slips, of the shape of `pressure`.
     """
     if nodal.slips(1):
-        low, high = nodal.stick
+        left_stick, right_stick = nodal.stick
         width = 3 * float(np.median(np.diff(nodal.x)))
-        distance = np.minimum(np.abs(places - low), np.abs(high - places))
-        share = np.clip(distance / width, 0.0, 1.0)
-        hump = np.sin(math.pi * share) ** 2 * ((places > low) & (places < high))
+        distance = np.minimum(np.abs(places - left_stick), np.abs(right_stick - places))
+        share_of_width = np.clip(distance / width, 0.0, 1.0)
+        hump = np.sin(math.pi * share_of_width) ** 2 * (
+            (places > left_stick) & (places < right_stick)
+        )
         if hump.any():
             return np.asarray(hump / (lengths @ hump))
-    return np.asarray(smooth / (lengths @ smooth))
+    return np.asarray(pressure / (lengths @ pressure))
 
 
 # ------------------------------------------------------------------- what the size of the body adds
@@ -700,13 +739,13 @@ def fitted_size_effect(
     edge
         half-width of the contact [length]
     """
-    root = np.sqrt(weights / weights.mean())[:, None, None]
-    matrix = (size_effect_basis(x + 1j * y, length) * root).reshape(3 * len(x), -1)
-    right = (stress * root).reshape(3 * len(x), -1)
-    coefficients, _, rank, _ = np.linalg.lstsq(matrix, right, rcond=1e-10)
-    residual = right - matrix @ coefficients
+    root_of_weights = np.sqrt(weights / weights.mean())[:, None, None]
+    matrix = (size_effect_basis(x + 1j * y, length) * root_of_weights).reshape(3 * len(x), -1)
+    right_side = (stress * root_of_weights).reshape(3 * len(x), -1)
+    coefficients, _, rank, _ = np.linalg.lstsq(matrix, right_side, rcond=1e-10)
+    residual = right_side - matrix @ coefficients
     deviation = np.sqrt(np.sum(residual**2, axis=0) / max(len(matrix) - rank, 1))
-    at_edges = size_effect_basis(np.array([edge + 0j, -edge + 0j]), length)[:, 0]
+    basis_at_edges = size_effect_basis(np.array([edge + 0j, -edge + 0j]), length)[:, 0]
     covariance = np.linalg.pinv(matrix.T @ matrix)
-    variances = np.einsum("ij,jk,ik->i", at_edges, covariance, at_edges)
+    variances = np.einsum("ij,jk,ik->i", basis_at_edges, covariance, basis_at_edges)
     return SizeEffect(length, coefficients, deviation * np.sqrt(np.max(variances)))

@@ -26,15 +26,20 @@ NodeSet = TypeVar("NodeSet", Mask, States)
 def pressure_at_known_shear(
     systems: Systems, height: Array, load: float, is_closed: Mask, rounding: float
 ) -> tuple[Array, float, Mask]:
-    """Pressure (n,), approach and closed nodes of g = height - n_y delta + N p >= 0, p >= 0, g p =
-    0, n_y p = load (active set).
+    """Nodal normal forces p (n,), normal approach delta and closed nodes of unilateral contact at
+    a given `load`, where the tangential forces are known.
+
+    With the gap g = height - n_y delta + N p, N the normal compliance `systems.normal` and n_y the
+    normals' share along the load: g >= 0, p >= 0, g p = 0, sum n_y p = load. Active-set method.
 
     Parameters
     ----------
     height
-        (n,) initial gap with the parts of the known shear and shift in it
+        (n,) initial gap with the parts of the known tangential forces and shift in it
     is_closed
-        where to start
+        (n,) closed nodes to start from
+    rounding
+        size of a negative p or g that counts as round-off
 
     Examples
     --------
@@ -66,14 +71,14 @@ def pressure_at_known_shear(
         nonlocal approach
         if not is_closed.any():
             raise SingularSet("no node holds the normal load")
-        by_height, by_approach = solve(
+        force_by_height, force_by_approach = solve(
             systems.normal[np.ix_(is_closed, is_closed)],
             np.stack([-height[is_closed], n_y[is_closed]], axis=1),
             assume_a="pos",
         ).T
-        approach = (load - n_y[is_closed] @ by_height) / (n_y[is_closed] @ by_approach)
+        approach = (load - n_y[is_closed] @ force_by_height) / (n_y[is_closed] @ force_by_approach)
         pressure = np.zeros_like(height)
-        pressure[is_closed] = by_height + approach * by_approach
+        pressure[is_closed] = force_by_height + approach * force_by_approach
         gap = height - n_y * approach + systems.normal @ pressure
         violation = np.where(is_closed, -pressure, -gap)
         return pressure, violation, np.where(violation > rounding, ~is_closed, is_closed)
@@ -85,11 +90,12 @@ def pressure_at_known_shear(
 def shear_at_known_pressure(
     systems: Systems, pressure: Array, known_slip: Array, load: float | None, rounding: float
 ) -> tuple[Array, float, States]:
-    """Shear (n,), shift and states of |q| <= f p, slip n_y U - T q - known_slip only where |q| = f
-    p and along q, n_y q = load.
+    """Nodal tangential forces q (n,), tangential shift U and states of friction at known normal
+    forces p = `pressure`: |q| <= f p, slip only where |q| = f p and along q, sum n_y q = load.
 
-    The sum of n_y q grows with the shift U from -f P to f P, so U is found by bracketing; without a
-    `load` it is zero.
+    The slip is n_y U - T q - known_slip, T the tangential compliance `systems.tangential`. The sum
+    of n_y q grows with U from -f P to f P, so U is found by bracketing; without a `load` it is
+    zero.
 
     >>> from halfplane_fe.interface import Interface
     >>> from halfplane_fe.systems import Layer
@@ -116,8 +122,8 @@ def shear_at_known_pressure(
     limit = systems.friction * pressure
     is_closed = pressure > 0
     states = np.where(is_closed, STICK, OPEN).astype(np.int8)
-    largest_slip_of_limit = np.abs(systems.tangential @ limit)[is_closed].max()
-    largest_shift = (np.abs(known_slip[is_closed]).max() + largest_slip_of_limit) / n_y.min()
+    largest_slip_at_limit = np.abs(systems.tangential @ limit)[is_closed].max()
+    largest_shift = (np.abs(known_slip[is_closed]).max() + largest_slip_at_limit) / n_y.min()
 
     def shear_at(shift: float) -> Array:
         nonlocal states
@@ -141,28 +147,30 @@ def shear_at_known_pressure(
 def _bounded(
     systems: Systems, limit: Array, known_slip: Array, states: States, rounding: float
 ) -> tuple[Array, States]:
-    """Shear and states of |q| <= limit with s = -T q - known_slip: s = 0 inside, s >= 0 at the
-    upper bound, s <= 0 at the lower one.
+    """Nodal tangential forces q and states of |q| <= limit, by an active-set method from `states`.
+
+    The slip is s = -T q - known_slip, T the tangential compliance: s = 0 where |q| < limit, s >= 0
+    at the upper bound, s <= 0 at the lower one.
     """
 
     def step(states: States) -> tuple[Array, Array, States]:
         """Shear, its violations, and the states that these ask for."""
-        stick = states == STICK
-        forward = states == SLIP_FORWARD
-        reverse = states == SLIP_REVERSE
-        shear = limit * forward - limit * reverse
-        if stick.any():
-            missing_slip = (-known_slip - systems.tangential @ shear)[stick]
-            shear[stick] = solve(
-                systems.tangential[np.ix_(stick, stick)], missing_slip, assume_a="pos"
+        sticks = states == STICK
+        slips_forward = states == SLIP_FORWARD
+        slips_back = states == SLIP_REVERSE
+        shear = limit * slips_forward - limit * slips_back
+        if sticks.any():
+            slip_to_cancel = (-known_slip - systems.tangential @ shear)[sticks]
+            shear[sticks] = solve(
+                systems.tangential[np.ix_(sticks, sticks)], slip_to_cancel, assume_a="pos"
             )
         slip = -systems.tangential @ shear - known_slip
         violation = np.full(len(slip), -np.inf)  # nothing is asked of an open node
-        violation[stick] = (np.abs(shear) - limit)[stick]
-        violation[forward] = -slip[forward]
-        violation[reverse] = slip[reverse]
-        sense_of_shear = np.where(shear > 0, SLIP_FORWARD, SLIP_REVERSE)
-        other_states = np.where(stick, sense_of_shear, STICK)
+        violation[sticks] = (np.abs(shear) - limit)[sticks]
+        violation[slips_forward] = -slip[slips_forward]
+        violation[slips_back] = slip[slips_back]
+        slip_states = np.where(shear > 0, SLIP_FORWARD, SLIP_REVERSE)
+        other_states = np.where(sticks, slip_states, STICK)
         next_states = np.where(violation > rounding, other_states, states)
         return shear, violation, next_states.astype(np.int8)
 

@@ -21,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from scenes.array_types import Array
+from scenes.array_types import Array, Mask
 from scenes.chebyshev import DEGREE, Pieces, Unresolved, fit, tail
 
 Function = Callable[[Array], Array]
@@ -111,29 +111,31 @@ def slope_of_height(height: Function, edges: Array) -> HeightSlope:
     ([0.3, 0.9], True)
     """
     extent = float(edges[-1])
-    at_middle = float(height(np.zeros(1)).item())
+    middle_height = float(height(np.zeros(1)).item())
 
-    def rise(x: Array) -> Array:
-        return height(x) - at_middle
+    def height_above_middle(x: Array) -> Array:
+        return height(x) - middle_height
 
     core = None
-    if _rounding_far_down(rise, extent) > _EXACT:
-        core = _core(rise, edges[edges >= extent * 0.5**_ENDS])
+    if _rounding_far_down(height_above_middle, extent) > _EXACT:
+        core = _core(height_above_middle, edges[edges >= extent * 0.5**_ENDS])
     if core is not None and core.end >= extent:
         return HeightSlope(core.slope, edges, core.rounding)
     upper_edges = edges if core is None else np.append(core.end, edges[edges > core.end])
     # `fit` resolves to 4e-15 of a scale.
     scale = None if core is None else _GROWS * core.of_heights / 4e-15
-    pieces, rounding = _refined(rise, fit(rise, upper_edges, scale).edges)
+    pieces, rounding_above = _refined(
+        height_above_middle, fit(height_above_middle, upper_edges, scale).edges
+    )
     slope_above = pieces.derivative
     all_edges = np.union1d(edges, slope_above.edges)
     if core is None:
-        return HeightSlope(slope_above, all_edges, rounding)
+        return HeightSlope(slope_above, all_edges, rounding_above)
 
     def slope(x: Array) -> Array:
         return np.where(x < core.end, core.slope(x), slope_above(x))
 
-    return HeightSlope(slope, all_edges, core.rounding.or_more(rounding))
+    return HeightSlope(slope, all_edges, core.rounding.or_more(rounding_above))
 
 
 @dataclass(frozen=True, eq=False)
@@ -197,34 +199,53 @@ def _rounding_far_down(rise: Function, extent: float) -> float:
 
 
 def _refined(rise: Function, edges: Array) -> tuple[Pieces, Rounding]:
-    """Series of h between `edges`, and what its rounding leaves uncertain."""
-    samples = _samples(_OF_PIECE)
-    low = edges[:-1]
-    half_length = np.diff(edges) / 2
-    coefficients, rounding = samples.series_and_rounding(
-        rise(low[:, None] + half_length[:, None] * (1 + samples.places))
-    )
-    number = np.arange(DEGREE + 1)
-    is_significant = number <= samples.last_of(coefficients, rounding)[:, None]
-    pieces = Pieces(edges, np.where(is_significant, coefficients, 0.0).T.copy())
+    """Chebyshev series of a height on the pieces between `edges` (n,), without coefficients that
+    are round-off, and the errors that round-off leaves in loads and stiffness.
 
-    # P = E* sqrt(a/2) int h'(x)/sqrt(a - x) dx, nearly, and h' = T_k'/half: the piece that a is on
-    # counts most.
-    deviation = _STATED * samples.of_coefficient * rounding * np.sqrt(edges[1:] / (2 * half_length))
-    of_load = deviation * _OF_LOAD * np.sqrt(np.sum(is_significant * number**2.0, axis=1))
-    of_stiffness = deviation * _OF_STIFFNESS * np.sqrt(np.sum(is_significant * number**6.0, axis=1))
-    places = low[:, None] + half_length[:, None] * np.linspace(0, 2, 9)
+    Unresolved where the height is too rough to have a slope.
+    """
+    samples = _samples(_OF_PIECE)
+    half_lengths = np.diff(edges) / 2
+    coefficients, rounding = samples.series_and_rounding(
+        rise(edges[:-1, None] + half_lengths[:, None] * (1 + samples.places))
+    )
+    last_significant = samples.last_of(coefficients, rounding)
+    is_significant = np.arange(DEGREE + 1) <= last_significant[:, None]
+    pieces = Pieces(edges, np.where(is_significant, coefficients, 0.0).T.copy())
+    coefficient_error = _STATED * samples.of_coefficient * rounding
+    return pieces, _errors_of_loads(pieces, is_significant, coefficient_error)
+
+
+def _errors_of_loads(pieces: Pieces, is_significant: Mask, coefficient_error: Array) -> Rounding:
+    """Largest errors of P over P and of dP/da over P/a, by the error of each coefficient of the
+    series on a piece (n,), of which those with `is_significant` (n, DEGREE + 1) are not zero.
+
+    Nearly P = E* sqrt(a/2) int h'(x)/sqrt(a - x) dx, and h' = T_k'/half_length: the piece that a is
+    on counts most. By the bounds of `_OF_LOAD` and `_OF_STIFFNESS` coefficient k counts k times in
+    P and k^3 times in dP/da; errors of coefficients are independent, so their squares add.
+    """
+    edges = pieces.edges
+    half_lengths = np.diff(edges) / 2
+    number = np.arange(DEGREE + 1)
+    root_of_end = np.sqrt(edges[1:] / (2 * half_lengths))
+    deviation = coefficient_error * root_of_end
+    load_error = deviation * _OF_LOAD * np.sqrt(np.sum(is_significant * number**2.0, axis=1))
+    stiffness_error = (
+        deviation * _OF_STIFFNESS * np.sqrt(np.sum(is_significant * number**6.0, axis=1))
+    )
+    places = edges[:-1, None] + half_lengths[:, None] * np.linspace(0, 2, 9)
     steepest = np.maximum.accumulate(np.max(np.abs(pieces.derivative(places)), axis=1))
-    rises = steepest > 0
-    loads = _LEAST_LOAD * steepest[rises]
-    load_errors = of_load[rises] / edges[1:][rises] / loads
-    rough_pieces = np.flatnonzero(load_errors > _ROUGHEST)
+    has_slope = steepest > 0
+    least_load = _LEAST_LOAD * steepest[has_slope]
+    relative_load_error = load_error[has_slope] / edges[1:][has_slope] / least_load
+    rough_pieces = np.flatnonzero(relative_load_error > _ROUGHEST)
     if len(rough_pieces):
-        piece = int(np.flatnonzero(rises)[rough_pieces[0]])
+        piece = int(np.flatnonzero(has_slope)[rough_pieces[0]])
         raise Unresolved(float(edges[piece]), float(edges[piece + 1]))
-    stiffness_errors = of_stiffness[rises] / half_length[rises] / loads
-    return pieces, Rounding(
-        float(np.max(load_errors, initial=0.0)), float(np.max(stiffness_errors, initial=0.0))
+    relative_stiffness_error = stiffness_error[has_slope] / half_lengths[has_slope] / least_load
+    return Rounding(
+        float(np.max(relative_load_error, initial=0.0)),
+        float(np.max(relative_stiffness_error, initial=0.0)),
     )
 
 
@@ -256,34 +277,35 @@ class _Core:
 
 
 def _core(rise: Function, ends: Array) -> _Core | None:
-    """The polynomial of x^2 with the least error, or nearly so, and of those the widest; None where
-    no end resolves h.
+    """The slope near x = 0 by one polynomial of x^2, from x = 0 to one of `ends`: of those with the
+    least error of loads, within a factor of two, the widest; None where no end resolves the
+    height.
     """
     candidates = [_core_up_to(rise, end, _OF_PIECE) for end in ends[::-1].tolist()]
     cores = [core for core in candidates if core is not None]
     if not cores:
         return None
-    least_error = min(core.rounding.load for core in cores)
-    widest = next(core for core in cores if core.rounding.load <= _ALIKE * least_error)
-    return _core_up_to(rise, widest.end, _OF_CORE) or widest
+    least_load_error = min(core.rounding.load for core in cores)
+    widest_core = next(core for core in cores if core.rounding.load <= _ALIKE * least_load_error)
+    return _core_up_to(rise, widest_core.end, _OF_CORE) or widest_core
 
 
 def _core_up_to(rise: Function, end: float, count: int) -> _Core | None:
-    """The same up to one end by `count` values; None where a series of x^2 does not resolve h, or
-    rounding leaves no slope.
+    """The slope of a height for 0 <= x <= `end` by one polynomial of x^2, fitted to `count` values;
+    None where such a polynomial does not resolve the height, or rounding leaves no slope.
     """
     samples = _samples(count)
     heights = rise(end * np.sqrt((1 + samples.places) / 2))
     if not np.all(np.isfinite(heights)):
         return None
-    coefficients, of_heights = samples.series_and_rounding(heights)
-    rounding = float(of_heights)
-    if float(tail(coefficients)) > _EXPLAINED * samples.of_coefficient * rounding:
+    coefficients, height_rounding = samples.series_and_rounding(heights)
+    rounding_of_heights = float(height_rounding)
+    if float(tail(coefficients)) > _EXPLAINED * samples.of_coefficient * rounding_of_heights:
         return None
-    last_power = int(samples.last_of(coefficients, of_heights))
+    last_power = int(samples.last_of(coefficients, height_rounding))
     for power in _LOWEST:
         core = _with_lowest_power(
-            samples, heights, end, power, max(last_power - power, 0) + 1, rounding
+            samples, heights, end, power, max(last_power - power, 0) + 1, rounding_of_heights
         )
         if core is not None:
             return core
@@ -293,33 +315,42 @@ def _core_up_to(rise: Function, end: float, count: int) -> _Core | None:
 def _with_lowest_power(
     samples: _Samples, heights: Array, end: float, power: int, count: int, rounding: float
 ) -> _Core | None:
-    """H = s^power g(s), g of `count` coefficients, by least squares; None where g(0) is
-    rounding.
+    """Fit heights h by s^power g(s), s = (x/end)^2, g a series of `count` coefficients by least
+    squares; None where the slope at s = 0 or s = 1 is no larger than its `rounding` allows.
+
+    The bracket m g + s g', m = `power`, is h' but for a factor; its errors and those of its
+    derivative at s = 0 and s = 1 give those of loads and stiffness.
     """
     s = (1 + samples.places) / 2
-    orthogonal, triangle = np.linalg.qr(s[:, None] ** power * samples.values[:, :count])
-    inverse_triangle = np.linalg.inv(triangle)
-    g = inverse_triangle @ (orthogonal.T @ heights)
-    g = g + inverse_triangle @ (orthogonal.T @ (heights - (orthogonal @ (triangle @ g))))
+    orthogonal_factor, triangular_factor = np.linalg.qr(
+        s[:, None] ** power * samples.values[:, :count]
+    )
+    inverse_of_triangle = np.linalg.inv(triangular_factor)
+    g = inverse_of_triangle @ (orthogonal_factor.T @ heights)
+    g = g + inverse_of_triangle @ (
+        orthogonal_factor.T @ (heights - (orthogonal_factor @ (triangular_factor @ g)))
+    )
 
     # The bracket and its derivative by s at s = 0 and s = 1 are linear in g.
     coordinate = chebyshev.Chebyshev([0.5, 0.5], domain=[0.0, 1.0])
     terms = [chebyshev.Chebyshev(row, domain=[0.0, 1.0]) for row in np.eye(count)]
     brackets = [power * term + coordinate * term.deriv() for term in terms]
     ends = np.array([0.0, 1.0])
-    values = np.stack([bracket(ends) for bracket in brackets], axis=1)
-    rates = np.stack([bracket.deriv()(ends) for bracket in brackets], axis=1)
+    bracket_values = np.stack([bracket(ends) for bracket in brackets], axis=1)
+    bracket_rates = np.stack([bracket.deriv()(ends) for bracket in brackets], axis=1)
     value_errors, rate_errors = (
-        _STATED * rounding * np.linalg.norm(each @ inverse_triangle, axis=1)
-        for each in (values, rates)
+        _STATED * rounding * np.linalg.norm(each @ inverse_of_triangle, axis=1)
+        for each in (bracket_values, bracket_rates)
     )
-    size = np.abs(values @ g)
-    if not np.all(value_errors < _ROUGHEST * size):
+    bracket_sizes = np.abs(bracket_values @ g)
+    if not np.all(value_errors < _ROUGHEST * bracket_sizes):
         return None
-    bracket = sum(share * each for share, each in zip(g.tolist(), brackets, strict=True))
-    load_error = float(np.max(value_errors / size)) / _LEAST_LOAD
+    bracket = sum(
+        coefficient * each for coefficient, each in zip(g.tolist(), brackets, strict=True)
+    )
+    load_error = float(np.max(value_errors / bracket_sizes)) / _LEAST_LOAD
     # dP/da is of x h'' too: (2 m - 1) h' + 2 s times the rate of the bracket.
     stiffness_error = (
-        2 * power * load_error + float(np.max(2 * ends * rate_errors / size)) / _LEAST_LOAD
+        2 * power * load_error + float(np.max(2 * ends * rate_errors / bracket_sizes)) / _LEAST_LOAD
     )
     return _Core(end, bracket, power - 1, rounding, Rounding(load_error, stiffness_error))

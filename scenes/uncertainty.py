@@ -116,7 +116,9 @@ def share_of(text: str) -> float:
 
 
 def _in_degrees(value: Any) -> Any:
-    """Degrees of a text with an angle; any other value as it is."""
+    """Degrees of a text such as "0.05 rad", a number with a unit of angle; a value that is no text
+    stays as it is. ValueError where the text is no angle with its unit.
+    """
     if not isinstance(value, str):
         return value
     amount = _parsed(value)
@@ -126,10 +128,11 @@ def _in_degrees(value: Any) -> Any:
     if amount.unit == "%":
         raise ValueError(f"{shown(value)}: no share of a phase is taken; {rule}")
     try:
-        factor, _ = unit_factor(amount.unit, "angle", "")
+        # No unit is in force for the whole input: the text states its own.
+        radians_per_unit, _ = unit_factor(amount.unit, "angle", "")
     except ValueError as reason:
         raise ValueError(f"{shown(value)}: {reason}; {rule}") from reason
-    return math.degrees(amount.number * factor)
+    return math.degrees(amount.number * radians_per_unit)
 
 
 _SHARE = 'standard uncertainty of {}, a share as text, such as "5 %"'

@@ -149,24 +149,24 @@ class PunchTable:
 
     def __init__(self, contact: SymmetricContact, modulus: float, largest: float) -> None:
         corners = [contact.least, *contact.breaks]
-        inside = sorted({corner for corner in corners if 0 < corner < largest})
-        self._ends = np.array([0.0, *inside, largest])
+        inner_corners = sorted({corner for corner in corners if 0 < corner < largest})
+        self._ends = np.array([0.0, *inner_corners, largest])
         self._begins: list[float] = self._ends[:-1].tolist()
         self._lengths: list[float] = np.diff(self._ends).tolist()
-        intervals = len(self._lengths)
-        self._cells = max(min(_CELLS, _MOST_CELLS // intervals), _FEWEST_CELLS)
-        self.last = float(intervals)
+        n_intervals = len(self._lengths)
+        self._cells = max(min(_CELLS, _MOST_CELLS // n_intervals), _FEWEST_CELLS)
+        self.last = float(n_intervals)
         self.parabola_stiffness = math.pi * modulus / 4
         sigma = np.linspace(0.0, 1.0, self._cells + 1)
-        begin = self._ends[:-1, None]
-        length = np.diff(self._ends)[:, None]
-        half = begin + length * sigma**2
-        half_rate = 2 * length * sigma
-        load = contact.load(half)
-        load_rate = contact.stiffness(half) * half_rate
-        is_flat = half < contact.least * (1 - 1e-14)
+        interval_begin = self._ends[:-1, None]
+        interval_length = np.diff(self._ends)[:, None]
+        half_width = interval_begin + interval_length * sigma**2
+        half_width_rate = 2 * interval_length * sigma
+        load = contact.load(half_width)
+        load_rate = contact.stiffness(half_width) * half_width_rate
+        is_flat = half_width < contact.least * (1 - 1e-14)
         load = np.where(is_flat, 0.0, load)
-        load_rate = np.where(is_flat | (half_rate == 0), 0.0, load_rate)
+        load_rate = np.where(is_flat | (half_width_rate == 0), 0.0, load_rate)
         self._load = self._cubics(load[:, :-1], load[:, 1:], load_rate[:, :-1], load_rate[:, 1:])
         self._loads_of_cells: list[list[float]] = self._load.tolist()
         self._log_area = self._integral(parabolas=0)
@@ -174,17 +174,29 @@ class PunchTable:
         self._areas_of_cells: list[list[float]] = self._log_area.tolist()
         self._moments_of_cells: list[list[float]] = self._log_moment.tolist()
 
-    def _cubics(self, low: Array, high: Array, low_rate: Array, high_rate: Array) -> Array:
-        """Coefficients (cells, 4) of cubics with these values and rates per sigma at the ends."""
+    def _cubics(
+        self, begin_value: Array, end_value: Array, begin_rate: Array, end_rate: Array
+    ) -> Array:
+        """Coefficients (cells, 4), constant first, of cubics of the share of a cell with these
+        values and rates per sigma at its two ends; sigma runs from 0 to 1 between two corners.
+        """
         step = 1 / self._cells
-        rise = high - low
-        first = low_rate * step
-        last = high_rate * step
-        columns = [low, first, 3 * rise - 2 * first - last, first + last - 2 * rise]
+        rise = end_value - begin_value
+        begin_slope = begin_rate * step
+        end_slope = end_rate * step
+        columns = [
+            begin_value,
+            begin_slope,
+            3 * rise - 2 * begin_slope - end_slope,
+            begin_slope + end_slope - 2 * rise,
+        ]
         return np.stack([column.ravel() for column in columns], axis=1)
 
     def _integral(self, parabolas: int) -> Array:
-        """Cubics of int eta G^n dc/c from 0, n = `parabolas`."""
+        """Coefficients (cells, 4) of cubics for the integral of eta G^n dc/c from 0 to c, n =
+        `parabolas`, along the coordinate s of the half-width c of the punches; eta and G are the
+        loads of the punches up to c.
+        """
         cells = len(self._load)
         nodes, weights = _GAUSS
         share = (nodes + 1) / 2
@@ -193,16 +205,18 @@ class PunchTable:
         def integrand(s: Array) -> Array:
             half = self.half_width(s)
             rate = self.half_width_rate(s)
-            value = self.load(s) * rate / np.where(half > 0, half, 1.0)
-            return value * self.parabola(s) ** parabolas if parabolas else value
+            load_per_width = self.load(s) * rate / np.where(half > 0, half, 1.0)
+            return load_per_width * self.parabola(s) ** parabolas if parabolas else load_per_width
 
-        at = np.asarray((np.arange(cells)[:, None] + share) * step, dtype=float)
-        parts = integrand(at) @ weights * (step / 2)
-        total = np.concatenate([[0.0], np.cumsum(parts)])
+        s_of_nodes = np.asarray((np.arange(cells)[:, None] + share) * step, dtype=float)
+        integrals_of_cells = integrand(s_of_nodes) @ weights * (step / 2)
+        sums_of_cells = np.concatenate([[0.0], np.cumsum(integrals_of_cells)])
         begins = np.asarray(np.arange(cells) * step, dtype=float)
         # The end of a cell belongs to it, not to the next corner's interval.
         ends = begins + step * (1 - 1e-12)
-        return self._cubics(total[:-1], total[1:], integrand(begins), integrand(ends))
+        return self._cubics(
+            sums_of_cells[:-1], sums_of_cells[1:], integrand(begins), integrand(ends)
+        )
 
     def _value(self, cubics: Array, s: ArrayLike) -> Array:
         place = np.asarray(s, dtype=float) * self._cells
@@ -245,62 +259,73 @@ class PunchTable:
         return number + math.sqrt(max(half - self._begins[number], 0.0) / self._lengths[number])
 
     def loads_at(self, s: float) -> PunchLoads:
-        """eta, G and G_4 of one punch, and their rates per s; no eta is negative by round-off."""
-        place = s * self._cells
-        cell = min(int(place), len(self._loads_of_cells) - 1)
-        share = place - cell
+        """Loads that the flat punches up to the one at s carry, and their rates per s: eta of the
+        profile, G of a parabola of unit curvature, G_4 of x^4/24; no eta is negative by
+        round-off.
+        """
+        place_in_cells = s * self._cells
+        cell = min(int(place_in_cells), len(self._loads_of_cells) - 1)
+        share_of_cell = place_in_cells - cell
         c0, c1, c2, c3 = self._loads_of_cells[cell]
-        number = min(int(s), len(self._lengths) - 1)
-        length = self._lengths[number]
-        half = self._begins[number] + length * (s - number) ** 2
-        half_rate = 2 * length * (s - number)
-        square = half * half
-        parabola = self.parabola_stiffness * half * half
+        interval = min(int(s), len(self._lengths) - 1)
+        length = self._lengths[interval]
+        half_width = self._begins[interval] + length * (s - interval) ** 2
+        half_width_rate = 2 * length * (s - interval)
+        squared_width = half_width * half_width
+        parabola = self.parabola_stiffness * half_width * half_width
         return PunchLoads(
-            load=max(c0 + share * (c1 + share * (c2 + share * c3)), 0.0),
+            load=max(c0 + share_of_cell * (c1 + share_of_cell * (c2 + share_of_cell * c3)), 0.0),
             parabola=parabola,
-            fourth=parabola * square / 8,
-            load_rate=(c1 + share * (2 * c2 + 3 * share * c3)) * self._cells,
-            parabola_rate=2 * self.parabola_stiffness * half * half_rate,
-            fourth_rate=parabola * half * half_rate / 2,
+            fourth=parabola * squared_width / 8,
+            load_rate=(c1 + share_of_cell * (2 * c2 + 3 * share_of_cell * c3)) * self._cells,
+            parabola_rate=2 * self.parabola_stiffness * half_width * half_width_rate,
+            fourth_rate=parabola * half_width * half_width_rate / 2,
         )
 
     def sums_at(self, s: float, datum: float) -> PunchSums:
-        """Integrals up to one punch, L = `datum` [length], one by one faster than of arrays."""
-        place = s * self._cells
-        cell = min(int(place), len(self._loads_of_cells) - 1)
-        share = place - cell
+        """Integrals over the punches up to the one at s, of half-width c: ln(2 L/c) and c^2/2 over
+        d eta and over dG, L = `datum` [length]; for one s, faster than by arrays.
+        """
+        place_in_cells = s * self._cells
+        cell = min(int(place_in_cells), len(self._loads_of_cells) - 1)
+        share_of_cell = place_in_cells - cell
 
-        def cubic(of_cells: list[list[float]]) -> float:
-            c0, c1, c2, c3 = of_cells[cell]
-            return c0 + share * (c1 + share * (c2 + share * c3))
+        def cubic(coefficients_of_cells: list[list[float]]) -> float:
+            c0, c1, c2, c3 = coefficients_of_cells[cell]
+            return c0 + share_of_cell * (c1 + share_of_cell * (c2 + share_of_cell * c3))
 
-        number = min(int(s), len(self._lengths) - 1)
-        half = self._begins[number] + self._lengths[number] * (s - number) ** 2
-        square = half * half
+        interval = min(int(s), len(self._lengths) - 1)
+        half_width = self._begins[interval] + self._lengths[interval] * (s - interval) ** 2
+        squared_width = half_width * half_width
         load = cubic(self._loads_of_cells)
-        parabola = self.parabola_stiffness * square
-        least = _LEAST * float(self._ends[-1])
-        log_ratio = math.log(2 * datum / max(half, least))
+        parabola = self.parabola_stiffness * squared_width
+        least_half_width = _LEAST * float(self._ends[-1])
+        log_ratio = math.log(2 * datum / max(half_width, least_half_width))
         return PunchSums(
             logarithm=load * log_ratio + cubic(self._areas_of_cells),
             parabola_logarithm=parabola * (log_ratio + 0.5),
-            second=square * load / 2 - cubic(self._moments_of_cells) / self.parabola_stiffness,
-            parabola_second=square * parabola / 4,
+            second=squared_width * load / 2
+            - cubic(self._moments_of_cells) / self.parabola_stiffness,
+            parabola_second=squared_width * parabola / 4,
         )
 
     def contact_at(self, normal_load: float, curvature: float) -> float:
-        """s of the edge of contact of one load, P = eta(a) + kn G(a), as `contact` finds it."""
-        low = 0.0
-        high = self.last
+        """Coordinate s of the flat punch at the edge of contact a under one load, by bisection of P
+        = eta(a) + kn G(a), `curvature` kn.
+
+        eta(c) is the load that the profile's punches carry up to half-width c, G(c) that of a
+        parabola's punches per unit of curvature.
+        """
+        low_s = 0.0
+        high_s = self.last
         for _ in range(_BISECTIONS):
-            middle = (low + high) / 2
-            punch = self.loads_at(middle)
-            if punch.load + curvature * punch.parabola <= normal_load:
-                low = middle
+            middle_s = (low_s + high_s) / 2
+            loads = self.loads_at(middle_s)
+            if loads.load + curvature * loads.parabola <= normal_load:
+                low_s = middle_s
             else:
-                high = middle
-        return (low + high) / 2
+                high_s = middle_s
+        return (low_s + high_s) / 2
 
     def log_area(self, s: ArrayLike) -> Array:
         """int eta dc/c from 0 to c."""
@@ -340,33 +365,37 @@ class PunchTable:
         fourth: Array | float = 0.0,
         near: Array | None = None,
     ) -> Array:
-        """s of the edge of contact, P = eta(a) + kn G(a) + n4 G_4(a), (n,) as P, kn and n4; `near`
-        it, (n,), where that is known.
+        """Coordinates s (n,) of the flat punches at the edges of contact a: P = eta(a) + kn G(a) +
+        n4 G_4(a), with loads P, `curvature` kn and `fourth` n4 (n,).
+
+        eta, G and G_4 are the loads carried up to half-width c by the punches of the profile, of a
+        parabola and of x^4/24. `near` is s (n,) where it is known to 1e-3; then bisection is left
+        out.
         """
 
         def carried(s: Array) -> Array:
             load = self.load(s) + curvature * self.parabola(s)
             return np.asarray(load + fourth * self.fourth(s))
 
-        low = np.zeros(len(normal_load))
-        high = np.full(len(normal_load), self.last)
-        place = near
-        steps = _STEPS_NEAR
-        if place is None:
+        low_s = np.zeros(len(normal_load))
+        high_s = np.full(len(normal_load), self.last)
+        edge_s = near
+        newton_steps = _STEPS_NEAR
+        if edge_s is None:
             for _ in range(_FIRST_BISECTIONS):
-                middle = (low + high) / 2
-                is_within = carried(middle) <= normal_load
-                low = np.where(is_within, middle, low)
-                high = np.where(is_within, high, middle)
-            place = (low + high) / 2
-            steps = _STEPS_AFTER
-        for _ in range(steps):
-            missing = normal_load - carried(place)
-            of_curvature = curvature + fourth * np.square(self.half_width(place)) / 4
-            rate = self._load_rate(place) + of_curvature * self._parabola_rate(place)
-            step = missing / np.where(rate > 0, rate, np.inf)
-            place = np.clip(place + step, low, high)
-        return np.where(normal_load > 0, place, 0.0)
+                middle_s = (low_s + high_s) / 2
+                carries_less = carried(middle_s) <= normal_load
+                low_s = np.where(carries_less, middle_s, low_s)
+                high_s = np.where(carries_less, high_s, middle_s)
+            edge_s = (low_s + high_s) / 2
+            newton_steps = _STEPS_AFTER
+        for _ in range(newton_steps):
+            missing_load = normal_load - carried(edge_s)
+            curvature_at_edge = curvature + fourth * np.square(self.half_width(edge_s)) / 4
+            rate = self._load_rate(edge_s) + curvature_at_edge * self._parabola_rate(edge_s)
+            step = missing_load / np.where(rate > 0, rate, np.inf)
+            edge_s = np.clip(edge_s + step, low_s, high_s)
+        return np.where(normal_load > 0, edge_s, 0.0)
 
     def _load_rate(self, s: Array) -> Array:
         """d eta/ds, (n,)."""
@@ -448,13 +477,15 @@ class Pieces(list[Piece]):
         super().__init__([_EMPTY_CURVE])
 
     def above(self, parent: int, top: float, loads: OfPunches, slopes: OfPunches) -> Piece:
-        """A piece whose top is at `top` with eta, G and G_4 = `loads`; it is not added."""
-        below = self[parent]
+        """A piece of a memory curve F(s) above piece number `parent`, up to s = `top`, where eta, G
+        and G_4 are `loads`; F rises by `slopes` per unit of each. It is not added to the pieces.
+        """
+        parent_piece = self[parent]
         load, parabola, fourth = loads
         slope, parabola_slope, fourth_slope = slopes
-        force = below.force + slope * (load - below.load)
-        force += parabola_slope * (parabola - below.parabola)
-        force += fourth_slope * (fourth - below.fourth)
+        force = parent_piece.force + slope * (load - parent_piece.load)
+        force += parabola_slope * (parabola - parent_piece.parabola)
+        force += fourth_slope * (fourth - parent_piece.fourth)
         return Piece(
             parent, top, load, parabola, fourth, force, slope, parabola_slope, fourth_slope
         )
@@ -603,90 +634,106 @@ class Followed:
         return np.asarray(work, dtype=float)
 
     def _work_of_parts(self, parts: _Parts) -> Array:
-        """The same of each part of a slip zone, (m,).
+        """pi/A times the friction work of each part of a slip zone, (m,): the integral of
+        f [load beyond c] |dF| dc/c over the flat punches of the part, of half-width c.
 
-        A punch slips in the share of the step in which its F follows the bound, which goes straight
-        through the step, and no longer than it is in contact: the load beyond it counts with its
-        mean over that share.
+        A punch slips in the share of the step in which its F follows the bound B_s, which goes
+        straight through the step, and no longer than it is in contact: the load beyond it counts
+        with its mean over that share.
         """
         nodes, weights = _GAUSS_OF_WORK
         length = (parts.high - parts.low)[:, None]
         s = parts.low[:, None] + length * (nodes + 1) / 2
         table = self.table
-        load = table.load(s)
-        parabola = table.parabola(s)
-        fourth = table.fourth(s)
+        punches = _PunchArrays(table.load(s), table.parabola(s), table.fourth(s))
         sense_of_part = parts.sense[:, None]
-
-        def at(row: Indices) -> tuple[Array, Array]:
-            """Load carried beyond the punches, and the bound there."""
-            beyond = self.normal_load[row][:, None] - load
-            beyond = beyond - self.normal_curvature[row][:, None] * parabola
-            beyond = beyond - self.normal_fourth[row][:, None] * fourth
-            force = self.tangential_load[row][:, None]
-            force = force - self.tangential_curvature[row][:, None] * parabola
-            force = force - self.tangential_fourth[row][:, None] * fourth
-            return beyond, force - sense_of_part * self.friction * beyond
-
-        beyond_before, bound_before = at(parts.row - 1)
-        beyond, bound = at(parts.row)
+        load_before = self._load_beyond(punches, parts.row - 1)
+        load_after = self._load_beyond(punches, parts.row)
+        bound_before = self._slip_bound(punches, parts.row - 1, sense_of_part, load_before)
+        bound_after = self._slip_bound(punches, parts.row, sense_of_part, load_after)
         # Of what slides as a whole, the curvature of the faces may move a punch against the slide.
-        growth = sense_of_part * (bound - bound_before)
-        pieces = self.pieces
-        below = pieces.parent[parts.piece]
-        frozen = pieces.force[below][:, None]
-        frozen = frozen + pieces.slope[parts.piece][:, None] * (load - pieces.load[below][:, None])
-        of_parabola = parabola - pieces.parabola[below][:, None]
-        frozen = frozen + pieces.parabola_slope[parts.piece][:, None] * of_parabola
-        of_fourth = fourth - pieces.fourth[below][:, None]
-        frozen = frozen + pieces.fourth_slope[parts.piece][:, None] * of_fourth
-        change = sense_of_part * (bound - frozen)
-        share = np.clip(change / np.where(growth != 0, growth, np.inf), 0.0, 1.0)
+        growth = sense_of_part * (bound_after - bound_before)
+        change = sense_of_part * (bound_after - self._frozen_forces(punches, parts.piece))
+        slip_share = np.clip(change / np.where(growth != 0, growth, np.inf), 0.0, 1.0)
         # Where the bodies touch within the step, slip goes on from there to its end.
         touches = parts.piece[:, None] == 0
-        rise = np.where(touches & (beyond > beyond_before), beyond - beyond_before, np.inf)
-        since_touch = np.clip(beyond / rise, 0.0, 1.0)
-        share = np.where(touches, since_touch, share)
-        change = np.where(touches, growth * since_touch, change)
-        leaves = (beyond < 0) & (beyond_before > 0)
-        fall = np.where(leaves, beyond_before - beyond, np.inf)
-        apart = np.where(leaves, -beyond / fall, 0.0)  # share of the step after the contact
-        slips = np.maximum(share - apart, 0.0)
-        change = np.where(leaves, growth * slips, change)
-        middle = 1 - share + slips / 2
-        mean = np.maximum(beyond_before + middle * (beyond - beyond_before), 0.0)
-        rate = table.half_width_rate(s) / table.half_width(s)
-        work = self.friction * (mean * change * rate) @ weights * length[:, 0] / 2
+        rise = np.where(touches & (load_after > load_before), load_after - load_before, np.inf)
+        share_since_touch = np.clip(load_after / rise, 0.0, 1.0)
+        slip_share = np.where(touches, share_since_touch, slip_share)
+        change = np.where(touches, growth * share_since_touch, change)
+        leaves = (load_after < 0) & (load_before > 0)
+        fall = np.where(leaves, load_before - load_after, np.inf)
+        share_out_of_contact = np.where(leaves, -load_after / fall, 0.0)
+        share_in_contact = np.maximum(slip_share - share_out_of_contact, 0.0)
+        change = np.where(leaves, growth * share_in_contact, change)
+        middle_of_slip = 1 - slip_share + share_in_contact / 2
+        mean_load = np.maximum(load_before + middle_of_slip * (load_after - load_before), 0.0)
+        logarithmic_rate = table.half_width_rate(s) / table.half_width(s)
+        work = self.friction * (mean_load * change * logarithmic_rate) @ weights * length[:, 0] / 2
         return np.asarray(work)
 
+    def _load_beyond(self, punches: _PunchArrays, row: Indices) -> Array:
+        """P - eta - kn G - n4 G_4 at rows (m,): load carried beyond punches (m, k), (m, k)."""
+        load_beyond = self.normal_load[row][:, None] - punches.load
+        load_beyond = load_beyond - self.normal_curvature[row][:, None] * punches.parabola
+        return np.asarray(load_beyond - self.normal_fourth[row][:, None] * punches.fourth)
+
+    def _slip_bound(
+        self, punches: _PunchArrays, row: Indices, sense: Indices, load_beyond: Array
+    ) -> Array:
+        """B_s at rows (m,) of punches (m, k), (m, k): what F is while a punch slips in `sense` s,
+        Q - kt G - t4 G_4 - s f [load beyond the punch].
+        """
+        force = self.tangential_load[row][:, None]
+        force = force - self.tangential_curvature[row][:, None] * punches.parabola
+        force = force - self.tangential_fourth[row][:, None] * punches.fourth
+        return np.asarray(force - sense * self.friction * load_beyond)
+
+    def _frozen_forces(self, punches: _PunchArrays, piece: Indices) -> Array:
+        """F of punches (m, k) that stick, (m, k), each row on a piece (m,) of the memory curve."""
+        pieces = self.pieces
+        below = pieces.parent[piece]
+        force = pieces.force[below][:, None]
+        load_rise = punches.load - pieces.load[below][:, None]
+        force = force + pieces.slope[piece][:, None] * load_rise
+        parabola_rise = punches.parabola - pieces.parabola[below][:, None]
+        force = force + pieces.parabola_slope[piece][:, None] * parabola_rise
+        fourth_rise = punches.fourth - pieces.fourth[below][:, None]
+        return np.asarray(force + pieces.fourth_slope[piece][:, None] * fourth_rise)
+
     def _parts_of_zones(self, *zones: tuple[Indices, Array, Array]) -> _Parts:
-        """Zones of slip of a sense (n,) from s (n,) to s (n,) in each step, cut at the corners of
-        the profile and at the tops of the curve before.
+        """Slip zones of the steps that end at the rows, each given by the sense of slip, 0 for
+        none, and s of both its ends, (n,) each; cut at the corners of the profile and at the tops
+        of the memory curve before the step.
+
+        s is the coordinate of the flat punches; at the corners it is a whole number.
         """
         parts: list[tuple[int, float, float, int, int]] = []
         tops, parents, curves = self._lists
-        slips = [
+        zones_in_steps = [
             (row, int(sense[row]), float(begin[row]), float(end[row]))
             for sense, begin, end in zones
             for row in (np.flatnonzero((sense[1:] != 0) & (end[1:] > begin[1:])) + 1).tolist()
         ]
-        for row, direction, low, end in slips:
+        for row, direction, zone_begin, end in zones_in_steps:
             piece = curves[row - 1]
-            high = end
-            is_beyond = True  # the edge of the contact before
-            while high > low:
-                bottom = max(tops[piece] if is_beyond else tops[parents[piece]], low)
-                of_part = 0 if is_beyond else piece
-                while math.ceil(high) - 1 > bottom:
-                    corner = math.ceil(high) - 1
-                    parts.append((row, float(corner), high, of_part, direction))
-                    high = float(corner)
-                if high > bottom:
-                    parts.append((row, bottom, high, of_part, direction))
-                    high = bottom
-                if not is_beyond:
+            part_end = end
+            is_beyond_edge = True  # the edge of the contact before
+            while part_end > zone_begin:
+                part_begin = max(
+                    tops[piece] if is_beyond_edge else tops[parents[piece]], zone_begin
+                )
+                piece_of_part = 0 if is_beyond_edge else piece
+                while math.ceil(part_end) - 1 > part_begin:
+                    corner = math.ceil(part_end) - 1
+                    parts.append((row, float(corner), part_end, piece_of_part, direction))
+                    part_end = float(corner)
+                if part_end > part_begin:
+                    parts.append((row, part_begin, part_end, piece_of_part, direction))
+                    part_end = part_begin
+                if not is_beyond_edge:
                     piece = parents[piece]
-                is_beyond = False
+                is_beyond_edge = False
         columns = np.array(parts).reshape(-1, 5).T
         return _Parts(
             row=columns[0].astype(np.int64),
@@ -704,22 +751,35 @@ class Followed:
         return self.pieces.top.tolist(), self.pieces.parent.tolist(), self.curve.tolist()
 
     def frozen_force(self, row: int, s: Array) -> Array:
-        """F at punches s (k,) at a row; beyond the edge that at the edge."""
-        chain = self.pieces.chain(int(self.curve[row]))
-        tops = self.pieces.top[chain]
-        number = np.clip(np.searchsorted(tops, s), 1, max(len(chain) - 1, 1))
-        if len(chain) == 1:
+        """F of the memory curve at a row of the path, at the flat punches of coordinates s (k,):
+        the tangential force that does not change while a punch sticks. Beyond the edge of contact
+        that at the edge.
+        """
+        numbers_of_pieces = self.pieces.chain(int(self.curve[row]))
+        tops = self.pieces.top[numbers_of_pieces]
+        number_in_chain = np.clip(np.searchsorted(tops, s), 1, max(len(numbers_of_pieces) - 1, 1))
+        if len(numbers_of_pieces) == 1:
             return np.zeros(len(s))
-        inside = np.minimum(s, tops[-1])
-        below = chain[number - 1]
-        piece = chain[number]
-        load_rise = self.table.load(inside) - self.pieces.load[below]
-        parabola_rise = self.table.parabola(inside) - self.pieces.parabola[below]
-        rise = self.pieces.slope[piece] * load_rise
-        rise = rise + self.pieces.parabola_slope[piece] * parabola_rise
-        fourth_rise = self.table.fourth(inside) - self.pieces.fourth[below]
-        rise = rise + self.pieces.fourth_slope[piece] * fourth_rise
-        return np.asarray(self.pieces.force[below] + rise)
+        s_in_contact = np.minimum(s, tops[-1])
+        below = numbers_of_pieces[number_in_chain - 1]
+        piece = numbers_of_pieces[number_in_chain]
+        load_rise = self.table.load(s_in_contact) - self.pieces.load[below]
+        parabola_rise = self.table.parabola(s_in_contact) - self.pieces.parabola[below]
+        force_rise = self.pieces.slope[piece] * load_rise
+        force_rise = force_rise + self.pieces.parabola_slope[piece] * parabola_rise
+        fourth_rise = self.table.fourth(s_in_contact) - self.pieces.fourth[below]
+        force_rise = force_rise + self.pieces.fourth_slope[piece] * fourth_rise
+        return np.asarray(self.pieces.force[below] + force_rise)
+
+
+class _PunchArrays(NamedTuple):
+    """eta, G and G_4 of flat punches (m, k): loads of the punches up to each, of the profile, of a
+    parabola and of x^4/24.
+    """
+
+    load: Array
+    parabola: Array
+    fourth: Array
 
 
 class _Parts(NamedTuple):
@@ -756,7 +816,9 @@ class PieceTable:
         return np.array(numbers[::-1])
 
     def of_curves(self, curves: Indices) -> tuple[PieceTable, Indices]:
-        """The pieces of some curves, uppermost pieces (n,), alone; and the uppermost among them."""
+        """The pieces that some memory curves, given by their uppermost pieces (n,), consist of,
+        numbered anew; and the new numbers of those uppermost pieces (n,).
+        """
         is_needed = np.zeros(len(self.parent), dtype=bool)
         pieces = np.unique(curves)
         while len(pieces):
@@ -764,9 +826,9 @@ class PieceTable:
             pieces = np.unique(self.parent[pieces])
             pieces = pieces[~is_needed[pieces]]
         is_needed[0] = True
-        chosen = np.flatnonzero(is_needed)
+        numbers_needed = np.flatnonzero(is_needed)
         new_number = np.cumsum(is_needed) - 1
-        columns = {item.name: getattr(self, item.name)[chosen] for item in fields(self)}
+        columns = {item.name: getattr(self, item.name)[numbers_needed] for item in fields(self)}
         columns["parent"] = new_number[columns["parent"]]
         return PieceTable(**columns), new_number[curves]
 
@@ -782,19 +844,20 @@ class PieceTable:
         return levels[1:]
 
     def sums(self, *terms: tuple[Array, Array]) -> Array:
-        """Sum over each curve, (k, ...), of what its pieces add: for each term slopes of pieces
-        (k,) times the rise of values, which are primitives at the tops, (k, ...).
+        """Integrals along each memory curve up to the top of each piece, (k, ...): the sum over
+        pieces of slope (k,) times the rise of `values` (k, ...), primitives at the tops; several
+        `terms` add.
         """
         parent = self.parent
-        total = np.zeros_like(terms[0][1])
+        sums_at_tops = np.zeros_like(terms[0][1])
         for slopes, values in terms:
             if np.any(slopes):
                 rise = values - values[parent]
-                total += slopes.reshape((-1,) + (1,) * (values.ndim - 1)) * rise
-        total[0] = 0.0
+                sums_at_tops += slopes.reshape((-1,) + (1,) * (values.ndim - 1)) * rise
+        sums_at_tops[0] = 0.0
         for level in self._levels[1:]:
-            total[level] += total[parent[level]]
-        return total
+            sums_at_tops[level] += sums_at_tops[parent[level]]
+        return sums_at_tops
 
 
 def follow(
@@ -827,18 +890,20 @@ def follow(
 
 
 def _shear_second(table: PunchTable, rows: Array, half_planes: Followed) -> Array:
-    """q_2 (n,) that T_22 takes: of half-planes times p_2 over theirs, of rows (10, n). What it
-    leaves of W is a hundredth of what the order after the next may leave.
+    """Second moment of the shear traction, q_2 = int x^2 q dx, at rows (10, n) of the path: (n,).
+
+    It is that of half-planes times the ratio of the second moments of pressure, p_2 over theirs.
+    What this neglects of W is a hundredth of what the order after the next may leave.
     """
-    of_rows = dict(zip(Row._fields, rows, strict=True))
-    bends = (of_rows["normal_curvature"], of_rows["normal_fourth"])
-    pressure_second = _pressure_moment(table.second_moments(of_rows["edge"]), *bends)
-    of_half_planes = half_planes.pressure_second
+    columns_by_name = dict(zip(Row._fields, rows, strict=True))
+    bends = (columns_by_name["normal_curvature"], columns_by_name["normal_fourth"])
+    pressure_second = _pressure_moment(table.second_moments(columns_by_name["edge"]), *bends)
+    pressure_second_of_half_planes = half_planes.pressure_second
     ratio = np.divide(
         pressure_second,
-        of_half_planes,
+        pressure_second_of_half_planes,
         out=np.zeros_like(pressure_second),
-        where=of_half_planes > 0,
+        where=pressure_second_of_half_planes > 0,
     )
     return half_planes.shear_second * ratio
 
@@ -851,22 +916,28 @@ def _pressure_moment(at_edge: PunchMoments, curvature: Array, fourth: Array) -> 
 def _rows(
     table: PunchTable, normal_load: Array, tangential_load: Array, curvatures: Curvatures
 ) -> Array:
-    """The columns of a `Row` along a path, (10, n); kt without what q_2 adds."""
-    leading_curvature = curvatures.of_gap(normal_load, tangential_load)
+    """For each row of a path with loads P and Q (n,): the columns of a `Row`, (10, n), which are
+    the loads, the curvatures kn and kt that the bodies add, and s, eta, G, G_4 of the edge of
+    contact.
+
+    kn follows from the second moment of pressure, p_2, and p_2 from the edge: they are iterated. kt
+    is without what the second moment of shear, q_2, adds.
+    """
+    curvature_without_p2 = curvatures.of_gap(normal_load, tangential_load)
     tangential_curvature = curvatures.of_faces(normal_load, tangential_load)
     normal_fourth = curvatures.normal_fourth * normal_load
     tangential_fourth = curvatures.tangential_fourth * tangential_load
-    normal_curvature = leading_curvature
+    normal_curvature = curvature_without_p2
     edge = table.contact(normal_load, normal_curvature, normal_fourth)
     if curvatures.normal_mixed:
         for _ in range(_ROUNDS_OF_MOMENT):
-            at_edge = table.second_moments(edge)
-            moment = _pressure_moment(at_edge, normal_curvature, normal_fourth)
-            before = normal_curvature
-            normal_curvature = leading_curvature + 2 * curvatures.normal_mixed * moment
+            moments_at_edge = table.second_moments(edge)
+            pressure_second = _pressure_moment(moments_at_edge, normal_curvature, normal_fourth)
+            curvature_before = normal_curvature
+            normal_curvature = curvature_without_p2 + 2 * curvatures.normal_mixed * pressure_second
             edge = table.contact(normal_load, normal_curvature, normal_fourth, edge)
-            change = np.max(np.abs(normal_curvature - before) * table.parabola(edge))
-            if change <= _LEFT_OF_MOMENT * np.max(normal_load):
+            load_change = np.max(np.abs(normal_curvature - curvature_before) * table.parabola(edge))
+            if load_change <= _LEFT_OF_MOMENT * np.max(normal_load):
                 break
     columns = [
         normal_load,
@@ -898,26 +969,28 @@ def _follow(table: PunchTable, friction: float, columns: Array) -> Followed:
 def followed_of(memory: MemoryCurve, columns: Array, steps: Sequence[Step]) -> Followed:
     """The path of some steps whose rows are `columns` (10, n), in the order of a `Row`."""
     pieces = memory.pieces
-    numbers = np.fromiter(chain.from_iterable(pieces), float, len(pieces) * len(_EMPTY_CURVE))
-    parent, *of_tops = numbers.reshape(len(pieces), -1).T
-    of_pieces = PieceTable(parent.astype(np.int64), *of_tops)
-    of_rows = dict(zip(Row._fields, columns, strict=True))
+    entries_of_pieces = np.fromiter(
+        chain.from_iterable(pieces), float, len(pieces) * len(_EMPTY_CURVE)
+    )
+    parent, *columns_of_pieces = entries_of_pieces.reshape(len(pieces), -1).T
+    piece_table = PieceTable(parent.astype(np.int64), *columns_of_pieces)
+    columns_by_name = dict(zip(Row._fields, columns, strict=True))
     return Followed(
         table=memory.table,
         friction=memory.friction,
-        normal_load=of_rows["normal_load"],
-        tangential_load=of_rows["tangential_load"],
-        normal_curvature=of_rows["normal_curvature"],
-        tangential_curvature=of_rows["tangential_curvature"],
-        normal_fourth=of_rows["normal_fourth"],
-        tangential_fourth=of_rows["tangential_fourth"],
-        edge=of_rows["edge"],
+        normal_load=columns_by_name["normal_load"],
+        tangential_load=columns_by_name["tangential_load"],
+        normal_curvature=columns_by_name["normal_curvature"],
+        tangential_curvature=columns_by_name["tangential_curvature"],
+        normal_fourth=columns_by_name["normal_fourth"],
+        tangential_fourth=columns_by_name["tangential_fourth"],
+        edge=columns_by_name["edge"],
         front=np.array([step.front for step in steps]),
         direction=np.array([step.direction for step in steps], dtype=np.int64),
         ring=np.array([step.ring for step in steps]),
         ring_direction=np.array([step.ring_direction for step in steps], dtype=np.int64),
         curve=np.array([step.state.curve for step in steps], dtype=np.int64),
-        pieces=of_pieces,
+        pieces=piece_table,
     )
 
 
@@ -990,33 +1063,51 @@ class MemoryCurve:
         return normal_load <= _ROUNDING * self.largest_load
 
     def step(self, state: State, row: Row) -> Step:
-        """The state after a straight step from `state` to `row`."""
+        """The state of the contact after a straight step of the loads from `state` to `row`, with
+        the edge of stick and the zones of slip.
+
+        The memory curve F is cut at the edge of contact or grows to it in stick. Where F is then
+        beyond the bound of slip it follows the bound, from the edge inwards; where the edge rests,
+        the slip of the stroke before may go on further in, in a ring.
+        """
         if self.is_unloaded(row.normal_load):
             return Step(UNLOADED, front=row.edge)
         pieces = self.pieces
         round_off = _ROUNDING * self.friction * self.largest_load
-        outermost, top = self._up_to_edge(state.curve, row)
-        front = row.edge
-        sense = _slipping(outermost, pieces[outermost.parent], self.friction, row, round_off)
+        outermost_piece, number_of_top = self._up_to_edge(state.curve, row)
+        stick_edge = row.edge
+        direction = _slipping(
+            outermost_piece, pieces[outermost_piece.parent], self.friction, row, round_off
+        )
         bound = None
-        if sense:
-            bound = _bound(sense, self.friction, row)
-            top = _front(self.table, pieces, outermost, top, bound, round_off)
-            front = pieces[top].top
-        elif top is None:
-            top = pieces.append_numbered(outermost)
+        if direction:
+            bound = _bound(direction, self.friction, row)
+            number_of_top = _front(
+                self.table, pieces, outermost_piece, number_of_top, bound, round_off
+            )
+            stick_edge = pieces[number_of_top].top
+        elif number_of_top is None:
+            number_of_top = pieces.append_numbered(outermost_piece)
         ring = (0.0, 0.0)
         ring_direction = 0
-        if state.sense and sense != state.sense:
+        if state.sense and direction != state.sense:
             # Further in the stroke before may go on.
-            inner_bound = _bound(state.sense, self.friction, row)
-            top, *ends = _ring(self.table, pieces, top, inner_bound, round_off)
-            ring = (ends[0], ends[1])
+            bound_of_last_slip = _bound(state.sense, self.friction, row)
+            number_of_top, *ring_ends = _ring(
+                self.table, pieces, number_of_top, bound_of_last_slip, round_off
+            )
+            ring = (ring_ends[0], ring_ends[1])
             if ring[1] > ring[0]:
                 ring_direction = state.sense
         if bound is not None:
-            top = pieces.add(top, row.edge, row.edge_loads, bound.slopes)
-        return Step(State(top, ring_direction or sense), front, sense, ring, ring_direction)
+            number_of_top = pieces.add(number_of_top, row.edge, row.edge_loads, bound.slopes)
+        return Step(
+            State(number_of_top, ring_direction or direction),
+            stick_edge,
+            direction,
+            ring,
+            ring_direction,
+        )
 
     def _up_to_edge(self, curve: int, row: Row) -> tuple[Piece, int | None]:
         """The outermost piece of a curve that is cut at the edge of contact, or grows to it in
@@ -1027,14 +1118,20 @@ class MemoryCurve:
         piece = pieces[number]
         loads = row.edge_loads
         if row.edge > piece.top:
-            force = row.tangential_load - row.tangential_curvature * row.edge_parabola
-            rise = force - row.tangential_fourth * row.edge_fourth - piece.force
+            force_without_fourth = (
+                row.tangential_load - row.tangential_curvature * row.edge_parabola
+            )
+            force_rise = (
+                force_without_fourth - row.tangential_fourth * row.edge_fourth - piece.force
+            )
             load_rise = row.edge_load - piece.load
             if load_rise > 0:
-                return pieces.above(curve, row.edge, loads, (rise / load_rise, 0.0, 0.0)), None
+                return pieces.above(
+                    curve, row.edge, loads, (force_rise / load_rise, 0.0, 0.0)
+                ), None
             # The face is still flat: only the curvature of the bodies has punches here.
-            slope = rise / (row.edge_parabola - piece.parabola)
-            return pieces.above(curve, row.edge, loads, (0.0, slope, 0.0)), None
+            parabola_slope = force_rise / (row.edge_parabola - piece.parabola)
+            return pieces.above(curve, row.edge, loads, (0.0, parabola_slope, 0.0)), None
         while number and pieces[piece.parent].top >= row.edge:
             number = piece.parent
             piece = pieces[number]
@@ -1064,14 +1161,17 @@ def _bound(direction: int, friction: float, row: Row) -> _Bound:
 
 
 def _slipping(piece: Piece, below: Piece, friction: float, row: Row, round_off: float) -> int:
-    """Sense of the bound that the outermost piece is beyond, at its top or below; 0 in stick."""
-    for place in (piece, below):
-        core = row.tangential_load - row.tangential_curvature * place.parabola
-        core -= row.tangential_fourth * place.fourth + place.force
-        beyond = row.normal_load - place.load - row.normal_curvature * place.parabola
-        beyond -= row.normal_fourth * place.fourth
-        if abs(core) - friction * beyond > round_off:
-            return 1 if core > 0 else -1
+    """Direction of slip at the edge of contact, +1 or -1, 0 in stick: |Q - kt G - t4 G_4 - F| > f
+    [load beyond] at one end of the outermost piece of the memory curve F, `piece`, whose lower end
+    is the top of `below`.
+    """
+    for piece_end in (piece, below):
+        force_excess = row.tangential_load - row.tangential_curvature * piece_end.parabola
+        force_excess -= row.tangential_fourth * piece_end.fourth + piece_end.force
+        load_beyond = row.normal_load - piece_end.load - row.normal_curvature * piece_end.parabola
+        load_beyond -= row.normal_fourth * piece_end.fourth
+        if abs(force_excess) - friction * load_beyond > round_off:
+            return 1 if force_excess > 0 else -1
     return 0
 
 
@@ -1083,50 +1183,57 @@ def _front(
     bound: _Bound,
     round_off: float,
 ) -> int:
-    """The curve below the line of slip, which begins at the top of a piece; `number` of that, None
-    of one that is new.
+    """Number of the uppermost piece of the memory curve that is left below the line of slip, which
+    goes from the edge of contact inwards to where F meets the `bound`.
+
+    `piece` is the outermost one, `number` its number, None where it is new.
     """
     empty_curve = pieces[0]
-    below = pieces[piece.parent]
-    while piece is not empty_curve and bound.excess(below) > round_off:
+    piece_below = pieces[piece.parent]
+    while piece is not empty_curve and bound.excess(piece_below) > round_off:
         number = piece.parent
-        piece = below
-        below = pieces[piece.parent]
-    excess_below = bound.excess(below)
+        piece = piece_below
+        piece_below = pieces[piece.parent]
+    excess_below = bound.excess(piece_below)
     if excess_below >= 0:
         return piece.parent
-    excess = bound.excess(piece)
-    if excess <= 0:
+    excess_at_top = bound.excess(piece)
+    if excess_at_top <= 0:
         return pieces.append_numbered(piece) if number is None else number
-    place, punch = _crossing(table, (below, piece), (excess_below, excess), bound, round_off)
+    place, punch = _crossing(
+        table, (piece_below, piece), (excess_below, excess_at_top), bound, round_off
+    )
     return pieces.add(piece.parent, place, punch.loads, piece.slopes)
 
 
 def _ring(
     table: PunchTable, pieces: Pieces, top: int, bound: _Bound, round_off: float
 ) -> tuple[int, float, float]:
-    """The curve with a line of slip inside it, where a stroke goes on while the edge rests; s of
-    its two ends, the same where there is none.
+    """The memory curve with a line of slip inside it, where a stroke goes on while the edge of
+    contact rests: number of its uppermost piece, and s of both ends of the slip zone, the same
+    where there is none.
+
+    `bound` is F of slip in the direction of that stroke.
     """
     number = top
     piece = pieces[number]
-    above = []
+    pieces_above = []
     while number and bound.excess(pieces[piece.parent]) <= round_off:
-        above.append(piece)
+        pieces_above.append(piece)
         number = piece.parent
         piece = pieces[number]
-    excess = bound.excess(piece)
-    if not number or excess > 0:
+    excess_at_top = bound.excess(piece)
+    if not number or excess_at_top > 0:
         edge = pieces[top].top
         return top, edge, edge
-    ends = (pieces[piece.parent], piece)
-    excesses = (bound.excess(ends[0]), excess)
-    outer, outer_punch = _crossing(table, ends, excesses, bound, round_off)
-    below = _front(table, pieces, pieces[piece.parent], piece.parent, bound, round_off)
-    curve = pieces.add(below, outer, outer_punch.loads, bound.slopes)
-    for kept in (piece, *reversed(above)):
-        curve = pieces.add(curve, kept.top, kept.loads, kept.slopes)
-    return curve, pieces[below].top, outer
+    piece_ends = (pieces[piece.parent], piece)
+    excesses_at_ends = (bound.excess(piece_ends[0]), excess_at_top)
+    outer_end, loads_at_outer_end = _crossing(table, piece_ends, excesses_at_ends, bound, round_off)
+    number_below = _front(table, pieces, pieces[piece.parent], piece.parent, bound, round_off)
+    curve = pieces.add(number_below, outer_end, loads_at_outer_end.loads, bound.slopes)
+    for piece_above in (piece, *reversed(pieces_above)):
+        curve = pieces.add(curve, piece_above.top, piece_above.loads, piece_above.slopes)
+    return curve, pieces[number_below].top, outer_end
 
 
 def _crossing(
@@ -1136,38 +1243,41 @@ def _crossing(
     bound: _Bound,
     round_off: float,
 ) -> tuple[float, PunchLoads]:
-    """The punch of a piece at which F is that of a bound, beyond which it is at one end only:
-    `ends` are the piece below and the piece itself.
+    """Coordinate s of the flat punch within a piece at which F of the memory curve meets a `bound`
+    of slip, and the loads there; `ends` are the piece below and the piece itself, `excesses` how
+    far F is beyond the bound at their tops, of opposite signs. Newton's rule between brackets.
     """
-    below, piece = ends
-    low = below.top
-    high = piece.top
+    piece_below, piece = ends
+    low_s = piece_below.top
+    high_s = piece.top
     excess_below, excess_above = excesses
-    rising = 1.0 if excess_above > excess_below else -1.0
+    sign_of_rise = 1.0 if excess_above > excess_below else -1.0
     slope = bound.direction * (bound.slope - piece.slope)
     parabola_slope = bound.direction * (bound.parabola_slope - piece.parabola_slope)
     fourth_slope = bound.direction * (bound.fourth_slope - piece.fourth_slope)
     # Of a parabola without x^4 the excess is straight in G.
-    share = excess_below / (excess_below - excess_above)
-    place = table.place_of(below.parabola + share * (piece.parabola - below.parabola))
-    if not low < place < high:
-        place = low + share * (high - low)
-    punch = table.loads_at(place)
+    share_of_piece = excess_below / (excess_below - excess_above)
+    s = table.place_of(
+        piece_below.parabola + share_of_piece * (piece.parabola - piece_below.parabola)
+    )
+    if not low_s < s < high_s:
+        s = low_s + share_of_piece * (high_s - low_s)
+    loads = table.loads_at(s)
     # Newton's rule, in the middle between two punches where it would leave them.
     for _ in range(_STEPS_OF_NEWTON):
-        excess = excess_below + slope * (punch.load - below.load)
-        excess += parabola_slope * (punch.parabola - below.parabola)
-        excess += fourth_slope * (punch.fourth - below.fourth)
+        excess = excess_below + slope * (loads.load - piece_below.load)
+        excess += parabola_slope * (loads.parabola - piece_below.parabola)
+        excess += fourth_slope * (loads.fourth - piece_below.fourth)
         if abs(excess) <= round_off:
             break
-        if excess * rising > 0:
-            high = place
+        if excess * sign_of_rise > 0:
+            high_s = s
         else:
-            low = place
-        rate = slope * punch.load_rate + parabola_slope * punch.parabola_rate
-        rate += fourth_slope * punch.fourth_rate
-        place = place - excess / rate if rate * rising > 0 else low
-        if not low < place < high:
-            place = (low + high) / 2
-        punch = table.loads_at(place)
-    return place, punch
+            low_s = s
+        rate = slope * loads.load_rate + parabola_slope * loads.parabola_rate
+        rate += fourth_slope * loads.fourth_rate
+        s = s - excess / rate if rate * sign_of_rise > 0 else low_s
+        if not low_s < s < high_s:
+            s = (low_s + high_s) / 2
+        loads = table.loads_at(s)
+    return s, loads

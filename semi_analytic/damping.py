@@ -121,9 +121,11 @@ def added_compliance(
     datum_length: float | None,
     effects: BodyEffects | None,
 ) -> float:
-    """What dU/dQ of an actuator has beside that of the solution [1/stress]: c_t, or
-    (A/pi) ln(L/L_solution) of a stated datum length; 0 for finite bodies, whose supports are the
-    datum.
+    """What the compliance dU/dQ of an actuator has beside that of the solution [1/stress].
+
+    For half-planes the tangential compliance c_t of `effects`, or (A/pi) ln(L/L_solution) of a
+    stated datum length L, A = 2/E*; 0 for finite bodies, whose U counts from their supports.
+    `caller` begins the messages.
 
     Raises
     ------
@@ -152,8 +154,8 @@ def added_compliance(
         compliance_of_bodies = 0.0
     if not 0 < stated_length < math.inf:
         raise InputError(f"{caller}: datum_length = {stated_length} is refused: a length above 0")
-    unit = 2 / (math.pi * composite_modulus(solution.scene.material))
-    return compliance_of_bodies + unit * math.log(stated_length / datum_of_solution)
+    unit_compliance = 2 / (math.pi * composite_modulus(solution.scene.material))
+    return compliance_of_bodies + unit_compliance * math.log(stated_length / datum_of_solution)
 
 
 def compliance(
@@ -162,18 +164,21 @@ def compliance(
     datum_length: float | None = None,
     effects: BodyEffects | None = None,
 ) -> tuple[Array, Array]:
-    """dU/dQ at constant P of half-planes, (n_steps,) [1/stress]: while slip goes on (infinite where
-    nothing sticks), right after a reversal. `datum_length` or `effects` as in `hysteresis`.
+    """Compliance dU/dQ of the contact of half-planes at constant P, (n_steps,) [1/stress], twice:
+    while slip goes on, infinite where nothing sticks, and right after a reversal of Q.
 
-    InputError for solutions with bulk stress or tilt, and of finite bodies.
+    U, the tangential displacement, needs a reference: either `datum_length` L, the distance from
+    the load at which the surface does not move [length], or the `effects` of finite bodies, whose
+    tangential compliance c_t is added. InputError for both or neither, for solutions with bulk
+    stress or tilt, and for those of finite bodies.
 
     >>> from scenes import load_scene
     >>> from semi_analytic import solve
     >>> solution = solve(load_scene("cattaneo-mindlin"), x=[0.0], time=[1.0, 2.0])
-    >>> tangent, stick = compliance(solution, datum_length=1000.0)
+    >>> in_slip, after_reversal = compliance(solution, datum_length=1000.0)
     >>> (
-    ...     bool(tangent[0] == stick[0] == stick[1]),
-    ...     round(float(tangent[1] / stick[1]), 6),
+    ...     bool(in_slip[0] == after_reversal[0] == after_reversal[1]),
+    ...     round(float(in_slip[1] / after_reversal[1]), 6),
     ... )  # ln(2000/0.632)/ln(2000)
     (True, 1.060275)
     """
@@ -182,13 +187,16 @@ def compliance(
     is_plain_theory = solution.engine == "semi_analytic" and "effects" not in solution.settings
     if not is_plain_theory and not solution.scene.bodies.half_planes:
         raise InputError("compliance: the formula is that of half-planes; solve by theory")
-    added_part = added_compliance(solution, "compliance", datum_length, effects)
-    factor = 2 / (math.pi * composite_modulus(solution.scene.material))
-    datum_width = 2 * solution.scene.profile.datum_length
+    added = added_compliance(solution, "compliance", datum_length, effects)
+    unit_compliance = 2 / (math.pi * composite_modulus(solution.scene.material))
+    twice_datum_length = 2 * solution.scene.profile.datum_length
     with np.errstate(divide="ignore"):
-        in_slip = (
-            factor * np.log(datum_width / np.nan_to_num(solution.stick_half_width)) + added_part
+        compliance_in_slip = (
+            unit_compliance * np.log(twice_datum_length / np.nan_to_num(solution.stick_half_width))
+            + added
         )
-        after_reversal = factor * np.log(datum_width / np.nan_to_num(solution.contact_half_width))
-        after_reversal = after_reversal + added_part
-    return freeze(in_slip), freeze(after_reversal)
+        compliance_after_reversal = unit_compliance * np.log(
+            twice_datum_length / np.nan_to_num(solution.contact_half_width)
+        )
+        compliance_after_reversal = compliance_after_reversal + added
+    return freeze(compliance_in_slip), freeze(compliance_after_reversal)

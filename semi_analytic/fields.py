@@ -527,7 +527,7 @@ class Integrals:
 
         >>> from scenes.segments import straight_segments
         >>> from semi_analytic.hertz import HertzContact
-        >>> from semi_analytic.history import march, take
+        >>> from semi_analytic.history import march, snapshot_of
         >>> contact = HertzContact(modulus=np.pi, radius=1.0, datum_length=1.0)  # p(0, P) = sqrt(P)
         >>> loading, slip = march(
         ...     None,
@@ -535,7 +535,9 @@ class Integrals:
         ...     0.5,
         ...     0.0,
         ... )[0]
-        >>> shear = Integrals(contact, np.zeros(1), "shear").over(take([(slip, np.array([2.0]))]))
+        >>> shear = Integrals(contact, np.zeros(1), "shear").over(
+        ...     snapshot_of([(slip, np.array([2.0]))])
+        ... )
         >>> shear.round(12).tolist()  # 0.5 (sqrt 4 - sqrt 1)
         [[0.5]]
         """

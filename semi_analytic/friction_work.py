@@ -30,7 +30,7 @@ from scenes import NORMAL_LOAD, Combination, NotFoundError
 from scenes.array_types import Array
 from scenes.segments import LEAST
 from semi_analytic.fields import Integrals
-from semi_analytic.history import Span, corner_times, take
+from semi_analytic.history import Span, corner_times, snapshot_of
 from semi_analytic.load_series import Records, StepBlock
 from semi_analytic.memory import change_from, level, level_on
 from semi_analytic.profiles import Contact
@@ -324,7 +324,7 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
 
     def work(span: Span, _: Indices, low: Array, high: Array, rule: QuadratureRule) -> Array:
         times, weights = rule(low, high)
-        shift = integrals.over(take([(span, times.ravel())]))[:, 0].reshape(times.shape)
+        shift = integrals.over(snapshot_of([(span, times.ravel())]))[:, 0].reshape(times.shape)
         return -np.sum(shift * span.leg.rate_of(Combination(0.0, 1.0), times) * weights, axis=1)
 
     ranges = [_whole_span(span) for span in spans]

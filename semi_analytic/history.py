@@ -160,29 +160,35 @@ def check(legs: Sequence[LoadSegment], friction: float) -> None:
 
 
 def _check_part(leg: LoadSegment, begin: float, end: float, friction: float, slack: float) -> None:
-    """`check` of a part of a leg on which neither P, u nor v turns round; `slack` is that of P."""
-    last_instant = instant(leg, end)
-    excesses = [(NORMAL_LOAD, -last_instant.normal, "separation", slack)]
-    for sense in (1, -1):
-        excess = sense * last_instant.tangential - friction * last_instant.normal
-        excesses.append((level(sense, friction), excess, "gross sliding", slack * friction))
+    """Raise InadmissibleLoadError where |Q| > f P or P < 0 on a part of a leg on which P, Q - f P
+    and Q + f P are monotonic; P may be beyond its limit by `slack`.
+
+    It names the first instant beyond a limit, and the end of the part.
+    """
+    end_instant = instant(leg, end)
+    excesses = [(NORMAL_LOAD, -end_instant.normal, "separation", slack)]
+    for direction in (1, -1):
+        excess = direction * end_instant.tangential - friction * end_instant.normal
+        excesses.append((level(direction, friction), excess, "gross sliding", slack * friction))
     faults = []
     for combination, excess, reason, tolerance in excesses:
         if excess > tolerance:
-            growth = -1.0 if combination is NORMAL_LOAD else 1.0
-            change_of_load = growth * float(leg.change_of(combination, end, begin))
-            time = float(leg.time_of(combination, growth * (change_of_load - excess), begin, end))
+            sign_of_growth = -1.0 if combination is NORMAL_LOAD else 1.0
+            change_to_limit = sign_of_growth * float(leg.change_of(combination, end, begin))
+            time = float(
+                leg.time_of(combination, sign_of_growth * (change_to_limit - excess), begin, end)
+            )
             faults.append((time, reason))
     if faults:
         # Where P runs out both limits of friction are met at the same instant: that is separation.
-        latest_first = min(time for time, _ in faults) + _NEAR * (end - begin)
-        time, reason = next(fault for fault in faults if fault[0] <= latest_first)
+        end_of_first_time = min(time for time, _ in faults) + _NEAR * (end - begin)
+        time, reason = next(fault for fault in faults if fault[0] <= end_of_first_time)
         fault_instant = instant(leg, time)
         raise InadmissibleLoadError(
             reason,
             LoadedInstant(time, fault_instant.normal, fault_instant.tangential),
             # P, u and v are monotonic up to there
-            LoadedInstant(last_instant.time, last_instant.normal, last_instant.tangential),
+            LoadedInstant(end_instant.time, end_instant.normal, end_instant.tangential),
             friction=friction,
         )
 
@@ -233,7 +239,9 @@ def march(
 def _spans_of_part(
     curve: Curve, leg: LoadSegment, begin: float, end: float, friction: float, delay: float
 ) -> Iterator[Span]:
-    """Spans of a part of a leg on which neither P, u = Q - f P nor v = Q + f P turns round.
+    """Spans of a part of a leg on which neither P, u = Q - f P nor v = Q + f P turns round, from
+    the memory curve at its `begin`; a span is a time in which the same piece of the curve is being
+    erased.
 
     Rising u is forward slip, falling v reverse slip; neither, with rising P, is loading in stick.
     """
@@ -241,26 +249,26 @@ def _spans_of_part(
     normal_rate, tangential_rate = (float(rate) for rate in leg.rates(middle))
     noise = _ROUNDING * (abs(tangential_rate) + friction * abs(normal_rate))
     slips_forward = float(leg.rate_of(level(1, friction), middle)) > noise
-    slips_back = float(leg.rate_of(level(-1, friction), middle)) > noise
-    first_instant = instant(leg, begin)
-    last_instant = instant(leg, end)
-    if normal_rate > 0 and not (slips_forward or slips_back):
+    slips_in_reverse = float(leg.rate_of(level(-1, friction), middle)) > noise
+    begin_instant = instant(leg, begin)
+    end_instant = instant(leg, end)
+    if normal_rate > 0 and not (slips_forward or slips_in_reverse):
         yield Span(
-            first_instant,
-            last_instant,
+            begin_instant,
+            end_instant,
             delay,
             0,
-            load_in_stick(curve, leg, begin, last_instant),
+            load_in_stick(curve, leg, begin, end_instant),
             friction,
         )
-    elif normal_rate < 0 and slips_forward == slips_back:
-        yield from _unload(curve, first_instant, last_instant, friction, delay)
-    elif slips_forward or slips_back:
+    elif normal_rate < 0 and slips_forward == slips_in_reverse:
+        yield from _unload(curve, begin_instant, end_instant, friction, delay)
+    elif slips_forward or slips_in_reverse:
         yield from _slip(
-            curve, 1 if slips_forward else -1, first_instant, last_instant, friction, delay
+            curve, 1 if slips_forward else -1, begin_instant, end_instant, friction, delay
         )
     else:
-        yield Span(first_instant, last_instant, delay, 0, curve, friction)
+        yield Span(begin_instant, end_instant, delay, 0, curve, friction)
 
 
 def _slip(
@@ -271,14 +279,17 @@ def _slip(
     friction: float,
     delay: float,
 ) -> Iterator[Span]:
-    """Spans of slip in one direction: the edge load of the stick zone, P_c, goes down through the
-    pieces of the curve, a span for each.
+    """Spans of slip in one direction, +1 or -1: the edge load of the stick zone, P_c, goes down
+    through the pieces of the memory curve, and each piece makes a span.
+
+    A piece is passed when s Q - f P, s = `direction`, has grown to what it is at the lower end of
+    the piece.
     """
     leg = begin_instant.leg
     slip_level = level(direction, friction)
     total_change = float(leg.change_of(slip_level, end_instant.time, begin_instant.time))
     last_digits = _LAST_DIGITS * friction * end_instant.normal
-    begin = begin_instant
+    span_begin = begin_instant
     # What slips already is at the limit, and the front is below it.
     if curve is not None and flat(curve, direction, friction):
         curve = curve.below
@@ -290,35 +301,35 @@ def _slip(
                 break
             curve = curve.below
             continue
-        level_at_start = float(change_from(curve.anchor, leg, slip_level, begin_instant.time))
+        level_at_begin = float(change_from(curve.anchor, leg, slip_level, begin_instant.time))
         level_at_bottom = float(level_on(curve, direction, friction, curve.bottom))
-        change_to_bottom = level_at_bottom - level_at_start
+        change_to_bottom = level_at_bottom - level_at_begin
         # A front that meets the lower end of the piece at the very end of the stretch, to rounding,
         # has not passed it: what lies below may be at the limit already, and the front would jump
         # through it.
-        rounding = _NEAR * (abs(level_at_bottom) + abs(level_at_start)) + last_digits
+        rounding = _NEAR * (abs(level_at_bottom) + abs(level_at_begin)) + last_digits
         if total_change <= change_to_bottom + rounding:
             break
         passing_time = leg.time_of(
             slip_level, change_to_bottom, begin_instant.time, end_instant.time
         )
         passing_instant = instant(leg, float(passing_time))
-        if passing_instant.time > begin.time:
-            yield Span(begin, passing_instant, delay, direction, curve, friction)
-            begin = passing_instant
+        if passing_instant.time > span_begin.time:
+            yield Span(span_begin, passing_instant, delay, direction, curve, friction)
+            span_begin = passing_instant
         curve = curve.below
-    if end_instant.time > begin.time:
-        yield Span(begin, end_instant, delay, direction, curve, friction)
+    if end_instant.time > span_begin.time:
+        yield Span(span_begin, end_instant, delay, direction, curve, friction)
 
 
 def _unload(
     curve: Curve, begin_instant: Instant, end_instant: Instant, friction: float, delay: float
 ) -> Iterator[Span]:
-    """Spans of a stretch with P falling and |dQ/dP| <= f: slip to the side of the curve on which
-    the path runs.
+    """Spans of a stretch with P falling and |dQ/dP| <= f: slip to the side of the memory curve on
+    which the path runs, which may change where the path crosses the curve.
 
-    The admissible cones of later points lie inside those of earlier ones, so the state is that of
-    one step; only the direction may change, where the path crosses the curve.
+    Each later point of the path lies inside the friction cones of the earlier ones, so the state is
+    that of one step.
     """
     for begin_time, end_time, direction in slip_directions(
         curve, begin_instant, end_instant, friction
@@ -359,42 +370,43 @@ def _retrace(
 def slip_directions(
     curve: Curve, begin_instant: Instant, end_instant: Instant, friction: float
 ) -> list[tuple[float, float, int]]:
-    """(begin, end, direction) where the path runs above (+1), below (-1) or along (0) the curve
-    that it unloads.
+    """(begin time, end time, direction) of the runs of an unloading path above the memory curve
+    M(P), +1, below it, -1, or along it, 0.
     """
     runs: list[tuple[float, float, int]] = []
-    begin = begin_instant.time
+    run_begin = begin_instant.time
     for piece in pieces(curve):
         change_to_bottom = piece.bottom - begin_instant.normal
         total_change = float(
             begin_instant.leg.change_of(NORMAL_LOAD, end_instant.time, begin_instant.time)
         )
         leaves_piece = total_change < change_to_bottom
-        end = end_instant.time
+        run_end = end_instant.time
         if leaves_piece:
-            end = float(
+            run_end = float(
                 begin_instant.leg.time_of(
                     NORMAL_LOAD, change_to_bottom, begin_instant.time, end_instant.time
                 )
             )
-        if end > begin:
-            runs += _directions_on(piece, begin_instant.leg, begin, end, friction)
-        begin = max(begin, end)
+        if run_end > run_begin:
+            runs += _directions_on(piece, begin_instant.leg, run_begin, run_end, friction)
+        run_begin = max(run_begin, run_end)
         if not leaves_piece:
             break
-    merged_parts: list[tuple[float, float, int]] = []
+    merged_runs: list[tuple[float, float, int]] = []
     for run in runs:
-        if merged_parts and merged_parts[-1][2] == run[2]:
-            merged_parts[-1] = (merged_parts[-1][0], run[1], run[2])
+        if merged_runs and merged_runs[-1][2] == run[2]:
+            merged_runs[-1] = (merged_runs[-1][0], run[1], run[2])
         else:
-            merged_parts.append(run)
-    return merged_parts
+            merged_runs.append(run)
+    return merged_runs
 
 
 def _directions_on(
     piece: Piece, leg: LoadSegment, begin: float, end: float, friction: float
 ) -> list[tuple[float, float, int]]:
-    """(begin, end, direction) while the load is within one piece: signs of Q - M(P) between its
+    """(begin time, end time, direction) of the runs between two times at which P is within one
+    `piece` of the memory curve: the direction is the sign of Q - M(P), which changes at its
     roots.
     """
 
@@ -415,18 +427,18 @@ def _directions_on(
     signs = np.where(np.abs(excesses) <= noise, 0, np.sign(excesses)).astype(int)
     if not np.any(signs):
         return [(begin, end, 0)]
-    signed = np.flatnonzero(signs)
-    marks = [begin]
-    directions = [int(signs[signed[0]])]
+    numbers_with_sign = np.flatnonzero(signs)
+    run_begins = [begin]
+    directions = [int(signs[numbers_with_sign[0]])]
     xtol = _LAST_DIGITS * (end - begin)
-    for left, right in pairwise(signed):
-        if signs[left] != signs[right]:
+    for number_before, number_after in pairwise(numbers_with_sign):
+        if signs[number_before] != signs[number_after]:
             crossing = scipy.optimize.brentq(
-                excess, times[left], times[right], xtol=xtol, rtol=_LAST_DIGITS
+                excess, times[number_before], times[number_after], xtol=xtol, rtol=_LAST_DIGITS
             )
-            marks.append(float(crossing))
-            directions.append(int(signs[right]))
-    return list(zip(marks, [*marks[1:], end], directions, strict=True))
+            run_begins.append(float(crossing))
+            directions.append(int(signs[number_after]))
+    return list(zip(run_begins, [*run_begins[1:], end], directions, strict=True))
 
 
 @dataclass(frozen=True)
@@ -513,19 +525,29 @@ class History:
             For a time outside the path.
         """
         spans = self.spans
-        begin = np.array([span.begin.time for span in spans])
-        end = np.array([span.end.time for span in spans])
-        delay = np.array([span.delay for span in spans])
-        ends = end + delay
-        path_time, slack = within(time, float(begin[0] + delay[0]), float(ends[-1]), self.period)
+        span_begins = np.array([span.begin.time for span in spans])
+        span_ends = np.array([span.end.time for span in spans])
+        span_delays = np.array([span.delay for span in spans])
+        path_ends = span_ends + span_delays
+        path_time, slack = within(
+            time, float(span_begins[0] + span_delays[0]), float(path_ends[-1]), self.period
+        )
         # Less the slack: a turning point that somebody else found to rounding still belongs to the
         # span that it ends.
-        number = np.minimum(np.searchsorted(ends, path_time - slack, side="left"), len(spans) - 1)
-        leg_times = np.clip(path_time - delay[number], begin[number], end[number])
-        by_span = np.argsort(number, kind="stable")
-        numbers, starts = np.unique(number[by_span], return_index=True)
-        times_of_spans = np.split(leg_times[by_span], starts[1:])
-        snapshot = take((spans[k], times) for k, times in zip(numbers, times_of_spans, strict=True))
+        number_of_span = np.minimum(
+            np.searchsorted(path_ends, path_time - slack, side="left"), len(spans) - 1
+        )
+        leg_times = np.clip(
+            path_time - span_delays[number_of_span],
+            span_begins[number_of_span],
+            span_ends[number_of_span],
+        )
+        by_span = np.argsort(number_of_span, kind="stable")
+        numbers_with_times, first_of_span = np.unique(number_of_span[by_span], return_index=True)
+        times_of_spans = np.split(leg_times[by_span], first_of_span[1:])
+        snapshot = snapshot_of(
+            (spans[k], times) for k, times in zip(numbers_with_times, times_of_spans, strict=True)
+        )
         order = np.argsort(by_span)
         columns = ("time", "load", "force", "slipped", "direction", "active_number")
         return replace(snapshot, **{name: getattr(snapshot, name)[order] for name in columns})
@@ -561,29 +583,32 @@ def is_plain_ellipse(segment: LoadSegment) -> bool:
 
 
 def history_of(path: LoadPath, friction: float, cycles: int, time: Array | None = None) -> History:
-    """The history along a path: as many cycles as `time` needs; until it is steady where it needs
-    none, `cycles` at most.
+    """The states of stick and slip along a load path: as many cycles as the instants `time` need;
+    without them, until the memory repeats, `cycles` at most.
+
+    A history that is remembered is taken instead of followed again, also a longer one that became
+    steady within as many cycles.
     """
-    turn_count = 0
-    covered_count = 0
+    most_cycles = 0
+    cycles_covered = 0
     if path.period is not None:
-        turn_count, covered_count = turns_of(path.cycle_start, path.period, cycles, time)
+        most_cycles, cycles_covered = turns_of(path.cycle_start, path.period, cycles, time)
     kept_histories = _kept_histories.get()
     if kept_histories is None:
         kept_histories = {}
-    of_path = kept_histories.setdefault((path, friction), {})
-    history = of_path.get(turn_count)
-    for count, longer_history in of_path.items():
+    histories_of_path = kept_histories.setdefault((path, friction), {})
+    history = histories_of_path.get(most_cycles)
+    for cycles_followed, longer_history in histories_of_path.items():
         # What is steady within these cycles has no others.
-        if len(longer_history.cycles) <= turn_count < count:
+        if len(longer_history.cycles) <= most_cycles < cycles_followed:
             history = longer_history
     if history is None:
-        history = of_path[turn_count] = _followed_path(path, friction, turn_count)
+        history = histories_of_path[most_cycles] = _followed_path(path, friction, most_cycles)
     if path.period is None:
         return history
-    solved_count = len(history.cycles)
+    cycles_solved = len(history.cycles)
     covered_cycles = tuple(
-        min(number, solved_count - 1) for number in range(covered_count or solved_count)
+        min(number, cycles_solved - 1) for number in range(cycles_covered or cycles_solved)
     )
     return replace(history, covered=covered_cycles)
 
@@ -614,8 +639,10 @@ def _followed_path(path: LoadPath, friction: float, turn_count: int) -> History:
 
 
 def turns_of(start: float, period: float, cycles: int, time: Array | None) -> tuple[int, int]:
-    """How many cycles have to be followed at most for the instants `time`, and how many whole ones
-    these cover.
+    """Number of cycles that have to be followed at most for the instants `time`, and number of
+    whole ones that these cover, 0 where they end within the first; `cycles` and 0 without instants.
+
+    The first cycle begins at time `start`.
     """
     if time is None:
         return cycles, 0
@@ -665,42 +692,50 @@ def slipped_share(spans: Sequence[Span]) -> float:
     return largest_slip / largest_load if largest_load > 0 else 0.0
 
 
-def take(parts: Iterable[tuple[Span, Array]]) -> Snapshot:
-    """The memory curves of spans at times (k,) of their legs, one after the other."""
+def snapshot_of(parts: Iterable[tuple[Span, Array]]) -> Snapshot:
+    """The states at instants of some spans, one after the other; each comes with times (k,) of its
+    leg.
+
+    A span is a part of the load path in which the memory curve M(P) keeps its structure; its leg is
+    the segment of the path on which it lies, with P and Q as functions of time. A state is P, Q,
+    the load P - P_c that slips, its direction, and the piece of the memory curve below the slip.
+    """
     times = []
-    loads = []
-    forces = []
-    slips = []
+    normal_loads = []
+    tangential_loads = []
+    slipped_loads = []
     directions = []
-    counts = []
-    actives: list[Curve] = []
+    counts_of_times = []
+    active_pieces: list[Curve] = []
     friction = 0.0
-    for span, time in parts:
-        load, force = span.leg.loads(time)
-        load = np.maximum(load, 0.0)  # a path that unloads fully may end below 0 by rounding
-        times.append(time)
-        loads.append(load)
-        forces.append(force)
-        slips.append(span.slipped_at(time, load))
+    for span, leg_times in parts:
+        normal_load, tangential_load = span.leg.loads(leg_times)
+        normal_load = np.maximum(
+            normal_load, 0.0
+        )  # a path that unloads fully may end below 0 by rounding
+        times.append(leg_times)
+        normal_loads.append(normal_load)
+        tangential_loads.append(tangential_load)
+        slipped_loads.append(span.slipped_at(leg_times, normal_load))
         directions.append(span.direction)
-        counts.append(len(time))
-        actives.append(span.active)
+        counts_of_times.append(len(leg_times))
+        active_pieces.append(span.active)
         friction = span.friction
     return Snapshot(
         time=np.concatenate(times),
-        load=np.concatenate(loads),
-        force=np.concatenate(forces),
-        slipped=np.concatenate(slips),
-        direction=np.repeat(np.array(directions), counts),
-        active_number=np.repeat(np.arange(len(actives)), counts),
-        actives=tuple(actives),
+        load=np.concatenate(normal_loads),
+        force=np.concatenate(tangential_loads),
+        slipped=np.concatenate(slipped_loads),
+        direction=np.repeat(np.array(directions), counts_of_times),
+        active_number=np.repeat(np.arange(len(active_pieces)), counts_of_times),
+        actives=tuple(active_pieces),
         friction=friction,
     )
 
 
 def corner_times(contact: Contact, span: Span) -> Array:
-    """Times of the leg within a span at which P or P_c is the load of a corner of the profile, (n,)
-    ascending, none alike.
+    """Times within a span, (n,) ascending and apart, at which the load P, or the load P_c at the
+    edge of stick, is that of a corner of the profile: there the dependence on time has a kink.
     """
     loads = contact.break_loads
     leg = span.leg
@@ -713,12 +748,14 @@ def corner_times(contact: Contact, span: Span) -> Array:
     passed_loads = loads[(loads > least_load) & (loads < largest_load)]
     times = [leg.time_of(NORMAL_LOAD, passed_loads - begin.normal, begin.time, end.time)]
     if span.direction and span.active is not None:
-        active_loads = loads[(loads > span.active.bottom) & (loads < span.active.top)]
+        loads_on_piece = loads[(loads > span.active.bottom) & (loads < span.active.top)]
         slip_level = level(span.direction, span.friction)
-        level_at_start = float(change_from(span.active.anchor, leg, slip_level, begin.time))
-        levels = level_on(span.active, span.direction, span.friction, active_loads)
-        times.append(leg.time_of(slip_level, levels - level_at_start, begin.time, end.time))
+        level_at_begin = float(change_from(span.active.anchor, leg, slip_level, begin.time))
+        levels = level_on(span.active, span.direction, span.friction, loads_on_piece)
+        times.append(leg.time_of(slip_level, levels - level_at_begin, begin.time, end.time))
     shortest_time = 1e-12 * max(abs(begin.time), abs(end.time), end.time - begin.time)
-    marks = np.sort(np.concatenate(times))
-    marks = marks[(marks - begin.time > shortest_time) & (end.time - marks > shortest_time)]
-    return marks[np.diff(marks, prepend=-np.inf) > shortest_time]
+    sorted_times = np.sort(np.concatenate(times))
+    sorted_times = sorted_times[
+        (sorted_times - begin.time > shortest_time) & (end.time - sorted_times > shortest_time)
+    ]
+    return sorted_times[np.diff(sorted_times, prepend=-np.inf) > shortest_time]

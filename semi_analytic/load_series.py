@@ -208,32 +208,42 @@ class Recorder:
 
 
 def sides_of(rows: Array, friction: float) -> NDArray[np.int8]:
-    """How the memory takes the steps between rows (n + 1, 2), (n,): slip to a side, 1 or -1, full
-    stick, 0, or `_UNLOADS`.
+    """How the memory takes the steps between rows (n + 1, 2) of P and Q, (n,): slip forward, 1, or
+    in reverse, -1; full stick, 0; or unloading with |dQ| <= f |dP|, `_UNLOADS`.
     """
-    growth, rise = np.diff(rows, axis=0).T
-    limit = friction * growth
-    noise = _NOISE * (np.abs(rise) + np.abs(limit))
-    forward = rise - limit > noise
-    reverse = -rise - limit > noise
-    sides = np.zeros(len(growth), dtype=np.int8)
+    load_growth, force_rise = np.diff(rows, axis=0).T
+    limit = friction * load_growth
+    noise = _NOISE * (np.abs(force_rise) + np.abs(limit))
+    forward = force_rise - limit > noise
+    reverse = -force_rise - limit > noise
+    sides = np.zeros(len(load_growth), dtype=np.int8)
     sides[reverse] = -1
     sides[forward] = 1
-    sides[(growth < 0) & (forward == reverse)] = _UNLOADS
+    sides[(load_growth < 0) & (forward == reverse)] = _UNLOADS
     return sides
 
 
-def _shortened(curve: Knot, part: float) -> Knot:
-    """The curve without the upper `part` < 1 of its uppermost line; the lowest line begins at 0, to
-    the last digit.
+def _shortened(curve: Knot, cut_share: float) -> Knot:
+    """The memory curve without the upper share `cut_share` < 1 of its uppermost line; the lowest
+    line begins at eta = 0, to the last digit.
     """
     below, top, force, length, rise, depth = curve
-    left_length = (1 - part) * length
-    left_rise = (1 - part) * rise
+    remaining_length = (1 - cut_share) * length
+    remaining_rise = (1 - cut_share) * rise
     if below is None:
-        return _knot(Knot, (None, left_length, left_rise, left_length, left_rise, depth))
+        return _knot(
+            Knot, (None, remaining_length, remaining_rise, remaining_length, remaining_rise, depth)
+        )
     return _knot(
-        Knot, (below, top - part * length, force - part * rise, left_length, left_rise, depth)
+        Knot,
+        (
+            below,
+            top - cut_share * length,
+            force - cut_share * rise,
+            remaining_length,
+            remaining_rise,
+            depth,
+        ),
     )
 
 
@@ -257,17 +267,23 @@ def _step(
 
 
 def _load_in_stick(curve: Knot | None, begin_station: Station, end_station: Station) -> Knot:
-    """The curve with the step on top; one line with the line below where that goes straight on."""
+    """The memory curve with the step from one (P, Q, share of the step) to another on top; where
+    the line below goes straight on, both become one line.
+    """
     load, force, _ = begin_station
     load_at_end, force_at_end, _ = end_station
     length = load_at_end - load
     rise = force_at_end - force
     knot_below = curve
     if curve is not None:
-        new_rise_here = curve.rise * length
-        old_rise_there = rise * curve.length
-        size = abs(new_rise_here) + abs(old_rise_there)
-        if abs(new_rise_here - old_rise_there) <= _STRAIGHT_ON * size:
+        # The slopes of the step and of the line below it, both times both lengths.
+        line_rise_times_step_length = curve.rise * length
+        step_rise_times_line_length = rise * curve.length
+        sum_of_products = abs(line_rise_times_step_length) + abs(step_rise_times_line_length)
+        if (
+            abs(line_rise_times_step_length - step_rise_times_line_length)
+            <= _STRAIGHT_ON * sum_of_products
+        ):
             knot_below = curve.below
             length += curve.length
             rise += curve.rise
@@ -278,75 +294,93 @@ def _load_in_stick(curve: Knot | None, begin_station: Station, end_station: Stat
 
 def _slip(
     curve: Knot | None,
-    s: int,
+    direction: int,
     begin_station: Station,
     end_station: Station,
     friction: float,
     recorder: Recorder,
 ) -> Knot | None:
-    """Slip in direction s: the front goes down through the lines while the level grows.
+    """The memory curve after a step that slips in `direction` s, +1 or -1, between stations (P, Q,
+    share of the step).
 
-    A line of `length` is passed when the level has grown by f length - s rise; P - P_c is the
-    growth of P and the lengths of all lines passed.
+    The front of slip, P_c, goes down through the lines of the curve while the level s Q - f P
+    grows: a line of `length` and `rise` is passed when the level has grown by f length - s rise. P
+    - P_c, `slipped`, is the growth of P and the lengths of all lines passed.
     """
-    load, force, begin = begin_station
-    normal, tangential, end = end_station
-    growth = normal - load
-    level_rise = s * (tangential - force) - friction * growth
-    level_left = level_rise
-    digits = _LAST_DIGITS * friction * (load if load > normal else normal)
+    load, force, begin_share = begin_station
+    load_at_end, force_at_end, end_share = end_station
+    load_growth = load_at_end - load
+    level_rise = direction * (force_at_end - force) - friction * load_growth
+    level_to_go = level_rise
+    rounding = _LAST_DIGITS * friction * (load if load > load_at_end else load_at_end)
     length_passed = 0.0
     slipped = 0.0  # P - P_c at the end of the last record
     station = begin_station
     # What slips already is at the limit, and the front is below it.
-    if curve is not None and curve.below is not None and friction * curve.length <= s * curve.rise:
+    if (
+        curve is not None
+        and curve.below is not None
+        and friction * curve.length <= direction * curve.rise
+    ):
         length_passed = curve.length
         slipped = curve.length
         curve = curve.below
-    curve_left = curve
+    curve_below_front = curve
     while curve is not None:
         below, _, _, length, rise, _ = curve
-        needed = friction * length - s * rise
+        level_of_line = friction * length - direction * rise
         # A front that meets a knot at the very end of the step, to rounding, has not passed it:
         # what lies below may be at the limit already, and the front would jump through it.
-        if level_left <= needed + digits or below is None:
-            curve_left = curve
+        if level_to_go <= level_of_line + rounding or below is None:
+            curve_below_front = curve
             # |Q| <= f P was checked: what the lowest line has not room for is rounding.
-            if needed > 0 and level_left > 0:
-                share_passed = level_left / needed if level_left < needed else 1.0
-                length_passed += share_passed * length
-                curve_left = _shortened(curve, share_passed) if share_passed < 1 else below
+            if level_of_line > 0 and level_to_go > 0:
+                share_of_line = level_to_go / level_of_line if level_to_go < level_of_line else 1.0
+                length_passed += share_of_line * length
+                curve_below_front = _shortened(curve, share_of_line) if share_of_line < 1 else below
             break
         length_passed += length
-        if needed > 0:
-            level_left -= needed
-            share = 1 - level_left / level_rise
-            slipped_after = length_passed + share * growth
+        if level_of_line > 0:
+            level_to_go -= level_of_line
+            share_of_step = 1 - level_to_go / level_rise
+            slipped_after = length_passed + share_of_step * load_growth
             # Q of a station inside a step plays no part in its record.
-            passed = (load + share * growth, force, begin + share * (end - begin))
-            recorder.add(curve, s, station, passed, (slipped, slipped_after), needed)
-            station = passed
+            station_at_knot = (
+                load + share_of_step * load_growth,
+                force,
+                begin_share + share_of_step * (end_share - begin_share),
+            )
+            recorder.add(
+                curve, direction, station, station_at_knot, (slipped, slipped_after), level_of_line
+            )
+            station = station_at_knot
             slipped = slipped_after
         else:
             slipped += length
         curve = below
-        curve_left = below
-    slipped_at_end = length_passed + growth
+        curve_below_front = below
+    slipped_at_step_end = length_passed + load_growth
     recorder.add(
         curve,
-        s,
+        direction,
         station,
         end_station,
-        (slipped, slipped_at_end if slipped_at_end > 0 else 0.0),
-        level_left if level_left > 0 else 0.0,
+        (slipped, slipped_at_step_end if slipped_at_step_end > 0 else 0.0),
+        level_to_go if level_to_go > 0 else 0.0,
     )
-    if not slipped_at_end > 0:
-        return curve_left
-    if curve_left is None:
-        return _knot(Knot, (None, normal, tangential, normal, s * friction * normal, 1))
-    rise_of_slip = s * friction * slipped_at_end
-    depth = curve_left.depth + 1
-    return _knot(Knot, (curve_left, normal, tangential, slipped_at_end, rise_of_slip, depth))
+    if not slipped_at_step_end > 0:
+        return curve_below_front
+    if curve_below_front is None:
+        return _knot(
+            Knot,
+            (None, load_at_end, force_at_end, load_at_end, direction * friction * load_at_end, 1),
+        )
+    rise_of_slip = direction * friction * slipped_at_step_end
+    depth = curve_below_front.depth + 1
+    return _knot(
+        Knot,
+        (curve_below_front, load_at_end, force_at_end, slipped_at_step_end, rise_of_slip, depth),
+    )
 
 
 def _unload(
@@ -356,21 +390,21 @@ def _unload(
     friction: float,
     recorder: Recorder,
 ) -> Knot | None:
-    """P falls and |dQ| <= f |dP|: slip to the side of the curve on which the path runs, in parts
-    where it crosses the curve.
+    """The memory curve after a step in which P falls and |dQ| <= f |dP|: slip to the side of the
+    curve on which the path runs, in parts where the path crosses the curve.
 
-    The admissible cones of later points lie inside those of earlier ones, so the state is that of
-    one step.
+    Each later point of the path lies inside the friction cones of the earlier ones, so the state is
+    that of one step.
     """
     load, force, begin_share = begin_station
     load_at_end, force_at_end, end_share = end_station
-    drop = load - load_at_end
-    slope = (force_at_end - force) / (load_at_end - load)
-    *runs, last_run = _sides_of_unloading(curve, drop, slope, _ALONG * friction * load)
+    load_drop = load - load_at_end
+    path_slope = (force_at_end - force) / (load_at_end - load)
+    *runs, last_run = _sides_of_unloading(curve, load_drop, path_slope, _ALONG * friction * load)
     begin = begin_station
     for run in runs:
-        share = begin_share + run.fall / drop * (end_share - begin_share)
-        end = (load - run.fall, force - slope * run.fall, share)
+        share = begin_share + run.fall / load_drop * (end_share - begin_share)
+        end = (load - run.fall, force - path_slope * run.fall, share)
         curve = _unload_part(curve, run.side, begin, end, friction, recorder)
         begin = end
     curve = _unload_part(curve, last_run.side, begin, end_station, friction, recorder)
@@ -386,33 +420,37 @@ class _Run(NamedTuple):
     side: int
 
 
-def _sides_of_unloading(curve: Knot | None, drop: float, slope: float, noise: float) -> list[_Run]:
-    """The parts of a step along which P falls by `drop` and Q by `slope` times that, one at least;
-    the path is on the curve where Q - M(P) is within `noise`.
+def _sides_of_unloading(
+    curve: Knot | None, load_drop: float, path_slope: float, tolerance: float
+) -> list[_Run]:
+    """The parts of a step, one at least, each with the side of the memory curve M(P) on which the
+    path runs: 1 where Q > M(P), -1 below it, 0 within `tolerance` of it.
+
+    Along the step P falls by `load_drop` and Q by `path_slope` times that.
     """
     runs: list[_Run] = []
     line = curve
-    fall = 0.0  # of P so far
+    load_fall = 0.0  # of P so far
     excess = 0.0  # Q - M(P)
     side_before = 0
-    side_of_run = 0
-    while line is not None and fall < drop:
-        step = line.length if line.length < drop - fall else drop - fall
-        excess_after = excess + line.rise * (step / line.length) - slope * step
+    side_of_open_run = 0
+    while line is not None and load_fall < load_drop:
+        fall_on_line = line.length if line.length < load_drop - load_fall else load_drop - load_fall
+        excess_after = excess + line.rise * (fall_on_line / line.length) - path_slope * fall_on_line
         side = 1 if excess_after > 0 else -1
-        if abs(excess_after) <= noise:
+        if abs(excess_after) <= tolerance:
             side = 0
         if side * side_before < 0:
-            crossing = fall + step * excess / (excess - excess_after)
+            crossing = load_fall + fall_on_line * excess / (excess - excess_after)
             runs.append(_Run(crossing, side_before))
-        elif fall > 0 and (side or side_before) != side_of_run:
-            runs.append(_Run(fall, side_of_run))
-        side_of_run = side or side_before
-        fall += step
+        elif load_fall > 0 and (side or side_before) != side_of_open_run:
+            runs.append(_Run(load_fall, side_of_open_run))
+        side_of_open_run = side or side_before
+        load_fall += fall_on_line
         excess = excess_after
         side_before = side
         line = line.below
-    return [*runs, _Run(drop, side_of_run)]
+    return [*runs, _Run(load_drop, side_of_open_run)]
 
 
 def _unload_part(
@@ -432,21 +470,27 @@ def _unload_part(
 def _retrace(
     curve: Knot | None, begin_station: Station, end_station: Station, recorder: Recorder
 ) -> Knot | None:
-    """Unload along the curve itself: nothing slips."""
+    """The memory curve after unloading along itself, Q = M(P): nothing slips, and each line that P
+    passes leaves a record.
+    """
     load, force, begin_share = begin_station
     load_at_end, _, end_share = end_station
-    drop = load - load_at_end
-    fall_left = drop
+    load_drop = load - load_at_end
+    fall_to_go = load_drop
     begin = begin_station
-    while curve is not None and fall_left > 0 and begin is not end_station:
-        share_of_line = fall_left / curve.length
-        fall_left -= curve.length
-        if curve.below is None or fall_left <= 0:
+    while curve is not None and fall_to_go > 0 and begin is not end_station:
+        share_of_line = fall_to_go / curve.length
+        fall_to_go -= curve.length
+        if curve.below is None or fall_to_go <= 0:
             end = end_station
         else:
-            share = 1 - fall_left / drop
+            share_of_drop = 1 - fall_to_go / load_drop
             # Q of a station inside a step plays no part in its record.
-            end = (load - share * drop, force, begin_share + share * (end_share - begin_share))
+            end = (
+                load - share_of_drop * load_drop,
+                force,
+                begin_share + share_of_drop * (end_share - begin_share),
+            )
         recorder.add(curve, 0, begin, end)
         begin = end
         curve = _shortened(curve, share_of_line) if share_of_line < 1 else curve.below
@@ -488,8 +532,8 @@ def follow(curve: Knot | None, rows: Array, friction: float, curves: bool = Fals
     ([0.0, 1.0, 1.0], 2)
     """
     recorder = Recorder(curves)
-    counts = [0]  # of numbers, after each step
-    n_alive = 0
+    counts_of_numbers = [0]  # that the recorder holds after each step
+    most_lines = 0
     # A path that unloads fully may end below 0 by rounding.
     rows = np.stack([np.maximum(rows[:, 0], 0.0), rows[:, 1]], axis=1)
     load, force = rows[0].tolist()
@@ -498,27 +542,29 @@ def follow(curve: Knot | None, rows: Array, friction: float, curves: bool = Fals
     collects = gc.isenabled()
     gc.disable()
     try:
-        sides = sides_of(rows, friction).tolist()
-        for (next_load, next_force), side in zip(rows[1:].tolist(), sides, strict=True):
+        kinds_of_steps = sides_of(rows, friction).tolist()
+        for (next_load, next_force), kind_of_step in zip(
+            rows[1:].tolist(), kinds_of_steps, strict=True
+        ):
             begin = (load, force, 0.0)
             end = (next_load, next_force, 1.0)
-            curve = _step(curve, side, begin, end, friction, recorder)
+            curve = _step(curve, kind_of_step, begin, end, friction, recorder)
             if next_load == 0:
                 curve = None  # unloaded: a line that rounding left has no length
             load = next_load
             force = next_force
-            counts.append(len(recorder.numbers))
-            if curve is not None and curve.depth > n_alive:
-                n_alive = curve.depth
+            counts_of_numbers.append(len(recorder.numbers))
+            if curve is not None and curve.depth > most_lines:
+                most_lines = curve.depth
     finally:
         if collects:
             gc.enable()
     table = np.frombuffer(recorder.numbers).reshape(-1, _NUMBERS).T
-    step_of_record = np.repeat(np.arange(len(rows) - 1), np.diff(counts) // _NUMBERS)
+    step_of_record = np.repeat(np.arange(len(rows) - 1), np.diff(counts_of_numbers) // _NUMBERS)
     columns = [*table[:_RECORD_NUMBERS], step_of_record]
     records = Records._make(columns).with_front_in_contact()
     line_table = LineTable(*table[_RECORD_NUMBERS:])
-    return StepBlock(rows, records, line_table, recorder.lines, curve, n_alive)
+    return StepBlock(rows, records, line_table, recorder.lines, curve, most_lines)
 
 
 def knots_of(curve: Knot | None) -> Array:
@@ -534,14 +580,16 @@ def knots_of(curve: Knot | None) -> Array:
 def _agree(
     first_curve: Knot | None, second_curve: Knot | None, friction: float, tolerance: float
 ) -> bool:
-    """Whether two curves agree within `tolerance` f P at the knots of both."""
+    """Whether two memory curves M(eta) agree: their ends in eta within `tolerance` times the
+    largest eta, and M at the knots of both within `tolerance` times f eta.
+    """
     first_loads, first_forces = knots_of(first_curve)
     second_loads, second_forces = knots_of(second_curve)
-    all_loads = np.union1d(first_loads, second_loads)
-    largest_load = all_loads[-1]
+    loads_of_knots = np.union1d(first_loads, second_loads)
+    largest_load = loads_of_knots[-1]
     force_differences = np.abs(
-        np.interp(all_loads, first_loads, first_forces)
-        - np.interp(all_loads, second_loads, second_forces)
+        np.interp(loads_of_knots, first_loads, first_forces)
+        - np.interp(loads_of_knots, second_loads, second_forces)
     )
     if abs(first_loads[-1] - second_loads[-1]) > tolerance * largest_load:
         return False
@@ -626,54 +674,54 @@ class LoadSeries:
         return np.cumsum([0, *(len(part.rows) - 1 for part in self.parts)])
 
     def default_times(self, last_cycle_only: bool, thinned: bool) -> tuple[Array, int]:
-        """Instants where none are asked for, and how many rows of a long path are left out where
-        they may be `thinned`.
+        """Instants to solve at where the user gives none, and the number of rows left out, which is
+        0 unless a long path is `thinned`.
 
-        About 400 a cycle, evenly spread over each record, both its ends among them; of a long path
-        the rows.
+        About 400 a cycle, evenly spread over each record, both its ends among them. Of a long path
+        (more than 1,000 rows) the rows, or about 400 of them.
         """
-        begin = len(self.parts) - 1 if last_cycle_only else 0
+        first_part = len(self.parts) - 1 if last_cycle_only else 0
         if self.long:
-            rows = self.times[self.starts[begin] :]
-            stride = max(len(rows) // _FEW, 1) if thinned else 1
-            times_of_rows = np.unique(np.append(rows[::stride], rows[-1]))
-            return times_of_rows, len(rows) - len(times_of_rows)
-        times = []
-        for number, part in enumerate(self.parts[begin:], begin):
+            row_times = self.times[self.starts[first_part] :]
+            stride = max(len(row_times) // _FEW, 1) if thinned else 1
+            times_of_rows = np.unique(np.append(row_times[::stride], row_times[-1]))
+            return times_of_rows, len(row_times) - len(times_of_rows)
+        times_of_parts = []
+        for number, part in enumerate(self.parts[first_part:], first_part):
             records = follow(part.curve, part.rows[:, 1:], self.friction).records
-            row_times = self.times[self.starts[number] :]
-            step_begin = row_times[records.row]
-            step_end = row_times[records.row + 1]
+            times_from_part = self.times[self.starts[number] :]
+            step_begin = times_from_part[records.row]
+            step_end = times_from_part[records.row + 1]
             inside_step = step_begin + records.until * (step_end - step_begin)
             record_ends = np.where(records.until == 1, step_end, inside_step)
-            marks = np.unique(np.append(row_times[0], record_ends))
-            times.append(evenly(marks, initial=number < self.first))
-        return np.unique(np.concatenate(times)), 0
+            marks = np.unique(np.append(times_from_part[0], record_ends))
+            times_of_parts.append(evenly(marks, initial=number < self.first))
+        return np.unique(np.concatenate(times_of_parts)), 0
 
     def locate(self, time: Array) -> tuple[Indices, Array, Array]:
-        """Number of the step, share of it that is over, and share within which two instants are
-        one: (n,) each.
+        """For instants (n,): number of the step between two rows, share of it that is over, and
+        share within which two instants count as one, (n,) each.
 
-        An instant between two steps belongs to the one that ends there.
-
-        Raises
-        ------
-        InputError
-            For a time outside the path.
+        An instant on a row belongs to the step that ends there. InputError for a time outside the
+        path.
         """
         times = self.times
-        path_time, slack = within(time, float(times[0]), float(times[-1]), self.period)
-        row = np.clip(np.searchsorted(times, path_time, side="left"), 1, len(times) - 1)
+        path_time, slack_of_time = within(time, float(times[0]), float(times[-1]), self.period)
+        row_at_or_after = np.clip(np.searchsorted(times, path_time, side="left"), 1, len(times) - 1)
         steps = np.diff(times)
-        rounding = _SPACINGS * np.spacing(np.max(np.abs(times))) / steps
-        slack_of_step = np.minimum(slack / steps, np.maximum(_SLACK_OF_STEP, rounding))
+        rounding_of_step = _SPACINGS * np.spacing(np.max(np.abs(times))) / steps
+        slack_of_steps = np.minimum(
+            slack_of_time / steps, np.maximum(_SLACK_OF_STEP, rounding_of_step)
+        )
         # A row that somebody else found to rounding is still the row.
-        since_row_before = path_time - times[row - 1]
-        row_length = times[row] - times[row - 1]
-        is_row_before = (row > 1) & (since_row_before <= slack_of_step[row - 1] * row_length)
-        step = row - 1 - is_row_before
+        since_row_before = path_time - times[row_at_or_after - 1]
+        step_length = times[row_at_or_after] - times[row_at_or_after - 1]
+        is_at_row_before = (row_at_or_after > 1) & (
+            since_row_before <= slack_of_steps[row_at_or_after - 1] * step_length
+        )
+        step = row_at_or_after - 1 - is_at_row_before
         share = (path_time - times[step]) / (times[step + 1] - times[step])
-        slack_of_share = slack_of_step[step]
+        slack_of_share = slack_of_steps[step]
         share = np.where(share > 1 - slack_of_share, 1.0, np.maximum(share, 0.0))
         return step, share, slack_of_share
 
@@ -688,8 +736,8 @@ class LoadSeries:
 
 
 def series_of(scene: Scene, time: Array | None) -> LoadSeries:
-    """The scene's own path of straight legs: as many cycles as `time` needs; until it is steady
-    where it needs none.
+    """The load path of a scene, of straight legs, followed as a series of rows: as many cycles as
+    the instants `time` need; without them, until the memory repeats.
 
     Raises
     ------
@@ -698,10 +746,10 @@ def series_of(scene: Scene, time: Array | None) -> LoadSeries:
     """
     friction = scene.friction.coefficient
     load = scene.load
-    long = False
+    is_long = False
     if isinstance(load, TimeSeriesLoad):  # a leg for each of a million rows would take a gigabyte
         rows = load.series()
-        long = len(load.kept_rows()) > _MANY
+        is_long = len(load.kept_rows()) > _MANY
         loading = rows[:2] if load.repeats else rows
         cycle = rows[1:] if load.repeats else rows[:0]
     else:
@@ -710,13 +758,13 @@ def series_of(scene: Scene, time: Array | None) -> LoadSeries:
         cycle = _rows_of(path.cycle)
     check_rows(loading, friction)
     if not len(cycle):
-        return replace(_single(friction, loading), long=long)
+        return replace(_single(friction, loading), long=is_long)
     check_rows(cycle, friction)
     period = float(cycle[-1, 0] - cycle[0, 0])
-    most_cycles, whole_cycles = turns_of(float(cycle[0, 0]), period, scene.cycles, time)
-    turns = (PathPart(cycle, k * period) for k in range(most_cycles))
-    series = _followed(friction, PathPart(loading, 0.0), turns, period, whole_cycles)
-    return replace(series, long=long)
+    cycles_at_most, cycles_covered = turns_of(float(cycle[0, 0]), period, scene.cycles, time)
+    cycle_parts = (PathPart(cycle, k * period) for k in range(cycles_at_most))
+    series = _followed(friction, PathPart(loading, 0.0), cycle_parts, period, cycles_covered)
+    return replace(series, long=is_long)
 
 
 def _rows_of(legs: Sequence[LoadSegment]) -> Array:
@@ -731,44 +779,49 @@ def _rows_of(legs: Sequence[LoadSegment]) -> Array:
 
 
 def straight_series(path: LoadPath, friction: float, time: Array) -> LoadSeries:
-    """Straight lines between the path's points at `time`, ascending; from (0, 0) to the first of
-    them too.
+    """The path replaced by straight lines between its loads at `time`, (n,) ascending, as a
+    followed series of cycles.
 
-    A revolution that starts between two of the times starts on the straight line between them.
+    A line from (P, Q) at the start of the path to the first of the times is part of it. InputError
+    for paths with bulk stress or tilt (the message names the option `straight_steps`), and for
+    times that do not ascend.
     """
     if path.has_bulk_or_tilt:
         raise InputError("straight_steps: not with bulk stress or tilt")
     if np.any(np.diff(time) <= 0):
         raise InputError("straight_steps: the times must ascend, no two of them equal")
-    times = np.concatenate([[path.start], time]) if float(time[0]) > path.start else time
-    if len(times) < 2:
+    times_with_start = np.concatenate([[path.start], time]) if float(time[0]) > path.start else time
+    if len(times_with_start) < 2:
         raise InputError(
             f"straight_steps: no time is after the start of the load path, {path.start:.6g}"
         )
-    normal_load, tangential_load = path.at(times)
-    rows = np.stack([times, normal_load, tangential_load], axis=1)
-    check_rows(rows, friction)
+    normal_load, tangential_load = path.at(times_with_start)
+    rows_of_times = np.stack([times_with_start, normal_load, tangential_load], axis=1)
+    check_rows(rows_of_times, friction)
     slack = SLACK * (path.period or 0.0)
-    if path.period is None or times[-1] <= path.cycle_start + slack:
-        return _single(friction, rows)
+    if path.period is None or times_with_start[-1] <= path.cycle_start + slack:
+        return _single(friction, rows_of_times)
     _, whole_cycles = turns_of(path.cycle_start, path.period, 1, time)
     cycle_starts = path.cycle_start + path.period * np.arange(whole_cycles + 1)
-    is_near = np.abs(times[:, None] - cycle_starts) <= slack
-    new_rows = cycle_starts[~is_near.any(axis=0) & (cycle_starts < times[-1])]
-    all_times = np.sort(np.concatenate([times, new_rows]))
+    is_given_time = np.abs(times_with_start[:, None] - cycle_starts) <= slack
+    # A cycle that starts between two of the times starts on the straight line between them.
+    missing_cycle_starts = cycle_starts[
+        ~is_given_time.any(axis=0) & (cycle_starts < times_with_start[-1])
+    ]
+    row_times = np.sort(np.concatenate([times_with_start, missing_cycle_starts]))
     rows = np.stack(
         [
-            all_times,
-            np.interp(all_times, times, normal_load),
-            np.interp(all_times, times, tangential_load),
+            row_times,
+            np.interp(row_times, times_with_start, normal_load),
+            np.interp(row_times, times_with_start, tangential_load),
         ],
         axis=1,
     )
-    cycle_number = np.searchsorted(cycle_starts - slack, all_times[:-1], side="right")
-    first_rows = np.flatnonzero(np.diff(cycle_number, prepend=0)).tolist()
-    bounds = [0, *first_rows, len(all_times) - 1]
-    loading, *turns = (PathPart(rows[a : b + 1], 0.0) for a, b in pairwise(bounds))
-    return _followed(friction, loading, turns, path.period, whole_cycles, repeats=False)
+    cycle_number = np.searchsorted(cycle_starts - slack, row_times[:-1], side="right")
+    first_rows_of_cycles = np.flatnonzero(np.diff(cycle_number, prepend=0)).tolist()
+    bounds = [0, *first_rows_of_cycles, len(row_times) - 1]
+    loading, *cycles = (PathPart(rows[a : b + 1], 0.0) for a, b in pairwise(bounds))
+    return _followed(friction, loading, cycles, path.period, whole_cycles, repeats=False)
 
 
 def check_rows(rows: Array, friction: float) -> None:
@@ -801,38 +854,45 @@ def _single(friction: float, rows: Array) -> LoadSeries:
 def _followed(
     friction: float,
     loading: PathPart,
-    turns: Iterable[PathPart],
+    cycle_parts: Iterable[PathPart],
     period: float,
     whole_cycles: int,
     *,
     repeats: bool = True,
 ) -> LoadSeries:
-    """The series whose `turns` come one after the other; where they repeat, up to the first that
-    ends as it began.
+    """The series of an initial loading and of cycles, each followed from the memory curve that the
+    one before leaves.
+
+    Where the path `repeats`, cycles after the first that ends as it began, to a tolerance, are not
+    followed: they are copies. `whole_cycles` are those that the answer covers, 0 for all.
     """
-    cycles: list[PathPart] = []
+    followed_cycles: list[PathPart] = []
     steady_from = None
     curve = None
     for _, block in blocks(loading, friction):
         curve = block.curve
-    for turn in turns:
+    for part in cycle_parts:
         curve_at_start = curve
-        cycle = turn._replace(curve=curve_at_start)
-        cycles.append(cycle)
-        deepest_load = 0.0
-        for _, block in blocks(cycle, friction):
+        followed_cycle = part._replace(curve=curve_at_start)
+        followed_cycles.append(followed_cycle)
+        deepest_slip = 0.0
+        for _, block in blocks(followed_cycle, friction):
             curve = block.curve
-            deepest_load = max(deepest_load, block.deepest)
-        tolerance = repeats_within(deepest_load / turn.largest)
+            deepest_slip = max(deepest_slip, block.deepest)
+        tolerance = repeats_within(deepest_slip / part.largest)
         if steady_from is None and _agree(curve_at_start, curve, friction, tolerance):
-            steady_from = len(cycles) - 1
+            steady_from = len(followed_cycles) - 1
             if repeats:
                 break
     cycles_covered = whole_cycles
     if not whole_cycles:
-        cycles_covered = len(cycles) if repeats else 1
-    covered_cycles = tuple(min(number, len(cycles) - 1) for number in range(cycles_covered))
-    return LoadSeries(friction, (loading, *cycles), 1, steady_from, period, covered_cycles, repeats)
+        cycles_covered = len(followed_cycles) if repeats else 1
+    covered_cycles = tuple(
+        min(number, len(followed_cycles) - 1) for number in range(cycles_covered)
+    )
+    return LoadSeries(
+        friction, (loading, *followed_cycles), 1, steady_from, period, covered_cycles, repeats
+    )
 
 
 def blocks(
@@ -867,34 +927,37 @@ class States:
         self._lines: list[Knot | None] = []
 
     def add(self, block: StepBlock, step: Indices, share: Array, slack: Array) -> None:
-        """Instants (n,) at shares of steps of a block; `slack` is how far a share may miss the end
-        of a record.
+        """Add the states of instants (n,) at shares of steps of a block: P, Q, P - P_c, the
+        direction of slip and the line of the memory curve that the front is on.
+
+        An instant whose share is at most `slack` beyond the end of a record counts as that end.
+        `force_error` is M(P) - Q, zero but for round-off.
         """
         if not len(step):
             return
         records = block.records
-        number = _record_at(records, step, share - slack)
+        record_number = _record_at(records, step, share - slack)
         # an instant that counts as the end of a record has the loads of that end
-        share = np.minimum(share, records.until[number])
+        share = np.minimum(share, records.until[record_number])
         load, force = _loads_at(block.rows, step, share)
-        line = LineTable(*(column[number] for column in block.line_table))
-        direction = records.direction[number]
-        slipped = records.slipped[number]
-        growth = (records.slipped_after - records.slipped)[number]
-        slipped = slipped + _share_of_record(records, number, share) * growth
+        line = LineTable(*(column[record_number] for column in block.line_table))
+        direction = records.direction[record_number]
+        slipped = records.slipped[record_number]
+        slipped_growth = (records.slipped_after - records.slipped)[record_number]
+        slipped = slipped + _share_of_record(records, record_number, share) * slipped_growth
         # the front is on the line
-        least_slip = np.maximum(load - line.top, 0.0)
-        largest_slip = np.maximum(load - (line.top - line.length), 0.0)
-        slipped = np.where(direction != 0, np.clip(slipped, least_slip, largest_slip), 0.0)
+        least_slipped = np.maximum(load - line.top, 0.0)
+        largest_slipped = np.maximum(load - (line.top - line.length), 0.0)
+        slipped = np.where(direction != 0, np.clip(slipped, least_slipped, largest_slipped), 0.0)
         force_at_front = line.force - line.slope * (line.top - (load - slipped))
-        balance = force_at_front + direction * self.friction * slipped - force
+        force_error = force_at_front + direction * self.friction * slipped - force
         line_number = np.zeros(len(step), dtype=np.intp)
-        first_line = len(self._lines)
+        lines_before = len(self._lines)
         if self.curves:
-            used_records, line_number = np.unique(number, return_inverse=True)
+            used_records, line_number = np.unique(record_number, return_inverse=True)
             self._lines += [block.lines[k] for k in used_records.tolist()]
         self._columns.append(
-            _StateColumns(load, force, slipped, direction, line_number + first_line, balance)
+            _StateColumns(load, force, slipped, direction, line_number + lines_before, force_error)
         )
 
     def snapshot(self, time: Array, order: Indices) -> tuple[Snapshot, Array]:
