@@ -302,76 +302,82 @@ class PunchSuperposition:
 
         0 is returned for eta = 0 and a = 0, where it is multiplied by eta.
         """
-        outer_advance, rise, inner_advance = np.broadcast_arrays(
+        outer_advance, load_rise, inner_advance = np.broadcast_arrays(
             self._beyond(x), as_is(excess), as_is(advance)
         )
         half_width = inner_advance + self.least
-        square = self._squares_apart(inner_advance, np.maximum(outer_advance, inner_advance), rise)
-        return np.arcsinh(np.sqrt(square) / np.where(half_width > 0, half_width, np.inf))
+        square_difference = self._squares_apart(
+            inner_advance, np.maximum(outer_advance, inner_advance), load_rise
+        )
+        return np.arcsinh(np.sqrt(square_difference) / np.where(half_width > 0, half_width, np.inf))
 
     def inverse_root(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
         """1/sqrt(a(eta)^2 - x^2) from eta - P_x > 0 and the advance d(eta): pi times the pressure
         of a flat punch of unit load.
         """
-        distance, rise, outer_advance = np.broadcast_arrays(
+        distance, load_rise, outer_advance = np.broadcast_arrays(
             np.abs(as_is(x)), as_is(excess), as_is(advance)
         )
         inner_advance = np.minimum(distance - self.least, outer_advance)
-        square = self._squares_apart(inner_advance, outer_advance, rise)
-        return 1 / np.sqrt(np.where(square > 0, square, np.inf))
+        square_difference = self._squares_apart(inner_advance, outer_advance, load_rise)
+        return 1 / np.sqrt(np.where(square_difference > 0, square_difference, np.inf))
 
-    def _squares_apart(self, inner_advance: Array, outer_advance: Array, rise: Array) -> Array:
-        """Difference of the squares of two half-widths of these advances; of close ones from the
-        rise of P between them.
+    def _squares_apart(self, inner_advance: Array, outer_advance: Array, load_rise: Array) -> Array:
+        """Difference of the squares of two half-widths whose advances beyond the least one are
+        given, for close ones from the rise of P between them, which has more digits.
 
-        With more than one corner in between the difference itself has more digits, but for corners
-        next to each other.
+        With more than one corner of the profile in between the difference itself has more digits,
+        but for corners next to each other.
         """
         begins = self.law.begins
-        square = np.array(
+        square_difference = np.array(
             (outer_advance - inner_advance) * (outer_advance + inner_advance + 2 * self.least)
         )
         corners_between = np.searchsorted(begins, outer_advance) - np.searchsorted(
             begins, inner_advance
         )
-        share = np.where(corners_between > 1, _NEXT, _CLOSE)
-        is_close = (inner_advance >= 0) & (square < share * np.square(outer_advance + self.least))
+        close_share = np.where(corners_between > 1, _NEXT, _CLOSE)
+        is_close = (inner_advance >= 0) & (
+            square_difference < close_share * np.square(outer_advance + self.least)
+        )
         if np.any(is_close):
             rate = self._mean_rate(inner_advance[is_close], outer_advance[is_close])
-            square[is_close] = rise[is_close] / np.where(rate > 0, rate, np.inf)
-        return square
+            square_difference[is_close] = load_rise[is_close] / np.where(rate > 0, rate, np.inf)
+        return square_difference
 
     def _mean_rate(self, inner_advance: Array, outer_advance: Array) -> Array:
-        """Rise of P over rise of a^2 between two advances as close as may be: in two parts if there
-        is a corner in between.
+        """Rise of P over rise of a^2 between two advances d = a - a_0 of the edge of contact, as
+        close as may be: in two parts if there is a corner of the profile in between.
         """
-        end = np.maximum(outer_advance, inner_advance * (1 + 4 * _EPS))
+        end_advance = np.maximum(outer_advance, inner_advance * (1 + 4 * _EPS))
         begins = self.law.begins
         corner_below = np.searchsorted(begins, inner_advance, side="right") - 1
-        corner = np.append(begins, np.inf)[corner_below + 1]
+        next_corner = np.append(begins, np.inf)[corner_below + 1]
         rise_of_load, rise_of_square = self._rises(
-            inner_advance, np.minimum(corner, end), begins[corner_below]
+            inner_advance, np.minimum(next_corner, end_advance), begins[corner_below]
         )
-        crossing = np.flatnonzero(corner < end)
+        crossing_numbers = np.flatnonzero(next_corner < end_advance)
         load_behind, square_behind = self._rises(
-            corner[crossing], end[crossing], begins[corner_below[crossing] + 1]
+            next_corner[crossing_numbers],
+            end_advance[crossing_numbers],
+            begins[corner_below[crossing_numbers] + 1],
         )
-        rise_of_load[crossing] += load_behind
-        rise_of_square[crossing] += square_behind
+        rise_of_load[crossing_numbers] += load_behind
+        rise_of_square[crossing_numbers] += square_behind
         return rise_of_load / np.where(rise_of_square > 0, rise_of_square, 1.0)
 
     def _rises(
         self, begin_advance: Array, end_advance: Array, corner: Array
     ) -> tuple[Array, Array]:
-        """Rises of P and of a^2, times one half, between advances next to each other, (n,), behind
-        a corner: by Gauss' rule in the root of the distance from it.
+        """Rises of P and of a^2 between two advances behind a corner, (n,) each, both times one
+        half: by Gauss' rule in the root of the distance from the corner.
         """
-        node, share = gauss(6)
-        begin = np.sqrt(np.maximum(begin_advance - corner, 0.0))
-        length = np.sqrt(np.maximum(end_advance - corner, 0.0)) - begin
-        root = begin[:, None] + length[:, None] * node
-        advance = corner[:, None] + root * root
-        weight = length[:, None] * share * root
+        nodes, weights_of_nodes = gauss(6)
+        begin_root = np.sqrt(np.maximum(begin_advance - corner, 0.0))
+        root_length = np.sqrt(np.maximum(end_advance - corner, 0.0)) - begin_root
+        roots = begin_root[:, None] + root_length[:, None] * nodes
+        advance = corner[:, None] + roots * roots
+        weight = root_length[:, None] * weights_of_nodes * roots
         rise_of_load = np.sum(weight * self.law.stiffness(advance), axis=1)
         rise_of_square = np.sum(weight * 2 * (advance + self.least), axis=1)
         return rise_of_load, rise_of_square
@@ -392,41 +398,46 @@ class PunchSuperposition:
         >>> round(float(contact.dissipation_kernel(2.0, 1.0)), 12)  # ln 2 - 1/2
         0.19314718056
         """
-        p, d = np.broadcast_arrays(as_is(load), as_is(slipped))
-        is_far = self._is_far(p, d)
-        is_close = ~is_far & (d > 0)
-        kernel = np.zeros(p.shape)
+        all_loads, all_slipped = np.broadcast_arrays(as_is(load), as_is(slipped))
+        is_far = self._is_far(all_loads, all_slipped)
+        is_close = ~is_far & (all_slipped > 0)
+        kernel = np.zeros(all_loads.shape)
         if np.any(is_far):
-            kernel[is_far] = self._kernel_as_difference(p[is_far], d[is_far])
+            kernel[is_far] = self._kernel_as_difference(all_loads[is_far], all_slipped[is_far])
         if np.any(is_close):
-            kernel[is_close] = self._kernel_as_integral(p[is_close], d[is_close])
+            kernel[is_close] = self._kernel_as_integral(all_loads[is_close], all_slipped[is_close])
         return kernel
 
-    def _is_far(self, p: Array, d: Array) -> NDArray[np.bool_]:
-        """Where Lam of P and P - P_c is taken as a difference of larger numbers; elsewhere as an
-        integral of positive terms.
+    def _is_far(self, load: Array, slipped: Array) -> NDArray[np.bool_]:
+        """Where the integral Lam(P, P_c) of ln(a(eta)/a(P_c)) is taken as a difference of larger
+        numbers, by P = `load` and P - P_c = `slipped`; elsewhere it is a sum of positive terms.
         """
-        front = np.maximum(p - d, 0.0)
-        corner_below = np.maximum(np.searchsorted(self._begin_loads, front, side="right") - 1, 0)
+        edge_load = np.maximum(load - slipped, 0.0)
+        corner_below = np.maximum(
+            np.searchsorted(self._begin_loads, edge_load, side="right") - 1, 0
+        )
         next_load = np.append(self._begin_loads, np.inf)[corner_below + 1]
-        is_short = d < _NEARBY * (front - self._begin_loads[corner_below])
-        is_smooth = is_short & (p <= next_load)
+        is_short = slipped < _NEARBY * (edge_load - self._begin_loads[corner_below])
+        is_smooth = is_short & (load <= next_load)
         if self.bends_anywhere:
             # twelve nodes would miss a half-width at which P hardly grows
-            is_smooth &= d <= _APART * p
-        return np.asarray(~is_smooth & (d > _APART * p))
+            is_smooth &= slipped <= _APART * load
+        return np.asarray(~is_smooth & (slipped > _APART * load))
 
     def _log_of_widths(self, load: Array, slipped: Array) -> tuple[Array, Array, Array]:
-        """ln(a/c), and the advances of both edges.
+        """ln(a/c) from P = `load` and P - P_c = `slipped`, and the advances of both half-widths: a
+        = a(P) of contact, c = a(P_c) of stick.
 
-        P - P_c says no more of P_c than its last digit: 0 would stand for any smaller one, and its
+        P - P_c has no more of P_c than its last digit: 0 would stand for any smaller P_c, and its
         logarithm for 700.
         """
-        front = np.maximum(load - slipped, _EPS / 4 * load)
-        outer_advance, inner_advance = self.law.advance(np.stack([load, front]))
+        edge_load = np.maximum(load - slipped, _EPS / 4 * load)
+        outer_advance, inner_advance = self.law.advance(np.stack([load, edge_load]))
         least_half = np.finfo(float).tiny * np.maximum(outer_advance, 1.0)
-        ratio = (outer_advance - inner_advance) / np.maximum(self.least + inner_advance, least_half)
-        return np.log1p(ratio), outer_advance, inner_advance
+        relative_rise = (outer_advance - inner_advance) / np.maximum(
+            self.least + inner_advance, least_half
+        )
+        return np.log1p(relative_rise), outer_advance, inner_advance
 
     def _kernel_as_difference(self, load: Array, slipped: Array) -> Array:
         """P ln(a/c) - int_c^a P/alpha d alpha."""
@@ -443,57 +454,71 @@ class PunchSuperposition:
         Close to no load it goes as any power of P: there by the rule for singular ends.
         """
         kernel = np.zeros(load.shape)
-        front = load - slipped
-        first_corner = np.searchsorted(self._begin_loads, front, side="right")
+        edge_load = load - slipped
+        first_corner = np.searchsorted(self._begin_loads, edge_load, side="right")
         last_corner = np.maximum(
             np.searchsorted(self._begin_loads, load, side="left"), first_corner
         )
-        parts = last_corner - first_corner + 1  # of each integral, from corner to corner
+        counts_of_parts = last_corner - first_corner + 1  # of each integral, from corner to corner
         bounds = np.arange(_MEMBERS, len(load), _MEMBERS)
         for members in np.split(np.arange(len(load)), bounds):
-            # a part is of the member `which`, behind the corner number `behind`
-            member = np.repeat(members, parts[members])
-            parts_before = np.cumsum(parts[members]) - parts[members]
-            number_of_part = np.arange(len(member)) - np.repeat(parts_before, parts[members])
-            corner_below = number_of_part + first_corner[member] - 1
-            integral = self._integrals_of_parts(load[member], slipped[member], corner_below)
-            kernel += np.bincount(member, integral, len(kernel))
+            # each part belongs to one member, behind the corner number `corner_below`
+            member_of_part = np.repeat(members, counts_of_parts[members])
+            parts_before = np.cumsum(counts_of_parts[members]) - counts_of_parts[members]
+            number_of_part = np.arange(len(member_of_part)) - np.repeat(
+                parts_before, counts_of_parts[members]
+            )
+            corner_below = number_of_part + first_corner[member_of_part] - 1
+            integrals = self._integrals_of_parts(
+                load[member_of_part], slipped[member_of_part], corner_below
+            )
+            kernel += np.bincount(member_of_part, integrals, len(kernel))
         return kernel
 
     def _integrals_of_parts(self, load: Array, slipped: Array, corner_below: Indices) -> Array:
-        """int (P - eta) d ln(a) from P_c, or a corner's load, to P, or the next corner's, (n,)."""
+        """Parts (n,) of the integral of (P - eta) d ln(a(eta)) over the load eta, each from P_c or
+        the load of a corner of the profile, number `corner_below`, to P = `load` or to the next
+        corner; P - P_c = `slipped`.
+        """
         corners = np.append(self._begin_loads, np.inf)
-        front = load - slipped
-        load_below = np.maximum(front, corners[corner_below])
-        end = np.minimum(load, corners[corner_below + 1])
+        edge_load = load - slipped
+        begin_load = np.maximum(edge_load, corners[corner_below])
+        end_load = np.minimum(load, corners[corner_below + 1])
         # Up to P it is what is left of P - P_c, whose digits a difference of loads would lose.
         ends_at_load = corners[corner_below + 1] >= load
-        left_of_slipped = np.maximum(slipped - (load_below - front), 0.0)
-        length = np.where(ends_at_load, left_of_slipped, end - load_below)
-        integral = np.zeros(len(load))
-        is_smooth = (corner_below > 0) | (length < _NEARBY * load_below)
-        for rooted in (True, False):
-            members = is_smooth == rooted
+        slipped_left = np.maximum(slipped - (begin_load - edge_load), 0.0)
+        load_spans = np.where(ends_at_load, slipped_left, end_load - begin_load)
+        integrals = np.zeros(len(load))
+        is_smooth = (corner_below > 0) | (load_spans < _NEARBY * begin_load)
+        for is_rooted in (True, False):
+            members = is_smooth == is_rooted
             if not np.any(members):
                 continue
-            begin = load_below[members, None]
-            way = length[members, None]
-            if rooted:
-                rise, weight = _nodes_in_root(begin - corners[corner_below[members], None], way)
+            begin_column = begin_load[members, None]
+            span_column = load_spans[members, None]
+            if is_rooted:
+                loads_from_begin, weights = _nodes_in_root(
+                    begin_column - corners[corner_below[members], None], span_column
+                )
             else:
-                rise, weight = (values[:, 0] for values in graded(0.0, way))
-            advance = self.law.advance(begin + rise)
-            rate = (self.least + advance) * self.law.stiffness(advance)
+                loads_from_begin, weights = (values[:, 0] for values in graded(0.0, span_column))
+            advance = self.law.advance(begin_column + loads_from_begin)
+            rates = (self.least + advance) * self.law.stiffness(advance)
             # P - eta, with its own digits
-            load_above = slipped[members, None] - ((begin - front[members, None]) + rise)
-            integrand = load_above / np.where(rate > 0, rate, np.inf)
-            integral[members] = np.sum(weight * integrand, axis=-1)
-        return integral
+            load_above = slipped[members, None] - (
+                (begin_column - edge_load[members, None]) + loads_from_begin
+            )
+            integrand = load_above / np.where(rates > 0, rates, np.inf)
+            integrals[members] = np.sum(weights * integrand, axis=-1)
+        return integrals
 
     # --- errors
 
     def quadrature_error(self, name: str, *arguments: ArrayLike) -> Array:
-        """Estimated error of the method `name` for these arguments; not below the true one."""
+        """Estimated error of the values that the method `name` returns for these arguments; not
+        below the true one. It adds what series leave out, the last digits of half-widths, and the
+        error of P(a).
+        """
         values = np.broadcast_arrays(*(as_is(argument) for argument in arguments))
         if name == "dissipation_kernel":
             return self._kernel_error(*values)
@@ -520,22 +545,24 @@ class PunchSuperposition:
         return error + (last_digit + self.noise + 50 * _EPS) * np.abs(value)
 
     def _kernel_error(self, load: Array, slipped: Array) -> Array:
-        """Estimated error of Lam from above.
+        """Estimated error, not below the true one, of the integral Lam(P, P_c) of
+        ln(a(eta)/a(P_c)), P - P_c = `slipped`.
 
-        An integral of positive terms, each with all its digits, loses a share of itself. P ln(a/c)
-        - int P/alpha d alpha loses last digits of both, which are P times the same logarithm or
-        less, and what the series of the second leaves out.
+        Where Lam is an integral of positive terms, each with all its digits, it loses a share of
+        itself. P ln(a/c) - int P/alpha d alpha loses last digits of both, which are P times the
+        same logarithm or less, and what the series of the second leaves out.
         """
         kernel = self.dissipation_kernel(load, slipped)
         logarithm, outer_advance, _ = self._log_of_widths(load, slipped)
-        integral, series_error = self._logarithm(0, outer_advance)
-        size_of_terms = load * logarithm + np.abs(integral)
-        of_difference = series_error + (8 * _EPS + self.noise) * size_of_terms
-        of_difference = np.where(self._is_far(load, slipped), of_difference, 0.0)
-        return of_difference + (_OF_AREA * _EPS + self.noise) * kernel
+        log_integral, series_error = self._logarithm(0, outer_advance)
+        size_of_terms = load * logarithm + np.abs(log_integral)
+        error_of_difference = series_error + (8 * _EPS + self.noise) * size_of_terms
+        error_of_difference = np.where(self._is_far(load, slipped), error_of_difference, 0.0)
+        return error_of_difference + (_OF_AREA * _EPS + self.noise) * kernel
 
     def _last_digit_of_variable(self, order: int, distance: Array, advance: Array) -> Array:
-        """What the last digit of v does to the pressure at |x| = `distance`, arrays of one shape.
+        """Change of the pressure at |x| = `distance` by the last digit of v, the variable of its
+        series; arrays of one shape.
 
         The edge is |x - b| sinh^2 v ahead of x, so v (1 + eps) moves it by 2 v eps of that way, and
         p by dp/da times as much. At x = 0 v reaches 28, and p of |x|^n goes as a^(n - 1): for
@@ -543,16 +570,18 @@ class PunchSuperposition:
         """
         half_width = self.least + advance
         distance_to_edge = half_width - distance
-        way = np.maximum(distance_to_edge, 0.0)
-        root = np.sqrt(way / np.where(half_width > 0, half_width + distance, np.inf))
+        way_to_edge = np.maximum(distance_to_edge, 0.0)
+        root_ratio = np.sqrt(way_to_edge / np.where(half_width > 0, half_width + distance, np.inf))
         # Of dp/da = g/(pi sqrt(a^2 - x^2)), times the way ahead.
-        change = self.law.stiffness(advance) * root / np.pi
+        pressure_change = self.law.stiffness(advance) * root_ratio / np.pi
         if order:
-            change = change * self.law.load(advance)
+            pressure_change = pressure_change * self.law.load(advance)
         distance_to_corners = np.abs((distance - self.least)[..., None] - self.law.begins)
-        scale = np.maximum(np.min(distance_to_corners, axis=-1), _CLOSEST * advance)
-        v = np.arcsinh(np.sqrt(way / np.where(scale > 0, scale, np.inf)))
-        return 2 * _EPS * v * change
+        distance_to_corner = np.maximum(np.min(distance_to_corners, axis=-1), _CLOSEST * advance)
+        v = np.arcsinh(
+            np.sqrt(way_to_edge / np.where(distance_to_corner > 0, distance_to_corner, np.inf))
+        )
+        return 2 * _EPS * v * pressure_change
 
     # --- the integrals
 
@@ -566,7 +595,9 @@ class PunchSuperposition:
         return {}
 
     def _primitive(self, kind: Kind, order: int, x: Array, advance: Array) -> tuple[Array, Array]:
-        """The integral of a kind at `x` up to `advance`, arrays that broadcast, and its error.
+        """The integral of a kind at `x` from no load up to the `advance` of the edge beyond the
+        least half-width, arrays that broadcast, and its error; with order 1 the load stands in
+        front.
 
         A primitive has all its digits down to half the octaves below its top. Advances that lie
         further apart are taken in bands, so that none has fewer digits beside a large one than
@@ -576,20 +607,20 @@ class PunchSuperposition:
         if not np.any(is_positive) or not np.size(x):
             zeros = np.zeros(np.broadcast_shapes(np.shape(x), np.shape(advance)))
             return zeros, zeros
-        top = float(np.max(advance))
+        largest_advance = float(np.max(advance))
         least_advance = float(np.min(advance, where=is_positive, initial=np.inf))
-        if top < least_advance * self._band:
+        if largest_advance < least_advance * self._band:
             return self._primitive_of_band(kind, order, x, advance)
-        points, upto = np.broadcast_arrays(x, advance)
-        band = np.full(upto.shape, -1)
-        band[upto > 0] = np.log(top / upto[upto > 0]) / math.log(self._band)
-        integral = np.zeros(upto.shape)
-        error = np.zeros(upto.shape)
+        points, advances = np.broadcast_arrays(x, advance)
+        band = np.full(advances.shape, -1)
+        band[advances > 0] = np.log(largest_advance / advances[advances > 0]) / math.log(self._band)
+        integral = np.zeros(advances.shape)
+        error = np.zeros(advances.shape)
         for number in range(int(band.max()) + 1):
             is_in_band = band == number
             if np.any(is_in_band):
                 integral[is_in_band], error[is_in_band] = self._primitive_of_band(
-                    kind, order, points[is_in_band], upto[is_in_band]
+                    kind, order, points[is_in_band], advances[is_in_band]
                 )
         return integral, error
 
@@ -603,40 +634,50 @@ class PunchSuperposition:
     def _primitive_of_band(
         self, kind: Kind, order: int, x: Array, advance: Array
     ) -> tuple[Array, Array]:
-        """The same for advances of one band, and for zeros."""
+        """The integral of a kind and order (1 has eta in front) at x up to each `advance` d = a -
+        a_0, and its error, arrays that broadcast; the advances lie in one band, within which one
+        primitive serves, or are 0.
+        """
         if np.ndim(x) and np.shape(x)[-1] > _POINTS:  # a primitive takes some kilobytes a point
-            upto = np.broadcast_to(advance, np.broadcast_shapes(np.shape(x), np.shape(advance)))
+            advance_of_points = np.broadcast_to(
+                advance, np.broadcast_shapes(np.shape(x), np.shape(advance))
+            )
             integrals = []
             errors = []
             for k in range(0, np.shape(x)[-1], _POINTS):
-                part = slice(k, k + _POINTS)
-                integral, error = self._primitive(kind, order, x[..., part], upto[..., part])
+                chunk = slice(k, k + _POINTS)
+                integral, error = self._primitive(
+                    kind, order, x[..., chunk], advance_of_points[..., chunk]
+                )
                 integrals.append(integral)
                 errors.append(error)
             return np.concatenate(integrals, axis=-1), np.concatenate(errors, axis=-1)
-        points, fold = np.unique(np.ravel(x), return_inverse=True)
+        points, number_in_points = np.unique(np.ravel(x), return_inverse=True)
         primitive, number = self._cached_primitive(kind, order, points, float(np.max(advance)))
-        return primitive(*np.broadcast_arrays(number[fold].reshape(np.shape(x)), advance))
+        return primitive(
+            *np.broadcast_arrays(number[number_in_points].reshape(np.shape(x)), advance)
+        )
 
     def _cached_primitive(
-        self, kind: Kind, order: int, points: Array, top: float
+        self, kind: Kind, order: int, points: Array, largest_advance: float
     ) -> tuple[Primitive, Indices]:
-        """A primitive of this kind over the advance of the punches, from 0 to `top` at least, at
-        these points (k,), ascending; and their indices in it.
+        """A primitive of this kind over the advance of the punches, from 0 to `largest_advance` at
+        least, at these points (k,), ascending; and their indices in it.
         """
-        kept_primitives = self._primitives.setdefault((kind, order), [])
-        for primitive in kept_primitives:
+        cached_primitives = self._primitives.setdefault((kind, order), [])
+        for primitive in cached_primitives:
             indices = np.minimum(np.searchsorted(primitive.x, points), len(primitive.x) - 1)
-            reaches_top = top <= primitive.top < top * self._band
+            reaches_top = largest_advance <= primitive.top < largest_advance * self._band
             if reaches_top and np.array_equal(primitive.x[indices], points):
                 return primitive, indices
-        primitive = primitive_of(kind, order, points, top, self.law)
-        kept_primitives[:] = [primitive, *kept_primitives[: _KEPT - 1]]
+        primitive = primitive_of(kind, order, points, largest_advance, self.law)
+        cached_primitives[:] = [primitive, *cached_primitives[: _KEPT - 1]]
         return primitive, np.arange(len(points))
 
     def _pressure(self, order: int, distance: Array, load: Array) -> tuple[Array, Array]:
-        """int g/(pi sqrt(alpha^2 - x^2)) d alpha at |x| = `distance`, of order 1 with eta in front,
-        and the error.
+        """Pressure int g/(pi sqrt(alpha^2 - x^2)) d alpha at |x| = `distance` under a load, and its
+        error; g = dP/d alpha, alpha the half-width of the punches. With order 1 the load eta stands
+        in front of g.
         """
         advance = self.law.advance(load)
         is_inside = distance < self.least + advance
@@ -648,25 +689,29 @@ class PunchSuperposition:
             # The tip of a sharp wedge: what lies below the least octave, int g/alpha, has no lower
             # end but differences.
             with np.errstate(divide="ignore"):
-                tip = self.law.stiffness(np.zeros(())) / np.pi * np.log(advance / self.datum_length)
-            pressure = np.where(distance == 0, tip, pressure)
+                pressure_at_tip = (
+                    self.law.stiffness(np.zeros(())) / np.pi * np.log(advance / self.datum_length)
+                )
+            pressure = np.where(distance == 0, pressure_at_tip, pressure)
         return pressure, error
 
     def _outside(self, order: int, distance: Array, load: Array) -> tuple[Array, Array]:
-        """int W x/(alpha sqrt(x^2 - alpha^2)) and what integration by parts leaves at the upper
+        """The integral of arccosh(|x|/alpha) dP over punches of half-width alpha < |x| =
+        `distance`, up to a load, and its error; with order 1 the load eta stands in front. By
+        parts: int W x/(alpha sqrt(x^2 - alpha^2)), W = P or P^2/2, and W arccosh at the upper
         end.
         """
         advance = self.law.advance(load)
         outer_advance = self._beyond(distance)
         inner_advance = np.minimum(advance, outer_advance)
         integral, error = self._primitive("outside", order, distance, inner_advance)
-        force = np.minimum(load, self.law.load(outer_advance))
+        load_at_x = np.minimum(load, self.law.load(outer_advance))
         half_width = inner_advance + self.least
-        root = np.sqrt(
+        root_of_squares = np.sqrt(
             (outer_advance - inner_advance) * (outer_advance + inner_advance + 2 * self.least)
         )
-        arccosh = np.arcsinh(root / np.where(half_width > 0, half_width, np.inf))
-        return integral + _weight_of_order(order, force) * arccosh, error
+        arccosh = np.arcsinh(root_of_squares / np.where(half_width > 0, half_width, np.inf))
+        return integral + _weight_of_order(order, load_at_x) * arccosh, error
 
     def _logarithm(self, order: int, advance: Array) -> tuple[Array, Array]:
         """int_0^a P/alpha d alpha, of order 1 int_0^a P^2/(2 alpha) d alpha, and the error."""
@@ -742,17 +787,23 @@ class Primitive:
         error.
         """
         panels = self.panels
-        rank = np.searchsorted(self._firsts, advance, side="right")
-        number = np.searchsorted(self._keys, self._key(point, rank), side="right") - 1
-        # Below its first panel a point has nothing yet.
-        number = np.maximum(number, np.searchsorted(panels.point, point))
-        v = _variable(
-            self.kind, advance, self.beyond[point], panels.low[number], panels.scale[number]
+        rank_of_advance = np.searchsorted(self._firsts, advance, side="right")
+        panel_number = (
+            np.searchsorted(self._keys, self._key(point, rank_of_advance), side="right") - 1
         )
-        begin = panels.begin[number]
-        end = panels.end[number]
-        t = np.clip((2 * v - begin - end) / (end - begin), -1.0, 1.0)
-        return clenshaw(self.coefficients, number, t), self.error[number]
+        # Below its first panel a point has nothing yet.
+        panel_number = np.maximum(panel_number, np.searchsorted(panels.point, point))
+        v = _variable(
+            self.kind,
+            advance,
+            self.beyond[point],
+            panels.low[panel_number],
+            panels.scale[panel_number],
+        )
+        begin = panels.begin[panel_number]
+        end = panels.end[panel_number]
+        place_in_panel = np.clip((2 * v - begin - end) / (end - begin), -1.0, 1.0)
+        return clenshaw(self.coefficients, panel_number, place_in_panel), self.error[panel_number]
 
     @cached_property
     def _firsts(self) -> Array:
@@ -781,17 +832,20 @@ def _variable(kind: Kind, advance: Array, beyond_flat: Array, low: Array, scale:
     return root
 
 
-def _nodes_in_root(begin: Array, way: Array) -> tuple[Array, Array]:
-    """Gauss' nodes and weights in the root of the distance from a corner, from `begin` beyond it
-    over a way, (n, 1): rises from the begin, (n, nodes).
+def _nodes_in_root(begin_distance: Array, length_of_span: Array) -> tuple[Array, Array]:
+    """Gauss' nodes and weights in the root of the distance from a corner, for spans from
+    `begin_distance` beyond it of given length, (n, 1) each: distances of the nodes from the begin
+    and their weights, (n, nodes) each.
     """
-    node, share = gauss(_BETWEEN)
-    root = np.sqrt(begin)
+    nodes, weights_of_nodes = gauss(_BETWEEN)
+    begin_root = np.sqrt(begin_distance)
     # none of a span that rounding ends
-    length = way / np.where(way > 0, root + np.sqrt(root * root + way), 1.0)
-    rise = length * node * (2 * root + length * node)
-    weight = 2 * length * share * (root + length * node)
-    return rise, weight
+    root_length = length_of_span / np.where(
+        length_of_span > 0, begin_root + np.sqrt(begin_root * begin_root + length_of_span), 1.0
+    )
+    distances_from_begin = root_length * nodes * (2 * begin_root + root_length * nodes)
+    weights = 2 * root_length * weights_of_nodes * (begin_root + root_length * nodes)
+    return distances_from_begin, weights
 
 
 def _weight_of_order(order: int, force: Array) -> Array:
@@ -812,14 +866,17 @@ class _Resolved(NamedTuple):
 
 
 def primitive_of(kind: Kind, order: int, x: Array, top: float, law: ContactLaw) -> Primitive:
-    """The integral of a kind and order (1 has eta in front) at points `x` (k,), ascending, up to
-    the advance `top`.
+    """A primitive over the advance d = a - a_0 of the edge, at points `x` (k,), ascending, from 0
+    to `top`: of the integral of a `kind` and order (with order 1 the load eta stands in front).
+
+    The integrand is a Chebyshev series on each panel of a variable v; the integral is the sum of
+    the panels before, and the error the sum of their last coefficients.
     """
     begins = law.begins
     # Octaves, so that a small advance has digits of its own.
     octaves = top / law.octave ** np.arange(1, _OCTAVES)
-    marks = np.append(np.union1d(begins[begins < top], octaves), top)
-    ranges = _ranges(kind, x, law.least, marks, begins)
+    ends_of_ranges = np.append(np.union1d(begins[begins < top], octaves), top)
+    ranges = _ranges(kind, x, law.least, ends_of_ranges, begins)
     resolved_panels = _with_empty_panels(_resolved(kind, order, ranges, law), x)
     panels = resolved_panels.panels
     resolved_panels = resolved_panels.take(np.lexsort((panels.begin, panels.low, panels.point)))
@@ -829,67 +886,70 @@ def primitive_of(kind: Kind, order: int, x: Array, top: float, law: ContactLaw) 
     coefficients = _without_round_off(coefficients * ((panels.end - panels.begin) / 2))
     # Sums run from panel to panel of a point: one sum through all points would leave the round-off
     # of the largest in the smallest.
-    place = np.arange(len(tails)) - np.searchsorted(panels.point, panels.point)
-    table = np.zeros((len(x), int(np.max(place, initial=0)) + 2))
-    table[panels.point, place + 1] = tails
-    error = np.cumsum(table, axis=1)[panels.point, place + 1]
-    table[panels.point, place + 1] = np.sum(coefficients, axis=0)
-    table[:, 0] = _at_the_bottom(kind, order, x, float(marks[1]), law)
-    coefficients[0] += np.cumsum(table, axis=1)[panels.point, place]
-    first = panels.low + panels.advance(kind, panels.begin)
-    return Primitive(kind, x, x - law.least, top, panels, first, coefficients, error)
+    number_at_point = np.arange(len(tails)) - np.searchsorted(panels.point, panels.point)
+    running_sums = np.zeros((len(x), int(np.max(number_at_point, initial=0)) + 2))
+    running_sums[panels.point, number_at_point + 1] = tails
+    error = np.cumsum(running_sums, axis=1)[panels.point, number_at_point + 1]
+    running_sums[panels.point, number_at_point + 1] = np.sum(coefficients, axis=0)
+    running_sums[:, 0] = _at_the_bottom(kind, order, x, float(ends_of_ranges[1]), law)
+    coefficients[0] += np.cumsum(running_sums, axis=1)[panels.point, number_at_point]
+    first_advances = panels.low + panels.advance(kind, panels.begin)
+    return Primitive(kind, x, x - law.least, top, panels, first_advances, coefficients, error)
 
 
 def _resolved(kind: Kind, order: int, ranges: Panels, law: ContactLaw) -> _Resolved:
-    """Series on ranges of v, which are halved until they are resolved.
+    """Chebyshev series of the integrand on ranges of v, which are halved until their last
+    coefficients no longer count.
 
-    What halving does not make smaller is noise of the laws themselves: it stays, and counts as
-    error.
+    What halving does not make smaller is noise of P(d) and dP/da themselves: it stays, and counts
+    as error.
     """
     finished_ranges: list[_Resolved] = []
     tail_before = np.full(len(ranges.point), np.inf)
-    for turn in range(_HALVINGS + 1):
-        parts = [np.empty((0, len(NODES)))]
+    for halvings in range(_HALVINGS + 1):
+        series_of_chunks = [np.empty((0, len(NODES)))]
         for k in range(0, len(ranges.point), _AT_ONCE):
-            part = ranges.take(np.arange(k, min(k + _AT_ONCE, len(ranges.point))))
-            v = part.begin[:, None] + (part.end - part.begin)[:, None] * (1 + NODES) / 2
-            parts.append(series(_integrand(kind, order, part, v, law)))
-        coefficients = np.concatenate(parts)
-        length = (ranges.end - ranges.begin) / 2
+            chunk = ranges.take(np.arange(k, min(k + _AT_ONCE, len(ranges.point))))
+            v = chunk.begin[:, None] + (chunk.end - chunk.begin)[:, None] * (1 + NODES) / 2
+            series_of_chunks.append(series(_integrand(kind, order, chunk, v, law)))
+        coefficients = np.concatenate(series_of_chunks)
+        half_length = (ranges.end - ranges.begin) / 2
         last_terms = tail(coefficients)
-        size = np.abs(coefficients[:, 0]) * length
+        integral_size = np.abs(coefficients[:, 0]) * half_length
         if kind != "pressure":
             # By parts W stands there too: where that is larger, its last digit counts.
-            force = law.load(ranges.low + ranges.advance(kind, ranges.end))
-            size = np.maximum(size, _weight_of_order(order, force))
-        is_small = last_terms * length <= _RESOLVED * size
+            load_at_end = law.load(ranges.low + ranges.advance(kind, ranges.end))
+            integral_size = np.maximum(integral_size, _weight_of_order(order, load_at_end))
+        is_small = last_terms * half_length <= _RESOLVED * integral_size
         is_noise = last_terms > _NOISE * tail_before
-        is_done = is_small | is_noise | (turn == _HALVINGS)
-        resolved = _Resolved(ranges, coefficients, last_terms * length)
-        finished_ranges.append(resolved.take(np.flatnonzero(is_done)))
+        is_done = is_small | is_noise | (halvings == _HALVINGS)
+        resolved_ranges = _Resolved(ranges, coefficients, last_terms * half_length)
+        finished_ranges.append(resolved_ranges.take(np.flatnonzero(is_done)))
         if np.all(is_done):
             break
         ranges = ranges.take(np.flatnonzero(~is_done)).halved()
         tail_before = np.tile(last_terms[~is_done], 2)
     return _Resolved(
-        Panels.together([resolved.panels for resolved in finished_ranges]),
-        np.concatenate([resolved.coefficients for resolved in finished_ranges]),
-        np.concatenate([resolved.tails for resolved in finished_ranges]),
+        Panels.together([resolved_ranges.panels for resolved_ranges in finished_ranges]),
+        np.concatenate([resolved_ranges.coefficients for resolved_ranges in finished_ranges]),
+        np.concatenate([resolved_ranges.tails for resolved_ranges in finished_ranges]),
     )
 
 
 def _with_empty_panels(resolved_panels: _Resolved, x: Array) -> _Resolved:
-    """The same; a point without a panel gets one on which its integral is 0."""
+    """The panels with their series; a point of `x` without a panel gets one on which its integral
+    is 0.
+    """
     missing_points = np.setdiff1d(np.arange(len(x)), resolved_panels.panels.point)
     if not len(missing_points):
         return resolved_panels
-    zero = np.zeros(len(missing_points))
-    empty_panels = Panels(missing_points, x[missing_points], zero, zero + 1, zero, zero + 1)
+    zeros = np.zeros(len(missing_points))
+    empty_panels = Panels(missing_points, x[missing_points], zeros, zeros + 1, zeros, zeros + 1)
     no_terms = np.zeros((len(missing_points), resolved_panels.coefficients.shape[1]))
     return _Resolved(
         Panels.together([resolved_panels.panels, empty_panels]),
         np.concatenate([resolved_panels.coefficients, no_terms]),
-        np.append(resolved_panels.tails, zero),
+        np.append(resolved_panels.tails, zeros),
     )
 
 
@@ -901,56 +961,84 @@ def _without_round_off(coefficients: Array) -> Array:
     return coefficients[: last_order + 1]
 
 
-def _ranges(kind: Kind, x: Array, least_half_width: float, marks: Array, begins: Array) -> Panels:
-    """Ranges of v between marks that are not empty, for each point, cut to the greatest length."""
-    corner = begins[np.clip(np.searchsorted(begins, marks[:-1], side="right") - 1, 0, None)]
+def _ranges(
+    kind: Kind, x: Array, least_half_width: float, ends_of_advance: Array, begins: Array
+) -> Panels:
+    """Panels of the variable v for each point of `x` (k,): between `ends_of_advance`, ascending,
+    those that are not empty, cut to the greatest length that one series serves.
+
+    v takes the roots of the integrand away, behind a corner at one of the advances `begins`, or at
+    the point itself; `least_half_width` is that of no load.
+    """
+    corner = begins[
+        np.clip(np.searchsorted(begins, ends_of_advance[:-1], side="right") - 1, 0, None)
+    ]
     beyond_flat = x - least_half_width
-    at = beyond_flat[:, None]
-    low = marks[:-1] + 0 * at
-    high = marks[1:] + 0 * at
-    origin = corner + 0 * at
-    scale = np.ones((len(x), len(corner)))
+    beyond_as_column = beyond_flat[:, None]
+    begin_advance = ends_of_advance[:-1] + 0 * beyond_as_column
+    end_advance = ends_of_advance[1:] + 0 * beyond_as_column
+    advance_at_v0 = corner + 0 * beyond_as_column
+    scale_of_v = np.ones((len(x), len(corner)))
     if kind == "pressure":
-        origin = np.maximum(at, corner)
+        advance_at_v0 = np.maximum(beyond_as_column, corner)
         # From the middle itself, x = b = 0 with no flat there, the law is a power up to the first
         # mark: see `_at_the_bottom`.
-        square = np.where(corner + least_half_width > 0, np.abs(at - corner), 2 * at)
-        scale = np.sqrt(np.maximum(square, max(_CLOSEST * marks[-1], 1e-300)))
-        low = np.maximum(low, np.where(x[:, None] + least_half_width > 0, origin, marks[1]))
+        squared_scale = np.where(
+            corner + least_half_width > 0, np.abs(beyond_as_column - corner), 2 * beyond_as_column
+        )
+        scale_of_v = np.sqrt(np.maximum(squared_scale, max(_CLOSEST * ends_of_advance[-1], 1e-300)))
+        begin_advance = np.maximum(
+            begin_advance,
+            np.where(x[:, None] + least_half_width > 0, advance_at_v0, ends_of_advance[1]),
+        )
     elif kind == "outside":
-        scale = np.sqrt(np.maximum(at - corner, 0.0))
-        high = np.minimum(high, at)
-    cells = np.nonzero(high > low)
-    point = cells[0]
-    origins = origin[cells]
-    scales = scale[cells]
-    begin_of_v = _variable(kind, low[cells], beyond_flat[point], origins, scales)
-    end_of_v = _variable(kind, high[cells], beyond_flat[point], origins, scales)
-    count = np.maximum(np.ceil((end_of_v - begin_of_v) / _LONGEST[kind]), 1).astype(int)
-    interval = np.repeat(np.arange(len(count)), count)
-    number = np.arange(len(interval)) - np.repeat(np.cumsum(count) - count, count)
-    step = ((end_of_v - begin_of_v) / count)[interval]
-    begin = begin_of_v[interval] + number * step
-    end = np.where(number == count[interval] - 1, end_of_v[interval], begin + step)
+        scale_of_v = np.sqrt(np.maximum(beyond_as_column - corner, 0.0))
+        end_advance = np.minimum(end_advance, beyond_as_column)
+    nonempty = np.nonzero(end_advance > begin_advance)
+    point = nonempty[0]
+    origins_of_cells = advance_at_v0[nonempty]
+    scales_of_cells = scale_of_v[nonempty]
+    begin_of_v = _variable(
+        kind, begin_advance[nonempty], beyond_flat[point], origins_of_cells, scales_of_cells
+    )
+    end_of_v = _variable(
+        kind, end_advance[nonempty], beyond_flat[point], origins_of_cells, scales_of_cells
+    )
+    n_parts = np.maximum(np.ceil((end_of_v - begin_of_v) / _LONGEST[kind]), 1).astype(int)
+    cell_of_part = np.repeat(np.arange(len(n_parts)), n_parts)
+    number_in_cell = np.arange(len(cell_of_part)) - np.repeat(np.cumsum(n_parts) - n_parts, n_parts)
+    length_of_part = ((end_of_v - begin_of_v) / n_parts)[cell_of_part]
+    begin = begin_of_v[cell_of_part] + number_in_cell * length_of_part
+    end = np.where(
+        number_in_cell == n_parts[cell_of_part] - 1, end_of_v[cell_of_part], begin + length_of_part
+    )
     return Panels(
-        point[interval], x[point[interval]], origins[interval], scales[interval], begin, end
+        point[cell_of_part],
+        x[point[cell_of_part]],
+        origins_of_cells[cell_of_part],
+        scales_of_cells[cell_of_part],
+        begin,
+        end,
     )
 
 
 def _integrand(kind: Kind, order: int, panels: Panels, v: Array, law: ContactLaw) -> Array:
-    """The integrands over v, (n, nodes)."""
+    """The integrand of a kind over v at nodes v (n, nodes) of panels, (n, nodes): dP/da in the
+    pressure, W = P or, with order 1, P^2/2 in the other kinds, times what the change of variable
+    brings.
+    """
     x = panels.x[:, None]
-    low = panels.low[:, None]
+    advance_at_v0 = panels.low[:, None]
     scale = panels.scale[:, None]
-    advance_at_v = panels.advance(kind, v)
-    advance = low + advance_at_v
-    root = np.sqrt(advance_at_v)
+    advance_beyond_v0 = panels.advance(kind, v)
+    advance = advance_at_v0 + advance_beyond_v0
+    root = np.sqrt(advance_beyond_v0)
     half_width = law.least + advance
     if kind == "pressure":
-        weight = law.stiffness(advance) * (law.load(advance) if order else 1.0)
-        advance_at_x = np.maximum(low - (x - law.least), 0.0) + advance_at_v
+        weight_of_kind = law.stiffness(advance) * (law.load(advance) if order else 1.0)
+        advance_at_x = np.maximum(advance_at_v0 - (x - law.least), 0.0) + advance_beyond_v0
         return (
-            weight
+            weight_of_kind
             * 2
             * root
             * scale
@@ -958,15 +1046,15 @@ def _integrand(kind: Kind, order: int, panels: Panels, v: Array, law: ContactLaw
             / np.sqrt(advance_at_x * (half_width + x))
             / np.pi
         )
-    force = law.load(advance)
-    ratio = _weight_of_order(order, force) / np.where(half_width > 0, half_width, 1.0)
-    weight = np.where(half_width > 0, ratio, 0.0)
-    return weight * 2 * root * (x / np.sqrt(x + half_width) if kind == "outside" else 1.0)
+    load = law.load(advance)
+    weight_over_width = _weight_of_order(order, load) / np.where(half_width > 0, half_width, 1.0)
+    weight_of_kind = np.where(half_width > 0, weight_over_width, 0.0)
+    return weight_of_kind * 2 * root * (x / np.sqrt(x + half_width) if kind == "outside" else 1.0)
 
 
 def _at_the_bottom(kind: Kind, order: int, x: Array, advance: float, law: ContactLaw) -> Array:
-    """What a pressure at x = 0 gathers below the least octave, (k,): there P and int g/alpha go as
-    powers of a.
+    """What the pressure at points `x` (k,) gathers below the least octave of the advance, (k,),
+    none but at x = 0: there P and int g/alpha, g = dP/d alpha, go as powers of a.
     """
     if kind != "pressure" or law.least > 0:
         return np.zeros(len(x))

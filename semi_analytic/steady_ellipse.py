@@ -143,8 +143,8 @@ class Ellipses:
 def ellipses_of(
     mean: Array, amplitude: Array, tangential_amplitude: Array, phase: Array, friction: Array
 ) -> Ellipses:
-    """The geometry of the loops, the permanent stick load P_T among it; arrays (m,) of admissible
-    values, friction > 0.
+    """Angles and loads of the loops P = P0 + P1 cos t, Q = Q0 + Q1 cos(t - phase), the permanent
+    stick load P_T among them; arrays (m,) of P0, P1, Q1, phase and f > 0, which are admissible.
 
     >>> loop = ellipses_of(
     ...     *(np.array([value]) for value in (3.0, 1.0, 0.5, math.pi / 2, 0.5))
@@ -152,53 +152,59 @@ def ellipses_of(
     >>> loop.permanent.round(12).tolist()  # u = v = sqrt 2: 3 - sqrt 2
     [1.585786437627]
     """
-    ratio = tangential_amplitude / friction
+    # notation: r exp(-i phase) = along_axis - i across_axis, r = Q1/f
+    shear_over_friction = tangential_amplitude / friction
     # cos and sin of the phase from half of it; the mirrored loop, Q -> -Q, goes round the other
     # way: phase + pi.
     half_tangent = np.tan(phase / 2)
-    share = ratio / (1 + half_tangent * half_tangent)
+    scaled_shear = shear_over_friction / (1 + half_tangent * half_tangent)
     along_axis = (
-        np.where(half_tangent < 0, -1.0, 1.0) * share * (1 - half_tangent) * (1 + half_tangent)
+        np.where(half_tangent < 0, -1.0, 1.0)
+        * scaled_shear
+        * (1 - half_tangent)
+        * (1 + half_tangent)
     )
-    across_axis = 2 * share * np.abs(half_tangent)
+    across_axis = 2 * scaled_shear * np.abs(half_tangent)
     u = np.hypot(along_axis - amplitude, across_axis)
     v = np.hypot(along_axis + amplitude, across_axis)
-    size = np.where(u > 0, u, 1.0)
-    real_part = (amplitude - ratio) * (amplitude + ratio)
+    positive_u = np.where(u > 0, u, 1.0)
+    difference_of_squares = (amplitude - shear_over_friction) * (amplitude + shear_over_friction)
     return Ellipses(
         mean=mean,
         amplitude=amplitude,
         u=u,
         v=v,
-        cosine=(along_axis - amplitude) / size,
-        sine=across_axis / size,
-        turn=np.arctan2(2 * amplitude * across_axis, real_part),
+        cosine=(along_axis - amplitude) / positive_u,
+        sine=across_axis / positive_u,
+        turn=np.arctan2(2 * amplitude * across_axis, difference_of_squares),
         # P_T < 0 is admitted to rounding only: it is gross sliding.
         permanent=np.maximum(mean - (u + v) / 2, 0.0),
     )
 
 
 def phase_of(name: str, e: Ellipses, s: Array) -> tuple[Array, Array, Array]:
-    """Rate over f, P - P_c and P at angles s of a phase; by tangents of half of them, which numpy
-    has in vector code.
+    """For each ellipse, at angles `s` of one phase of slip (its name is in `PHASES`): growth rate
+    of the slip over f, P - P_c, the load that slips, and P.
+
+    By tangents of half the angles, which numpy has in vector code.
     """
     if name == "I-J":
         sine, _ = _sine_and_square(s)
-        _, square_of_time = _sine_and_square(e.start + s)
-        return e.u * sine, 2 * e.amplitude * e.sine * sine, e.load(2 * square_of_time - 1)
+        _, square_of_half_time = _sine_and_square(e.start + s)
+        return e.u * sine, 2 * e.amplitude * e.sine * sine, e.load(2 * square_of_half_time - 1)
     if name == "E-G":
         sine, _ = _sine_and_square(e.turn - s)
-        _, square = _sine_and_square(s)
-        _, square_of_time = _sine_and_square(e.start + s)
+        _, square_of_slip = _sine_and_square(s)
+        _, square_of_half_time = _sine_and_square(e.start + s)
         rate = e.v * sine
-        slipped = e.u * square
+        slipped = e.u * square_of_slip
     else:
         sine, _ = _sine_and_square(s)
-        _, square = _sine_and_square(e.turn + s)
-        _, square_of_time = _sine_and_square(e.start - s)
+        _, square_of_slip = _sine_and_square(e.turn + s)
+        _, square_of_half_time = _sine_and_square(e.start - s)
         rate = e.u * sine
-        slipped = e.v * square
-    return rate, slipped, e.load(1 - 2 * square_of_time)
+        slipped = e.v * square_of_slip
+    return rate, slipped, e.load(1 - 2 * square_of_half_time)
 
 
 def _sine_and_square(angle: Array) -> tuple[Array, Array]:
@@ -222,29 +228,36 @@ def _front_angles(e: Ellipses, loads: Array) -> tuple[Array, Array]:
 
 
 def corner_angles(e: Ellipses, corners: Array) -> dict[str, Array]:
-    """Ends of the pieces of each phase, ascending, (marks, m), for the loads of corners (c, 1)."""
-    cosine = (corners - e.mean) / np.where(e.moving, e.amplitude, np.inf)
+    """Angles at which each phase of slip is cut, by its name: its ends and where P or P_c, the load
+    at the edge of stick, is that of a corner of the profile; ascending, (cuts, m), for loads of
+    corners (c, 1).
+    """
+    cosine_at_corner = (corners - e.mean) / np.where(e.moving, e.amplitude, np.inf)
     # Corners that are not met, but nearly: a cut at the greatest or least load.
-    rising_angle = np.arccos(np.clip(cosine, -1.0, 1.0))
-    falling_angle = np.arccos(np.clip(-cosine, -1.0, 1.0))
-    by_v, by_u = _front_angles(e, corners)
-    start = e.start
+    rising_angle = np.arccos(np.clip(cosine_at_corner, -1.0, 1.0))
+    falling_angle = np.arccos(np.clip(-cosine_at_corner, -1.0, 1.0))
+    front_angle_by_v, front_angle_by_u = _front_angles(e, corners)
+    start_angle = e.start
     full_turn = 2 * math.pi
-    inside = {
-        "E-G": (rising_angle - start, full_turn - rising_angle - start, e.turn - by_v),
-        "I-J": (
-            falling_angle - start,
-            full_turn - falling_angle - start,
-            start - falling_angle,
-            start + falling_angle,
+    inner_cuts = {
+        "E-G": (
+            rising_angle - start_angle,
+            full_turn - rising_angle - start_angle,
+            e.turn - front_angle_by_v,
         ),
-        "J-M": (start - rising_angle, start + rising_angle, by_u),
+        "I-J": (
+            falling_angle - start_angle,
+            full_turn - falling_angle - start_angle,
+            start_angle - falling_angle,
+            start_angle + falling_angle,
+        ),
+        "J-M": (start_angle - rising_angle, start_angle + rising_angle, front_angle_by_u),
     }
     lengths = {"E-G": e.turn, "I-J": math.pi - e.turn, "J-M": e.turn}
     angles = {}
     for name, length in lengths.items():
-        rows = np.concatenate([np.zeros_like(start)[None], *inside[name], length[None]])
-        angles[name] = np.sort(np.clip(rows, rows[0], rows[-1]), axis=0)
+        cuts = np.concatenate([np.zeros_like(start_angle)[None], *inner_cuts[name], length[None]])
+        angles[name] = np.sort(np.clip(cuts, cuts[0], cuts[-1]), axis=0)
     return angles
 
 
@@ -264,63 +277,73 @@ def quadrature_error(values: Array, size: Array) -> Array:
 
 
 def density_of(e: Ellipses, contact: Contact, x: Array, every: int = 1) -> tuple[Array, Array]:
-    """Forward and reverse part of W(x) pi E*/(2 f^2), arrays (m,): member k at |x| = x[k].
+    """Density of friction work W(x) pi E*/(2 f^2) of each ellipse at its own place |x| = x[k],
+    (m,): that of forward slip and that of reverse slip.
 
     With `every` = 2 by every second node of the rule, to some 1e-6.
     """
     works = np.zeros((len(PHASES), len(x)))
     for first_point in range(0, len(x), _POINTS):
-        block = np.arange(first_point, min(first_point + _POINTS, len(x)))
-        works[:, block] = _densities(e.take(block[:, None]), contact, x[block, None], every)
+        points_at_once = np.arange(first_point, min(first_point + _POINTS, len(x)))
+        works[:, points_at_once] = _densities(
+            e.take(points_at_once[:, None]), contact, x[points_at_once, None], every
+        )
     return works[1] + works[2], works[0]
 
 
 def _densities(e: Ellipses, contact: Contact, x: Array, every: int) -> Array:
-    """W(x) of each phase, (3, m), for x (m, 1), all at once.
+    """Density of friction work W(x) pi E*/(2 f^2) of each phase of slip, (3, m): member k of the
+    ellipses, (m, 1) each, at |x| = x[k], by every node of the rule or every second one.
 
     The point is in contact for pi + h < t < 3 pi - h, h being half the angle about the least load
     within which it is open, 2 P1 sin^2(h/2) = P_x - P_min. The front passes it in E-G where
     sin^2((D - s)/2) = (P_x - P_T)/v, in I-J at s = t_E - h, in J-M where sin^2(s/2) = (P_x -
     P_T)/u.
     """
-    edge = contact.load(x)
-    share = (edge - e.mean + e.amplitude) / np.where(e.moving, 2 * e.amplitude, 1.0)
-    share_at_rest = np.where(edge > e.mean, 1.0, 0.0)
-    open_angle = half_angle(np.where(e.moving, share, share_at_rest))
-    start = e.start
-    turn = e.turn
-    by_v, by_u = _front_angles(e, edge)
-    passed_load = np.maximum(turn - by_v, 0.0)
+    load_at_x = contact.load(x)
+    share_of_swing = (load_at_x - e.mean + e.amplitude) / np.where(e.moving, 2 * e.amplitude, 1.0)
+    share_at_rest = np.where(load_at_x > e.mean, 1.0, 0.0)
+    open_angle = half_angle(np.where(e.moving, share_of_swing, share_at_rest))
+    start_angle = e.start
+    phase_angle = e.turn
+    front_angle_by_v, front_angle_by_u = _front_angles(e, load_at_x)
+    passing_angle = np.maximum(phase_angle - front_angle_by_v, 0.0)
     # (phase, begin, end): E-G before and after the least load, I-J, J-M
-    ranges = (
-        (0, passed_load, np.minimum(turn, math.pi - open_angle - start)),
-        (0, np.maximum(passed_load, math.pi + open_angle - start), turn),
+    ranges_of_contact = (
+        (0, passing_angle, np.minimum(phase_angle, math.pi - open_angle - start_angle)),
+        (0, np.maximum(passing_angle, math.pi + open_angle - start_angle), phase_angle),
         (
             1,
-            np.abs(start - open_angle),
-            np.minimum(math.pi - turn, 2 * math.pi - open_angle - start),
+            np.abs(start_angle - open_angle),
+            np.minimum(math.pi - phase_angle, 2 * math.pi - open_angle - start_angle),
         ),
         (
             2,
-            np.maximum(0.0, start - math.pi + open_angle),
-            np.minimum(np.minimum(turn, by_u), start + math.pi - open_angle),
+            np.maximum(0.0, start_angle - math.pi + open_angle),
+            np.minimum(
+                np.minimum(phase_angle, front_angle_by_u), start_angle + math.pi - open_angle
+            ),
         ),
     )
-    marks = list(corner_angles(e.take((slice(None), 0)), contact.break_loads[:, None]).values())
+    cuts_of_phases = list(
+        corner_angles(e.take((slice(None), 0)), contact.break_loads[:, None]).values()
+    )
     density = np.zeros((len(PHASES), len(x)))
-    for number, begin, end in ranges:
-        inner_cuts = np.clip(marks[number].T, begin, np.maximum(begin, end))
+    for phase_number, begin, end in ranges_of_contact:
+        inner_cuts = np.clip(cuts_of_phases[phase_number].T, begin, np.maximum(begin, end))
         cuts = np.concatenate([begin, inner_cuts, end], axis=1)
-        member, piece = np.nonzero(cuts[:, 1:] > cuts[:, :-1])
+        member, number_of_cut = np.nonzero(cuts[:, 1:] > cuts[:, :-1])
         if not len(member):
             continue
-        s, weight = graded(cuts[member, piece], cuts[member, piece + 1], every)
-        rate, slipped, load = phase_of(PHASES[number], e.take(member), s)
-        front = np.maximum(load - slipped, 0.0)
-        excess = np.maximum(edge[member] - front, 0.0)
-        ratio = contact.arccosh_ratio(x[member], excess, contact.advance(front))
-        work = weight * rate * contact.pressure(x[member], load) * ratio
-        np.add.at(density[number], member, np.sum(work, axis=1))
+        s, weights = graded(cuts[member, number_of_cut], cuts[member, number_of_cut + 1], every)
+        rate, slipped, load = phase_of(PHASES[phase_number], e.take(member), s)
+        stick_edge_load = np.maximum(load - slipped, 0.0)
+        load_excess = np.maximum(load_at_x[member] - stick_edge_load, 0.0)
+        arccosh_ratio = contact.arccosh_ratio(
+            x[member], load_excess, contact.advance(stick_edge_load)
+        )
+        works_at_nodes = weights * rate * contact.pressure(x[member], load) * arccosh_ratio
+        np.add.at(density[phase_number], member, np.sum(works_at_nodes, axis=1))
     return density
 
 
@@ -357,24 +380,27 @@ def _halves() -> PieceRule:
     return PieceRule(way, is_lower, weight, check[None])
 
 
-def _legendre(count: int, ends: int) -> PieceRule:
-    """Gauss' rule and its last three coefficients; crowded by t^2 to the lower end, by 3 t^2 - 2
-    t^3 to both: roots are smooth.
+def _legendre(count: int, crowded_ends: int) -> PieceRule:
+    """Gauss' rule of `count` nodes on [0, 1] and its last three Legendre coefficients as checks;
+    the nodes are crowded by t^2 to the lower end, `crowded_ends` = 1, or by 3 t^2 - 2 t^3 to both
+    ends, 2: roots there become smooth.
     """
-    t, weight = gauss(count)
+    node, weights = gauss(count)
     order = np.arange(count - 3, count)
-    polynomials = legendre.legvander(2 * t - 1, count - 1)[:, order].T
-    check = polynomials * (2 * order[:, None] + 1)
-    if ends == 0:
-        return PieceRule(t[:, None], np.array(True), weight, weight * check)
-    if ends == 1:
-        weight = weight * 2 * t
-        return PieceRule(t[:, None] ** 2, np.array(True), weight, weight * check)
-    to_end = np.minimum(t, 1 - t)
-    is_lower = t[:, None] < 0.5
-    weight = weight * 6 * t * (1 - t)
-    share = (to_end * to_end * (3 - 2 * to_end))[:, None]
-    return PieceRule(np.where(is_lower, share, -share), is_lower, weight, weight * check)
+    polynomials = legendre.legvander(2 * node - 1, count - 1)[:, order].T
+    checks = polynomials * (2 * order[:, None] + 1)
+    if crowded_ends == 0:
+        return PieceRule(node[:, None], np.array(True), weights, weights * checks)
+    if crowded_ends == 1:
+        weights = weights * 2 * node
+        return PieceRule(node[:, None] ** 2, np.array(True), weights, weights * checks)
+    to_end = np.minimum(node, 1 - node)
+    is_lower = node[:, None] < 0.5
+    weights = weights * 6 * node * (1 - node)
+    way_to_end = (to_end * to_end * (3 - 2 * to_end))[:, None]
+    return PieceRule(
+        np.where(is_lower, way_to_end, -way_to_end), is_lower, weights, weights * checks
+    )
 
 
 # For all that is singular; for pieces without corners, and for others; for those of one course, by
@@ -460,32 +486,32 @@ def roundoff_error(e: Ellipses, work: Array) -> Array:
     u and v are differences of r and P1; where these, or the angles D and pi - D, are small so many
     digits less are right.
     """
-    size = e.amplitude + (e.u + e.v) / 2
+    loop_size = e.amplitude + (e.u + e.v) / 2
     least_swing = np.minimum(e.u, e.v)
-    angle = np.minimum(e.turn, math.pi - e.turn)
+    least_angle = np.minimum(e.turn, math.pi - e.turn)
     # Nothing slips where one of them is 0.
-    lost_by_size = size / np.where(least_swing > _TINY * size, least_swing, np.inf)
-    lost_by_angle = math.pi / np.where(angle > _TINY, angle, np.inf)
+    lost_by_size = loop_size / np.where(least_swing > _TINY * loop_size, least_swing, np.inf)
+    lost_by_angle = math.pi / np.where(least_angle > _TINY, least_angle, np.inf)
     # Where a difference has no digit left W may be anything that so small a slip dissipates.
-    slip = _DIGITS * size
-    share = _RELATIVE + _DIGITS * (lost_by_size + lost_by_angle)
-    return share * np.abs(work) + slip * slip
+    least_slip = _DIGITS * loop_size
+    relative_error = _RELATIVE + _DIGITS * (lost_by_size + lost_by_angle)
+    return relative_error * np.abs(work) + least_slip * least_slip
 
 
 def digits_of_loop(e: Ellipses) -> Array:
-    """Relative error of W from above that the last digits of the loop leave where all else is
-    exact, (m,).
+    """Relative error of the friction work W, from above, that the last digits of the loads and
+    angles of the loops leave where all else is exact, (m,).
 
     W goes as a power of the amplitudes u and v, three where slip is small, and u is a difference of
     r and P1 along the phase; r sin(phase) has the digits of pi - phase where that is small.
     """
-    size = e.amplitude + (e.u + e.v) / 2
+    loop_size = e.amplitude + (e.u + e.v) / 2
     least_swing = np.minimum(e.u, e.v)
     across_axis = e.u * e.sine
     along_axis = e.u * e.cosine + e.amplitude
-    ratio = -along_axis / np.where(across_axis > _TINY * size, across_axis, np.inf)
-    lost_by_phase = np.where(along_axis < 0, ratio, 0.0)
-    lost_by_size = size / np.where(least_swing > _TINY * size, least_swing, np.inf)
+    axis_ratio = -along_axis / np.where(across_axis > _TINY * loop_size, across_axis, np.inf)
+    lost_by_phase = np.where(along_axis < 0, axis_ratio, 0.0)
+    lost_by_size = loop_size / np.where(least_swing > _TINY * loop_size, least_swing, np.inf)
     return _OF_LOOP * _DIGITS * (1 + lost_by_size + math.pi * lost_by_phase)
 
 
@@ -573,159 +599,180 @@ def dissipation_and_error(e: Ellipses, contact: SymmetricContact) -> Array:
 
 
 def _dissipation_of_group(
-    e: Ellipses, contact: SymmetricContact, first_load: int, last_load: int
+    e: Ellipses, contact: SymmetricContact, first_octave: int, last_octave: int
 ) -> Array:
-    """The same of members all of whose loads are between 2^first and 2^(last + 1), but for
-    round-off of the loads.
+    """Forward and reverse part of W pi E*/(2 f^2) of ellipses all of whose loads are between
+    2^`first_octave` and 2^(`last_octave` + 1), and the error of their sum from above, (3, m).
+
+    Three ways by the largest P - P_c over P0: deep slip by courses of loads, shallow slip by a
+    table of ln a, the least slip by the kernel Lam itself.
     """
     works = np.empty((3, len(e.mean)))
-    share = e.deepest / e.mean
+    deepest_share = e.deepest / e.mean
     kernel = contact.dissipation_kernel
-    is_deep = share > _DEEP
-    is_by_series = np.zeros(len(share), dtype=bool)
-    edges = contact.break_loads
-    log = _log_of(contact)
+    is_deep = deepest_share > _DEEP
+    is_by_series = np.zeros(len(deepest_share), dtype=bool)
+    edge_loads = contact.break_loads
+    log_half_width = _log_of(contact)
     table = None
-    if len(e.mean) > _DIRECT and np.any(share > _SHALLOW):
-        table = _log_half_width(contact, first_load, last_load + 1)
-        edges = table.edges
-        log = table
-        is_by_series = (share > _SHALLOW) & ~is_deep
+    if len(e.mean) > _DIRECT and np.any(deepest_share > _SHALLOW):
+        table = _log_half_width(contact, first_octave, last_octave + 1)
+        edge_loads = table.edges
+        log_half_width = table
+        is_by_series = (deepest_share > _SHALLOW) & ~is_deep
     is_direct = ~is_deep & ~is_by_series
     if np.any(is_direct):
         works[:, is_direct] = _over_phases(e.take(is_direct), contact, kernel, _QUICK, _SETTLED)
     if table is not None and np.any(is_by_series):
-        by_series = _over_phases(e.take(is_by_series), contact, table.slip_area, _QUICK, _SETTLED)
+        works_by_series = _over_phases(
+            e.take(is_by_series), contact, table.slip_area, _QUICK, _SETTLED
+        )
         # Lam by series has the last digits of P - P_c times the slope of L, not of itself.
-        forward, reverse, error = by_series
-        error += _OF_SERIES / share[is_by_series] * np.abs(forward + reverse)
-        works[:, is_by_series] = by_series
+        forward, reverse, error = works_by_series
+        error += _OF_SERIES / deepest_share[is_by_series] * np.abs(forward + reverse)
+        works[:, is_by_series] = works_by_series
     if np.any(is_deep):
-        works[:, is_deep] = _over_loads(e.take(is_deep), edges, log)
+        works[:, is_deep] = _over_loads(e.take(is_deep), edge_loads, log_half_width)
     return works
 
 
 def _over_phases(
     e: Ellipses, contact: Contact, kernel: Kernel, rules: tuple[PieceRule, ...], settled: float
 ) -> Array:
-    """Forward and reverse part of W and the error of their sum, (3, m), over pieces of phases
-    between corners.
+    """Forward and reverse part of W pi E*/(2 f^2) of each ellipse, and the error of their sum, (3,
+    m): the integral of rate times `kernel`(P, P - P_c) over the three phases of slip.
+
+    The phases are cut at corners of the profile; pieces are integrated by one of the `rules` and
+    halved until their checks are `settled` shares of W.
     """
     corners = contact.break_loads
     # A corner that is nearly met counts too.
     is_above_least = corners > 0.99 * np.min(e.permanent, initial=math.inf)
     is_below_most = corners < 1.01 * np.max(e.mean + e.amplitude, initial=0.0)
     met_corners = corners[is_above_least & is_below_most, None]
-    parts = []
-    for number, ends in enumerate(corner_angles(e, met_corners).values()):
-        is_long = np.diff(ends, axis=0) > 1e-14 * ends[-1]
+    pieces_of_phases = []
+    for number, cuts in enumerate(corner_angles(e, met_corners).values()):
+        is_long = np.diff(cuts, axis=0) > 1e-14 * cuts[-1]
         member, row = np.nonzero(is_long.T & (e.deepest > 0)[:, None])
-        low = ends[row, member]
-        high = ends[row + 1, member]
-        rule = np.minimum(high - low < ends[-1, member], len(rules) - 1)
-        parts.append(Pieces.of_group(number, member, low, high, rule))
+        begin = cuts[row, member]
+        end = cuts[row + 1, member]
+        rule = np.minimum(end - begin < cuts[-1, member], len(rules) - 1)
+        pieces_of_phases.append(Pieces.of_group(number, member, begin, end, rule))
 
-    def terms(phase: Indices, member: Indices, s: Array) -> Array:
+    def work_rate(phase: Indices, member: Indices, s: Array) -> Array:
         rate, slipped, load = np.empty((3, *s.shape))
         for number, name in enumerate(PHASES):
-            begin, end = np.searchsorted(phase, [number, number + 1])
-            columns = slice(begin, end)
+            columns = slice(*np.searchsorted(phase, [number, number + 1]))
             rate[:, columns], slipped[:, columns], load[:, columns] = phase_of(
                 name, e.take(member[columns]), s[:, columns]
             )
         return rate * kernel(load, np.minimum(slipped, load))
 
-    pieces = Pieces.together(parts)
-    works, error = _over_pieces(e, pieces, len(PHASES), terms, rules, settled)
-    reverse, work_later, work_early = works
+    pieces = Pieces.together(pieces_of_phases)
+    works_of_phases, error = _over_pieces(e, pieces, len(PHASES), work_rate, rules, settled)
+    reverse, work_later, work_early = works_of_phases
     return np.stack([work_later + work_early, reverse, error])
 
 
 _COURSES = ("P, E-G", "P, I-M", "P_c, E-G", "P_c, I-J", "P_c, J-M")
 
 
-def _over_loads(e: Ellipses, edges: Array, log: Callable[[Array], Array]) -> Array:
-    """Forward and reverse part of W and the error of their sum, (3, m), by parts: over the courses
-    of P and of P_c, between edges behind which L is smooth.
+def _over_loads(e: Ellipses, edge_loads: Array, log_half_width: Callable[[Array], Array]) -> Array:
+    """Forward and reverse part of W pi E*/(2 f^2) of each ellipse and the error of their sum, (3,
+    m), by parts: L = ln a, `log_half_width` of loads, over the courses of P and of P_c, the load at
+    the edge of stick, cut at the `edge_loads` behind which L is smooth.
 
     Angles are t along P, 2 t_I - t along P_c in I-J, where it is P at that time, D - s in E-G and s
     in J-M.
     """
-    is_met = (edges > 0.99 * np.min(e.permanent)) & (edges < np.max(e.mean + e.amplitude))
-    edges = edges[is_met, None]
+    is_met = (edge_loads > 0.99 * np.min(e.permanent)) & (edge_loads < np.max(e.mean + e.amplitude))
+    edge_loads = edge_loads[is_met, None]
     start = e.start
     full_turn = 2 * math.pi
-    cosine = (edges - e.mean) / np.where(e.moving, e.amplitude, np.inf)
-    time = np.arccos(np.clip(cosine, -1.0, 1.0))
-    by_v, by_u = _front_angles(e, edges)
+    cosine_at_edge = (edge_loads - e.mean) / np.where(e.moving, e.amplitude, np.inf)
+    angle_at_edge = np.arccos(np.clip(cosine_at_edge, -1.0, 1.0))
+    front_angle_by_v, front_angle_by_u = _front_angles(e, edge_loads)
     # The greatest and the least load too: a piece has one end that is the lower load.
-    zero = np.zeros(len(start))
+    zeros = np.zeros(len(start))
     least_angle = np.full((1, len(start)), math.pi)
     largest_angle = np.full((1, len(start)), full_turn)
     courses = (
-        (start, start + e.turn, (time, least_angle, full_turn - time, largest_angle)),
-        (start + math.pi, start + full_turn, (full_turn - time, largest_angle, full_turn + time)),
-        (zero, e.turn, (by_v,)),
-        (start + e.turn, start + math.pi, (full_turn - time,)),
-        (zero, e.turn, (by_u,)),
+        (
+            start,
+            start + e.turn,
+            (angle_at_edge, least_angle, full_turn - angle_at_edge, largest_angle),
+        ),
+        (
+            start + math.pi,
+            start + full_turn,
+            (full_turn - angle_at_edge, largest_angle, full_turn + angle_at_edge),
+        ),
+        (zeros, e.turn, (front_angle_by_v,)),
+        (start + e.turn, start + math.pi, (full_turn - angle_at_edge,)),
+        (zeros, e.turn, (front_angle_by_u,)),
     )
-    parts = []
+    pieces_of_courses = []
     for number, (begin, end, cuts) in enumerate(courses):
-        marks = np.concatenate([begin[None], *cuts, end[None]])
-        ends = np.sort(np.clip(marks, begin, np.maximum(begin, end)), axis=0)
+        unsorted_ends = np.concatenate([begin[None], *cuts, end[None]])
+        ends = np.sort(np.clip(unsorted_ends, begin, np.maximum(begin, end)), axis=0)
         member, row = np.nonzero((np.diff(ends, axis=0) > 1e-14).T)
-        low = ends[row, member]
-        high = ends[row + 1, member]
+        begin_angle = ends[row, member]
+        end_angle = ends[row + 1, member]
         if number in (0, 1, 3):
             # P grows from pi to 2 pi
-            grows = (low + high) / full_turn % 2 > 1
-            low, high = np.where(grows, [low, high], [high, low])
-        rule = np.searchsorted(_SHORT, np.abs(high - low))
-        parts.append(Pieces.of_group(number, member, low, high, rule))
+            grows = (begin_angle + end_angle) / full_turn % 2 > 1
+            begin_angle, end_angle = np.where(
+                grows, [begin_angle, end_angle], [end_angle, begin_angle]
+            )
+        rule = np.searchsorted(_SHORT, np.abs(end_angle - begin_angle))
+        pieces_of_courses.append(Pieces.of_group(number, member, begin_angle, end_angle, rule))
     # L counts from that of P0: what is left of any constant is round-off.
-    base = log(e.mean[None])[0]
+    log_at_mean = log_half_width(e.mean[None])[0]
 
-    def terms(course: Indices, member: Indices, angle: Array) -> Array:
+    def weighted_log(course: Indices, member: Indices, angle: Array) -> Array:
         weight, load = np.empty((2, *angle.shape))
         for number, name in enumerate(_COURSES):
-            begin, end = np.searchsorted(course, [number, number + 1])
-            columns = slice(begin, end)
+            columns = slice(*np.searchsorted(course, [number, number + 1]))
             weight[:, columns], load[:, columns] = course_of(
                 name, e.take(member[columns]), angle[:, columns]
             )
-        return weight * (log(load) - base[member])
+        return weight * (log_half_width(load) - log_at_mean[member])
 
-    pieces = Pieces.together(parts)
-    works, error = _over_pieces(e, pieces, len(_COURSES), terms, _BEHIND, _SETTLED, _ENOUGH)
-    load_in_reverse, load_in_forward, front_in_reverse, front_early, front_later = works
+    pieces = Pieces.together(pieces_of_courses)
+    works_of_courses, error = _over_pieces(
+        e, pieces, len(_COURSES), weighted_log, _BEHIND, _SETTLED, _ENOUGH
+    )
+    load_in_reverse, load_in_forward, front_in_reverse, front_early, front_later = works_of_courses
     error += _DIGITS * np.square(e.mean + e.amplitude)
     forward = load_in_forward + front_early + front_later
     return np.stack([forward, load_in_reverse + front_in_reverse, error])
 
 
 def course_of(name: str, e: Ellipses, angle: Array) -> tuple[Array, Array]:
-    """What stands before L in W pi E*/(2 f^2), and the load, at angles of a course; one tangent
-    stands for sine and cosine.
+    """At angles of one course of a load, named in `_COURSES`: the weight that stands before L = ln
+    a in W pi E*/(2 f^2), and the load; one tangent of half the angle stands for sine and cosine.
     """
     tangent = np.tan(angle / 2)
-    square = tangent * tangent
-    share = 1 / (1 + square)
-    cosine = (1 - square) * share
-    sine = 2 * tangent * share
+    squared_tangent = tangent * tangent
+    squared_cosine = 1 / (1 + squared_tangent)
+    cosine = (1 - squared_tangent) * squared_cosine
+    sine = 2 * tangent * squared_cosine
     if name == "P_c, E-G":
-        return _course_of_front(e, e.v, e.u, e.turn, square * share, cosine, sine)
+        return _course_of_front(e, e.v, e.u, e.turn, squared_tangent * squared_cosine, cosine, sine)
     if name == "P_c, J-M":
-        return _course_of_front(e, e.u, e.v, -e.turn, square * share, cosine, sine)
-    load = (e.mean - e.amplitude) + 2 * e.amplitude * share
+        return _course_of_front(
+            e, e.u, e.v, -e.turn, squared_tangent * squared_cosine, cosine, sine
+        )
+    load = (e.mean - e.amplitude) + 2 * e.amplitude * squared_cosine
     if name == "P_c, I-J":
         along_axis = e.cosine * cosine + e.sine * sine
         across_axis = e.cosine * sine - e.sine * cosine
         weight = (1 - along_axis) * sine + 2 * e.sine * across_axis * across_axis
         return -e.u * e.amplitude * weight, load
-    size = e.v if name == "P, E-G" else e.u
+    swing = e.v if name == "P, E-G" else e.u
     end = e.start + e.turn if name == "P, E-G" else e.start
     cosine_to_end = np.cos(end) * cosine + np.sin(end) * sine
-    return size * e.amplitude * sine * (cosine_to_end - 1), load
+    return swing * e.amplitude * sine * (cosine_to_end - 1), load
 
 
 def _course_of_front(
@@ -747,65 +794,65 @@ def _course_of_front(
 def _over_pieces(
     e: Ellipses,
     pieces: Pieces,
-    groups: int,
-    terms: Callable[[Indices, Indices, Array], Array],
+    n_groups: int,
+    integrand: Callable[[Indices, Indices, Array], Array],
     rules: tuple[PieceRule, ...],
-    settled: float,
-    least: float = 0.0,
+    settled_share: float,
+    least_share: float = 0.0,
 ) -> tuple[Array, Array]:
-    """Sums of the integrals of `terms` of group, member and angle over the pieces of each group,
-    (groups, m), and errors, (m,).
+    """Integrals of `integrand`(group, member, angle) over the pieces of each group for each
+    ellipse, (n_groups, m), and their errors, (m,); NaN where halving does not help.
 
-    Pieces are halved until their checks are `settled` shares of W, or of P0^2 where that is less
-    than `least` of it.
+    Pieces are halved until their checks are `settled_share` of W, or of `least_share` P0^2 where
+    that is more.
     """
-    members = len(e.mean)
-    if members < _SOME:  # every call counts, and not its length
+    n_members = len(e.mean)
+    if n_members < _SOME:  # every call counts, and not its length
         pieces = pieces._replace(rule=np.full(len(pieces.rule), len(rules) - 1))
-        least = 0.0
-    works = np.zeros((groups, members))
-    error_of_member = np.zeros(members)
-    size = np.zeros(members)
+        least_share = 0.0
+    works_of_groups = np.zeros((n_groups, n_members))
+    error_of_member = np.zeros(n_members)
+    work_size = np.zeros(n_members)
     for halvings in range(_HALVINGS + 1):
-        value, check = _integrals(pieces, terms, rules)
+        integrals, checks = _integrals(pieces, integrand, rules)
         member = pieces.member
         if not halvings:
-            work = np.bincount(member, value, members)
-            size = np.maximum(work, least * np.square(e.mean))
-        is_resolved = ~(check > settled * size[member])
-        is_nothing = check <= _NOTHING * np.square(e.mean[member])
+            work_of_member = np.bincount(member, integrals, n_members)
+            work_size = np.maximum(work_of_member, least_share * np.square(e.mean))
+        is_resolved = ~(checks > settled_share * work_size[member])
+        is_nothing = checks <= _NOTHING * np.square(e.mean[member])
         is_done = is_resolved | ((halvings >= _FEW) & is_nothing)
-        np.add.at(works, (pieces.group[is_done], member[is_done]), value[is_done])
-        error = check * np.where(is_resolved, _LEFT, _ROUGHLY_LEFT)
-        np.add.at(error_of_member, member[is_done], error[is_done])
+        np.add.at(works_of_groups, (pieces.group[is_done], member[is_done]), integrals[is_done])
+        errors = checks * np.where(is_resolved, _LEFT, _ROUGHLY_LEFT)
+        np.add.at(error_of_member, member[is_done], errors[is_done])
         pieces = pieces.take(~is_done).halved()
         if not len(pieces.member):
             break
-    works[pieces.group, pieces.member] = np.nan
-    return works, error_of_member
+    works_of_groups[pieces.group, pieces.member] = np.nan
+    return works_of_groups, error_of_member
 
 
 def _integrals(
     pieces: Pieces,
-    terms: Callable[[Indices, Indices, Array], Array],
+    integrand: Callable[[Indices, Indices, Array], Array],
     rules: tuple[PieceRule, ...],
 ) -> tuple[Array, Array]:
     """Integrals over pieces, each by its rule, and the largest of its checks, (n,) each."""
-    value = np.empty(len(pieces.member))
-    check = np.empty(len(pieces.member))
+    integrals = np.empty(len(pieces.member))
+    largest_checks = np.empty(len(pieces.member))
     for number, rule in enumerate(rules):
-        of_rule = np.flatnonzero(pieces.rule == number)
-        at_once = _ELEMENTS // len(rule.weight)
-        for k in range(0, len(of_rule), at_once):
-            numbers = of_rule[k : k + at_once]
-            low = pieces.begin[numbers]
-            high = pieces.end[numbers]
-            angle = np.where(rule.lower, low, high) + (high - low) * rule.way
-            at_nodes = terms(pieces.group[numbers], pieces.member[numbers], angle)
-            length = np.abs(high - low)
-            value[numbers] = rule.weight @ at_nodes * length
-            check[numbers] = np.max(np.abs(rule.check @ at_nodes), axis=0) * length
-    return value, check
+        numbers_of_rule = np.flatnonzero(pieces.rule == number)
+        pieces_at_once = _ELEMENTS // len(rule.weight)
+        for k in range(0, len(numbers_of_rule), pieces_at_once):
+            numbers = numbers_of_rule[k : k + pieces_at_once]
+            begin = pieces.begin[numbers]
+            end = pieces.end[numbers]
+            angle = np.where(rule.lower, begin, end) + (end - begin) * rule.way
+            values_at_nodes = integrand(pieces.group[numbers], pieces.member[numbers], angle)
+            length = np.abs(end - begin)
+            integrals[numbers] = rule.weight @ values_at_nodes * length
+            largest_checks[numbers] = np.max(np.abs(rule.check @ values_at_nodes), axis=0) * length
+    return integrals, largest_checks
 
 
 def _log_of(contact: SymmetricContact) -> Callable[[Array], Array]:
@@ -868,8 +915,9 @@ class LogHalfWidth:
         return self._at(piece, np.sqrt(np.maximum(load - self._begin[piece], 0.0)))
 
     def slip_area(self, load: Array, slipped: Array) -> Array:
-        """Lam from P and P - P_c to 1e-16 of P - P_c: int [L - L(P_c)] d eta from edge to edge by
-        Gauss' rule in v.
+        """The integral Lam of [L - L(P_c)] d eta from P_c to P, L = ln a, from P = `load` and P -
+        P_c = `slipped`, to 1e-16 of P - P_c: from edge to edge of the series by Gauss' rule in v =
+        sqrt(P - P_b).
         """
         stick_edge_load = load - slipped
         nodes, weights = gauss(4)
@@ -877,19 +925,23 @@ class LogHalfWidth:
         last_piece = np.searchsorted(self.edges, load)
         v = np.sqrt(np.maximum(stick_edge_load - self._begin[piece], 0.0))
         log_at_stick_edge = self._at(piece, v)
-        total = np.zeros(load.shape)
-        load_left = slipped
+        integral = np.zeros(load.shape)
+        load_to_go = slipped
         for _ in range(int(np.max(last_piece - piece, initial=0)) + 1):
             to_end_of_piece = np.square(self._high[piece]) - v * v
-            rise = np.clip(np.where(piece < last_piece, to_end_of_piece, np.inf), 0.0, load_left)
-            step = rise / np.maximum(v + np.sqrt(v * v + rise), 1e-300)
-            at = v[..., None] + step[..., None] * nodes
-            excess = self._at(piece[..., None], at) - log_at_stick_edge[..., None]
-            total += step * np.sum(weights * 2 * at * excess, axis=-1)
-            load_left = load_left - rise
+            load_rise = np.clip(
+                np.where(piece < last_piece, to_end_of_piece, np.inf), 0.0, load_to_go
+            )
+            step_of_v = load_rise / np.maximum(v + np.sqrt(v * v + load_rise), 1e-300)
+            v_at_nodes = v[..., None] + step_of_v[..., None] * nodes
+            log_excess_at_nodes = (
+                self._at(piece[..., None], v_at_nodes) - log_at_stick_edge[..., None]
+            )
+            integral += step_of_v * np.sum(weights * 2 * v_at_nodes * log_excess_at_nodes, axis=-1)
+            load_to_go = load_to_go - load_rise
             piece = np.minimum(piece + 1, last_piece)
-            v = np.where(load_left > 0, self._low[piece], v)
-        return total
+            v = np.where(load_to_go > 0, self._low[piece], v)
+        return integral
 
 
 @lru_cache(maxsize=8)
@@ -913,8 +965,8 @@ def works_by_lam(
     deep_share: float,
     least_share: float = _FLOOR,
 ) -> tuple[Array, Array]:
-    """Forward and reverse part of W pi E*/(2 f^2), (m,), over what the areas are of Lam: each
-    member by as many nodes as it needs.
+    """Forward and reverse part of W pi E*/(2 f^2), (m,) each, for a kernel that is a multiple of
+    Lam = int [ln a - ln a(P_c)] d eta from P_c to P: each member by as many nodes as it needs.
 
     `quick_area` is right to rounding of P - P_c and serves where that reaches the share
     `deep_share` of P0; `careful_area` to rounding of itself. The areas are asked for no load
@@ -924,28 +976,34 @@ def works_by_lam(
     # rounding times v.
     is_unlike = np.minimum(e.u, e.v) <= deep_share * np.maximum(e.u, e.v)
     # Members alike together: the same rule, and the same way to Lam.
-    kind = 2 * _rule_of(e) + ((e.deepest <= deep_share * e.mean) | is_unlike)
-    order = np.argsort(kind, kind="stable")
-    loops = _rows(e, least_share).take(order, axis=1)
-    sums = np.empty((3, len(order)))
-    bounds = np.cumsum(np.bincount(kind, minlength=2 * len(_RULES)))
+    kind_of_member = 2 * _rule_of(e) + ((e.deepest <= deep_share * e.mean) | is_unlike)
+    order_by_kind = np.argsort(kind_of_member, kind="stable")
+    loops_by_kind = _rows(e, least_share).take(order_by_kind, axis=1)
+    sums = np.empty((3, len(order_by_kind)))
+    ends_of_kinds = np.cumsum(np.bincount(kind_of_member, minlength=2 * len(_RULES)))
     # Used again and again: what is allocated once stays in the cache.
     memory = np.empty(12 * max(_NODES, 64 * len(_RULES[-1][0])))
-    for number in np.flatnonzero(np.diff(bounds, prepend=0)).tolist():
-        step = max(_NODES // len(_RULES[number // 2][0]), 64)
-        for begin in range(bounds[number - 1] if number else 0, bounds[number], step):
-            block = slice(begin, min(begin + step, bounds[number]))
+    for number in np.flatnonzero(np.diff(ends_of_kinds, prepend=0)).tolist():
+        members_at_once = max(_NODES // len(_RULES[number // 2][0]), 64)
+        for begin in range(
+            ends_of_kinds[number - 1] if number else 0, ends_of_kinds[number], members_at_once
+        ):
+            block = slice(begin, min(begin + members_at_once, ends_of_kinds[number]))
             area = careful_area if number % 2 else quick_area
-            sums[:, order[block]] = phase_integrals(
-                loops[:, block], _RULES[number // 2], area, memory
+            sums[:, order_by_kind[block]] = phase_integrals(
+                loops_by_kind[:, block], _RULES[number // 2], area, memory
             )
     reverse_sum, sum_later, sum_early = 2 * sums
-    k = 4 * e.amplitude * e.sine
-    sum_early *= (math.pi - e.turn) * e.u / np.where(k > _FLOOR * e.mean, k, np.inf)
+    twice_largest_slip = 4 * e.amplitude * e.sine
+    sum_early *= (
+        (math.pi - e.turn)
+        * e.u
+        / np.where(twice_largest_slip > _FLOOR * e.mean, twice_largest_slip, np.inf)
+    )
     return sum_later * e.turn * e.u + sum_early, reverse_sum * e.turn * e.v
 
 
-def lam_error(e: Ellipses, work: Array, deep_share: float, size: Array | float) -> Array:
+def lam_error(e: Ellipses, work: Array, deep_share: float, log_size: Array | float) -> Array:
     """Error of the sum of both parts of `works_by_lam` from above, (m,): Lam by the quick way has
     the last digits of P L.
 
@@ -953,15 +1011,15 @@ def lam_error(e: Ellipses, work: Array, deep_share: float, size: Array | float) 
     ----------
     work
         the sum, W pi E*/(2 f^2)
-    deep
+    deep_share
         as there
-    size
-        of L = ln a, (m,) or one for all
+    log_size
+        size of L = ln a, (m,) or one for all
     """
-    unlike = np.minimum(e.u, e.v) <= deep_share * np.maximum(e.u, e.v)
-    quick = (e.deepest > deep_share * e.mean) & ~unlike
-    digits = _DIGITS * (e.mean + e.amplitude) * (e.u + e.v) * size
-    return roundoff_error(e, work) + _OF_RULES * np.abs(work) + np.where(quick, digits, 0.0)
+    is_unlike = np.minimum(e.u, e.v) <= deep_share * np.maximum(e.u, e.v)
+    is_quick = (e.deepest > deep_share * e.mean) & ~is_unlike
+    last_digits = _DIGITS * (e.mean + e.amplitude) * (e.u + e.v) * log_size
+    return roundoff_error(e, work) + _OF_RULES * np.abs(work) + np.where(is_quick, last_digits, 0.0)
 
 
 def _rule_of(e: Ellipses) -> NDArray[np.uint8]:
@@ -979,18 +1037,18 @@ def _rule_of(e: Ellipses) -> NDArray[np.uint8]:
     long_angle = np.maximum(e.turn, _TINY)
     short_angle = np.maximum(math.pi - e.turn, _TINY)
     # Squares of the imaginary parts of the singularities where P_c = 0, and where P = 0.
-    at_no_front = _square_of_imaginary(e.permanent, np.maximum(e.u, e.v))
-    at_no_load = _square_of_imaginary(e.mean - e.amplitude, 2 * e.amplitude)
+    square_at_no_stick = _square_of_imaginary(e.permanent, np.maximum(e.u, e.v))
+    square_at_no_load = _square_of_imaginary(e.mean - e.amplitude, 2 * e.amplitude)
     singularities = (
-        (-1.0, at_no_front / (long_angle * long_angle)),
-        (2 * (math.pi - e.start) / long_angle - 1, at_no_load / (long_angle * long_angle)),
-        (2 * e.start / short_angle - 1, at_no_load / (short_angle * short_angle)),
+        (-1.0, square_at_no_stick / (long_angle * long_angle)),
+        (2 * (math.pi - e.start) / long_angle - 1, square_at_no_load / (long_angle * long_angle)),
+        (2 * e.start / short_angle - 1, square_at_no_load / (short_angle * short_angle)),
     )
     half_sum = np.full(len(long_angle), np.inf)
-    for real_part, square in singularities:
-        from_one_end = np.sqrt(np.square(real_part - 1) + square)
-        from_other_end = np.sqrt(np.square(real_part + 1) + square)
-        np.minimum(half_sum, (from_one_end + from_other_end) / 2, out=half_sum)
+    for real_part, squared_imaginary_part in singularities:
+        distance_from_one_end = np.sqrt(np.square(real_part - 1) + squared_imaginary_part)
+        distance_from_other_end = np.sqrt(np.square(real_part + 1) + squared_imaginary_part)
+        np.minimum(half_sum, (distance_from_one_end + distance_from_other_end) / 2, out=half_sum)
     return np.sum(half_sum < _LEAST_SUMS, axis=0, dtype=np.uint8)
 
 
