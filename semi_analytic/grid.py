@@ -232,15 +232,15 @@ class Grid:
         dundurs: float = 0.0,
     ) -> None:
         """`extent` is (2,) the ends of one grid, or (g, 2) those of grids of one length."""
-        ends = np.atleast_2d(np.asarray(extent, dtype=float))
+        ends_of_grids = np.atleast_2d(np.asarray(extent, dtype=float))
         self.alone = np.ndim(extent) == 1
         self.cells = cells
         self.modulus = modulus
         self.friction = friction
         self.dundurs = dundurs
-        self._length = float(ends[0, 1] - ends[0, 0])
+        self._length = float(ends_of_grids[0, 1] - ends_of_grids[0, 0])
         self.step = self._length / cells
-        self.x: Array = ends[:, :1] + self.step * (np.arange(cells) + 0.5)
+        self.x: Array = ends_of_grids[:, :1] + self.step * (np.arange(cells) + 0.5)
         self.datum = 2 / (math.pi * modulus) * math.log(self._length)
         self._height = height(self.x)
         self._numbers = np.arange(cells)
@@ -270,10 +270,14 @@ class Grid:
         length is the datum length.
         """
         distance = (x[:, None] - self.x[number])[..., None]
-        ends = (distance + self.step * np.array([-0.5, 0.5])) / self._length
+        distances_of_ends = (distance + self.step * np.array([-0.5, 0.5])) / self._length
         with np.errstate(divide="ignore", invalid="ignore"):
-            primitive = np.where(ends == 0, 0.0, ends * (np.log(np.abs(ends)) - 1))
-        integral = np.diff(primitive, axis=-1)[..., 0]
+            primitives = np.where(
+                distances_of_ends == 0,
+                0.0,
+                distances_of_ends * (np.log(np.abs(distances_of_ends)) - 1),
+            )
+        integral = np.diff(primitives, axis=-1)[..., 0]
         return np.asarray(-2 * self._length / (math.pi * self.modulus) * integral)
 
     def _zone(self, count: int) -> Zone:
@@ -294,30 +298,35 @@ class Grid:
         end = contact.end[:, None]
         return (self._numbers >= begin) & (self._numbers < end)
 
-    def _press(self, load: float, tilt: float, lifted: Array) -> Pressed:
-        """Pressure, cells in contact and normal approach of each grid: p > 0 where g = 0."""
-        height = lifted + tilt * self.x
+    def _press(self, load: float, tilt: float, gap_without_tilt: Array) -> Pressed:
+        """Pressure, cells in contact and normal approach of each grid under a load and a tilt: p >
+        0 where the gap is 0. An active set of cells side by side; `gap_without_tilt` (g, k) is the
+        height of the profile with what the shear adds.
+        """
+        height = gap_without_tilt + tilt * self.x
         contact = self._contact
         if not contact.number.all():
             contact = ContactCells(np.argmin(height, axis=1) - 2, np.full(len(height), 5))
         for _ in range(_TURNS):
             pressure = np.zeros(height.shape)
             approach = np.zeros(len(height))
-            for cells in np.unique(contact.number).tolist():
-                zone = self._zone(cells)
-                grids = np.flatnonzero(contact.number == cells)
-                at = (grids[:, None], contact.begin[grids, None] + np.arange(cells))
-                approach[grids] = (load / self.step + height[at] @ zone.rows) / zone.row_sum
-                by_height = (height[at] @ zone.root.T) @ zone.root
-                pressure[at] = approach[grids, None] * zone.rows - by_height
-            inside = self._inside(contact)
+            for n_cells in np.unique(contact.number).tolist():
+                zone = self._zone(n_cells)
+                grids = np.flatnonzero(contact.number == n_cells)
+                cells_in_contact = (grids[:, None], contact.begin[grids, None] + np.arange(n_cells))
+                approach[grids] = (
+                    load / self.step + height[cells_in_contact] @ zone.rows
+                ) / zone.row_sum
+                pressure_by_height = (height[cells_in_contact] @ zone.root.T) @ zone.root
+                pressure[cells_in_contact] = approach[grids, None] * zone.rows - pressure_by_height
+            is_inside = self._inside(contact)
             gap = height - approach[:, None] + pressure @ self._compliance
-            touches = np.where(inside, pressure > 0, gap < 0)
-            if np.array_equal(touches, inside):
+            is_touching = np.where(is_inside, pressure > 0, gap < 0)
+            if np.array_equal(is_touching, is_inside):
                 break
-            begin = np.argmax(touches, axis=1)
-            end = self.cells - np.argmax(touches[:, ::-1], axis=1)
-            contact = ContactCells(begin, end - begin)
+            first_cell = np.argmax(is_touching, axis=1)
+            cell_behind_last = self.cells - np.argmax(is_touching[:, ::-1], axis=1)
+            contact = ContactCells(first_cell, cell_behind_last - first_cell)
         else:
             raise ArithmeticError("the contact area does not converge")
         if np.any(contact.begin == 0) or np.any(contact.end == self.cells):
@@ -325,157 +334,183 @@ class Grid:
         return Pressed(pressure, contact, approach)
 
     def _drag(
-        self, force: float, displacement: Array, limit: Array, earlier_cells: ContactCells
+        self, force: float, displacement: Array, friction_limit: Array, cells_before: ContactCells
     ) -> Dragged:
-        """Shear, slip, directions of slip and U: no slip where |q| < f p, once a cell is touched;
-        the cells `earlier` were in contact before.
+        """Shear q, slip, directions of slip and U after an increment to the force Q: no slip where
+        |q| < f p = `friction_limit`, once a cell is touched; `cells_before` were in contact before.
 
         Ahead of an edge that comes slip goes on as the root of the distance: a cell that is touched
         after a share t of the increment has then made 2/3 t of the way that it would have made, 1/3
         in the mean over all t.
         """
         contact = self._contact
-        common = contact.common_with(earlier_cells)
-        has_grown = (common.begin > contact.begin) | (common.end < contact.end)
-        grown = np.flatnonzero((common.number > 0) & has_grown)
-        start = self.slip.copy()
-        waiting = [grown] if len(grown) else []
-        while waiting:
-            grids = waiting.pop()
+        cells_in_both = contact.common_with(cells_before)
+        has_grown = (cells_in_both.begin > contact.begin) | (cells_in_both.end < contact.end)
+        grown_grids = np.flatnonzero((cells_in_both.number > 0) & has_grown)
+        slip_at_begin = self.slip.copy()
+        groups_to_solve = [grown_grids] if len(grown_grids) else []
+        while groups_to_solve:
+            group = groups_to_solve.pop()
             try:
-                early_slip = self._dragged(force, displacement, limit, common, start, grids).slip
+                early_slip = self._dragged(
+                    force, displacement, friction_limit, cells_in_both, slip_at_begin, group
+                ).slip
             except ArithmeticError:
                 # more than the earlier ones can carry: the new ones start from where they were
-                if len(grids) > 1:
-                    waiting += np.split(grids, len(grids))
+                if len(group) > 1:
+                    groups_to_solve += np.split(group, len(group))
                 else:
                     self.without_early_slip += 1
                 continue
-            is_new = self._inside(contact)[grids] & ~self._inside(common)[grids]
-            start[grids] += np.where(is_new, _TOUCHED * (early_slip - start[grids]), 0.0)
-        return self._dragged(force, displacement, limit, contact, start, np.arange(len(self.x)))
+            is_new = self._inside(contact)[group] & ~self._inside(cells_in_both)[group]
+            slip_at_begin[group] += np.where(
+                is_new, _TOUCHED * (early_slip - slip_at_begin[group]), 0.0
+            )
+        return self._dragged(
+            force, displacement, friction_limit, contact, slip_at_begin, np.arange(len(self.x))
+        )
 
     def _dragged(
         self,
         force: float,
         displacement: Array,
-        limit: Array,
+        friction_limit: Array,
         contact: ContactCells,
-        start: Array,
+        slip_at_begin: Array,
         grids: NDArray[np.intp],
     ) -> Dragged:
-        """`_drag` of some grids whose cells `contact` are in contact, with the slip `start`.
+        """Shear q, slip, directions of slip and U of some grids under the force Q, by an active set
+        of the cells that slide; `contact` are the cells in contact, `displacement` that of their
+        faces without q, `slip_at_begin` the slip before the increment, (g, k) each.
 
         q = q_0 - G v with q_0 of full stick and the slip v of the increment, that of few cells.
         Where grids have fewer cells in contact than others, open ones beside them slip without
         friction.
         """
-        inside = self._inside(contact)[grids]
-        cells = int(contact.number[grids].max())
-        zone = self._zone(cells)
-        first_column = np.minimum(contact.begin[grids], self.cells - cells)
-        columns = first_column[:, None] + np.arange(cells)
+        is_inside = self._inside(contact)[grids]
+        n_cells = int(contact.number[grids].max())
+        zone = self._zone(n_cells)
+        first_column = np.minimum(contact.begin[grids], self.cells - n_cells)
+        columns = first_column[:, None] + np.arange(n_cells)
         rows = np.arange(len(grids))[:, None]
-        cells_at = (grids[:, None], columns)
-        free_slip = (displacement - start)[cells_at]
-        touching = inside[rows, columns]
-        limit_here = np.where(touching, limit[cells_at], 0.0)
-        allowed = _ROUNDING * limit.max()
-        stuck_shear = force / self.step / zone.row_sum * zone.rows + free_slip @ zone.stiffness
+        cell_numbers = (grids[:, None], columns)
+        slip_without_shear = (displacement - slip_at_begin)[cell_numbers]
+        is_touching = is_inside[rows, columns]
+        limit_of_cells = np.where(is_touching, friction_limit[cell_numbers], 0.0)
+        tolerance = _ROUNDING * friction_limit.max()
+        shear_in_full_stick = (
+            force / self.step / zone.row_sum * zone.rows + slip_without_shear @ zone.stiffness
+        )
         # Most cells go on as in the increment before: the first guess, unless it leaves none that
         # stick.
-        direction = np.where(touching, self._directions[cells_at], 0)
-        direction[np.all((direction != 0) | ~touching, axis=1)] = 0
+        direction = np.where(is_touching, self._directions[cell_numbers], 0)
+        direction[np.all((direction != 0) | ~is_touching, axis=1)] = 0
         for _ in range(_TURNS):
-            slides = (direction != 0) | ~touching
-            if np.any(np.all(slides, axis=1)):
+            is_sliding = (direction != 0) | ~is_touching
+            if np.any(np.all(is_sliding, axis=1)):
                 raise ArithmeticError("all cells slip")
-            fixed_shear = direction * limit_here
-            slip = _slip_of_sliding(zone, slides, stuck_shear - fixed_shear)
-            shear = stuck_shear
-            if np.any(slides):
-                shear = np.where(slides, fixed_shear, stuck_shear - slip @ zone.stiffness)
-            exceeds = ~slides & (np.abs(shear) > limit_here + allowed)
-            goes_on = np.where(direction * slip > 0, direction, 0)
-            new_direction = np.where(exceeds, np.sign(shear), goes_on).astype(int)
+            shear_of_sliding = direction * limit_of_cells
+            slip_of_cells = _slip_of_sliding(
+                zone, is_sliding, shear_in_full_stick - shear_of_sliding
+            )
+            shear_of_cells = shear_in_full_stick
+            if np.any(is_sliding):
+                shear_of_cells = np.where(
+                    is_sliding,
+                    shear_of_sliding,
+                    shear_in_full_stick - slip_of_cells @ zone.stiffness,
+                )
+            is_beyond_limit = ~is_sliding & (np.abs(shear_of_cells) > limit_of_cells + tolerance)
+            kept_direction = np.where(direction * slip_of_cells > 0, direction, 0)
+            new_direction = np.where(
+                is_beyond_limit, np.sign(shear_of_cells), kept_direction
+            ).astype(int)
             if np.array_equal(new_direction, direction):
                 break
             direction = new_direction
         else:
             raise ArithmeticError("the slip zones do not converge")
-        all_shear = np.zeros(inside.shape)
-        all_directions = np.zeros(inside.shape, dtype=int)
-        all_shear[rows, columns] = shear
+        all_shear = np.zeros(is_inside.shape)
+        all_directions = np.zeros(is_inside.shape, dtype=int)
+        all_shear[rows, columns] = shear_of_cells
         all_directions[rows, columns] = direction
-        shift = (force / self.step + (slip - free_slip) @ zone.rows) / zone.row_sum
+        shift = (
+            force / self.step + (slip_of_cells - slip_without_shear) @ zone.rows
+        ) / zone.row_sum
         all_slip = shift[:, None] + displacement[grids] - all_shear @ self._compliance
         return Dragged(all_shear, all_slip, all_directions, shift)
 
     def _increment(self, load: float, force: float, strain: float, tilt: float) -> dict[str, Any]:
-        """One increment to P, Q, eps and alpha: a row of `Fields`."""
-        strained: Array = -strain * self.x
+        """One increment of all grids to the loads P, Q, the bulk strain eps and the tilt alpha: the
+        row of `Fields` at its end. The grids stand there afterwards.
+        """
+        displacement_by_strain: Array = -strain * self.x
         if load <= 0:
-            pressed, dragged = self._open(strained)
+            pressed, dragged = self._open(displacement_by_strain)
         elif not self.dundurs:
             if (load, tilt) not in self._pressed:
                 self._pressed[load, tilt] = self._press(load, tilt, self._height)
             pressed = self._pressed[load, tilt]
             earlier_cells = self._contact
             self._contact = pressed.contact
-            dragged = self._drag(force, strained, self.friction * pressed.pressure, earlier_cells)
+            dragged = self._drag(
+                force, displacement_by_strain, self.friction * pressed.pressure, earlier_cells
+            )
         else:
-            pressed, dragged = self._press_and_drag_in_turn(load, force, tilt, strained)
-        q, slip, directions, shift = dragged
-        density = (self._shear + q) * (slip - self.slip) / 2
+            pressed, dragged = self._press_and_drag_in_turn(
+                load, force, tilt, displacement_by_strain
+            )
+        shear, slip, directions, displacement = dragged
+        density = (self._shear + shear) * (slip - self.slip) / 2
         state = np.where(self._inside(self._contact), _STATES[directions], OPEN).astype(np.int8)
         row: dict[str, Any] = {
             "loads": np.array([load, force, strain, tilt]),
             "pressure": pressed.pressure,
-            "shear": q,
+            "shear": shear,
             "slip": slip,
             "state": state,
             "approach": pressed.approach - self.datum * load,
-            "displacement": shift - self.datum * force,
+            "displacement": displacement - self.datum * force,
             "moment": self.step * np.sum(self.x * pressed.pressure, axis=1),
-            "shear_moment": self.step * np.sum(self.x * q, axis=1),
+            "shear_moment": self.step * np.sum(self.x * shear, axis=1),
             "density": density,
             "work": self.step * np.sum(density, axis=1),
         }
         row["loop"] = _loop_between(self._last or row, row)
-        self._shear = q
+        self._shear = shear
         self.slip = slip
-        self._shift = shift
+        self._shift = displacement
         self._strain = strain
         self._directions = directions
         self._last = row
         return row
 
-    def _open(self, strained: Array) -> tuple[Pressed, Dragged]:
+    def _open(self, displacement_by_strain: Array) -> tuple[Pressed, Dragged]:
         """No contact: the bodies stay where they are, and strain."""
         no_cells = np.zeros(len(self.x), dtype=int)
         self._contact = ContactCells(self._contact.begin, no_cells)
         no_traction = np.zeros(self.x.shape)
         pressed = Pressed(no_traction, self._contact, np.zeros(len(self.x)))
         directions = np.zeros(self.x.shape, dtype=int)
-        slip = self._shift[:, None] + strained
+        slip = self._shift[:, None] + displacement_by_strain
         return pressed, Dragged(no_traction, slip, directions, self._shift)
 
     def _press_and_drag_in_turn(
-        self, load: float, force: float, tilt: float, strained: Array
+        self, load: float, force: float, tilt: float, displacement_by_strain: Array
     ) -> tuple[Pressed, Dragged]:
         """Pressure and shear of unlike bodies, by turns until the shear rests."""
-        earlier_cells = self._contact
+        cells_before = self._contact
         shear_before = self._shear
         for _ in range(_TURNS):
             pressed = self._press(load, tilt, self._height + shear_before @ self._coupling.T)
             self._contact = pressed.contact
-            displacement = strained + pressed.pressure @ self._coupling.T
+            displacement = displacement_by_strain + pressed.pressure @ self._coupling.T
             dragged = self._drag(
-                force, displacement, self.friction * pressed.pressure, earlier_cells
+                force, displacement, self.friction * pressed.pressure, cells_before
             )
-            change = float(np.max(np.abs(dragged.shear - shear_before)))
+            shear_change = float(np.max(np.abs(dragged.shear - shear_before)))
             shear_before = dragged.shear
-            if change <= _ROUNDING * self.friction * pressed.pressure.max():
+            if shear_change <= _ROUNDING * self.friction * pressed.pressure.max():
                 return pressed, dragged
         raise ArithmeticError("pressure and shear by turns do not converge")
 
@@ -524,25 +559,31 @@ class Grid:
         return Fields(self.x[0], self.step, **fields)
 
 
-def _slip_of_sliding(zone: Zone, slides: NDArray[np.bool_], excess: Array) -> Array:
-    """Slip v of the cells that slide, (g, k) and 0 elsewhere: G v = q_0 - q over them, `excess`."""
-    slip = np.zeros(excess.shape)
-    most_sliding = int(np.max(np.sum(slides, axis=1)))
+def _slip_of_sliding(zone: Zone, is_sliding: NDArray[np.bool_], shear_excess: Array) -> Array:
+    """Slip v in an increment of the cells that slide, (g, k), 0 of the others: the solution of G v
+    = q_0 - q = `shear_excess` over the sliding cells, G the stiffness of the zone.
+    """
+    slip = np.zeros(shear_excess.shape)
+    most_sliding = int(np.max(np.sum(is_sliding, axis=1)))
     if not most_sliding:
         return slip
     # The cells that slip first, as many as of the grid with most of them: what is too much has the
     # matrix 1.
-    cells = slides.shape[1]
-    order = np.argsort(~slides, axis=1, kind="stable")[:, :most_sliding]
-    is_sliding = np.take_along_axis(slides, order, axis=1)
-    stiffness = zone.stiffness.ravel().take(order[:, :, None] * cells + order[:, None, :])
-    if not is_sliding.all():
-        stiffness *= is_sliding[:, :, None] & is_sliding[:, None, :]
+    n_cells = is_sliding.shape[1]
+    sliding_first = np.argsort(~is_sliding, axis=1, kind="stable")[:, :most_sliding]
+    is_chosen_sliding = np.take_along_axis(is_sliding, sliding_first, axis=1)
+    stiffness = zone.stiffness.ravel().take(
+        sliding_first[:, :, None] * n_cells + sliding_first[:, None, :]
+    )
+    if not is_chosen_sliding.all():
+        stiffness *= is_chosen_sliding[:, :, None] & is_chosen_sliding[:, None, :]
         diagonal = np.arange(most_sliding)
-        stiffness[:, diagonal, diagonal] += ~is_sliding
-    right_side = np.where(is_sliding, np.take_along_axis(excess, order, axis=1), 0.0)
+        stiffness[:, diagonal, diagonal] += ~is_chosen_sliding
+    right_side = np.where(
+        is_chosen_sliding, np.take_along_axis(shear_excess, sliding_first, axis=1), 0.0
+    )
     solved_slip = np.linalg.solve(stiffness, right_side[..., None])[..., 0]
-    np.put_along_axis(slip, order, solved_slip, axis=1)
+    np.put_along_axis(slip, sliding_first, solved_slip, axis=1)
     return slip
 
 
@@ -604,57 +645,71 @@ class _Path:
     increments: int
     _known: dict[bytes, Array] = field(default_factory=dict)
 
-    def rows(self, number: int, time: Array) -> _Rows:
-        """Of a cycle (-1: before), with the instants `time` (k,) among its own."""
-        path = self.loads.path
-        time_in_cycle = time - max(number, 0) * (path.period or 0.0)
-        legs = path.initial_loading if number < 0 else path.cycle
-        times = [
-            self._times_of_leg(leg, k, number < 0, time_in_cycle) for k, leg in enumerate(legs)
-        ]
-        loads = []
-        for times_of_leg in times:
-            key = times_of_leg.tobytes()
-            if key not in self._known:
-                self._known[key] = self.loads.values(times_of_leg).T
-            loads.append(self._known[key])
-        all_times = np.concatenate(times)
-        is_behind_start = (time_in_cycle > legs[0].start) | (number < 0)
-        instants = np.flatnonzero((time_in_cycle <= legs[-1].end) & is_behind_start)
-        at = [np.argmin(np.abs(all_times - max(t, path.start))) for t in time_in_cycle[instants]]
-        return _Rows(np.concatenate(loads), np.array(at, dtype=int), instants)
-
-    def _times_of_leg(
-        self, leg: LoadSegment, place: int, initial: bool, time_in_cycle: Array
-    ) -> Array:
-        """Times of the increments of a leg, number `place` of the initial loading or of the cycle.
-
-        Increments of its own make way for instants that are asked for, but where a load turns
-        round.
+    def rows(self, cycle_number: int, time: Array) -> _Rows:
+        """Loads at the increments of a cycle, -1 for the initial loading, and the rows at which
+        those of the instants `time` (k,) lie that fall into this cycle.
         """
         path = self.loads.path
-        first_touch = leg is path.initial_loading[0]
+        time_in_cycle = time - max(cycle_number, 0) * (path.period or 0.0)
+        legs = path.initial_loading if cycle_number < 0 else path.cycle
+        times_of_legs = [
+            self._times_of_leg(leg, k, cycle_number < 0, time_in_cycle)
+            for k, leg in enumerate(legs)
+        ]
+        loads = []
+        for times_of_leg in times_of_legs:
+            key_of_times = times_of_leg.tobytes()
+            if key_of_times not in self._known:
+                self._known[key_of_times] = self.loads.values(times_of_leg).T
+            loads.append(self._known[key_of_times])
+        all_times = np.concatenate(times_of_legs)
+        is_behind_start = (time_in_cycle > legs[0].start) | (cycle_number < 0)
+        instants_in_cycle = np.flatnonzero((time_in_cycle <= legs[-1].end) & is_behind_start)
+        rows_of_instants = [
+            np.argmin(np.abs(all_times - max(t, path.start)))
+            for t in time_in_cycle[instants_in_cycle]
+        ]
+        return _Rows(
+            np.concatenate(loads), np.array(rows_of_instants, dtype=int), instants_in_cycle
+        )
+
+    def _times_of_leg(
+        self, leg: LoadSegment, leg_number: int, is_initial: bool, time_in_cycle: Array
+    ) -> Array:
+        """Times of the increments of a leg of the load path, the `leg_number` of the initial
+        loading or of the cycle: evenly spread, turning points of the loads, and instants that are
+        asked for.
+
+        Evenly spread times next to an instant that is asked for are left out; so is the instant
+        itself next to a turning point.
+        """
+        path = self.loads.path
+        is_first_touch = leg is path.initial_loading[0]
         duration = leg.end - leg.start
         periodic_legs = path.cycle or path.initial_loading
-        fewest = _OF_LEG
-        if initial and (path.cycle or not place):
-            fewest = self.increments // 4
-        share = duration / (periodic_legs[-1].end - periodic_legs[0].start)
-        if initial and path.cycle:
-            share = 0.0
-        count = max(fewest, math.ceil(self.increments * share))
+        fewest_increments = _OF_LEG
+        if is_initial and (path.cycle or not leg_number):
+            fewest_increments = self.increments // 4
+        share_of_cycle = duration / (periodic_legs[-1].end - periodic_legs[0].start)
+        if is_initial and path.cycle:
+            share_of_cycle = 0.0
+        n_increments = max(fewest_increments, math.ceil(self.increments * share_of_cycle))
         # From first touch in equal steps of the contact's size.
-        places = np.linspace(0, 1, count + 1)[1:] ** (2 if first_touch else 1)
-        spread_times = leg.start + duration * places
-        turns = self.loads.turns(leg)
+        shares_of_leg = np.linspace(0, 1, n_increments + 1)[1:] ** (2 if is_first_touch else 1)
+        spread_times = leg.start + duration * shares_of_leg
+        turning_times = self.loads.turns(leg)
         asked_times = time_in_cycle[(time_in_cycle > leg.start) & (time_in_cycle <= leg.end)]
-        if first_touch and np.any(time_in_cycle <= path.start):
+        if is_first_touch and np.any(time_in_cycle <= path.start):
             asked_times = np.append(asked_times, path.start)
-        to_asked = np.min(np.abs(spread_times[:, None] - asked_times), axis=1, initial=math.inf)
-        spread_times = spread_times[to_asked >= 0.5 * duration / count]
-        to_turn = np.min(np.abs(asked_times[:, None] - turns), axis=1, initial=math.inf)
-        asked_times = asked_times[to_turn > 2e-9 * duration]
-        return np.unique(np.concatenate([spread_times, turns, asked_times]))
+        distance_to_asked = np.min(
+            np.abs(spread_times[:, None] - asked_times), axis=1, initial=math.inf
+        )
+        spread_times = spread_times[distance_to_asked >= 0.5 * duration / n_increments]
+        distance_to_turn = np.min(
+            np.abs(asked_times[:, None] - turning_times), axis=1, initial=math.inf
+        )
+        asked_times = asked_times[distance_to_turn > 2e-9 * duration]
+        return np.unique(np.concatenate([spread_times, turning_times, asked_times]))
 
 
 @dataclass(eq=False)
@@ -734,34 +789,43 @@ class _State(NamedTuple):
 
 
 def _state_at(grid: Grid, fields: Fields, instant: int, x: Array, kernels: Array) -> _State:
-    """Of the instant of this number; `kernels` (g, m, k) are displacements by unit tractions."""
+    """The grids at the instant of a number: q over f p and slip at points x (m,), by interpolation
+    between cells, and the edges of stick. `kernels` (g, m, k) are displacements at the points by
+    unit tractions on the cells.
+    """
     grids = len(grid.x)
     _, force, strain, _ = fields.loads[instant]
-    shift = fields.displacement[instant] + grid.datum * force
+    mean_shift = fields.displacement[instant] + grid.datum * force
     by_shear = np.matmul(kernels, fields.shear[instant][..., None])[..., 0]
-    slip = shift[:, None] - strain * x - by_shear
-    share = np.zeros((grids, len(x)))
-    edges = np.full((grids, 2), np.nan)
-    zones = 1
-    for number, state in enumerate(fields.state[instant]):
-        touching = np.flatnonzero(state != OPEN)
-        if not len(touching):
+    slip = mean_shift[:, None] - strain * x - by_shear
+    limit_share = np.zeros((grids, len(x)))
+    stick_edges = np.full((grids, 2), np.nan)
+    stick_zones = 1
+    for grid_number, state in enumerate(fields.state[instant]):
+        touching_cells = np.flatnonzero(state != OPEN)
+        if not len(touching_cells):
             continue
-        middles = grid.x[number]
-        limit = grid.friction * fields.pressure[instant, number, touching]
-        ratio = fields.shear[instant, number, touching] / limit
-        share[number] = np.interp(x, middles[touching], ratio)
+        middles = grid.x[grid_number]
+        limit = grid.friction * fields.pressure[instant, grid_number, touching_cells]
+        ratio = fields.shear[instant, grid_number, touching_cells] / limit
+        limit_share[grid_number] = np.interp(x, middles[touching_cells], ratio)
         sticks = np.concatenate([[False], state == STICK, [False]]).astype(int)
         begins_and_ends = np.flatnonzero(np.diff(sticks))
-        zones = max(zones, len(begins_and_ends) // 2)
+        stick_zones = max(stick_zones, len(begins_and_ends) // 2)
         if len(begins_and_ends):
-            first = begins_and_ends[0]
-            last = begins_and_ends[-1] - 1
+            first_stick = begins_and_ends[0]
+            last_stick = begins_and_ends[-1] - 1
             # A cell that sticks at the edge of contact sticks up to it.
-            left = -np.inf if first == touching[0] else middles[first] - grid.step / 2
-            right = np.inf if last == touching[-1] else middles[last] + grid.step / 2
-            edges[number] = (left, right)
-    return _State(share, slip, edges, zones)
+            left_edge = (
+                -np.inf
+                if first_stick == touching_cells[0]
+                else middles[first_stick] - grid.step / 2
+            )
+            right_edge = (
+                np.inf if last_stick == touching_cells[-1] else middles[last_stick] + grid.step / 2
+            )
+            stick_edges[grid_number] = (left_edge, right_edge)
+    return _State(limit_share, slip, stick_edges, stick_zones)
 
 
 def _run(
@@ -769,20 +833,23 @@ def _run(
     path: _Path,
     x: Array,
     time: Array,
-    numbers: range,
+    cycle_numbers: range,
     least_cycles: int,
-    every: int = 1,
+    stride: int = 1,
 ) -> _Answers:
-    """What grids answer along cycles (-1: the initial loading) until one repeats the one before,
-    `least` cycles at any rate; each of them at every so many of the instants `time` (n,).
+    """Answers of the grids along cycles of the path, -1 for the initial loading, until the work of
+    one repeats that of the one before, `least_cycles` at any rate.
+
+    x (m,) are points, `time` (n,) instants at which means over the grids are wanted; each grid by
+    itself is stored at every `stride`-th of them. InputError where an increment does not converge.
     """
     grids = len(grid.x)
-    answers = _Answers.empty(grids, len(time), len(x), every)
+    answers = _Answers.empty(grids, len(time), len(x), stride)
     works: list[Array] = []
     kernels = np.zeros(0)
     if len(time):
         kernels = np.array([grid.compliance_at(x, number) for number in range(grids)])
-    for number in numbers:
+    for number in cycle_numbers:
         if number >= 0:
             answers.begins.append(grid.slip_field())
         rows = path.rows(number, time)
@@ -798,20 +865,22 @@ def _run(
         answers.loads[:, rows.instants] = fields.loads[rows.at].T
         answers.displacement[rows.instants] = np.mean(fields.displacement[rows.at], axis=1)
         answers.shear_moment[rows.instants] = np.mean(fields.shear_moment[rows.at], axis=1)
-        for i, instant in zip(rows.instants.tolist(), rows.at.tolist(), strict=True):
-            state = _state_at(grid, fields, instant, x, kernels)
-            answers.share[i] = np.mean(state.share, axis=0)
-            answers.slip[i] = np.mean(state.slip, axis=0)
-            answers.stick_edges[i] = np.mean(state.stick_edges, axis=0)
+        for instant_number, row_number in zip(
+            rows.instants.tolist(), rows.at.tolist(), strict=True
+        ):
+            state = _state_at(grid, fields, row_number, x, kernels)
+            answers.share[instant_number] = np.mean(state.share, axis=0)
+            answers.slip[instant_number] = np.mean(state.slip, axis=0)
+            answers.stick_edges[instant_number] = np.mean(state.stick_edges, axis=0)
             answers.zones = max(answers.zones, state.zones)
-            if i % every == 0:
-                answers.share_of_each[:, i // every] = state.share
-                answers.slip_of_each[:, i // every] = state.slip
+            if instant_number % stride == 0:
+                answers.share_of_each[:, instant_number // stride] = state.share
+                answers.slip_of_each[:, instant_number // stride] = state.slip
         if number >= 0 or not path.loads.path.cycle:
             works.append(np.sum(fields.work, axis=0))
         if len(works) >= max(least_cycles, 2):
-            change = abs(np.mean(works[-1] - works[-2]))
-            if change <= STEADY * np.mean(works[-1]):
+            work_change = abs(np.mean(works[-1] - works[-2]))
+            if work_change <= STEADY * np.mean(works[-1]):
                 break
     answers.works = np.array(works).T
     answers.work = works[-1]
@@ -825,18 +894,21 @@ def _permanent_edges(grid: Grid, fields: Fields, slip_before: Array) -> Array:
     """Mean edges (2,) of the cells that stick all along the fields of a cycle; NaN where in some
     grid none do.
     """
-    slips = np.abs(np.diff(fields.slip, axis=0, prepend=slip_before[None]))
+    slips_in_increments = np.abs(np.diff(fields.slip, axis=0, prepend=slip_before[None]))
     # What opens does not stick: it counts as slip without end.
-    path_of_cell = np.sum(np.where(fields.state == OPEN, np.inf, slips), axis=0)
+    path_of_cell = np.sum(np.where(fields.state == OPEN, np.inf, slips_in_increments), axis=0)
     is_finite = np.isfinite(path_of_cell)
-    longest = np.max(path_of_cell, axis=1, where=is_finite, initial=0.0)
-    stays = path_of_cell <= _STAYS * longest[:, None]
-    edges = np.full((len(grid.x), 2), np.nan)
+    longest_path = np.max(path_of_cell, axis=1, where=is_finite, initial=0.0)
+    is_stuck = path_of_cell <= _STAYS * longest_path[:, None]
+    edges_of_grids = np.full((len(grid.x), 2), np.nan)
     for number, middles in enumerate(grid.x):
-        stuck = middles[stays[number]]
-        if len(stuck):
-            edges[number] = (np.min(stuck) - grid.step / 2, np.max(stuck) + grid.step / 2)
-    return np.asarray(np.mean(edges, axis=0))
+        stuck_middles = middles[is_stuck[number]]
+        if len(stuck_middles):
+            edges_of_grids[number] = (
+                np.min(stuck_middles) - grid.step / 2,
+                np.max(stuck_middles) + grid.step / 2,
+            )
+    return np.asarray(np.mean(edges_of_grids, axis=0))
 
 
 def edges_along(loads: PathLoads, contact: TiltedProfile) -> Array:
@@ -946,8 +1018,8 @@ def remainder_of(works: Sequence[float]) -> float:
     ratio_before = float(ratios[-2]) if len(ratios) > 1 else 1.0
     if ratio < 0.5 and 0.8 * ratio_before < ratio < 1.05 * ratio_before:
         return last_change * ratio / (1 - ratio)
-    bounded = min(ratio, 0.9)
-    return last_change * max(len(works) / 3, bounded / (1 - bounded))
+    bounded_ratio = min(ratio, 0.9)
+    return last_change * max(len(works) / 3, bounded_ratio / (1 - bounded_ratio))
 
 
 @dataclass(frozen=True)
@@ -1024,118 +1096,146 @@ def follow_on_grid(
     path = loads.path
     check([*path.initial_loading, *path.cycle], friction)
     period = path.period
-    needed = cycles_needed(path, time)
+    cycles_at_least = cycles_needed(path, time)
     cells = request.cells
     increments = request.increments
     coarse_path = _Path(loads, increments // 2)
     fine_path = _Path(loads, increments)
-    edges = edges_along(loads, contact)
-    left = float(np.min(edges))
-    right = float(np.max(edges))
+    contact_edges_along = edges_along(loads, contact)
+    span = (float(np.min(contact_edges_along)), float(np.max(contact_edges_along)))
     modulus = 2 / contact.intervals.product
     points = x if request.pointwise else np.zeros(0)
 
-    def grids(cells: int, shifts: Array) -> Grid:
-        cell = (right - left) / cells
-        extents = np.stack([left - (2 + shifts) * cell, right + (3 - shifts) * cell], axis=1)
-        return Grid(height, extents, cells + 5, friction, modulus)
-
     # The coarse grid goes first: how many cycles are there?
-    all_numbers = range(-1, max(request.most_cycles, needed)) if path.cycle else range(-1, 0)
-    last_alone = request.steady and time is None and period is not None
-    first_shifts = _SHIFTS if last_alone else _SHIFTS[:1]
+    possible_cycles = (
+        range(-1, max(request.most_cycles, cycles_at_least)) if path.cycle else range(-1, 0)
+    )
+    is_last_alone = request.steady and time is None and period is not None
+    first_shifts = _SHIFTS if is_last_alone else _SHIFTS[:1]
     no_instants = np.zeros(0)
-    first_grids = grids(cells // 2, first_shifts)
-    first = _run(first_grids, coarse_path, points, no_instants, all_numbers, needed)
-    cycles = first.works.shape[1]
+    first_grids = _moved_grids(height, span, cells // 2, first_shifts, friction, modulus)
+    first_answers = _run(
+        first_grids, coarse_path, points, no_instants, possible_cycles, cycles_at_least
+    )
+    cycles = first_answers.works.shape[1]
 
     # The fine grids follow them, or take up the last ones.
-    resumed = last_alone and cycles > _RESUMED
-    numbers = range(-1, cycles if path.cycle else 0)
-    if resumed:
-        numbers = range(cycles - _RESUMED, cycles)
+    is_resumed = is_last_alone and cycles > _RESUMED
+    cycle_numbers = range(-1, cycles if path.cycle else 0)
+    if is_resumed:
+        cycle_numbers = range(cycles - _RESUMED, cycles)
     if time is None:
-        time = _default_times(path, cycles, increments, last_alone)
+        time = _default_times(path, cycles, increments, is_last_alone)
     time = np.asarray(time, dtype=float)
-    every = max(len(time) // _COMPARED, 1)
-    grid = grids(cells, _SHIFTS)
-    if resumed:
+    stride = max(len(time) // _COMPARED, 1)
+    fine_grids = _moved_grids(height, span, cells, _SHIFTS, friction, modulus)
+    if is_resumed:
         loads_at_begin = loads.values(np.array([path.cycle_start]))[:, 0]
-        grid.resume(first.begins[numbers[0]], loads_at_begin)
-    fine = _run(grid, fine_path, points, time, numbers, len(numbers), every)
+        fine_grids.resume(first_answers.begins[cycle_numbers[0]], loads_at_begin)
+    fine_answers = _run(
+        fine_grids, fine_path, points, time, cycle_numbers, len(cycle_numbers), stride
+    )
     coarse_grids = first_grids
-    coarse = first
-    if not last_alone:
-        coarse_grids = grids(cells // 2, _SHIFTS)
-        coarse = _run(coarse_grids, coarse_path, points, time[::every], numbers, len(numbers))
+    coarse_answers = first_answers
+    if not is_last_alone:
+        coarse_grids = _moved_grids(height, span, cells // 2, _SHIFTS, friction, modulus)
+        coarse_answers = _run(
+            coarse_grids, coarse_path, points, time[::stride], cycle_numbers, len(cycle_numbers)
+        )
 
-    load, _, _, tilt = fine.loads
+    load, _, _, tilt = fine_answers.loads
     middle, half_width = contact.under(load, tilt)
     contact_edges = np.stack([middle - half_width, middle + half_width], axis=-1)
     pressure = contact.pressure_over(x, middle, half_width)
-    touching = (x >= contact_edges[:, :1]) & (x <= contact_edges[:, 1:])
-    shear = np.full(touching.shape, np.nan)
+    is_in_contact = (x >= contact_edges[:, :1]) & (x <= contact_edges[:, 1:])
+    shear = np.full(is_in_contact.shape, np.nan)
     slip = shear
-    state = np.full(touching.shape, OPEN)
+    state = np.full(is_in_contact.shape, OPEN)
     if request.pointwise:
-        share = np.where(touching, fine.share, 0.0)
-        shear = friction * pressure * share
-        slip = fine.slip
-        sliding = np.where(share > 0, SLIP_FORWARD, SLIP_REVERSE)
-        in_contact = np.where(np.abs(share) < 1 - 1e-12, STICK, sliding)
-        state = np.where(touching, in_contact, OPEN)
+        limit_share = np.where(is_in_contact, fine_answers.share, 0.0)
+        shear = friction * pressure * limit_share
+        slip = fine_answers.slip
+        state = _states_of(limit_share, is_in_contact)
 
-    works = np.mean(fine.works, axis=0)
-    trend = works
-    if resumed:
-        trend = np.mean(first.works, axis=0)
-        works = np.append(trend[:-1], works[-1])
+    works = np.mean(fine_answers.works, axis=0)
+    work_of_cycles = works
+    if is_resumed:
+        work_of_cycles = np.mean(first_answers.works, axis=0)
+        works = np.append(work_of_cycles[:-1], works[-1])
 
-    density = _density_at(grid, fine, x)
-    coarse_density = _density_at(coarse_grids, coarse, x)
+    density = _density_at(fine_grids, fine_answers, x)
+    coarse_density = _density_at(coarse_grids, coarse_answers, x)
     errors = {
-        "dissipation": _error(fine.work, coarse.work, order=1.5),
+        "dissipation": _error(fine_answers.work, coarse_answers.work, order=1.5),
         "dissipation_density": _error(density, coarse_density, order=1),
     }
-    if request.pointwise and not last_alone:
-        limit = friction * pressure[::every]
-        errors["shear"] = _error(limit * fine.share_of_each, limit * coarse.share_of_each, order=1)
-        errors["slip"] = _error(fine.slip_of_each, coarse.slip_of_each, order=0.9)
+    if request.pointwise and not is_last_alone:
+        limit = friction * pressure[::stride]
+        errors["shear"] = _error(
+            limit * fine_answers.share_of_each, limit * coarse_answers.share_of_each, order=1
+        )
+        errors["slip"] = _error(fine_answers.slip_of_each, coarse_answers.slip_of_each, order=0.9)
 
     counts = {
         "grids": 2 * len(_SHIFTS),
         "cells": cells,
-        "increments": first.increments + fine.increments,
-        "pieces": fine.zones,
+        "increments": first_answers.increments + fine_answers.increments,
+        "pieces": fine_answers.zones,
     }
-    if not last_alone:
-        counts["increments"] += coarse.increments
-    if resumed:
-        counts["cycles on coarse grids alone"] = numbers[0]
-    if grid.without_early_slip:
-        counts["increments without early slip"] = grid.without_early_slip
+    if not is_last_alone:
+        counts["increments"] += coarse_answers.increments
+    if is_resumed:
+        counts["cycles on coarse grids alone"] = cycle_numbers[0]
+    if fine_grids.without_early_slip:
+        counts["increments without early slip"] = fine_grids.without_early_slip
     return Followed(
         time=time,
-        loads=fine.loads,
+        loads=fine_answers.loads,
         moment=contact.moment(middle, half_width, load, tilt),
-        shear_moment=fine.shear_moment,
-        displacement=fine.displacement,
+        shear_moment=fine_answers.shear_moment,
+        displacement=fine_answers.displacement,
         contact_edges=contact_edges,
-        stick_edges=np.clip(fine.stick_edges, contact_edges[:, :1], contact_edges[:, 1:]),
+        stick_edges=np.clip(fine_answers.stick_edges, contact_edges[:, :1], contact_edges[:, 1:]),
         pressure=pressure,
         shear=shear,
         slip=slip,
         state=state.astype(np.int8),
         works=works,
-        loop=float(np.mean(fine.loop)),
-        remainder=remainder_of(trend.tolist()),
-        steady_from=first_repeat(trend, STEADY),
+        loop=float(np.mean(fine_answers.loop)),
+        remainder=remainder_of(work_of_cycles.tolist()),
+        steady_from=first_repeat(work_of_cycles, STEADY),
         steady_to=STEADY,
         density=np.mean(density, axis=0),
-        permanent_stick_edges=fine.permanent,
+        permanent_stick_edges=fine_answers.permanent,
         counts=counts,
         errors=errors,
     )
+
+
+def _moved_grids(
+    height: Callable[[Array], Array],
+    span: tuple[float, float],
+    cells: int,
+    shifts: Array,
+    friction: float,
+    modulus: float,
+) -> Grid:
+    """Grids with `cells` equal cells between the ends of the contact, `span`, and five more beyond
+    them; each is moved by a share of a cell, `shifts` (g,).
+    """
+    left, right = span
+    cell = (right - left) / cells
+    extents = np.stack([left - (2 + shifts) * cell, right + (3 - shifts) * cell], axis=1)
+    return Grid(height, extents, cells + 5, friction, modulus)
+
+
+def _states_of(limit_share: Array, is_in_contact: NDArray[np.bool_]) -> NDArray[np.int8]:
+    """State of points by q over f p, `limit_share`, arrays of one shape: open out of contact, stick
+    below 1, else forward or reverse slip by its sign.
+    """
+    slip_state = np.where(limit_share > 0, SLIP_FORWARD, SLIP_REVERSE)
+    contact_state = np.where(np.abs(limit_share) < 1 - 1e-12, STICK, slip_state)
+    return np.where(is_in_contact, contact_state, OPEN)
 
 
 def cycle_works(
@@ -1165,10 +1265,7 @@ def cycle_works(
     InputError
         Where an increment does not converge.
     """
-    left, right = span
-    cell = (right - left) / request.cells
-    extents = np.stack([left - (2 + _SHIFTS) * cell, right + (3 - _SHIFTS) * cell], axis=1)
-    grids = Grid(height, extents, request.cells + 5, friction, modulus)
+    grids = _moved_grids(height, span, request.cells, _SHIFTS, friction, modulus)
     numbers = range(-1, request.most_cycles) if loads.path.cycle else range(-1, 0)
     nothing = np.zeros(0)
     return _run(grids, _Path(loads, request.increments), nothing, nothing, numbers, 1).works
@@ -1198,16 +1295,17 @@ def _density_at(grid: Grid, answers: _Answers, x: Array) -> Array:
 
 
 def _error(fine: Array, coarse: Array, order: float) -> float:
-    """Error of the mean over the grids (first axis), over the largest value; root mean squares.
+    """Error of the mean over the fine grids (first axis), over the largest value; root mean
+    squares.
 
     What it changes from coarse grids over 2^order - 1, and twice the standard error by the means
     over every fourth grid, which are evenly moved themselves.
     """
-    size = float(np.max(np.abs(fine), initial=0.0))
-    if size <= 0:
+    largest_value = float(np.max(np.abs(fine), initial=0.0))
+    if largest_value <= 0:
         return 0.0
     change = np.mean(fine, axis=0) - np.mean(coarse, axis=0)
-    quarters = np.array([np.mean(fine[k::_GROUPS], axis=0) for k in range(_GROUPS)])
-    variance = np.var(quarters, axis=0) / (_GROUPS - 1)
-    by_change = np.sqrt(np.mean(change**2)) / (2**order - 1)
-    return float(2 * np.sqrt(np.mean(variance)) + by_change) / size
+    means_of_groups = np.array([np.mean(fine[k::_GROUPS], axis=0) for k in range(_GROUPS)])
+    variance = np.var(means_of_groups, axis=0) / (_GROUPS - 1)
+    error_by_change = np.sqrt(np.mean(change**2)) / (2**order - 1)
+    return float(2 * np.sqrt(np.mean(variance)) + error_by_change) / largest_value

@@ -145,43 +145,53 @@ def _convex_wedge(profile: Wedge) -> ConvexProfile:
 
 
 def _convex_table(profile: Tabulated) -> ConvexProfile:
-    left, right = profile.sides()
-    bends = np.concatenate([[0.0], left.curvature[::-1], right.curvature, [0.0]])
-    if np.min(bends) < -1e-12 * np.max(bends):
+    """A tabulated profile under any tilt: parabolas between its rows, from the left end to the
+    right one; straight beyond. InputError where the table bends down somewhere.
+    """
+    left_side, right_side = profile.sides()
+    curvatures = np.concatenate([[0.0], left_side.curvature[::-1], right_side.curvature, [0.0]])
+    if np.min(curvatures) < -1e-12 * np.max(curvatures):
         raise InputError(
             "profile: under a tilt, or with unequal sides, a table must not bend down anywhere"
         )
-    knots = np.concatenate([-left.x[::-1], right.x[1:]])
+    knots = np.concatenate([-left_side.x[::-1], right_side.x[1:]])
     return PiecewiseParabola(
         knots=knots,
-        curvature=bends,
-        slope=-float(left.slope[-1]),
-        height=float(left.height[-1]),
+        curvature=curvatures,
+        slope=-float(left_side.slope[-1]),
+        height=float(left_side.height[-1]),
         extent=(float(knots[0]), float(knots[-1])),
     )
 
 
 def _convex_power(profile: PowerLaw) -> ConvexProfile:
-    n = profile.exponent
+    """The profile h = rise (|x|/length)^n under any tilt; a parabola where n is 2. InputError for a
+    tip that is too sharp.
+    """
+    exponent = profile.exponent
     length = profile.length
-    rise = profile.rise
-    if n == 2:
-        return _parabolas([0.0], [2 * rise / length**2] * 2, 0.0)
-    if n < _SHARPEST:
+    height_at_length = profile.rise
+    if exponent == 2:
+        return _parabolas([0.0], [2 * height_at_length / length**2] * 2, 0.0)
+    if exponent < _SHARPEST:
         raise InputError(
-            f"profile.exponent = {n:.6g}: under bulk stress or tilt half-plane theory takes"
+            f"profile.exponent = {exponent:.6g}: under bulk stress or tilt half-plane theory takes"
             f" exponents from {_SHARPEST}; a wedge with a rounded tip has kind = 'wedge'"
         )
 
     def derivative(order: int, x: Array) -> Array:
-        factor = rise / length**order * math.prod(n - k for k in range(order))
-        size = np.abs(x) / length
-        power = np.where(size > 0, size, 1.0) ** (n - order)
-        return np.asarray(factor * np.sign(x) ** order * power * (size > 0))
+        factor = height_at_length / length**order * math.prod(exponent - k for k in range(order))
+        relative_distance = np.abs(x) / length
+        power_of_distance = np.where(relative_distance > 0, relative_distance, 1.0) ** (
+            exponent - order
+        )
+        return np.asarray(
+            factor * np.sign(x) ** order * power_of_distance * (relative_distance > 0)
+        )
 
     # A high power is a peak at the end: with the usual steps |x|^20 would lose 2e-10 of the load,
     # with these 1e-13.
-    rule = ROOTS if n <= 4 else logistic(-36.0, 36.0, 0.45 / n**0.2)
+    rule = ROOTS if exponent <= 4 else logistic(-36.0, 36.0, 0.45 / exponent**0.2)
     return CurvedProfile(
         knots=np.zeros(1),
         size=length,
@@ -189,40 +199,46 @@ def _convex_power(profile: PowerLaw) -> ConvexProfile:
         gradient=partial(derivative, 1),
         bend=partial(derivative, 2),
         rule=rule,
-        exponent=n,
+        exponent=exponent,
     )
 
 
 def _convex_polynomial(profile: EvenPolynomial) -> ConvexProfile:
+    """The profile h = sum of c_k (x/length)^(2 k) under any tilt. InputError where it bends down
+    somewhere.
+    """
     length = profile.length
-    rises = np.array(profile.rises)
-    if not np.any(rises[1:]):
-        return _parabolas([0.0], [2 * float(rises[0]) / length**2] * 2, 0.0)
-    k = np.arange(1.0, len(rises) + 1)
-    fall = first_fall(k * (2 * k - 1) * rises)
-    if fall is not None:
-        raise _bends_down(length * math.sqrt(fall))
-    coefficients = np.zeros(2 * len(rises) + 1)
-    coefficients[2::2] = rises
-    terms = Polynomial(coefficients, domain=[-length, length])
+    coefficients_of_squares = np.array(profile.rises)
+    if not np.any(coefficients_of_squares[1:]):
+        return _parabolas([0.0], [2 * float(coefficients_of_squares[0]) / length**2] * 2, 0.0)
+    k = np.arange(1.0, len(coefficients_of_squares) + 1)
+    falling_place = first_fall(k * (2 * k - 1) * coefficients_of_squares)
+    if falling_place is not None:
+        raise _bends_down(length * math.sqrt(falling_place))
+    coefficients_of_powers = np.zeros(2 * len(coefficients_of_squares) + 1)
+    coefficients_of_powers[2::2] = coefficients_of_squares
+    height = Polynomial(coefficients_of_powers, domain=[-length, length])
     # Equal steps of theta are exact for polynomials of twice as many degrees.
-    count = len(rises) + 2
-    up = (np.arange(count) + 0.5) / count
-    rule = LogisticRule(up, up[::-1], np.full(count, 1 / count))
-    return CurvedProfile(np.zeros(0), length, terms, terms.deriv(), terms.deriv(2), rule)
+    n_nodes = len(coefficients_of_squares) + 2
+    nodes = (np.arange(n_nodes) + 0.5) / n_nodes
+    rule = LogisticRule(nodes, nodes[::-1], np.full(n_nodes, 1 / n_nodes))
+    return CurvedProfile(np.zeros(0), length, height, height.deriv(), height.deriv(2), rule)
 
 
 def _convex_function(profile: CallableProfile) -> ConvexProfile:
+    """A profile that a Python function gives, under any tilt. InputError where it bends down
+    somewhere within its extent.
+    """
     least_distance = profile.extent * 1e-15
 
     def bend(x: Array) -> Array:
-        size = np.maximum(np.abs(x), least_distance)
-        return np.asarray(profile.bend(size) / size)
+        distance = np.maximum(np.abs(x), least_distance)
+        return np.asarray(profile.bend(distance) / distance)
 
-    sample = np.unique(np.linspace(0, 1, 1001)[1:-1] ** 2 * profile.extent)
-    falls = sample[bend(sample) < -1e-7 * np.max(bend(sample))]
-    if len(falls):
-        raise _bends_down(float(falls[0]))
+    sample_places = np.unique(np.linspace(0, 1, 1001)[1:-1] ** 2 * profile.extent)
+    falling_places = sample_places[bend(sample_places) < -1e-7 * np.max(bend(sample_places))]
+    if len(falling_places):
+        raise _bends_down(float(falling_places[0]))
     corners = np.array(_corners(profile))
     return CurvedProfile(
         knots=np.unique(np.concatenate([-corners, [0.0], corners])),
@@ -289,47 +305,23 @@ def inverse_of(
 
     @cache
     def table() -> _LogTable:
-        end = min(_ABOVE * unit, extent)
-        logs = np.arange(math.log(_BELOW * unit), math.log(end), _STEP)
-        d = np.append(np.exp(logs), [corner, extent])
-        d = np.unique(d[(d > 0) & np.isfinite(d)])
-        with np.errstate(all="ignore"):
-            force = load(d)
-            usable = np.flatnonzero((force > 1e-290) & (force < 1e290))
-            x, first = np.unique(np.log(force[usable]), return_index=True)
-            d = d[usable[first]]
-            slope = np.exp(x) / (d * stiffness(d))
-            chord = np.diff(np.log(d)) / np.diff(x)
-        # As long as no slope is more than three times a chord beside it the cubic rises.
-        least_chord = np.minimum(np.append(chord, np.inf), np.append(np.inf, chord))
-        slope = np.fmin(slope, 3 * least_chord)
-        cubic = scipy.interpolate.CubicHermiteSpline(x, np.log(d), slope)
-        return _LogTable(x, d, cubic, slope)
+        return _log_table(load, stiffness, unit, corner, extent)
 
-    def advance(force: Array) -> Array:
-        x, ends, cubic, slope = table()
-        target = np.where(force > 0, force, 1.0)
-        log = np.log(target)
-        log_below = np.minimum(log - x[0], 0.0)
-        log_above = np.maximum(log - x[-1], 0.0)
-        d = np.exp(
-            cubic(log - log_below - log_above) + slope[0] * log_below + slope[-1] * log_above
-        )
-        number = np.searchsorted(x[1:-1], log)
-        is_within = log_below == log_above
-        low = np.where(is_within, ends[number], d / 2)
-        high = np.where(is_within, ends[number + 1], d * 2)
+    def advance(loads: Array) -> Array:
+        positive_loads = np.where(loads > 0, loads, 1.0)
+        d, least_d, largest_d = table().start(np.log(positive_loads))
         for _ in range(60):
-            force_now = load(d)
-            low = np.where(force_now < target, d, low)
-            high = np.where(force_now < target, high, d)
+            load_at_d = load(d)
+            least_d = np.where(load_at_d < positive_loads, d, least_d)
+            largest_d = np.where(load_at_d < positive_loads, largest_d, d)
             with np.errstate(divide="ignore", invalid="ignore"):
-                step = np.log(target / force_now) * force_now / (d * stiffness(d))
-            newton = d * np.exp(np.clip(step, -1.0, 1.0))
-            d = np.where((newton >= low) & (newton <= high), newton, np.sqrt(low * high))
-            if np.all((np.abs(step) < _STILL) | (high <= low * (1 + 1e-15))):
+                log_step = np.log(positive_loads / load_at_d) * load_at_d / (d * stiffness(d))
+            newton_d = d * np.exp(np.clip(log_step, -1.0, 1.0))
+            is_in_bracket = (newton_d >= least_d) & (newton_d <= largest_d)
+            d = np.where(is_in_bracket, newton_d, np.sqrt(least_d * largest_d))
+            if np.all((np.abs(log_step) < _STILL) | (largest_d <= least_d * (1 + 1e-15))):
                 break
-        return np.where(force > 0, d, 0.0)
+        return np.where(loads > 0, d, 0.0)
 
     return advance
 
@@ -341,6 +333,44 @@ class _LogTable(NamedTuple):
     advance: Array
     cubic: scipy.interpolate.CubicHermiteSpline
     slope: Array
+
+    def start(self, log_load: Array) -> tuple[Array, Array, Array]:
+        """d at the logarithms of loads by the cubic, or beyond its ends by a power of the load, and
+        bounds of d from below and above.
+        """
+        log_below = np.minimum(log_load - self.log_load[0], 0.0)
+        log_above = np.maximum(log_load - self.log_load[-1], 0.0)
+        log_d = self.cubic(log_load - log_below - log_above)
+        d = np.exp(log_d + self.slope[0] * log_below + self.slope[-1] * log_above)
+        number = np.searchsorted(self.log_load[1:-1], log_load)
+        is_in_table = log_below == log_above
+        least_d = np.where(is_in_table, self.advance[number], d / 2)
+        largest_d = np.where(is_in_table, self.advance[number + 1], d * 2)
+        return d, least_d, largest_d
+
+
+def _log_table(
+    load: Function, stiffness: Function, unit: float, corner: float, extent: float
+) -> _LogTable:
+    """Table of the inverse of the rising law P = load(d), dP/dd = stiffness(d): a cubic of ln d
+    over ln P; parameters as in `inverse_of`.
+    """
+    largest_d = min(_ABOVE * unit, extent)
+    logs = np.arange(math.log(_BELOW * unit), math.log(largest_d), _STEP)
+    d = np.append(np.exp(logs), [corner, extent])
+    d = np.unique(d[(d > 0) & np.isfinite(d)])
+    with np.errstate(all="ignore"):
+        loads = load(d)
+        usable_numbers = np.flatnonzero((loads > 1e-290) & (loads < 1e290))
+        log_loads, first_numbers = np.unique(np.log(loads[usable_numbers]), return_index=True)
+        d = d[usable_numbers[first_numbers]]
+        slopes = np.exp(log_loads) / (d * stiffness(d))
+        chords = np.diff(np.log(d)) / np.diff(log_loads)
+    # As long as no slope is more than three times a chord beside it the cubic rises.
+    least_chords = np.minimum(np.append(chords, np.inf), np.append(np.inf, chords))
+    slopes = np.fmin(slopes, 3 * least_chords)
+    cubic = scipy.interpolate.CubicHermiteSpline(log_loads, np.log(d), slopes)
+    return _LogTable(log_loads, d, cubic, slopes)
 
 
 # --- power laws and their sums
@@ -395,33 +425,37 @@ def even_polynomial(modulus: float, length: float, rises: tuple[float, ...]) -> 
     1.0
     """
     k = np.arange(1.0, len(rises) + 1)
-    loads = modulus * 2 * k * np.array(rises) * np.array([load_factor(2 * power) for power in k])
+    loads_of_terms = (
+        modulus * 2 * k * np.array(rises) * np.array([load_factor(2 * power) for power in k])
+    )
     # dP/da over a is a polynomial in a^2.
-    square = first_fall(loads * k)
-    if square is not None:
-        half_width = length * float(np.sqrt(square))
+    squared_ratio_at_fall = first_fall(loads_of_terms * k)
+    if squared_ratio_at_fall is not None:
+        half_width = length * float(np.sqrt(squared_ratio_at_fall))
         raise InputError(
             f"profile: the contact would split near a half-width of {half_width:.6g};"
             " half-plane theory"
             " here needs one contact"
         )
-    first_term = int(np.flatnonzero(loads > 0)[0])
+    first_term = int(np.flatnonzero(loads_of_terms > 0)[0])
 
     def load(a: Array) -> Array:
-        square = np.square(a / length)
-        return np.asarray(square * polynomial.polyval(square, loads))
+        squared_ratio = np.square(a / length)
+        return np.asarray(squared_ratio * polynomial.polyval(squared_ratio, loads_of_terms))
 
     def stiffness(a: Array) -> Array:
-        t = a / length
-        return np.asarray(2 * t / length * polynomial.polyval(t * t, loads * k))
+        ratio = a / length
+        return np.asarray(
+            2 * ratio / length * polynomial.polyval(ratio * ratio, loads_of_terms * k)
+        )
 
-    several = sum(rise != 0 for rise in rises) > 1
+    has_several_terms = sum(rise != 0 for rise in rises) > 1
     return ContactLaw(
         load,
         inverse_of(load, stiffness, length),
         stiffness,
         power=2.0 * (first_term + 1),
-        bends_anywhere=several,
+        bends_anywhere=has_several_terms,
     )
 
 
@@ -447,11 +481,11 @@ def load_function(tau: ArrayLike) -> Array:
     if not np.any(is_shallow):
         return closed_form
     shallow_tau = np.minimum(t, _SHALLOW)
-    square = shallow_tau * shallow_tau
-    total = np.full(np.shape(t), _F_SERIES[-1])
+    squared_tau = shallow_tau * shallow_tau
+    series_value = np.full(np.shape(t), _F_SERIES[-1])
     for coefficient in _F_SERIES[-2::-1].tolist():
-        total = total * square + coefficient
-    return np.where(is_shallow, total * shallow_tau * square, closed_form)
+        series_value = series_value * squared_tau + coefficient
+    return np.where(is_shallow, series_value * shallow_tau * squared_tau, closed_form)
 
 
 def flat_and_rounded(modulus: float, radius: float, flat_half_length: float) -> ContactLaw:
@@ -543,6 +577,14 @@ class _Series:
         high = self.high[number]
         return values(number, np.minimum((2 * u - low - high) / (high - low), 1.0))
 
+    def sample_half_widths(self) -> Array:
+        """Half-widths at the nodes and both ends of every piece, (n, nodes): where dP/da falls
+        behind a knot it is least at the next one.
+        """
+        node = np.concatenate([[-1.0], NODES, [1.0]])
+        u = self.low[:, None] + (self.high - self.low)[:, None] * (1 + node) / 2
+        return np.asarray(self.begin[:, None] + np.square(u))
+
 
 def tabulated(modulus: float, profile: Tabulated) -> ContactLaw:
     """Of rows: the curvature kappa is constant between knots b_j, so that P and dP/da are sums of
@@ -570,65 +612,63 @@ def tabulated(modulus: float, profile: Tabulated) -> ContactLaw:
     spline = profile.spline()
     first_knot = int(np.flatnonzero(spline.curvature > 0)[0])
     knots = spline.x[first_knot:]
-    bend = modulus * spline.curvature[first_knot:]
+    curvature_stiffness = modulus * spline.curvature[first_knot:]
     least_width = float(knots[0])
     extent = float(knots[-1])
     # The first piece is Hertz, or flat and rounded with 1/R the first curvature.
-    head = (
-        flat_and_rounded(bend[0], 1.0, least_width)
+    first_piece = (
+        flat_and_rounded(curvature_stiffness[0], 1.0, least_width)
         if least_width > 0
-        else power_law(bend[0], 2.0, 1.0, 0.5)
+        else power_law(curvature_stiffness[0], 2.0, 1.0, 0.5)
     )
-    rows = _series_of_rows(knots, bend)
+    row_series = _series_of_rows(knots, curvature_stiffness)
 
-    def series_or_head(d: Array, values: Powers, head_function: Callable[[Array], Array]) -> Array:
-        if not len(rows.begin):
-            return head_function(d)
+    def series_or_first_piece(
+        d: Array, values: Powers, law_of_first_piece: Callable[[Array], Array]
+    ) -> Array:
+        if not len(row_series.begin):
+            return law_of_first_piece(d)
         a = d + least_width
-        number = np.searchsorted(rows.edges, a, side="right") - 1
-        u = np.sqrt(np.maximum(a - rows.begin[number], 0.0))
-        at_widths = rows.on(np.maximum(number, 0), u, values)
-        is_in_head = number < 0
-        if np.any(is_in_head):
+        number = np.searchsorted(row_series.edges, a, side="right") - 1
+        u = np.sqrt(np.maximum(a - row_series.begin[number], 0.0))
+        values_at_widths = row_series.on(np.maximum(number, 0), u, values)
+        is_in_first_piece = number < 0
+        if np.any(is_in_first_piece):
             # of d itself, which keeps its digits beside a flat
-            at_widths[is_in_head] = head_function(d[is_in_head])
-        return at_widths
+            values_at_widths[is_in_first_piece] = law_of_first_piece(d[is_in_first_piece])
+        return values_at_widths
 
     def load(d: Array) -> Array:
-        return series_or_head(d, rows.load, head.load)
+        return series_or_first_piece(d, row_series.load, first_piece.load)
 
     def stiffness(d: Array) -> Array:
-        return series_or_head(d, rows.rate, head.stiffness)
+        return series_or_first_piece(d, row_series.rate, first_piece.stiffness)
 
     largest_load = float(load(np.array(extent - least_width)))
-    inverse = head.advance
-    if len(rows.begin):
+    inverse = first_piece.advance
+    if len(row_series.begin):
         corner = float(knots[1]) - least_width
         inverse = inverse_of(load, stiffness, extent, corner, extent - least_width)
 
-    def advance(p: Array) -> Array:
-        needed_load = float(np.max(p, initial=0.0))
+    def advance(loads: Array) -> Array:
+        needed_load = float(np.max(loads, initial=0.0))
         if needed_load > largest_load:
             raise ProfileDataError(
                 f"profile: the normal load {needed_load:.6g} needs a contact wider than the table,"
                 f" whose last x = {extent:.6g} carries {largest_load:.6g}"
             )
-        return np.asarray(inverse(p))
+        return np.asarray(inverse(loads))
 
-    law = ContactLaw(
-        load, advance, stiffness, least_width, tuple(knots[1:-1].tolist()), extent=extent
-    )
-    if len(rows.begin):
-        # Of every piece the ends too: where dP/da falls behind a knot it is least at the next one.
-        t = np.concatenate([[-1.0], NODES, [1.0]])
-        u = rows.low[:, None] + (rows.high - rows.low)[:, None] * (1 + t) / 2
-        half_width = rows.begin[:, None] + np.square(u)
+    if len(row_series.begin):
+        half_width = row_series.sample_half_widths()
         rate = stiffness(half_width - least_width)
         # Round-off may leave that much below 0 where the profile is straight.
         falls = rate < -1e-12 * np.max(rate)
         if np.any(falls):
             raise _splits(profile, float(np.min(half_width[falls])))
-    return law
+    return ContactLaw(
+        load, advance, stiffness, least_width, tuple(knots[1:-1].tolist()), extent=extent
+    )
 
 
 class _Piece(NamedTuple):
@@ -653,26 +693,29 @@ class _Range(NamedTuple):
 
 
 def _pieces_of_rows(knots: Array) -> list[_Piece]:
-    """The pieces behind every knot from the second on, in octaves behind a short interval.
-
-    What the knot before leaves is singular at u^2 = before - begin.
+    """Pieces of half-widths behind every knot from the second on, in terms of u = sqrt(a - knot): a
+    short first one, then octaves, since what the knot before leaves is singular at a distance in
+    u^2 below 0.
     """
     pieces: list[_Piece] = []
     for knot_before, begin, end in zip(
         knots[:-2].tolist(), knots[1:-1].tolist(), knots[2:].tolist(), strict=True
     ):
         length = (end - begin) ** 0.5
-        step = (begin - knot_before) ** 0.5
-        octaves = range(math.ceil(math.log2(length / step)))
-        marks = [0.0, *(step * 2.0**k for k in octaves), length]
-        if len(marks) > 2 and length - marks[-2] < 0.1 * (marks[-2] - marks[-3]):
-            del marks[-2]
-        pieces += [_Piece(begin, low, high) for low, high in pairwise(marks)]
+        first_length = (begin - knot_before) ** 0.5
+        octaves = range(math.ceil(math.log2(length / first_length)))
+        ends_of_pieces = [0.0, *(first_length * 2.0**k for k in octaves), length]
+        if len(ends_of_pieces) > 2 and length - ends_of_pieces[-2] < 0.1 * (
+            ends_of_pieces[-2] - ends_of_pieces[-3]
+        ):
+            del ends_of_pieces[-2]
+        pieces += [_Piece(begin, begin_u, end_u) for begin_u, end_u in pairwise(ends_of_pieces)]
     return pieces
 
 
-def _series_of_rows(knots: Array, bend: Array) -> _Series:
-    """Series behind every knot from the second on; none where there are no more than two.
+def _series_of_rows(knots: Array, curvature_stiffness: Array) -> _Series:
+    """Chebyshev series of P and dP/da behind every knot b of a table from the second on, none where
+    there are no more than two; between the knots E* h'' is `curvature_stiffness`.
 
     Sums over knots that are farther below a range of half-widths than that is long are smooth
     there, and one series for all of the range; halves of it add those that are farther than they
@@ -683,57 +726,76 @@ def _series_of_rows(knots: Array, bend: Array) -> _Series:
     begin = np.array([piece.begin for piece in pieces])
     low = np.array([piece.low for piece in pieces])
     high = np.array([piece.high for piece in pieces])
-    jumps = np.diff(bend, prepend=0.0)
+    jumps = np.diff(curvature_stiffness, prepend=0.0)
     # The ends too: loads there are where pieces begin and end.
-    t = np.concatenate([[-1.0], NODES, [1.0]])
-    u = low[:, None] + (high - low)[:, None] * (1 + t) / 2
-    rises = np.square(u)
+    node = np.concatenate([[-1.0], NODES, [1.0]])
+    u = low[:, None] + (high - low)[:, None] * (1 + node) / 2
+    distances = np.square(u)
     half_widths = begin[:, None] + np.square(u)
     load_and_rate = np.zeros((*half_widths.shape, 2))
 
-    def sums(
-        a: Array, begin_of_piece: Array, rises: Array, first_knot: int, knot_beyond: int
+    def sums_over_knots(
+        a: Array, begin_of_piece: Array, distances: Array, first_knot: int, knot_beyond: int
     ) -> Array:
-        """P and dP/da/a by knots number `first_knot` to `knot_beyond`, at a = since + above: a -
-        b is known without cancellation.
+        """P and dP/da/a by knots number `first_knot` to `knot_beyond`, at half-widths a, which
+        are `begin_of_piece` + `distances`: so a - b is known without cancellation.
         """
         b = knots[first_knot:knot_beyond]
-        rise = np.maximum((begin_of_piece - b) + rises, 0.0)
-        tau = np.sqrt(rise * (a + b))
-        angle = np.where(rise > 0, np.arctan2(tau, b), 0.0)
+        distance_from_knots = np.maximum((begin_of_piece - b) + distances, 0.0)
+        tau = np.sqrt(distance_from_knots * (a + b))
+        angle = np.where(distance_from_knots > 0, np.arctan2(tau, b), 0.0)
         # a^2 arccos(b/a) - b tau is twice the load of a flat with rounded edges; with b = 0 Hertz.
-        twice_load = np.where(rise > 0, a * a * angle - b * tau, 0.0)
+        twice_load = np.where(distance_from_knots > 0, a * a * angle - b * tau, 0.0)
         load = twice_load @ jumps[first_knot:knot_beyond] / 2
-        rate = angle @ jumps[first_knot:knot_beyond]
-        return np.stack([load, rate], axis=-1)
+        rate_over_width = angle @ jumps[first_knot:knot_beyond]
+        return np.stack([load, rate_over_width], axis=-1)
 
     ranges: list[_Range] = []
     if pieces:
         ranges.append(_Range(0, len(begin), 0, (0.0, 1.0), np.zeros((len(NODES), 2))))
     while ranges:
-        part = ranges.pop()
-        ends = (half_widths[part.first, 0], half_widths[part.last - 1, -1])
-        length = ends[1] - ends[0]
-        place = ends[0] + length * (1 + NODES) / 2
-        knots_far_below = max(int(np.searchsorted(knots, 2 * ends[0] - ends[1])), part.known)
-        in_series = (place - part.ends[0]) * (2 / (part.ends[1] - part.ends[0])) - 1
-        values = chebyshev.chebval(in_series, part.smooth).T
-        column = place[:, None]
-        values = values + sums(column, column, np.zeros((1, 1)), part.known, knots_far_below)
-        smooth_series = series(values.T).T
-        if part.last - part.first > _TOGETHER:
-            middle = (part.first + part.last) // 2
-            ranges.append(_Range(part.first, middle, knots_far_below, ends, smooth_series))
-            ranges.append(_Range(middle, part.last, knots_far_below, ends, smooth_series))
+        range_of_pieces = ranges.pop()
+        range_ends = (
+            half_widths[range_of_pieces.first, 0],
+            half_widths[range_of_pieces.last - 1, -1],
+        )
+        range_length = range_ends[1] - range_ends[0]
+        places = range_ends[0] + range_length * (1 + NODES) / 2
+        knots_far_below = max(
+            int(np.searchsorted(knots, 2 * range_ends[0] - range_ends[1])), range_of_pieces.known
+        )
+        place_in_series = (places - range_of_pieces.ends[0]) * (
+            2 / (range_of_pieces.ends[1] - range_of_pieces.ends[0])
+        ) - 1
+        sums_at_places = chebyshev.chebval(place_in_series, range_of_pieces.smooth).T
+        column_of_places = places[:, None]
+        sums_at_places = sums_at_places + sums_over_knots(
+            column_of_places,
+            column_of_places,
+            np.zeros((1, 1)),
+            range_of_pieces.known,
+            knots_far_below,
+        )
+        smooth_series = series(sums_at_places.T).T
+        if range_of_pieces.last - range_of_pieces.first > _TOGETHER:
+            middle = (range_of_pieces.first + range_of_pieces.last) // 2
+            ranges.append(
+                _Range(range_of_pieces.first, middle, knots_far_below, range_ends, smooth_series)
+            )
+            ranges.append(
+                _Range(middle, range_of_pieces.last, knots_far_below, range_ends, smooth_series)
+            )
             continue
-        rows = slice(part.first, part.last)
-        knots_reached = int(np.searchsorted(knots[:-1], ends[1]))
-        in_series = (half_widths[rows] - ends[0]) * 2 / length - 1
-        load_and_rate[rows] = np.moveaxis(chebyshev.chebval(in_series, smooth_series), 0, -1)
-        load_and_rate[rows] += sums(
-            half_widths[rows, :, None],
-            begin[rows, None, None],
-            rises[rows, :, None],
+        numbers_in_range = slice(range_of_pieces.first, range_of_pieces.last)
+        knots_reached = int(np.searchsorted(knots[:-1], range_ends[1]))
+        place_in_series = (half_widths[numbers_in_range] - range_ends[0]) * 2 / range_length - 1
+        load_and_rate[numbers_in_range] = np.moveaxis(
+            chebyshev.chebval(place_in_series, smooth_series), 0, -1
+        )
+        load_and_rate[numbers_in_range] += sums_over_knots(
+            half_widths[numbers_in_range, :, None],
+            begin[numbers_in_range, None, None],
+            distances[numbers_in_range, :, None],
             knots_far_below,
             knots_reached,
         )
@@ -757,21 +819,21 @@ def _splits(profile: Tabulated, half_width: float) -> InputError:
     step = profile.step_of_heights()
     x, h = profile.points.values[row].tolist()
     cause = "the curve through the rows bends down there"
-    cure = "smooth the rows until it does not"
+    advice = "smooth the rows until it does not"
     if step is not None:
         cause = (
             f"h is written in steps of {step:.6g}, and the curve through such rows goes up by"
             " stairs"
         )
-        cure = (
+        advice = (
             "write h with more digits, leave rows out until each rises by many steps, or give a"
             " formula that fits them"
         )
     place = f"{profile.place(row)}, x = {x:.6g} and h = {h:.6g}"
-    words = (
-        f"{place}: the contact would split near a half-width of {half_width:.6g}: {cause}; {cure}"
+    message = (
+        f"{place}: the contact would split near a half-width of {half_width:.6g}: {cause}; {advice}"
     )
-    return InputError(words) if step is None else ProfileDataError(words)
+    return InputError(message) if step is None else ProfileDataError(message)
 
 
 # --- Python functions
@@ -837,13 +899,13 @@ def slope_function(modulus: float, profile: CallableProfile) -> ContactLaw:
     """
     corners = _corners(profile)
     least_width = _flat_half_length(profile, corners)
-    cuts = [least_width, *(b for b in corners if least_width < b < profile.extent)]
-    ranges = list(pairwise([*cuts, profile.extent]))
-    cuts_behind = tuple(reversed(cuts if least_width else cuts[1:]))
+    begins_of_stretches = [least_width, *(b for b in corners if least_width < b < profile.extent)]
+    ranges = list(pairwise([*begins_of_stretches, profile.extent]))
+    cuts_behind = tuple(reversed(begins_of_stretches if least_width else begins_of_stretches[1:]))
     stretches = [_stretch(modulus, profile, begin, end, cuts_behind) for begin, end in ranges]
-    carried_load = float(stretches[-1].loads(stretches[-1].loads.edges[-1]))
+    largest_load = float(stretches[-1].loads(stretches[-1].loads.edges[-1]))
 
-    def at(d: Array, order: int) -> Array:
+    def value_at(d: Array, order: int) -> Array:
         """P (order 0) or dP/da (1) where the half-width is d above the least one."""
         half_width = least_width + d
         values = np.zeros(d.shape)
@@ -852,40 +914,43 @@ def slope_function(modulus: float, profile: CallableProfile) -> ContactLaw:
         for k, stretch in enumerate(stretches):
             in_stretch = number == k
             if np.any(in_stretch):
-                rise = (d if k == 0 else half_width - stretch.begin)[in_stretch]
-                u = np.sqrt(rise) if stretch.rooted else rise
+                distance = (d if k == 0 else half_width - stretch.begin)[in_stretch]
+                u = np.sqrt(distance) if stretch.rooted else distance
                 values[in_stretch] = stretch.at(u, order)
         return values
 
     inverse = inverse_of(
-        partial(at, order=0),
-        partial(at, order=1),
+        partial(value_at, order=0),
+        partial(value_at, order=1),
         profile.extent,
         extent=profile.extent - least_width,
     )
 
-    def advance(p: Array) -> Array:
-        needed_load = float(np.max(p, initial=0.0))
-        if needed_load > carried_load * (1 + 1e-12):
+    def advance(loads: Array) -> Array:
+        needed_load = float(np.max(loads, initial=0.0))
+        if needed_load > largest_load * (1 + 1e-12):
             raise ProfileDataError(
                 f"profile.extent = {profile.extent:.6g}: the normal load {needed_load:.6g} needs a"
-                f" wider contact, the extent carries {carried_load:.6g}"
+                f" wider contact, the extent carries {largest_load:.6g}"
             )
-        return inverse(p)
+        return inverse(loads)
 
-    sample = np.unique(np.concatenate([np.linspace(begin, end, 200) for begin, end in ranges]))
-    rates = at(sample - least_width, 1)
-    falls = rates < -1e-10 * np.max(rates)
+    sample_half_widths = np.unique(
+        np.concatenate([np.linspace(begin, end, 200) for begin, end in ranges])
+    )
+    sample_rates = value_at(sample_half_widths - least_width, 1)
+    falls = sample_rates < -1e-10 * np.max(sample_rates)
     if np.any(falls):
+        first_fall_width = sample_half_widths[falls][0]
         raise InputError(
-            f"profile: the contact would split near a half-width of {sample[falls][0]:.6g}"
+            f"profile: the contact would split near a half-width of {first_fall_width:.6g}"
         )
     return ContactLaw(
-        load=partial(at, order=0),
+        load=partial(value_at, order=0),
         advance=advance,
-        stiffness=partial(at, order=1),
+        stiffness=partial(value_at, order=1),
         least=least_width,
-        breaks=tuple(cuts[1:]),
+        breaks=tuple(begins_of_stretches[1:]),
         power=stretches[0].power if not least_width else 2.0,
         extent=profile.extent,
         bends_anywhere=True,
@@ -897,46 +962,53 @@ def slope_function(modulus: float, profile: CallableProfile) -> ContactLaw:
 def _stretch(
     modulus: float, profile: CallableProfile, begin: float, end: float, cuts: tuple[float, ...]
 ) -> _Stretch:
-    """P and dP/da for begin < a < end; `cuts`, descending, is where the slope has corners."""
-    rooted = begin > 0
-    length = np.sqrt(end - begin) if rooted else end - begin
-    edges = length * 0.5 ** np.arange(_OCTAVES - 1, -1.0, -1.0)
-    if rooted and profile.slope(np.array(begin)) > 0:
-        edges = np.concatenate([[0.0], edges[-4:]])
-    elif rooted:
-        edges = edges[edges > 1e-5 * np.sqrt(begin)]
+    """Series of P and dP/da for half-widths begin < a < end, by quadrature of the slope and the
+    curvature of a profile; `cuts`, descending, are the places where the slope has corners.
+    InputError where the function is too rough.
+    """
+    is_rooted = begin > 0
+    length = np.sqrt(end - begin) if is_rooted else end - begin
+    edges_of_pieces = length * 0.5 ** np.arange(_OCTAVES - 1, -1.0, -1.0)
+    if is_rooted and profile.slope(np.array(begin)) > 0:
+        edges_of_pieces = np.concatenate([[0.0], edges_of_pieces[-4:]])
+    elif is_rooted:
+        edges_of_pieces = edges_of_pieces[edges_of_pieces > 1e-5 * np.sqrt(begin)]
 
     def integral(distance: Array, order: int) -> Array:
         # x = a cos(angle); the angle at a corner from the distance to it, which is known.
-        rise = distance**2 if rooted else distance
-        half_width = begin + rise
-        gaps = [np.maximum(rise + (begin - b), 0.0) for b in cuts]
+        distance_behind_begin = distance**2 if is_rooted else distance
+        half_width = begin + distance_behind_begin
+        distances_to_cuts = [np.maximum(distance_behind_begin + (begin - b), 0.0) for b in cuts]
         angles = [
-            np.arctan2(np.sqrt(gap * (half_width + b)), b)
-            for gap, b in zip(gaps, cuts, strict=True)
+            np.arctan2(np.sqrt(distance_to_cut * (half_width + b)), b)
+            for distance_to_cut, b in zip(distances_to_cuts, cuts, strict=True)
         ]
-        node = panels(np.zeros(half_width.shape), np.pi / 2, angles)
-        cosine = np.sin(np.where(node.at < 0.7, np.pi / 2 - node.at, node.below))
+        nodes = panels(np.zeros(half_width.shape), np.pi / 2, angles)
+        cosine = np.sin(np.where(nodes.at < 0.7, np.pi / 2 - nodes.at, nodes.below))
         x = half_width[..., None, None] * cosine
         slopes = (
             profile.slope(x) + profile.bend(x)
             if order
             else profile.slope(x) * half_width[..., None, None]
         )
-        return np.asarray(modulus * np.sum(node.weight * cosine * slopes, axis=(-2, -1)))
+        return np.asarray(modulus * np.sum(nodes.weight * cosine * slopes, axis=(-2, -1)))
 
     # Beside a flat, or behind a corner, the slope is known to round-off of its largest value and
     # its bend jumps within round-off of the corner: 4e-15 of the scale can be had for the load,
     # 1e-12 for its derivative. From the middle on that is so of every octave by itself. What the
     # values of a height leave uncertain is no more than noise either.
-    places = edges[-1:] if rooted else edges[1:]
+    sample_places = edges_of_pieces[-1:] if is_rooted else edges_of_pieces[1:]
     floors = (
         max(4e-15, profile.rounding_of_height.load),
         max(1e-12, profile.rounding_of_height.stiffness),
     )
     try:
         loads, rates = (
-            halved(partial(integral, order=k), edges, floors[k] / 4e-15 * integral(places, k))
+            halved(
+                partial(integral, order=k),
+                edges_of_pieces,
+                floors[k] / 4e-15 * integral(sample_places, k),
+            )
             for k in (0, 1)
         )
     except Unresolved as fault:
@@ -945,21 +1017,23 @@ def _stretch(
             " of this half-width carries is no smooth function; give `breaks`, or a smoother"
             " function"
         ) from fault
-    return _Stretch(begin, rooted, loads, rates)
+    return _Stretch(begin, is_rooted, loads, rates)
 
 
 def _flat_half_length(profile: CallableProfile, corners: tuple[float, ...]) -> float:
     """Half-length of the flat in the middle; 0 if there is none."""
-    marks = np.array([*profile.corners, profile.extent])
-    flat = profile.slope(marks * 0.999) <= 1e-15 * float(np.max(profile.slope(marks)))
-    inner_marks = marks[flat]
+    sample_places = np.array([*profile.corners, profile.extent])
+    is_flat_there = profile.slope(sample_places * 0.999) <= 1e-15 * float(
+        np.max(profile.slope(sample_places))
+    )
+    flat_places = sample_places[is_flat_there]
     # Slopes fall towards 0 without being flat: a flat is one whose edge is a corner of the profile.
-    inner_corners = [b for b in corners if len(inner_marks) and b <= inner_marks[-1] * (1 + 1e-9)]
+    inner_corners = [b for b in corners if len(flat_places) and b <= flat_places[-1] * (1 + 1e-9)]
     if not inner_corners:
         return 0.0
-    edge = inner_corners[-1]
-    is_flat = profile.slope(edge * 0.9) <= 1e-13 * np.max(profile.slope(marks))
-    return float(edge) if is_flat else 0.0
+    edge_of_flat = inner_corners[-1]
+    is_flat = profile.slope(edge_of_flat * 0.9) <= 1e-13 * np.max(profile.slope(sample_places))
+    return float(edge_of_flat) if is_flat else 0.0
 
 
 def _corners(profile: CallableProfile) -> tuple[float, ...]:

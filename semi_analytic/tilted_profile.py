@@ -177,7 +177,7 @@ class ConvexProfile(abc.ABC):
             values[rows] = function(*parts)
         return values
 
-    def contact(self, product: ArrayLike, tilt: ArrayLike) -> tuple[Array, Array]:
+    def contact(self, load_product: ArrayLike, tilt: ArrayLike) -> tuple[Array, Array]:
         """m and c of the contact under A P and a tilt, arrays that broadcast: least int h d theta +
         pi alpha m - A P ln(c).
 
@@ -186,32 +186,33 @@ class ConvexProfile(abc.ABC):
         InputError
             For a tilt steeper than the sides, and for a contact that reaches beyond the profile.
         """
-        product, tilt = np.broadcast_arrays(
-            np.asarray(product, dtype=float), np.asarray(tilt, dtype=float)
+        load_product, tilt = np.broadcast_arrays(
+            np.asarray(load_product, dtype=float), np.asarray(tilt, dtype=float)
         )
         middle = np.array(self.touch(tilt))
-        half_width = np.zeros(product.shape)
+        half_width = np.zeros(load_product.shape)
         if not np.all(np.isfinite(middle)):
             raise InputError(
                 "load: the tilt is steeper than the sides of the profile: it touches nowhere along"
                 " its sides"
             )
-        pressed = product > 0
-        middle[pressed], half_width[pressed] = self._pressed(
-            product[pressed], tilt[pressed], middle[pressed]
+        is_pressed = load_product > 0
+        middle[is_pressed], half_width[is_pressed] = self._pressed(
+            load_product[is_pressed], tilt[is_pressed], middle[is_pressed]
         )
-        left = float(np.min(middle - half_width, initial=0.0))
-        right = float(np.max(middle + half_width, initial=0.0))
+        left_edge = float(np.min(middle - half_width, initial=0.0))
+        right_edge = float(np.max(middle + half_width, initial=0.0))
         left_end, right_end = self.extent
-        if left < left_end * (1 + _NOISE) or right > right_end * (1 + _NOISE):
+        if left_edge < left_end * (1 + _NOISE) or right_edge > right_end * (1 + _NOISE):
             raise ProfileDataError(
-                f"profile: the load needs a contact from {left:.6g} to {right:.6g}, the"
+                f"profile: the load needs a contact from {left_edge:.6g} to {right_edge:.6g}, the"
                 f" profile goes from {left_end:.6g} to {right_end:.6g}"
             )
         return middle, half_width
 
-    def _pressed(self, product: Array, tilt: Array, start: Array) -> tuple[Array, Array]:
-        """m and c under A P > 0, (n,), of a profile that touches first at `start`.
+    def _pressed(self, load_product: Array, tilt: Array, first_touch: Array) -> tuple[Array, Array]:
+        """Centre m and half-length c of the contacts under A P = `load_product` > 0 and a tilt,
+        (n,) each, of a profile that touches at `first_touch` without load.
 
         Newton's method for what both ends carry, held back by the slope of the sum that is least,
         which is convex. m and c are those of the last step that was accepted; the next trial is at
@@ -219,33 +220,43 @@ class ConvexProfile(abc.ABC):
         """
         # From a wider contact: what either end carries is nearly a convex function of it, and
         # hardly one of the other.
-        low = start - self.size
-        high = start + self.size
+        leftmost = first_touch - self.size
+        rightmost = first_touch + self.size
         if len(self.knots):
-            low = np.minimum(low, self.knots[0] - self.size)
-            high = np.maximum(high, self.knots[-1] + self.size)
-        m = (low + high) / 2
-        c = (high - low) / 2
-        shift = 0 * start
-        widening = 0 * start
-        fall = np.full(start.shape, np.inf)
+            leftmost = np.minimum(leftmost, self.knots[0] - self.size)
+            rightmost = np.maximum(rightmost, self.knots[-1] + self.size)
+        m = (leftmost + rightmost) / 2
+        c = (rightmost - leftmost) / 2
+        shift = 0 * first_touch
+        widening = 0 * first_touch
+        predicted_fall = np.full(first_touch.shape, np.inf)
         for _ in range(_STEPS):
             trial_m = m + shift
             trial_c = c + widening
             balance = self.balance(trial_m, trial_c)
-            lean = np.pi * (balance.mean_slope + tilt)
-            missing = (product - balance.load) / trial_c
+            slope_residual = np.pi * (balance.mean_slope + tilt)
+            load_residual = (load_product - balance.load) / trial_c
             # Half of a step beyond which the sum would rise as steeply as half of its fall before.
-            accepted = lean * shift - missing * widening <= fall / 2
-            m = np.where(accepted, trial_m, m)
-            c = np.where(accepted, trial_c, c)
-            step, widening_step = _newton_step(balance, lean, missing, trial_c, c)
+            is_accepted = slope_residual * shift - load_residual * widening <= predicted_fall / 2
+            m = np.where(is_accepted, trial_m, m)
+            c = np.where(is_accepted, trial_c, c)
+            newton_shift, newton_widening = _newton_step(
+                balance, slope_residual, load_residual, trial_c, c
+            )
             # Neither end moves by more than c, nor past what touches first.
-            left = np.clip(step - widening_step, -c, 0.9 * np.maximum(start - m + c, 0.0))
-            right = np.clip(step + widening_step, 0.9 * np.minimum(start - m - c, 0.0), c)
-            shift = np.where(accepted, (left + right) / 2, shift / 2)
-            widening = np.where(accepted, (right - left) / 2, widening / 2)
-            fall = np.where(accepted, np.abs(lean * shift - missing * widening), fall)
+            left_move = np.clip(
+                newton_shift - newton_widening, -c, 0.9 * np.maximum(first_touch - m + c, 0.0)
+            )
+            right_move = np.clip(
+                newton_shift + newton_widening, 0.9 * np.minimum(first_touch - m - c, 0.0), c
+            )
+            shift = np.where(is_accepted, (left_move + right_move) / 2, shift / 2)
+            widening = np.where(is_accepted, (right_move - left_move) / 2, widening / 2)
+            predicted_fall = np.where(
+                is_accepted,
+                np.abs(slope_residual * shift - load_residual * widening),
+                predicted_fall,
+            )
             # The next step would be about the power 3/2 of this one.
             largest_step = np.maximum(np.abs(shift), np.abs(widening))
             if np.all(largest_step <= 1e-10 * c + 1e-14 * np.abs(m)):
@@ -254,23 +265,28 @@ class ConvexProfile(abc.ABC):
 
 
 def _newton_step(
-    balance: Balance, lean: Array, missing: Array, half_width: Array, fallback: Array
+    balance: Balance,
+    slope_residual: Array,
+    load_residual: Array,
+    half_width: Array,
+    fallback_widening: Array,
 ) -> tuple[Array, Array]:
-    """Steps of m and c (n,) of Newton's method; no shift, and wider by `fallback`, where the sum is
-    not convex.
+    """Newton's steps of the centre and the half-length (n,) of contacts, from the residuals of the
+    mean slope and of the load; where the sum that is least is not convex, no shift, and wider by
+    `fallback_widening`.
     """
-    bend = balance.bend_sum
-    moment = balance.bend_cosine_sum
-    moment_with_lean = moment + lean / half_width
+    bend_sum = balance.bend_sum
+    bend_cosine_sum = balance.bend_cosine_sum
+    off_diagonal_with_residual = bend_cosine_sum + slope_residual / half_width
     # The full matrix only where its determinant is positive, with a margin.
-    has_margin = bend * bend > 1.1 * moment_with_lean * moment
-    off_diagonal = np.where(has_margin, moment_with_lean, moment)
-    determinant = bend * bend - off_diagonal * moment
+    has_margin = bend_sum * bend_sum > 1.1 * off_diagonal_with_residual * bend_cosine_sum
+    off_diagonal = np.where(has_margin, off_diagonal_with_residual, bend_cosine_sum)
+    determinant = bend_sum * bend_sum - off_diagonal * bend_cosine_sum
     is_convex = determinant > 0
     determinant = np.where(is_convex, determinant, 1.0)
-    shift = -(lean * bend + off_diagonal * missing) / determinant
-    widening = (bend * missing + lean * moment) / determinant
-    return np.where(is_convex, shift, 0.0), np.where(is_convex, widening, fallback)
+    shift = -(slope_residual * bend_sum + off_diagonal * load_residual) / determinant
+    widening = (bend_sum * load_residual + slope_residual * bend_cosine_sum) / determinant
+    return np.where(is_convex, shift, 0.0), np.where(is_convex, widening, fallback_widening)
 
 
 @dataclass(frozen=True, eq=False)
@@ -336,39 +352,45 @@ class PiecewiseParabola(ConvexProfile):
         return np.concatenate([[self.slope], self.slope + rises])
 
     def touch(self, tilt: ArrayLike) -> Array:
-        """Where h' + alpha = 0: the middle of that place, infinite if there is none [length]."""
+        """Where the profile touches under a tilt alpha without load, h' + alpha = 0: the middle of
+        that place [length], infinite where there is none.
+        """
         slope = -np.asarray(tilt, dtype=float)
         last_knot = len(self.knots) - 1
-        first = np.searchsorted(self.slopes, slope, "left")
-        first_after = np.searchsorted(self.slopes, slope, "right")
-        knot_before = np.clip(first - 1, 0, last_knot)
-        curvature = self.curvature[first]
-        rise = slope - self.slopes[knot_before]
+        first_knot_at_slope = np.searchsorted(self.slopes, slope, "left")
+        first_knot_beyond = np.searchsorted(self.slopes, slope, "right")
+        knot_before = np.clip(first_knot_at_slope - 1, 0, last_knot)
+        curvature = self.curvature[first_knot_at_slope]
+        slope_rise = slope - self.slopes[knot_before]
         with np.errstate(divide="ignore", invalid="ignore"):
-            way = np.where(curvature > 0, rise / curvature, np.copysign(np.inf, rise))
-            between_knots = self.knots[knot_before] + way
-        left = self.knots[np.minimum(first, last_knot)]
-        right = self.knots[np.maximum(first_after - 1, 0)]
-        return np.where(first_after > first, (left + right) / 2, between_knots)
+            distance = np.where(
+                curvature > 0, slope_rise / curvature, np.copysign(np.inf, slope_rise)
+            )
+            between_knots = self.knots[knot_before] + distance
+        left_place = self.knots[np.minimum(first_knot_at_slope, last_knot)]
+        right_place = self.knots[np.maximum(first_knot_beyond - 1, 0)]
+        return np.where(
+            first_knot_beyond > first_knot_at_slope, (left_place + right_place) / 2, between_knots
+        )
 
     def balance(self, m: Array, c: Array) -> Balance:
         """What a contact carries. Knots left of m count by (b - x)_+, so that ends next to a knot
         keep their digits.
         """
-        number = np.searchsorted(self.knots, m)
-        knot_before = np.maximum(number - 1, 0)
-        curvature = self.curvature[number]
+        piece_at_middle = np.searchsorted(self.knots, m)
+        knot_before = np.maximum(piece_at_middle - 1, 0)
+        curvature = self.curvature[piece_at_middle]
         distance = self.knots - m[..., None]
         half_width = np.where(c > 0, c, 1.0)[..., None]
         depth = np.clip(1 - np.abs(distance) / half_width, 0.0, 1.0)
         theta = 2 * np.arcsin(np.sqrt(depth / 2))
         sine = np.sqrt(depth * (2 - depth))
         side = np.where(distance >= 0, 1.0, -1.0)
-        of_mean, of_load = _angle_functions(theta, sine, 1 - depth)
+        mean_functions, load_functions = _angle_functions(theta, sine, 1 - depth)
         slope_at_middle = self.slopes[knot_before] + curvature * (m - self.knots[knot_before])
         return Balance(
-            mean_slope=c * (of_mean @ self.jumps) / np.pi + slope_at_middle,
-            load=c * c / 2 * (np.pi * curvature + (side * of_load) @ self.jumps),
+            mean_slope=c * (mean_functions @ self.jumps) / np.pi + slope_at_middle,
+            load=c * c / 2 * (np.pi * curvature + (side * load_functions) @ self.jumps),
             bend_sum=np.pi * curvature + (side * theta) @ self.jumps,
             bend_cosine_sum=sine @ self.jumps,
         )
@@ -391,84 +413,108 @@ class PiecewiseParabola(ConvexProfile):
         return len(self.knots)
 
     def _pressure(self, x: Array, m: Array, c: Array) -> Array:
+        """pi A p at x over a contact of centre m and half-length c, arrays that broadcast: the sum
+        over the knots of the jump of h'' times an integral in closed form, and that of a parabola;
+        0 outside.
+        """
         t = x - m
         if self.is_parabola:
-            square = np.maximum((c - x + m) * (c + x - m), 0.0)
-            return np.asarray(np.pi * self.curvature[0] * np.sqrt(square))
+            squared_root = np.maximum((c - x + m) * (c + x - m), 0.0)
+            return np.asarray(np.pi * self.curvature[0] * np.sqrt(squared_root))
         knot_angles = self.angles(m, c)
         root = np.sqrt(np.maximum((c - t) * (c + t), 0.0))[..., None]
         half_width = np.where(c > 0, c, 1.0)[..., None]
         distance_to_knot = self.knots - x[..., None]
         # ln|sin((theta_x + theta)/2)/sin((theta_x - theta)/2)|, each sine times the same factor
-        of_point = root / half_width * (1 + knot_angles.cosine)
-        of_knot = knot_angles.sine * (1 + t[..., None] / half_width)
+        sine_of_point = root / half_width * (1 + knot_angles.cosine)
+        sine_of_knot = knot_angles.sine * (1 + t[..., None] / half_width)
         with np.errstate(divide="ignore", invalid="ignore"):
-            logarithm = np.log(np.abs((of_point + of_knot) / (of_point - of_knot)))
+            logarithm = np.log(
+                np.abs((sine_of_point + sine_of_knot) / (sine_of_point - sine_of_knot))
+            )
         is_zero = (distance_to_knot == 0) | (knot_angles.sine == 0) | ~np.isfinite(logarithm)
         logarithm = np.where(is_zero, 0.0, logarithm)
-        terms = root * knot_angles.theta - distance_to_knot * logarithm
-        pressure = terms @ self.jumps + np.pi * self.curvature[0] * root[..., 0]
+        terms_of_knots = root * knot_angles.theta - distance_to_knot * logarithm
+        pressure = terms_of_knots @ self.jumps + np.pi * self.curvature[0] * root[..., 0]
         return np.where(root[..., 0] > 0, pressure, 0.0)
 
     def _gap(self, x: Array, m: Array, c: Array) -> Array:
+        """Gap at x outside a contact of centre m and half-length c, arrays that broadcast: the sum
+        over the knots of the jump of h'' times an integral in closed form, and that of a parabola;
+        0 inside.
+        """
         t = x - m
         theta, sine, cosine = self.angles(m, c)
         distance = np.maximum(np.abs(t), c)
         root = np.sqrt((distance - c) * (distance + c))
         u = np.where(c > 0, np.arcsinh(root / np.where(c > 0, c, 1.0)), 0.0)
-        area = distance * root - c * c * u
+        area_of_parabola = distance * root - c * c * u
         side = np.sign(t)[..., None]
         # 2 arctan of the tangent of half an angle, from its two legs
         zeros = np.zeros(t.shape)
-        ratio = np.divide(root, distance + c, out=zeros, where=distance + c > 0)[..., None]
-        opposite = np.where(side > 0, sine, ratio * sine)
-        adjacent = np.where(side > 0, ratio, 1.0) * (1 + cosine)
-        turned = 2 * np.arctan2(opposite, adjacent)
-        turned = np.where(cosine >= 1, 0.0, turned)
-        turned = np.where(cosine <= -1, np.pi, turned)
+        leg_ratio = np.divide(root, distance + c, out=zeros, where=distance + c > 0)[..., None]
+        opposite_leg = np.where(side > 0, sine, leg_ratio * sine)
+        adjacent_leg = np.where(side > 0, leg_ratio, 1.0) * (1 + cosine)
+        angle_from_knot = 2 * np.arctan2(opposite_leg, adjacent_leg)
+        angle_from_knot = np.where(cosine >= 1, 0.0, angle_from_knot)
+        angle_from_knot = np.where(cosine <= -1, np.pi, angle_from_knot)
         from_knot = x[..., None] - self.knots
         knot_height = c[..., None] * sine
         knot_distance = c[..., None] * cosine
-        terms = np.square(np.maximum(from_knot, 0.0)) / 2
-        terms = terms - from_knot * from_knot * turned / (2 * np.pi)
+        terms_of_knots = np.square(np.maximum(from_knot, 0.0)) / 2
+        terms_of_knots = terms_of_knots - from_knot * from_knot * angle_from_knot / (2 * np.pi)
         lever = root[..., None] - side * knot_distance * u[..., None]
-        terms += (theta * area[..., None] - side * knot_height * lever) / (2 * np.pi)
-        gap = terms @ self.jumps + self.curvature[0] / 2 * area
+        terms_of_knots += (theta * area_of_parabola[..., None] - side * knot_height * lever) / (
+            2 * np.pi
+        )
+        gap = terms_of_knots @ self.jumps + self.curvature[0] / 2 * area_of_parabola
         return np.where(np.abs(t) > c, gap, 0.0)
 
     def approach(self, m: Array, c: Array, tilt: ArrayLike) -> Array:
+        """Normal approach at x = 0, without the term (A P/pi) ln(2 L/c), of contacts of centre m
+        and half-length c under a tilt.
+        """
         theta, sine, cosine = self.angles(m, c)
         from_first_knot = m - self.knots[0]
         to_knot = self.knots - m[..., None]
-        of_angle = theta / 2 - 1.5 * sine * cosine
-        of_jumps = (theta * to_knot * to_knot + np.square(c)[..., None] * of_angle) @ self.jumps
-        square = from_first_knot * from_first_knot + c * c / 2
-        of_parabola = self.height + self.slope * from_first_knot + self.curvature[0] / 2 * square
-        return np.asarray(of_parabola + np.asarray(tilt) * m + of_jumps / (2 * np.pi))
+        angle_terms = theta / 2 - 1.5 * sine * cosine
+        sum_over_knots = (
+            theta * to_knot * to_knot + np.square(c)[..., None] * angle_terms
+        ) @ self.jumps
+        mean_square = from_first_knot * from_first_knot + c * c / 2
+        part_of_parabola = (
+            self.height + self.slope * from_first_knot + self.curvature[0] / 2 * mean_square
+        )
+        return np.asarray(part_of_parabola + np.asarray(tilt) * m + sum_over_knots / (2 * np.pi))
 
     def moment(self, m: Array, c: Array, tilt: ArrayLike) -> Array:
+        """A times the moment, the integral of x p, of contacts of centre m and half-length c under
+        a tilt.
+        """
         theta, sine, cosine = self.angles(m, c)
         half_width = c[..., None]
         to_knot = self.knots - m[..., None]
-        of_angle = sine - sine**3 / 3 - sine * cosine * cosine / 2
-        of_jumps = (half_width * of_angle - theta * to_knot / 2) @ self.jumps
-        slope = np.asarray(tilt) + self.slope + self.curvature[0] * (m - self.knots[0])
-        return np.asarray(m * self.balance(m, c).load + c * c * (of_jumps + np.pi / 2 * slope))
+        angle_terms = sine - sine**3 / 3 - sine * cosine * cosine / 2
+        sum_over_knots = (half_width * angle_terms - theta * to_knot / 2) @ self.jumps
+        slope_at_middle = np.asarray(tilt) + self.slope + self.curvature[0] * (m - self.knots[0])
+        return np.asarray(
+            m * self.balance(m, c).load + c * c * (sum_over_knots + np.pi / 2 * slope_at_middle)
+        )
 
 
 def _angle_functions(theta: Array, sine: Array, cosine: Array) -> tuple[Array, Array]:
     """sin - theta cos and theta - sin cos, both by their series where they would cancel."""
-    of_mean = sine - theta * cosine
-    of_load = theta - sine * cosine
+    mean_function = sine - theta * cosine
+    load_function = theta - sine * cosine
     is_small = theta < _SMALL
     if np.any(is_small):
-        square = np.square(theta)
-        cube = theta * square
-        series_of_mean = cube * np.polynomial.polynomial.polyval(square, _OF_MEAN)
-        series_of_load = cube * np.polynomial.polynomial.polyval(square, _OF_LOAD)
-        of_mean = np.where(is_small, series_of_mean, of_mean)
-        of_load = np.where(is_small, series_of_load, of_load)
-    return of_mean, of_load
+        squared_angle = np.square(theta)
+        cubed_angle = theta * squared_angle
+        mean_series = cubed_angle * np.polynomial.polynomial.polyval(squared_angle, _OF_MEAN)
+        load_series = cubed_angle * np.polynomial.polynomial.polyval(squared_angle, _OF_LOAD)
+        mean_function = np.where(is_small, mean_series, mean_function)
+        load_function = np.where(is_small, load_series, load_function)
+    return mean_function, load_function
 
 
 # Share of c, or of the distance to a knot, within which h'' stands for a difference quotient of h'.
@@ -518,63 +564,73 @@ class CurvedProfile(ConvexProfile):
         return self.knots
 
     def touch(self, tilt: ArrayLike) -> Array:
-        slope = -np.asarray(tilt, dtype=float)
+        """Where the profile touches under a tilt alpha without load, h' + alpha = 0: the middle of
+        that place [length], infinite where there is none.
+        """
+        target_slope = -np.asarray(tilt, dtype=float)
         reach = self.size
-        steepest = np.max(np.abs(slope))
+        steepest = np.max(np.abs(target_slope))
         while self.gradient(np.array(reach)) < steepest and reach < 1e9 * self.size:
             reach = 2 * reach
-        left, _ = self._halved(slope, reach, np.greater_equal)
-        _, right = self._halved(slope, reach, np.greater)
-        touches = np.abs(slope) <= self.gradient(np.array(reach))
-        return np.where(touches, (left + right) / 2, np.inf)
+        left_bound, _ = self._halved(target_slope, reach, np.greater_equal)
+        _, right_bound = self._halved(target_slope, reach, np.greater)
+        is_reached = np.abs(target_slope) <= self.gradient(np.array(reach))
+        return np.where(is_reached, (left_bound + right_bound) / 2, np.inf)
 
     def _halved(
-        self, slope: Array, reach: float, is_above: Callable[[Array, Array], Array]
+        self, target_slope: Array, reach: float, is_above: Callable[[Array, Array], Array]
     ) -> tuple[Array, Array]:
-        """Bounds, arrays like `slope`, of the place from which on h' is above it, by halvings."""
-        low = np.full(slope.shape, -reach)
-        high = np.full(slope.shape, reach)
+        """Bounds from left and right, arrays like `target_slope`, of the place from which on the
+        slope h' is above it, within +- `reach`, by halvings.
+        """
+        left_bound = np.full(target_slope.shape, -reach)
+        right_bound = np.full(target_slope.shape, reach)
         for _ in range(64):
-            middle = (low + high) / 2
-            is_beyond = is_above(self.gradient(middle), slope)
-            low = np.where(is_beyond, low, middle)
-            high = np.where(is_beyond, middle, high)
-        return low, high
+            middle = (left_bound + right_bound) / 2
+            is_beyond = is_above(self.gradient(middle), target_slope)
+            left_bound = np.where(is_beyond, left_bound, middle)
+            right_bound = np.where(is_beyond, middle, right_bound)
+        return left_bound, right_bound
 
     def _nodes(self, m: Array, c: Array) -> tuple[Array, Array, Array]:
-        """xi, xi - m and weights of averages over contacts, with a new last axis."""
+        """Nodes xi, their distances xi - m and weights of averages over contacts of centre m and
+        half-length c, with a new last axis: over equal angles theta, xi = m + c cos(theta), cut at
+        the knots of the profile.
+        """
         m, c = np.broadcast_arrays(m, c)
         m = m[..., None]
         c = c[..., None]
         to_knot = self.knots[::-1] - m
         knot_root = np.sqrt(np.maximum((c - to_knot) * (c + to_knot), 0.0))
         knot_theta = np.arctan2(knot_root, to_knot)
-        ends = np.concatenate([0 * m, knot_theta, 0 * m + np.pi], axis=-1)
+        angles_of_ends = np.concatenate([0 * m, knot_theta, 0 * m + np.pi], axis=-1)
         knots_within = np.clip(to_knot + m, m - c, m + c)
-        places = np.concatenate([m + c, knots_within, m - c], axis=-1)
-        length = np.diff(ends)[..., None]
+        places_of_ends = np.concatenate([m + c, knots_within, m - c], axis=-1)
+        angle_spans = np.diff(angles_of_ends)[..., None]
         # From the end next to a node, so that its distance from a knot keeps its digits.
-        from_begin = self.rule.up < 0.5
+        is_from_begin = self.rule.up < 0.5
 
         def nearer_end(at_ends: Array) -> Array:
-            return np.where(from_begin, at_ends[..., :-1, None], at_ends[..., 1:, None])
+            return np.where(is_from_begin, at_ends[..., :-1, None], at_ends[..., 1:, None])
 
-        turn = np.where(from_begin, length * self.rule.up, -length * self.rule.down)
-        half_sine = np.sin(turn / 2)
+        angle_from_end = np.where(
+            is_from_begin, angle_spans * self.rule.up, -angle_spans * self.rule.down
+        )
+        half_sine = np.sin(angle_from_end / 2)
         half_cosine = np.sqrt(1 - half_sine * half_sine)
-        sine = nearer_end(np.sin(ends))
-        cosine = nearer_end(np.cos(ends))
-        way = 2 * c[..., None] * half_sine * (sine * half_cosine + cosine * half_sine)
-        xi = nearer_end(places) - way
-        weight = length * self.rule.weight / np.pi
+        sine = nearer_end(np.sin(angles_of_ends))
+        cosine = nearer_end(np.cos(angles_of_ends))
+        distance_from_end = 2 * c[..., None] * half_sine * (sine * half_cosine + cosine * half_sine)
+        xi = nearer_end(places_of_ends) - distance_from_end
+        weights = angle_spans * self.rule.weight / np.pi
         if len(self.knots):
             # What the rule leaves out of |x|^(n - 2) is a geometric series.
-            ratio = (self.exponent - 1) * self.rule.weight[0] / self.rule.up[0]
-            factor = 1 + 1 / math.expm1(ratio)
-            weight[..., 0] *= np.where(places[..., :-1] == 0, factor, 1.0)
-            weight[..., -1] *= np.where(places[..., 1:] == 0, factor, 1.0)
+            tail_exponent = (self.exponent - 1) * self.rule.weight[0] / self.rule.up[0]
+            factor_of_tail = 1 + 1 / math.expm1(tail_exponent)
+            weights[..., 0] *= np.where(places_of_ends[..., :-1] == 0, factor_of_tail, 1.0)
+            weights[..., -1] *= np.where(places_of_ends[..., 1:] == 0, factor_of_tail, 1.0)
         shape = (*xi.shape[:-2], xi.shape[-2] * xi.shape[-1])
-        return xi.reshape(shape), (xi - m[..., None]).reshape(shape), weight.reshape(shape)
+        return xi.reshape(shape), (xi - m[..., None]).reshape(shape), weights.reshape(shape)
 
     def balance(self, m: Array, c: Array) -> Balance:
         xi, t, weight = self._nodes(m, c)
@@ -593,33 +649,51 @@ class CurvedProfile(ConvexProfile):
         return (len(self.knots) + 1) * len(self.rule.up)
 
     def _pressure(self, x: Array, m: Array, c: Array) -> Array:
-        xi, _, weight = self._nodes(m, c)
+        """pi A p at x over a contact of centre m and half-length c, arrays that broadcast; 0
+        outside. The average of (h'(xi) - h'(x))/(xi - x) over the contact, h'' where xi is next to
+        x.
+        """
+        xi, _, weights = self._nodes(m, c)
         place = np.asarray(x)[..., None]
         root = np.sqrt(np.maximum((c - x + m) * (c + x - m), 0.0))
-        way = xi - place
-        to_knots = np.abs(place - self.knots)
-        to_next_knot = np.min(to_knots, axis=-1, initial=np.inf, keepdims=True)
-        is_near = np.nonzero(np.abs(way) < _NEAR * np.minimum(to_next_knot, c[..., None]))
-        middle = (place + way / 2)[is_near] if len(is_near[0]) else way[is_near]
-        way[is_near] = np.inf
-        rise = self.gradient(xi) - self.gradient(place)
-        quotient = rise / np.where(way == 0, np.inf, way)
-        quotient[is_near] = self.bend(middle)
-        return np.asarray(np.pi * root * np.sum(weight * quotient, axis=-1))
+        distance_to_node = xi - place
+        distances_to_knots = np.abs(place - self.knots)
+        distance_to_next_knot = np.min(distances_to_knots, axis=-1, initial=np.inf, keepdims=True)
+        is_near = np.nonzero(
+            np.abs(distance_to_node) < _NEAR * np.minimum(distance_to_next_knot, c[..., None])
+        )
+        places_between = (
+            (place + distance_to_node / 2)[is_near]
+            if len(is_near[0])
+            else distance_to_node[is_near]
+        )
+        distance_to_node[is_near] = np.inf
+        slope_rise = self.gradient(xi) - self.gradient(place)
+        quotient = slope_rise / np.where(distance_to_node == 0, np.inf, distance_to_node)
+        quotient[is_near] = self.bend(places_between)
+        return np.asarray(np.pi * root * np.sum(weights * quotient, axis=-1))
 
     def _gap(self, x: Array, m: Array, c: Array) -> Array:
-        xi, t, weight = self._nodes(m, c)
+        """Gap at x outside a contact of centre m and half-length c, arrays that broadcast; 0
+        inside.
+        """
+        xi, t, weights = self._nodes(m, c)
         distance = np.maximum(np.abs(x - m), c)
         root = np.sqrt((distance - c) * (distance + c))
         u = np.where(c > 0, np.arcsinh(root / np.where(c > 0, c, 1.0)), 0.0)
         place = np.asarray(x)[..., None]
-        way = place - xi
+        distance_to_node = place - xi
         slope = self.gradient(xi)
-        rise = self.height(place) - self.height(xi)
-        chord = np.divide(rise, way, out=np.zeros(way.shape), where=way != 0)
+        height_rise = self.height(place) - self.height(xi)
+        chord = np.divide(
+            height_rise,
+            distance_to_node,
+            out=np.zeros(distance_to_node.shape),
+            where=distance_to_node != 0,
+        )
         signed_root = (np.sign(x - m) * root)[..., None]
-        values = signed_root * (chord - slope) - u[..., None] * t * slope
-        return np.asarray(np.sum(weight * values, axis=-1))
+        values_at_nodes = signed_root * (chord - slope) - u[..., None] * t * slope
+        return np.asarray(np.sum(weights * values_at_nodes, axis=-1))
 
     def approach(self, m: Array, c: Array, tilt: ArrayLike) -> Array:
         xi, _, weight = self._nodes(m, c)
@@ -689,16 +763,19 @@ class NestedIntervals:
     def _series(self) -> _IntervalSeries:
         """Of all loads up to the largest."""
         breaks = self.break_loads[self.break_loads < self.most * (1 - 1e-9)]
-        marks = np.concatenate([[0.0], breaks, [self.most]])
-        places = np.concatenate([[0.0], np.cumsum(np.sqrt(np.diff(marks)))])
-        middles = []
-        halves = []
-        for low, high in pairwise(marks.tolist()):
-            middle, half_width = self._series_between(low, high)
-            middles.append(middle)
-            halves.append(half_width)
+        loads_of_cuts = np.concatenate([[0.0], breaks, [self.most]])
+        places = np.concatenate([[0.0], np.cumsum(np.sqrt(np.diff(loads_of_cuts)))])
+        middle_series = []
+        half_width_series = []
+        for begin_load, end_load in pairwise(loads_of_cuts.tolist()):
+            middle, half_width = self._series_between(begin_load, end_load)
+            middle_series.append(middle)
+            half_width_series.append(half_width)
         return _IntervalSeries(
-            marks[:-1], places, _side_by_side(middles, places), _side_by_side(halves, places)
+            loads_of_cuts[:-1],
+            places,
+            _side_by_side(middle_series, places),
+            _side_by_side(half_width_series, places),
         )
 
     def _series_between(self, low: float, high: float) -> tuple[Pieces, Pieces]:
@@ -728,9 +805,9 @@ class NestedIntervals:
         half_width = np.maximum(series.half(place), 0.0)
         return series.middle(place), np.where(eta > 0, half_width, 0.0)
 
-    def growth(self, side: Array, load: Array, rise: Array) -> Array:
+    def growth(self, side: Array, load: Array, load_rise: Array) -> Array:
         """How far the end of I(eta) on a side, +1 or -1, has moved outwards while eta rose by
-        `rise` to `load` [length], (n,) each.
+        `load_rise` to `load` [length], (n,) each.
 
         From the rate: the difference of two ends that are next to each other would be what their
         series leave out.
@@ -738,28 +815,32 @@ class NestedIntervals:
         radius = self.shape.radius
         if radius is not None:
             _, half_after = self.exactly(load)
-            _, half_before = self.exactly(load - rise)
+            _, half_before = self.exactly(load - load_rise)
             widening = 2 * self.product * radius / np.pi / (half_after + half_before)
-            return rise * (widening - side * radius * self.slope)
+            return load_rise * (widening - side * radius * self.slope)
         series = self._series
-        number = np.searchsorted(series.begin_loads, load, side="right") - 1
-        growth = np.zeros(load.shape)
-        node, share = gauss(8)
-        rise_left = rise
-        outer = np.sqrt(load - series.begin_loads[number])
-        while np.any(number >= 0):
-            rise_here = np.minimum(rise_left, outer * outer)
-            inner = np.sqrt(outer * outer - rise_here)
-            step = rise_here / np.maximum(outer + inner, 1e-300)
-            low = series.places[number][:, None]
-            high = np.nextafter(series.places[number + 1], 0.0)[:, None]
-            v = np.clip(low + (outer[:, None] - step[:, None] * node), low, high)
+        number_of_stretch = np.searchsorted(series.begin_loads, load, side="right") - 1
+        outward_growth = np.zeros(load.shape)
+        nodes, weights_of_nodes = gauss(8)
+        rise_to_go = load_rise
+        outer_root = np.sqrt(load - series.begin_loads[number_of_stretch])
+        while np.any(number_of_stretch >= 0):
+            rise_on_stretch = np.minimum(rise_to_go, outer_root * outer_root)
+            inner_root = np.sqrt(outer_root * outer_root - rise_on_stretch)
+            root_step = rise_on_stretch / np.maximum(outer_root + inner_root, 1e-300)
+            begin_place = series.places[number_of_stretch][:, None]
+            end_place = np.nextafter(series.places[number_of_stretch + 1], 0.0)[:, None]
+            v = np.clip(
+                begin_place + (outer_root[:, None] - root_step[:, None] * nodes),
+                begin_place,
+                end_place,
+            )
             rate = series.half.derivative(v) + side[:, None] * series.middle.derivative(v)
-            growth += step * np.sum(share * rate, axis=1)
-            number = np.where(rise_left > rise_here, number - 1, -1)
-            rise_left = rise_left - rise_here
-            outer = series.places[number + 1] - series.places[number]
-        return growth
+            outward_growth += root_step * np.sum(weights_of_nodes * rate, axis=1)
+            number_of_stretch = np.where(rise_to_go > rise_on_stretch, number_of_stretch - 1, -1)
+            rise_to_go = rise_to_go - rise_on_stretch
+            outer_root = series.places[number_of_stretch + 1] - series.places[number_of_stretch]
+        return outward_growth
 
     def load(self, x: Array) -> Array:
         """P_x: the load at which x is an end of I(eta) [force per thickness]; infinite where none
@@ -769,31 +850,31 @@ class NestedIntervals:
         """
         middle, half_width = self.exactly(self.most)
         is_reached = np.abs(x - middle) <= half_width * (1 + 1e-8)
-        place = x[is_reached]
+        reached_x = x[is_reached]
         tilt_per_product = self.slope / self.product
-        side = np.where(place < float(self.shape.touch(self.tilt)), -1.0, 1.0)
-        low = np.zeros(place.shape)
-        high = np.full(place.shape, 2.1 * self.scale)
-        c = high / 2
+        side = np.where(reached_x < float(self.shape.touch(self.tilt)), -1.0, 1.0)
+        least_c = np.zeros(reached_x.shape)
+        largest_c = np.full(reached_x.shape, 2.1 * self.scale)
+        c = largest_c / 2
         for _ in range(_STEPS):
-            balance = self.shape.balance(place - side * c, c)
-            excess = side * (balance.mean_slope + self.tilt)
-            excess = excess + side * tilt_per_product * balance.load
+            balance = self.shape.balance(reached_x - side * c, c)
+            slope_excess = side * (balance.mean_slope + self.tilt)
+            slope_excess = slope_excess + side * tilt_per_product * balance.load
             rate = (balance.bend_sum - side * balance.bend_cosine_sum) * (
                 1 / np.pi - side * tilt_per_product * c
             )
-            low = np.where(excess > 0, c, low)
-            high = np.where(excess > 0, high, c)
-            newton = c + excess / np.where(rate > 0, rate, np.inf)
-            is_inside = (rate > 0) & (newton >= low) & (newton <= high)
-            new_c = np.where(is_inside, newton, (low + high) / 2)
-            is_small_step = is_inside & (np.abs(new_c - c) <= 1e-10 * c)
-            is_done = is_small_step | (high - low <= 4e-16 * self.scale)
+            least_c = np.where(slope_excess > 0, c, least_c)
+            largest_c = np.where(slope_excess > 0, largest_c, c)
+            newton_c = c + slope_excess / np.where(rate > 0, rate, np.inf)
+            is_in_bracket = (rate > 0) & (newton_c >= least_c) & (newton_c <= largest_c)
+            new_c = np.where(is_in_bracket, newton_c, (least_c + largest_c) / 2)
+            is_small_step = is_in_bracket & (np.abs(new_c - c) <= 1e-10 * c)
+            is_done = is_small_step | (largest_c - least_c <= 4e-16 * self.scale)
             c = new_c
             if np.all(is_done):
                 break
         loads = np.full(x.shape, np.inf)
-        loads[is_reached] = self.shape.balance(place - side * c, c).load / self.product
+        loads[is_reached] = self.shape.balance(reached_x - side * c, c).load / self.product
         return np.where(loads <= self.most * (1 + 1e-9), loads, np.inf)
 
 
@@ -945,24 +1026,24 @@ class TiltedProfile:
         if self.shape.radius is not None:
             return -moment / (self.shape.radius * np.where(load > 0, load, np.inf))
 
-        pairs, pair_number = np.unique(np.stack([load, moment]), axis=1, return_inverse=True)
-        load, moment = pairs
-        low = np.full(load.shape, -np.inf)
-        high = np.full(load.shape, np.inf)
+        unlike_pairs, pair_number = np.unique(np.stack([load, moment]), axis=1, return_inverse=True)
+        load, moment = unlike_pairs
+        least_tilt = np.full(load.shape, -np.inf)
+        largest_tilt = np.full(load.shape, np.inf)
         tilt = np.zeros(load.shape)
         for _ in range(_STEPS):
             m, c = self.under(load, tilt)
-            excess = self.moment(m, c, load, tilt) - moment
+            excess_moment = self.moment(m, c, load, tilt) - moment
             half_width = np.where(c > 0, c, 1.0)
-            low = np.where(excess > 0, tilt, low)
-            high = np.where(excess > 0, high, tilt)
+            least_tilt = np.where(excess_moment > 0, tilt, least_tilt)
+            largest_tilt = np.where(excess_moment > 0, largest_tilt, tilt)
             # A change of tilt adds -(d alpha/A) t/sqrt(c^2 - t^2) to p. No step moves a contact by
             # more than about a third of it.
             longest_step = self._product * load / (4 * half_width)
-            step = 2 * self._product * excess / (np.pi * half_width**2)
+            step = 2 * self._product * excess_moment / (np.pi * half_width**2)
             new_tilt = tilt + np.clip(step, -longest_step, longest_step)
-            is_inside = (new_tilt >= low) & (new_tilt <= high)
-            new_tilt = np.where(is_inside, new_tilt, (low + high) / 2)
+            is_in_bracket = (new_tilt >= least_tilt) & (new_tilt <= largest_tilt)
+            new_tilt = np.where(is_in_bracket, new_tilt, (least_tilt + largest_tilt) / 2)
             change = np.abs(new_tilt - tilt)
             tilt = new_tilt
             if np.all(change <= 1e-9 * longest_step):
@@ -1031,17 +1112,19 @@ class TiltedProfile:
         place = np.asarray(x, dtype=float)
         load_above = np.asarray(excess, dtype=float)
         t = place - m
-        square = (c - t) * (c + t)
+        difference_of_squares = (c - t) * (c + t)
         is_beside_face = np.abs(place - face_middle) >= face_half
-        is_near = (square < _NEXT * c * c) & (load_above > 0) & is_beside_face
+        is_near = (difference_of_squares < _NEXT * c * c) & (load_above > 0) & is_beside_face
         if np.any(is_near):
-            side, load, rise, half_width = (
+            edge_side, upper_load, load_rise, upper_half_width = (
                 np.broadcast_to(values, is_near.shape)[is_near]
                 for values in (np.sign(t), advance, load_above, c)
             )
-            to_edge = self.intervals.growth(side, load, rise)
-            square[is_near] = to_edge * (2 * half_width - to_edge)
-        return (self.share - self.lean * t) / np.sqrt(np.where(square > 0, square, np.inf))
+            to_edge = self.intervals.growth(edge_side, upper_load, load_rise)
+            difference_of_squares[is_near] = to_edge * (2 * upper_half_width - to_edge)
+        return (self.share - self.lean * t) / np.sqrt(
+            np.where(difference_of_squares > 0, difference_of_squares, np.inf)
+        )
 
     def logarithm(self, c: Array) -> Array:
         """ln(2 L/c); 0 for c = 0, where it is multiplied by the load."""
@@ -1050,13 +1133,13 @@ class TiltedProfile:
     def log_ratio(self, load: ArrayLike) -> Array:
         """What `rigid` asks for: ln(2 L/c) + (pi kappa/A) m, with mu added to m, or mu alone."""
         m, c = self.at(load)
-        arm = self.share * m - self.lean * c * c / 2
+        moment_arm = self.share * m - self.lean * c * c / 2
         if self.rigid == "moment":
-            return arm
-        shift = self.share * self.logarithm(c) + self.lean * m
+            return moment_arm
+        displacement_rate = self.share * self.logarithm(c) + self.lean * m
         if self.rigid == "loop":
-            return self.share * shift + self.lean * arm
-        return shift
+            return self.share * displacement_rate + self.lean * moment_arm
+        return displacement_rate
 
     def log_distance(self, load: ArrayLike) -> Array:
         """int_0^P of `log_ratio`."""
@@ -1079,19 +1162,23 @@ class TiltedProfile:
         return np.asarray(np.sum(weight * eta * self.log_ratio(eta), axis=-1))
 
     def dissipation_kernel(self, load: ArrayLike, slipped: ArrayLike) -> Array:
-        """Lam = int_{P_c}^P of the loop's rate at P_c less that at eta [force per thickness]."""
+        """Lam(P, P_c) >= 0 [force per thickness], from P = `load` and P - P_c = `slipped`: the
+        integral over eta, from P_c to P, of the rate of U + kappa m_q at P_c minus that at eta.
+        """
         load, slipped = np.broadcast_arrays(
             np.asarray(load, dtype=float), np.asarray(slipped, dtype=float)
         )
         loop = replace(self, rigid="loop")
-        front = np.maximum(load - slipped, 0.0)
-        rate = loop.log_ratio(front)
-        kernel = np.array(slipped * rate - (loop.log_distance(load) - loop.log_distance(front)))
+        edge_load = np.maximum(load - slipped, 0.0)
+        rate_at_edge = loop.log_ratio(edge_load)
+        kernel = np.array(
+            slipped * rate_at_edge - (loop.log_distance(load) - loop.log_distance(edge_load))
+        )
         is_close = slipped < _APART * load
         if np.any(is_close):
-            eta, weight = crowded(front[is_close], load[is_close])
-            difference = rate[is_close][:, None] - loop.log_ratio(eta)
-            kernel[is_close] = np.sum(weight * difference, axis=-1)
+            eta, weights = crowded(edge_load[is_close], load[is_close])
+            difference = rate_at_edge[is_close][:, None] - loop.log_ratio(eta)
+            kernel[is_close] = np.sum(weights * difference, axis=-1)
         return np.maximum(kernel, 0.0)
 
     def quadrature_error(self, name: str, *arguments: ArrayLike) -> Array:
