@@ -159,8 +159,9 @@ class Request:
 
 
 def by_memory(question: Question, family: OneCurve | None) -> Findings:
-    """The answer where one curve is the memory of friction: of the scene, or of `family` under bulk
-    stress and tilt.
+    """The answer to a question where one memory curve holds what friction remembers: that of the
+    scene's path, or of `family` under bulk stress and tilt. Fields at instants and points, friction
+    work of the cycles, errors, notes.
     """
     started = clock.perf_counter()
     scene = question.scene
@@ -175,14 +176,14 @@ def by_memory(question: Question, family: OneCurve | None) -> Findings:
             path = replace(path, covered=path.covered[-1:])
     request = _request_of(question, family, path, time)
     history_done = clock.perf_counter()
-    answer = path_result(path, request)
+    path_answer = path_result(path, request)
     work_done = clock.perf_counter()
-    series = _series_of(request, answer.snapshot)
-    grids, arc_errors = _grids_of(request, answer.snapshot, series)
+    loads_and_edges = _series_of(request, path_answer.snapshot)
+    fields, arc_errors = _grids_of(request, path_answer.snapshot, loads_and_edges)
     fields_done = clock.perf_counter()
-    work = float(answer.works[-1])
-    loop_work = _loop_work_of(answer)
-    errors = _errors(request, answer, series, grids, arc_errors, loop_work)
+    work = float(path_answer.works[-1])
+    loop_work = _loop_work_of(path_answer)
+    errors = _errors(request, path_answer, loads_and_edges, fields, arc_errors, loop_work)
     errors_of_neglect = _errors_of_neglect(question, family)
     for name, error in errors_of_neglect.items():
         errors[name] = errors.get(name, 0.0) + error
@@ -196,30 +197,30 @@ def by_memory(question: Question, family: OneCurve | None) -> Findings:
     seconds = {"history": history_done - started, "fields": fields_done - work_done}
     seconds["dissipation"] = work_done - history_done + clock.perf_counter() - fields_done
     energy = {}
-    if len(answer.increments):
-        energy["dissipation"] = freeze(answer.increments)
+    if len(path_answer.increments):
+        energy["dissipation"] = freeze(path_answer.increments)
     return Findings(
         time=time,
         x=request.x,
-        values=series
-        | grids
-        | _permanent_stick(request.contact, answer, path.largest)
+        values=loads_and_edges
+        | fields
+        | _permanent_stick(request.contact, path_answer, path.largest)
         | {
             "dissipation": work,
             "loop_work": loop_work,
-            "cycle_dissipation": answer.works,
-            "dissipation_density": answer.density[request.fold],
+            "cycle_dissipation": path_answer.works,
+            "dissipation_density": path_answer.density[request.fold],
             "steady_from": path.steady_from,
         },
         termination=termination,
         message=message,
         notes=tuple(notes),
         errors=errors,
-        certificates=_admissibility(request, answer, grids),
+        certificates=_admissibility(request, path_answer, fields),
         energy=energy,
         counts={"points_evaluated": len(request.distance), "cycles_solved": len(path.cycles)}
-        | answer.counts,
-        skipped=_skipped_of(scene, path, answer),
+        | path_answer.counts,
+        skipped=_skipped_of(scene, path, path_answer),
         seconds=seconds,
     )
 
@@ -385,8 +386,13 @@ class _Located(NamedTuple):
     def along(cls, series: LoadSeries, time: Array) -> _Located:
         """Instants (n,) along a series."""
         step, share, slack = series.locate(time)
-        order = np.lexsort((share, step))
-        return cls(step[order], share[order], slack[order], np.argsort(order))
+        order_in_path = np.lexsort((share, step))
+        return cls(
+            step[order_in_path],
+            share[order_in_path],
+            slack[order_in_path],
+            np.argsort(order_in_path),
+        )
 
     @property
     def all_at_rows(self) -> bool:
@@ -452,14 +458,17 @@ class _SeriesSums:
     def see_front(self, block: StepBlock) -> None:
         """Take the least P_c of a block."""
         records = block.records
-        front = records.load - records.slipped
-        front_after = records.load_after - records.slipped_after
-        least_front = min(float(np.min(front)), float(np.min(front_after)))
-        self.least_front = min(self.least_front, least_front)
+        edge_loads = records.load - records.slipped
+        edge_loads_after = records.load_after - records.slipped_after
+        least_of_block = min(float(np.min(edge_loads)), float(np.min(edge_loads_after)))
+        self.least_front = min(self.least_front, least_of_block)
 
 
 def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
-    """Of straight steps: parts that are needed are followed once more, block by block."""
+    """States at the instants of a request and friction work along a path of straight steps: the
+    parts of the path that are needed are followed once more, block by block, and their sums
+    gathered.
+    """
     contact = request.contact
     friction = series.friction
     wants_work = request.wants("dissipation")
@@ -480,45 +489,51 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
         step_works=np.zeros(1 + (series.starts[-1] if wants_increments else 0)),
         density=np.zeros(len(request.distance)),
     )
-    factor = request.unit * friction
-    for k in _parts_needed(series, located.step):
-        part: PathPart = series.parts[k]
-        is_last = k == last_part
-        takes_work = wants_work and (wants_increments or k in covered_parts)
-        takes_density = wants_density and is_last
+    work_per_sum = request.unit * friction
+    for part_number in _parts_needed(series, located.step):
+        part: PathPart = series.parts[part_number]
+        is_last = part_number == last_part
+        wants_work_here = wants_work and (wants_increments or part_number in covered_parts)
+        wants_density_here = wants_density and is_last
         depth_alive = depth_of(part.curve)
-        for begin, block in blocks(part, friction, states.curves):
-            slips = block.records.slipping()
-            steps = len(block.rows) - 1
-            first_step = series.starts[k] + begin
-            bounds = np.searchsorted(located.step, [first_step, first_step + steps])
-            block_rows = slice(*bounds.tolist())
+        for first_row, block in blocks(part, friction, states.curves):
+            slipping_records = block.records.slipping()
+            n_steps = len(block.rows) - 1
+            first_step = series.starts[part_number] + first_row
+            instant_bounds = np.searchsorted(located.step, [first_step, first_step + n_steps])
+            instants_in_block = slice(*instant_bounds.tolist())
             states.add(
                 block,
-                located.step[block_rows] - first_step,
-                located.share[block_rows],
-                located.slack[block_rows],
+                located.step[instants_in_block] - first_step,
+                located.share[instants_in_block],
+                located.slack[instants_in_block],
             )
-            sums.shares[k] = max(sums.shares[k], block.deepest / part.largest)
-            sums.count(block, takes_work + takes_density, depth_alive)
+            sums.shares[part_number] = max(sums.shares[part_number], block.deepest / part.largest)
+            sums.count(block, wants_work_here + wants_density_here, depth_alive)
             depth_alive = depth_of(block.curve)
-            if takes_work:
-                work, nodes = slip_work(contact, slips)
-                sums.works[k] += factor * float(np.sum(work))
-                sums.errors[k] += factor * work_error(contact, slips)
-                sums.counts["quadrature_nodes"] += nodes
+            if wants_work_here:
+                work, n_nodes = slip_work(contact, slipping_records)
+                sums.works[part_number] += work_per_sum * float(np.sum(work))
+                sums.errors[part_number] += work_per_sum * work_error(contact, slipping_records)
+                sums.counts["quadrature_nodes"] += n_nodes
                 if wants_increments:
-                    rows = slice(first_step + 1, first_step + 1 + steps)
-                    sums.step_works[rows] = factor * np.bincount(slips.row, work, steps)
+                    step_numbers = slice(first_step + 1, first_step + 1 + n_steps)
+                    sums.step_works[step_numbers] = work_per_sum * np.bincount(
+                        slipping_records.row, work, n_steps
+                    )
             if is_last:
                 sums.see_front(block)
                 if loop is not None:
                     loop.add(block)
-            if takes_density:
-                sums.density += factor * density_of_records(contact, slips, request.distance)
-    rounding = 3 * np.array([rounding_of_slip(share) for share in sums.shares.tolist()])
+            if wants_density_here:
+                sums.density += work_per_sum * density_of_records(
+                    contact, slipping_records, request.distance
+                )
+    rounding_of_parts = 3 * np.array([rounding_of_slip(share) for share in sums.shares.tolist()])
     no_work = np.zeros(len(sums.works))
-    errors = np.divide(sums.errors, sums.works, out=no_work, where=sums.works > 0) + rounding
+    relative_errors = (
+        np.divide(sums.errors, sums.works, out=no_work, where=sums.works > 0) + rounding_of_parts
+    )
     increments = np.empty(0)
     if wants_increments:
         rows_passed = (located.step + (located.share == 1))[located.back]
@@ -532,9 +547,9 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
         least_front=sums.least_front,
         slipped_share=float(np.max(sums.shares)),
         works=sums.works[covered_parts] if wants_work else np.full(len(covered_parts), math.nan),
-        work_errors=errors[covered_parts] if wants_work else np.zeros(len(covered_parts)),
+        work_errors=relative_errors[covered_parts] if wants_work else np.zeros(len(covered_parts)),
         density=sums.density if wants_density else np.full(len(sums.density), math.nan),
-        density_error=rounding[last_part] if wants_density else 0.0,
+        density_error=rounding_of_parts[last_part] if wants_density else 0.0,
         loop=loop.value if loop is not None else None,
         spans=(),
         increments=increments,
@@ -561,37 +576,41 @@ class _WorkOfCycle(NamedTuple):
 
 
 def _result_of_history(history: History, request: Request) -> PathResult:
-    """Of a curved path, span by span."""
+    """States at the instants of a request and friction work along a curved path: of its last cycle,
+    and of all covered cycles, span by span.
+    """
     contact = request.contact
-    last_span = history.covered[-1]
-    last_spans = history.cycles[last_span]
+    last_cycle = history.covered[-1]
+    last_spans = history.cycles[last_cycle]
     snapshot = history.snapshot(request.time)
     works = _works_of_cycles(history, request) if request.wants("dissipation") else {}
-    integrated = [span for number in works for span in history.cycles[number]]
+    integrated_spans = [span for number in works for span in history.cycles[number]]
     density: Array = np.full(len(request.distance), np.nan)
     density_error = 0.0
     if request.wants("dissipation_density"):
-        integrated.extend(last_spans)
-        split = pointwise_dissipation(contact, request.modulus, last_spans, request.distance)
-        density = split.total
-        worst_error = float(np.max(split.error))
-        if worst_error:
-            density_error = worst_error / float(np.max(density))
+        integrated_spans.extend(last_spans)
+        density_parts = pointwise_dissipation(
+            contact, request.modulus, last_spans, request.distance
+        )
+        density = density_parts.total
+        largest_density_error = float(np.max(density_parts.error))
+        if largest_density_error:
+            density_error = largest_density_error / float(np.max(density))
         density_error += 3 * rounding_of_slip(slipped_share(last_spans))
     loop = None
     # Where W is no closed form, what both routes to it differ by is in its error.
-    takes_loop = request.wants("loop_work") or not contact.closed_form
-    is_steady = history.steady_from is not None and last_span >= history.steady_from
-    if works and is_steady and takes_loop:
+    needs_loop = request.wants("loop_work") or not contact.closed_form
+    is_steady = history.steady_from is not None and last_cycle >= history.steady_from
+    if works and is_steady and needs_loop:
         loop = LoopWork(0.0, 0.0)
-        if works[last_span].work:
+        if works[last_cycle].work:
             loop = closed_integral(contact, request.modulus, last_spans)
     least_front = math.inf
     for span in last_spans:
         for time in (span.begin.time, span.end.time):
             load, _ = span.leg.loads(time)
             least_front = min(least_front, float(load - span.slipped(time)))
-    n_slipping = sum(span.direction != 0 for span in integrated)
+    n_slipping = sum(span.direction != 0 for span in integrated_spans)
     return PathResult(
         snapshot=snapshot,
         balance=_balance_of(snapshot),
@@ -610,19 +629,19 @@ def _result_of_history(history: History, request: Request) -> PathResult:
             "slip_quadratures": n_slipping,
             "quadrature_nodes": n_slipping * NODES,
         },
-        full_stick=len(integrated) - n_slipping,
+        full_stick=len(integrated_spans) - n_slipping,
     )
 
 
 def _balance_of(snapshot: Snapshot) -> Array:
     """M(P) - Q of the curves of a history, (n,)."""
     slope_of_slip = snapshot.direction * snapshot.friction
-    balance = slope_of_slip * snapshot.slipped - snapshot.force
-    front = snapshot.load - snapshot.slipped
+    force_error = slope_of_slip * snapshot.slipped - snapshot.force
+    edge_load = snapshot.load - snapshot.slipped
     for piece, instants in snapshot.groups():
         assert isinstance(piece, Piece)  # for the type checker: a history has no others
-        balance[instants] += value_on(piece, front[instants])
-    return balance
+        force_error[instants] += value_on(piece, edge_load[instants])
+    return force_error
 
 
 def _works_of_cycles(history: History, request: Request) -> dict[int, _WorkOfCycle]:
@@ -636,19 +655,19 @@ def _works_of_cycles(history: History, request: Request) -> dict[int, _WorkOfCyc
     if friction > 0 and history.loop is not None:
         ellipses = _ellipses_of_leg(history.loop, friction)
     works: dict[int, _WorkOfCycle] = {}
-    for number in set(history.covered):
-        is_steady = history.steady_from is not None and number >= history.steady_from
+    for cycle in set(history.covered):
+        is_steady = history.steady_from is not None and cycle >= history.steady_from
         if ellipses is not None and is_steady:
             error = float(digits_of_loop(ellipses)[0])
-            parts = [part[0] for part in works_over_time(ellipses, contact)]
-            work = request.unit * friction**2 * float(sum(parts))
-            works[number] = _WorkOfCycle(work, error if error > PROMISED else 0.0)
+            forward_and_reverse = [part[0] for part in works_over_time(ellipses, contact)]
+            work = request.unit * friction**2 * float(sum(forward_and_reverse))
+            works[cycle] = _WorkOfCycle(work, error if error > PROMISED else 0.0)
         else:
-            spans = history.cycles[number]
-            split = global_dissipation(contact, request.modulus, spans)
-            error = float(split.error / split.total) if split.error else 0.0
+            spans = history.cycles[cycle]
+            work_parts = global_dissipation(contact, request.modulus, spans)
+            error = float(work_parts.error / work_parts.total) if work_parts.error else 0.0
             error += 3 * rounding_of_slip(slipped_share(spans))
-            works[number] = _WorkOfCycle(float(split.total), error)
+            works[cycle] = _WorkOfCycle(float(work_parts.total), error)
     return works
 
 
@@ -682,17 +701,18 @@ def _loop_work_of(answer: PathResult) -> float:
 
 # ------------------------------------------------------------------------------- fields at instants
 def _series_of(request: Request, snapshot: Snapshot) -> dict[str, Array]:
-    """Loads, half-widths, edges and rigid movements: (n,) or (n, 2); NotFoundError where no
-    half-width was found for a load.
+    """Loads, half-widths, edges and rigid displacements at the instants of a snapshot, (n,) or (n,
+    2) each, by name; those of the family's tilted contact under bulk stress and tilt. NotFoundError
+    where no half-width was found for a load.
     """
     contact = request.contact
     family = request.family
-    front = snapshot.load - snapshot.slipped
+    edge_load = snapshot.load - snapshot.slipped
     half_width = _half_width(contact, snapshot.load)
-    slipping_rows = np.flatnonzero(snapshot.slipped)
-    stick = half_width.copy()
-    stick[slipping_rows] = _half_width(contact, front[slipping_rows])
-    stick[(front <= 0) & (stick == 0)] = np.nan
+    slipping_numbers = np.flatnonzero(snapshot.slipped)
+    stick_half_width = half_width.copy()
+    stick_half_width[slipping_numbers] = _half_width(contact, edge_load[slipping_numbers])
+    stick_half_width[(edge_load <= 0) & (stick_half_width == 0)] = np.nan
     displacement = np.full(len(request.time), np.nan)
     approach = displacement
     if request.wants("tangential_displacement"):
@@ -701,30 +721,30 @@ def _series_of(request: Request, snapshot: Snapshot) -> dict[str, Array]:
         approach = request.unit * contact.log_distance(snapshot.load)
     sides = np.array([-1.0, 1.0])
     contact_edges = half_width[:, None] * sides
-    stick_edges = stick[:, None] * sides
-    force = snapshot.force
+    stick_edges = stick_half_width[:, None] * sides
+    tangential_load = snapshot.force
     bulk_and_tilt: dict[str, Array] = {}
     if family is not None:
-        force = force * family.contact.share
+        tangential_load = tangential_load * family.contact.share
         bulk_and_tilt = family.series(request.time, snapshot.load)
         moment_contact = replace(family.contact, rigid="moment")
         shear_moment = Integrals(moment_contact, np.zeros(1), "shift").over(snapshot)[:, 0]
         bulk_and_tilt["shear_moment"] = shear_moment
         contact_edges = bulk_and_tilt.pop("contact_edges")
         half_width = np.diff(contact_edges)[:, 0] / 2
-        has_slip_zones = (snapshot.slipped > 0) | np.isnan(stick)
-        edges_of_stick = family.contact.centre(front)[:, None] + stick_edges
-        stick_edges = np.where(has_slip_zones[:, None], edges_of_stick, contact_edges)
+        has_slip_zones = (snapshot.slipped > 0) | np.isnan(stick_half_width)
+        shifted_stick_edges = family.contact.centre(edge_load)[:, None] + stick_edges
+        stick_edges = np.where(has_slip_zones[:, None], shifted_stick_edges, contact_edges)
         family_approach = bulk_and_tilt.pop("normal_approach")
         if request.wants("normal_approach"):
             approach = family_approach
     return bulk_and_tilt | {
         "normal_load": snapshot.load,
-        "tangential_load": force,
+        "tangential_load": tangential_load,
         "tangential_displacement": request.unit * displacement,
         "normal_approach": approach,
         "contact_half_width": half_width,
-        "stick_half_width": stick,
+        "stick_half_width": stick_half_width,
         "contact_edges": contact_edges,
         "stick_edges": stick_edges,
     }
@@ -733,10 +753,10 @@ def _series_of(request: Request, snapshot: Snapshot) -> dict[str, Array]:
 def _half_width(contact: Contact, load: Array) -> Array:
     """a(P), (n,): an inverse that was not found, NaN, must not go on as an answer."""
     half_width = contact.half_width(load)
-    lost = np.flatnonzero(~np.isfinite(half_width))
-    if len(lost):
+    numbers_not_found = np.flatnonzero(~np.isfinite(half_width))
+    if len(numbers_not_found):
         raise NotFoundError(
-            f"no half-width was found for the normal load {float(load[lost[0]]):.17g}"
+            f"no half-width was found for the normal load {float(load[numbers_not_found[0]]):.17g}"
         )
     return half_width
 
@@ -751,29 +771,29 @@ def _grids_of(
     sharp wedge.
     """
     contact = request.contact
-    x = request.distance
+    distances = request.distance
     shape = (len(request.time), len(request.fold))
-    grids: dict[str, NDArray[Any]] = {
+    fields: dict[str, NDArray[Any]] = {
         name: np.broadcast_to(np.nan, shape) for name in ("pressure", "shear", "slip")
     }
-    grids["state"] = np.broadcast_to(np.int8(OPEN), shape)
-    fields: dict[str, NDArray[Any]] = {}
-    shear = Integrals(contact, x, "shear")
-    slip = Integrals(contact, x, "slip")
+    fields["state"] = np.broadcast_to(np.int8(OPEN), shape)
+    fields_at_distances: dict[str, NDArray[Any]] = {}
+    shear_integrals = Integrals(contact, distances, "shear")
+    slip_integrals = Integrals(contact, distances, "slip")
     if request.wants("pressure"):
-        fields["pressure"] = _pressure_of(request, snapshot, series)
+        fields_at_distances["pressure"] = _pressure_of(request, snapshot, series)
     if request.wants("shear"):
-        fields["shear"] = shear.over(snapshot)
+        fields_at_distances["shear"] = shear_integrals.over(snapshot)
     if request.wants("slip"):
-        fields["slip"] = request.unit * slip.over(snapshot)
+        fields_at_distances["slip"] = request.unit * slip_integrals.over(snapshot)
     if request.wants("state"):
-        fields["state"] = _state_of(request, snapshot, series)
-    for name, values in fields.items():
+        fields_at_distances["state"] = _state_of(request, snapshot, series)
+    for name, values in fields_at_distances.items():
         _require_finite(name, values, request)
-        grid = values.take(request.fold, axis=1)
-        grid.flags.writeable = False
-        grids[name] = grid
-    return grids, {"shear": shear.arc_error, "slip": slip.arc_error}
+        field_at_points = values.take(request.fold, axis=1)
+        field_at_points.flags.writeable = False
+        fields[name] = field_at_points
+    return fields, {"shear": shear_integrals.arc_error, "slip": slip_integrals.arc_error}
 
 
 def _pressure_of(request: Request, snapshot: Snapshot, series: Mapping[str, Array]) -> Array:
@@ -790,15 +810,15 @@ def _state_of(
 ) -> NDArray[np.int8]:
     """Open, stick or slip at the instants and distances, (n, k)."""
     contact = request.contact
-    x = request.distance
+    distances = request.distance
     # Where the ends slip opposite ways a direction is that of one side.
-    sense = contact.sense(x).astype(int) if isinstance(contact, OppositeSlip) else 1
-    by_direction = np.array((SLIP_REVERSE, STICK, SLIP_FORWARD), dtype=np.int8)
-    state_of_slip = by_direction[snapshot.direction[:, None] * sense + 1]
-    sticks = between(series["stick_edges"], x)
-    touches = between(series["contact_edges"], x) & (snapshot.load[:, None] > 0)
-    in_contact = np.where(sticks, np.int8(STICK), state_of_slip)
-    return np.where(touches, in_contact, np.int8(OPEN))
+    slip_sign = contact.sense(distances).astype(int) if isinstance(contact, OppositeSlip) else 1
+    states_by_direction = np.array((SLIP_REVERSE, STICK, SLIP_FORWARD), dtype=np.int8)
+    state_of_slip = states_by_direction[snapshot.direction[:, None] * slip_sign + 1]
+    is_stuck = between(series["stick_edges"], distances)
+    is_in_contact = between(series["contact_edges"], distances) & (snapshot.load[:, None] > 0)
+    contact_state = np.where(is_stuck, np.int8(STICK), state_of_slip)
+    return np.where(is_in_contact, contact_state, np.int8(OPEN))
 
 
 def _require_finite(name: str, values: NDArray[Any], request: Request) -> None:
@@ -817,9 +837,9 @@ def _require_finite(name: str, values: NDArray[Any], request: Request) -> None:
 # ---------------------------------------------------------------- what a solution says of itself
 def _errors(
     request: Request,
-    answer: PathResult,
-    series: dict[str, Array],
-    grids: dict[str, NDArray[Any]],
+    path_answer: PathResult,
+    loads_and_edges: dict[str, Array],
+    fields: dict[str, NDArray[Any]],
     arc_errors: Mapping[str, float],
     loop_work: float,
 ) -> dict[str, float]:
@@ -832,36 +852,40 @@ def _errors(
     NotFoundError
         For an error that is not a number.
     """
-    errors = {"dissipation_density": answer.density_error}
+    errors = {"dissipation_density": path_answer.density_error}
     if request.wants("pressure", *arc_errors):
-        errors |= _errors_of_tractions(request, answer.snapshot, series, grids, arc_errors)
-    rounding = 8 * rounding_of_slip(answer.slipped_share)
-    errors["slip"] = errors.get("slip", 0.0) + rounding
+        errors |= _errors_of_tractions(
+            request, path_answer.snapshot, loads_and_edges, fields, arc_errors
+        )
+    rounding_of_slips = 8 * rounding_of_slip(path_answer.slipped_share)
+    errors["slip"] = errors.get("slip", 0.0) + rounding_of_slips
     if request.wants("tangential_displacement"):
         errors["tangential_displacement"] = rounding_of_shift(
-            answer.snapshot.friction,
-            request.contact.log_distance(series["normal_load"]),
-            series["tangential_displacement"] / request.unit,
+            path_answer.snapshot.friction,
+            request.contact.log_distance(loads_and_edges["normal_load"]),
+            loads_and_edges["tangential_displacement"] / request.unit,
         )
     if request.wants("dissipation"):
-        errors["loop_work"], errors["dissipation"] = _errors_of_work(request, answer, loop_work)
+        errors["loop_work"], errors["dissipation"] = _errors_of_work(
+            request, path_answer, loop_work
+        )
         errors["dissipation_density"] += errors["dissipation"]
-        of_worst_cycle = float(np.max(answer.work_errors))
-        if of_worst_cycle > errors["dissipation"]:
-            errors["cycle_dissipation"] = of_worst_cycle
-    names = (
+        error_of_worst_cycle = float(np.max(path_answer.work_errors))
+        if error_of_worst_cycle > errors["dissipation"]:
+            errors["cycle_dissipation"] = error_of_worst_cycle
+    allowed_names = (
         *request.fields,
         "cycle_dissipation",
         *(f"{name} at the edge" for name in request.fields),
     )
-    return {name: error for name, error in errors.items() if error and name in names}
+    return {name: error for name, error in errors.items() if error and name in allowed_names}
 
 
 def _errors_of_tractions(
     request: Request,
     snapshot: Snapshot,
-    series: Mapping[str, Array],
-    grids: Mapping[str, NDArray[Any]],
+    loads_and_edges: Mapping[str, Array],
+    fields: Mapping[str, NDArray[Any]],
     arc_errors: Mapping[str, float],
 ) -> dict[str, float]:
     """Errors of pressure, shear and slip, from a sample of instants and points.
@@ -874,38 +898,38 @@ def _errors_of_tractions(
     friction = snapshot.friction
     instants = np.unique(np.linspace(0, len(snapshot.load) - 1, _INSTANTS).astype(int))
     loads = np.unique(np.append(snapshot.load[instants], np.max(snapshot.load)))[:, None]
-    places = np.unique(np.linspace(0, len(request.distance) - 1, _PLACES).astype(int))
-    x = request.distance[places]
+    numbers_of_points = np.unique(np.linspace(0, len(request.distance) - 1, _PLACES).astype(int))
+    x = request.distance[numbers_of_points]
     # p is infinite at the tip of a sharp wedge, s NaN where it was not asked for.
     largest_pressure = _largest_finite(contact.pressure(x, loads))
-    largest_slip = _largest_finite(np.abs(grids["slip"]) / request.unit)
-    slips = largest_slip > _TINY
-    of_arcs = {"shear": 0.0, "slip": 0.0}
+    largest_slip = _largest_finite(np.abs(fields["slip"]) / request.unit)
+    has_slip = largest_slip > _TINY
+    arc_shares = {"shear": 0.0, "slip": 0.0}
     if friction:
-        of_arcs["shear"] = largest_error(arc_errors["shear"]) / (friction * largest_pressure)
-    if slips:
-        of_arcs["slip"] = largest_error(arc_errors["slip"]) / largest_slip
+        arc_shares["shear"] = largest_error(arc_errors["shear"]) / (friction * largest_pressure)
+    if has_slip:
+        arc_shares["slip"] = largest_error(arc_errors["slip"]) / largest_slip
     if contact.closed_form or isinstance(contact, TiltedProfile):
-        return {name: error for name, error in of_arcs.items() if error > PROMISED}
+        return {name: error for name, error in arc_shares.items() if error > PROMISED}
     errors: dict[str, float] = {}
-    kernels = 2 * _most_pieces(snapshot, instants) + 2
+    n_kernels = 2 * _most_pieces(snapshot, instants) + 2
     if largest_pressure > _TINY:
         half_width = contact.half_width(loads)
         is_away = np.abs(x - half_width) > _NEAR * half_width
         pressure_error = contact.quadrature_error("pressure", x, loads)
-        of_kernel = largest_error(np.where(is_away, pressure_error, 0.0)) / largest_pressure
-        for words, least_distance in (("", _NEAR), (" at the edge", 0.0)):
-            of_edges, of_stick_edges = (
-                _error_at_edges(contact, request.distance, series[name], least_distance)
+        kernel_error = largest_error(np.where(is_away, pressure_error, 0.0)) / largest_pressure
+        for suffix, least_distance in (("", _NEAR), (" at the edge", 0.0)):
+            edge_error, stick_edge_error = (
+                _error_at_edges(contact, request.distance, loads_and_edges[name], least_distance)
                 / largest_pressure
                 for name in ("contact_half_width", "stick_half_width")
             )
-            errors[f"pressure{words}"] = of_kernel + of_edges
-            of_sum = of_arcs["shear"] + kernels * of_kernel
-            errors[f"shear{words}"] = of_sum + of_edges + 2 * of_stick_edges
-        if request.wants("slip") and slips:
-            of_kernel = largest_error(contact.quadrature_error("slip_integral", x, loads))
-            errors["slip"] = of_arcs["slip"] + kernels * friction * of_kernel / largest_slip
+            errors[f"pressure{suffix}"] = kernel_error + edge_error
+            sum_error = arc_shares["shear"] + n_kernels * kernel_error
+            errors[f"shear{suffix}"] = sum_error + edge_error + 2 * stick_edge_error
+        if request.wants("slip") and has_slip:
+            kernel_error = largest_error(contact.quadrature_error("slip_integral", x, loads))
+            errors["slip"] = arc_shares["slip"] + n_kernels * friction * kernel_error / largest_slip
     return errors
 
 
@@ -920,17 +944,17 @@ def _most_pieces(snapshot: Snapshot, instants: Indices) -> int:
 
 
 def _error_at_edges(
-    contact: SymmetricContact, x: Array, half_width: Array, stick_half_width: float
+    contact: SymmetricContact, x: Array, half_widths: Array, least_distance: float
 ) -> float:
-    """What the error of a half-width does to a pressure (g/pi) sqrt(2 d/a) at the small distance d
-    of the nearest point, `least` a at least.
+    """Largest error of the pressure next to an edge, (g/pi) sqrt(2 d/a), g = dP/da, by the error of
+    the half-width a: at the distance d of the nearest of the points x, `least_distance` a at least.
     """
-    edges = half_width[np.isfinite(half_width) & (half_width > 0)]
+    edges = half_widths[np.isfinite(half_widths) & (half_widths > 0)]
     last_point = len(x) - 1
     point_after = np.clip(np.searchsorted(x, edges), 1, max(last_point, 1))
     distance_before = np.abs(x[point_after - 1] - edges)
     distance_after = np.abs(x[np.minimum(point_after, last_point)] - edges)
-    distance = np.maximum(np.minimum(distance_before, distance_after), stick_half_width * edges)
+    distance = np.maximum(np.minimum(distance_before, distance_after), least_distance * edges)
     stiffness = contact.stiffness(edges)
     load_error = contact.noise * contact.load(edges)
     edge_error = 40 * _EPS * edges + load_error / np.where(stiffness > 0, stiffness, np.inf)
@@ -938,29 +962,35 @@ def _error_at_edges(
     return largest_error(stiffness / np.pi * np.sqrt(2 / edges) * root_change)
 
 
-def _errors_of_work(request: Request, answer: PathResult, loop_work: float) -> tuple[float, float]:
-    """Relative errors of the closed integral of Q dU and of W.
+def _errors_of_work(
+    request: Request, path_answer: PathResult, loop_work: float
+) -> tuple[float, float]:
+    """Relative errors of the closed integral of Q dU and of the friction work W, in this order.
 
     Both are of the last cycle: the cycles before it may slip so little that W keeps few digits
     there. Of the two routes W keeps more digits where slip is tiny: what they differ by is the
     error of the other one.
     """
-    work = float(answer.works[-1])
-    of_work = float(answer.work_errors[-1])
+    work = float(path_answer.works[-1])
+    work_error = float(path_answer.work_errors[-1])
     difference = 0.0
     if math.isfinite(loop_work) and work > 0:
         difference = abs(loop_work / work - 1)
-    of_loop = of_work + difference
-    if of_loop <= PROMISED:
-        of_loop = 0.0
+    loop_error = work_error + difference
+    if loop_error <= PROMISED:
+        loop_error = 0.0
     if work > 0 and not request.contact.closed_form:
         # What the last digits of U leave in the loop says nothing of W.
-        rounding = _OF_LOOP * answer.loop.rounding / work if answer.loop is not None else 0.0
-        if difference > rounding and slipped_share(answer.spans) > _SLIPS_ENOUGH:
-            of_work += difference
-        left_out = math.fsum(_left_out_of_work(request.contact, span) for span in answer.spans)
-        of_work += request.unit * left_out / work
-    return of_loop, of_work
+        rounding = (
+            _OF_LOOP * path_answer.loop.rounding / work if path_answer.loop is not None else 0.0
+        )
+        if difference > rounding and slipped_share(path_answer.spans) > _SLIPS_ENOUGH:
+            work_error += difference
+        sum_left_out = math.fsum(
+            _left_out_of_work(request.contact, span) for span in path_answer.spans
+        )
+        work_error += request.unit * sum_left_out / work
+    return loop_error, work_error
 
 
 def _left_out_of_work(contact: Contact, span: Span) -> float:
@@ -1014,12 +1044,12 @@ def _notes_of_errors(errors: Mapping[str, float]) -> Iterator[str]:
     """A sentence for each error that is large."""
     for name, error in errors.items():
         if error > _DOUBTFUL and "edge" not in name:
-            size = "the largest value"
+            reference = "the largest value"
             if name in ("dissipation", "loop_work"):
-                size = "it"
+                reference = "it"
             elif name == "cycle_dissipation":
-                size = "W of a cycle before the last"
-            error_words = f"an error of {error:.1e} of {size}"
+                reference = "W of a cycle before the last"
+            error_words = f"an error of {error:.1e} of {reference}"
             yield f"{name}: quadratures and rounding may have left {error_words}"
 
 
@@ -1053,11 +1083,11 @@ def _permanent_stick(contact: Contact, answer: PathResult, largest_load: float) 
     # A front that is nothing but the last digits of P is none: at that instant nothing sticks, not
     # even a flat face, whose half-width is there without any load.
     least_load = answer.least_front if answer.least_front > LAST_DIGITS * largest_load else 0.0
-    some_sticks = least_load > 0
-    half_width = float(contact.half_width(least_load)) if some_sticks else math.nan
+    has_stick = least_load > 0
+    half_width = float(contact.half_width(least_load)) if has_stick else math.nan
     values: dict[str, Any] = {"permanent_stick_half_width": half_width}
     if isinstance(contact, TiltedProfile):
-        edges = contact.interval(least_load) if some_sticks else np.full(2, math.nan)
+        edges = contact.interval(least_load) if has_stick else np.full(2, math.nan)
         values["permanent_stick_edges"] = edges
     return values
 

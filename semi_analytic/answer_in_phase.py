@@ -28,76 +28,81 @@ _INSTANTS = 400
 
 
 def in_phase(question: Question, ways: tuple[Way, Way]) -> Findings:
-    """The second cycle of loads in phase, which is steady: what of it does not depend on the
-    initial loading.
+    """The answer for the second cycle of loads in phase under bulk stress and tilt, which is
+    steady: what of it does not depend on the initial loading, so neither shear nor slip. `ways` are
+    the forward and the reverse stroke of the cycle.
     """
     started = clock.perf_counter()
     scene = question.scene
     path = scene.load.path()
-    loads, leaning = leaning_profile(scene)
-    time, (load, force, _, tilt) = _instants_of_cycle(loads)
+    loads, tilted_contact = leaning_profile(scene)
+    time, (normal_load, tangential_load, _, tilt) = _instants_of_cycle(loads)
     period = path.cycle[-1].end - path.cycle_start
-    rises = _rises(time, force, period)
-    middle, half_width = leaning.under(load, tilt)
-    stick_middle, stick_half = _stick_zones(ways, force, rises)
-    contact_edges = np.stack([middle - half_width, middle + half_width], axis=-1)
-    stick_edges = np.stack([stick_middle - stick_half, stick_middle + stick_half], axis=-1)
+    is_forward = _rises(time, tangential_load, period)
+    contact_middle, contact_half_width = tilted_contact.under(normal_load, tilt)
+    stick_middle, stick_half_width = _stick_zones(ways, tangential_load, is_forward)
+    contact_edges = np.stack(
+        [contact_middle - contact_half_width, contact_middle + contact_half_width], axis=-1
+    )
+    stick_edges = np.stack(
+        [stick_middle - stick_half_width, stick_middle + stick_half_width], axis=-1
+    )
     x = question.x
     if x is None:
         x = mirrored_points(1.05 * float(np.max(np.abs(contact_edges))))
 
-    unknown_field = np.broadcast_to(np.nan, (len(time), len(x)))
-    unknown_series = unknown_field[:, 0]
-    pressure = unknown_field
-    state = np.full(unknown_field.shape, np.int8(OPEN))
-    approach = unknown_series
+    field_of_nan = np.broadcast_to(np.nan, (len(time), len(x)))
+    series_of_nan = field_of_nan[:, 0]
+    pressure = field_of_nan
+    state = np.full(field_of_nan.shape, np.int8(OPEN))
+    approach = series_of_nan
     work = math.nan
     loop = math.nan
     density = np.full(len(x), math.nan)
     errors = {}
     if question.wants("pressure"):
-        pressure = leaning.pressure_over(x, middle, half_width)
+        pressure = tilted_contact.pressure_over(x, contact_middle, contact_half_width)
     if question.wants("state"):
-        slides = np.where(rises, np.int8(SLIP_FORWARD), np.int8(SLIP_REVERSE))[:, None]
-        states_in_contact = np.where(between(stick_edges, x), np.int8(STICK), slides)
+        slip_state = np.where(is_forward, np.int8(SLIP_FORWARD), np.int8(SLIP_REVERSE))[:, None]
+        states_in_contact = np.where(between(stick_edges, x), np.int8(STICK), slip_state)
         state = np.where(between(contact_edges, x), states_in_contact, state)
     if question.wants("normal_approach"):
-        approach = leaning.approach(middle, half_width, load, tilt)
+        approach = tilted_contact.approach(contact_middle, contact_half_width, normal_load, tilt)
     if question.wants("dissipation"):
         work, errors["dissipation"] = _work_of(ways)
     if question.wants("loop_work"):
         loop = loop_of(ways)
     if question.wants("dissipation_density"):
         density, errors["dissipation_density"] = _density_of(ways, x)
-    permanent_edges = stick_edges[np.argmax(force)]
+    permanent_stick_edges = stick_edges[np.argmax(tangential_load)]
     stress_of_lower, stress_of_upper = loads.stresses(time)
     return Findings(
         time=time + period,
         x=x,
         values={
-            "normal_load": load,
-            "tangential_load": force,
+            "normal_load": normal_load,
+            "tangential_load": tangential_load,
             "pressure": pressure,
-            "shear": unknown_field,
-            "slip": unknown_field,
+            "shear": field_of_nan,
+            "slip": field_of_nan,
             "state": state,
             "contact_edges": contact_edges,
             "stick_edges": stick_edges,
-            "contact_half_width": half_width,
-            "stick_half_width": stick_half,
-            "tangential_displacement": unknown_series,
+            "contact_half_width": contact_half_width,
+            "stick_half_width": stick_half_width,
+            "tangential_displacement": series_of_nan,
             "normal_approach": approach,
             "dissipation": work,
             "loop_work": loop,
             "cycle_dissipation": np.array([work]),
             "dissipation_density": density,
-            "permanent_stick_half_width": float(np.diff(permanent_edges)[0]) / 2,
-            "permanent_stick_edges": permanent_edges,
+            "permanent_stick_half_width": float(np.diff(permanent_stick_edges)[0]) / 2,
+            "permanent_stick_edges": permanent_stick_edges,
             "steady_from": 1,
             "bulk_stress_lower": stress_of_lower,
             "bulk_stress_upper": stress_of_upper,
             "tilt": tilt,
-            "moment": leaning.moment(middle, half_width, load, tilt),
+            "moment": tilted_contact.moment(contact_middle, contact_half_width, normal_load, tilt),
         },
         termination="steady",
         message="the second cycle ends in the state it started from",
@@ -124,8 +129,8 @@ def _rises(time: Array, force: Array, period: float) -> NDArray[np.bool_]:
     """Whether Q rises up to each instant (n,), from its least value on."""
     time_of_least = time[np.argmin(force)]
     time_of_largest = time[np.argmax(force)]
-    rise = (time_of_largest - time_of_least) % period
-    return np.asarray((time - time_of_least) % period <= rise)
+    rise_duration = (time_of_largest - time_of_least) % period
+    return np.asarray((time - time_of_least) % period <= rise_duration)
 
 
 def _stick_zones(

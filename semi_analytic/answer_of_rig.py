@@ -120,11 +120,11 @@ class Rigged:
             raise InputError(
                 "load: P is never positive, so that the bodies never touch; it is a compression"
             )
-        bend = self.compliance.curvatures
+        curvatures = self.compliance.curvatures
         limit = self.scene.friction.coefficient * rows.normal
-        widest = -np.sign(bend.normal_under_shear) * limit
-        loads = PathRows(rows.time, rows.normal, widest, rows.ends, None)
-        return table_of(self.contact, self.modulus, loads, bend)
+        widening_force = -np.sign(curvatures.normal_under_shear) * limit
+        loads = PathRows(rows.time, rows.normal, widening_force, rows.ends, None)
+        return table_of(self.contact, self.modulus, loads, curvatures)
 
 
 def rigged(scene: Scene, effects: BodyEffects | None) -> Rigged:
@@ -181,32 +181,41 @@ class _Slide(NamedTuple):
 
 
 def slides_of(driven: Driven, rows: slice) -> list[_Slide]:
-    """The stretches of gross sliding in some rows, whose first ends the step before them."""
-    numbers = np.arange(len(driven.time))[rows]
-    way_of_actuator = float(np.ptp(driven.actuator)) or 1.0
+    """The stretches of gross sliding in some rows of a followed actuator, those in one direction
+    that meet joined; the first of the rows ends the step before them.
+    """
+    row_numbers = np.arange(len(driven.time))[rows]
+    actuator_range = float(np.ptp(driven.actuator)) or 1.0
     direction = np.sign(driven.slide)
-    direction[np.abs(driven.slide) <= _NO_SLIDE * way_of_actuator] = 0
+    direction[np.abs(driven.slide) <= _NO_SLIDE * actuator_range] = 0
     slides: list[_Slide] = []
-    for before, row in pairwise(numbers.tolist()):
+    for row_before, row in pairwise(row_numbers.tolist()):
         if not direction[row]:
             continue
-        part = _Slide(
-            float(driven.time[before]),
+        slide = _Slide(
+            float(driven.time[row_before]),
             float(driven.time[row]),
             float(driven.slide[row]),
             float(driven.slide_work[row]),
         )
-        if slides and slides[-1].end == part.begin and slides[-1].way * part.way > 0:
-            first = slides[-1]
-            slides[-1] = _Slide(first.begin, part.end, first.way + part.way, first.work + part.work)
+        if slides and slides[-1].end == slide.begin and slides[-1].way * slide.way > 0:
+            slide_before = slides[-1]
+            slides[-1] = _Slide(
+                slide_before.begin,
+                slide.end,
+                slide_before.way + slide.way,
+                slide_before.work + slide.work,
+            )
         else:
-            slides.append(part)
+            slides.append(slide)
     return slides
 
 
 # --------------------------------------------------------------------------------- the whole answer
 def of_rig(question: Question) -> Findings:
-    """The answer to a scene with prescribed displacements.
+    """The answer to a scene whose rig prescribes displacements: the loads are found by steps and by
+    steps twice as long, fields are those of corrected theory under them, and what both differ by is
+    stated as error.
 
     Raises
     ------
@@ -220,54 +229,58 @@ def of_rig(question: Question) -> Findings:
             " prescribed"
         )
     rig = rigged(question.scene, question.effects)
-    driven, coarse, steady_from = _followed(rig, question.time)
-    last_cycle, rows = _rows_of(driven, question.scene, steady_from)
-    bodies = _series(rig, driven)
-    of_coarse = _series(rig, coarse)
+    fine_path, coarse_path, steady_from = _followed(rig, question.time)
+    last_cycle, rows_of_answer = _rows_of(fine_path, question.scene, steady_from)
+    bodies = _series(rig, fine_path)
+    coarse_bodies = _series(rig, coarse_path)
     history_done = clock.perf_counter()
 
     x = question.x
     if x is None:
         x = mirrored_points(1.05 * float(np.max(bodies.half_width)))
-    distance, fold = folded(x)
-    time, numbers = instants_of(question, rows, last_cycle)
+    distance, number_of_distance = folded(x)
+    time, row_numbers = instants_of(question, rows_of_answer, last_cycle)
     points = PointFields(bodies, distance)
-    grids = grids_at(question, points, distance, numbers)
-    same_loads = _SameLoads.of(rig, driven, last_cycle)
-    odd = _odd_part(rig, driven, last_cycle, steady_from, same_loads)
-    of_odd_numbers = odd.work(_STEADY_CYCLE)
-    work = driven.work(last_cycle) + of_odd_numbers.value + same_loads.of_next_order
-    errors = _errors(driven, coarse, steady_from)
+    fields = grids_at(question, points, distance, row_numbers)
+    same_loads = _SameLoads.of(rig, fine_path, last_cycle)
+    odd_part = _odd_part(rig, fine_path, last_cycle, steady_from, same_loads)
+    odd_work = odd_part.work(_STEADY_CYCLE)
+    work = fine_path.work(last_cycle) + odd_work.value + same_loads.of_next_order
+    errors = _errors(fine_path, coarse_path, steady_from)
     if work > 0:
-        of_bodies = of_odd_numbers.uncertainty + same_loads.uncertainty
-        errors["dissipation"] = errors.get("dissipation", 0.0) + of_bodies / work
-    if odd.left_out:
+        error_of_bodies = odd_work.uncertainty + same_loads.uncertainty
+        errors["dissipation"] = errors.get("dissipation", 0.0) + error_of_bodies / work
+    if odd_part.left_out:
         errors["dissipation"] = math.nan  # how much tilt and strain add is not known
-    loop = math.nan
+    loop_work = math.nan
     # The displacement has the moment of the tilt, and not what makes the work in the second order.
-    if steady_from is not None and rows.period is not None and odd == OddPart():
-        loop = bodies.loop_work(last_cycle)
-        coarse_cycle, _ = _rows_of(coarse, question.scene, steady_from)
-        if loop > 0:
-            errors["loop_work"] = abs(of_coarse.loop_work(coarse_cycle) / loop - 1)
+    if steady_from is not None and rows_of_answer.period is not None and odd_part == OddPart():
+        loop_work = bodies.loop_work(last_cycle)
+        coarse_cycle, _ = _rows_of(coarse_path, question.scene, steady_from)
+        if loop_work > 0:
+            errors["loop_work"] = abs(coarse_bodies.loop_work(coarse_cycle) / loop_work - 1)
     density = np.full(len(distance), np.nan)
     if question.wants("dissipation_density"):
         density = points.work(last_cycle)
     wants_work = question.wants("dissipation")
-    series = series_at(question, bodies, numbers)
-    to_datum = _to_datum_of_answers(rig)
-    series["tangential_displacement"] = (
-        series["tangential_displacement"] + to_datum * series["tangential_load"]
+    series_of_instants = series_at(question, bodies, row_numbers)
+    compliance_to_datum = _to_datum_of_answers(rig)
+    series_of_instants["tangential_displacement"] = (
+        series_of_instants["tangential_displacement"]
+        + compliance_to_datum * series_of_instants["tangential_load"]
     )
-    series["normal_approach"] = series["normal_approach"] + to_datum * series["normal_load"]
+    series_of_instants["normal_approach"] = (
+        series_of_instants["normal_approach"]
+        + compliance_to_datum * series_of_instants["normal_load"]
+    )
     values: dict[str, Any] = {
-        **series,
-        **{name: np.take(grid, fold, axis=1) for name, grid in grids.items()},
+        **series_of_instants,
+        **{name: np.take(grid, number_of_distance, axis=1) for name, grid in fields.items()},
         "permanent_stick_half_width": permanent_stick(bodies, last_cycle),
         "dissipation": work if wants_work else math.nan,
-        "loop_work": loop if wants_work else math.nan,
+        "loop_work": loop_work if wants_work else math.nan,
         "cycle_dissipation": np.array([work if wants_work else math.nan]),
-        "dissipation_density": density[fold],
+        "dissipation_density": density[number_of_distance],
         "steady_from": None if steady_from is None else 0,
     }
     return Findings(
@@ -276,19 +289,19 @@ def of_rig(question: Question) -> Findings:
         values=values,
         termination="end of path" if steady_from is None else "steady",
         message=_message(steady_from, question.scene),
-        notes=tuple(_notes(rig, driven, last_cycle, errors, odd)),
+        notes=tuple(_notes(rig, fine_path, last_cycle, errors, odd_part)),
         errors={name: error for name, error in errors.items() if error},
-        certificates=certificates_of(bodies, grids, numbers),
+        certificates=certificates_of(bodies, fields, row_numbers),
         counts={
             "points_evaluated": len(distance),
-            "rows": len(driven.time),
-            "pieces": len(driven.followed.pieces.top),
+            "rows": len(fine_path.time),
+            "pieces": len(fine_path.followed.pieces.top),
         },
         seconds={
             "history": history_done - started,
             "fields": clock.perf_counter() - history_done,
         },
-        scene=_scene_of_loads(question.scene, rows, last_cycle),
+        scene=_scene_of_loads(question.scene, rows_of_answer, last_cycle),
     )
 
 
@@ -311,23 +324,29 @@ class _SameLoads(NamedTuple):
 
     @classmethod
     def of(cls, rig: Rigged, driven: Driven, rows: slice) -> _SameLoads:
-        """Of the bodies of a rig."""
+        """What the loads that were found along a path make of the bodies of a rig in some rows,
+        beside half-planes; nothing for half-planes, and where the bodies slide as a whole.
+        """
         if rig.scene.bodies.half_planes or _no_next_order(driven, rows):
             return cls()
         followed = driven.followed
         loads = (followed.normal_load, followed.tangential_load)
-        by_rows = (followed.table, followed.friction, *loads)
-        theory = PathSeries(follow(*by_rows, Curvatures()), rig.contact, rig.modulus, None)
-        of_half_planes = theory.work(rows)
-        if not of_half_planes > 0:
+        table_and_loads = (followed.table, followed.friction, *loads)
+        half_planes = PathSeries(
+            follow(*table_and_loads, Curvatures()), rig.contact, rig.modulus, None
+        )
+        work_of_half_planes = half_planes.work(rows)
+        if not work_of_half_planes > 0:
             return cls()
-        with_bodies = follow(*by_rows, curvatures_of(rig.effects), theory.followed)
-        bodies = PathSeries(with_bodies, rig.contact, rig.modulus, rig.effects)
-        by_curvatures = float(np.sum(driven.slip_work[rows][1:]))
+        memory_of_bodies = follow(
+            *table_and_loads, curvatures_of(rig.effects), half_planes.followed
+        )
+        bodies = PathSeries(memory_of_bodies, rig.contact, rig.modulus, rig.effects)
+        work_by_curvatures = float(np.sum(driven.slip_work[rows][1:]))
         return cls(
-            of_curvatures=bodies.work(rows) / of_half_planes - 1,
-            of_next_order=bodies.work(rows) - by_curvatures,
-            uncertainty=left_of_work(bodies, theory, rows, rig.effects) * of_half_planes,
+            of_curvatures=bodies.work(rows) / work_of_half_planes - 1,
+            of_next_order=bodies.work(rows) - work_by_curvatures,
+            uncertainty=left_of_work(bodies, half_planes, rows, rig.effects) * work_of_half_planes,
         )
 
 
@@ -394,65 +413,77 @@ def _followed(rig: Rigged, time: Array | None) -> tuple[Driven, Driven, int | No
     long; the index of that cycle, None where none does.
     """
     scene = rig.scene
-    repeats = scene.load.path_of_actuators().period is not None
-    most_cycles = max(scene.cycles, 2) if repeats else 0
+    has_cycle = scene.load.path_of_actuators().period is not None
+    most_cycles = max(scene.cycles, 2) if has_cycle else 0
     for cycles in range(min(2, most_cycles), most_cycles + 1):
-        coarse = rig.follow(cycles, 1)
-        is_last = cycles == most_cycles
-        if steady_cycle(coarse) is None and not is_last:
+        coarse_path = rig.follow(cycles, 1)
+        is_last_try = cycles == most_cycles
+        if steady_cycle(coarse_path) is None and not is_last_try:
             continue
-        near_ends = _near_ends_of_slides(coarse)
-        further = _within_cycles(scene, near_ends, cycles)
-        if len(near_ends):
-            coarse = rig.follow(cycles, 1, further)
+        instants_near_ends = _near_ends_of_slides(coarse_path)
+        further_instants = _within_cycles(scene, instants_near_ends, cycles)
+        if len(instants_near_ends):
+            coarse_path = rig.follow(cycles, 1, further_instants)
         if time is not None:
-            further = np.append(further, _within_cycles(scene, time, cycles))
-        driven = rig.follow(cycles, 2, further)
+            further_instants = np.append(further_instants, _within_cycles(scene, time, cycles))
+        fine_path = rig.follow(cycles, 2, further_instants)
         # Other steps may leave a little at the end of a stroke, which the next cycle takes away.
-        steady_from = _steady_in_both(driven, coarse)
-        if steady_from is not None or is_last:
+        steady_from = _steady_in_both(fine_path, coarse_path)
+        if steady_from is not None or is_last_try:
             break
-    return driven, coarse, steady_from if repeats else None
+    return fine_path, coarse_path, steady_from if has_cycle else None
 
 
-def _steady_in_both(driven: Driven, coarse: Driven) -> int | None:
+def _steady_in_both(fine_path: Driven, coarse_path: Driven) -> int | None:
     """The first cycle that is steady by both steps."""
-    cycles = (steady_cycle(driven), steady_cycle(coarse))
-    return None if None in cycles else max(cycle for cycle in cycles if cycle is not None)
+    steady_cycles = (steady_cycle(fine_path), steady_cycle(coarse_path))
+    return (
+        None
+        if None in steady_cycles
+        else max(cycle for cycle in steady_cycles if cycle is not None)
+    )
 
 
 def _near_ends_of_slides(driven: Driven) -> Array:
     """Instants (k,) around those at which a slide ends while P varies: there the actuator turns
     round against what the contact gives way, which no row of the path shows.
     """
-    slides = driven.slide != 0
+    is_sliding = driven.slide != 0
     load = driven.followed.normal_load
-    last = np.flatnonzero(slides[1:-1] & ~slides[2:]) + 1
-    last = last[load[last + 1] != load[last]][:_MOST_ENDS]
-    begin = driven.time[last - 1]
-    share = np.linspace(0.0, 1.0, _ROWS_AT_END)[:, None]
-    return (begin + share * (driven.time[last + 1] - begin)).ravel()
+    last_sliding_rows = np.flatnonzero(is_sliding[1:-1] & ~is_sliding[2:]) + 1
+    last_sliding_rows = last_sliding_rows[load[last_sliding_rows + 1] != load[last_sliding_rows]][
+        :_MOST_ENDS
+    ]
+    begin_times = driven.time[last_sliding_rows - 1]
+    shares = np.linspace(0.0, 1.0, _ROWS_AT_END)[:, None]
+    return (begin_times + shares * (driven.time[last_sliding_rows + 1] - begin_times)).ravel()
 
 
 def _within_cycles(scene: Scene, time: Array, cycles: int) -> Array:
-    """Instants (k,) of any cycle in each of those that are followed."""
+    """Instants (k,) of any cycle of the actuator's path, repeated in each of the `cycles` that are
+    followed; those of the initial loading once.
+    """
     path = scene.load.path_of_actuators()
     if path.period is None:
         return time
-    share = np.mod(time - path.cycle_start, path.period)
-    in_cycles = path.cycle_start + share + path.period * np.arange(cycles)[:, None]
-    return np.concatenate([time[time < path.cycle_start], in_cycles.ravel()])
+    time_since_cycle_start = np.mod(time - path.cycle_start, path.period)
+    times_in_cycles = (
+        path.cycle_start + time_since_cycle_start + path.period * np.arange(cycles)[:, None]
+    )
+    return np.concatenate([time[time < path.cycle_start], times_in_cycles.ravel()])
 
 
 def steady_cycle(driven: Driven) -> int | None:
-    """The first cycle that ends in the state it started from."""
+    """Index of the first cycle that ends in the state it started from: whose memory curves at begin
+    and end agree; None where none does.
+    """
     followed = driven.followed
-    s = np.linspace(0.0, followed.table.last, _PLACES)
-    allowed = _STEADY * followed.friction * float(np.max(followed.normal_load))
-    states = [followed.frozen_force(row, s) for row in driven.ends]
-    for number, (before, after) in enumerate(pairwise(states)):
-        if np.max(np.abs(after - before)) <= allowed:
-            return number
+    s_of_punches = np.linspace(0.0, followed.table.last, _PLACES)
+    tolerance = _STEADY * followed.friction * float(np.max(followed.normal_load))
+    forces_at_ends = [followed.frozen_force(row, s_of_punches) for row in driven.ends]
+    for cycle, (forces_before, forces_after) in enumerate(pairwise(forces_at_ends)):
+        if np.max(np.abs(forces_after - forces_before)) <= tolerance:
+            return cycle
     return None
 
 
@@ -494,24 +525,30 @@ def _scene_of_loads(scene: Scene, rows: PathRows, last_cycle: slice) -> Scene:
     return scene.vary(load=load, rig=Rig(), cycles=1)
 
 
-def _errors(driven: Driven, coarse: Driven, steady_from: int | None) -> dict[str, float]:
-    """Differences of steps and of steps twice as long, over W and over the largest |Q|."""
+def _errors(fine_path: Driven, coarse_path: Driven, steady_from: int | None) -> dict[str, float]:
+    """Differences between a path by steps and by steps twice as long: of the friction work over W,
+    and of Q over the largest |Q|; of the steady cycle where there is one.
+    """
     errors = {}
-    whole = slice(0, None)
+    rows_of_fine = slice(0, None)
     if steady_from is not None:
-        whole = slice(driven.ends[steady_from], driven.ends[steady_from + 1] + 1)
-    of_coarse = slice(0, None)
+        rows_of_fine = slice(fine_path.ends[steady_from], fine_path.ends[steady_from + 1] + 1)
+    rows_of_coarse = slice(0, None)
     if steady_from is not None:
-        of_coarse = slice(coarse.ends[steady_from], coarse.ends[steady_from + 1] + 1)
-    work = driven.work(whole)
+        rows_of_coarse = slice(coarse_path.ends[steady_from], coarse_path.ends[steady_from + 1] + 1)
+    work = fine_path.work(rows_of_fine)
     if work > 0:
-        errors["dissipation"] = abs(coarse.work(of_coarse) / work - 1)
-    force = driven.followed.tangential_load
-    largest = float(np.max(np.abs(force)))
-    if largest > 0:
-        _, place, place_in_coarse = np.intersect1d(driven.time, coarse.time, return_indices=True)
-        difference = force[place] - coarse.followed.tangential_load[place_in_coarse]
-        errors["tangential_load"] = float(np.max(np.abs(difference))) / largest
+        errors["dissipation"] = abs(coarse_path.work(rows_of_coarse) / work - 1)
+    force = fine_path.followed.tangential_load
+    largest_force = float(np.max(np.abs(force)))
+    if largest_force > 0:
+        _, row_numbers, row_numbers_in_coarse = np.intersect1d(
+            fine_path.time, coarse_path.time, return_indices=True
+        )
+        difference = (
+            force[row_numbers] - coarse_path.followed.tangential_load[row_numbers_in_coarse]
+        )
+        errors["tangential_load"] = float(np.max(np.abs(difference))) / largest_force
     return errors
 
 
@@ -530,13 +567,14 @@ def _notes(
 ) -> Iterator[str]:
     """What a reader must not miss."""
     scene = rig.scene
-    force, length, _ = scene.unit_words
+    force_unit, length_unit, _ = scene.unit_words
     yield from neglected_coupling(scene.material)
     if scene.bodies.half_planes:
         yield (
             "rig: the displacements are prescribed at half-planes, in the distance"
-            f" {rig.effects.datum_length:.6g} {length} from the contact; U and approach here count"
-            f" from {scene.profile.datum_length:.6g} {length}, as in every answer"
+            f" {rig.effects.datum_length:.6g} {length_unit} from the contact; U and approach here"
+            " count"
+            f" from {scene.profile.datum_length:.6g} {length_unit}, as in every answer"
         )
     else:
         yield (
@@ -550,17 +588,19 @@ def _notes(
         yield from notes_of_effects(rig.effects, half_width, modulus, odd, OF_RIG)
     spring = rig.compliance.tangential_spring
     if spring:
-        actuator = float(np.ptp(driven.actuator[last_cycle]))
-        contact = float(np.ptp(driven.displacement[last_cycle]))
+        actuator_range = float(np.ptp(driven.actuator[last_cycle]))
+        contact_range = float(np.ptp(driven.displacement[last_cycle]))
         yield (
-            f"rig: of the range {actuator:.6g} {length} of the actuator the contact takes"
-            f" {contact:.6g}, the spring the rest"
+            f"rig: of the range {actuator_range:.6g} {length_unit} of the actuator the contact"
+            " takes"
+            f" {contact_range:.6g}, the spring the rest"
         )
-    largest = float(np.max(np.abs(driven.followed.tangential_load)))
+    largest_force = float(np.max(np.abs(driven.followed.tangential_load)))
     yield (
         "rig: P and Q follow from the displacements, at constant P without an error of the steps;"
-        f" here Q is uncertain by {errors.get('tangential_load', 0.0) * largest:.2g} of at most"
-        f" {largest:.6g} {force}/{length}"
+        f" here Q is uncertain by {errors.get('tangential_load', 0.0) * largest_force:.2g} of at"
+        " most"
+        f" {largest_force:.6g} {force_unit}/{length_unit}"
     )
     yield from notes_of_slides(scene, driven, last_cycle)
     if np.any(driven.followed.normal_load[1:] <= 0):
@@ -568,22 +608,25 @@ def _notes(
 
 
 def _note_of_next_order(rig: Rigged, driven: Driven, last_cycle: slice) -> str:
-    """Where the next order counts, and what it would change where it does not."""
+    """A sentence on the next order of the bodies: where it counts, and by how much it would change
+    the largest pressure and half-width.
+    """
     left_out = _no_next_order(driven, last_cycle)
-    where = f"left out: {left_out}" if left_out else "in the dissipation"
+    place_text = f"left out: {left_out}" if left_out else "in the dissipation"
     rows = np.array([0.0, np.max(driven.followed.normal_load)])
-    without = without_next_order(rig.effects)
+    effects_without = without_next_order(rig.effects)
     pressures = []
     half_widths = []
-    for effects in (rig.effects, without):
-        pressed = follow(driven.followed.table, 1.0, rows, 0 * rows, curvatures_of(effects))
-        series = PathSeries(pressed, rig.contact, rig.modulus, effects)
+    for effects in (rig.effects, effects_without):
+        memory = follow(driven.followed.table, 1.0, rows, 0 * rows, curvatures_of(effects))
+        series = PathSeries(memory, rig.contact, rig.modulus, effects)
         half_width = float(series.half_width[1])
         places = np.linspace(0.0, half_width, _PLACES)
         pressures.append(float(np.max(PointFields(series, places).pressure(np.array([1])))))
         half_widths.append(half_width)
     return (
-        f"effects: the next order of the bodies, N_4, T_4, N_22 and T_22, is {where}, and in no"
+        f"effects: the next order of the bodies, N_4, T_4, N_22 and T_22, is {place_text}, and in"
+        " no"
         f" other value: of the largest pressure it would make"
         f" {100 * (pressures[0] / pressures[1] - 1):+.2g} %, of the largest half-width"
         f" {100 * (half_widths[0] / half_widths[1] - 1):+.2g} %"
@@ -594,24 +637,28 @@ def notes_of_slides(scene: Scene, driven: Driven, last_cycle: slice) -> Iterator
     """When the bodies slide as a whole and how far, in the last cycle and before it, or on the
     path.
     """
-    force, length, _ = scene.unit_words
-    energy = f"{force}·{length}/{length}"
-    what = "the last cycle" if last_cycle.start else "the path"
+    force_unit, length_unit, _ = scene.unit_words
+    energy_unit = f"{force_unit}·{length_unit}/{length_unit}"
+    span_text = "the last cycle" if last_cycle.start else "the path"
     slides = slides_of(driven, last_cycle)
-    before = slides_of(driven, slice(0, last_cycle.start + 1)) if last_cycle.start else []
+    slides_before = slides_of(driven, slice(0, last_cycle.start + 1)) if last_cycle.start else []
     if not slides:
-        yield f"gross sliding: none in {what}"
+        yield f"gross sliding: none in {span_text}"
     else:
-        way = sum(abs(slide.way) for slide in slides)
+        slide_distance = sum(abs(slide.way) for slide in slides)
         work = sum(slide.work for slide in slides)
-        named = "; ".join(_in_words(slide, length) for slide in slides[:_MOST_NAMED])
-        more = f"; and {len(slides) - _MOST_NAMED} more" if len(slides) > _MOST_NAMED else ""
+        named_slides = "; ".join(_in_words(slide, length_unit) for slide in slides[:_MOST_NAMED])
+        rest_text = f"; and {len(slides) - _MOST_NAMED} more" if len(slides) > _MOST_NAMED else ""
         yield (
-            f"gross sliding: in {what} the bodies slide as a whole by {way:.6g} {length}, which"
-            f" takes {work:.6g} {energy} of the dissipation: {named}{more}"
+            f"gross sliding: in {span_text} the bodies slide as a whole by {slide_distance:.6g}"
+            f" {length_unit}, which"
+            f" takes {work:.6g} {energy_unit} of the dissipation: {named_slides}{rest_text}"
         )
-    if before:
-        yield f"gross sliding: before it {'; '.join(_in_words(s, length) for s in before[:2])}"
+    if slides_before:
+        yield (
+            "gross sliding: before it"
+            f" {'; '.join(_in_words(s, length_unit) for s in slides_before[:2])}"
+        )
 
 
 def _in_words(slide: _Slide, length: str) -> str:

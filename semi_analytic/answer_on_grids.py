@@ -80,25 +80,25 @@ class GridAnswer:
         is_steady = followed.steady_from is not None
         values = self._values()
         all_errors = dict(followed.errors)
-        work = float(followed.works[-1])
-        if is_steady and work > 0:
-            all_errors["dissipation"] += abs(followed.loop / work - 1)
+        last_work = float(followed.works[-1])
+        if is_steady and last_work > 0:
+            all_errors["dissipation"] += abs(followed.loop / last_work - 1)
         errors = {name: error for name, error in all_errors.items() if name in question.fields}
         if steady_cycle is not None:
             works = values["cycle_dissipation"]
-            is_before = np.arange(len(works)) < (followed.steady_from or 0)
+            is_before_steady = np.arange(len(works)) < (followed.steady_from or 0)
             steady_work = steady_cycle.values["dissipation"]
-            values["cycle_dissipation"] = np.where(is_before, works, steady_work)
+            values["cycle_dissipation"] = np.where(is_before_steady, works, steady_work)
             for name in _OF_STEADY_CYCLE:
                 values[name] = steady_cycle.values.get(name)
             errors |= dict.fromkeys(question.fields & OF_WORK, 0.0)
             errors |= dict(steady_cycle.errors)
         notes = [*neglected_coupling(question.scene.material), self._note(steady_cycle)]
         if path.period is not None and not is_steady:
-            remainder = followed.remainder / work
+            remainder_share = followed.remainder / last_work
             notes.append(
                 f"the last cycle, number {len(followed.works)}, is not steady: by the trend its"
-                f" dissipation is within {remainder:.1e} of the steady one"
+                f" dissipation is within {remainder_share:.1e} of the steady one"
             )
         termination = "end of path"
         message = "the path was followed to its end"
@@ -156,18 +156,20 @@ class GridAnswer:
         scene = question.scene
         rows = self._rows()
         time = followed.time[rows]
-        load, force, _, tilt = followed.loads[:, rows]
+        normal_load, tangential_load, _, tilt = followed.loads[:, rows]
         contact_edges = followed.contact_edges[rows]
         stick_edges = followed.stick_edges[rows]
-        middle = np.mean(contact_edges, axis=1)
-        half_width = np.diff(contact_edges)[:, 0] / 2
+        contact_middle = np.mean(contact_edges, axis=1)
+        contact_half_width = np.diff(contact_edges)[:, 0] / 2
         stress_of_lower, stress_of_upper = self._loads.stresses(time)
-        compliance = 2 / (math.pi * composite_modulus(scene.material))
-        datum_shift = compliance * force * math.log(scene.profile.datum_length)
+        unit_compliance = 2 / (math.pi * composite_modulus(scene.material))
+        datum_shift = unit_compliance * tangential_load * math.log(scene.profile.datum_length)
         works = followed.works[-1:] if self._steady_only else followed.works
         values: dict[str, Any] = {
             "tangential_displacement": followed.displacement[rows] + datum_shift,
-            "normal_approach": self._leaning.approach(middle, half_width, load, tilt),
+            "normal_approach": self._leaning.approach(
+                contact_middle, contact_half_width, normal_load, tilt
+            ),
             "pressure": followed.pressure[rows],
             "shear": followed.shear[rows],
             "slip": followed.slip[rows],
@@ -189,18 +191,19 @@ class GridAnswer:
             values["loop_work"] = math.nan
             values["cycle_dissipation"] = np.full_like(works, np.nan)
         # a path without cycles ends unloaded, where nothing sticks
-        permanent_edges = np.full(2, math.nan)
+        permanent_stick_edges = np.full(2, math.nan)
         if scene.load.path().period is not None:
-            permanent_edges = followed.permanent_stick_edges
+            permanent_stick_edges = followed.permanent_stick_edges
         return values | {
-            "normal_load": load,
-            "tangential_load": force,
+            "normal_load": normal_load,
+            "tangential_load": tangential_load,
             "contact_edges": contact_edges,
             "stick_edges": stick_edges,
-            "contact_half_width": half_width,
+            "contact_half_width": contact_half_width,
             "stick_half_width": np.diff(stick_edges)[:, 0] / 2,
-            "permanent_stick_half_width": float(permanent_edges[1] - permanent_edges[0]) / 2,
-            "permanent_stick_edges": permanent_edges,
+            "permanent_stick_half_width": float(permanent_stick_edges[1] - permanent_stick_edges[0])
+            / 2,
+            "permanent_stick_edges": permanent_stick_edges,
             "steady_from": followed.steady_from,
             "bulk_stress_lower": stress_of_lower,
             "bulk_stress_upper": stress_of_upper,

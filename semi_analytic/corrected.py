@@ -227,19 +227,22 @@ def notes_of_effects(
     odd: OddPart,
     in_answer: OddInAnswer = OF_LOADS,
 ) -> Iterator[str]:
-    """What of the effects is in the values, and what is not."""
+    """Sentences on which of the bodies' effects are in the values and which are not: the even
+    numbers are; tilt and bulk strain, `odd`, are in the dissipation where they were found.
+    """
     yield f"effects: {in_answer.even} of the bodies are in these values"
-    numbers = odd_part(effects, half_width, modulus)
-    if not any(numbers):
+    odd_values = odd_part(effects, half_width, modulus)
+    if not any(odd_values):
         return
-    values = ", ".join(f"{value:.3g}" for value in numbers)
-    symbols = f"o = (alpha_P, alpha_Q, e_P, e_Q) P0/(a0/R) = ({values})"
+    values_text = ", ".join(f"{value:.3g}" for value in odd_values)
+    odd_values_text = f"o = (alpha_P, alpha_Q, e_P, e_Q) P0/(a0/R) = ({values_text})"
     if odd.answer is not None or odd.on_grids is not None:
-        added = odd.work(-1)
-        how = "in the second order" if odd.on_grids is None else "on grids"
+        added_work = odd.work(-1)
+        method = "in the second order" if odd.on_grids is None else "on grids"
         yield (
-            f"effects: tilt and bulk strain of the bodies, {symbols}, add {added.value:.3g}"
-            f" ± {added.uncertainty:.1g} to the dissipation, {how}, and"
+            f"effects: tilt and bulk strain of the bodies, {odd_values_text}, add"
+            f" {added_work.value:.3g}"
+            f" ± {added_work.uncertainty:.1g} to the dissipation, {method}, and"
             f" {in_answer.covered}"
         )
         return
@@ -251,7 +254,7 @@ def notes_of_effects(
         reason = f"; left out because {odd.left_out}; by how much the dissipation errs is not known"
     yield (
         f"effects: tilt and bulk strain of the bodies {in_answer.left_out},"
-        f" {symbols}, {consequence}{reason}"
+        f" {odd_values_text}, {consequence}{reason}"
     )
 
 
@@ -337,15 +340,19 @@ class _Route:
         return [cycle_start + k * self.period for k in range(3)]
 
     def rows(self, time: Array) -> PathRows:
-        """Rows at instants (n,) and at the marks."""
-        marks = self.marks
-        length = marks[-1] - self.start
-        inside = time[(time > self.start) & (time < marks[-1])]
+        """Rows of the path at instants (n,) and at the ends of its cycles, none twice, with P and Q
+        there. InputError for too many.
+        """
+        cycle_ends = self.marks
+        duration = cycle_ends[-1] - self.start
+        times_inside = time[(time > self.start) & (time < cycle_ends[-1])]
         # Of two instants that are one a mark stays.
-        distance = np.min(np.abs(inside[:, None] - np.array([self.start, *marks])), axis=1)
-        inside = inside[distance > _SAME * length]
-        instants = np.unique(np.concatenate([inside, [self.start], marks]))
-        instants = instants[np.diff(instants, prepend=-np.inf) > _SAME * length]
+        time_to_cycle_end = np.min(
+            np.abs(times_inside[:, None] - np.array([self.start, *cycle_ends])), axis=1
+        )
+        times_inside = times_inside[time_to_cycle_end > _SAME * duration]
+        instants = np.unique(np.concatenate([times_inside, [self.start], cycle_ends]))
+        instants = instants[np.diff(instants, prepend=-np.inf) > _SAME * duration]
         if len(instants) > _MOST_ROWS:
             raise InputError(
                 f"effects: the load path has {len(instants):,} rows and corrected theory follows"
@@ -355,11 +362,11 @@ class _Route:
             normal_load, tangential_load = _loads_of_series(self.path, instants)
         else:
             normal_load, tangential_load = self.scene.load.path().at(instants)
-        ends = tuple(int(np.argmin(np.abs(instants - mark))) for mark in marks)
+        rows_of_ends = tuple(int(np.argmin(np.abs(instants - mark))) for mark in cycle_ends)
         if self.period is None:
-            ends = ends[1:]
-        pressing = np.maximum(normal_load, 0.0)
-        return PathRows(instants, pressing, tangential_load, ends, self.period)
+            rows_of_ends = rows_of_ends[1:]
+        positive_load = np.maximum(normal_load, 0.0)
+        return PathRows(instants, positive_load, tangential_load, rows_of_ends, self.period)
 
     def first_rows(self, time: Array | None) -> PathRows:
         """Rows at theory's own instants, in both cycles, and at those that are asked for."""
@@ -378,50 +385,55 @@ class _Route:
     def with_turning_points(
         self, rows: PathRows, friction: float, curvatures: Curvatures, parabola: float
     ) -> PathRows:
-        """Rows with the instants at which a bound B_s turns round, for some punches up to the
-        largest, whose G is `parabola`: half-planes turn round at other instants.
+        """Rows with more instants: those at which the bound of slip, Q - s f P + (s f kn - kt) G, s
+        = +1 or -1, turns round for some punches up to the largest, whose G is `parabola`.
+        Half-planes turn round at other instants.
         """
         if isinstance(self.path, LoadSeries):
             return rows
         normal_load = rows.normal_load
         tangential_load = rows.tangential_load
-        gap_bend = curvatures.of_gap(normal_load, tangential_load)
-        face_bend = curvatures.of_faces(normal_load, tangential_load)
-        turning = []
+        gap_curvature = curvatures.of_gap(normal_load, tangential_load)
+        face_curvature = curvatures.of_faces(normal_load, tangential_load)
+        turning_times = []
         for direction in (1, -1):
-            of_loads = tangential_load - direction * friction * normal_load
-            of_bends = direction * friction * gap_bend - face_bend
-            for share in _SHARES:
-                bound = of_loads + share * parabola * of_bends
-                turning.append(_turning_points(rows.time, bound))
-        instants = np.concatenate(turning)
-        after = np.clip(np.searchsorted(rows.time, instants), 1, len(rows.time) - 1)
-        step = rows.time[after] - rows.time[after - 1]
-        share = (instants - rows.time[after - 1]) / step
-        is_between = (share > _BESIDE) & (share < 1 - _BESIDE)
+            load_term = tangential_load - direction * friction * normal_load
+            curvature_term = direction * friction * gap_curvature - face_curvature
+            for parabola_share in _SHARES:
+                bound = load_term + parabola_share * parabola * curvature_term
+                turning_times.append(_turning_points(rows.time, bound))
+        instants = np.concatenate(turning_times)
+        row_after = np.clip(np.searchsorted(rows.time, instants), 1, len(rows.time) - 1)
+        step_length = rows.time[row_after] - rows.time[row_after - 1]
+        share_of_step = (instants - rows.time[row_after - 1]) / step_length
+        is_between = (share_of_step > _BESIDE) & (share_of_step < 1 - _BESIDE)
         return self.rows(np.concatenate([rows.time, instants[is_between]]))
 
 
 def _turning_points(time: Array, values: Array) -> Array:
     """Vertices of parabolas through three rows each, where values (n,) over time (n,) turn."""
-    rise = np.diff(values)
-    step = np.diff(time)
-    slope = rise / step
-    turns = np.flatnonzero(slope[1:] * slope[:-1] < 0) + 1
-    middle = (step[turns - 1] + step[turns]) / 2
-    bend = (slope[turns] - slope[turns - 1]) / middle
-    return np.asarray((time[turns - 1] + time[turns]) / 2 - slope[turns - 1] / bend)
+    rises = np.diff(values)
+    steps = np.diff(time)
+    slopes = rises / steps
+    row_numbers = np.flatnonzero(slopes[1:] * slopes[:-1] < 0) + 1
+    mean_steps = (steps[row_numbers - 1] + steps[row_numbers]) / 2
+    curvatures = (slopes[row_numbers] - slopes[row_numbers - 1]) / mean_steps
+    return np.asarray(
+        (time[row_numbers - 1] + time[row_numbers]) / 2 - slopes[row_numbers - 1] / curvatures
+    )
 
 
 def _loads_of_series(series: LoadSeries, time: Array) -> tuple[Array, Array]:
     """P and Q on straight steps at instants (n,), also in cycles after those that were followed."""
     rows = np.concatenate([part.rows + np.array([part.delay, 0.0, 0.0]) for part in series.parts])
-    inside = time
+    time_in_path = time
     if series.period is not None:
-        end = float(rows[-1, 0])
-        late = np.maximum(np.ceil((time - end) / series.period - _SAME), 0.0)
-        inside = time - late * series.period
-    return np.interp(inside, rows[:, 0], rows[:, 1]), np.interp(inside, rows[:, 0], rows[:, 2])
+        path_end = float(rows[-1, 0])
+        periods_beyond = np.maximum(np.ceil((time - path_end) / series.period - _SAME), 0.0)
+        time_in_path = time - periods_beyond * series.period
+    return np.interp(time_in_path, rows[:, 0], rows[:, 1]), np.interp(
+        time_in_path, rows[:, 0], rows[:, 2]
+    )
 
 
 # ----------------------------------------------------------------------------------------- fields
@@ -476,15 +488,15 @@ class PathSeries:
             displacement = displacement + self.way
         if self.effects is None:
             return displacement
-        bend = curvatures_of(self.effects)
+        curvatures = curvatures_of(self.effects)
         followed = self.followed
-        of_moments = bend.tangential * followed.shear_second
-        of_moments = of_moments + bend.normal_under_shear * followed.pressure_second
-        if bend.tangential_fourth:
-            of_moments = of_moments + bend.tangential_fourth * followed.shear_fourth / 12
-        of_load = self.effects.tangential_compliance.value * self.followed.tangential_load
-        of_tilt, _ = self._moved_by_tilt
-        return np.asarray(displacement + of_load + of_moments / 2 + of_tilt)
+        moment_sum = curvatures.tangential * followed.shear_second
+        moment_sum = moment_sum + curvatures.normal_under_shear * followed.pressure_second
+        if curvatures.tangential_fourth:
+            moment_sum = moment_sum + curvatures.tangential_fourth * followed.shear_fourth / 12
+        part_of_load = self.effects.tangential_compliance.value * self.followed.tangential_load
+        part_of_tilt, _ = self._moved_by_tilt
+        return np.asarray(displacement + part_of_load + moment_sum / 2 + part_of_tilt)
 
     @cached_property
     def normal_approach(self) -> Array:
@@ -493,15 +505,15 @@ class PathSeries:
         approach = self.unit * pressure_logarithm
         if self.effects is None:
             return approach
-        bend = curvatures_of(self.effects)
+        curvatures = curvatures_of(self.effects)
         followed = self.followed
-        of_moments = bend.normal * followed.pressure_second
-        of_moments = of_moments + bend.tangential_under_pressure * followed.shear_second
-        if bend.normal_fourth:
-            of_moments = of_moments + bend.normal_fourth * followed.pressure_fourth / 12
-        of_load = self.effects.normal_compliance.value * self.followed.normal_load
-        _, of_tilt = self._moved_by_tilt
-        return np.asarray(approach + of_load + of_moments / 2 + of_tilt)
+        moment_sum = curvatures.normal * followed.pressure_second
+        moment_sum = moment_sum + curvatures.tangential_under_pressure * followed.shear_second
+        if curvatures.normal_fourth:
+            moment_sum = moment_sum + curvatures.normal_fourth * followed.pressure_fourth / 12
+        part_of_load = self.effects.normal_compliance.value * self.followed.normal_load
+        _, part_of_tilt = self._moved_by_tilt
+        return np.asarray(approach + part_of_load + moment_sum / 2 + part_of_tilt)
 
     @cached_property
     def _moved_by_tilt(self) -> tuple[Array, Array]:
@@ -512,15 +524,15 @@ class PathSeries:
         alpha_P M, and a tilted parabola is pressed in by R alpha^2/2 less.
         """
         load = self.followed.normal_load
-        none = np.zeros(len(load))
+        zeros = np.zeros(len(load))
         if self.effects is None or not isinstance(self.contact, HertzContact):
-            return none, none
+            return zeros, zeros
         under_pressure = self.effects.tilt_under_pressure.value
         under_shear = self.effects.tilt_under_shear.value
         tilt = under_pressure * load + under_shear * self.followed.tangential_load
         moment = -self.contact.radius * tilt * load
-        pressed_less = self.contact.radius * tilt**2 / 2
-        return under_shear * moment, under_pressure * moment - pressed_less
+        approach_lost = self.contact.radius * tilt**2 / 2
+        return under_shear * moment, under_pressure * moment - approach_lost
 
     @cached_property
     def _logarithms(self) -> tuple[Array, Array]:
@@ -536,42 +548,46 @@ class PathSeries:
         """Sense of slip, (n,), at rows at which |q| of the memory curve is beyond f p; else 0."""
         followed = self.followed
         senses = np.zeros(len(followed.edge), dtype=np.int64)
-        added = (
+        curvatures = (
             followed.normal_curvature,
             followed.tangential_curvature,
             followed.normal_fourth,
             followed.tangential_fourth,
         )
-        if not np.any(added):
+        if not np.any(curvatures):
             return senses
         largest_load = np.array([np.argmax(followed.normal_load)])
-        middle = PointFields(self, np.zeros(1))
-        allowed = _BEYOND_LIMIT * followed.friction * float(middle.pressure(largest_load)[0, 0])
+        middle_fields = PointFields(self, np.zeros(1))
+        tolerance = (
+            _BEYOND_LIMIT * followed.friction * float(middle_fields.pressure(largest_load)[0, 0])
+        )
         # A hundredth of it at some places, at a row or next to it, shows where to look closer.
         largest_excess, _ = self._beyond_limit(np.arange(len(senses)), _LOOKED_AT_FIRST)
-        is_suspect = (largest_excess > allowed / 100).astype(float)
-        closer = np.flatnonzero(np.convolve(is_suspect, np.ones(5), mode="same"))
-        largest_excess, sense = self._beyond_limit(closer, _LOOKED_AT)
-        senses[closer] = np.where(largest_excess > allowed, sense, 0)
+        is_suspect = (largest_excess > tolerance / 100).astype(float)
+        rows_to_check = np.flatnonzero(np.convolve(is_suspect, np.ones(5), mode="same"))
+        largest_excess, signs = self._beyond_limit(rows_to_check, _LOOKED_AT)
+        senses[rows_to_check] = np.where(largest_excess > tolerance, signs, 0)
         return senses
 
     def _beyond_limit(self, rows: Indices, count: int) -> tuple[Array, Array]:
         """Largest |q| - f p of the memory curve at so many places, and the sign of q there, at rows
         (n,): (n,) each.
         """
-        shares = np.sin(np.linspace(0.0, math.pi / 2, count))
-        points = PointFields(self, float(np.max(self.half_width)) * shares)
+        shares_of_half_width = np.sin(np.linspace(0.0, math.pi / 2, count))
+        fields_at_places = PointFields(self, float(np.max(self.half_width)) * shares_of_half_width)
         largest_excess = np.zeros(len(rows))
-        sense = np.zeros(len(rows))
+        signs = np.zeros(len(rows))
         for begin in range(0, len(rows), _AT_ONCE):
-            block = slice(begin, begin + _AT_ONCE)
-            shear = points.shear_of_memory(rows[block])
-            limit = self.followed.friction * points.pressure(rows[block])
+            rows_at_once = slice(begin, begin + _AT_ONCE)
+            shear = fields_at_places.shear_of_memory(rows[rows_at_once])
+            limit = self.followed.friction * fields_at_places.pressure(rows[rows_at_once])
             excess = np.nan_to_num(np.abs(shear) - limit)
-            place = np.argmax(excess, axis=1)[:, None]
-            largest_excess[block] = np.take_along_axis(excess, place, axis=1)[:, 0]
-            sense[block] = np.sign(np.take_along_axis(shear, place, axis=1)[:, 0])
-        return largest_excess, sense
+            place_of_largest = np.argmax(excess, axis=1)[:, None]
+            largest_excess[rows_at_once] = np.take_along_axis(excess, place_of_largest, axis=1)[
+                :, 0
+            ]
+            signs[rows_at_once] = np.sign(np.take_along_axis(shear, place_of_largest, axis=1)[:, 0])
+        return largest_excess, signs
 
     @cached_property
     def _inner_slips(self) -> dict[int, InnerSlip]:
@@ -589,19 +605,23 @@ class PathSeries:
             yield number, self._inner_slips[row]
 
     def _inner_slip(self, row: int) -> InnerSlip:
-        """What slips further at a row."""
+        """The further slip at a row at which |q| of the memory curve is beyond f p, by the
+        tractions there and the half-widths of contact and of the ends of its slip zones.
+        """
         followed = self.followed
 
         def tractions(x: Array) -> tuple[Array, Array]:
-            points = PointFields(self, x)
-            return points.shear_at(row), followed.friction * points.pressure(np.array([row]))[0]
+            point_fields = PointFields(self, x)
+            return point_fields.shear_at(row), followed.friction * point_fields.pressure(
+                np.array([row])
+            )[0]
 
         half_width = float(self.half_width[row])
-        front, *ring = followed.table.half_width([followed.front[row], *followed.ring[row]])
-        edge_of_stick = front if followed.direction[row] else half_width
-        ends = np.array([front, *ring])
+        stick_edge, *ring = followed.table.half_width([followed.front[row], *followed.ring[row]])
+        edge_of_stick = stick_edge if followed.direction[row] else half_width
+        ends_of_zones = np.array([stick_edge, *ring])
         sense = int(self._inner_senses[row])
-        return inner_slip(tractions, sense, half_width, ends, edge_of_stick, self.modulus)
+        return inner_slip(tractions, sense, half_width, ends_of_zones, edge_of_stick, self.modulus)
 
     def loop_work(self, rows: slice) -> float:
         """Closed integral of Q dU + P d(approach) over a cycle."""
@@ -638,10 +658,12 @@ class PointFields:
         """p, (n, k)."""
         followed = self._followed
         profile_load = followed.table.load(followed.edge[rows])[:, None]
-        of_profile = self.series.contact.pressure(self._x, profile_load)
-        bend = followed.normal_curvature[rows]
-        fourth = followed.normal_fourth[rows]
-        return of_profile + self._of_bends(self.series.half_width[rows], bend, fourth)
+        profile_pressure = self.series.contact.pressure(self._x, profile_load)
+        curvature = followed.normal_curvature[rows]
+        fourth_coefficient = followed.normal_fourth[rows]
+        return profile_pressure + self._of_bends(
+            self.series.half_width[rows], curvature, fourth_coefficient
+        )
 
     def shear(self, rows: Indices) -> Array:
         """q, (n, k)."""
@@ -653,25 +675,35 @@ class PointFields:
     def shear_of_memory(self, rows: Indices) -> Array:
         """q without what slips further inside the contact, (n, k)."""
         followed = self._followed
-        bend = followed.tangential_curvature[rows]
-        fourth = followed.tangential_fourth[rows]
-        following = self._of_bends(self.series.half_width[rows], bend, fourth)
-        return self._shear_of_curves(rows) + following
+        curvature = followed.tangential_curvature[rows]
+        fourth_coefficient = followed.tangential_fourth[rows]
+        shear_of_faces = self._of_bends(self.series.half_width[rows], curvature, fourth_coefficient)
+        return self._shear_of_curves(rows) + shear_of_faces
 
     def shear_at(self, row: int) -> Array:
-        """The same at one row, (k,): of its memory curve alone."""
+        """Shear traction q at one row, (k,), by its memory curve alone: each piece adds its slopes
+        times the pressure that its punches make; without further slip inside the contact.
+        """
         pieces = self._followed.pieces
-        chain = pieces.chain(int(self._followed.curve[row]))
-        half_widths = self._followed.table.half_width(pieces.top[chain])
-        of_profile = self.series.contact.pressure_rise(self._x, pieces.load[chain, None])
-        of_parabola, of_fourth = self._inside(half_widths)
-        shear = pieces.slope[chain[1:]] @ np.diff(of_profile, axis=0)
-        shear = shear + pieces.parabola_slope[chain[1:]] @ np.diff(of_parabola, axis=0)
-        shear = shear + pieces.fourth_slope[chain[1:]] @ np.diff(of_fourth, axis=0)
-        bend = self._followed.tangential_curvature[[row]]
-        fourth = self._followed.tangential_fourth[[row]]
-        following = self._of_bends(self.series.half_width[[row]], bend, fourth)
-        return np.asarray(shear + following[0])
+        numbers_of_pieces = pieces.chain(int(self._followed.curve[row]))
+        half_widths = self._followed.table.half_width(pieces.top[numbers_of_pieces])
+        profile_pressures = self.series.contact.pressure_rise(
+            self._x, pieces.load[numbers_of_pieces, None]
+        )
+        parabola_pressures, fourth_pressures = self._inside(half_widths)
+        shear = pieces.slope[numbers_of_pieces[1:]] @ np.diff(profile_pressures, axis=0)
+        shear = shear + pieces.parabola_slope[numbers_of_pieces[1:]] @ np.diff(
+            parabola_pressures, axis=0
+        )
+        shear = shear + pieces.fourth_slope[numbers_of_pieces[1:]] @ np.diff(
+            fourth_pressures, axis=0
+        )
+        curvature = self._followed.tangential_curvature[[row]]
+        fourth_coefficient = self._followed.tangential_fourth[[row]]
+        shear_of_faces = self._of_bends(
+            self.series.half_width[[row]], curvature, fourth_coefficient
+        )
+        return np.asarray(shear + shear_of_faces[0])
 
     def slip(self, rows: Indices) -> Array:
         """s, (n, k)."""
@@ -686,15 +718,18 @@ class PointFields:
         return slip
 
     def _slip(self, rows: Indices) -> Array:
+        """Slip s at rows (n, k): that of the memory curves, the curvature of the faces outside the
+        contact, sliding as a whole, and further slip inside the contact.
+        """
         followed = self._followed
         slip = self._slip_of_curves(rows)
         # Inside the contact what sticks follows the curvature of the faces; outside it does not.
-        bend = followed.tangential_curvature[rows, None]
-        fourth = followed.tangential_fourth[rows, None]
-        if np.any(bend) or np.any(fourth):
-            of_parabola, of_fourth = self._outside(self.series.half_width[rows])
-            slip = slip + bend * (of_parabola - self._x**2 / 2)
-            slip = slip + fourth * (of_fourth - self._x**4 / 24)
+        curvature = followed.tangential_curvature[rows, None]
+        fourth_coefficient = followed.tangential_fourth[rows, None]
+        if np.any(curvature) or np.any(fourth_coefficient):
+            slip_by_parabola, slip_by_fourth = self._outside(self.series.half_width[rows])
+            slip = slip + curvature * (slip_by_parabola - self._x**2 / 2)
+            slip = slip + fourth_coefficient * (slip_by_fourth - self._x**4 / 24)
         if self.series.way is not None:
             slip = slip + self.series.way[rows, None]
         for number, further in self.inner_slips(rows):
@@ -716,37 +751,42 @@ class PointFields:
 
     def work(self, rows: slice) -> Array:
         """W(x) of the steps of a cycle, (k,)."""
-        numbers = np.arange(len(self._followed.edge))[rows]
-        limit = self._followed.friction * self.pressure(numbers)
-        limit = np.where(np.isfinite(limit), limit, 0.0)
-        mean_limit = (limit[1:] + limit[:-1]) / 2
-        distance = np.abs(np.diff(self.slip(numbers), axis=0))
-        stick = np.nan_to_num(self.series.stick_half_width[numbers])
-        least_stick = np.minimum(stick[1:], stick[:-1])[:, None]
-        slips = self._followed.sense[numbers[1:], None] != 0
-        is_rubbed = slips & (self._x >= least_stick)
-        return np.asarray(np.sum(np.where(is_rubbed, mean_limit * distance, 0.0), axis=0))
+        row_numbers = np.arange(len(self._followed.edge))[rows]
+        friction_limit = self._followed.friction * self.pressure(row_numbers)
+        friction_limit = np.where(np.isfinite(friction_limit), friction_limit, 0.0)
+        mean_limit = (friction_limit[1:] + friction_limit[:-1]) / 2
+        slip_distance = np.abs(np.diff(self.slip(row_numbers), axis=0))
+        stick_half_widths = np.nan_to_num(self.series.stick_half_width[row_numbers])
+        least_stick = np.minimum(stick_half_widths[1:], stick_half_widths[:-1])[:, None]
+        has_slip = self._followed.sense[row_numbers[1:], None] != 0
+        is_rubbed = has_slip & (self._x >= least_stick)
+        return np.asarray(np.sum(np.where(is_rubbed, mean_limit * slip_distance, 0.0), axis=0))
 
     def _shear_of_curves(self, rows: Indices) -> Array:
         """Shear of the memory curves at rows, (n, k)."""
         followed = self._followed
         pieces, curves = followed.pieces.of_curves(followed.curve[rows])
-        of_profile = self.series.contact.pressure_rise(self._x, pieces.load[:, None])
-        terms = [(pieces.slope, of_profile)]
+        profile_pressures = self.series.contact.pressure_rise(self._x, pieces.load[:, None])
+        terms = [(pieces.slope, profile_pressures)]
         if np.any(pieces.parabola_slope) or np.any(pieces.fourth_slope):
-            of_parabola, of_fourth = self._inside(followed.table.half_width(pieces.top))
-            terms += [(pieces.parabola_slope, of_parabola), (pieces.fourth_slope, of_fourth)]
+            parabola_pressures, fourth_pressures = self._inside(
+                followed.table.half_width(pieces.top)
+            )
+            terms += [
+                (pieces.parabola_slope, parabola_pressures),
+                (pieces.fourth_slope, fourth_pressures),
+            ]
         return pieces.sums(*terms)[curves]
 
     def _slip_of_curves(self, rows: Indices) -> Array:
         """Slip of the memory curves at rows, (n, k)."""
         followed = self._followed
         pieces, curves = followed.pieces.of_curves(followed.curve[rows])
-        of_profile = self.series.contact.slip_integral(self._x, pieces.load[:, None])
-        terms = [(self.series.unit * pieces.slope, of_profile)]
+        profile_slips = self.series.contact.slip_integral(self._x, pieces.load[:, None])
+        terms = [(self.series.unit * pieces.slope, profile_slips)]
         if np.any(pieces.parabola_slope) or np.any(pieces.fourth_slope):
-            of_parabola, of_fourth = self._outside(followed.table.half_width(pieces.top))
-            terms += [(pieces.parabola_slope, of_parabola), (pieces.fourth_slope, of_fourth)]
+            parabola_slips, fourth_slips = self._outside(followed.table.half_width(pieces.top))
+            terms += [(pieces.parabola_slope, parabola_slips), (pieces.fourth_slope, fourth_slips)]
         return pieces.sums(*terms)[curves]
 
     def _of_bends(self, half_width: Array, bend: Array, fourth: Array) -> Array:
@@ -762,24 +802,28 @@ class PointFields:
         """Pressure of x^2/2, (E*/2) sqrt(a^2 - x^2), and of x^4/24, (E*/24) sqrt(a^2 - x^2) (a^2 +
         2 x^2): (n, k) each.
         """
-        half = half_width[:, None]
-        root = np.sqrt(np.maximum((half - self._x) * (half + self._x), 0.0))
-        of_parabola = self.series.modulus / 2 * root
-        of_fourth = of_parabola * ((half**2 + 2 * self._x**2) / 12)
-        return of_parabola, of_fourth
+        half_widths = half_width[:, None]
+        root = np.sqrt(np.maximum((half_widths - self._x) * (half_widths + self._x), 0.0))
+        pressure_of_parabola = self.series.modulus / 2 * root
+        pressure_of_fourth = pressure_of_parabola * ((half_widths**2 + 2 * self._x**2) / 12)
+        return pressure_of_parabola, pressure_of_fourth
 
     def _outside(self, half_width: Array) -> tuple[Array, Array]:
         """(A/pi) int arccosh(|x|/c) dG and dG_4 over c < min(a, |x|), int c arccosh(|x|/c) dc and
         int (c^3/4) arccosh(|x|/c) dc: (n, k) each.
         """
         x = self._x
-        inner = np.minimum(half_width[:, None], x)
-        square = inner**2
+        inner_half_width = np.minimum(half_width[:, None], x)
+        square = inner_half_width**2
         root = np.sqrt(np.maximum(x**2 - square, 0.0))
-        arc = np.arcsinh(root / np.where(inner > 0, inner, np.inf)) * square
-        of_parabola = (arc + x * (x - root)) / 2
-        of_fourth = (square * arc + x * (2 / 3 * x**3 - x**2 * root + root**3 / 3)) / 16
-        return np.asarray(of_parabola), np.asarray(of_fourth)
+        arccosh_term = (
+            np.arcsinh(root / np.where(inner_half_width > 0, inner_half_width, np.inf)) * square
+        )
+        slip_by_parabola = (arccosh_term + x * (x - root)) / 2
+        slip_by_fourth = (
+            square * arccosh_term + x * (2 / 3 * x**3 - x**2 * root + root**3 / 3)
+        ) / 16
+        return np.asarray(slip_by_parabola), np.asarray(slip_by_fourth)
 
 
 def _logarithms(table: PunchTable, s: Array, datum: float) -> PunchMoments:
@@ -850,7 +894,10 @@ def with_effects(question: Question) -> Findings:
 
 
 def _answer(question: Question) -> Findings:
-    """The same, of what corrected theory takes."""
+    """The answer of corrected theory to a symmetric scene: the path is followed with the bodies and
+    without, fields are taken at the rows of the instants, tilt and strain move the edges, and the
+    work is exact theory's with what the bodies change.
+    """
     started = clock.perf_counter()
     paths = _followed(question)
     bodies = paths.bodies
@@ -859,15 +906,15 @@ def _answer(question: Question) -> Findings:
     x = question.x
     if x is None:
         x = mirrored_points(1.05 * float(np.max(bodies.half_width)))
-    distance, fold = folded(x)
-    time, numbers = instants_of(question, paths.rows, paths.last_cycle)
+    distance, number_of_distance = folded(x)
+    time, row_numbers = instants_of(question, paths.rows, paths.last_cycle)
     points = PointFields(bodies, distance)
-    grids = grids_at(question, points, distance, numbers)
+    fields_at_distances = grids_at(question, points, distance, row_numbers)
     odd = _odd_part(paths)
-    series = series_at(question, bodies, numbers)
-    of_contact, of_stick = odd.centres(paths.rows.time)
-    series["contact_edges"] = series["contact_edges"] + of_contact[numbers, None]
-    series["stick_edges"] = series["stick_edges"] + of_stick[numbers, None]
+    series = series_at(question, bodies, row_numbers)
+    contact_centres, stick_centres = odd.centres(paths.rows.time)
+    series["contact_edges"] = series["contact_edges"] + contact_centres[row_numbers, None]
+    series["stick_edges"] = series["stick_edges"] + stick_centres[row_numbers, None]
     fields_done = clock.perf_counter()
 
     work = _work_of(paths, points, distance, odd)
@@ -877,14 +924,17 @@ def _answer(question: Question) -> Findings:
     termination, message = _ending(paths)
     values: dict[str, Any] = {
         **series,
-        **{name: np.take(grid, fold, axis=1) for name, grid in grids.items()},
+        **{
+            name: np.take(grid, number_of_distance, axis=1)
+            for name, grid in fields_at_distances.items()
+        },
         "permanent_stick_half_width": permanent_stick(
-            bodies, paths.last_cycle, of_stick[paths.last_cycle]
+            bodies, paths.last_cycle, stick_centres[paths.last_cycle]
         ),
         "dissipation": float(work.cycles[-1]),
         "loop_work": work.loop,
         "cycle_dissipation": work.cycles,
-        "dissipation_density": work.density[fold],
+        "dissipation_density": work.density[number_of_distance],
         "steady_from": paths.steady_from,
     }
     return Findings(
@@ -895,7 +945,7 @@ def _answer(question: Question) -> Findings:
         message=message,
         notes=tuple(_notes_of(paths, odd)),
         errors={name: error for name, error in errors.items() if error},
-        certificates=certificates_of(bodies, grids, numbers),
+        certificates=certificates_of(bodies, fields_at_distances, row_numbers),
         counts={
             "points_evaluated": len(distance),
             "rows": len(paths.rows.time),
@@ -907,7 +957,9 @@ def _answer(question: Question) -> Findings:
 
 
 def _followed(question: Question) -> _Paths:
-    """The path of a question, followed twice."""
+    """The path of loads of a question, followed by the same straight steps twice: with the
+    curvatures of the bodies, and of half-planes.
+    """
     scene = question.scene
     effects = question.effects
     assert effects is not None  # for the type checker: the door took the other way
@@ -922,14 +974,14 @@ def _followed(question: Question) -> _Paths:
     largest_parabola = float(table.parabola(table.last))
     rows = route.with_turning_points(rows, friction, curvatures, largest_parabola)
     loads = (rows.normal_load, rows.tangential_load)
-    without = follow(table, friction, *loads, Curvatures())
-    with_bodies = follow(table, friction, *loads, curvatures, without)
-    steady_from = _steady_from(with_bodies, rows, scene)
+    memory_of_half_planes = follow(table, friction, *loads, Curvatures())
+    memory_of_bodies = follow(table, friction, *loads, curvatures, memory_of_half_planes)
+    steady_from = _steady_from(memory_of_bodies, rows, scene)
     return _Paths(
         question=question,
         rows=rows,
-        bodies=PathSeries(with_bodies, contact, modulus, effects),
-        half_planes=PathSeries(without, contact, modulus, None),
+        bodies=PathSeries(memory_of_bodies, contact, modulus, effects),
+        half_planes=PathSeries(memory_of_half_planes, contact, modulus, None),
         steady_from=steady_from,
         covered=_covered(question, route, steady_from),
     )
@@ -952,7 +1004,8 @@ def _require_symmetric(question: Question) -> None:
 def table_of(
     contact: SymmetricContact, modulus: float, rows: PathRows, curvatures: Curvatures
 ) -> PunchTable:
-    """Punches up to the largest contact, with the bodies and without.
+    """Table of the flat punches up to the largest contact of the `rows` of a path, with the
+    curvatures of the bodies and without.
 
     Raises
     ------
@@ -960,33 +1013,35 @@ def table_of(
         Where that is beyond the profile, or where the bodies bend the faces away from each other.
     """
     largest_load = float(np.max(rows.normal_load))
-    largest = float(contact.half_width(largest_load))
-    bend = curvatures.of_gap(rows.normal_load, rows.tangential_load)
-    fourth = curvatures.normal_fourth * rows.normal_load
+    largest_half_width = float(contact.half_width(largest_load))
+    gap_curvature = curvatures.of_gap(rows.normal_load, rows.tangential_load)
+    gap_fourth = curvatures.normal_fourth * rows.normal_load
     for _ in range(60):
-        table = PunchTable(contact, modulus, min(largest * _BEYOND, contact.extent))
+        table = PunchTable(contact, modulus, min(largest_half_width * _BEYOND, contact.extent))
         # p_2 is at most that of a flat punch, P c^2/2.
-        most_moment = rows.normal_load * float(table.half_width(table.last)) ** 2 / 2
-        least_bend = bend + 2 * min(curvatures.normal_mixed, 0.0) * most_moment
-        at_end = float(table.load(table.last)) + least_bend * float(table.parabola(table.last))
-        at_end = at_end + fourth * float(table.fourth(table.last))
-        if np.all(at_end >= rows.normal_load):
+        largest_moment = rows.normal_load * float(table.half_width(table.last)) ** 2 / 2
+        least_curvature = gap_curvature + 2 * min(curvatures.normal_mixed, 0.0) * largest_moment
+        load_at_table_end = float(table.load(table.last)) + least_curvature * float(
+            table.parabola(table.last)
+        )
+        load_at_table_end = load_at_table_end + gap_fourth * float(table.fourth(table.last))
+        if np.all(load_at_table_end >= rows.normal_load):
             break
-        if largest >= contact.extent:
+        if largest_half_width >= contact.extent:
             raise InputError(
                 "profile: with the curvature of the bodies the contact is wider than the profile,"
                 f" {contact.extent:.6g}: state a wider profile or smaller loads"
             )
-        largest *= _BEYOND
+        largest_half_width *= _BEYOND
     else:
         raise splits()
     s = np.linspace(1.0 if contact.least else 0.0, table.last, 200)
-    least = min(float(np.min(bend)), 0.0)
-    if np.any(np.diff(table.load(s) + least * table.parabola(s)) < 0):
+    least_curvature_of_all = min(float(np.min(gap_curvature)), 0.0)
+    if np.any(np.diff(table.load(s) + least_curvature_of_all * table.parabola(s)) < 0):
         raise splits()
-    for row in {int(np.argmin(least_bend)), int(np.argmin(fourth))}:
-        carried = table.load(s) + least_bend[row] * table.parabola(s)
-        if np.any(np.diff(carried + fourth[row] * table.fourth(s)) < 0):
+    for row in {int(np.argmin(least_curvature)), int(np.argmin(gap_fourth))}:
+        carried_load = table.load(s) + least_curvature[row] * table.parabola(s)
+        if np.any(np.diff(carried_load + gap_fourth[row] * table.fourth(s)) < 0):
             raise splits()
     return table
 
@@ -1000,15 +1055,17 @@ def splits() -> InputError:
 
 
 def _steady_from(followed: Followed, rows: PathRows, scene: Scene) -> int | None:
-    """The first cycle that ends in the state it started from: the first or the second."""
+    """Index of the first cycle that ends in the state it started from, the first or the second:
+    whose memory curves at begin and end agree. None where neither does.
+    """
     if rows.period is None:
         return 0 if rows.normal_load[-1] <= 0 else None
-    s = np.linspace(0.0, followed.table.last, 200)
-    allowed = _STEADY * followed.friction * float(np.max(rows.normal_load))
-    states = [followed.frozen_force(row, s) for row in rows.ends]
-    for number in range(min(len(rows.cycles), max(scene.cycles, 2))):
-        if np.max(np.abs(states[number + 1] - states[number])) <= allowed:
-            return number
+    s_of_punches = np.linspace(0.0, followed.table.last, 200)
+    tolerance = _STEADY * followed.friction * float(np.max(rows.normal_load))
+    forces_at_ends = [followed.frozen_force(row, s_of_punches) for row in rows.ends]
+    for cycle in range(min(len(rows.cycles), max(scene.cycles, 2))):
+        if np.max(np.abs(forces_at_ends[cycle + 1] - forces_at_ends[cycle])) <= tolerance:
+            return cycle
     return None
 
 
@@ -1018,96 +1075,101 @@ def _covered(question: Question, route: _Route, steady_from: int | None) -> tupl
         return (0,)
     cycles = question.scene.cycles
     until_steady = 2 if steady_from is None else steady_from + 1
-    _, whole = turns_of(route.marks[0], route.period, cycles, question.time)
-    count = whole or min(cycles, until_steady)
-    covered = tuple(min(k, 1) for k in range(count))
+    _, whole_cycles = turns_of(route.marks[0], route.period, cycles, question.time)
+    n_cycles = whole_cycles or min(cycles, until_steady)
+    followed_cycles = tuple(min(k, 1) for k in range(n_cycles))
     if question.wants_last_cycle_alone:
-        return covered[-1:]
-    return covered
+        return followed_cycles[-1:]
+    return followed_cycles
 
 
 def instants_of(question: Question, rows: PathRows, last_cycle: slice) -> tuple[Array, Indices]:
-    """Instants of the answer and their rows, (n,) each."""
+    """Instants of the answer, (n,), and the numbers of the rows nearest to them, (n,): those of the
+    question, else all rows, or those of the last cycle.
+    """
     if question.time is None:
         begin = last_cycle.start if question.wants_last_cycle_alone else 0
-        numbers = np.arange(begin, last_cycle.stop)
-        return rows.time[numbers], numbers
-    inside, _ = within(question.time, float(rows.time[0]), float(rows.time[-1]), rows.period)
-    after = np.clip(np.searchsorted(rows.time, inside), 1, len(rows.time) - 1)
-    is_before = inside - rows.time[after - 1] < rows.time[after] - inside
-    return question.time, after - is_before
+        row_numbers = np.arange(begin, last_cycle.stop)
+        return rows.time[row_numbers], row_numbers
+    time_in_path, _ = within(question.time, float(rows.time[0]), float(rows.time[-1]), rows.period)
+    row_after = np.clip(np.searchsorted(rows.time, time_in_path), 1, len(rows.time) - 1)
+    is_before = time_in_path - rows.time[row_after - 1] < rows.time[row_after] - time_in_path
+    return question.time, row_after - is_before
 
 
-def series_at(question: Question, bodies: PathSeries, numbers: Indices) -> dict[str, Array]:
+def series_at(question: Question, bodies: PathSeries, row_numbers: Indices) -> dict[str, Array]:
     """Loads, half-widths, edges and movements at rows (n,)."""
-    unknown = np.full(len(numbers), np.nan)
-    displacement = unknown
-    approach = unknown
+    not_a_number = np.full(len(row_numbers), np.nan)
+    displacement = not_a_number
+    approach = not_a_number
     if question.wants("tangential_displacement"):
-        displacement = bodies.tangential_displacement[numbers]
+        displacement = bodies.tangential_displacement[row_numbers]
     if question.wants("normal_approach"):
-        approach = bodies.normal_approach[numbers]
-    half = bodies.half_width[numbers]
-    stick = bodies.stick_half_width[numbers]
+        approach = bodies.normal_approach[row_numbers]
+    half_width = bodies.half_width[row_numbers]
+    stick_half_width = bodies.stick_half_width[row_numbers]
     sides = np.array([-1.0, 1.0])
     return {
-        "normal_load": bodies.followed.normal_load[numbers],
-        "tangential_load": bodies.followed.tangential_load[numbers],
+        "normal_load": bodies.followed.normal_load[row_numbers],
+        "tangential_load": bodies.followed.tangential_load[row_numbers],
         "tangential_displacement": displacement,
         "normal_approach": approach,
-        "contact_half_width": half,
-        "stick_half_width": stick,
-        "contact_edges": half[:, None] * sides,
-        "stick_edges": stick[:, None] * sides,
+        "contact_half_width": half_width,
+        "stick_half_width": stick_half_width,
+        "contact_edges": half_width[:, None] * sides,
+        "stick_edges": stick_half_width[:, None] * sides,
     }
 
 
 def grids_at(
-    question: Question, points: PointFields, distance: Array, numbers: Indices
+    question: Question, points: PointFields, distance: Array, row_numbers: Indices
 ) -> dict[str, NDArray[Any]]:
     """pressure, shear, slip, state: (n, k); NaN (open) what was not asked for."""
-    shape = (len(numbers), len(distance))
-    grids: dict[str, NDArray[Any]] = {
+    shape = (len(row_numbers), len(distance))
+    fields: dict[str, NDArray[Any]] = {
         name: np.broadcast_to(np.nan, shape) for name in ("pressure", "shear", "slip")
     }
-    grids["state"] = np.broadcast_to(np.int8(OPEN), shape)
+    fields["state"] = np.broadcast_to(np.int8(OPEN), shape)
     if question.wants("pressure"):
-        grids["pressure"] = points.pressure(numbers)
-        if np.any(grids["pressure"] < 0):
+        fields["pressure"] = points.pressure(row_numbers)
+        if np.any(fields["pressure"] < 0):
             raise splits()
     if question.wants("shear"):
-        grids["shear"] = points.shear(numbers)
+        fields["shear"] = points.shear(row_numbers)
     if question.wants("slip"):
-        grids["slip"] = points.slip(numbers)
+        fields["slip"] = points.slip(row_numbers)
     if question.wants("state"):
-        grids["state"] = _states(points, distance, numbers)
-    return grids
+        fields["state"] = _states(points, distance, row_numbers)
+    return fields
 
 
-def _states(points: PointFields, distance: Array, numbers: Indices) -> NDArray[np.int8]:
-    """Open, stick or slip, (n, k): of slip the zone at the edge, and one further in, which may slip
-    in the other sense or while the edge rests.
+def _states(points: PointFields, distance: Array, row_numbers: Indices) -> NDArray[np.int8]:
+    """State of points at distances (k,) from the middle at rows (n,), (n, k): open, stick, or slip
+    in the zone at the edge or in a ring further in, which may slip in the other direction or while
+    the edge rests.
     """
     bodies = points.series
     followed = bodies.followed
     sides = np.array([-1.0, 1.0])
-    half = bodies.half_width[numbers, None]
-    front = followed.table.half_width(followed.front[numbers])[:, None]
-    ring = followed.table.half_width(followed.ring[numbers])
-    by_sense = np.array((SLIP_REVERSE, STICK, SLIP_FORWARD), dtype=np.int8)
-    at_edge = by_sense[followed.direction[numbers, None] + 1]
-    in_ring = by_sense[followed.ring_direction[numbers, None] + 1]
+    half_width = bodies.half_width[row_numbers, None]
+    stick_edge = followed.table.half_width(followed.front[row_numbers])[:, None]
+    ring_ends = followed.table.half_width(followed.ring[row_numbers])
+    states_by_sense = np.array((SLIP_REVERSE, STICK, SLIP_FORWARD), dtype=np.int8)
+    state_at_edge = states_by_sense[followed.direction[row_numbers, None] + 1]
+    state_in_ring = states_by_sense[followed.ring_direction[row_numbers, None] + 1]
     # Of full slip only the middle is within the front, and it slips.
-    is_within_front = between(front * sides, distance) & (front > 0)
-    states = np.where(is_within_front, np.int8(STICK), at_edge)
-    is_in_ring = (distance > ring[:, [0]]) & (distance < ring[:, [1]])
-    states = np.where(is_in_ring, in_ring, states)
-    for number, further in points.inner_slips(numbers):
-        of_row = np.where(is_within_front[number], np.int8(STICK), at_edge[number])
-        states[number] = np.where(further.slips, by_sense[further.sense + 1], of_row)
-    is_pressed = followed.normal_load[numbers, None] > 0
-    touches = between(half * sides, distance) & is_pressed
-    return np.where(touches, states, np.int8(OPEN))
+    is_within_stick_edge = between(stick_edge * sides, distance) & (stick_edge > 0)
+    states = np.where(is_within_stick_edge, np.int8(STICK), state_at_edge)
+    is_in_ring = (distance > ring_ends[:, [0]]) & (distance < ring_ends[:, [1]])
+    states = np.where(is_in_ring, state_in_ring, states)
+    for number, further in points.inner_slips(row_numbers):
+        states_of_row = np.where(
+            is_within_stick_edge[number], np.int8(STICK), state_at_edge[number]
+        )
+        states[number] = np.where(further.slips, states_by_sense[further.sense + 1], states_of_row)
+    is_pressed = followed.normal_load[row_numbers, None] > 0
+    is_in_contact = between(half_width * sides, distance) & is_pressed
+    return np.where(is_in_contact, states, np.int8(OPEN))
 
 
 class _Work(NamedTuple):
@@ -1122,69 +1184,83 @@ class _Work(NamedTuple):
 
 
 def _work_of(paths: _Paths, points: PointFields, distance: Array, odd: OddPart) -> _Work:
-    """Exact theory's work plus what the bodies change, by the steps."""
+    """Friction work of the covered cycles and its density at distances (k,): that of exact theory
+    of half-planes plus the difference of the paths with the bodies and without, by the same steps.
+    """
     question = paths.question
-    half_planes = paths.half_planes
-    last = paths.last_cycle
     cycles = np.full(len(paths.covered), np.nan)
     loop = math.nan
     density = np.full(len(distance), np.nan)
-    wanted = question.fields & _OF_WORK
+    wanted_fields = question.fields & _OF_WORK
     errors: dict[str, float] = {}
-    if not wanted:
+    if not wanted_fields:
         return _Work(cycles, loop, density, errors)
-    ends = paths.rows.time[list(paths.rows.ends)]
-    of_half_planes = replace(
+    end_times = paths.rows.time[list(paths.rows.ends)]
+    question_of_half_planes = replace(
         question,
         effects=None,
-        fields=wanted,
+        fields=wanted_fields,
         x=distance,
-        time=ends,
+        time=end_times,
         cycles="all",
     )
-    theory = by_memory(of_half_planes, None)
+    theory = by_memory(question_of_half_planes, None)
     if question.wants("dissipation"):
-        of_theory = np.asarray(theory.values["cycle_dissipation"])
-        exact = of_theory[np.minimum(paths.covered, len(of_theory) - 1)]
-        cycles, loop, errors = _works_of_cycles(paths, exact, odd)
+        works_of_theory = np.asarray(theory.values["cycle_dissipation"])
+        exact_works = works_of_theory[np.minimum(paths.covered, len(works_of_theory) - 1)]
+        cycles, loop, errors = _works_of_cycles(paths, exact_works, odd)
         if "dissipation" in errors:
             errors["dissipation"] += theory.errors.get("dissipation", 0.0)
     if question.wants("dissipation_density"):
         exact_density = np.asarray(theory.values["dissipation_density"])
-        by_steps = PointFields(half_planes, distance).work(last)
-        with_bodies = points.work(last)
-        density = np.maximum(exact_density + with_bodies - by_steps, 0.0)
-        density = np.where(with_bodies > 0, density, 0.0)
-        largest = float(np.max(exact_density, initial=0.0))
-        if largest > 0:
-            difference = np.abs(by_steps - exact_density)
-            errors["dissipation_density"] = float(np.max(difference)) / largest
-            if half_planes.work(last) > 0:
-                effects = question.effects
-                assert effects is not None  # for the type checker
-                left = left_of_work(paths.bodies, half_planes, last, effects)
-                errors["dissipation_density"] += left
+        density, density_error = _density_of(paths, points, distance, exact_density)
+        if density_error is not None:
+            errors["dissipation_density"] = density_error
     return _Work(cycles, loop, density, errors)
 
 
+def _density_of(
+    paths: _Paths, points: PointFields, distance: Array, exact_density: Array
+) -> tuple[Array, float | None]:
+    """W(x) of the last cycle at distances (k,): exact theory's, `exact_density`, plus the change by
+    the bodies; and its error over its largest value, None where nothing slips.
+    """
+    half_planes = paths.half_planes
+    last_cycle = paths.last_cycle
+    density_by_steps = PointFields(half_planes, distance).work(last_cycle)
+    density_of_bodies = points.work(last_cycle)
+    density = np.maximum(exact_density + density_of_bodies - density_by_steps, 0.0)
+    density = np.where(density_of_bodies > 0, density, 0.0)
+    largest_density = float(np.max(exact_density, initial=0.0))
+    if not largest_density > 0:
+        return density, None
+    step_error = float(np.max(np.abs(density_by_steps - exact_density))) / largest_density
+    if not half_planes.work(last_cycle) > 0:
+        return density, step_error
+    effects = paths.question.effects
+    assert effects is not None  # for the type checker
+    return density, step_error + left_of_work(paths.bodies, half_planes, last_cycle, effects)
+
+
 def _works_of_cycles(
-    paths: _Paths, exact: Array, odd: OddPart
+    paths: _Paths, exact_works: Array, odd: OddPart
 ) -> tuple[Array, float, dict[str, float]]:
-    """Friction work of the covered cycles (c,), closed integral of the last, relative errors.
+    """Friction work of the covered cycles (c,), that of half-planes with what the bodies and their
+    tilt and strain change; closed integral of Q dU + P d(approach) of the last; relative errors.
 
     Parameters
     ----------
-    exact
+    exact_works
         work of these cycles by exact theory of half-planes, (c,)
     """
     half_planes = paths.half_planes
     bodies = paths.bodies
     cycles = [paths.rows.cycles[k] for k in paths.covered]
-    by_steps = np.array([half_planes.work(rows) for rows in cycles])
-    with_bodies = np.array([bodies.work(rows) for rows in cycles])
-    of_odd_numbers = [odd.work(k) for k in paths.covered]
-    works = exact + (with_bodies - by_steps)
-    works = works + np.array([work.value for work in of_odd_numbers])
+    works_by_steps = np.array([half_planes.work(rows) for rows in cycles])
+    works_of_bodies = np.array([bodies.work(rows) for rows in cycles])
+    odd_works = [odd.work(k) for k in paths.covered]
+    works = exact_works + (works_of_bodies - works_by_steps)
+    works = works + np.array([odd_work.value for odd_work in odd_works])
 
     # displacements do not have what tilt and bulk strain do to slip
     has_loop = (
@@ -1195,73 +1271,87 @@ def _works_of_cycles(
         and paths.rows.period is not None
     )
     loop = bodies.loop_work(paths.last_cycle) if has_loop else math.nan
-    work = float(exact[-1])
-    if work <= 0:
+    last_work = float(exact_works[-1])
+    if last_work <= 0:
         return works, loop, {}
-    of_steps = _OF_STEPS * abs(float(by_steps[-1]) / work - 1)
-    of_steps += _OF_HALVED * abs(_work_of_halved_steps(paths) - float(with_bodies[-1])) / work
-    of_odd = of_odd_numbers[-1].uncertainty / work
+    step_error = _OF_STEPS * abs(float(works_by_steps[-1]) / last_work - 1)
+    step_error += (
+        _OF_HALVED * abs(_work_of_halved_steps(paths) - float(works_of_bodies[-1])) / last_work
+    )
+    odd_error = odd_works[-1].uncertainty / last_work
     effects = paths.question.effects
     assert effects is not None  # for the type checker
-    of_next_orders = left_of_work(bodies, half_planes, paths.last_cycle, effects)
-    errors = {"dissipation": of_steps + of_odd + of_next_orders}
+    next_order_error = left_of_work(bodies, half_planes, paths.last_cycle, effects)
+    errors = {"dissipation": step_error + odd_error + next_order_error}
     if odd.left_out:
         errors["dissipation"] = math.nan  # how much tilt and strain add is not known
     if has_loop:
-        by_loop = half_planes.loop_work(paths.last_cycle)
-        errors["loop_work"] = abs(by_loop / work - 1) + of_next_orders
+        loop_of_half_planes = half_planes.loop_work(paths.last_cycle)
+        errors["loop_work"] = abs(loop_of_half_planes / last_work - 1) + next_order_error
     return works, loop, errors
 
 
 def left_of_work(
     bodies: PathSeries, half_planes: PathSeries, rows: slice, effects: BodyEffects
 ) -> float:
-    """What the orders after the next leave in W of a cycle, over that of half-planes: of what each
-    curvature changes its own share.
+    """Uncertainty of the friction work of a cycle, over that of half-planes, by the orders of the
+    bodies' effects after the next: of the change that each curvature makes, the share that it may
+    miss.
     """
-    left = left_of_curvatures(effects, float(np.max(half_planes.half_width[rows])))
-    of_half_planes = half_planes.work(rows)
-    change = bodies.work(rows) / of_half_planes - 1
-    bend = curvatures_of(effects)
-    if bend.are_of_mirrored_bodies and bend.normal >= 0 and bend.tangential >= 0:
+    left_by_curvature = left_of_curvatures(effects, float(np.max(half_planes.half_width[rows])))
+    work_of_half_planes = half_planes.work(rows)
+    change = bodies.work(rows) / work_of_half_planes - 1
+    curvatures = curvatures_of(effects)
+    if curvatures.are_of_mirrored_bodies and curvatures.normal >= 0 and curvatures.tangential >= 0:
         # Both change W in one direction.
-        return abs(change) * max(left.values()) + LEFT_IN_ANY_CASE
+        return abs(change) * max(left_by_curvature.values()) + LEFT_IN_ANY_CASE
     followed = bodies.followed
     loads = (followed.normal_load, followed.tangential_load)
     uncertainty = LEFT_IN_ANY_CASE
-    rest = change
-    for words in CURVATURES:
-        these_alone = curvatures_of(with_these_alone(effects, words))
-        by_rows = (followed.table, followed.friction, *loads)
-        by_these = follow(*by_rows, these_alone, half_planes.followed)
-        work = bodies.unit * float(np.sum(by_these.step_work[rows][1:]))
-        part = work / of_half_planes - 1
-        uncertainty += abs(part) * left[words]
-        rest -= part
-    return uncertainty + abs(rest) * sum(left.values())
+    change_left = change
+    for names in CURVATURES:
+        curvatures_alone = curvatures_of(with_these_alone(effects, names))
+        table_and_loads = (followed.table, followed.friction, *loads)
+        memory_with_these = follow(*table_and_loads, curvatures_alone, half_planes.followed)
+        work = bodies.unit * float(np.sum(memory_with_these.step_work[rows][1:]))
+        change_by_these = work / work_of_half_planes - 1
+        uncertainty += abs(change_by_these) * left_by_curvature[names]
+        change_left -= change_by_these
+    return uncertainty + abs(change_left) * sum(left_by_curvature.values())
 
 
 def _errors_of_contact(paths: _Paths) -> dict[str, float]:
-    """What the orders after the next leave in the largest pressure and half-width, over them."""
+    """Relative errors of the largest pressure and half-width by the orders of the bodies' effects
+    after the next: a share of what the bodies change.
+    """
     effects = paths.question.effects
     assert effects is not None  # for the type checker
     bodies = paths.bodies
     half_planes = paths.half_planes
-    last = paths.last_cycle
-    row = np.array([last.start + int(np.argmax(bodies.followed.normal_load[last]))])
-    largest_half_width = float(np.max(half_planes.half_width[last]))
+    last_cycle = paths.last_cycle
+    row_of_largest_load = np.array(
+        [last_cycle.start + int(np.argmax(bodies.followed.normal_load[last_cycle]))]
+    )
+    largest_half_width = float(np.max(half_planes.half_width[last_cycle]))
     if not largest_half_width > 0:
         return {}
     places = largest_half_width * np.sin(np.linspace(0.0, math.pi / 2, _LOOKED_AT))
     pressures = [
-        float(np.max(PointFields(series, places).pressure(row))) for series in (bodies, half_planes)
+        float(np.max(PointFields(series, places).pressure(row_of_largest_load)))
+        for series in (bodies, half_planes)
     ]
-    left = max(left_of_curvatures(effects, largest_half_width).values())
-    of_pressure = abs(pressures[0] / pressures[1] - 1) if pressures[1] else 0.0
-    of_half_width = abs(float(bodies.half_width[row[0]] / half_planes.half_width[row[0]]) - 1)
+    left_share = max(left_of_curvatures(effects, largest_half_width).values())
+    pressure_change = abs(pressures[0] / pressures[1] - 1) if pressures[1] else 0.0
+    half_width_change = abs(
+        float(
+            bodies.half_width[row_of_largest_load[0]]
+            / half_planes.half_width[row_of_largest_load[0]]
+        )
+        - 1
+    )
     return {
-        "pressure": of_pressure * left + LEFT_IN_ANY_CASE,
-        "contact_half_width": of_half_width * left + LEFT_IN_ANY_CASE,
+        "pressure": pressure_change * left_share + LEFT_IN_ANY_CASE,
+        "contact_half_width": half_width_change * left_share + LEFT_IN_ANY_CASE,
     }
 
 
@@ -1272,26 +1362,30 @@ def _work_of_halved_steps(paths: _Paths) -> float:
     followed = paths.bodies.followed
     effects = paths.question.effects
     assert effects is not None  # for the type checker
-    count = len(followed.normal_load)
+    n_rows = len(followed.normal_load)
     grows_in_stick = (np.diff(followed.edge) > 0) & (followed.direction[1:] == 0)
-    growth = np.diff(followed.normal_load) / np.max(followed.normal_load)
-    chords = np.flatnonzero(grows_in_stick & (growth > _SHORT_CHORD))
-    if not len(chords):
+    load_growth = np.diff(followed.normal_load) / np.max(followed.normal_load)
+    long_chords = np.flatnonzero(grows_in_stick & (load_growth > _SHORT_CHORD))
+    if not len(long_chords):
         return paths.bodies.work(paths.last_cycle)
-    rows = np.union1d(np.arange(count), chords + 0.5)
+    row_places = np.union1d(np.arange(n_rows), long_chords + 0.5)
     normal_load, tangential_load = (
-        np.interp(rows, np.arange(count), load)
+        np.interp(row_places, np.arange(n_rows), load)
         for load in (followed.normal_load, followed.tangential_load)
     )
     loads = (normal_load, tangential_load)
-    halved = follow(followed.table, followed.friction, *loads, curvatures_of(effects))
-    begin, end, _ = paths.last_cycle.indices(count)
-    is_of_cycle = (rows > begin) & (rows <= end - 1)
-    return paths.bodies.unit * float(np.sum(halved.step_work[is_of_cycle]))
+    memory_of_halved_steps = follow(
+        followed.table, followed.friction, *loads, curvatures_of(effects)
+    )
+    begin, end, _ = paths.last_cycle.indices(n_rows)
+    is_of_cycle = (row_places > begin) & (row_places <= end - 1)
+    return paths.bodies.unit * float(np.sum(memory_of_halved_steps.step_work[is_of_cycle]))
 
 
 def _odd_part(paths: _Paths) -> OddPart:
-    """What tilt and bulk strain of the effects make."""
+    """What tilt and bulk strain of the bodies add to dissipation and edges: in the second order, or
+    on grids where that does not hold; with the reason where neither does.
+    """
     question = paths.question
     effects = question.effects
     assert effects is not None  # for the type checker
@@ -1304,23 +1398,23 @@ def _odd_part(paths: _Paths) -> OddPart:
             return OddPart(left_out=str(reason))
         work = paths.bodies.work(paths.last_cycle)
         odd = odd_part_on_grids(question.scene, effects, work, str(reason))
-    of_half_planes = paths.half_planes.work(paths.last_cycle)
-    if not of_half_planes > 0:
+    work_of_half_planes = paths.half_planes.work(paths.last_cycle)
+    if not work_of_half_planes > 0:
         return odd
-    of_curvatures = paths.bodies.work(paths.last_cycle) / of_half_planes - 1
+    change_by_curvatures = paths.bodies.work(paths.last_cycle) / work_of_half_planes - 1
     ratio = ratio_of_next_order(effects, paths.largest_half_width)
-    return odd._replace(left=left_of_tilt_and_strain(of_curvatures, ratio))
+    return odd._replace(left=left_of_tilt_and_strain(change_by_curvatures, ratio))
 
 
 def odd_part_on_grids(scene: Scene, effects: BodyEffects, work: float, reason: str) -> OddPart:
-    """The same on grids, where the second order does not hold for that reason: the change that they
-    find of half-planes, of `work` with the curvatures of the bodies.
+    """What tilt and bulk strain of the bodies add to `work`, on grids: the relative change that
+    grids find for half-planes, where the second order does not hold for the `reason`.
 
-    Where they take neither, it is left out.
+    Where grids do not take the scene, it is left out, and the reason is stated.
     """
     try:
-        of_half_planes = work_of_half_planes(scene)
-        if not of_half_planes > 0:
+        half_plane_work = work_of_half_planes(scene)
+        if not half_plane_work > 0:
             return OddPart(left_out=reason)  # nothing slips that could change
         change = change_by_tilt_and_strain(scene, effects)
     except InputError as fault:
@@ -1334,41 +1428,50 @@ def odd_part_on_grids(scene: Scene, effects: BodyEffects, work: float, reason: s
 
 
 def _errors_of_steps(paths: _Paths) -> dict[str, float]:
-    """Largest difference of q and s of half-planes by the steps and by exact theory, 1 % of a away
-    from edges, over the largest f p and s.
+    """Errors of shear and slip by the straight steps: the largest differences of half-planes by the
+    steps and by exact theory, more than 1 % of the half-width from edges, over the largest f p and
+    slip.
     """
     question = paths.question
     half_planes = paths.half_planes
-    names = tuple(name for name in ("shear", "slip") if question.wants(name))
+    field_names = tuple(name for name in ("shear", "slip") if question.wants(name))
     friction = half_planes.followed.friction
-    if not names or not friction:
+    if not field_names or not friction:
         return {}
-    last = paths.last_cycle
-    numbers = np.unique(np.linspace(last.start, last.stop - 1, _INSTANTS).astype(int))
-    x = np.linspace(0.0, float(np.max(half_planes.half_width[numbers])), _PLACES)[1:]
+    last_cycle = paths.last_cycle
+    row_numbers = np.unique(
+        np.linspace(last_cycle.start, last_cycle.stop - 1, _INSTANTS).astype(int)
+    )
+    places = np.linspace(0.0, float(np.max(half_planes.half_width[row_numbers])), _PLACES)[1:]
     theory = by_memory(
         replace(
             question,
             effects=None,
-            fields=frozenset(names),
-            x=x,
-            time=paths.rows.time[numbers],
+            fields=frozenset(field_names),
+            x=places,
+            time=paths.rows.time[row_numbers],
             cycles="all",
         ),
         None,
     )
-    points = PointFields(half_planes, x)
-    pressure = points.pressure(numbers)
+    points = PointFields(half_planes, places)
+    pressure = points.pressure(row_numbers)
     largest_pressure = float(np.max(pressure, where=np.isfinite(pressure), initial=0.0))
-    half = half_planes.half_width[numbers, None]
-    stick = np.nan_to_num(half_planes.stick_half_width[numbers, None])
-    is_away = (np.abs(x - half) > _NEAR * half) & (np.abs(x - stick) > _NEAR * half)
-    by_steps = {"shear": points.shear, "slip": points.slip}
+    half_width = half_planes.half_width[row_numbers, None]
+    stick_half_width = np.nan_to_num(half_planes.stick_half_width[row_numbers, None])
+    is_away = (np.abs(places - half_width) > _NEAR * half_width) & (
+        np.abs(places - stick_half_width) > _NEAR * half_width
+    )
+    fields_by_steps = {"shear": points.shear, "slip": points.slip}
     errors = {}
-    for name in names:
-        exact = theory.values[name]
-        difference = np.where(is_away, np.abs(by_steps[name](numbers) - exact), 0.0)
-        scale = friction * largest_pressure if name == "shear" else float(np.max(np.abs(exact)))
+    for name in field_names:
+        exact_values = theory.values[name]
+        difference = np.where(
+            is_away, np.abs(fields_by_steps[name](row_numbers) - exact_values), 0.0
+        )
+        scale = (
+            friction * largest_pressure if name == "shear" else float(np.max(np.abs(exact_values)))
+        )
         if scale > 0:
             errors[name] = float(np.max(difference)) / scale
     return errors
