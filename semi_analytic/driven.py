@@ -129,13 +129,17 @@ class Compliance(NamedTuple):
     def rate(self, half_width: Array | float, normal_load: Array | float) -> Array:
         """d(U + Q/k_s)/dQ where a half-width sticks under P, without N_Q and T_P."""
         half = np.asarray(half_width, dtype=float)
-        square = half**2
-        bend = self.curvatures.tangential
-        parabola = square / (2 * self.unit)  # G(c) = (pi E*/4) c^2 = c^2/(2 A/pi)
-        of_half_planes = self.unit * np.log(2 * self.datum_length / half)
-        of_bodies = self.tangential + bend * square / 2 - bend**2 * parabola * square / 8
-        of_tilt = self.tilts[1] * np.asarray(normal_load)
-        return np.asarray(of_half_planes + of_bodies + self.tangential_spring - of_tilt)
+        squared_width = half**2
+        face_curvature = self.curvatures.tangential
+        parabola = squared_width / (2 * self.unit)  # G(c) = (pi E*/4) c^2 = c^2/(2 A/pi)
+        half_plane_rate = self.unit * np.log(2 * self.datum_length / half)
+        body_rate = (
+            self.tangential
+            + face_curvature * squared_width / 2
+            - face_curvature**2 * parabola * squared_width / 8
+        )
+        tilt_rate = self.tilts[1] * np.asarray(normal_load)
+        return np.asarray(half_plane_rate + body_rate + self.tangential_spring - tilt_rate)
 
     def require_unique(self, largest_half_width: float, largest_load: float) -> None:
         """InputError where Q does not follow from U."""
@@ -191,75 +195,85 @@ def actuator_rows(
     """
     legs = list(path.legs(cycles))
     instants = [legs[0].start]
-    loops = max(cycles, 1) if path.period is not None else 1
+    n_cycles = max(cycles, 1) if path.period is not None else 1
     for leg in legs:
-        turns = leg.turning_points(NORMAL_LOAD) + leg.turning_points(TANGENTIAL_LOAD)
-        monotone = sorted({leg.start, leg.end, *turns})
-        meets = [
+        turning_times = leg.turning_points(NORMAL_LOAD) + leg.turning_points(TANGENTIAL_LOAD)
+        monotonic_ends = sorted({leg.start, leg.end, *turning_times})
+        touch_times = [
             _root(partial(_first_of, leg), begin, end)
-            for begin, end in pairwise(monotone)
+            for begin, end in pairwise(monotonic_ends)
             if leg.loads(begin)[0] * leg.loads(end)[0] < 0
         ]
-        instants += sorted({*monotone[1:], *meets})
-    count = max(math.ceil(steps * loops / len(instants)), 1)
-    if len(instants) < steps * loops / _FEWEST_STEPS:
-        count = max(count, _FEWEST_STEPS)
-    count *= finer
-    if count * len(instants) > _MOST_ROWS:
+        instants += sorted({*monotonic_ends[1:], *touch_times})
+    steps_between = max(math.ceil(steps * n_cycles / len(instants)), 1)
+    if len(instants) < steps * n_cycles / _FEWEST_STEPS:
+        steps_between = max(steps_between, _FEWEST_STEPS)
+    steps_between *= finer
+    if steps_between * len(instants) > _MOST_ROWS:
         raise InputError(
-            f"load: the path of the actuators takes {count * len(instants):,} steps and"
+            f"load: the path of the actuators takes {steps_between * len(instants):,} steps and"
             f" {_MOST_ROWS:,} are followed at most: take a part of it, or fewer cycles"
         )
-    bounds = np.array(instants)
-    share = np.arange(count) / count
-    instants_of = bounds[:-1, None] + np.diff(bounds)[:, None] * share
+    instant_times = np.array(instants)
+    shares = np.arange(steps_between) / steps_between
+    step_times = instant_times[:-1, None] + np.diff(instant_times)[:, None] * shares
     if fewest:
-        normal = path.at(np.array([bounds[:-1], bounds[1:], (bounds[1:] + bounds[:-1]) / 2]))[0]
-        rests = np.ptp(normal, axis=0) <= _SAME * np.max(np.abs(normal))
-        instants_of[rests] = instants_of[rests, :1]
-    time = np.append(instants_of.ravel(), bounds[-1])
+        sample_values = path.at(
+            np.array(
+                [
+                    instant_times[:-1],
+                    instant_times[1:],
+                    (instant_times[1:] + instant_times[:-1]) / 2,
+                ]
+            )
+        )[0]
+        is_at_rest = np.ptp(sample_values, axis=0) <= _SAME * np.max(np.abs(sample_values))
+        step_times[is_at_rest] = step_times[is_at_rest, :1]
+    time = np.append(step_times.ravel(), instant_times[-1])
     if further is not None:
-        time = np.append(time, further[(further > bounds[0]) & (further < bounds[-1])])
+        time = np.append(
+            time, further[(further > instant_times[0]) & (further < instant_times[-1])]
+        )
     time = np.unique(time)
-    length = bounds[-1] - bounds[0]
-    time = time[np.diff(time, prepend=-np.inf) > _SAME * length]
-    normal, displacement = path.at(time)
-    marks = [bounds[-1]]
+    duration = instant_times[-1] - instant_times[0]
+    time = time[np.diff(time, prepend=-np.inf) > _SAME * duration]
+    normal_values, displacement = path.at(time)
+    cycle_ends = [instant_times[-1]]
     if path.period is not None:
-        marks = [path.cycle_start + k * path.period for k in range(cycles + 1)]
-    ends = tuple(int(np.argmin(np.abs(time - mark))) for mark in marks)
-    return ActuatorRows(time, np.maximum(normal, 0.0), displacement, ends)
+        cycle_ends = [path.cycle_start + k * path.period for k in range(cycles + 1)]
+    ends = tuple(int(np.argmin(np.abs(time - mark))) for mark in cycle_ends)
+    return ActuatorRows(time, np.maximum(normal_values, 0.0), displacement, ends)
 
 
 def _first_of(leg: LoadSegment, time: float) -> float:
-    """P, or the approach."""
+    """The first load of a leg at a time: P, or the approach of an actuator."""
     return float(leg.loads(time)[0])
 
 
-def _root(function: Callable[[float], float], low: float, high: float) -> float:
-    """Where a function of two signs at `low` and `high` is 0, by the rule of Illinois: false
-    position, with half the value of an end that stays.
+def _root(function: Callable[[float], float], begin: float, end: float) -> float:
+    """Where a function that has opposite signs at `begin` and `end` is 0, by the rule of Illinois:
+    false position, with half the value of an end that stays.
     """
-    at_low = function(low)
-    at_high = function(high)
-    size = max(abs(at_low), abs(at_high))
-    place = low
-    moved = 0  # which end moved last: -1 the lower, 1 the upper
+    value_at_begin = function(begin)
+    value_at_end = function(end)
+    largest_value = max(abs(value_at_begin), abs(value_at_end))
+    place = begin
+    moved_end = 0  # which end moved last: -1 the lower, 1 the upper
     for _ in range(_MOST_STEPS):
-        place = (low * at_high - high * at_low) / (at_high - at_low)
+        place = (begin * value_at_end - end * value_at_begin) / (value_at_end - value_at_begin)
         value = function(place)
-        if abs(value) <= _ROUNDING_OF_ROOT * size:
+        if abs(value) <= _ROUNDING_OF_ROOT * largest_value:
             break
-        if (value > 0) == (at_high > 0):
-            high = place
-            at_high = value
-            at_low = at_low / 2 if moved == 1 else at_low
-            moved = 1
+        if (value > 0) == (value_at_end > 0):
+            end = place
+            value_at_end = value
+            value_at_begin = value_at_begin / 2 if moved_end == 1 else value_at_begin
+            moved_end = 1
         else:
-            low = place
-            at_low = value
-            at_high = at_high / 2 if moved == -1 else at_high
-            moved = -1
+            begin = place
+            value_at_begin = value
+            value_at_end = value_at_end / 2 if moved_end == -1 else value_at_end
+            moved_end = -1
     return place
 
 
@@ -277,64 +291,65 @@ def loads_of_approach(
     InputError
         For an approach beyond the profile, or numbers of bodies without a mirror line.
     """
-    bend = compliance.curvatures
-    if bend.normal_under_shear or bend.tangential_under_pressure:
+    curvatures = compliance.curvatures
+    if curvatures.normal_under_shear or curvatures.tangential_under_pressure:
         raise InputError(
             "load.approach: it is followed for bodies that are mirrored at x = 0, and N_Q or T_P of"
             " these are not 0: state the normal load"
         )
-    largest = float(np.max(approach))
-    if not largest > 0:
+    largest_approach = float(np.max(approach))
+    if not largest_approach > 0:
         raise InputError(
             "load.approach: it is never positive, so that the bodies never touch: an approach is"
             " positive where the bodies are pressed together"
         )
 
-    def of_edges(table: PunchTable, s: Array) -> tuple[Array, Array]:
+    def load_and_approach(table: PunchTable, s: Array) -> tuple[Array, Array]:
         """P and approach of the actuator for contacts up to s (n,)."""
-        load = table.load(s) / (1 - bend.normal * table.parabola(s))
-        sums = [table.sums_at(place, compliance.datum_length) for place in s.tolist()]
-        logarithm, parabola_logarithm, second, parabola_second = np.array(sums).T
-        gap_bend = bend.normal * load
-        moment = second + gap_bend * parabola_second
-        of_profile = compliance.unit * (logarithm + gap_bend * parabola_logarithm)
-        of_load = (compliance.normal + compliance.normal_spring) * load
-        return load, of_profile + of_load + bend.normal * moment / 2
+        load = table.load(s) / (1 - curvatures.normal * table.parabola(s))
+        punch_sums = [table.sums_at(place, compliance.datum_length) for place in s.tolist()]
+        logarithm, parabola_logarithm, second_moment, parabola_second = np.array(punch_sums).T
+        gap_curvature = curvatures.normal * load
+        moment = second_moment + gap_curvature * parabola_second
+        approach_of_profile = compliance.unit * (logarithm + gap_curvature * parabola_logarithm)
+        approach_of_load = (compliance.normal + compliance.normal_spring) * load
+        return load, approach_of_profile + approach_of_load + curvatures.normal * moment / 2
 
     extent = contact.extent if math.isfinite(contact.extent) else math.inf
     half_width = min(max(contact.least, 1e-6 * compliance.datum_length) * 1.01, extent)
     for _ in range(_DOUBLINGS):
         table = PunchTable(contact, modulus, half_width)
-        if of_edges(table, np.array([table.last]))[1][0] >= largest:
+        if load_and_approach(table, np.array([table.last]))[1][0] >= largest_approach:
             break
         if half_width >= extent:
             raise InputError(
-                f"load.approach: {largest:.6g} makes the contact wider than the profile,"
+                f"load.approach: {largest_approach:.6g} makes the contact wider than the profile,"
                 f" {extent:.6g}: state a wider profile or a smaller approach"
             )
         half_width = min(half_width * 1.5, extent)
     else:
         raise InputError(
-            f"load.approach: {largest:.6g} is more than the profile can be pressed in: check units"
+            f"load.approach: {largest_approach:.6g} is more than the profile can be pressed in:"
+            " check units"
         )
     s = np.linspace(0.0, table.last, 20 * 512 + 1)
-    of_samples = of_edges(table, s)[1]
-    fall = float(np.max(np.maximum.accumulate(of_samples) - of_samples))
-    if fall > _ERROR_OF_TABLE * np.ptp(of_samples):
+    sampled_approach = load_and_approach(table, s)[1]
+    largest_fall = float(np.max(np.maximum.accumulate(sampled_approach) - sampled_approach))
+    if largest_fall > _ERROR_OF_TABLE * np.ptp(sampled_approach):
         raise InputError(
             "load.approach: with the datum length"
             f" {compliance.datum_length:.6g} the approach falls while P grows, so that no P follows"
             " from it: state a longer rig.datum_length, of some heights of the bodies, or the"
             " bodies themselves"
         )
-    low = np.zeros(len(approach))
-    high = np.full(len(approach), table.last)
+    begin_s = np.zeros(len(approach))
+    end_s = np.full(len(approach), table.last)
     for _ in range(_BISECTIONS):
-        middle = (low + high) / 2
-        is_within = of_edges(table, middle)[1] <= approach
-        low = np.where(is_within, middle, low)
-        high = np.where(is_within, high, middle)
-    return np.where(approach > 0, of_edges(table, (low + high) / 2)[0], 0.0)
+        middle_s = (begin_s + end_s) / 2
+        is_less = load_and_approach(table, middle_s)[1] <= approach
+        begin_s = np.where(is_less, middle_s, begin_s)
+        end_s = np.where(is_less, end_s, middle_s)
+    return np.where(approach > 0, load_and_approach(table, (begin_s + end_s) / 2)[0], 0.0)
 
 
 # ------------------------------------------------------------------------------------ step by step
@@ -403,7 +418,8 @@ def follow_actuator(
     compliance: Compliance,
     rows: ActuatorRows,
 ) -> Driven:
-    """Q(t) from U_act(t), step by step from rest; `rows.normal` are loads P.
+    """Q(t), slides and work from the displacement U_act(t) of an actuator, step by step from rest;
+    `rows.normal` are loads P.
 
     >>> import numpy as np
     >>> from semi_analytic.hertz import HertzContact
@@ -425,39 +441,39 @@ def follow_actuator(
     memory = MemoryCurve(table, friction, largest_load, Pieces())
     stepper = _Stepper(memory, compliance)
     state = UNLOADED
-    begin = _Instant(float(rows.time[0]), 0.0, 0.0, float(rows.displacement[0]))
-    free = begin.actuator
-    times = [begin.time]
+    instant_before = _Instant(float(rows.time[0]), 0.0, 0.0, float(rows.displacement[0]))
+    free_displacement = instant_before.actuator
+    times = [instant_before.time]
     rows_of_memory = [stepper.row(0.0, 0.0)]
     steps = [memory.step(state, rows_of_memory[0])]
     slides = [0.0]
-    ways = [free]
-    actuator = [begin.actuator]
-    number = [0] * len(rows.time)
+    free_displacements = [free_displacement]
+    actuators = [instant_before.actuator]
+    memory_row_of_row = [0] * len(rows.time)
     for k in range(1, len(rows.time)):
-        time, load, aim = (float(column[k]) for column in rows[:3])
-        end = _Instant(time, load, 0.0, aim)
-        for part in stepper.parts(begin, end, free):
-            found = stepper.step(state, part, begin.force, free)
-            slide = found.slide
-            free += slide + found.way_apart
-            times.append(part.time)
-            rows_of_memory.append(found.row)
-            steps.append(found.step)
-            slides.append(slide)
-            ways.append(free)
-            actuator.append(part.actuator)
-            state = found.step.state
-            begin = part._replace(force=found.row.tangential_load)
-        number[k] = len(times) - 1
+        time, load, actuator_now = (float(column[k]) for column in rows[:3])
+        instant_after = _Instant(time, load, 0.0, actuator_now)
+        for part_end in stepper.parts(instant_before, instant_after, free_displacement):
+            solved_step = stepper.step(state, part_end, instant_before.force, free_displacement)
+            slide_of_step = solved_step.slide
+            free_displacement += slide_of_step + solved_step.way_apart
+            times.append(part_end.time)
+            rows_of_memory.append(solved_step.row)
+            steps.append(solved_step.step)
+            slides.append(slide_of_step)
+            free_displacements.append(free_displacement)
+            actuators.append(part_end.actuator)
+            state = solved_step.step.state
+            instant_before = part_end._replace(force=solved_step.row.tangential_load)
+        memory_row_of_row[k] = len(times) - 1
     return Driven(
         time=np.array(times),
         followed=followed_of(memory, np.array(rows_of_memory).T, steps),
         compliance=compliance,
         slide=np.array(slides),
-        free=np.array(ways),
-        actuator=np.array(actuator),
-        ends=tuple(number[end] for end in rows.ends),
+        free=np.array(free_displacements),
+        actuator=np.array(actuators),
+        ends=tuple(memory_row_of_row[instant_after] for instant_after in rows.ends),
     )
 
 
@@ -506,85 +522,101 @@ class _Stepper:
 
     def row(self, load: float, force: float) -> Row:
         """P and Q with the edge of contact."""
-        bend = self._compliance.curvatures
-        gap_bend = bend.normal * load + bend.normal_under_shear * force
-        face_bend = bend.tangential * force + bend.tangential_under_pressure * load
-        edge = self._edge(load, gap_bend)
-        punch = self._table.loads_at(edge)
+        curvatures = self._compliance.curvatures
+        gap_curvature = curvatures.normal * load + curvatures.normal_under_shear * force
+        face_curvature = curvatures.tangential * force + curvatures.tangential_under_pressure * load
+        edge = self._edge(load, gap_curvature)
+        edge_loads = self._table.loads_at(edge)
         return Row(
             normal_load=load,
             tangential_load=force,
-            normal_curvature=gap_bend,
-            tangential_curvature=face_bend,
+            normal_curvature=gap_curvature,
+            tangential_curvature=face_curvature,
             normal_fourth=0.0,
             tangential_fourth=0.0,
             edge=edge,
-            edge_load=punch.load,
-            edge_parabola=punch.parabola,
-            edge_fourth=punch.fourth,
+            edge_load=edge_loads.load,
+            edge_parabola=edge_loads.parabola,
+            edge_fourth=edge_loads.fourth,
         )
 
-    def parts(self, begin: _Instant, end: _Instant, free: float) -> tuple[_Instant, ...]:
-        """The step, or its two parts where a slide begins between."""
+    def parts(
+        self, begin: _Instant, end: _Instant, free_displacement: float
+    ) -> tuple[_Instant, ...]:
+        """Ends of the parts of a step between two instants: of the whole step, or of two parts
+        where a slide of the bodies begins between. `free_displacement` of U_act is no elastic
+        displacement.
+        """
         memory = self._memory
         if memory.is_unloaded(end.load) or memory.is_unloaded(begin.load):
             return (end,)
-        count = len(memory.pieces)
+        n_pieces = len(memory.pieces)
 
-        def beyond(direction: int, share: float) -> float:
+        def excess_displacement(direction: int, share: float) -> float:
             """U_act beyond that at the limit of sliding, in a direction."""
-            at = begin.before(end, share)
-            at_limit = self.row(at.load, direction * memory.friction * at.load)
-            reached = self._displacement(at_limit, memory.slide(at_limit, direction))
-            self._forget(count)
-            return direction * (at.actuator - free - reached)
+            instant = begin.before(end, share)
+            row_at_limit = self.row(instant.load, direction * memory.friction * instant.load)
+            displacement_at_limit = self._displacement(
+                row_at_limit, memory.slide(row_at_limit, direction)
+            )
+            self._forget(n_pieces)
+            return direction * (instant.actuator - free_displacement - displacement_at_limit)
 
         for direction in (1, -1):
-            limit = memory.friction * begin.load
-            slides_already = direction * begin.force >= limit * (1 - _AT_LIMIT)
-            if slides_already or beyond(direction, 1.0) <= 0 or beyond(direction, 0.0) >= 0:
+            friction_limit = memory.friction * begin.load
+            slides_already = direction * begin.force >= friction_limit * (1 - _AT_LIMIT)
+            if (
+                slides_already
+                or excess_displacement(direction, 1.0) <= 0
+                or excess_displacement(direction, 0.0) >= 0
+            ):
                 continue
-            share = _root(partial(beyond, direction), 0.0, 1.0)
+            share = _root(partial(excess_displacement, direction), 0.0, 1.0)
             if _AT_END < share < 1 - _AT_END:
                 return begin.before(end, share), end
         return (end,)
 
-    def step(self, state: State, end: _Instant, force_before: float, free: float) -> _Found:
-        """The step to `end`, from a state in which `free` of U_act is no elastic displacement."""
+    def step(
+        self, state: State, end: _Instant, force_before: float, free_displacement: float
+    ) -> _Found:
+        """The step to the instant `end`, by Newton's method for the Q at which U + Q/k_s is U_act
+        minus `free_displacement`; a slide of the bodies where Q is at the limit of friction, or
+        separation where P is 0.
+        """
         memory = self._memory
         if memory.is_unloaded(end.load):
             row = self.row(0.0, 0.0)
-            return _Found(row, memory.step(state, row), way_apart=end.actuator - free)
-        target = end.actuator - free
-        limit = memory.friction * end.load
-        count = len(memory.pieces)
-        force = min(max(force_before, -limit), limit)
-        step, reached = self._reached(state, end.load, force)
-        self._forget(count)
-        direction = 1 if reached <= target else -1
-        at_limit = self.row(end.load, direction * limit)
-        sliding = memory.slide(at_limit, direction)
-        remainder = target - self._displacement(at_limit, sliding)
+            return _Found(row, memory.step(state, row), way_apart=end.actuator - free_displacement)
+        target_displacement = end.actuator - free_displacement
+        friction_limit = memory.friction * end.load
+        n_pieces = len(memory.pieces)
+        force = min(max(force_before, -friction_limit), friction_limit)
+        step, displacement = self._reached(state, end.load, force)
+        self._forget(n_pieces)
+        direction = 1 if displacement <= target_displacement else -1
+        row_at_limit = self.row(end.load, direction * friction_limit)
+        sliding_step = memory.slide(row_at_limit, direction)
+        slide_distance = target_displacement - self._displacement(row_at_limit, sliding_step)
         # At the begin of a slide nothing is left but round-off, of either sign.
-        if direction * remainder >= -_ROUNDING * abs(target):
-            return _Found(at_limit, sliding, slide=remainder)
-        self._forget(count)
-        low, high = sorted((force, direction * limit))
+        if direction * slide_distance >= -_ROUNDING * abs(target_displacement):
+            return _Found(row_at_limit, sliding_step, slide=slide_distance)
+        self._forget(n_pieces)
+        least_force, largest_force = sorted((force, direction * friction_limit))
         tolerance = _FOUND * memory.friction * memory.largest_load
         for _ in range(_MOST_STEPS):
-            change = (target - reached) / self._rate(step, end.load)
-            is_inside = low <= force + change <= high
-            new_force = force + change if is_inside else (low + high) / 2
-            change = new_force - force
+            force_change = (target_displacement - displacement) / self._rate(step, end.load)
+            is_in_bracket = least_force <= force + force_change <= largest_force
+            new_force = force + force_change if is_in_bracket else (least_force + largest_force) / 2
+            force_change = new_force - force
             force = new_force
-            step, reached = self._reached(state, end.load, force)
-            if abs(change) <= tolerance or reached == target:
+            step, displacement = self._reached(state, end.load, force)
+            if abs(force_change) <= tolerance or displacement == target_displacement:
                 return _Found(self.row(end.load, force), step)
-            self._forget(count)
-            if reached < target:
-                low = force
+            self._forget(n_pieces)
+            if displacement < target_displacement:
+                least_force = force
             else:
-                high = force
+                largest_force = force
         raise NotFoundError(
             f"at time {end.time:.6g} no Q was found that moves the actuator by {end.actuator:.6g}"
         )
@@ -599,26 +631,26 @@ class _Stepper:
         """U + Q/k_s of a state."""
         self._add_up()
         compliance = self._compliance
-        bend = compliance.curvatures
-        at_edge = self._table.sums_at(row.edge, compliance.datum_length)
+        curvatures = compliance.curvatures
+        sums_at_edge = self._table.sums_at(row.edge, compliance.datum_length)
         curve = step.state.curve
-        face_bend = row.tangential_curvature
-        logarithm = self._logarithm[curve] + face_bend * at_edge.parabola_logarithm
-        second = self._second[curve] + face_bend * at_edge.parabola_second
-        pressure_second = at_edge.second + row.normal_curvature * at_edge.parabola_second
+        face_curvature = row.tangential_curvature
+        logarithm = self._logarithm[curve] + face_curvature * sums_at_edge.parabola_logarithm
+        second_moment = self._second[curve] + face_curvature * sums_at_edge.parabola_second
+        pressure_second = sums_at_edge.second + row.normal_curvature * sums_at_edge.parabola_second
         displacement = compliance.unit * logarithm
-        added = compliance.tangential + compliance.tangential_spring
-        displacement += added * row.tangential_load
-        displacement += bend.tangential * second / 2
-        displacement += bend.normal_under_shear * pressure_second / 2
+        added_compliance = compliance.tangential + compliance.tangential_spring
+        displacement += added_compliance * row.tangential_load
+        displacement += curvatures.tangential * second_moment / 2
+        displacement += curvatures.normal_under_shear * pressure_second / 2
         return displacement + float(compliance.of_tilt(row.normal_load, row.tangential_load))
 
     def _rate(self, step: Step, load: float) -> float:
         """d(U + Q/k_s)/dQ at the end of a step."""
-        front = step.ring[0] if step.ring_direction else step.front
-        half_width = float(self._table.half_width(front))
-        smallest = 1e-9 * float(self._table.half_width(self._table.last))
-        return float(self._compliance.rate(max(half_width, smallest), load))
+        stick_edge = step.ring[0] if step.ring_direction else step.front
+        half_width = float(self._table.half_width(stick_edge))
+        least_half_width = 1e-9 * float(self._table.half_width(self._table.last))
+        return float(self._compliance.rate(max(half_width, least_half_width), load))
 
     def _edge(self, load: float, gap_bend: float) -> float:
         """s of the edge of contact."""
@@ -627,18 +659,24 @@ class _Stepper:
         return self._contact_at(load, gap_bend)
 
     def _add_up(self) -> None:
-        """Sums of the pieces that are new."""
+        """Add the sums up to the tops of the pieces that are new: the integrals of ln(2 L/c) and of
+        c^2/2 over dM along the memory curve of each.
+        """
         pieces = self._memory.pieces
         for piece in pieces[len(self._tops) :]:
-            top = self._table.sums_at(piece.top, self._compliance.datum_length)
-            below = self._tops[piece.parent]
-            logarithm = piece.slope * (top.logarithm - below.logarithm)
-            logarithm += piece.parabola_slope * (top.parabola_logarithm - below.parabola_logarithm)
-            second = piece.slope * (top.second - below.second)
-            second += piece.parabola_slope * (top.parabola_second - below.parabola_second)
-            self._tops.append(top)
+            sums_at_top = self._table.sums_at(piece.top, self._compliance.datum_length)
+            sums_below = self._tops[piece.parent]
+            logarithm = piece.slope * (sums_at_top.logarithm - sums_below.logarithm)
+            logarithm += piece.parabola_slope * (
+                sums_at_top.parabola_logarithm - sums_below.parabola_logarithm
+            )
+            second_moment = piece.slope * (sums_at_top.second - sums_below.second)
+            second_moment += piece.parabola_slope * (
+                sums_at_top.parabola_second - sums_below.parabola_second
+            )
+            self._tops.append(sums_at_top)
             self._logarithm.append(self._logarithm[piece.parent] + logarithm)
-            self._second.append(self._second[piece.parent] + second)
+            self._second.append(self._second[piece.parent] + second_moment)
 
     def _forget(self, count: int) -> None:
         """Take back the pieces of a trial."""

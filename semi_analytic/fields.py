@@ -139,28 +139,35 @@ class Arc:
         self._factor = 1 / math.pi if kernel == "shear" else 1.0
         first_time = piece.arc[0]
         last_time = piece.anchor.time
-        loads = contact.break_loads
-        loads = loads[(loads > piece.bottom) & (loads < piece.anchor.normal)]
-        corners = front_time(piece, loads) if len(loads) else loads
+        corner_loads = contact.break_loads
+        corner_loads = corner_loads[
+            (corner_loads > piece.bottom) & (corner_loads < piece.anchor.normal)
+        ]
+        corners = front_time(piece, corner_loads) if len(corner_loads) else corner_loads
         self._turn_at_begin = _turn(self._leg, first_time, last_time)
         self._turn_at_end = _turn(self._leg, last_time, first_time)
         # Even between the corners: a panel that began just behind one would not be smooth.
-        ends = np.unique(np.clip([first_time, *corners, last_time], first_time, last_time))
-        counts = np.maximum(np.ceil(np.diff(ends) / (last_time - first_time) * _PANELS), 1).astype(
-            int
+        ends_of_smooth_parts = np.unique(
+            np.clip([first_time, *corners, last_time], first_time, last_time)
         )
-        parts = [
+        counts = np.maximum(
+            np.ceil(np.diff(ends_of_smooth_parts) / (last_time - first_time) * _PANELS), 1
+        ).astype(int)
+        begins_of_panels = [
             np.linspace(a, b, n, endpoint=False)
-            for a, b, n in zip(ends[:-1], ends[1:], counts, strict=True)
+            for a, b, n in zip(
+                ends_of_smooth_parts[:-1], ends_of_smooth_parts[1:], counts, strict=True
+            )
         ]
         # a panel of a digit or two has no inner ends
-        marks = np.unique([*np.concatenate(parts), last_time])
-        half_load = float(front_time(piece, (piece.bottom + piece.anchor.normal) / 2))
-        self._middle = float(marks[np.argmin(np.abs(marks - half_load))])
-        self._follow(marks)
+        panel_ends = np.unique([*np.concatenate(begins_of_panels), last_time])
+        time_of_middle_load = float(front_time(piece, (piece.bottom + piece.anchor.normal) / 2))
+        self._middle = float(panel_ends[np.argmin(np.abs(panel_ends - time_of_middle_load))])
+        self._follow(panel_ends)
 
     def up_to(self, time: Array) -> Array:
-        """From the begin of the arc to each time (n,): shape (n, k).
+        """Integrals of the kernel times dQ from the begin of the arc to each time (n,), at the
+        points of the arc (k,): shape (n, k).
 
         >>> from scenes import ellipse_segment
         >>> from semi_analytic.hertz import HertzContact
@@ -181,158 +188,195 @@ class Arc:
         >>> arc.up_to(np.zeros(1)).round(12).tolist()  # (sqrt 4 - sqrt 2)/4
         [[0.146446609407]]
         """
-        marks = self._marks
-        time = np.clip(time, marks[0], marks[-1])
-        stops, fold = np.unique(time, return_inverse=True)
-        panel = np.clip(np.searchsorted(marks, stops, side="right") - 1, 0, len(marks) - 2)
-        value = self._before[panel]
-        share = np.clip((stops - marks[panel]) / (marks[panel + 1] - marks[panel]), 0.0, 1.0)
-        terms = chebyshev.chebvander(2 * share - 1, DEGREE + 1)
-        begins = np.flatnonzero(np.diff(panel, prepend=-1))
-        for rows in np.split(np.arange(len(stops)), begins[1:]):
-            value[rows] += terms[rows] @ self._primitive[panel[rows[0]]].T
+        panel_ends = self._marks
+        time = np.clip(time, panel_ends[0], panel_ends[-1])
+        different_times, number_in_times = np.unique(time, return_inverse=True)
+        panel = np.clip(
+            np.searchsorted(panel_ends, different_times, side="right") - 1, 0, len(panel_ends) - 2
+        )
+        integrals = self._before[panel]
+        share_of_panel = np.clip(
+            (different_times - panel_ends[panel]) / (panel_ends[panel + 1] - panel_ends[panel]),
+            0.0,
+            1.0,
+        )
+        polynomials = chebyshev.chebvander(2 * share_of_panel - 1, DEGREE + 1)
+        first_of_panel = np.flatnonzero(np.diff(panel, prepend=-1))
+        for numbers_in_panel in np.split(np.arange(len(different_times)), first_of_panel[1:]):
+            integrals[numbers_in_panel] += (
+                polynomials[numbers_in_panel] @ self._primitive[panel[numbers_in_panel[0]]].T
+            )
         # Near P_x from stop to stop, in each panel from its begin.
-        low = np.append(marks[0], stops[:-1])
-        low[begins] = marks[panel[begins]]
-        step, point = np.nonzero(self._near[panel] & (stops > low)[:, None])
-        rises = np.zeros(value.shape)
-        rises[step, point] = self._steps(low[step], stops[step], point)
-        sums = np.cumsum(rises, axis=0)
-        sums_before = (sums - rises)[begins]
-        value += sums - np.repeat(sums_before, np.diff(np.append(begins, len(stops))), axis=0)
-        return self._factor * value[fold.ravel()]
+        step_begins = np.append(panel_ends[0], different_times[:-1])
+        step_begins[first_of_panel] = panel_ends[panel[first_of_panel]]
+        step_number, point = np.nonzero(
+            self._near[panel] & (different_times > step_begins)[:, None]
+        )
+        step_integrals = np.zeros(integrals.shape)
+        step_integrals[step_number, point] = self._steps(
+            step_begins[step_number], different_times[step_number], point
+        )
+        step_sums = np.cumsum(step_integrals, axis=0)
+        sums_before = (step_sums - step_integrals)[first_of_panel]
+        integrals += step_sums - np.repeat(
+            sums_before, np.diff(np.append(first_of_panel, len(different_times))), axis=0
+        )
+        return self._factor * integrals[number_in_times.ravel()]
 
-    def _follow(self, marks: Array) -> None:
-        """Series on the panels between `marks`, halved until they are resolved, and steps through
-        whole panels near P_x.
+    def _follow(self, panel_ends: Array) -> None:
+        """Make the series on the panels between `panel_ends`, halved until they are resolved, the
+        integrals through whole panels near P_x step by step, and their error.
         """
-        panels = self._resolved(marks[:-1], marks[1:])
+        panels = self._resolved(panel_ends[:-1], panel_ends[1:])
         self._near = panels.near
         self._marks = np.append(panels.low, panels.high[-1])
         self._primitive = panels.series @ _PRIMITIVE
         panel, point = np.nonzero(panels.near)
-        begin = panels.low[panel]
-        end = panels.high[panel]
+        step_begins = panels.low[panel]
+        step_ends = panels.high[panel]
         # Of a sample of the steps their halves too, in the same call: what these differ by is the
         # error.
-        sample = np.empty(0, dtype=int)
+        sampled_steps = np.empty(0, dtype=int)
         if len(panel):
-            sample = np.unique(np.linspace(0, len(panel) - 1, _SAMPLE).astype(int))
-        middle = (begin[sample] + end[sample]) / 2
+            sampled_steps = np.unique(np.linspace(0, len(panel) - 1, _SAMPLE).astype(int))
+        step_middles = (step_begins[sampled_steps] + step_ends[sampled_steps]) / 2
         integrals = self._steps(
-            np.concatenate([begin, begin[sample], middle]),
-            np.concatenate([end, middle, end[sample]]),
-            np.concatenate([point, point[sample], point[sample]]),
+            np.concatenate([step_begins, step_begins[sampled_steps], step_middles]),
+            np.concatenate([step_ends, step_middles, step_ends[sampled_steps]]),
+            np.concatenate([point, point[sampled_steps], point[sampled_steps]]),
         )
-        steps, lower, upper = np.split(integrals, [len(panel), len(panel) + len(sample)])
-        over_panels = np.sum(self._primitive, axis=2)
-        over_panels[panel, point] += steps
-        self._before = np.cumsum(over_panels, axis=0) - over_panels
-        largest_change = float(np.max(np.abs(steps[sample] - lower - upper), initial=0.0))
+        steps, lower_halves, upper_halves = np.split(
+            integrals, [len(panel), len(panel) + len(sampled_steps)]
+        )
+        panel_integrals = np.sum(self._primitive, axis=2)
+        panel_integrals[panel, point] += steps
+        self._before = np.cumsum(panel_integrals, axis=0) - panel_integrals
+        largest_change = float(
+            np.max(np.abs(steps[sampled_steps] - lower_halves - upper_halves), initial=0.0)
+        )
         steps_of_point = np.max(np.bincount(point), initial=0)
         error_of_steps = largest_change * math.sqrt(steps_of_point)
         error_of_series = float(np.max(np.sum(panels.error, axis=0), initial=0.0))
         self.error = self._factor * (error_of_steps + error_of_series)
 
-    def _resolved(self, low: Array, high: Array) -> _Panels:
+    def _resolved(self, begins: Array, ends: Array) -> _Panels:
         """Panels with their series, ascending; those that are not resolved are halved."""
         resolved_panels: list[_Panels] = []
-        size = 0.0
-        points = len(self._x)
+        largest_integral = 0.0
+        n_points = len(self._x)
         for halvings in range(_HALVINGS + 1):
-            regular_part = self._series(low, high)
+            regular_part = self._series(begins, ends)
             largest_coefficient = float(
                 np.max(np.abs(regular_part.coefficients[:, 0]), initial=0.0)
             )
-            size = max(size, largest_coefficient * math.sqrt(len(low)))
-            error = np.zeros((len(low), points))
+            largest_integral = max(largest_integral, largest_coefficient * math.sqrt(len(begins)))
+            error = np.zeros((len(begins), n_points))
             error[regular_part.panel, regular_part.point] = tail(regular_part.coefficients)
-            table = np.zeros((len(low), points, DEGREE + 1))
-            table[regular_part.panel, regular_part.point] = regular_part.coefficients
-            middle = (low + high) / 2
-            is_resolved = np.max(error, axis=1, initial=0.0) <= _RESOLVED * size
+            coefficient_table = np.zeros((len(begins), n_points, DEGREE + 1))
+            coefficient_table[regular_part.panel, regular_part.point] = regular_part.coefficients
+            middles = (begins + ends) / 2
+            is_resolved = np.max(error, axis=1, initial=0.0) <= _RESOLVED * largest_integral
             is_resolved |= halvings == _HALVINGS
-            is_resolved |= (middle == low) | (middle == high)  # no number lies between
+            is_resolved |= (middles == begins) | (middles == ends)  # no number lies between
             resolved_panels.append(
-                _Panels(low, high, regular_part.near, table, error).take(is_resolved)
+                _Panels(begins, ends, regular_part.near, coefficient_table, error).take(is_resolved)
             )
             if np.all(is_resolved):
                 break
-            middle = middle[~is_resolved]
-            low = np.concatenate([low[~is_resolved], middle])
-            high = np.concatenate([middle, high[~is_resolved]])
+            middles = middles[~is_resolved]
+            begins = np.concatenate([begins[~is_resolved], middles])
+            ends = np.concatenate([middles, ends[~is_resolved]])
         panels = _Panels._make(
             np.concatenate(column) for column in zip(*resolved_panels, strict=True)
         )
         return panels.take(np.argsort(panels.low))
 
-    def _steps(self, low: Array, high: Array, point: Indices) -> Array:
-        """The integrals from low[k] to high[k] at x[point[k]], (m,), near P_x; no step crosses the
-        middle of the arc.
+    def _steps(self, begins: Array, ends: Array, point: Indices) -> Array:
+        """The integrals from begins[k] to ends[k] in time, at x[point[k]], (m,), where the load P_x
+        at which the edge is at x is near; no step crosses the middle of the arc.
         """
-        integrals = np.empty(len(low))
-        is_upper = low >= self._middle
-        for turn, part in ((self._turn_at_begin, ~is_upper), (self._turn_at_end, is_upper)):
-            near_integral = _NearIntegral(self._contact, self._kernel, self._leg, turn)
-            x = self._x[point[part]]
-            edge = self._edge[point[part]]
-            integrals[part] = near_integral.over(low[part], high[part], x, edge)
+        integrals = np.empty(len(begins))
+        is_upper = begins >= self._middle
+        for turning_point, in_half in (
+            (self._turn_at_begin, ~is_upper),
+            (self._turn_at_end, is_upper),
+        ):
+            near_integral = _NearIntegral(self._contact, self._kernel, self._leg, turning_point)
+            x_of_steps = self._x[point[in_half]]
+            edge_loads = self._edge[point[in_half]]
+            integrals[in_half] = near_integral.over(
+                begins[in_half], ends[in_half], x_of_steps, edge_loads
+            )
         return integrals
 
-    def _series(self, low: Array, high: Array) -> _FarSeries:
-        """The integrand over panels (n,) that are far from P_x."""
+    def _series(self, begins: Array, ends: Array) -> _FarSeries:
+        """Chebyshev series of the integrand, in time, on panels (n,) that are far from P_x, the
+        load at which the edge of contact is at a point.
+        """
         contact = self._contact
         x = self._x
-        edge = self._edge
-        time = low[:, None] + (high - low)[:, None] * (1 + NODES) / 2
+        edge_loads = self._edge
+        time = begins[:, None] + (ends - begins)[:, None] * (1 + NODES) / 2
         load = np.maximum(self._leg.loads(time)[0], 0.0)
-        least_load = np.maximum(self._leg.loads(low)[0], 0.0)[:, None]
-        largest_load = np.maximum(self._leg.loads(high)[0], 0.0)[:, None]
+        least_load = np.maximum(self._leg.loads(begins)[0], 0.0)[:, None]
+        largest_load = np.maximum(self._leg.loads(ends)[0], 0.0)[:, None]
         margin = _FAR * (largest_load - least_load)
         if self._kernel == "slip":
             is_at_no_load = least_load < margin
-            is_near = (edge > least_load) & ((edge < largest_load + margin) | is_at_no_load)
-            is_far = (edge >= largest_load + margin) & ~is_at_no_load
+            is_near = (edge_loads > least_load) & (
+                (edge_loads < largest_load + margin) | is_at_no_load
+            )
+            is_far = (edge_loads >= largest_load + margin) & ~is_at_no_load
         else:
-            is_far = edge <= least_load - margin
-            is_near = (edge < largest_load) & (edge > least_load - margin)
+            is_far = edge_loads <= least_load - margin
+            is_near = (edge_loads < largest_load) & (edge_loads > least_load - margin)
         panel, point = np.nonzero(is_far)
-        force_rate = self._leg.rates(time)[1] * (high - low)[:, None]
+        force_rate = self._leg.rates(time)[1] * (ends - begins)[:, None]
         advance = contact.advance(load)
         coefficients = np.empty((len(panel), DEGREE + 1))
-        at_once = _NODES // (DEGREE + 1)
-        for k in range(0, len(panel), at_once):
-            block = slice(k, k + at_once)
-            p = panel[block]
-            i = point[block]
-            load_above = load[p] - edge[i, None]
-            values = _kernel(contact, self._kernel, x[i, None], load_above, load[p], advance[p])
-            coefficients[block] = series(force_rate[p] * values)
+        pairs_at_once = _NODES // (DEGREE + 1)
+        for k in range(0, len(panel), pairs_at_once):
+            chunk = slice(k, k + pairs_at_once)
+            panel_chunk = panel[chunk]
+            point_chunk = point[chunk]
+            load_above = load[panel_chunk] - edge_loads[point_chunk, None]
+            values = _kernel(
+                contact,
+                self._kernel,
+                x[point_chunk, None],
+                load_above,
+                load[panel_chunk],
+                advance[panel_chunk],
+            )
+            coefficients[chunk] = series(force_rate[panel_chunk] * values)
         return _FarSeries(panel, point, coefficients, is_near)
 
 
 @lru_cache(maxsize=16)  # kernels and points of one solution share its arcs
-def _turn(leg: LoadSegment, end: float, other_end: float) -> TurningPoint:
-    """The turning point of P at an end of an arc, or beyond it by less than its length; the end
-    itself where there is none. By Newton's method; the leg's formulas hold beyond its ends too.
+def _turn(leg: LoadSegment, arc_end: float, other_end: float) -> TurningPoint:
+    """The turning point of P(t) of a leg at one end of an arc, or beyond it by less than the arc's
+    length; the end itself where there is none. By Newton's method; the leg's formulas hold beyond
+    its ends too.
     """
-    length = other_end - end
-    width = 1e-3 * length
-    sign = math.copysign(1.0, length)
-    time = end
+    arc_length = other_end - arc_end
+    time_step = 1e-3 * arc_length
+    sign = math.copysign(1.0, arc_length)
+    turning_time = arc_end
     for _ in range(20):
-        slope = float(leg.rate_of(NORMAL_LOAD, time))
-        rate_after = leg.rate_of(NORMAL_LOAD, time + width)
-        rate_before = leg.rate_of(NORMAL_LOAD, time - width)
-        bend = float(rate_after - rate_before) / (2 * width)
-        step = slope / bend if bend * sign > 0 else math.inf
-        if abs(step) > abs(length) or (end - time + step) * sign < -abs(width):
-            return TurningPoint(end, float(leg.loads(end)[0]), sign, other_end)
-        time -= step
-        if abs(step) <= 1e-15 * (abs(time) + abs(length)):
+        load_rate = float(leg.rate_of(NORMAL_LOAD, turning_time))
+        rate_after = leg.rate_of(NORMAL_LOAD, turning_time + time_step)
+        rate_before = leg.rate_of(NORMAL_LOAD, turning_time - time_step)
+        load_bend = float(rate_after - rate_before) / (2 * time_step)
+        newton_step = load_rate / load_bend if load_bend * sign > 0 else math.inf
+        if abs(newton_step) > abs(arc_length) or (
+            arc_end - turning_time + newton_step
+        ) * sign < -abs(time_step):
+            return TurningPoint(arc_end, float(leg.loads(arc_end)[0]), sign, other_end)
+        turning_time -= newton_step
+        if abs(newton_step) <= 1e-15 * (abs(turning_time) + abs(arc_length)):
             break
-    time = min(time, end) if length > 0 else max(time, end)
-    return TurningPoint(time, float(leg.loads(time)[0]), sign, other_end)
+    turning_time = min(turning_time, arc_end) if arc_length > 0 else max(turning_time, arc_end)
+    return TurningPoint(turning_time, float(leg.loads(turning_time)[0]), sign, other_end)
 
 
 def _force_over_root(leg: LoadSegment, turn: TurningPoint, z: Array) -> Array:
@@ -370,40 +414,42 @@ class _NearIntegral:
         return (self.kernel != "slip") == (self.turn.sign > 0)
 
     def over(self, low: Array, high: Array, x: Array, edge: Array) -> Array:
-        """From low[k] to high[k] at x[k], (m,), with the loads `edge` P_x."""
+        """Integrals from low[k] to high[k] in time at x[k], (m,), `edge` the loads P_x at which the
+        edge of contact is at x: by Gauss' rule in a variable s in which the integrand is smooth.
+        """
         integrals = np.zeros(len(low))
         if not len(low):
             return integrals
         turn = self.turn
-        at_low = self._root_of_rise(low)
-        at_high = self._root_of_rise(high)
-        inner_end = np.minimum(at_low, at_high)
-        outer_end = np.maximum(at_low, at_high)
-        square = turn.sign * (edge - turn.load)
+        z_at_low = self._root_of_rise(low)
+        z_at_high = self._root_of_rise(high)
+        least_z = np.minimum(z_at_low, z_at_high)
+        largest_z = np.maximum(z_at_low, z_at_high)
+        squared_e = turn.sign * (edge - turn.load)
         # An e of 0 would stretch the variable for ever.
-        least_square = 1e-36 * outer_end**2
-        square = np.where(np.abs(square) < least_square, least_square, square)
+        least_square = 1e-36 * largest_z**2
+        squared_e = np.where(np.abs(squared_e) < least_square, least_square, squared_e)
         # The part on the side of P_x where the kernel is not 0: z^2 > e^2 or z^2 < e^2.
-        limits = _limits_beyond if self.beyond else _limits_within
-        begin, end = limits(inner_end, outer_end, square)
-        length = end - begin
-        is_rough = self._is_rough(begin, length, square)
-        number_of_rule = np.searchsorted([longest for longest, _ in _SPANS], length)
-        number_of_rule[(length <= 0) | is_rough] = -1
-        for number in np.unique(number_of_rule[number_of_rule >= 0]).tolist():
-            chosen_pieces = np.flatnonzero(number_of_rule == number)
-            _, count = _SPANS[number]
-            node, share = gauss(count)
-            for k in range(0, len(chosen_pieces), _NODES // count):
-                m = chosen_pieces[k : k + _NODES // count]
-                s = begin[m, None] + length[m, None] * node
-                weight = length[m, None] * share
-                integrals[m] = self._sum(s, weight, x[m, None], square[m, None])
-        chosen_pieces = np.flatnonzero((length > 0) & is_rough)
-        for k in range(0, len(chosen_pieces), _NODES // len(ROOTS.up)):
-            m = chosen_pieces[k : k + _NODES // len(ROOTS.up)]
-            s, weight = graded(begin[m], end[m])
-            integrals[m] = self._sum(s, weight, x[m, None], square[m, None])
+        limit_function = _limits_beyond if self.beyond else _limits_within
+        begin_s, end_s = limit_function(least_z, largest_z, squared_e)
+        s_length = end_s - begin_s
+        is_rough = self._is_rough(begin_s, s_length, squared_e)
+        rule_number = np.searchsorted([longest for longest, _ in _SPANS], s_length)
+        rule_number[(s_length <= 0) | is_rough] = -1
+        for rule in np.unique(rule_number[rule_number >= 0]).tolist():
+            numbers_of_rule = np.flatnonzero(rule_number == rule)
+            _, n_nodes = _SPANS[rule]
+            nodes, weights_of_nodes = gauss(n_nodes)
+            for k in range(0, len(numbers_of_rule), _NODES // n_nodes):
+                chunk = numbers_of_rule[k : k + _NODES // n_nodes]
+                s = begin_s[chunk, None] + s_length[chunk, None] * nodes
+                weights = s_length[chunk, None] * weights_of_nodes
+                integrals[chunk] = self._sum(s, weights, x[chunk, None], squared_e[chunk, None])
+        numbers_of_rule = np.flatnonzero((s_length > 0) & is_rough)
+        for k in range(0, len(numbers_of_rule), _NODES // len(ROOTS.up)):
+            chunk = numbers_of_rule[k : k + _NODES // len(ROOTS.up)]
+            s, weights = graded(begin_s[chunk], end_s[chunk])
+            integrals[chunk] = self._sum(s, weights, x[chunk, None], squared_e[chunk, None])
         return integrals
 
     def _root_of_rise(self, time: Array) -> Array:
@@ -411,7 +457,7 @@ class _NearIntegral:
         rise = self.leg.change_of(NORMAL_LOAD, time, self.turn.time)
         return np.sqrt(np.maximum(self.turn.sign * rise, 0.0))
 
-    def _is_rough(self, begin: Array, length: Array, square: Array) -> NDArray[np.bool_]:
+    def _is_rough(self, begin: Array, length: Array, squared_e: Array) -> NDArray[np.bool_]:
         """Whether a range of the variable (m,) takes the rule for singular ends.
 
         Too close to the logarithm where P = 0, +-i arsinh(sqrt(P_t)/e), for Gauss' rule: at four
@@ -422,45 +468,47 @@ class _NearIntegral:
         if self.kernel != "slip" or self.beyond:
             return np.zeros(len(begin), dtype=bool)
         least_load = max(self.turn.load, 0.0)
-        height = np.arcsinh(np.sqrt(least_load / np.maximum(square, 1e-200 * least_load + 1e-300)))
+        height = np.arcsinh(
+            np.sqrt(least_load / np.maximum(squared_e, 1e-200 * least_load + 1e-300))
+        )
         return np.asarray(np.hypot(begin, height) < _AWAY * length)
 
-    def _sum(self, s: Array, weight: Array, x: Array, square: Array) -> Array:
+    def _sum(self, s: Array, weights: Array, x: Array, squared_e: Array) -> Array:
         """Sums over nodes s (m, nodes), with points and e^2 (m, 1): (m,)."""
-        z, root = _nodes(s, square, self.beyond)
+        z, root = _nodes(s, squared_e, self.beyond)
         load = np.maximum(self.turn.load + self.turn.sign * z * z, 0.0)
         advance = self.contact.advance(load)
         root_product = root * root if self.kernel != "slip" else -root * root
         kernel = _kernel(self.contact, self.kernel, x, root_product, load, advance)
         force_rate = _force_over_root(self.leg, self.turn, z)
-        return np.asarray(np.sum(weight * root * force_rate * kernel, axis=1))
+        return np.asarray(np.sum(weights * root * force_rate * kernel, axis=1))
 
 
-def _limits_beyond(low: Array, high: Array, square: Array) -> tuple[Array, Array]:
+def _limits_beyond(least_z: Array, largest_z: Array, squared_e: Array) -> tuple[Array, Array]:
     """ln(z + sqrt(z^2 - e^2)) over its value at z = |e| at both ends, arsinh(z/|e|) for e^2 < 0."""
-    e = np.sqrt(np.abs(square))
+    e = np.sqrt(np.abs(squared_e))
 
-    def limit(end: Array) -> Array:
-        z = np.where(square > 0, np.maximum(end, e), end)
+    def variable_at(z_limit: Array) -> Array:
+        z = np.where(squared_e > 0, np.maximum(z_limit, e), z_limit)
         # (z - e)(z + e), not z^2 - e^2: at z = e round-off would leave a root of 1e-8 in the
         # latter.
         root = np.sqrt(np.maximum((z - e) * (z + e), 0.0))
-        return np.arcsinh(np.where(square > 0, root, z) / np.maximum(e, 1e-300))
+        return np.arcsinh(np.where(squared_e > 0, root, z) / np.maximum(e, 1e-300))
 
-    begin = limit(low)
-    return begin, np.maximum(begin, limit(high))
+    begin = variable_at(least_z)
+    return begin, np.maximum(begin, variable_at(largest_z))
 
 
-def _limits_within(low: Array, high: Array, square: Array) -> tuple[Array, Array]:
+def _limits_within(least_z: Array, largest_z: Array, squared_e: Array) -> tuple[Array, Array]:
     """arcsin(z/e) at both ends; equal where there is nothing within."""
-    e = np.sqrt(np.maximum(square, 0.0))
+    e = np.sqrt(np.maximum(squared_e, 0.0))
 
-    def limit(end: Array) -> Array:
-        z = np.minimum(end, e)
+    def variable_at(z_limit: Array) -> Array:
+        z = np.minimum(z_limit, e)
         return np.arctan2(z, np.sqrt((e - z) * (e + z)))
 
-    begin = limit(low)
-    return begin, np.maximum(begin, limit(high))
+    begin = variable_at(least_z)
+    return begin, np.maximum(begin, variable_at(largest_z))
 
 
 def _nodes(s: Array, square: Array, beyond: bool) -> tuple[Array, Array]:
@@ -521,7 +569,8 @@ class Integrals:
         return self._known[id(curve)][1] if curve is not None else np.zeros(len(self.x))
 
     def over(self, snapshot: Snapshot) -> Array:
-        """Over the curves of a snapshot: shape (n, k).
+        """The integral of M'(eta) K(x, eta) over the memory curve of each instant of a snapshot, at
+        each point: shape (n, k).
 
         At constant P this is the traction of Cattaneo and Mindlin, q = f [p(x, P) - p(x, P - Q/f)].
 
@@ -541,7 +590,7 @@ class Integrals:
         >>> shear.round(12).tolist()  # 0.5 (sqrt 4 - sqrt 1)
         [[0.5]]
         """
-        front = snapshot.load - snapshot.slipped
+        edge_load = snapshot.load - snapshot.slipped
         slopes = np.zeros(len(snapshot.load))
         bottoms = np.zeros(len(snapshot.load))
         groups = list(snapshot.groups())
@@ -549,16 +598,20 @@ class Integrals:
             slopes[instants] = piece.straight_slope
             bottoms[instants] = piece.bottom
         slope_of_slip = np.asarray(snapshot.direction * snapshot.friction, dtype=float)
-        of_slip_line = self._line(slope_of_slip, front, snapshot.load)
-        total = of_slip_line + self._line(slopes, bottoms, front)
+        integral_of_slip_line = self._line(slope_of_slip, edge_load, snapshot.load)
+        integrals = integral_of_slip_line + self._line(slopes, bottoms, edge_load)
         self._remember([piece.below for piece, _ in groups])
-        curved = self._curved([(piece, front[instants]) for piece, instants in groups])
-        for (piece, instants), of_arc in zip(groups, curved, strict=True):
-            total[instants] += self.over_curve(piece.below) + of_arc
-        return total
+        integrals_of_arcs = self._curved(
+            [(piece, edge_load[instants]) for piece, instants in groups]
+        )
+        for (piece, instants), integral_of_arc in zip(groups, integrals_of_arcs, strict=True):
+            integrals[instants] += self.over_curve(piece.below) + integral_of_arc
+        return integrals
 
     def _remember(self, curves: Sequence[CurvePart | None]) -> None:
-        """Sum the curves that are not known yet, each from the first known piece up."""
+        """Integrate over the memory curves that are not known yet, each from the first known piece
+        up, and store the integrals up to the top of each piece.
+        """
         new_parts: dict[int, CurvePart] = {}
 
         def is_unknown(piece: CurvePart) -> bool:
@@ -572,11 +625,18 @@ class Integrals:
         slopes = np.array([piece.straight_slope for piece in new_parts.values()])
         bottoms = np.array([piece.bottom for piece in new_parts.values()])
         tops = np.array([piece.top for piece in new_parts.values()])
-        lines = self._line(slopes, bottoms, tops)
-        curved = self._curved([(piece, np.array([piece.top])) for piece in new_parts.values()])
-        for piece, of_line, of_arc in zip(new_parts.values(), lines, curved, strict=True):
+        integrals_of_lines = self._line(slopes, bottoms, tops)
+        integrals_of_arcs = self._curved(
+            [(piece, np.array([piece.top])) for piece in new_parts.values()]
+        )
+        for piece, integral_of_line, integral_of_arc in zip(
+            new_parts.values(), integrals_of_lines, integrals_of_arcs, strict=True
+        ):
             integral_below = self._known[id(piece.below)][1] if piece.below is not None else 0.0
-            self._known[id(piece)] = piece, integral_below + of_line + np.ravel(of_arc)
+            self._known[id(piece)] = (
+                piece,
+                integral_below + integral_of_line + np.ravel(integral_of_arc),
+            )
 
     def _line(self, slope: Array, bottom: Array, top: Array) -> Array:
         """Slope times int K d eta from the loads `bottom` to `top` (n,): shape (n, k); 0 for lines
@@ -585,53 +645,62 @@ class Integrals:
         A short line is integrated by itself: of a difference of two long ones little more than
         round-off would be left.
         """
-        total = np.zeros((len(top), len(self.x)))
-        lines = np.flatnonzero((slope != 0) & (top != bottom))
-        is_short = np.zeros(len(lines), dtype=bool)
+        line_integrals = np.zeros((len(top), len(self.x)))
+        line_numbers = np.flatnonzero((slope != 0) & (top != bottom))
+        is_short = np.zeros(len(line_numbers), dtype=bool)
         if self.kernel == "slip" and isinstance(self.contact, PunchSuperposition):
-            length = top[lines] - bottom[lines]
+            length = top[line_numbers] - bottom[line_numbers]
             # Not across a corner of the profile, or close behind one: there a(P) is not smooth.
             corners = self.contact.break_loads
-            corners_below = np.searchsorted(corners, bottom[lines] - length)
-            corners_above = np.searchsorted(corners, top[lines])
-            is_short = (length < _SHORT * top[lines]) & (corners_below == corners_above)
-        long_lines = lines[~is_short]
-        short_lines = lines[is_short]
+            corners_below = np.searchsorted(corners, bottom[line_numbers] - length)
+            corners_above = np.searchsorted(corners, top[line_numbers])
+            is_short = (length < _SHORT * top[line_numbers]) & (corners_below == corners_above)
+        long_lines = line_numbers[~is_short]
+        short_lines = line_numbers[is_short]
         if len(long_lines):
             integrals = self._difference(bottom[long_lines], top[long_lines])
-            total[long_lines] = slope[long_lines, None] * integrals
+            line_integrals[long_lines] = slope[long_lines, None] * integrals
         if len(short_lines):
             integrals = self._by_itself(bottom[short_lines], top[short_lines])
-            total[short_lines] = slope[short_lines, None] * integrals
-        return total
+            line_integrals[short_lines] = slope[short_lines, None] * integrals
+        return line_integrals
 
     def _difference(self, bottom: Array, top: Array) -> Array:
-        different, fold = np.unique(np.concatenate([bottom, top]), return_inverse=True)
-        moments = self.moment(0, different)
-        return np.asarray(moments[fold[len(bottom) :]] - moments[fold[: len(bottom)]])
+        different_loads, number_in_loads = np.unique(
+            np.concatenate([bottom, top]), return_inverse=True
+        )
+        moments = self.moment(0, different_loads)
+        return np.asarray(
+            moments[number_in_loads[len(bottom) :]] - moments[number_in_loads[: len(bottom)]]
+        )
 
     def _by_itself(self, bottom: Array, top: Array) -> Array:
-        """int arccosh(|x|/a) d eta, eta = end - v^2, v = e sinh(s): sqrt(P_x - eta) becomes smooth,
-        e^2 = P_x - end >= 0.
+        """The integral of arccosh(|x|/a(eta)) from the loads `bottom` to `top` (n,), at each point:
+        (n, k), up to P_x, the load at which the edge of contact is at x.
+
+        With eta = end - v^2, v = e sinh(s), e^2 = P_x - end >= 0 the root of P_x - eta becomes
+        smooth.
         """
         contact = self.contact
-        edge = contact.load(self.x)
-        end = np.minimum(top[:, None], edge)
-        width = np.sqrt(np.maximum(end - bottom[:, None], 0.0))
-        integrals = np.zeros(end.shape)
-        root_beyond = np.sqrt(np.maximum(edge - end, 0.0))
-        is_near = root_beyond < 0.5 * width
-        for is_chosen, count in ((~is_near, 12), (is_near, 32)):
-            row, point = np.nonzero((width > 0) & is_chosen)
-            e = np.maximum(root_beyond[row, point], 1e-4 * width[row, point])
-            node, weight = gauss(count)
-            length = np.arcsinh(width[row, point] / e)[:, None]
-            v = e[:, None] * np.sinh(length * node)
-            root = e[:, None] * np.cosh(length * node)
-            excess = np.square(v) + np.square(root_beyond[row, point])[:, None]
-            advance = contact.advance(end[row, point, None] - np.square(v))
-            ratio = contact.arccosh_ratio(self.x[point, None], excess, advance)
-            integrals[row, point] = np.sum(weight * length * 2 * v * root * ratio, axis=1)
+        edge_loads = contact.load(self.x)
+        end_load = np.minimum(top[:, None], edge_loads)
+        v_at_bottom = np.sqrt(np.maximum(end_load - bottom[:, None], 0.0))
+        integrals = np.zeros(end_load.shape)
+        root_beyond = np.sqrt(np.maximum(edge_loads - end_load, 0.0))
+        is_near = root_beyond < 0.5 * v_at_bottom
+        for is_of_rule, n_nodes in ((~is_near, 12), (is_near, 32)):
+            line_number, point = np.nonzero((v_at_bottom > 0) & is_of_rule)
+            e = np.maximum(root_beyond[line_number, point], 1e-4 * v_at_bottom[line_number, point])
+            nodes, weights = gauss(n_nodes)
+            s_length = np.arcsinh(v_at_bottom[line_number, point] / e)[:, None]
+            v = e[:, None] * np.sinh(s_length * nodes)
+            v_rate = e[:, None] * np.cosh(s_length * nodes)
+            load_below_edge = np.square(v) + np.square(root_beyond[line_number, point])[:, None]
+            advance = contact.advance(end_load[line_number, point, None] - np.square(v))
+            arccosh_ratio = contact.arccosh_ratio(self.x[point, None], load_below_edge, advance)
+            integrals[line_number, point] = np.sum(
+                weights * s_length * 2 * v * v_rate * arccosh_ratio, axis=1
+            )
         return integrals
 
     def _curved(self, fronts: Sequence[tuple[CurvePart, Array]]) -> list[Array | float]:

@@ -128,61 +128,65 @@ def _over_spans(
     contact: Contact,
     modulus: float,
     ranges: Sequence[SpanRanges],
-    count: int,
-    integral: Callable[[Span, Indices, Array, Array, QuadratureRule], Array],
+    n_integrals: int,
+    integral_along: Callable[[Span, Indices, Array, Array, QuadratureRule], Array],
 ) -> Split:
-    """A/pi times the sums of `count` integrals along spans: by one rule, or by halving where edges
-    run unevenly or pass corners.
+    """A/pi times the sums of `n_integrals` integrals along spans: by one rule, or by halving where
+    edges run unevenly or pass corners.
 
-    `integral`(span, which (n,), low (n,), high (n,), rule) gives number which[k] from low[k] to
-    high[k], (n,).
+    `integral_along`(span, which (n,), low (n,), high (n,), rule) gives number which[k] from low[k]
+    to high[k], (n,).
     """
-    marks = [corner_times(contact, span) for span, _, _ in ranges]
+    cuts_of_spans = [corner_times(contact, span) for span, _, _ in ranges]
     is_rough = np.array(
         [
             len(cuts) > 0 or uneven(contact, of_span.span)
-            for cuts, of_span in zip(marks, ranges, strict=True)
+            for cuts, of_span in zip(cuts_of_spans, ranges, strict=True)
         ],
         dtype=bool,
     )
-    values = np.zeros((len(ranges), count))
-    errors = np.zeros((len(ranges), count))
+    values = np.zeros((len(ranges), n_integrals))
+    errors = np.zeros((len(ranges), n_integrals))
     for number, (span, begin, end) in enumerate(ranges):
         members = np.flatnonzero(end > begin)
         if len(members):
             rule = crowded if is_rough[number] else graded
-            values[number, members] = integral(span, members, begin[members], end[members], rule)
+            values[number, members] = integral_along(
+                span, members, begin[members], end[members], rule
+            )
     # One size for all: a short span by itself may be all rounding, and would never converge to its
     # own.
-    size = float(np.max(np.abs(np.sum(values, axis=0))))
+    largest_sum = float(np.max(np.abs(np.sum(values, axis=0))))
     for number in np.flatnonzero(is_rough).tolist():
         span, begin, end = ranges[number]
         members = np.flatnonzero(end > begin)
         if not len(members):
             continue
 
-        def part(
-            number: Indices, low: Array, high: Array, span: Span = span, members: Indices = members
+        def integral_of_part(
+            which: Indices, low: Array, high: Array, span: Span = span, members: Indices = members
         ) -> Array:
-            return integral(span, members[number], low, high, crowded)
+            return integral_along(span, members[which], low, high, crowded)
 
         # 1e-14 across corners, for many small kinks may hide from one halving.
-        share = min(CONVERGED, 25 * contact.noise) if len(marks[number]) else CONVERGED
-        allowed_error = share * max(size, float(np.max(np.abs(values[number]))))
+        error_share = (
+            min(CONVERGED, 25 * contact.noise) if len(cuts_of_spans[number]) else CONVERGED
+        )
+        allowed_error = error_share * max(largest_sum, float(np.max(np.abs(values[number]))))
         values[number, members], errors[number, members] = by_halving(
-            part,
+            integral_of_part,
             begin[members],
             end[members],
             allowed_error,
-            marks[number],
+            cuts_of_spans[number],
             first_estimate=values[number, members],
         )
     is_forward = np.array([span.direction > 0 for span, _, _ in ranges], dtype=bool)
-    factor = 2 / (math.pi * modulus)
+    unit_compliance = 2 / (math.pi * modulus)
     return Split(
-        forward=factor * np.sum(values[is_forward], axis=0),
-        reverse=factor * np.sum(values[~is_forward], axis=0),
-        error=factor * np.sum(errors, axis=0),
+        forward=unit_compliance * np.sum(values[is_forward], axis=0),
+        reverse=unit_compliance * np.sum(values[~is_forward], axis=0),
+        error=unit_compliance * np.sum(errors, axis=0),
     )
 
 
@@ -232,49 +236,56 @@ def pointwise_dissipation(
     ... )
     (0.0, 0.008438314611, 0.008438314611)
     """
-    edge = contact.load(x)
+    edge_loads = contact.load(x)
     slip_spans = [span for span in spans if span.direction and span.active is not None]
-    ranges = [SpanRanges(span, *slip_times(span, edge)) for span in slip_spans]
+    ranges = [SpanRanges(span, *slip_times(span, edge_loads)) for span in slip_spans]
 
     def work(span: Span, members: Indices, low: Array, high: Array, rule: QuadratureRule) -> Array:
         times, weights = rule(low, high)
-        at = x[members, None]
+        places = x[members, None]
         load, _tangential = span.leg.loads(times)
-        front = load - span.slipped(times)
-        excess = np.maximum(edge[members, None] - front, 0.0)
-        ratio = contact.arccosh_ratio(at, excess, contact.advance(front))
-        work = weights * _growth(span, times) * contact.pressure(at, load) * ratio
-        return np.asarray(np.sum(work, axis=-1))
+        stick_edge_load = load - span.slipped(times)
+        excess = np.maximum(edge_loads[members, None] - stick_edge_load, 0.0)
+        ratio = contact.arccosh_ratio(places, excess, contact.advance(stick_edge_load))
+        works = weights * _growth(span, times) * contact.pressure(places, load) * ratio
+        return np.asarray(np.sum(works, axis=-1))
 
     return _over_spans(contact, modulus, ranges, len(x), work)
 
 
 def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
-    """When, within a span, points are in contact and outside the front; end <= begin if never."""
+    """When, within a span of slip, points begin and end to slip, (k,) each: in contact and outside
+    the zone of stick. `edge_load` (k,) is the load at which the edge of contact is at the point.
+    end <= begin if never.
+    """
     assert span.active is not None
     leg = span.leg
     slip_level = level(span.direction, span.friction)
-    first = span.begin
-    last = span.end
-    top = span.active.top
-    bottom = span.active.bottom
-    front_load = np.clip(edge_load, bottom, top)
+    begin_instant = span.begin
+    end_instant = span.end
+    piece_top = span.active.top
+    piece_bottom = span.active.bottom
+    front_load = np.clip(edge_load, piece_bottom, piece_top)
     level_at_front = level_on(span.active, span.direction, span.friction, front_load)
-    rise = level_at_front - float(change_from(span.active.anchor, leg, slip_level, first.time))
-    time_passed = leg.time_of(slip_level, rise, first.time, last.time)
-    time_passed = np.where(edge_load <= bottom, last.time, time_passed)
-    begin = np.where(edge_load >= top, first.time, time_passed)
-    meets = leg.time_of(NORMAL_LOAD, edge_load - first.normal, first.time, last.time)
-    end_of_span = np.full(begin.shape, last.time)
+    level_rise = level_at_front - float(
+        change_from(span.active.anchor, leg, slip_level, begin_instant.time)
+    )
+    time_passed = leg.time_of(slip_level, level_rise, begin_instant.time, end_instant.time)
+    time_passed = np.where(edge_load <= piece_bottom, end_instant.time, time_passed)
+    begin = np.where(edge_load >= piece_top, begin_instant.time, time_passed)
+    time_met = leg.time_of(
+        NORMAL_LOAD, edge_load - begin_instant.normal, begin_instant.time, end_instant.time
+    )
+    span_end = np.full(begin.shape, end_instant.time)
     # Of the change itself: where P hardly moves, the last digits of both loads may say that it
     # falls while it grows.
-    growth = float(leg.change_of(NORMAL_LOAD, last.time, first.time))
-    if growth >= LEAST:
-        touched = np.where(edge_load >= last.normal, last.time, meets)
-        return np.maximum(begin, touched), end_of_span
-    is_inside = edge_load < max(first.normal, last.normal)
-    end = meets if growth <= -LEAST else end_of_span
-    return begin, np.where(is_inside, end, begin)
+    load_growth = float(leg.change_of(NORMAL_LOAD, end_instant.time, begin_instant.time))
+    if load_growth >= LEAST:
+        time_touched = np.where(edge_load >= end_instant.normal, end_instant.time, time_met)
+        return np.maximum(begin, time_touched), span_end
+    is_met = edge_load < max(begin_instant.normal, end_instant.normal)
+    end = time_met if load_growth <= -LEAST else span_end
+    return begin, np.where(is_met, end, begin)
 
 
 def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> LoopWork:
@@ -352,51 +363,54 @@ Values = Callable[[Indices, Array, Array], Array]
 
 
 def _means(contact: Contact, records: Records, values: Values) -> tuple[Array, int]:
-    """Mean of `values` along each record, (m,), and how many nodes it took.
+    """Mean of a function of the loads along each record of slip, (m,), and how many nodes it took;
+    `values`(record numbers, P, P - P_c) gives it at nodes.
 
     P and P_c are linear along a record. The integrand is singular where either would be 0, beyond
     an end, if they went on, and where it would be at the corner below: as d^(3/2) only, which nodes
     that crowd to both ends resolve.
     """
-    parts = _split(contact, records)
-    share_to_zero = _share_of_way(parts, np.empty(0))
-    share_to_corner = _share_of_way(parts, contact.break_loads)
-    kind = np.searchsorted(_SHARES, share_to_zero)
+    smooth_parts = _split(contact, records)
+    share_to_zero = _share_of_way(smooth_parts, np.empty(0))
+    share_to_corner = _share_of_way(smooth_parts, contact.break_loads)
+    rule_of_part = np.searchsorted(_SHARES, share_to_zero)
     is_beside_corner = share_to_corner > np.maximum(share_to_zero, _SHARES[0])
-    kind[(kind < len(_SHARES)) & is_beside_corner] = len(_SHARES) + 1
+    rule_of_part[(rule_of_part < len(_SHARES)) & is_beside_corner] = len(_SHARES) + 1
     means = np.zeros(len(records.row))
-    nodes = 0
+    node_count = 0
     rules = [gauss(count) for count in _COUNTS]
     rules += [(ROOTS.up, ROOTS.weight), crowded(0.0, 1.0)]
-    for number, (node, weight) in enumerate(rules):
-        parts_of_kind = parts.take(np.flatnonzero(kind == number))
-        growth = parts_of_kind.load_after - parts_of_kind.load
+    for rule, (share, weights) in enumerate(rules):
+        parts_of_kind = smooth_parts.take(np.flatnonzero(rule_of_part == rule))
+        load_growth = parts_of_kind.load_after - parts_of_kind.load
         slip_growth = parts_of_kind.slipped_after - parts_of_kind.slipped
-        load = parts_of_kind.load[:, None] + growth[:, None] * node
-        slipped_load = parts_of_kind.slipped[:, None] + slip_growth[:, None] * node
-        at_nodes = values(parts_of_kind.row, load, np.clip(slipped_load, 0.0, load))
-        means_of_parts = parts_of_kind.until * np.sum(weight * at_nodes, axis=1)
+        load = parts_of_kind.load[:, None] + load_growth[:, None] * share
+        slipped_load = parts_of_kind.slipped[:, None] + slip_growth[:, None] * share
+        values_at_nodes = values(parts_of_kind.row, load, np.clip(slipped_load, 0.0, load))
+        means_of_parts = parts_of_kind.until * np.sum(weights * values_at_nodes, axis=1)
         means += np.bincount(parts_of_kind.row, means_of_parts, len(means))
-        nodes += load.size
-    return means, nodes
+        node_count += load.size
+    return means, node_count
 
 
 def _share_of_way(parts: Records, corners: Array) -> Array:
-    """How much of the way to 0, or to the corner below, P or P_c goes along each part, (m,)."""
-    tiny = np.finfo(float).tiny
+    """Largest share, (m,), of the way to no load or to the corner of the profile below that P or
+    P_c, the load at the edge of stick, goes along each part.
+    """
+    least_number = np.finfo(float).tiny
     share = np.zeros(len(parts.row))
-    front = parts.load - parts.slipped
-    front_after = parts.load_after - parts.slipped_after
-    for begin, end in ((parts.load, parts.load_after), (front, front_after)):
+    edge_load = parts.load - parts.slipped
+    edge_load_after = parts.load_after - parts.slipped_after
+    for begin, end in ((parts.load, parts.load_after), (edge_load, edge_load_after)):
         least_load = np.minimum(begin, end)
         largest_load = np.maximum(begin, end)
         corner_below = np.append(0.0, corners)[
             np.searchsorted(corners, (least_load + largest_load) / 2)
         ]
-        ratio = np.maximum(least_load - corner_below, 0.0) / np.maximum(
-            largest_load - corner_below, tiny
+        distance_ratio = np.maximum(least_load - corner_below, 0.0) / np.maximum(
+            largest_load - corner_below, least_number
         )
-        share = np.maximum(share, 1 - ratio)
+        share = np.maximum(share, 1 - distance_ratio)
     return share
 
 
@@ -477,45 +491,62 @@ def density_of_records(contact: Contact, records: Records, x: Array) -> Array:
     """int p arccosh(|x|/c) dw of all records of slip at |x| = `x` (k,): shape (k,) [stress * force
     per thickness].
     """
-    edge = contact.load(x)
+    edge_loads = contact.load(x)
     density = np.zeros(len(x))
     parts = _split(contact, records)
-    at_once = max(_CHUNK // len(x), 1)
-    for first_part in range(0, len(parts.load), at_once):
-        block = parts.take(slice(first_part, first_part + at_once))
-        load = block.load[:, None]
-        growth = (block.load_after - block.load)[:, None]
-        front = load - block.slipped[:, None]
-        drop = (block.slipped_after - block.slipped)[:, None] - growth
-        begin, end = _shares_in_slip(load, growth, front, drop, edge)
-        number, point = np.nonzero(end > begin)
-        for j in range(0, len(number), _CHUNK // NODES):
-            n = number[j : j + _CHUNK // NODES]
-            i = point[j : j + _CHUNK // NODES]
-            share, weight = graded(begin[n, i], end[n, i])
-            load_at = load[n] + growth[n] * share
-            front_at = np.maximum(front[n] - drop[n] * share, 0.0)
-            excess = np.maximum(edge[i, None] - front_at, 0.0)
-            ratio = contact.arccosh_ratio(x[i, None], excess, contact.advance(front_at))
-            at_nodes = weight * contact.pressure(x[i, None], load_at) * ratio
-            work = block.rise[n] * np.sum(at_nodes, axis=1)
-            density += np.bincount(i, work, len(x))
+    parts_at_once = max(_CHUNK // len(x), 1)
+    for first_part in range(0, len(parts.load), parts_at_once):
+        chunk = parts.take(slice(first_part, first_part + parts_at_once))
+        load = chunk.load[:, None]
+        load_growth = (chunk.load_after - chunk.load)[:, None]
+        edge_load = load - chunk.slipped[:, None]
+        edge_load_drop = (chunk.slipped_after - chunk.slipped)[:, None] - load_growth
+        begin_share, end_share = _shares_in_slip(
+            load, load_growth, edge_load, edge_load_drop, edge_loads
+        )
+        part_number, point = np.nonzero(end_share > begin_share)
+        for j in range(0, len(part_number), _CHUNK // NODES):
+            part_chunk = part_number[j : j + _CHUNK // NODES]
+            point_chunk = point[j : j + _CHUNK // NODES]
+            share, weights = graded(
+                begin_share[part_chunk, point_chunk], end_share[part_chunk, point_chunk]
+            )
+            load_at = load[part_chunk] + load_growth[part_chunk] * share
+            edge_load_at = np.maximum(
+                edge_load[part_chunk] - edge_load_drop[part_chunk] * share, 0.0
+            )
+            excess = np.maximum(edge_loads[point_chunk, None] - edge_load_at, 0.0)
+            ratio = contact.arccosh_ratio(
+                x[point_chunk, None], excess, contact.advance(edge_load_at)
+            )
+            values_at_nodes = weights * contact.pressure(x[point_chunk, None], load_at) * ratio
+            work = chunk.rise[part_chunk] * np.sum(values_at_nodes, axis=1)
+            density += np.bincount(point_chunk, work, len(x))
     return density
 
 
 def _shares_in_slip(
-    load: Array, growth: Array, front: Array, drop: Array, edge: Array
+    load: Array,
+    load_growth: Array,
+    stick_edge_load: Array,
+    stick_edge_drop: Array,
+    edge_load: Array,
 ) -> tuple[Array, Array]:
-    """Between which shares of a part, columns (n, 1), points of edge load P_x (k,) are in contact
-    and outside the front: (n, k) each.
+    """Between which shares of a part of a record, given by columns (n, 1), points slip, (n, k)
+    each: in contact and outside the zone of stick. `edge_load` (k,) is the load at which the edge
+    of contact is at a point; P_c falls by `stick_edge_drop`.
     """
-    share_passed = np.clip((front - edge) / np.where(drop > 0, drop, 1.0), 0.0, 1.0)
-    begin = np.where(drop > 0, share_passed, 1.0)
-    begin = np.where(edge >= front, 0.0, begin)
-    meets = np.clip((edge - load) / np.where(growth != 0, growth, 1.0), 0.0, 1.0)
-    end = np.where(growth < 0, meets, 1.0)
-    end = np.where(edge < np.maximum(load, load + growth), end, 0.0)
-    return np.where(growth > 0, np.maximum(begin, meets), begin), end
+    share_passed = np.clip(
+        (stick_edge_load - edge_load) / np.where(stick_edge_drop > 0, stick_edge_drop, 1.0),
+        0.0,
+        1.0,
+    )
+    begin_share = np.where(stick_edge_drop > 0, share_passed, 1.0)
+    begin_share = np.where(edge_load >= stick_edge_load, 0.0, begin_share)
+    share_met = np.clip((edge_load - load) / np.where(load_growth != 0, load_growth, 1.0), 0.0, 1.0)
+    end_share = np.where(load_growth < 0, share_met, 1.0)
+    end_share = np.where(edge_load < np.maximum(load, load + load_growth), end_share, 0.0)
+    return np.where(load_growth > 0, np.maximum(begin_share, share_met), begin_share), end_share
 
 
 class Loop:
@@ -541,24 +572,24 @@ class Loop:
         records = block.records
         slope = block.line_table.slope
         slope_of_slip = records.direction * self._friction
-        growth = records.load_after - records.load
+        load_growth = records.load_after - records.load
 
-        def shift(members: Indices, load: Array, slipped: Array) -> Array:
-            of_load = contact.log_distance(load)
-            of_front = contact.log_distance(np.maximum(load - slipped, 0.0))
-            of_front = np.where(slipped > 0, of_front, of_load)
-            of_slip = slope_of_slip[members, None] * (of_load - of_front)
-            return slope[members, None] * of_front + of_slip
+        def shift_at(members: Indices, load: Array, slipped: Array) -> Array:
+            integral_to_load = contact.log_distance(load)
+            integral_to_edge_load = contact.log_distance(np.maximum(load - slipped, 0.0))
+            integral_to_edge_load = np.where(slipped > 0, integral_to_edge_load, integral_to_load)
+            part_of_slip = slope_of_slip[members, None] * (integral_to_load - integral_to_edge_load)
+            return slope[members, None] * integral_to_edge_load + part_of_slip
 
         loads = np.stack([records.load, records.load_after], axis=1)
         slipped = np.stack([records.slipped, records.slipped_after], axis=1)
-        begin, end = shift(np.arange(len(slope)), loads, slipped).T
-        force_in_slip = records.direction * (records.rise + self._friction * growth)
-        force = np.where(records.direction == 0, slope * growth, force_in_slip)
-        shift_so_far = self._shift + np.cumsum(end - begin)
-        mean_shift, _ = _means(contact, records, shift)
-        self._total -= float(np.sum(force * (shift_so_far - end + mean_shift)))
-        self._path_of_force += float(np.sum(np.abs(force)))
+        shift_at_begin, shift_at_end = shift_at(np.arange(len(slope)), loads, slipped).T
+        force_in_slip = records.direction * (records.rise + self._friction * load_growth)
+        force_change = np.where(records.direction == 0, slope * load_growth, force_in_slip)
+        shift_so_far = self._shift + np.cumsum(shift_at_end - shift_at_begin)
+        mean_shift, _ = _means(contact, records, shift_at)
+        self._total -= float(np.sum(force_change * (shift_so_far - shift_at_end + mean_shift)))
+        self._path_of_force += float(np.sum(np.abs(force_change)))
         self._shift = float(shift_so_far[-1])
 
     @property
@@ -624,36 +655,36 @@ def by_halving(
     """
     low = np.array(begin, dtype=float)
     high = np.array(end, dtype=float)
-    cuts = np.append(marks, np.inf)
-    members = np.arange(len(low))
-    depth = np.zeros(len(low), dtype=int)
-    value = np.zeros(len(low))
-    error = np.zeros(len(low))
-    estimate = first_estimate
-    if estimate is None:
-        estimate = work(members, low, high)
-    while len(members):
-        middle = (low + high) / 2
+    all_marks = np.append(marks, np.inf)
+    numbers = np.arange(len(low))
+    n_halvings = np.zeros(len(low), dtype=int)
+    integrals = np.zeros(len(low))
+    errors = np.zeros(len(low))
+    integrals_before = first_estimate
+    if integrals_before is None:
+        integrals_before = work(numbers, low, high)
+    while len(numbers):
+        cut = (low + high) / 2
         # The mark next above the middle, else the one below it, else the middle itself: parts next
         # to nothing would change nothing.
-        number = np.searchsorted(cuts, middle)
+        number_of_cut = np.searchsorted(all_marks, cut)
         margin = (high - low) / 16
-        for nearest_cut in (cuts[number - 1], cuts[number]):
-            is_inside = (nearest_cut > low + margin) & (nearest_cut < high - margin)
-            middle = np.where(is_inside, nearest_cut, middle)
-            depth = np.where(is_inside, -1, depth)
-        halves = work(np.tile(members, 2), np.r_[low, middle], np.r_[middle, high])
-        left, right = np.split(halves, 2)
-        change = np.abs(left + right - estimate)
-        is_last = (depth == _HALVINGS) | (len(members) > _MOST * len(value) + _FEW)
+        for nearest_mark in (all_marks[number_of_cut - 1], all_marks[number_of_cut]):
+            is_inside = (nearest_mark > low + margin) & (nearest_mark < high - margin)
+            cut = np.where(is_inside, nearest_mark, cut)
+            n_halvings = np.where(is_inside, -1, n_halvings)
+        halves = work(np.tile(numbers, 2), np.r_[low, cut], np.r_[cut, high])
+        left_halves, right_halves = np.split(halves, 2)
+        change = np.abs(left_halves + right_halves - integrals_before)
+        is_last = (n_halvings == _HALVINGS) | (len(numbers) > _MOST * len(integrals) + _FEW)
         is_done = (change <= allowed_error) | ~np.isfinite(change) | is_last
-        np.add.at(value, members[is_done], (left + right)[is_done])
-        np.add.at(error, members[is_done], change[is_done])
-        goes_on = ~is_done
-        begins = np.r_[low[goes_on], middle[goes_on]]
-        high = np.r_[middle[goes_on], high[goes_on]]
-        low = begins
-        members = np.tile(members[goes_on], 2)
-        estimate = np.r_[left[goes_on], right[goes_on]]
-        depth = np.tile(depth[goes_on] + 1, 2)
-    return Converged(value, error)
+        np.add.at(integrals, numbers[is_done], (left_halves + right_halves)[is_done])
+        np.add.at(errors, numbers[is_done], change[is_done])
+        is_open = ~is_done
+        new_low = np.r_[low[is_open], cut[is_open]]
+        high = np.r_[cut[is_open], high[is_open]]
+        low = new_low
+        numbers = np.tile(numbers[is_open], 2)
+        integrals_before = np.r_[left_halves[is_open], right_halves[is_open]]
+        n_halvings = np.tile(n_halvings[is_open] + 1, 2)
+    return Converged(integrals, errors)

@@ -86,9 +86,9 @@ class Way:
 
     def stuck(self, u: Array) -> tuple[Array, Array]:
         """Load and tilt of the contact that the stick zone is, arrays like u."""
-        normal, turning = self.rates
-        load = self.begin[0] + u * normal / (2 * self.friction)
-        tilt = self.begin[3] + u * turning / (2 * self.friction)
+        load_rate, tilt_rate = self.rates
+        load = self.begin[0] + u * load_rate / (2 * self.friction)
+        tilt = self.begin[3] + u * tilt_rate / (2 * self.friction)
         return load, tilt
 
     def interval(self, load: Array, tilt: Array) -> tuple[Array, Array]:
@@ -112,12 +112,12 @@ class Way:
     def slip_rate(self, x: Array, u: Array) -> Array:
         """d ds/du >= 0 at points outside the stick zone, arrays that broadcast."""
         m, c = self.stick(u)
-        normal, turning = self.rates
+        load_rate, tilt_rate = self.rates
         distance = np.maximum(np.abs(x - m), c)
-        root = np.sqrt((distance - c) * (distance + c))
+        root_of_squares = np.sqrt((distance - c) * (distance + c))
         return (
-            -normal * self.compliance / math.pi * np.arcsinh(root / c)
-            + turning * np.sign(x - m) * root
+            -load_rate * self.compliance / math.pi * np.arcsinh(root_of_squares / c)
+            + tilt_rate * np.sign(x - m) * root_of_squares
         )
 
     def recedes(self) -> bool:
@@ -127,32 +127,34 @@ class Way:
         load_rate, tilt_rate = self.rates
         u = _SHARES
         m, c = self.stick(u)
-        middle, half_width = self.contact(u)
+        contact_middle, contact_half_width = self.contact(u)
         if load_rate >= 0 or np.min(c) <= 0:
             return False
         if np.pi * np.max(c) * abs(tilt_rate) > -load_rate * self.compliance:
             return False
-        slack = _ROUNDING * np.max(half_width)
-        left_inside = np.all(middle - half_width <= m - c + slack)
-        right_inside = np.all(m + c <= middle + half_width + slack)
+        slack = _ROUNDING * np.max(contact_half_width)
+        left_inside = np.all(contact_middle - contact_half_width <= m - c + slack)
+        right_inside = np.all(m + c <= contact_middle + contact_half_width + slack)
         if not (left_inside and right_inside):
             return False
         most_negative = load_rate * self.compliance * _ROUNDING
-        rates_at_edges = [self.slip_rate(middle + side * half_width, u) for side in (-1, 1)]
+        rates_at_edges = [
+            self.slip_rate(contact_middle + side * contact_half_width, u) for side in (-1, 1)
+        ]
         return all(bool(np.min(rate) >= most_negative) for rate in rates_at_edges)
 
     def work(self, count: int = WAY_NODES) -> float:
         """Integral of f p |ds| over the slip zones and the way."""
-        share, weight = _angles(count)
-        u = share[:, None]
+        node, weights = _angles(count)
+        u = node[:, None]
         m, c = self.stick(u)
-        middle, half_width = self.contact(u)
+        contact_middle, half_width = self.contact(u)
         work = 0.0
         for side in (-1, 1):
-            begin = m + side * c
-            length = middle + side * half_width - begin
-            power = self.friction_power(begin + length * share, u)
-            work += float(weight @ (np.abs(length) * power) @ weight)
+            zone_begin = m + side * c
+            zone_length = contact_middle + side * half_width - zone_begin
+            power = self.friction_power(zone_begin + zone_length * node, u)
+            work += float(weights @ (np.abs(zone_length) * power) @ weights)
         return work
 
     def locked(self, u: Array) -> Array:
@@ -172,38 +174,51 @@ class Way:
         return self.direction * self.friction * change
 
     def density(self, x: Array, count: int = WAY_NODES) -> Array:
-        """Integral of f p |ds| over the way at points (k,)."""
+        """Friction work per area at points (k,) along the way: the integral of f p |ds| over u from
+        0 to 1, cut where an edge of the slip zone passes the point.
+        """
 
-        def depth(x: Array, u: Array) -> Array:
+        def depth_in_slip_zone(x: Array, u: Array) -> Array:
             """Distance to the nearer end of the slip zone, positive within it."""
             m, c = self.stick(u)
-            middle, half_width = self.contact(u)
-            return np.minimum(np.abs(x - m) - c, half_width - np.abs(x - middle))
+            middle_share, half_width = self.contact(u)
+            return np.minimum(np.abs(x - m) - c, half_width - np.abs(x - middle_share))
 
-        is_inside = depth(x, _SHARES[:, None]) > 0
+        is_inside = depth_in_slip_zone(x, _SHARES[:, None]) > 0
         # Instants u at which an edge of the slip zone passes a point, by halving.
-        interval, point = np.nonzero(is_inside[1:] != is_inside[:-1])
-        least_share = _SHARES[interval]
-        largest_share = _SHARES[interval + 1]
+        interval_of_passing, passed_points = np.nonzero(is_inside[1:] != is_inside[:-1])
+        least_share = _SHARES[interval_of_passing]
+        largest_share = _SHARES[interval_of_passing + 1]
         for _ in range(_HALVINGS):
-            middle = (least_share + largest_share) / 2
-            has_passed = (depth(x[point], middle) > 0) != is_inside[interval, point]
-            least_share = np.where(has_passed, least_share, middle)
-            largest_share = np.where(has_passed, middle, largest_share)
+            middle_share = (least_share + largest_share) / 2
+            has_passed = (depth_in_slip_zone(x[passed_points], middle_share) > 0) != is_inside[
+                interval_of_passing, passed_points
+            ]
+            least_share = np.where(has_passed, least_share, middle_share)
+            largest_share = np.where(has_passed, middle_share, largest_share)
         # Parts of the way that begin and end at its ends or where an edge passes, point by point.
-        every_point = np.arange(len(x))
-        points = np.concatenate([every_point, point, every_point])
-        marks = np.concatenate([0 * x, least_share, 0 * x + 1])
-        order = np.lexsort((marks, points))
-        points = points[order]
-        marks = marks[order]
-        parts = np.flatnonzero(points[1:] == points[:-1])
-        in_slip = depth(x[points[parts]], (marks[parts] + marks[parts + 1]) / 2) > 0
-        parts = parts[in_slip]
-        share, weight = _angles(count)
-        length = (marks[parts + 1] - marks[parts])[:, None]
-        power = self.friction_power(x[points[parts], None], marks[parts, None] + length * share)
-        works = np.bincount(points[parts], (length * power) @ weight, len(x))
+        all_points = np.arange(len(x))
+        points_of_parts = np.concatenate([all_points, passed_points, all_points])
+        begin_shares = np.concatenate([0 * x, least_share, 0 * x + 1])
+        order_by_point = np.lexsort((begin_shares, points_of_parts))
+        points_of_parts = points_of_parts[order_by_point]
+        begin_shares = begin_shares[order_by_point]
+        part_numbers = np.flatnonzero(points_of_parts[1:] == points_of_parts[:-1])
+        is_in_slip = (
+            depth_in_slip_zone(
+                x[points_of_parts[part_numbers]],
+                (begin_shares[part_numbers] + begin_shares[part_numbers + 1]) / 2,
+            )
+            > 0
+        )
+        part_numbers = part_numbers[is_in_slip]
+        node, weights = _angles(count)
+        part_lengths = (begin_shares[part_numbers + 1] - begin_shares[part_numbers])[:, None]
+        power = self.friction_power(
+            x[points_of_parts[part_numbers], None],
+            begin_shares[part_numbers, None] + part_lengths * node,
+        )
+        works = np.bincount(points_of_parts[part_numbers], (part_lengths * power) @ weights, len(x))
         return np.asarray(works, dtype=float)
 
 
@@ -224,14 +239,14 @@ def ways_in_phase(scene: Scene) -> tuple[Way, Way] | None:
     rounding = LoadSizes.of(samples, profile, compliance, friction).rounding
     if change[1] <= rounding[1] or not np.min(load) > 0:
         return None
-    share = (force - begin[1]) / change[1]
-    deviations = np.abs(samples - begin[:, None] - np.outer(change, share))
+    share_of_force = (force - begin[1]) / change[1]
+    deviations = np.abs(samples - begin[:, None] - np.outer(change, share_of_force))
     distances = np.max(deviations, axis=1)
-    steps = np.diff(share, append=share[0])
-    signs = np.sign(steps[np.abs(steps) > _ROUNDING])
+    share_steps = np.diff(share_of_force, append=share_of_force[0])
+    signs_of_steps = np.sign(share_steps[np.abs(share_steps) > _ROUNDING])
     if np.any(distances > rounding):
         return None
-    if np.count_nonzero(signs != np.roll(signs, 1)) != 2:
+    if np.count_nonzero(signs_of_steps != np.roll(signs_of_steps, 1)) != 2:
         return None
     ways = (
         Way(profile, compliance, friction, begin, change, 1),
@@ -242,12 +257,12 @@ def ways_in_phase(scene: Scene) -> tuple[Way, Way] | None:
 
 def loop_of(ways: tuple[Way, Way]) -> float:
     """Closed integral of Q dU - m_q d eps, by parts: a second route to W, without slip."""
-    share, weight = _angles(WAY_NODES)
-    u = np.append(share, 1.0)
-    at_begin = np.zeros((2, 1))
-    loop = 0.0
+    node, weights = _angles(WAY_NODES)
+    u = np.append(node, 1.0)
+    change_at_begin = np.zeros((2, 1))
+    loop_work = 0.0
     for way in ways:
-        displacement, moment = at_begin + way.locked(u)
-        loop -= weight @ (way.change[1] * displacement[:-1] + way.change[2] * moment[:-1])
-        at_begin = np.array([displacement[-1:], moment[-1:]])
-    return float(loop)
+        displacement, moment = change_at_begin + way.locked(u)
+        loop_work -= weights @ (way.change[1] * displacement[:-1] + way.change[2] * moment[:-1])
+        change_at_begin = np.array([displacement[-1:], moment[-1:]])
+    return float(loop_work)

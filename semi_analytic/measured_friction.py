@@ -21,7 +21,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -241,22 +241,26 @@ def sliding_limit(
     # notation: a f^2 - 2 b f = Q1^2 - Q0^2, whose larger root is the limit
     a = (mean - amplitude) * (mean + amplitude)
     b = np.abs(mean * force - amplitude * tangential_load * np.cos(phase))
-    root = np.sqrt(
+    root_of_square = np.sqrt(
         np.maximum(b**2 + a * (tangential_load - force) * (tangential_load + force), 0.0)
     )
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.asarray(np.where(a > 0, (b + root) / a, np.inf))
+        return np.asarray(np.where(a > 0, (b + root_of_square) / a, np.inf))
 
 
-def _of_ellipses(target: ArrayLike, pair: dict[str, Any], loads: dict[str, Any]) -> FrictionBatch:
-    """The coefficients of elliptic loads; `pair` is profile and material, `loads` the numbers of
-    the ellipses, as `dissipation` takes them.
+def _of_ellipses(
+    target: ArrayLike, profile_and_material: dict[str, Any], loads: dict[str, Any]
+) -> FrictionBatch:
+    """The coefficients of elliptic loads; `profile_and_material` is profile and material, `loads`
+    the numbers of the ellipses, as `dissipation` takes them.
     """
     # One call without friction checks every argument and gives the shape of the loads and of the
     # profile's numbers.
-    frictionless: DissipationBatch = dissipation(**pair, **loads, friction_coefficient=0.0)
+    frictionless: DissipationBatch = dissipation(
+        **profile_and_material, **loads, friction_coefficient=0.0
+    )
     shape = frictionless.value.shape
-    profile = pair["profile"]
+    profile = profile_and_material["profile"]
 
     def of_members(name: str, value: Any, members: NDArray[np.intp] | slice) -> Any:
         """The values (k,) of an argument for some members."""
@@ -274,7 +278,7 @@ def _of_ellipses(target: ArrayLike, pair: dict[str, Any], loads: dict[str, Any])
                 name: of_members(name, value, members) for name, value in profile.items()
             }
         batch = dissipation(
-            **pair | {"profile": profile_of_members},
+            **profile_and_material | {"profile": profile_of_members},
             **loads_of_members,
             friction_coefficient=friction,
         )
@@ -283,8 +287,8 @@ def _of_ellipses(target: ArrayLike, pair: dict[str, Any], loads: dict[str, Any])
     flat_loads = {name: of_members(name, value, slice(None)) for name, value in loads.items()}
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         least_friction = sliding_limit(*flat_loads.values())
-        ratio = flat_loads["tangential_amplitude"] / flat_loads["normal_amplitude"]
-        no_slip = np.where(flat_loads["normal_amplitude"] > 0, ratio, 0.0)
+        amplitude_ratio = flat_loads["tangential_amplitude"] / flat_loads["normal_amplitude"]
+        no_slip = np.where(flat_loads["normal_amplitude"] > 0, amplitude_ratio, 0.0)
     return _inverse(target, work, least_friction, no_slip, shape, frictionless.notes)
 
 
@@ -323,26 +327,39 @@ def _of_path(target: ArrayLike, scene: Scene) -> FrictionBatch:
     return _inverse(target, work, np.array([least_friction]), np.array([no_slip]), (), ())
 
 
+class _WorkCurve(NamedTuple):
+    """W over the coefficient of friction: ln f and W of each member, ascending in f, (k, m) each;
+    whether W of a member is known, and its largest f, (m,) each.
+    """
+
+    log_f: Array
+    works: Array
+    is_solvable: NDArray[np.bool_]
+    largest_f: Array
+
+
+Work = Callable[[Array, NDArray[np.intp]], Array]
+"""W (k,) by coefficients of friction and the numbers of their members, (k,) each."""
+
+
 def _inverse(
     target: ArrayLike,
-    work: Callable[[Array, NDArray[np.intp]], Array],
+    work: Work,
     least_friction_of_member: Array,
     no_slip: Array,
     shape: tuple[int, ...],
     notes: tuple[str, ...],
 ) -> FrictionBatch:
-    """All roots of work(f, member) = target.
+    """Every coefficient of friction at which W is the `target` of a member, with the reason where
+    there is none.
 
     Parameters
     ----------
     work
-        (k,) coefficients and the numbers of their members -> W (k,)
-    least, no_slip
+        W by coefficients and the numbers of their members
+    least_friction_of_member, no_slip
         (m,) f_min and Q1/P1 of the members, whose shape is `shape`
     """
-    # `scipy.optimize` alone does not load it
-    from scipy.optimize import elementwise  # noqa: PLC0415
-
     target_works = real_numbers(target, "dissipation")
     try:
         full_shape = np.broadcast_shapes(target_works.shape, shape)
@@ -350,111 +367,44 @@ def _inverse(
         raise InputError(
             f"friction_from: the dissipation must be numbers that broadcast with the loads: {fault}"
         ) from fault
+    curve = _sampled_work(work, least_friction_of_member, no_slip)
+    curve = _with_turning_points(curve, work)
     n_members = len(least_friction_of_member)
-    is_solvable = np.isfinite(least_friction_of_member) & (least_friction_of_member > 0)
-    begin = np.where(is_solvable, least_friction_of_member, 1.0) * (1 + _BESIDE)
-    middle = np.maximum(begin, np.where(is_solvable, no_slip, 0.0)) * _MIDDLE
-    top = middle * (_MOST / _MIDDLE)
-    shares = np.concatenate([[0.0], np.logspace(-8, math.log10(0.05), _CLOSE - 1)])
-    log_f = np.concatenate(
-        [
-            np.log(begin) + np.log1p(shares)[:, None],
-            np.linspace(np.log(begin * 1.08), np.log(middle), _EVEN),
-            np.linspace(np.log(middle), np.log(top), _FAR + 1)[1:],
-        ]
-    )
-    number = np.broadcast_to(np.arange(n_members), log_f.shape)
-    works = np.full(log_f.shape, np.nan)
-    solvable_works = work(np.exp(log_f[:, is_solvable]).ravel(), number[:, is_solvable].ravel())
-    works[:, is_solvable] = solvable_works.reshape(len(log_f), -1)
-    is_solvable &= np.all(np.isfinite(works), axis=0)
-
-    # Turning points of W, which may lie between two samples and hide two roots.
-    rise = np.diff(works, axis=0)
-    largest_work = np.max(np.where(is_solvable, works, 0.0), axis=0)
-    sharp = np.minimum(np.abs(rise[:-1]), np.abs(rise[1:])) >= _STANDS_OUT * largest_work
-    row, column = np.nonzero(is_solvable & sharp & (rise[:-1] * rise[1:] < 0))
-    if len(row):
-        sign = np.where(rise[row, column] < 0, 1.0, -1.0)  # W falls before a least value
-        turning_point = elementwise.find_minimum(
-            lambda at, member, side: (
-                side * work(np.exp(at).ravel(), member.ravel().astype(int)).reshape(at.shape)
-            ),
-            tuple(log_f[row + shift, column] for shift in (0, 1, 2)),
-            args=(column.astype(float), sign),
-        )
-        place = np.arange(len(row)) - np.searchsorted(np.sort(column), np.sort(column))
-        order = np.argsort(column, kind="stable")
-        log_f_at_turn = np.full((int(place.max()) + 1, n_members), np.nan)
-        work_at_turn = log_f_at_turn.copy()
-        log_f_at_turn[place, column[order]] = turning_point.x[order]
-        work_at_turn[place, column[order]] = (sign * turning_point.f_x)[order]
-        log_f = np.concatenate([log_f, log_f_at_turn])
-        works = np.concatenate([works, work_at_turn])
-        ascending = np.argsort(log_f, axis=0)
-        log_f = np.take_along_axis(log_f, ascending, 0)
-        works = np.take_along_axis(works, ascending, 0)
-
     member = np.broadcast_to(np.arange(n_members).reshape(shape), full_shape).ravel()
-    aim = np.broadcast_to(target_works, full_shape).ravel()
-    valid = np.isfinite(aim) & (aim > 0) & is_solvable[member]
-    is_above = works[:, member] > np.where(valid, aim, np.inf)
-    is_known = np.isfinite(works[:, member])
-    row, column = np.nonzero((is_above[:-1] != is_above[1:]) & is_known[:-1] & is_known[1:] & valid)
-    order = np.lexsort((row, column))
-    row = row[order]
-    column = column[order]
-    n_roots = np.bincount(column, minlength=len(aim))
-    roots = np.full((len(aim), max(1, int(n_roots.max(initial=0)))), np.nan)
-    is_unsettled = np.zeros(len(aim), dtype=bool)
-    if len(row):
-        loops = member[column]
-        crossing = elementwise.find_root(
-            lambda at, loop, goal: (
-                work(np.exp(at).ravel(), loop.ravel().astype(int)).reshape(at.shape) - goal
-            ),
-            (log_f[row, loops], log_f[row + 1, loops]),
-            args=(loops.astype(float), aim[column]),
-        )
-        roots[column, np.arange(len(row)) - np.searchsorted(column, column)] = np.exp(crossing.x)
-        is_unsettled[column[~(np.abs(crossing.f_x) <= _FOUND * aim[column])]] = True
-    least_work = np.min(np.where(np.isfinite(works), works, np.inf), axis=0)[member]
-    most_work = np.max(np.where(np.isfinite(works), works, -np.inf), axis=0)[member]
-    conditions = [
-        ~(np.isfinite(aim) & (aim > 0)),
-        ~is_solvable[member],
-        is_unsettled,
-        (n_roots == 0) & (aim > most_work),
-        n_roots == 0,
-    ]
-    kinds = [
-        NoFriction.INVALID,
-        NoFriction.LOADS,
-        NoFriction.UNSETTLED,
-        NoFriction.TOO_MUCH,
-        NoFriction.TOO_LITTLE,
-    ]
-    reason = np.select(conditions, kinds, NoFriction.NONE).astype(np.int8)
+    flat_targets = np.broadcast_to(target_works, full_shape).ravel()
+    roots, n_roots, is_unsettled = _roots_of(curve, work, member, flat_targets)
+    is_known = np.isfinite(curve.works)
+    least_work = np.min(np.where(is_known, curve.works, np.inf), axis=0)[member]
+    most_work = np.max(np.where(is_known, curve.works, -np.inf), axis=0)[member]
+    is_solvable = curve.is_solvable[member]
+    conditions = {
+        NoFriction.INVALID: ~(np.isfinite(flat_targets) & (flat_targets > 0)),
+        NoFriction.LOADS: ~is_solvable,
+        NoFriction.UNSETTLED: is_unsettled,
+        NoFriction.TOO_MUCH: (n_roots == 0) & (flat_targets > most_work),
+        NoFriction.TOO_LITTLE: n_roots == 0,
+    }
+    reason = np.select([*conditions.values()], [*conditions], NoFriction.NONE).astype(np.int8)
     roots[reason != NoFriction.NONE] = np.nan
     sentences = tuple(
         _SENTENCES[NoFriction(reason[k])].format(
-            target=aim[k],
+            target=flat_targets[k],
             least=least_work[k],
             most=most_work[k],
             f_min=least_friction_of_member[member[k]],
-            top=top[member[k]],
+            top=curve.largest_f[member[k]],
         )
         for k in np.flatnonzero(reason)[:10]
     )
-    counted = np.where(reason == NoFriction.NONE, n_roots, 0)
+    count = np.where(reason == NoFriction.NONE, n_roots, 0)
     limits = (
-        np.where(is_solvable[member], values, np.nan).reshape(full_shape)
+        np.where(is_solvable, values, np.nan).reshape(full_shape)
         for values in (least_friction_of_member[member], least_work, most_work)
     )
     least_friction, least_work, most_work = (freeze(values) for values in limits)
     return FrictionBatch(
         roots=freeze(roots.reshape(*full_shape, -1)),
-        count=freeze(counted.reshape(full_shape), np.int64),
+        count=freeze(count.reshape(full_shape), np.int64),
         reason=freeze(reason.reshape(full_shape), np.int8),
         least_friction=least_friction,
         least=least_work,
@@ -462,3 +412,100 @@ def _inverse(
         sentences=sentences,
         notes=notes,
     )
+
+
+def _sampled_work(work: Work, least_friction: Array, no_slip: Array) -> _WorkCurve:
+    """W at samples of f between f_min = `least_friction` and the largest f that is looked at; dense
+    next to f_min, and up to 100 times the larger of f_min and Q1/P1 = `no_slip`, (m,) each.
+    """
+    n_members = len(least_friction)
+    is_solvable = np.isfinite(least_friction) & (least_friction > 0)
+    least_f = np.where(is_solvable, least_friction, 1.0) * (1 + _BESIDE)
+    middle_f = np.maximum(least_f, np.where(is_solvable, no_slip, 0.0)) * _MIDDLE
+    largest_f = middle_f * (_MOST / _MIDDLE)
+    shares = np.concatenate([[0.0], np.logspace(-8, math.log10(0.05), _CLOSE - 1)])
+    log_f = np.concatenate(
+        [
+            np.log(least_f) + np.log1p(shares)[:, None],
+            np.linspace(np.log(least_f * 1.08), np.log(middle_f), _EVEN),
+            np.linspace(np.log(middle_f), np.log(largest_f), _FAR + 1)[1:],
+        ]
+    )
+    member = np.broadcast_to(np.arange(n_members), log_f.shape)
+    works = np.full(log_f.shape, np.nan)
+    solvable_works = work(np.exp(log_f[:, is_solvable]).ravel(), member[:, is_solvable].ravel())
+    works[:, is_solvable] = solvable_works.reshape(len(log_f), -1)
+    is_solvable &= np.all(np.isfinite(works), axis=0)
+    return _WorkCurve(log_f, works, is_solvable, largest_f)
+
+
+def _with_turning_points(curve: _WorkCurve, work: Work) -> _WorkCurve:
+    """The curve with the turning points of W among its samples: one may lie between two samples and
+    hide two roots.
+    """
+    # `scipy.optimize` alone does not load it
+    from scipy.optimize import elementwise  # noqa: PLC0415
+
+    log_f, works, is_solvable, _ = curve
+    rise = np.diff(works, axis=0)
+    largest_work = np.max(np.where(is_solvable, works, 0.0), axis=0)
+    is_sharp = np.minimum(np.abs(rise[:-1]), np.abs(rise[1:])) >= _STANDS_OUT * largest_work
+    row, column = np.nonzero(is_solvable & is_sharp & (rise[:-1] * rise[1:] < 0))
+    if not len(row):
+        return curve
+    sign = np.where(rise[row, column] < 0, 1.0, -1.0)  # W falls before a least value
+    turning_point = elementwise.find_minimum(
+        lambda at, member, side: (
+            side * work(np.exp(at).ravel(), member.ravel().astype(int)).reshape(at.shape)
+        ),
+        tuple(log_f[row + shift, column] for shift in (0, 1, 2)),
+        args=(column.astype(float), sign),
+    )
+    number_in_column = np.arange(len(row)) - np.searchsorted(np.sort(column), np.sort(column))
+    order = np.argsort(column, kind="stable")
+    log_f_at_turn = np.full((int(number_in_column.max()) + 1, works.shape[1]), np.nan)
+    work_at_turn = log_f_at_turn.copy()
+    log_f_at_turn[number_in_column, column[order]] = turning_point.x[order]
+    work_at_turn[number_in_column, column[order]] = (sign * turning_point.f_x)[order]
+    log_f = np.concatenate([log_f, log_f_at_turn])
+    works = np.concatenate([works, work_at_turn])
+    ascending = np.argsort(log_f, axis=0)
+    return curve._replace(
+        log_f=np.take_along_axis(log_f, ascending, 0),
+        works=np.take_along_axis(works, ascending, 0),
+    )
+
+
+def _roots_of(
+    curve: _WorkCurve, work: Work, member: NDArray[np.intp], target: Array
+) -> tuple[Array, NDArray[np.intp], NDArray[np.bool_]]:
+    """Every f at which W of a member is its target: (n, most), NaN beyond the last of each; how
+    many, (n,); and whether the search for one did not converge, (n,). `member` and `target` (n,).
+    """
+    # `scipy.optimize` alone does not load it
+    from scipy.optimize import elementwise  # noqa: PLC0415
+
+    log_f, works, is_solvable, _ = curve
+    is_valid = np.isfinite(target) & (target > 0) & is_solvable[member]
+    is_above = works[:, member] > np.where(is_valid, target, np.inf)
+    is_known = np.isfinite(works[:, member])
+    crosses = (is_above[:-1] != is_above[1:]) & is_known[:-1] & is_known[1:] & is_valid
+    row, column = np.nonzero(crosses)
+    order = np.lexsort((row, column))
+    row = row[order]
+    column = column[order]
+    n_roots = np.bincount(column, minlength=len(target))
+    roots = np.full((len(target), max(1, int(n_roots.max(initial=0)))), np.nan)
+    is_unsettled = np.zeros(len(target), dtype=bool)
+    if len(row):
+        member_of_root = member[column]
+        crossing = elementwise.find_root(
+            lambda at, number, goal: (
+                work(np.exp(at).ravel(), number.ravel().astype(int)).reshape(at.shape) - goal
+            ),
+            (log_f[row, member_of_root], log_f[row + 1, member_of_root]),
+            args=(member_of_root.astype(float), target[column]),
+        )
+        roots[column, np.arange(len(row)) - np.searchsorted(column, column)] = np.exp(crossing.x)
+        is_unsettled[column[~(np.abs(crossing.f_x) <= _FOUND * target[column])]] = True
+    return roots, n_roots, is_unsettled

@@ -122,14 +122,14 @@ class OddWork:
         """
         if self.declined:
             raise Declined(self.declined)
-        odd = np.asarray(numbers, dtype=float)
-        share = self.one_sidedness(odd)
-        if share > _MOST_ONE_SIDED:
+        odd_numbers = np.asarray(numbers, dtype=float)
+        one_sided_share = self.one_sidedness(odd_numbers)
+        if one_sided_share > _MOST_ONE_SIDED:
             raise Declined("tilt and strain go so fast that one side of the contact slips alone")
-        work = float(odd @ self.matrix @ odd)
-        of_points = abs(work - float(odd @ self.coarse @ odd))
-        size = float(np.abs(odd) @ np.abs(self.matrix) @ np.abs(odd))
-        return Estimate(work, of_points + _NEXT_ORDER * share * size)
+        work = float(odd_numbers @ self.matrix @ odd_numbers)
+        quadrature_error = abs(work - float(odd_numbers @ self.coarse @ odd_numbers))
+        work_size = float(np.abs(odd_numbers) @ np.abs(self.matrix) @ np.abs(odd_numbers))
+        return Estimate(work, quadrature_error + _NEXT_ORDER * one_sided_share * work_size)
 
     def one_sidedness(self, numbers: ArrayLike) -> float:
         """Largest over spans and senses of the median of |row . o|."""
@@ -170,21 +170,24 @@ class OddAnswer:
         ends = np.array([span.end.time + span.delay for span in spans])
         start = spans[0].begin.time + spans[0].delay
         path_time, slack = within(time, float(start), float(ends[-1]), self.history.period)
-        number = np.minimum(np.searchsorted(ends, path_time - slack, side="left"), len(spans) - 1)
-        of_contact = np.zeros(len(time))
-        of_stick = np.zeros(len(time))
-        for k in np.unique(number):
+        number_of_span = np.minimum(
+            np.searchsorted(ends, path_time - slack, side="left"), len(spans) - 1
+        )
+        contact_centres = np.zeros(len(time))
+        stick_centres = np.zeros(len(time))
+        for k in np.unique(number_of_span):
             span = spans[k]
-            is_inside = number == k
-            of_leg = np.clip(path_time[is_inside] - span.delay, span.begin.time, span.end.time)
-            contact, stick = centres(span, self.radius, of_leg)
-            of_contact[is_inside] = contact @ self.numbers
-            of_stick[is_inside] = stick @ self.numbers
-        return of_contact, of_stick
+            is_inside = number_of_span == k
+            leg_times = np.clip(path_time[is_inside] - span.delay, span.begin.time, span.end.time)
+            contact_rows, stick_rows = centres(span, self.radius, leg_times)
+            contact_centres[is_inside] = contact_rows @ self.numbers
+            stick_centres[is_inside] = stick_rows @ self.numbers
+        return contact_centres, stick_centres
 
 
 def odd_answer(scene: Scene, effects: BodyEffects) -> OddAnswer:
-    """What tilt and bulk strain of the bodies make of half-planes.
+    """What tilt and bulk strain of the bodies add to half-planes along the path of a scene: the
+    work in each cycle, and the centres of contact and stick, in the second order.
 
     Raises
     ------
@@ -204,15 +207,15 @@ def odd_answer(scene: Scene, effects: BodyEffects) -> OddAnswer:
     history = history_of(path, scene.friction.coefficient, max(scene.cycles, 2))
     modulus = composite_modulus(scene.material)
     estimates = [getattr(effects, name) for name in ODD_NUMBERS]
-    odd = np.array([float(estimate.value) for estimate in estimates])
-    spread = np.array([float(estimate.uncertainty) for estimate in estimates])
+    odd_numbers = np.array([float(estimate.value) for estimate in estimates])
+    uncertainties = np.array([float(estimate.uncertainty) for estimate in estimates])
     works = []
     for spans, span_before, next_span in _cycles(history):
         work = odd_work(spans, profile.radius, modulus, span_before, next_span)
-        added = work.added(odd)
-        of_numbers = 2 * float(np.abs(odd) @ np.abs(work.matrix) @ spread)
-        works.append(Estimate(added.value, added.uncertainty + of_numbers))
-    return OddAnswer(history, profile.radius, odd, tuple(works))
+        added_work = work.added(odd_numbers)
+        error_of_numbers = 2 * float(np.abs(odd_numbers) @ np.abs(work.matrix) @ uncertainties)
+        works.append(Estimate(added_work.value, added_work.uncertainty + error_of_numbers))
+    return OddAnswer(history, profile.radius, odd_numbers, tuple(works))
 
 
 def _cycles(history: History) -> Iterator[tuple[tuple[Span, ...], Span | None, Span | None]]:
@@ -260,19 +263,20 @@ def odd_work(
 
 
 def centres(span: Span, radius: float, time: Array) -> tuple[Array, Array]:
-    """Centres of contact and of stick by the numbers, at times (n,) of a span's leg, (n, 4) each.
+    """Centres of contact and of stick at times (n,) of a span's leg, (n, 4) each: rows times the
+    numbers (alpha_P, alpha_Q, e_P, e_Q) of tilt and strain per load are lengths.
 
     First order, of a parabola. The centre of stick is that of contact where all of it sticks, NaN
     where none does.
     """
     normal_load, tangential_load = span.leg.loads(time)
-    of_contact = -radius * _tilt(normal_load, tangential_load)
+    contact_centre = -radius * _tilt(normal_load, tangential_load)
     if not span.direction:
-        return of_contact, of_contact
+        return contact_centre, contact_centre
     if span.active is None:
-        return of_contact, np.full(of_contact.shape, np.nan)
-    front = _front(span, span.active, time, span.slipped(time), radius)
-    return of_contact, of_contact + front.distance(radius)
+        return contact_centre, np.full(contact_centre.shape, np.nan)
+    stick_front = _front(span, span.active, time, span.slipped(time), radius)
+    return contact_centre, contact_centre + stick_front.distance(radius)
 
 
 @dataclass(frozen=True, eq=False)
@@ -285,8 +289,11 @@ class _Strokes:
     following: Span | None
 
     def matrix(self, points: int, panels: int) -> Array:
-        """The form of work at a number of points a span and of panels."""
-        total = np.zeros((4, 4))
+        """Symmetric matrix (4, 4) of the work that tilt and strain add, over (alpha_P, alpha_Q,
+        e_P, e_Q): the sum over the spans of slip of the terms 1 to 4, with so many points a span
+        and so many panels.
+        """
+        work_matrix = np.zeros((4, 4))
         neighbours = (self.before, *self.spans, self.following)
         for span_before, span, next_span in zip(
             neighbours[:-2], self.spans, neighbours[2:], strict=True
@@ -295,12 +302,12 @@ class _Strokes:
                 continue
             if span_before is not None:
                 _require_no_return(span_before, span, self.radius)
-                total += _of_kink(span_before, span, self.radius)
-            total += _of_span(span, self.radius, points)
-            total += _of_passed_end(span, self.radius, panels)
+                work_matrix += _of_kink(span_before, span, self.radius)
+            work_matrix += _of_span(span, self.radius, points)
+            work_matrix += _of_passed_end(span, self.radius, panels)
             if next_span is None or next_span.direction != span.direction:
-                total += _of_stroke_end(span, self.radius, panels)
-        return total
+                work_matrix += _of_stroke_end(span, self.radius, panels)
+        return work_matrix
 
     def require_no_limit_in_stick(self) -> None:
         """Declined where contact grows or shrinks along the limit of friction: one side slips."""
@@ -369,10 +376,13 @@ class _Front:
 
 
 def _front(span: Span, piece: Piece, time: Array, slipped: Array, radius: float) -> _Front:
-    """The front at times (n,) of a span, where P - P_c = `slipped` (n,) lies on a piece."""
+    """The front of slip at times (n,) of a span, where the load P_c = P - `slipped` (n,) lies on a
+    `piece` of the memory curve: with P and Q since the memory there was set, and the shift of its
+    centre.
+    """
     load = span.leg.loads(time)[0]
-    slope = piece.slope_at(load - slipped)
-    steepness = span.friction - span.direction * slope
+    memory_slope = piece.slope_at(load - slipped)
+    steepness = span.friction - span.direction * memory_slope
     if _is_slipped(piece, span.friction):
         since_set = (
             change_from(piece.anchor, span.leg, NORMAL_LOAD, time),
@@ -421,42 +431,50 @@ def _instants(span: Span, points: int) -> tuple[Array, Array]:
 
 
 def _of_span(span: Span, radius: float, points: int) -> Array:
-    """Terms 1 and 2: both edges slip one way, through memory that grew in stick."""
+    """Matrix (4, 4) of terms 1 and 2 of the work over a span of slip, over (alpha_P, alpha_Q, e_P,
+    e_Q): both edges slip one way, through memory that grew in stick. By Gauss' rule of so many
+    points in time.
+    """
     piece = span.active
     if piece is None:
         raise Declined("the contact slides as a whole")
     time, weights = _instants(span, points)
     slipped = span.slipped(time)
-    front = _front(span, piece, time, slipped, radius)
-    fall = np.asarray(span.leg.rate_of(level(span.direction, span.friction), time))  # -N'
+    stick_front = _front(span, piece, time, slipped, radius)
+    fall_rate = np.asarray(span.leg.rate_of(level(span.direction, span.friction), time))  # -N'
     drive_rate = _drive(span.friction, span.direction, *span.leg.rates(time))
-    distance = front.distance(radius)
-    measure = span.friction * weights
-    work = _products(measure * fall / (2 * radius), distance, distance)
-    work = work - _products(measure * slipped, drive_rate, distance)
+    distance = stick_front.distance(radius)
+    friction_weights = span.friction * weights
+    work_matrix = _products(friction_weights * fall_rate / (2 * radius), distance, distance)
+    work_matrix = work_matrix - _products(friction_weights * slipped, drive_rate, distance)
     if _is_slipped(piece, span.friction):
-        return work
-    eta = front.load - slipped
-    slope = piece.slope_at(eta)
+        return work_matrix
+    eta = stick_front.load - slipped
+    memory_slope = piece.slope_at(eta)
     ones = np.ones(np.shape(eta))
-    rotation = slope[:, None] * _tilt(ones, slope) - _strain(ones, slope)
-    passed = span.direction * measure * slipped * fall / front.steepness
-    of_bend = _products(passed * _slope_rate(piece, eta) / (2 * radius), front.shift, front.shift)
-    return work - of_bend - _products(passed, front.shift, rotation)
+    rotation = memory_slope[:, None] * _tilt(ones, memory_slope) - _strain(ones, memory_slope)
+    passing_rate = span.direction * friction_weights * slipped * fall_rate / stick_front.steepness
+    bend_term = _products(
+        passing_rate * _slope_rate(piece, eta) / (2 * radius), stick_front.shift, stick_front.shift
+    )
+    return work_matrix - bend_term - _products(passing_rate, stick_front.shift, rotation)
 
 
 def _of_kink(span_before: Span, span: Span, radius: float) -> Array:
-    """Term 3, where the front goes from the piece of the span before to that of this one."""
+    """Matrix (4, 4) of term 3 of the work, over (alpha_P, alpha_Q, e_P, e_Q), where the front of
+    slip goes across a kink, from the piece of the memory curve of the span before to that of this
+    one; zero where the same piece goes on.
+    """
     outer_piece = span_before.active
     inner_piece = span.active
-    nothing = np.zeros((4, 4))
+    zero_matrix = np.zeros((4, 4))
     if span_before.direction != span.direction or outer_piece is None or inner_piece is None:
-        return nothing
+        return zero_matrix
     tolerance = _SAME * outer_piece.top
     if inner_piece.top > outer_piece.bottom + tolerance:
-        return nothing  # the same piece goes on
+        return zero_matrix  # the same piece goes on
     if inner_piece.top - inner_piece.bottom <= tolerance:
-        return nothing  # stands for a front that stays at the upper end of what is at the limit
+        return zero_matrix  # stands for a front that stays at the upper end of what is at the limit
     # Of a kink that stands for several, those between are at the limit: only both ends count.
     time = np.array([span.begin.time])
     slipped = span.begin.normal - np.array([outer_piece.bottom])
@@ -464,43 +482,47 @@ def _of_kink(span_before: Span, span: Span, radius: float) -> Array:
     centres = []
     steepness = []
     for piece in (outer_piece, inner_piece):
-        front = _front(span, piece, time, slipped, radius)
-        touch = -radius * _tilt(*_set_loads(piece, span.friction, eta))
-        centres.append(touch + front.shift)
-        steepness.append(float(front.steepness[0]))
-    product = steepness[0] * steepness[1]
-    if abs(steepness[0] - steepness[1]) <= _SAME * span.friction or product <= 0:
-        return nothing
-    jump = centres[0] - centres[1]
-    weight = span.friction * slipped * product / (2 * radius * (steepness[0] - steepness[1]))
-    return _products(weight, jump, jump)
+        stick_front = _front(span, piece, time, slipped, radius)
+        touching_centre = -radius * _tilt(*_set_loads(piece, span.friction, eta))
+        centres.append(touching_centre + stick_front.shift)
+        steepness.append(float(stick_front.steepness[0]))
+    product_of_steepness = steepness[0] * steepness[1]
+    if abs(steepness[0] - steepness[1]) <= _SAME * span.friction or product_of_steepness <= 0:
+        return zero_matrix
+    centre_jump = centres[0] - centres[1]
+    weight = (
+        span.friction
+        * slipped
+        * product_of_steepness
+        / (2 * radius * (steepness[0] - steepness[1]))
+    )
+    return _products(weight, centre_jump, centre_jump)
 
 
 def _require_no_return(span_before: Span, span: Span, radius: float) -> None:
-    """Declined where slip passes at once what an earlier stroke in its sense left at the limit.
-
-    That is free of consequence where loads are the same as then: so are tilt and strain.
+    """Raise Declined where slip in a span passes at once what an earlier stroke in its direction
+    left at the limit of friction, under other loads than then: tilt and strain are others too.
     """
     friction = span.friction
     begin = span.begin
-    top = span.active.top if span.active is not None else 0.0
+    top_of_piece = span.active.top if span.active is not None else 0.0
     for piece in pieces(span_before.curve(span_before.end.time)):
-        allowed_load = _SAME * max(piece.anchor.normal, begin.normal)
-        if piece.bottom < top - allowed_load:
+        load_tolerance = _SAME * max(piece.anchor.normal, begin.normal)
+        if piece.bottom < top_of_piece - load_tolerance:
             break
-        if piece.top - piece.bottom <= allowed_load or not flat(piece, span.direction, friction):
+        if piece.top - piece.bottom <= load_tolerance or not flat(piece, span.direction, friction):
             continue
         change_of_loads = (
             begin.normal - piece.anchor.normal,
             begin.tangential - piece.anchor.tangential,
         )
-        end = _end_of_piece(piece, span.direction, friction, radius)
+        end_of_stroke = _end_of_piece(piece, span.direction, friction, radius)
         if (
-            abs(change_of_loads[0]) > allowed_load
-            or abs(change_of_loads[1]) > friction * allowed_load
+            abs(change_of_loads[0]) > load_tolerance
+            or abs(change_of_loads[1]) > friction * load_tolerance
         ):
             raise Declined("slip comes back to an earlier limit under other loads")
-        if end is not None and np.any(end.form):
+        if end_of_stroke is not None and np.any(end_of_stroke.form):
             raise Declined("slip goes on after a smooth end of its stroke")
 
 
@@ -531,23 +553,28 @@ class _SmoothEnd:
         return eta, 2 * self.load * left.force * left.width / left.half_width
 
 
-def _smooth_end(span: Span, time: float, front: float, radius: float) -> _SmoothEnd | None:
-    """The end of a stroke at a time of the leg; None at a corner of the path."""
+def _smooth_end(span: Span, time: float, edge_load: float, radius: float) -> _SmoothEnd | None:
+    """The end of a stroke of slip at a time of the leg of a span, with P_c = `edge_load` there;
+    None at a corner of the path, where the rate of the level s Q - f P does not vanish.
+    """
     leg = span.leg
     combination = level(span.direction, span.friction)
-    middle = (span.begin.time + span.end.time) / 2
-    rates = [abs(float(leg.rate_of(combination, at))) for at in (span.begin.time, middle, time)]
+    middle_time = (span.begin.time + span.end.time) / 2
+    rates = [
+        abs(float(leg.rate_of(combination, rate_time)))
+        for rate_time in (span.begin.time, middle_time, time)
+    ]
     load = float(leg.loads(time)[0])
-    if rates[2] > _AT_REST * max(rates) or front >= load * (1 - _SAME):
+    if rates[2] > _AT_REST * max(rates) or edge_load >= load * (1 - _SAME):
         return None
-    step = _STEP * (leg.end - leg.start)
-    rate_after = float(leg.rate_of(combination, time + step))
-    rate_before = float(leg.rate_of(combination, time - step))
-    bend = (rate_before - rate_after) / (2 * step)  # N''
-    if bend <= 0:
+    time_step = _STEP * (leg.end - leg.start)
+    rate_after = float(leg.rate_of(combination, time + time_step))
+    rate_before = float(leg.rate_of(combination, time - time_step))
+    level_bend = (rate_before - rate_after) / (2 * time_step)  # N''
+    if level_bend <= 0:
         return None
     drive_rate = _drive(span.friction, span.direction, *leg.rates(time))
-    return _SmoothEnd(load, front, radius / bend * np.outer(drive_rate, drive_rate))
+    return _SmoothEnd(load, edge_load, radius / level_bend * np.outer(drive_rate, drive_rate))
 
 
 def _end_of_piece(
@@ -561,35 +588,43 @@ def _end_of_piece(
 
 
 def _of_stroke_end(span: Span, radius: float, panels: int) -> Array:
-    """Term 4 up to the end of a stroke, where it is smooth."""
-    front = span.end.normal - float(span.slipped(span.end.time))
-    end = _smooth_end(span, span.end.time, front, radius)
-    if end is None:
+    """Matrix (4, 4) of term 4 of the work, over (alpha_P, alpha_Q, e_P, e_Q), by the smooth end of
+    the stroke that ends with a span; zero at a corner of the path.
+    """
+    edge_load = span.end.normal - float(span.slipped(span.end.time))
+    smooth_end = _smooth_end(span, span.end.time, edge_load, radius)
+    if smooth_end is None:
         return np.zeros((4, 4))
-    eta, force = end.left(panels)
-    return np.asarray(span.friction * float(np.sum(force * (end.load - eta))) * end.form)
+    eta, force_left = smooth_end.left(panels)
+    return np.asarray(
+        span.friction * float(np.sum(force_left * (smooth_end.load - eta))) * smooth_end.form
+    )
 
 
 def _of_passed_end(span: Span, radius: float, panels: int) -> Array:
-    """Term 4 where the front passes what the smooth end of an earlier stroke left."""
+    """Matrix (4, 4) of term 4 of the work, over (alpha_P, alpha_Q, e_P, e_Q), where the front of
+    slip passes in a span what the smooth end of an earlier stroke, in the other direction, left.
+    """
     piece = span.active
     if piece is None or not flat(piece, -span.direction, span.friction):
         return np.zeros((4, 4))
-    end = _end_of_piece(piece, -span.direction, span.friction, radius)
-    if end is None:
+    smooth_end = _end_of_piece(piece, -span.direction, span.friction, radius)
+    if smooth_end is None:
         return np.zeros((4, 4))
     anchor = piece.anchor
-    eta, force = end.left(panels)
-    front_at_end = span.end.normal - float(span.slipped(span.end.time))
-    front_at_begin = span.begin.normal - float(span.slipped(span.begin.time))
-    is_passed = (eta < front_at_begin) & (eta >= front_at_end)
+    eta, force_left = smooth_end.left(panels)
+    edge_load_at_end = span.end.normal - float(span.slipped(span.end.time))
+    edge_load_at_begin = span.begin.normal - float(span.slipped(span.begin.time))
+    is_passed = (eta < edge_load_at_begin) & (eta >= edge_load_at_end)
     eta = eta[is_passed]
     slip_level = level(span.direction, span.friction)
-    at_begin = float(change_from(anchor, span.leg, slip_level, span.begin.time))
-    rise = level_on(piece, span.direction, span.friction, eta) - at_begin
-    time = span.leg.time_of(slip_level, rise, span.begin.time, span.end.time)
+    level_at_begin = float(change_from(anchor, span.leg, slip_level, span.begin.time))
+    level_rise = level_on(piece, span.direction, span.friction, eta) - level_at_begin
+    time = span.leg.time_of(slip_level, level_rise, span.begin.time, span.end.time)
     load = span.leg.loads(time)[0]
-    return np.asarray(span.friction * float(np.sum(force[is_passed] * (load - eta))) * end.form)
+    return np.asarray(
+        span.friction * float(np.sum(force_left[is_passed] * (load - eta))) * smooth_end.form
+    )
 
 
 # ------------------------------------------------------------------------------- where it holds
@@ -606,15 +641,15 @@ def _one_sided(span: Span, radius: float, modulus: float) -> Iterator[Array]:
         return  # at rest, or unloaded along the memory itself
     half_width = np.sqrt(4 * load * radius / (np.pi * modulus))
     senses = (span.direction,) if span.direction else (1, -1)
-    of_edges = half_width
+    edge_function = half_width
     if span.active is not None and span.direction:
         slipped = span.slipped(time)
-        ratio = np.sqrt(np.clip(1 - slipped / load, _LEAST_STICK**2, 1 - _SAME))
-        of_edges = half_width * np.sqrt(1 - ratio**2) / np.arccosh(1 / ratio)
-        distance = _front(span, span.active, time, slipped, radius).distance(radius)
-        yield distance / (half_width * (1 - ratio))[:, None]
+        width_ratio = np.sqrt(np.clip(1 - slipped / load, _LEAST_STICK**2, 1 - _SAME))
+        edge_function = half_width * np.sqrt(1 - width_ratio**2) / np.arccosh(1 / width_ratio)
+        centre_distance = _front(span, span.active, time, slipped, radius).distance(radius)
+        yield centre_distance / (half_width * (1 - width_ratio))[:, None]
     for sense in senses:
-        change = np.abs(span.leg.rate_of(level(sense, span.friction), time))
-        share = of_edges / np.maximum(change, np.finfo(float).tiny)
+        level_rate = np.abs(span.leg.rate_of(level(sense, span.friction), time))
+        ratio_to_slip = edge_function / np.maximum(level_rate, np.finfo(float).tiny)
         drive_rate = _drive(span.friction, sense, *rates)
-        yield np.pi * modulus / 2 * share[:, None] * drive_rate
+        yield np.pi * modulus / 2 * ratio_to_slip[:, None] * drive_rate
