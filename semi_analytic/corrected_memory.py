@@ -817,7 +817,7 @@ class PieceTable:
 
     def of_curves(self, curves: Indices) -> tuple[PieceTable, Indices]:
         """The pieces that some memory curves, given by their uppermost pieces (n,), consist of,
-        numbered anew; and the new numbers of those uppermost pieces (n,).
+        numbered again; and the new numbers of those uppermost pieces (n,).
         """
         is_needed = np.zeros(len(self.parent), dtype=bool)
         pieces = np.unique(curves)
