@@ -109,32 +109,38 @@ def maxima_of(e: Ellipses, contact: SymmetricContact) -> Array:
     sample above its neighbours.
     """
     if len(e.mean) > _MEMBERS:
-        firsts = range(0, len(e.mean), _MEMBERS)
-        parts = [maxima_of(e.take(slice(k, k + _MEMBERS)), contact) for k in firsts]
-        return np.concatenate(parts, axis=1)
+        block_starts = range(0, len(e.mean), _MEMBERS)
+        maxima_of_blocks = [
+            maxima_of(e.take(slice(k, k + _MEMBERS)), contact) for k in block_starts
+        ]
+        return np.concatenate(maxima_of_blocks, axis=1)
 
     def density(member: Indices, x: Array, every: int = 1) -> Array:
         forward, reverse = density_of(e.take(member), contact, x, every)
         return forward + reverse
 
-    members = len(e.mean)
+    n_members = len(e.mean)
     points = _points_of_search(e, contact)
     inner_points = points[:, 0]
     outer_points = points[:, -1]
     samples, is_spoilt = _samples(points, partial(density, every=2))
     member, x, work = samples
-    is_top = (work[1:-1] > work[:-2]) & (work[1:-1] >= work[2:])
-    number = np.flatnonzero(is_top) + 1
-    owner = member[number]
+    is_local_maximum = (work[1:-1] > work[:-2]) & (work[1:-1] >= work[2:])
+    maximum_numbers = np.flatnonzero(is_local_maximum) + 1
+    member_of_maximum = member[maximum_numbers]
     three_x, _ = _closer(
-        partial(density, every=2), owner, x[number + _THREE], work[number + _THREE], _NEARLY
+        partial(density, every=2),
+        member_of_maximum,
+        x[maximum_numbers + _THREE],
+        work[maximum_numbers + _THREE],
+        _NEARLY,
     )
-    three_works = np.stack([density(owner, row) for row in three_x])
-    three_x, three_works = _closer(density, owner, three_x, three_works, _KNOWN)
+    three_works = np.stack([density(member_of_maximum, row) for row in three_x])
+    three_x, three_works = _closer(density, member_of_maximum, three_x, three_works, _KNOWN)
     vertex = _parabola(three_x, three_works)
-    order = np.argsort(vertex.work, kind="stable")
-    best_candidate = np.full(members, -1)
-    best_candidate[owner[order]] = order
+    order_by_work = np.argsort(vertex.work, kind="stable")
+    best_candidate = np.full(n_members, -1)
+    best_candidate[member_of_maximum[order_by_work]] = order_by_work
 
     # Where d = P - P_c is small the last digits of P_x count for more. W(x) that is lost in them is
     # at most the product of p, 2 (u + v) and arccosh(|x|/c), which is 2 (u + v) d/(pi a).
@@ -150,34 +156,45 @@ def maxima_of(e: Ellipses, contact: SymmetricContact) -> Array:
         * deepest_load
         / np.where(inner_points > 0, inner_points, outer_points)
     )
-    value = np.where(is_spoilt, np.nan, 0.0)
-    error = np.where(is_spoilt, np.nan, error_without_slip)
-    place = np.full(members, np.nan)
-    second_value = np.full(members, np.nan)
-    second_place = np.full(members, np.nan)
+    peak_work = np.where(is_spoilt, np.nan, 0.0)
+    peak_error = np.where(is_spoilt, np.nan, error_without_slip)
+    peak_place = np.full(n_members, np.nan)
+    second_work = np.full(n_members, np.nan)
+    second_place = np.full(n_members, np.nan)
     slipping_members = np.flatnonzero((best_candidate >= 0) & ~is_spoilt)
-    maxima = best_candidate[slipping_members]
-    value[slipping_members] = vertex.work[maxima]
-    place[slipping_members] = vertex.place[maxima]
-    rules = np.stack(
-        [density(slipping_members, place[slipping_members], every) for every in (1, 2, 4)]
+    peak_numbers = best_candidate[slipping_members]
+    peak_work[slipping_members] = vertex.work[peak_numbers]
+    peak_place[slipping_members] = vertex.place[peak_numbers]
+    works_by_rules = np.stack(
+        [density(slipping_members, peak_place[slipping_members], every) for every in (1, 2, 4)]
     )
-    error_of_rule = quadrature_error(rules, rules[0]) + relative_error[slipping_members]
-    error[slipping_members] = vertex.rise[maxima] + vertex.work[maxima] * error_of_rule
+    relative_rule_error = (
+        quadrature_error(works_by_rules, works_by_rules[0]) + relative_error[slipping_members]
+    )
+    peak_error[slipping_members] = (
+        vertex.rise[peak_numbers] + vertex.work[peak_numbers] * relative_rule_error
+    )
 
     # Other maxima count where W falls in between, and not by its last digits only.
-    ends = np.sort(np.stack([number, number[best_candidate[owner]]]), axis=0)
-    least_between = np.minimum.reduceat(work, ends.T.ravel())[::2] if len(number) else work
-    fall = np.maximum(_DISTINCT * value, 2 * error)
-    is_other = order != best_candidate[owner[order]]
-    is_distinct = least_between[order] < vertex.work[order] - fall[owner[order]]
-    seconds = order[is_other & is_distinct]
-    second_value[owner[seconds]] = vertex.work[seconds]
-    second_place[owner[seconds]] = vertex.place[seconds]
-    fraction = (place - inner_points) / np.where(
+    ends_of_gaps = np.sort(
+        np.stack([maximum_numbers, maximum_numbers[best_candidate[member_of_maximum]]]), axis=0
+    )
+    least_between = (
+        np.minimum.reduceat(work, ends_of_gaps.T.ravel())[::2] if len(maximum_numbers) else work
+    )
+    least_fall = np.maximum(_DISTINCT * peak_work, 2 * peak_error)
+    is_no_peak = order_by_work != best_candidate[member_of_maximum[order_by_work]]
+    is_distinct = (
+        least_between[order_by_work]
+        < vertex.work[order_by_work] - least_fall[member_of_maximum[order_by_work]]
+    )
+    second_numbers = order_by_work[is_no_peak & is_distinct]
+    second_work[member_of_maximum[second_numbers]] = vertex.work[second_numbers]
+    second_place[member_of_maximum[second_numbers]] = vertex.place[second_numbers]
+    place_fraction = (peak_place - inner_points) / np.where(
         outer_points > inner_points, outer_points - inner_points, 1.0
     )
-    return np.stack([value, second_value, error, place, second_place, fraction])
+    return np.stack([peak_work, second_work, peak_error, peak_place, second_place, place_fraction])
 
 
 class _Samples(NamedTuple):
@@ -191,35 +208,35 @@ class _Samples(NamedTuple):
 def _samples(
     points: Array, density: Callable[[Indices, Array], Array]
 ) -> tuple[_Samples, NDArray[np.bool_]]:
-    """Samples at points (m, n) and where W is nearly level; whether W of a member (m,) is not known
-    somewhere.
+    """W at points (m, n) of members, and at more points where W is nearly level; and whether W of a
+    member (m,) is not known at some point. `density`(member numbers, x) gives W.
     """
-    length = points[:, -1] - points[:, 0]
-    is_new = np.diff(points, axis=1, prepend=-np.inf) > _ALIKE * length[:, None]
+    widths_of_zones = points[:, -1] - points[:, 0]
+    is_new = np.diff(points, axis=1, prepend=-np.inf) > _ALIKE * widths_of_zones[:, None]
     member = np.nonzero(is_new)[0]
     x = points[is_new]
     work = density(member, x)
     is_spoilt = np.bincount(member, np.isnan(work), len(points)) > 0
     # Nothing is dissipated at the ends of the slip zone: no maximum is there, and members next to
     # each other stay apart.
-    begin = np.flatnonzero(np.diff(member, prepend=-1))
-    end = np.append(begin[1:], len(x)) - 1
-    work[begin] = 0.0
-    work[end] = 0.0
+    first_numbers = np.flatnonzero(np.diff(member, prepend=-1))
+    last_numbers = np.append(first_numbers[1:], len(x)) - 1
+    work[first_numbers] = 0.0
+    work[last_numbers] = 0.0
     # Samples are put closer where W is nearly level, lest one of two maxima next to each other is
     # missed.
-    scale = (_LEVEL * np.maximum.reduceat(work, begin))[member[:-1]]
-    is_high = (work[:-1] > scale) & (work[1:] > scale)
-    is_level = (np.abs(np.diff(work)) < scale) & is_high
-    is_wide = np.diff(x) > _LEVEL * length[member[:-1]]
-    gaps = np.flatnonzero(is_level & is_wide)
-    new_x = (x[gaps] + np.diff(x)[gaps] * _CLOSER[:, None]).ravel()
-    new_member = np.tile(member[gaps], len(_CLOSER))
+    level_scale = (_LEVEL * np.maximum.reduceat(work, first_numbers))[member[:-1]]
+    is_high = (work[:-1] > level_scale) & (work[1:] > level_scale)
+    is_level = (np.abs(np.diff(work)) < level_scale) & is_high
+    is_wide = np.diff(x) > _LEVEL * widths_of_zones[member[:-1]]
+    level_gaps = np.flatnonzero(is_level & is_wide)
+    new_x = (x[level_gaps] + np.diff(x)[level_gaps] * _CLOSER[:, None]).ravel()
+    new_member = np.tile(member[level_gaps], len(_CLOSER))
     work = np.concatenate([work, density(new_member, new_x)])
     member = np.concatenate([member, new_member])
     x = np.concatenate([x, new_x])
-    order = np.lexsort((x, member))
-    return _Samples(member[order], x[order], work[order]), is_spoilt
+    order_by_member = np.lexsort((x, member))
+    return _Samples(member[order_by_member], x[order_by_member], work[order_by_member]), is_spoilt
 
 
 def _points_of_search(e: Ellipses, contact: SymmetricContact) -> Array:
@@ -228,78 +245,93 @@ def _points_of_search(e: Ellipses, contact: SymmetricContact) -> Array:
     """
     least_load = e.mean - e.amplitude
     largest_load = e.mean + e.amplitude
-    cosines = (e.cosine, np.cos(e.start + e.turn), -e.cosine, np.cos(e.start - e.turn))
-    event_loads = [e.load(cosine) for cosine in cosines]
+    event_cosines = (e.cosine, np.cos(e.start + e.turn), -e.cosine, np.cos(e.start - e.turn))
+    event_loads = [e.load(cosine) for cosine in event_cosines]
     corners = np.clip(contact.break_loads[:, None], e.permanent, largest_load)
     loads = np.stack([e.permanent, least_load, *event_loads, *corners, largest_load])
     loads = np.clip(loads, e.permanent, largest_load)
-    least_in_slip_zone = loads[1:2]
-    ends = contact.half_width(np.sort(loads, axis=0))
+    clipped_least_load = loads[1:2]
+    half_widths = contact.half_width(np.sort(loads, axis=0))
     few_corners = len(corners) <= _FEW
-    shares = _INSIDE if few_corners else _INSIDE[_FEW_INSIDE]
-    inner_points = ends[:-1] + np.diff(ends, axis=0) * shares[:, None, None]
-    kink_loads = least_in_slip_zone
+    shares_of_pieces = _INSIDE if few_corners else _INSIDE[_FEW_INSIDE]
+    inner_points = half_widths[:-1] + np.diff(half_widths, axis=0) * shares_of_pieces[:, None, None]
+    kink_loads = clipped_least_load
     if few_corners:
-        kink_loads = np.concatenate([least_in_slip_zone, corners])
-    kinks = contact.half_width(kink_loads)
-    distance_to_kink = np.minimum(kinks - ends[0], ends[-1] - kinks) * _BESIDE_KINK[:, None, None]
-    inside = [
-        part.reshape(-1, len(least_load))
-        for part in (inner_points, kinks - distance_to_kink, kinks + distance_to_kink)
+        kink_loads = np.concatenate([clipped_least_load, corners])
+    kink_half_widths = contact.half_width(kink_loads)
+    distance_to_kink = (
+        np.minimum(kink_half_widths - half_widths[0], half_widths[-1] - kink_half_widths)
+        * _BESIDE_KINK[:, None, None]
+    )
+    point_groups = [
+        group.reshape(-1, len(least_load))
+        for group in (
+            inner_points,
+            kink_half_widths - distance_to_kink,
+            kink_half_widths + distance_to_kink,
+        )
     ]
-    return np.sort(np.concatenate([ends, *inside]), axis=0).T
+    return np.sort(np.concatenate([half_widths, *point_groups]), axis=0).T
 
 
 def _closer(
-    density: Callable[[Indices, Array], Array], member: Indices, x: Array, w: Array, known: float
+    density: Callable[[Indices, Array], Array],
+    member: Indices,
+    three_places: Array,
+    works_at_three: Array,
+    known_share: float,
 ) -> tuple[Array, Array]:
-    """Three points each about maxima of W, and W there, (3, n), from wider ones: so close that W
-    rises by a share `known` at most.
-
-    Round by round a parabola through the three says where the next ones go. Where that does not
-    take the bracket to half, they divide it evenly.
+    """Three places each about maxima of W, and W there, (3, n), from wider ones: so close that W
+    may rise by `known_share` of itself at most. Round by round a parabola through the three says
+    where the next ones go; where that does not take the bracket to half, they divide it evenly.
     """
-    x = x.copy()
-    w = w.copy()
-    waiting_members = np.arange(len(member))
+    three_places = three_places.copy()
+    works_at_three = works_at_three.copy()
+    open_numbers = np.arange(len(member))
     is_slow = np.zeros(len(member), dtype=bool)
     for _ in range(_ROUNDS):
-        vertex = _parabola(x[:, waiting_members], w[:, waiting_members])
-        is_rough = vertex.rise > known * np.abs(w[1, waiting_members])
-        waiting_members = waiting_members[is_rough]
-        if not len(waiting_members):
+        vertex = _parabola(three_places[:, open_numbers], works_at_three[:, open_numbers])
+        is_rough = vertex.rise > known_share * np.abs(works_at_three[1, open_numbers])
+        open_numbers = open_numbers[is_rough]
+        if not len(open_numbers):
             break
-        bracket = x[:, waiting_members]
-        length = bracket[2] - bracket[0]
-        by_parabola = _next_points(bracket, vertex.place[is_rough])
-        evenly = bracket[0] + length * _EVENLY[:, None]
-        added = np.where(is_slow[waiting_members], evenly, by_parabola)
-        added_works = [density(member[waiting_members], row) for row in added]
-        places = np.concatenate([bracket, added])
-        works = np.concatenate([w[:, waiting_members], added_works])
-        order = np.argsort(places, axis=0, kind="stable")
-        places = np.take_along_axis(places, order, 0)
-        works = np.take_along_axis(works, order, 0)
-        three = np.clip(np.argmax(works, axis=0), 1, len(works) - 2) + _THREE
-        x[:, waiting_members] = np.take_along_axis(places, three, 0)
-        w[:, waiting_members] = np.take_along_axis(works, three, 0)
-        is_slow[waiting_members] = x[2, waiting_members] - x[0, waiting_members] > length / 2
-    return x, w
+        bracket_places = three_places[:, open_numbers]
+        bracket_width = bracket_places[2] - bracket_places[0]
+        places_by_parabola = _next_points(bracket_places, vertex.place[is_rough])
+        even_places = bracket_places[0] + bracket_width * _EVENLY[:, None]
+        new_places = np.where(is_slow[open_numbers], even_places, places_by_parabola)
+        new_works = [density(member[open_numbers], row) for row in new_places]
+        places = np.concatenate([bracket_places, new_places])
+        works = np.concatenate([works_at_three[:, open_numbers], new_works])
+        ascending = np.argsort(places, axis=0, kind="stable")
+        places = np.take_along_axis(places, ascending, 0)
+        works = np.take_along_axis(works, ascending, 0)
+        numbers_of_three = np.clip(np.argmax(works, axis=0), 1, len(works) - 2) + _THREE
+        three_places[:, open_numbers] = np.take_along_axis(places, numbers_of_three, 0)
+        works_at_three[:, open_numbers] = np.take_along_axis(works, numbers_of_three, 0)
+        is_slow[open_numbers] = (
+            three_places[2, open_numbers] - three_places[0, open_numbers] > bracket_width / 2
+        )
+    return three_places, works_at_three
 
 
-def _next_points(bracket: Array, vertex: Array) -> Array:
+def _next_points(bracket: Array, vertex_place: Array) -> Array:
     """Three points (3, n) about the vertices of parabolas within brackets (3, n)."""
-    low, middle, high = bracket
-    length = high - low
-    vertex = np.clip(vertex, low + 0.02 * length, high - 0.02 * length)
-    step = np.clip(2 * np.abs(vertex - middle), 0.003 * length, 0.125 * length)
-    is_middle = np.abs(vertex - middle) < 0.1 * step
-    centre = np.where(is_middle, middle, vertex)
-    left_point = np.maximum(centre - step, (low + centre) / 2)
-    right_point = np.minimum(centre + step, (centre + high) / 2)
+    left_end, middle, right_end = bracket
+    bracket_width = right_end - left_end
+    vertex_place = np.clip(
+        vertex_place, left_end + 0.02 * bracket_width, right_end - 0.02 * bracket_width
+    )
+    half_step = np.clip(
+        2 * np.abs(vertex_place - middle), 0.003 * bracket_width, 0.125 * bracket_width
+    )
+    is_middle = np.abs(vertex_place - middle) < 0.1 * half_step
+    centre_place = np.where(is_middle, middle, vertex_place)
+    left_point = np.maximum(centre_place - half_step, (left_end + centre_place) / 2)
+    right_point = np.minimum(centre_place + half_step, (centre_place + right_end) / 2)
     # A vertex that is all but the middle point needs no work of its own: the third point goes
     # beyond.
-    trial_point = np.where(is_middle, (right_point + high) / 2, vertex)
+    trial_point = np.where(is_middle, (right_point + right_end) / 2, vertex_place)
     return np.stack([left_point, trial_point, right_point])
 
 
@@ -512,64 +544,69 @@ def dissipation(
     if effects is not None:
         works_of = partial(_works_with_effects, curvatures_of(effects))
         notes.extend(notes_of_batch(effects))
-    columns, reason = _columns(profile, material, loads, works_of, count=5, scaled=4)
+    columns, reason = _columns(profile, material, loads, works_of, n_results=5, n_scaled=4)
     value, forward, reverse, error, stick = columns
     return DissipationBatch(value, forward, reverse, stick, reason, error, notes=tuple(notes))
 
 
 def _works_of(members: Members) -> Array:
     """W, its forward and reverse part, its error and P_T, (5, m)."""
-    loops = members.ellipses
+    ellipses = members.ellipses
     kind = members.kind
     forward, reverse, error = works = np.empty((3, len(members.mirrored)))
     if kind in ("hertz", "power_law"):
-        works[:2] = works_by_lam(loops, quick_bracket, careful_bracket, _DEEP)
-        works[2] = lam_error(loops, works[0] + works[1], _DEEP, 1.0)
+        works[:2] = works_by_lam(ellipses, quick_bracket, careful_bracket, _DEEP)
+        works[2] = lam_error(ellipses, works[0] + works[1], _DEEP, 1.0)
         works /= members.parameters[0] if kind == "power_law" else 2
     elif kind == "flat_rounded":
         _, height, *_ = _UNITS[kind](*members.parameters)
-        works[:] = _works_on_table(loops, members.modulus * height)
+        works[:] = _works_on_table(ellipses, members.modulus * height)
     else:
         for group in members.groups():
-            of_group = dissipation_and_error(group.ellipses, group.contact)
-            works[:, group.members] = of_group * group.load_unit * group.load_unit
-    one_way = np.where(members.mirrored, reverse, forward)
-    other_way = np.where(members.mirrored, forward, reverse)
-    return np.stack([forward + reverse, one_way, other_way, error, loops.permanent])
+            works_of_group = dissipation_and_error(group.ellipses, group.contact)
+            works[:, group.members] = works_of_group * group.load_unit * group.load_unit
+    forward_as_asked = np.where(members.mirrored, reverse, forward)
+    reverse_as_asked = np.where(members.mirrored, forward, reverse)
+    return np.stack(
+        [forward + reverse, forward_as_asked, reverse_as_asked, error, ellipses.permanent]
+    )
 
 
-def _works_with_effects(bends: Curvatures, members: Members) -> Array:
-    """The same as `_works_of` with the curvatures of bodies: exact theory's plus what they change,
-    by one rule for both.
+def _works_with_effects(curvatures: Curvatures, members: Members) -> Array:
+    """W of each member with the curvatures of bodies, its forward and reverse part, its error and
+    the load of permanent stick, (5, m): exact theory's plus what the bodies change, by one rule for
+    both.
     """
     works = _works_of(members)
     for group in members.groups():
-        columns = LoadArrays(*(column[group.members, None] for column in members.loads))
+        columns_of_loads = LoadArrays(*(column[group.members, None] for column in members.loads))
         ones = np.ones((len(group.members), 1))
         loads = EllipseOfLoads(
-            mean_normal=columns.mean,
-            normal_amplitude=columns.amplitude,
-            mean_tangential=columns.force,
-            tangential_amplitude=columns.tangential,
-            phase=columns.phase,
-            friction=columns.friction,
+            mean_normal=columns_of_loads.mean,
+            normal_amplitude=columns_of_loads.amplitude,
+            mean_tangential=columns_of_loads.force,
+            tangential_amplitude=columns_of_loads.tangential,
+            phase=columns_of_loads.phase,
+            friction=columns_of_loads.friction,
         ).over(np.reshape(group.load_unit, (-1, 1)) * ones)
         # The contact of a group has E* = 1 in its units, that of a profile as such has its own.
         modulus = members.modulus if members.contact is not None else 1.0
-        area = np.reshape(np.square(group.length_unit), (-1, 1)) * ones
-        of_bodies = BendColumns.of(bends, members.modulus / modulus * area)
-        of_half_planes = BendColumns.of(Curvatures(), ones)
-        works_of_half_planes = works_of_ellipses(loads, of_half_planes, group.contact, modulus)
-        works_of_bodies = works_of_ellipses(loads, of_bodies, group.contact, modulus)
+        squared_length_unit = np.reshape(np.square(group.length_unit), (-1, 1)) * ones
+        curvatures_of_bodies = BendColumns.of(
+            curvatures, members.modulus / modulus * squared_length_unit
+        )
+        no_curvatures = BendColumns.of(Curvatures(), ones)
+        works_of_half_planes = works_of_ellipses(loads, no_curvatures, group.contact, modulus)
+        works_of_bodies = works_of_ellipses(loads, curvatures_of_bodies, group.contact, modulus)
         work_unit = np.square(group.load_unit / members.loads.friction[group.members])
-        forward = work_unit * (works_of_bodies.forward - works_of_half_planes.forward)
-        reverse = work_unit * (works_of_bodies.reverse - works_of_half_planes.reverse)
-        by_rule = work_unit * (works_of_half_planes.forward + works_of_half_planes.reverse)
-        error = np.abs(by_rule - works[0, group.members])
-        works[0, group.members] += forward + reverse
-        works[1, group.members] += forward
-        works[2, group.members] += reverse
-        works[3, group.members] += _OF_RULE * error
+        forward_change = work_unit * (works_of_bodies.forward - works_of_half_planes.forward)
+        reverse_change = work_unit * (works_of_bodies.reverse - works_of_half_planes.reverse)
+        works_by_rule = work_unit * (works_of_half_planes.forward + works_of_half_planes.reverse)
+        rule_error = np.abs(works_by_rule - works[0, group.members])
+        works[0, group.members] += forward_change + reverse_change
+        works[1, group.members] += forward_change
+        works[2, group.members] += reverse_change
+        works[3, group.members] += _OF_RULE * rule_error
         works[4, group.members] = group.load_unit * group.contact.load(works_of_bodies.stick)
     return works
 
@@ -619,7 +656,7 @@ def peak_dissipation(
         friction_coefficient,
     )
     material = _of_both(material)
-    columns, reason = _columns(profile, material, loads, _maxima_of, count=6, scaled=3)
+    columns, reason = _columns(profile, material, loads, _maxima_of, n_results=6, n_scaled=3)
     value, second_value, error, place, second_place, fraction = columns
     notes = tuple(neglected_coupling(material))
     return PeakBatch(value, place, fraction, reason, second_value, second_place, error, notes=notes)
@@ -752,11 +789,11 @@ def _columns(
     material: Materials,
     loads: EllipseLoads,
     results_of: Callable[[Members], Array],
-    count: int,
-    scaled: int,
+    n_results: int,
+    n_scaled: int,
 ) -> tuple[list[Array], NDArray[np.int8]]:
-    """`count` results of each member, NaN where there are none, and its reason, in the broadcast
-    shape and read-only.
+    """Results of each member of a batch, `n_results` arrays, NaN where there are none, and the
+    reason why; in the broadcast shape and read-only.
 
     Parameters
     ----------
@@ -774,28 +811,28 @@ def _columns(
     material = validated(material, Materials)
     profile = validated(profile, Frozen) if isinstance(profile, Frozen) else profile
     kind, parameters = _parameters_of(profile)
-    arrays = [real_numbers(value, name) for name, value in zip(_LOADS, loads, strict=True)]
-    arrays += [real_numbers(value, f"profile: {name}") for name, value in parameters.items()]
+    arguments = [real_numbers(value, name) for name, value in zip(_LOADS, loads, strict=True)]
+    arguments += [real_numbers(value, f"profile: {name}") for name, value in parameters.items()]
     try:
-        shape = np.broadcast_shapes(*(array.shape for array in arrays))
+        shape = np.broadcast_shapes(*(array.shape for array in arguments))
     except ValueError as reason:
         raise InputError(f"the arrays of a batch must broadcast: {reason}") from reason
     batch = _Batch(kind, material, profile)
-    total = math.prod(shape)
-    columns = np.full((count, total), np.nan)
-    reasons = np.zeros(total, dtype=np.int8)
-    for first_member in range(0, total, _BLOCK):
-        member_beyond = min(first_member + _BLOCK, total)
-        parts = [_part(array, shape, first_member, member_beyond) for array in arrays]
-        code, good, members, friction = batch.members_of(
-            LoadArrays(*parts[: len(loads)]), parts[len(loads) :]
+    n_members = math.prod(shape)
+    columns = np.full((n_results, n_members), np.nan)
+    reasons = np.zeros(n_members, dtype=np.int8)
+    for first_member in range(0, n_members, _BLOCK):
+        member_beyond = min(first_member + _BLOCK, n_members)
+        arrays_of_block = [_part(array, shape, first_member, member_beyond) for array in arguments]
+        reasons_of_block, good_numbers, members, friction = batch.members_of(
+            LoadArrays(*arrays_of_block[: len(loads)]), arrays_of_block[len(loads) :]
         )
-        if len(good):
-            of_members = results_of(members)
-            of_members[:scaled] *= 2 / (math.pi * batch.modulus) * friction**2
-            columns[:, first_member + good] = of_members
-            code[good[~np.isfinite(of_members[0])]] = Reason.UNSETTLED
-        reasons[first_member:member_beyond] = code
+        if len(good_numbers):
+            results_of_block = results_of(members)
+            results_of_block[:n_scaled] *= 2 / (math.pi * batch.modulus) * friction**2
+            columns[:, first_member + good_numbers] = results_of_block
+            reasons_of_block[good_numbers[~np.isfinite(results_of_block[0])]] = Reason.UNSETTLED
+        reasons[first_member:member_beyond] = reasons_of_block
     columns.flags.writeable = False
     reasons.flags.writeable = False
     return [column.reshape(shape) for column in columns], reasons.reshape(shape)
@@ -834,32 +871,32 @@ class _Batch:
         friction = np.where(loads.friction > 0, loads.friction, 1.0)
         with np.errstate(over="ignore", invalid="ignore"):
             # Q1/f beyond all bounds slides.
-            loops = ellipses_of(
+            ellipses = ellipses_of(
                 loads.mean, loads.amplitude, loads.tangential, loads.phase, friction
             )
         is_mirrored = np.tan(loads.phase / 2) < 0
-        force = np.where(is_mirrored, -loads.force, loads.force)
-        code = _reasons(loops, force, loads.tangential, loads.friction)
+        mean_force = np.where(is_mirrored, -loads.force, loads.force)
+        reason_codes = _reasons(ellipses, mean_force, loads.tangential, loads.friction)
         is_too_large = loads.mean + loads.amplitude > self.largest_load
-        code[(code == Reason.NONE) & is_too_large] = Reason.EXTENT
-        code[is_invalid] = Reason.INVALID
-        good = np.flatnonzero(code == Reason.NONE)
-        if 0 < len(good) < len(code):
-            loops = loops.take(good)
-            is_mirrored = is_mirrored[good]
-            friction = friction[good]
-            parameters = [column[good] for column in parameters]
-            loads = LoadArrays(*(column[good] for column in loads))
+        reason_codes[(reason_codes == Reason.NONE) & is_too_large] = Reason.EXTENT
+        reason_codes[is_invalid] = Reason.INVALID
+        good_numbers = np.flatnonzero(reason_codes == Reason.NONE)
+        if 0 < len(good_numbers) < len(reason_codes):
+            ellipses = ellipses.take(good_numbers)
+            is_mirrored = is_mirrored[good_numbers]
+            friction = friction[good_numbers]
+            parameters = [column[good_numbers] for column in parameters]
+            loads = LoadArrays(*(column[good_numbers] for column in loads))
         members = Members(
             self.kind,
             parameters,
             self.contact,
             self.modulus,
-            loops,
+            ellipses,
             is_mirrored,
             loads._replace(friction=friction),
         )
-        return code, good, members, friction
+        return reason_codes, good_numbers, members, friction
 
     def _invalid(self, loads: LoadArrays, parameters: list[Array]) -> NDArray[np.bool_]:
         """Members (m,) whose numbers are none that can be used."""
@@ -1009,15 +1046,17 @@ def _by_shape(
     with np.errstate(all="ignore"):
         length, height, *shape = _UNITS[kind](*parameters)
     if all(np.all(values == values[0]) for values in shape):
-        everybody = np.arange(len(length))
-        yield everybody, tuple(float(values[0]) for values in shape), length, height
+        all_members = np.arange(len(length))
+        yield all_members, tuple(float(values[0]) for values in shape), length, height
         return
-    rows, fold = np.unique(np.stack(shape, axis=1), axis=0, return_inverse=True)
-    number = fold.reshape(-1)
-    order = np.argsort(number, kind="stable")
-    ends = np.cumsum(np.bincount(number, minlength=len(rows)))
-    for row, members in zip(rows.tolist(), np.split(order, ends[:-1]), strict=True):
-        yield members, tuple(row), length[members], height[members]
+    shapes, shape_of_member = np.unique(np.stack(shape, axis=1), axis=0, return_inverse=True)
+    shape_number = shape_of_member.reshape(-1)
+    order_by_shape = np.argsort(shape_number, kind="stable")
+    ends_of_shapes = np.cumsum(np.bincount(shape_number, minlength=len(shapes)))
+    for unlike_shape, members in zip(
+        shapes.tolist(), np.split(order_by_shape, ends_of_shapes[:-1]), strict=True
+    ):
+        yield members, tuple(unlike_shape), length[members], height[members]
 
 
 @lru_cache(maxsize=512)
@@ -1033,17 +1072,19 @@ def _invalid_shapes(kind: str, parameters: list[Array]) -> NDArray[np.bool_]:
         bounds = (1.0, _LEAST, _LEAST)
     elif kind == "polynomial":
         bounds = (_LEAST, *[-LARGEST] * (len(parameters) - 1))
-    in_range = [
+    is_in_range = [
         (values >= bound) & (values <= LARGEST)
         for values, bound in zip(parameters, bounds, strict=True)
     ]
-    is_invalid = ~np.logical_and.reduce(in_range)
-    valid = np.flatnonzero(~is_invalid)
-    if kind in ("polynomial", "compound") and len(valid):
+    is_invalid = ~np.logical_and.reduce(is_in_range)
+    valid_numbers = np.flatnonzero(~is_invalid)
+    if kind in ("polynomial", "compound") and len(valid_numbers):
         # By the rules of the profile, and by those of one contact.
-        for members, shape, _, _ in _by_shape(kind, [values[valid] for values in parameters]):
+        for members, shape, _, _ in _by_shape(
+            kind, [values[valid_numbers] for values in parameters]
+        ):
             try:
                 _contact(kind, shape)
             except InputError:
-                is_invalid[valid[members]] = True
+                is_invalid[valid_numbers[members]] = True
     return is_invalid

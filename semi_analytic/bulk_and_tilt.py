@@ -121,8 +121,8 @@ def strain_of(materials: Materials) -> tuple[float, float]:
 
 
 def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
-    """The scene's path, or `path`, where its memory is one curve: alpha = alpha_0 + kappa P, eps =
-    eps_0 + kappa Q, nested.
+    """The load path of a scene, or `path`, with bulk strain eps and tilt alpha as a family with one
+    memory curve: where alpha = alpha_0 + kappa P, eps = eps_0 + kappa Q, and contacts are nested.
 
     At constant P large bulk strain is one as well, and bulk strain alone, as long as the stick
     zones recede at both ends: see `opposite_slip`.
@@ -139,77 +139,97 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
     path = path or scene.load.path()
     profile = scene.profile
     legs = (*path.initial_loading, *path.cycle)
-    shape = convex_profile(profile)
+    convex_shape = convex_profile(profile)
     compliance = 2 / composite_modulus(scene.material)
-    datum = profile.datum_length
+    datum_length = profile.datum_length
     friction = scene.friction.coefficient
-    strain = strain_of(scene.material)
-    upright_profile = TiltedProfile(NestedIntervals(shape, compliance, 0.0, 0.0, math.inf), datum)
+    strain_per_stress = strain_of(scene.material)
+    upright_profile = TiltedProfile(
+        NestedIntervals(convex_shape, compliance, 0.0, 0.0, math.inf), datum_length
+    )
     samples = [
-        _sampled(leg, upright_profile if path.moment_given else None, strain) for leg in legs
+        _sampled(leg, upright_profile if path.moment_given else None, strain_per_stress)
+        for leg in legs
     ]
-    sizes = LoadSizes.of(np.concatenate(samples, axis=1), shape, compliance, friction)
+    load_sizes = LoadSizes.of(np.concatenate(samples, axis=1), convex_shape, compliance, friction)
     loading_count = len(path.initial_loading)
     leg_of_first_shear = 0  # leg of the first shear
-    while leg_of_first_shear < loading_count and _presses_only(samples[leg_of_first_shear], sizes):
+    while leg_of_first_shear < loading_count and _presses_only(
+        samples[leg_of_first_shear], load_sizes
+    ):
         leg_of_first_shear += 1
     p, q, eps, alpha = np.concatenate(samples[leg_of_first_shear:] or [samples[-1][:, -1:]], axis=1)
-    has_tilt = np.isfinite(alpha)
+    has_tilt_value = np.isfinite(alpha)
     largest_load = float(np.max(p))
     neglected: dict[str, float] = {}
     # At constant P the stick zones of a parabola are nested where contacts are not.
-    is_parabola = shape.radius is not None
+    is_parabola = convex_shape.radius is not None
     may_slip_apart = is_parabola and friction > 0 and np.ptp(p) <= _ROUNDING * largest_load
     first_strain = float(eps[0])
-    strain_changes = np.ptp(eps) > sizes.strain_rounding
-    has_shear_force = np.max(np.abs(q)) > sizes.shear_rounding
-    strain_alone = may_slip_apart and strain_changes and not has_shear_force
-    if strain_alone:
+    strain_changes = np.ptp(eps) > load_sizes.strain_rounding
+    has_shear_force = np.max(np.abs(q)) > load_sizes.shear_rounding
+    is_strain_alone = may_slip_apart and strain_changes and not has_shear_force
+    if is_strain_alone:
         # A load in proportion to the bulk strain, of half f P at most, takes the place of Q.
         if np.any(q):
             neglected["tangential load"] = float(np.max(np.abs(q))) / (friction * largest_load)
         largest_change = float(np.max(np.abs(eps - first_strain)))
         q = (eps - first_strain) * (friction * largest_load / 2 / largest_change)
-    if np.ptp(q) > sizes.shear_rounding:
-        slope = _slope_of(q, eps, sizes.strain_rounding)
+    if np.ptp(q) > load_sizes.shear_rounding:
+        slope_over_loads = _slope_of(q, eps, load_sizes.strain_rounding)
     else:
-        slope = _slope_of(p[has_tilt], alpha[has_tilt], sizes.tilt_rounding)
-    tilt = float(np.mean(alpha[has_tilt] - slope * p[has_tilt])) if np.any(has_tilt) else 0.0
-    strain_deviation = float(np.ptp(eps - slope * q))
-    tilt_deviations = np.abs(alpha[has_tilt] - tilt - slope * p[has_tilt])
+        slope_over_loads = _slope_of(
+            p[has_tilt_value], alpha[has_tilt_value], load_sizes.tilt_rounding
+        )
+    tilt_without_load = (
+        float(np.mean(alpha[has_tilt_value] - slope_over_loads * p[has_tilt_value]))
+        if np.any(has_tilt_value)
+        else 0.0
+    )
+    strain_deviation = float(np.ptp(eps - slope_over_loads * q))
+    tilt_deviations = np.abs(
+        alpha[has_tilt_value] - tilt_without_load - slope_over_loads * p[has_tilt_value]
+    )
     tilt_deviation = float(np.max(tilt_deviations, initial=0.0))
-    if strain_deviation > sizes.strain_rounding + _ROUNDING * abs(slope) * np.max(np.abs(q)):
+    if strain_deviation > load_sizes.strain_rounding + _ROUNDING * abs(slope_over_loads) * np.max(
+        np.abs(q)
+    ):
         return None
-    if tilt_deviation > sizes.tilt_rounding + _ROUNDING * abs(slope) * np.max(p):
+    if tilt_deviation > load_sizes.tilt_rounding + _ROUNDING * abs(slope_over_loads) * np.max(p):
         return None
     # What is the last digits of a load itself is no load that was left out.
     if strain_deviation > _ROUNDING * np.max(np.abs(eps)):
-        neglected["bulk stress"] = strain_deviation / sizes.strain
-    if tilt_deviation > _ROUNDING * np.max(np.abs(alpha[has_tilt])):
-        neglected["tilt"] = tilt_deviation / sizes.tilt
-    contact = TiltedProfile(NestedIntervals(shape, compliance, tilt, slope, largest_load), datum)
-    if strain_alone or not contact.is_nested(largest_load):
+        neglected["bulk stress"] = strain_deviation / load_sizes.strain
+    if tilt_deviation > _ROUNDING * np.max(np.abs(alpha[has_tilt_value])):
+        neglected["tilt"] = tilt_deviation / load_sizes.tilt
+    contact = TiltedProfile(
+        NestedIntervals(
+            convex_shape, compliance, tilt_without_load, slope_over_loads, largest_load
+        ),
+        datum_length,
+    )
+    if is_strain_alone or not contact.is_nested(largest_load):
         if not may_slip_apart:
             return None
         contact = OppositeSlip(
             contact.intervals,
-            datum,
+            datum_length,
             friction=friction,
             reach=float(np.max(np.abs(q))),
-            share=0.0 if strain_alone else 1.0,
+            share=0.0 if is_strain_alone else 1.0,
         )
         try:
             if not contact.is_nested(largest_load):
                 return None
         except (ArithmeticError, Unresolved):
             return None
-    legs_of_p_and_q = [replace(leg, bulk=None, turning=None) for leg in legs]
-    if strain_alone:
-        for number in range(leg_of_first_shear, len(legs)):
-            leg = _driven(legs[number], strain, first_strain, slope)
-            if leg is None:
-                return None
-            legs_of_p_and_q[number] = leg
+    first_driven_leg = leg_of_first_shear if is_strain_alone else len(legs)
+    legs_of_p_and_q = [replace(leg, bulk=None, turning=None) for leg in legs[:first_driven_leg]]
+    for leg in legs[first_driven_leg:]:
+        leg_of_strain = _driven(leg, strain_per_stress, first_strain, slope_over_loads)
+        if leg_of_strain is None:
+            return None
+        legs_of_p_and_q.append(leg_of_strain)
     return OneCurve(
         contact=contact,
         path=LoadPath(
@@ -256,20 +276,20 @@ class LoadSizes:
         """Of P, Q, eps and alpha (4, n)."""
         p, q, eps, alpha = samples
         has_tilt = np.isfinite(alpha)
-        at_largest_load = int(np.argmax(p))
-        largest_load = float(p[at_largest_load])
-        tilt_there = alpha[at_largest_load] if has_tilt[at_largest_load] else 0.0
+        number_of_largest = int(np.argmax(p))
+        largest_load = float(p[number_of_largest])
+        tilt_there = alpha[number_of_largest] if has_tilt[number_of_largest] else 0.0
         half_width = float(shape.contact(compliance * largest_load, tilt_there)[1])
-        tilt = 0.0
+        lifting_tilt = 0.0
         if half_width > 0:
-            tilt = compliance * largest_load / (math.pi * half_width)
-        strain = friction * tilt
+            lifting_tilt = compliance * largest_load / (math.pi * half_width)
+        slipping_strain = friction * lifting_tilt
         largest_tilt = float(np.max(np.abs(alpha), where=has_tilt, initial=0.0))
         return cls(
-            strain=strain,
-            tilt=tilt,
-            strain_rounding=_ROUNDING * max(float(np.max(np.abs(eps))), strain),
-            tilt_rounding=_ROUNDING * max(largest_tilt, tilt),
+            strain=slipping_strain,
+            tilt=lifting_tilt,
+            strain_rounding=_ROUNDING * max(float(np.max(np.abs(eps))), slipping_strain),
+            tilt_rounding=_ROUNDING * max(largest_tilt, lifting_tilt),
             shear_rounding=_ROUNDING * max(float(np.max(np.abs(q))), friction * largest_load),
         )
 
@@ -282,9 +302,9 @@ def cycle_samples(scene: Scene) -> Array:
     upright_profile = None
     if path.moment_given:
         shape = convex_profile(scene.profile)
-        product = 2 / composite_modulus(scene.material)
+        unit_compliance = 2 / composite_modulus(scene.material)
         upright_profile = TiltedProfile(
-            NestedIntervals(shape, product, 0.0, 0.0, math.inf), scene.profile.datum_length
+            NestedIntervals(shape, unit_compliance, 0.0, 0.0, math.inf), scene.profile.datum_length
         )
     return np.concatenate(
         [_sampled(leg, upright_profile, strain_of(scene.material)) for leg in path.cycle], axis=1
@@ -306,31 +326,42 @@ def steady_curve(scene: Scene) -> OneCurve | None:
     _, forces, strains, _ = np.concatenate(
         [_sampled(replace(leg, turning=None), None, strain) for leg in path.cycle], axis=1
     )
-    begin = path.start
-    end = path.cycle_start
-    middle = (begin + end) / 2
+    path_start = path.start
+    cycle_start = path.cycle_start
+    middle_time = (path_start + cycle_start) / 2
     first_leg = path.cycle[0]
-    p, q = map(float, first_leg.loads(end))
-    pressing = StraightSegment(begin, middle, (0.0, 0.0), (p, 0.0))
-    shearing = StraightSegment(middle, end, (p, 0.0), (p, q))
+    load_at_cycle_start, force_at_cycle_start = map(float, first_leg.loads(cycle_start))
+    pressing = StraightSegment(path_start, middle_time, (0.0, 0.0), (load_at_cycle_start, 0.0))
+    shearing = StraightSegment(
+        middle_time,
+        cycle_start,
+        (load_at_cycle_start, 0.0),
+        (load_at_cycle_start, force_at_cycle_start),
+    )
     if first_leg.bulk is not None:
-        stress_of_lower, stress_of_upper = map(float, first_leg.bulk.loads(end))
-        lower_before = stress_of_lower - _slope_of(forces, strains) * q / strain[0]
-        stresses_before = (lower_before, stress_of_upper)
+        stress_of_lower, stress_of_upper = map(float, first_leg.bulk.loads(cycle_start))
+        stress_before = (
+            stress_of_lower - _slope_of(forces, strains) * force_at_cycle_start / strain[0]
+        )
+        stresses_before = (stress_before, stress_of_upper)
         pressing = replace(
-            pressing, bulk=StraightSegment(begin, middle, stresses_before, stresses_before)
+            pressing,
+            bulk=StraightSegment(path_start, middle_time, stresses_before, stresses_before),
         )
         shearing = replace(
             shearing,
-            bulk=StraightSegment(middle, end, stresses_before, (stress_of_lower, stress_of_upper)),
+            bulk=StraightSegment(
+                middle_time, cycle_start, stresses_before, (stress_of_lower, stress_of_upper)
+            ),
         )
     if first_leg.turning is not None:
-        tilt, moment = map(float, first_leg.turning.loads(end))
+        tilt, moment = map(float, first_leg.turning.loads(cycle_start))
         pressing = replace(
-            pressing, turning=StraightSegment(begin, middle, (0.0, 0.0), (tilt, moment))
+            pressing, turning=StraightSegment(path_start, middle_time, (0.0, 0.0), (tilt, moment))
         )
         shearing = replace(
-            shearing, turning=StraightSegment(middle, end, (tilt, moment), (tilt, moment))
+            shearing,
+            turning=StraightSegment(middle_time, cycle_start, (tilt, moment), (tilt, moment)),
         )
     return one_curve(scene, LoadPath((pressing, shearing), path.cycle, path.moment_given))
 
@@ -348,8 +379,10 @@ def _driven(
     normal_load = float(leg.loads(leg.start)[0])
     bulk = leg.bulk
     if bulk is None:
-        load = load_of((0.0, 0.0))
-        return StraightSegment(leg.start, leg.end, (normal_load, load), (normal_load, load))
+        force_by_strain = load_of((0.0, 0.0))
+        return StraightSegment(
+            leg.start, leg.end, (normal_load, force_by_strain), (normal_load, force_by_strain)
+        )
     if bulk.is_straight:
         first_load = load_of([float(stress) for stress in bulk.loads(leg.start)])
         last_load = load_of([float(stress) for stress in bulk.loads(leg.end)])
@@ -359,8 +392,8 @@ def _driven(
     if not isinstance(bulk, HarmonicSegment):
         return None
     phasors = np.zeros((2, max(len(bulk.normal), len(bulk.tangential))), dtype=complex)
-    for row, waves in zip(phasors, (bulk.normal, bulk.tangential), strict=True):
-        row[: len(waves)] = [size * cmath.exp(-1j * phase) for size, phase in waves]
+    for phasors_of_body, waves in zip(phasors, (bulk.normal, bulk.tangential), strict=True):
+        phasors_of_body[: len(waves)] = [size * cmath.exp(-1j * phase) for size, phase in waves]
     load_phasors = (np.array(strain) @ phasors / slope).tolist()
     return HarmonicSegment(
         leg.start,
@@ -420,12 +453,14 @@ def eccentricity(scene: Scene) -> Eccentricity | None:
         half_width = float(contact_of(profile, scene.material).half_width(largest_load))
     else:
         half_width = float(convex_profile(profile).contact(2 / modulus * largest_load, 0.0)[1])
-    strain = float(np.ptp(eps)) / 2
-    force = float(np.ptp(q)) / 2
-    value = math.nan
+    strain_amplitude = float(np.ptp(eps)) / 2
+    force_amplitude = float(np.ptp(q)) / 2
+    stick_eccentricity = math.nan
     if isinstance(profile, Hertz) and friction > 0:
-        value = strain * profile.radius / (friction * half_width)
-    return Eccentricity(value, strain, 2 * force / (math.pi * modulus * half_width))
+        stick_eccentricity = strain_amplitude * profile.radius / (friction * half_width)
+    return Eccentricity(
+        stick_eccentricity, strain_amplitude, 2 * force_amplitude / (math.pi * modulus * half_width)
+    )
 
 
 def followed_path(scene: Scene) -> LoadPath:
@@ -507,12 +542,12 @@ class PathLoads:
         if leg.turning is not None:
             turning_points += leg.turning.turning_points(NORMAL_LOAD)
             turning_points += leg.turning.turning_points(TANGENTIAL_LOAD)
-        turns = [leg.end]
+        different_times = [leg.end]
         for time in turning_points:
-            distance = min(abs(time - turn) for turn in turns)
+            distance = min(abs(time - turn) for turn in different_times)
             if distance > 1e-6 * (leg.end - leg.start):
-                turns.append(time)
-        return turns
+                different_times.append(time)
+        return different_times
 
 
 def _presses_only(samples: Array, sizes: LoadSizes) -> bool:
@@ -530,9 +565,9 @@ def _sampled(
     `upright_profile` is the contact where the moment is stated.
     """
     parts = [part for part in (leg, leg.bulk, leg.turning) if part is not None]
-    turns = max(part.most_turns for part in parts)
-    count = 3 if all(part.is_straight for part in parts) else _SAMPLES + 2 * turns
-    spread_times = leg.start + (leg.end - leg.start) * np.linspace(0, 1, count)
+    most_turns = max(part.most_turns for part in parts)
+    n_instants = 3 if all(part.is_straight for part in parts) else _SAMPLES + 2 * most_turns
+    spread_times = leg.start + (leg.end - leg.start) * np.linspace(0, 1, n_instants)
     # The turning points too: the extreme loads and strains are among them.
     turning_times = leg.turning_points(NORMAL_LOAD) + leg.turning_points(TANGENTIAL_LOAD)
     if leg.bulk is not None:

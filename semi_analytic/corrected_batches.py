@@ -171,47 +171,64 @@ def works_of_ellipses(
 def _works_of_some(
     loads: EllipseOfLoads, bends: BendColumns, contact: SymmetricContact, modulus: float
 ) -> Array:
-    def bounds(half_width: Array) -> Bounds:
+    """Forward and reverse part of pi/A W and the half-width of permanent stick of ellipses (m, 1)
+    on one profile, (3, m): the integral over the flat punches that slip, between permanent stick
+    and the largest contact. NaN where the contact would split or leave the profile.
+    """
+
+    def bounds_at(half_width: Array) -> Bounds:
         eta = np.where(half_width > contact.least, contact.load(half_width), 0.0)
         return bounds_of(loads, bends, eta, math.pi * modulus / 4 * half_width**2)
 
     def largest_beyond(half_width: Array) -> Array:
-        beyond = bounds(half_width).beyond
+        beyond = bounds_at(half_width).beyond
         return -(beyond.mean + beyond.amplitude)
 
     def least_beyond(half_width: Array) -> Array:
-        beyond = bounds(half_width).beyond
+        beyond = bounds_at(half_width).beyond
         return beyond.amplitude - beyond.mean
 
-    def overlap(half_width: Array) -> Array:
-        forward, reverse, _ = bounds(half_width)
+    def bounds_overlap(half_width: Array) -> Array:
+        forward, reverse, _ = bounds_at(half_width)
         return forward.mean + forward.amplitude + reverse.mean + reverse.amplitude
 
     largest_load = loads.mean_normal + loads.normal_amplitude
-    end = np.minimum(contact.half_width(largest_load) * 2, contact.extent)
-    edge = _root(largest_beyond, np.zeros_like(end), end)
-    inner_edge = _root(least_beyond, np.zeros_like(end), edge)
-    stick = np.minimum(_root(overlap, np.zeros_like(end), edge), edge)
-    middle = np.clip(inner_edge, stick, edge)
-    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
-    share = (1 + nodes) / 2
+    search_end = np.minimum(contact.half_width(largest_load) * 2, contact.extent)
+    contact_edge = _root(largest_beyond, np.zeros_like(search_end), search_end)
+    least_contact_edge = _root(least_beyond, np.zeros_like(search_end), contact_edge)
+    permanent_stick = np.minimum(
+        _root(bounds_overlap, np.zeros_like(search_end), contact_edge), contact_edge
+    )
+    middle_of_zone = np.clip(least_contact_edge, permanent_stick, contact_edge)
+    nodes, gauss_weights = np.polynomial.legendre.leggauss(_NODES)
+    node_share = (1 + nodes) / 2
     # Nodes crowd at both ends, where slip begins like a root.
-    place = share**2 * (3 - 2 * share)
-    weight = weights / 2 * 6 * share * (1 - share)
-    total = np.zeros((2, len(edge)))
-    for begin, length in ((stick, middle - stick), (middle, edge - middle)):
-        half_width = begin + length * place
-        work = _work_of_punches(bounds(half_width), loads.friction)
-        total += np.sum(work * (weight * length / np.maximum(half_width, _TINY)), axis=2)
+    crowded_node = node_share**2 * (3 - 2 * node_share)
+    crowded_weights = gauss_weights / 2 * 6 * node_share * (1 - node_share)
+    works = np.zeros((2, len(contact_edge)))
+    for part_begin, part_length in (
+        (permanent_stick, middle_of_zone - permanent_stick),
+        (middle_of_zone, contact_edge - middle_of_zone),
+    ):
+        half_width = part_begin + part_length * crowded_node
+        work_of_punches = _work_of_punches(bounds_at(half_width), loads.friction)
+        works += np.sum(
+            work_of_punches * (crowded_weights * part_length / np.maximum(half_width, _TINY)),
+            axis=2,
+        )
     # dP/da at the edge, with the least curvature that the bodies add.
-    least_normal = loads.mean_normal - loads.normal_amplitude
-    bend = np.minimum(bends.normal * np.where(bends.normal < 0, largest_load, least_normal), 0.0)
-    swing = np.abs(loads.mean_tangential) + loads.tangential_amplitude
-    bend = bend - np.abs(bends.normal_under_shear) * swing
-    stiffness = contact.stiffness(edge) + math.pi * modulus / 2 * bend * edge
-    is_lost = ~(stiffness[:, 0] > 0) | np.isnan(inner_edge[:, 0])
-    total[:, is_lost] = np.nan
-    return np.stack([*total, np.where(is_lost, np.nan, stick[:, 0])])
+    least_normal_load = loads.mean_normal - loads.normal_amplitude
+    curvature_bound = np.minimum(
+        bends.normal * np.where(bends.normal < 0, largest_load, least_normal_load), 0.0
+    )
+    largest_force = np.abs(loads.mean_tangential) + loads.tangential_amplitude
+    curvature_bound = curvature_bound - np.abs(bends.normal_under_shear) * largest_force
+    stiffness = (
+        contact.stiffness(contact_edge) + math.pi * modulus / 2 * curvature_bound * contact_edge
+    )
+    is_lost = ~(stiffness[:, 0] > 0) | np.isnan(least_contact_edge[:, 0])
+    works[:, is_lost] = np.nan
+    return np.stack([*works, np.where(is_lost, np.nan, permanent_stick[:, 0])])
 
 
 def _root(values: Callable[[Array], Array], low: Array, high: Array) -> Array:
@@ -220,69 +237,80 @@ def _root(values: Callable[[Array], Array], low: Array, high: Array) -> Array:
 
     The Illinois rule: secants that keep the root between them.
     """
-    at_low = values(low)
-    at_high = values(high)
-    scale = np.maximum(np.abs(at_low), np.abs(at_high))
-    is_beyond = at_high < -_ROUNDING * scale
-    side = np.zeros(low.shape)
+    value_at_low = values(low)
+    value_at_high = values(high)
+    value_scale = np.maximum(np.abs(value_at_low), np.abs(value_at_high))
+    is_beyond = value_at_high < -_ROUNDING * value_scale
+    side_of_last = np.zeros(low.shape)
     place = low
     for _ in range(_SECANTS):
-        width = np.where(at_high > at_low, at_high - at_low, 1.0)
-        place = np.clip(low - at_low * (high - low) / width, low, high)
-        at_place = values(place)
-        if np.all((np.abs(at_place) <= _CLOSE * scale) | is_beyond | (at_low >= 0)):
+        value_difference = np.where(value_at_high > value_at_low, value_at_high - value_at_low, 1.0)
+        place = np.clip(low - value_at_low * (high - low) / value_difference, low, high)
+        value_at_place = values(place)
+        if np.all(
+            (np.abs(value_at_place) <= _CLOSE * value_scale) | is_beyond | (value_at_low >= 0)
+        ):
             break
-        goes_down = at_place > 0
-        at_low = np.where(goes_down & (side > 0), at_low / 2, at_low)
-        at_high = np.where(~goes_down & (side < 0), at_high / 2, at_high)
-        high = np.where(goes_down, place, high)
-        at_high = np.where(goes_down, at_place, at_high)
-        low = np.where(goes_down, low, place)
-        at_low = np.where(goes_down, at_low, at_place)
-        side = np.where(goes_down, 1.0, -1.0)
+        is_positive = value_at_place > 0
+        value_at_low = np.where(is_positive & (side_of_last > 0), value_at_low / 2, value_at_low)
+        value_at_high = np.where(
+            ~is_positive & (side_of_last < 0), value_at_high / 2, value_at_high
+        )
+        high = np.where(is_positive, place, high)
+        value_at_high = np.where(is_positive, value_at_place, value_at_high)
+        low = np.where(is_positive, low, place)
+        value_at_low = np.where(is_positive, value_at_low, value_at_place)
+        side_of_last = np.where(is_positive, 1.0, -1.0)
     return np.where(is_beyond, np.nan, place)
 
 
 def _work_of_punches(bounds: Bounds, friction: Array) -> Array:
-    """Closed integral of f pi |dF| in forward and in reverse slip, (2, m, k)."""
+    """Integrals of f times the load beyond a punch over |dF|, in forward and in reverse slip, (2,
+    m, k): a cycle of each punch whose memory F is clipped by two waves, the `bounds`, while the
+    load beyond it is positive.
+    """
     forward, reverse, beyond = bounds
-    turn = 2 * math.pi
+    full_turn = 2 * math.pi
     # In contact all the time, for a while around the phase of the load, or never.
-    ratio = np.clip(-beyond.mean / np.maximum(beyond.amplitude, _TINY), -1.0, 1.0)
+    cosine_of_opening = np.clip(-beyond.mean / np.maximum(beyond.amplitude, _TINY), -1.0, 1.0)
     is_always = beyond.mean >= beyond.amplitude
-    begin = np.where(is_always, forward.phase, beyond.phase - np.arccos(ratio))
-    length = np.where(is_always, turn, 2 * np.arccos(ratio))
-    marks = np.stack(
+    begin_angle = np.where(is_always, forward.phase, beyond.phase - np.arccos(cosine_of_opening))
+    contact_duration = np.where(is_always, full_turn, 2 * np.arccos(cosine_of_opening))
+    turning_angles = np.stack(
         [forward.phase, forward.phase + math.pi, reverse.phase, reverse.phase + math.pi]
     )
-    since = np.minimum(np.mod(marks - begin, turn), length)
-    since.sort(axis=0)
-    force = forward.at(begin)
-    work = np.zeros((2, *begin.shape))
-    for time in (*(begin + since), begin + length):
+    angles_since_begin = np.minimum(
+        np.mod(turning_angles - begin_angle, full_turn), contact_duration
+    )
+    angles_since_begin.sort(axis=0)
+    force_now = forward.at(begin_angle)
+    works = np.zeros((2, *begin_angle.shape))
+    for time in (*(begin_angle + angles_since_begin), begin_angle + contact_duration):
         for direction, wave in ((0, forward), (1, reverse)):
-            sense = 1.0 if direction == 0 else -1.0
-            at_end = wave.at(time)
-            slips = at_end > sense * force
-            primitive_at_end = _primitive(wave, beyond, at_end)
-            rise = primitive_at_end - _primitive(wave, beyond, sense * force)
-            work[direction] += np.where(slips, rise, 0.0)
-            force = np.where(slips, sense * at_end, force)
-    return np.asarray(friction * np.maximum(work, 0.0))
+            sign = 1.0 if direction == 0 else -1.0
+            bound_at_end = wave.at(time)
+            is_slipping = bound_at_end > sign * force_now
+            primitive_at_end = _primitive(wave, beyond, bound_at_end)
+            primitive_rise = primitive_at_end - _primitive(wave, beyond, sign * force_now)
+            works[direction] += np.where(is_slipping, primitive_rise, 0.0)
+            force_now = np.where(is_slipping, sign * bound_at_end, force_now)
+    return np.asarray(friction * np.maximum(works, 0.0))
 
 
-def _primitive(wave: _Wave, beyond: _Wave, level: Array) -> Array:
-    """Int of pi d(wave) up to where the rising wave has a level, (m, k).
+def _primitive(wave: _Wave, beyond: _Wave, bound_level: Array) -> Array:
+    """Integral of the load carried beyond a punch over d(wave), up to where the rising wave has a
+    level, (m, k): a closed form.
 
-    With theta before its maximum, Delta its phase minus that of pi, mean and amplitude p and b of
-    pi: A [p cos + b (cos Delta cos^2/2 - sin Delta (theta - sin cos)/2)] of theta.
+    With theta before its maximum, Delta its phase minus that of the load, p and b mean and
+    amplitude of the load: A [p cos + b (cos Delta cos^2/2 - sin Delta (theta - sin cos)/2)] of
+    theta.
     """
     amplitude = np.maximum(wave.amplitude, _TINY)
-    cosine = np.clip((level - wave.mean) / amplitude, -1.0, 1.0)
+    cosine = np.clip((bound_level - wave.mean) / amplitude, -1.0, 1.0)
     sine = np.sqrt(1 - cosine**2)
     theta = np.arccos(cosine)
     lag = wave.phase - beyond.phase
     in_phase = np.cos(lag) * cosine**2
     out_of_phase = np.sin(lag) * (theta - sine * cosine)
-    swing = beyond.amplitude * (in_phase - out_of_phase) / 2
-    return np.asarray(wave.amplitude * (beyond.mean * cosine + swing))
+    wave_part = beyond.amplitude * (in_phase - out_of_phase) / 2
+    return np.asarray(wave.amplitude * (beyond.mean * cosine + wave_part))

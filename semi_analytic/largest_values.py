@@ -186,18 +186,22 @@ class _Search:
             else _monotonic_parts(self.scene, self.steps[0], self.steps[-1])
         )
         self.turns = self._turning_times()
-        loads = np.asarray(self.scene.load.path().at(self.turns)[0])
-        self.largest_load_time = float(self.turns[np.argmax(loads)])
-        edges = solve(self.scene, x=0.0, time=self.turns, fields=()).contact_edges
-        self.edges = edges[np.argmax(loads)]
-        touching_edges = edges[loads > 0]
+        turning_loads = np.asarray(self.scene.load.path().at(self.turns)[0])
+        self.largest_load_time = float(self.turns[np.argmax(turning_loads)])
+        edges_at_turns = solve(self.scene, x=0.0, time=self.turns, fields=()).contact_edges
+        self.edges = edges_at_turns[np.argmax(turning_loads)]
+        touching_edges = edges_at_turns[turning_loads > 0]
         corners = [side * mark for mark in contact.breaks for side in (-1.0, 1.0)]
-        middles = [] if self.scene.unsymmetric else [0.0]
-        marks = np.array([*touching_edges.ravel(), *corners, *middles, float(np.mean(self.edges))])
-        inner_marks = marks[(marks >= self.edges[0]) & (marks <= self.edges[1])]
+        middle_places = [] if self.scene.unsymmetric else [0.0]
+        kinks = np.array(
+            [*touching_edges.ravel(), *corners, *middle_places, float(np.mean(self.edges))]
+        )
+        kinks_in_contact = kinks[(kinks >= self.edges[0]) & (kinks <= self.edges[1])]
         if not self.scene.unsymmetric:
-            inner_marks = inner_marks[inner_marks >= 0]  # the other side is its mirror image
-        self.marks = np.unique(inner_marks)
+            kinks_in_contact = kinks_in_contact[
+                kinks_in_contact >= 0
+            ]  # the other side is its mirror image
+        self.marks = np.unique(kinks_in_contact)
 
     def extremes(self, names: tuple[str, ...]) -> Extremes:
         """Every maximum that is asked for; NaN for what needs a whole cycle where there is none."""
@@ -253,17 +257,21 @@ class _Search:
         if not self.scene.friction.coefficient:
             return 0.0, 0.0
 
-        def values(x: Array) -> Array:
+        def slip_ranges(x: Array) -> Array:
             time = np.unique(np.concatenate([self.turns, self._passings(x)]))
             answer = self._solved(x, time, ("slip",))
-            rows = answer.last_cycle if self.on_straight_steps else np.arange(len(answer.time))
-            edges = answer.contact_edges[rows]
-            room = _AT_EDGE * float(np.diff(self.edges)[0])
-            within_edges = (x >= edges[:, :1] - room) & (x <= edges[:, 1:] + room)
-            is_touching = within_edges & (answer.normal_load[rows] > 0)[:, None]
-            return range_of_slip(answer.slip[rows], is_touching)
+            cycle_rows = (
+                answer.last_cycle if self.on_straight_steps else np.arange(len(answer.time))
+            )
+            edges = answer.contact_edges[cycle_rows]
+            edge_tolerance = _AT_EDGE * float(np.diff(self.edges)[0])
+            within_edges = (x >= edges[:, :1] - edge_tolerance) & (
+                x <= edges[:, 1:] + edge_tolerance
+            )
+            is_in_contact = within_edges & (answer.normal_load[cycle_rows] > 0)[:, None]
+            return range_of_slip(answer.slip[cycle_rows], is_in_contact)
 
-        return self._largest_about("slip_place", values)
+        return self._largest_about("slip_place", slip_ranges)
 
     def _passings(self, x: Array) -> Array:
         """Instants at which an edge of contact passes one of the places (n,); none of a long record
@@ -276,10 +284,17 @@ class _Search:
         edge_load = np.asarray(self.contact.load(x if self.scene.unsymmetric else np.abs(x)))
         times = []
         for leg, begin_time, end_time in self.monotonic:
-            begin, end = (float(leg.loads(time)[0]) for time in (begin_time, end_time))
-            crossed = edge_load[(edge_load > min(begin, end)) & (edge_load < max(begin, end))]
-            if len(crossed):
-                times.append(leg.time_of(NORMAL_LOAD, crossed - begin, begin_time, end_time))
+            load_at_begin, load_at_end = (
+                float(leg.loads(time)[0]) for time in (begin_time, end_time)
+            )
+            passed_loads = edge_load[
+                (edge_load > min(load_at_begin, load_at_end))
+                & (edge_load < max(load_at_begin, load_at_end))
+            ]
+            if len(passed_loads):
+                times.append(
+                    leg.time_of(NORMAL_LOAD, passed_loads - load_at_begin, begin_time, end_time)
+                )
         return np.concatenate(times) if times else np.empty(0)
 
     def dissipation_density(self) -> tuple[float, float]:
@@ -299,10 +314,10 @@ class _Search:
         if not self.on_straight_steps or len(self.marks) <= _FIRST:
             return _largest(values, self.marks)
         start, end = self.steps[[0, -1]].tolist()
-        on_path = _of_cycle(self.scene, start, end, SEARCHED)
-        nearest = int(np.abs(self.marks - getattr(on_path, name)).argmin())
-        marks = self.marks[max(nearest - _ABOUT, 0) : nearest + _ABOUT + 1]
-        return _largest(values, marks, settled=_SETTLED_ON_STEPS)
+        extremes_on_path = _of_cycle(self.scene, start, end, SEARCHED)
+        nearest_mark = int(np.abs(self.marks - getattr(extremes_on_path, name)).argmin())
+        marks_about = self.marks[max(nearest_mark - _ABOUT, 0) : nearest_mark + _ABOUT + 1]
+        return _largest(values, marks_about, settled_share=_SETTLED_ON_STEPS)
 
     def edge_tension(self) -> tuple[float, float]:
         """Largest stress along a face at an edge of contact, and its uncertainty."""
@@ -335,16 +350,18 @@ def _monotonic_parts(
         last_cycle = math.ceil((end - path.cycle_start) / path.period - _AT_EDGE)
         for number in range(max(first_cycle, 0), last_cycle):
             legs += path.cycle_legs(number)
-    room = _AT_EDGE * (end - start)
+    least_duration = _AT_EDGE * (end - start)
     parts = []
     for leg in legs:
-        begin = max(leg.start, start)
-        finish = min(leg.end, end)
-        turns = [time for time in sorted(leg.turning_points(NORMAL_LOAD)) if begin < time < finish]
-        if finish - begin > room:
+        part_begin = max(leg.start, start)
+        part_end = min(leg.end, end)
+        turns = [
+            time for time in sorted(leg.turning_points(NORMAL_LOAD)) if part_begin < time < part_end
+        ]
+        if part_end - part_begin > least_duration:
             parts += [
                 (leg, begin_time, end_time)
-                for begin_time, end_time in pairwise([begin, *turns, finish])
+                for begin_time, end_time in pairwise([part_begin, *turns, part_end])
             ]
     return parts
 
@@ -353,10 +370,10 @@ def _largest(
     values: Callable[[Array], Array],
     marks: Array,
     first_count: int = _FIRST,
-    settled: float = _SETTLED,
+    settled_share: float = _SETTLED,
 ) -> tuple[float, float]:
     """Largest value and its place, over the range of `marks`, between which the function is smooth;
-    two rounds in a row that change it by less than `settled` of itself end the search.
+    two rounds in a row that change it by less than `settled_share` of itself end the search.
 
     >>> top, place = _largest(lambda x: 1 - (x - 0.3) ** 2, np.array([0.0, 1.0]))
     >>> round(top, 12), round(place, 5)
@@ -364,28 +381,28 @@ def _largest(
     """
     if len(marks) == 1:
         return float(values(marks)[0]), float(marks[0])
-    places = _between(marks, first_count)
-    first_values = values(places)
-    best_place = int(np.argmax(first_values))
-    largest_value = float(first_values[best_place])
-    place = float(places[best_place])
-    brackets = _brackets(places, first_values)
-    settled_rounds = 0
+    first_places = _between(marks, first_count)
+    first_values = values(first_places)
+    number_of_largest = int(np.argmax(first_values))
+    largest_value = float(first_values[number_of_largest])
+    place = float(first_places[number_of_largest])
+    brackets = _brackets(first_places, first_values)
+    quiet_rounds = 0
     for _ in range(_ROUNDS):
-        if not np.isfinite(largest_value) or settled_rounds == 2:
+        if not np.isfinite(largest_value) or quiet_rounds == 2:
             break
         places_by_bracket = [np.linspace(begin, end, _AROUND + 2)[1:-1] for begin, end in brackets]
         all_places = np.unique(np.concatenate(places_by_bracket))
         new_values = values(all_places)
-        best_place = int(np.argmax(new_values))
-        change = float(new_values[best_place]) - largest_value
-        if change > 0:
-            largest_value = float(new_values[best_place])
-            place = float(all_places[best_place])
-        settled_rounds = settled_rounds + 1 if change <= settled * abs(largest_value) else 0
+        number_of_largest = int(np.argmax(new_values))
+        value_change = float(new_values[number_of_largest]) - largest_value
+        if value_change > 0:
+            largest_value = float(new_values[number_of_largest])
+            place = float(all_places[number_of_largest])
+        quiet_rounds = quiet_rounds + 1 if value_change <= settled_share * abs(largest_value) else 0
         brackets = [
-            _closer(bracket, places, new_values[np.searchsorted(all_places, places)])
-            for bracket, places in zip(brackets, places_by_bracket, strict=True)
+            _closer(bracket, first_places, new_values[np.searchsorted(all_places, first_places)])
+            for bracket, first_places in zip(brackets, places_by_bracket, strict=True)
         ]
     return largest_value, place
 

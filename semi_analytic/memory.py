@@ -353,31 +353,38 @@ def slipped_load(
     if piece.arc is not None:
         return _slipped_on_arc(piece, direction, friction, leg, time)
     if piece.bend == 0:
-        lag = change_from(piece.anchor, leg, Combination(-piece.slope, 1.0), time)
-        return direction * lag / (friction - direction * piece.slope)
-    rise = change_from(piece.anchor, leg, level(direction, friction), time)
-    steep = friction - direction * piece.slope
-    bend = direction * piece.bend
-    back = 2 * rise / (steep + np.sqrt(np.maximum(steep**2 + 4 * bend * rise, 0.0)))
-    return change_from(piece.anchor, leg, NORMAL_LOAD, time) + back
+        force_lag = change_from(piece.anchor, leg, Combination(-piece.slope, 1.0), time)
+        return direction * force_lag / (friction - direction * piece.slope)
+    level_rise = change_from(piece.anchor, leg, level(direction, friction), time)
+    steepness = friction - direction * piece.slope
+    signed_bend = direction * piece.bend
+    distance_back = (
+        2
+        * level_rise
+        / (steepness + np.sqrt(np.maximum(steepness**2 + 4 * signed_bend * level_rise, 0.0)))
+    )
+    return change_from(piece.anchor, leg, NORMAL_LOAD, time) + distance_back
 
 
 def _slipped_on_arc(
     piece: Piece, direction: int, friction: float, leg: LoadSegment, time: ArrayLike
 ) -> Array:
-    begin, end = _whole_arc(piece)
+    """P - P_c at `time` on `leg` while the front of slip in `direction` is inside an arc, a curved
+    stretch of the path that was travelled in full stick.
+    """
+    arc_begin, arc_end = _whole_arc(piece)
     slip_level = level(direction, friction)
     arc_leg = piece.anchor.leg
     if arc_leg is leg:
-        mirrored_time = leg.mirrored(slip_level, time, (begin + end) / 2)
+        mirrored_time = leg.mirrored(slip_level, time, (arc_begin + arc_end) / 2)
         if mirrored_time is not None:
             return leg.change_of(NORMAL_LOAD, time, mirrored_time)
-    rise = change_from(piece.anchor, leg, slip_level, time)
+    level_rise = change_from(piece.anchor, leg, slip_level, time)
     # Back from the end of the arc, where the path may have turned: counted from its begin, rounding
     # would leave half the digits.
-    time_at_front = arc_leg.time_of(slip_level, rise, end, begin)
+    time_at_front = arc_leg.time_of(slip_level, level_rise, arc_end, arc_begin)
     return change_from(piece.anchor, leg, NORMAL_LOAD, time) - arc_leg.change_of(
-        NORMAL_LOAD, time_at_front, end
+        NORMAL_LOAD, time_at_front, arc_end
     )
 
 
@@ -393,15 +400,17 @@ def same(curve: Curve, other_curve: Curve, friction: float, tolerance: float = 1
     largest_load = max(curve.top, other_curve.top)
     if abs(curve.top - other_curve.top) > tolerance * largest_load:
         return False
-    top = min(curve.top, other_curve.top)
-    ends = {0.0, top}
+    least_top = min(curve.top, other_curve.top)
+    knot_loads = {0.0, least_top}
     for piece in (*pieces(curve), *pieces(other_curve)):
-        ends.add(min(piece.top, top))
-    knots = np.array(sorted(ends))
-    points_between = [knots[:-1] + np.diff(knots) * share for share in (0.25, 0.5, 0.75, 1.0)]
+        knot_loads.add(min(piece.top, least_top))
+    sorted_knots = np.array(sorted(knot_loads))
+    points_between = [
+        sorted_knots[:-1] + np.diff(sorted_knots) * share for share in (0.25, 0.5, 0.75, 1.0)
+    ]
     loads = np.unique(np.concatenate(points_between))
     difference = np.abs(values(curve, loads) - values(other_curve, loads))
-    return bool(np.all(difference <= tolerance * friction * top))
+    return bool(np.all(difference <= tolerance * friction * least_top))
 
 
 @dataclass(frozen=True, eq=False)

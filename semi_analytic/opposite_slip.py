@@ -51,17 +51,24 @@ def loads_of(left: Array, right: Array) -> tuple[Array, Array]:
     >>> round(float(e[0]), 10), round(abs(float(q[0])), 12)
     (-0.601898288, 0.0)
     """
-    m = (left - right) / 2
-    c = 1 - (left + right) / 2
+    stick_middle = (left - right) / 2
+    stick_half_width = 1 - (left + right) / 2
     # xi = b1 - d1 v^2
-    v, weight = graded(np.zeros(left.shape), np.ones(left.shape))
-    depth = left[..., None] * (1 - v * v)
+    nodes, weights = graded(np.zeros(left.shape), np.ones(left.shape))
+    depth = left[..., None] * (1 - nodes * nodes)
     xi = depth - 1
-    root = np.sqrt((1 - v) * (1 + v) * (2 - depth) / (2 - depth - right[..., None]))
-    parts = weight * 2 * left[..., None] * root
-    e = m - 2 / np.pi * np.sum(parts, axis=-1)
-    moment = 4 / np.pi * np.sum(xi * parts, axis=-1)
-    return e, 1 + 2 * e * m - 2 * m * m - c * c + moment
+    root_ratio = np.sqrt((1 - nodes) * (1 + nodes) * (2 - depth) / (2 - depth - right[..., None]))
+    terms = weights * 2 * left[..., None] * root_ratio
+    e = stick_middle - 2 / np.pi * np.sum(terms, axis=-1)
+    moment = 4 / np.pi * np.sum(xi * terms, axis=-1)
+    return (
+        e,
+        1
+        + 2 * e * stick_middle
+        - 2 * stick_middle * stick_middle
+        - stick_half_width * stick_half_width
+        + moment,
+    )
 
 
 def slip_depths(e: Array, force: Array) -> tuple[Array, Array]:
@@ -90,13 +97,13 @@ def _depths(loads: Array) -> Array:
     e, force = loads
     depth = np.stack([-e - force / 2, -e + force / 2]) / _PARTS
     for part in range(1, _PARTS + 1):
-        share = part / _PARTS
+        load_share = part / _PARTS
         for _ in range(_STEPS):
-            fault = np.stack(loads_of(*depth)) - share * loads
-            step = _newton_step(depth, fault)
+            load_fault = np.stack(loads_of(*depth)) - load_share * loads
+            step = _newton_step(depth, load_fault)
             # Never more than half the way to an end of contact, or to where both slip zones meet.
-            room = np.minimum(depth / 2, np.maximum(2 - depth.sum(axis=0), 0.0) / 4)
-            depth = depth - np.clip(step, -room, room)
+            longest_step = np.minimum(depth / 2, np.maximum(2 - depth.sum(axis=0), 0.0) / 4)
+            depth = depth - np.clip(step, -longest_step, longest_step)
             if np.all(np.abs(step) <= 1e-14 * depth) or not np.all(np.isfinite(depth)):
                 break
         if part < _PARTS:

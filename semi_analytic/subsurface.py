@@ -125,22 +125,25 @@ def stress(
     """
     scene = source.scene if isinstance(source, ContactSolution) else scene_of(source)
     x_places = vector(x, "x")
-    height = vector(y, "y")
+    y_places = vector(y, "y")
     times = vector(instants, "instants")
     if body not in ("lower", "upper"):
         raise InputError(f"body: {body!r} is neither 'lower' nor 'upper'")
-    if x_places is None or height is None or times is None:
+    if x_places is None or y_places is None or times is None:
         raise InputError("stress: x, y and instants are needed")
-    if len(x_places) != len(height) and min(len(x_places), len(height)) > 1:
-        raise InputError(f"x and y: {len(x_places)} and {len(height)} places; give as many of both")
-    x_places, height = np.broadcast_arrays(x_places, height)
-    side = 1.0 if body == "lower" else -1.0
-    if np.any(side * height > 0):
+    if len(x_places) != len(y_places) and min(len(x_places), len(y_places)) > 1:
         raise InputError(
-            f"y: {side * float(np.max(side * height)):.6g} is outside the {body} body; y points out"
+            f"x and y: {len(x_places)} and {len(y_places)} places; give as many of both"
+        )
+    x_places, y_places = np.broadcast_arrays(x_places, y_places)
+    side = 1.0 if body == "lower" else -1.0
+    if np.any(side * y_places > 0):
+        raise InputError(
+            f"y: {side * float(np.max(side * y_places)):.6g} is outside the {body} body; y points"
+            " out"
             " of the lower one"
         )
-    depth = side * height
+    depth = side * y_places
     poisson_ratio = getattr(scene.material, body).poisson_ratio
     stresses = np.zeros((len(times), len(x_places), 4))
     if scene.unsymmetric:
@@ -152,14 +155,14 @@ def stress(
     else:
         contact, snapshot = memory_at(scene, times)
         for k in np.flatnonzero(snapshot.load > 0).tolist():
-            normal_potential, tangential_potential, of_normal, of_tangential = _potentials(
+            normal_potential, tangential_potential, normal_slope, tangential_slope = _potentials(
                 contact, _lines(snapshot, k), x_places, depth
             )
             stresses[k, :, :3] = _from_potentials(
                 normal_potential,
                 side * tangential_potential,
-                depth * of_normal,
-                depth * side * of_tangential,
+                depth * normal_slope,
+                depth * side * tangential_slope,
             )
     stresses[..., 2] *= side
     stresses[..., 3] = poisson_ratio * (stresses[..., 0] + stresses[..., 1])
@@ -240,7 +243,8 @@ class _Panel(NamedTuple):
 def _tensions_of_curves(
     contact: SymmetricContact, snapshot: Snapshot, in_contact: Indices, edges: Array
 ) -> Array:
-    """(n,) (2/pi) int_0^P M'(eta) d eta / sqrt(a(P)^2 - a(eta)^2) [stress].
+    """Tension at an edge of contact by the memory curves M(eta) of instants, (n,) [stress]:
+    (2/pi) int_0^P M'(eta) d eta / sqrt(a(P)^2 - a(eta)^2), panel by panel.
 
     Parameters
     ----------
@@ -255,16 +259,20 @@ def _tensions_of_curves(
     panel_end = np.array([panel.last for panel in panels])[:, None]
     edge = edges[instants, None]
     half_widths = _nodes_from(0.0, panel_begin, panel_end)
-    delta = _nodes_from(edge, panel_begin, panel_end)  # a(eta) - a(P)
+    distance_from_edge = _nodes_from(edge, panel_begin, panel_end)  # a(eta) - a(P)
     loads = contact.load(half_widths)
-    rates = np.empty_like(loads)  # M'
+    slopes_at_nodes = np.empty_like(loads)  # M'
     for number, panel in enumerate(panels):
-        rates[number] = panel.slope(loads[number])
-    rises = (
+        slopes_at_nodes[number] = panel.slope(loads[number])
+    load_steps = (
         contact.stiffness(half_widths) * (panel_end - panel_begin) * INVERSE_ROOTS.weight
     )  # d eta
-    of_panels = (rises * rates / np.sqrt(-delta * (2 * edge + delta))).sum(axis=1)
-    sums = np.bincount(instants, weights=of_panels, minlength=len(in_contact))
+    panel_integrals = (
+        load_steps
+        * slopes_at_nodes
+        / np.sqrt(-distance_from_edge * (2 * edge + distance_from_edge))
+    ).sum(axis=1)
+    sums = np.bincount(instants, weights=panel_integrals, minlength=len(in_contact))
     return np.asarray(2 / math.pi * sums)
 
 
@@ -282,17 +290,17 @@ def _panels_of_curves(
             bottoms.append(bottom)
             tops.append(top)
             slopes.append(slope)
-    lows = np.atleast_1d(contact.half_width(np.array(bottoms)))
+    begin_widths = np.atleast_1d(contact.half_width(np.array(bottoms)))
     # The half-width at P is the edge to the last digit: one digit more or less would move the
     # integral of the root by 1e-8.
     edge_of_line = edges[instants]
     reaches_edge = np.array(tops) == snapshot.load[in_contact][instants]
     half_width_at_top = np.minimum(contact.half_width(np.array(tops)), edge_of_line)
-    highs = np.where(reaches_edge, edge_of_line, half_width_at_top)
+    end_widths = np.where(reaches_edge, edge_of_line, half_width_at_top)
     return [
         _Panel(instant, panel_begin, panel_end, slope)
         for instant, least_width, largest_width, slope in zip(
-            instants, lows.tolist(), highs.tolist(), slopes, strict=True
+            instants, begin_widths.tolist(), end_widths.tolist(), slopes, strict=True
         )
         for panel_begin, panel_end in _cut(contact, least_width, largest_width)
     ]
@@ -315,11 +323,11 @@ def _with_tractions(
         scene = scene_of(source)
     missing_times = np.array(sorted(set(times.tolist()) - answers.keys()))
     if len(missing_times):
-        for some_times in np.array_split(missing_times, -(-len(missing_times) // _TOGETHER)):
-            edges = solve(scene, x=0.0, time=some_times, fields=()).contact_edges
+        for times_at_once in np.array_split(missing_times, -(-len(missing_times) // _TOGETHER)):
+            edges = solve(scene, x=0.0, time=times_at_once, fields=()).contact_edges
             places = _places_in(edges[np.argsort(edges[:, 1] - edges[:, 0])])
-            answer = solve(scene, x=places, time=some_times, fields=("pressure", "shear"))
-            answers |= {time: (answer, row) for row, time in enumerate(some_times.tolist())}
+            answer = solve(scene, x=places, time=times_at_once, fields=("pressure", "shear"))
+            answers |= {time: (answer, row) for row, time in enumerate(times_at_once.tolist())}
     return [answers[time] for time in times.tolist()]
 
 
@@ -369,90 +377,99 @@ def _tensions(answer: ContactSolution, row: int) -> tuple[Array, float]:
     places, q/p as it is at the outermost one from there on. Its error: three times what every
     second place alone changes, the shear's own, and `_BETWEEN`.
     """
-    left, right = answer.contact_edges[row]
-    touching_points = np.flatnonzero(
-        (answer.pressure[row] > 0) & (answer.x > left) & (answer.x < right)
+    left_edge, right_edge = answer.contact_edges[row]
+    points_in_contact = np.flatnonzero(
+        (answer.pressure[row] > 0) & (answer.x > left_edge) & (answer.x < right_edge)
     )
-    if not len(touching_points):
+    if not len(points_in_contact):
         return np.zeros(2), 0.0
 
-    def integral(from_edge: Array, shear: Array) -> float:
-        phi = 2 * np.arcsin(np.sqrt(from_edge / (right - left)))
-        values = shear / np.tan(phi / 2)
-        return float(np.trapezoid(np.append(values[0], values), np.append(0.0, phi)))
+    def integral_from_edge(from_edge: Array, shear: Array) -> float:
+        phi = 2 * np.arcsin(np.sqrt(from_edge / (right_edge - left_edge)))
+        weighted_shear = shear / np.tan(phi / 2)
+        return float(
+            np.trapezoid(np.append(weighted_shear[0], weighted_shear), np.append(0.0, phi))
+        )
 
-    def tensions(places: NDArray[np.intp]) -> Array:
+    def tensions_by(places: NDArray[np.intp]) -> Array:
         x = answer.x[places]
         shear = answer.shear[row, places]
-        at_left = integral(x - left, shear)
-        at_right = integral((right - x)[::-1], shear[::-1])
+        at_left = integral_from_edge(x - left_edge, shear)
+        at_right = integral_from_edge((right_edge - x)[::-1], shear[::-1])
         return 2 / math.pi * np.array([at_left, -at_right])
 
-    tension = tensions(touching_points)
-    change = 0.0
-    for every_second in (touching_points[::2], touching_points[1::2]):
+    tension = tensions_by(points_in_contact)
+    largest_change = 0.0
+    for every_second in (points_in_contact[::2], points_in_contact[1::2]):
         if len(every_second):
-            change = max(change, float(np.abs(tensions(every_second) - tension).max()))
+            largest_change = max(
+                largest_change, float(np.abs(tensions_by(every_second) - tension).max())
+            )
     largest_limit = answer.scene.friction.coefficient * float(answer.pressure[row].max())
     error_of_shear = 4 * answer.record.errors.get("shear", 0.0) + _BETWEEN
-    return tension, 3 * change + error_of_shear * largest_limit
+    return tension, 3 * largest_change + error_of_shear * largest_limit
 
 
 def _from_sines(
     answer: ContactSolution, row: int, profile: TiltedProfile, x: Array, y: Array, side: float
 ) -> Array:
-    """(n, 3) s_xx, s_yy, s_xy of a body below y = 0, without the bulk stress: q/p between places, p
-    exact, as series of sines.
+    """Stress s_xx, s_yy, s_xy of a body below y = 0 at places (n,), (n, 3), without the bulk
+    stress, at one instant of an answer: p exact, q/p straight between its points, both as sine
+    series across the contact, summed as potentials.
     """
-    is_touching = answer.pressure[row] > 0
-    if not is_touching.any():
+    is_in_contact = answer.pressure[row] > 0
+    if not is_in_contact.any():
         return np.zeros((len(x), 3))
-    left, right = answer.contact_edges[row]
-    middle = (left + right) / 2
-    half_width = (right - left) / 2
-    at = middle + half_width * np.cos(math.pi * (np.arange(_TERMS) + 0.5) / _TERMS)
-    pressure = profile.pressure_over(at, np.atleast_1d(middle), np.atleast_1d(half_width))[0]
-    ratio = answer.shear[row, is_touching] / answer.pressure[row, is_touching]
-    share = np.interp(at, answer.x[is_touching], ratio)
-    series = scipy.fft.dst(np.stack([pressure, side * share * pressure]), 2) / _TERMS
+    left_edge, right_edge = answer.contact_edges[row]
+    middle = (left_edge + right_edge) / 2
+    half_width = (right_edge - left_edge) / 2
+    places = middle + half_width * np.cos(math.pi * (np.arange(_TERMS) + 0.5) / _TERMS)
+    pressure = profile.pressure_over(places, np.atleast_1d(middle), np.atleast_1d(half_width))[0]
+    ratio_at_points = answer.shear[row, is_in_contact] / answer.pressure[row, is_in_contact]
+    shear_ratio = np.interp(places, answer.x[is_in_contact], ratio_at_points)
+    sine_series = scipy.fft.dst(np.stack([pressure, side * shear_ratio * pressure]), 2) / _TERMS
     # In the mirror image, from above the cut of the root: the series have real coefficients.
     zeta = (x - middle + 0j) / half_width
     zeta.imag = np.abs(y) / half_width
-    root = np.sqrt(zeta - 1) * np.sqrt(zeta + 1)
-    omega = zeta - root
+    root_of_zeta = np.sqrt(zeta - 1) * np.sqrt(zeta + 1)
+    omega = zeta - root_of_zeta
     sums = np.zeros((4, len(x)), dtype=complex)
     with np.errstate(divide="ignore"):
-        log = np.log(np.minimum(np.abs(omega), 1 - 1e-12))
-        terms_needed = np.minimum(np.ceil(math.log(_NEGLIGIBLE) / log), _TERMS)
-    order = np.argsort(-terms_needed, kind="stable")
-    omega = omega[order]
-    active = np.searchsorted(-terms_needed[order], -np.arange(1, _TERMS + 1), side="right")
+        log_of_omega = np.log(np.minimum(np.abs(omega), 1 - 1e-12))
+        terms_needed = np.minimum(np.ceil(math.log(_NEGLIGIBLE) / log_of_omega), _TERMS)
+    longest_first = np.argsort(-terms_needed, kind="stable")
+    omega = omega[longest_first]
+    points_with_term = np.searchsorted(
+        -terms_needed[longest_first], -np.arange(1, _TERMS + 1), side="right"
+    )
     for k in range(_TERMS, 0, -1):  # Horner's rule, from where omega^k counts
-        n = active[k - 1]
-        sums[:2, :n] = (sums[:2, :n] + series[:, k - 1, None]) * omega[:n]
-        sums[2:, :n] = (sums[2:, :n] + k * series[:, k - 1, None]) * omega[:n]
-    sums[:, order] = sums.copy()
+        n_points = points_with_term[k - 1]
+        sums[:2, :n_points] = (sums[:2, :n_points] + sine_series[:, k - 1, None]) * omega[:n_points]
+        sums[2:, :n_points] = (sums[2:, :n_points] + k * sine_series[:, k - 1, None]) * omega[
+            :n_points
+        ]
+    sums[:, longest_first] = sums.copy()
     with np.errstate(divide="ignore", invalid="ignore"):
         # y N', y T'; d omega/dz = -omega/(h root)
-        slopes = np.where(y == 0, 0.0, -y * (sums[2:] / (half_width * root)).conj())
+        slopes = np.where(y == 0, 0.0, -y * (sums[2:] / (half_width * root_of_zeta)).conj())
     return _from_potentials(*math.pi * sums[:2].conj(), *math.pi * slopes)
 
 
 def _from_potentials(
     normal_potential: Complex,
     tangential_potential: Complex,
-    of_normal: Complex,
-    of_tangential: Complex,
+    y_normal_slope: Complex,
+    y_tangential_slope: Complex,
 ) -> Array:
     """(n, 3) s_xx, s_yy, s_xy of a body below y = 0 from N, T, y N' and y T'."""
-    curved_part = of_normal.real - of_tangential.imag
-    pressed = -normal_potential.imag
-    rows = (
-        pressed - 2 * tangential_potential.real - curved_part,
-        pressed + curved_part,
-        tangential_potential.imag + of_normal.imag + of_tangential.real,
+    part_of_depth = y_normal_slope.real - y_tangential_slope.imag
+    part_of_pressure = -normal_potential.imag
+    components = (
+        part_of_pressure - 2 * tangential_potential.real - part_of_depth,
+        part_of_pressure + part_of_depth,
+        tangential_potential.imag + y_normal_slope.imag + y_tangential_slope.real,
     )
-    return np.stack(rows, axis=-1) / math.pi
+    return np.stack(components, axis=-1) / math.pi
 
 
 def _lines(snapshot: Snapshot, k: int) -> Iterator[tuple[float, float, Slope]]:
@@ -486,9 +503,9 @@ def _potentials(
     potentials = np.zeros((4, len(x)), dtype=complex)
     distance = np.abs(x)
     for bottom, top, slope in lines:
-        low, high = (float(contact.half_width(load)) for load in (bottom, top))
-        for ends in _cut(contact, low, high):
-            _add_panel(potentials, contact, slope, ends, distance, y)
+        begin_width, end_width = (float(contact.half_width(load)) for load in (bottom, top))
+        for panel_ends in _cut(contact, begin_width, end_width):
+            _add_panel(potentials, contact, slope, panel_ends, distance, y)
     potentials[:2, x < 0] = -potentials[:2, x < 0].conj()
     potentials[2:, x < 0] = potentials[2:, x < 0].conj()
     return potentials
@@ -502,15 +519,15 @@ def _cut(contact: SymmetricContact, low: float, high: float) -> Iterator[tuple[f
             yield first, last
 
 
-def _nodes_from(place: ArrayLike, first: ArrayLike, last: ArrayLike) -> Array:
-    """Nodes of the rule between `first` and `last`, less `place`, without cancellation at either
-    end; the last axis is that of the nodes.
+def _nodes_from(place: ArrayLike, begin: ArrayLike, end: ArrayLike) -> Array:
+    """Nodes of the rule for inverse roots between `begin` and `end`, minus `place`, without
+    cancellation at either end; a new last axis is that of the nodes.
     """
     rule = INVERSE_ROOTS
-    length = np.subtract(last, first)
-    from_first = np.subtract(first, place) + length * rule.up
-    from_last = np.subtract(last, place) - length * rule.down
-    return np.where(rule.up < 0.5, from_first, from_last)
+    span_length = np.subtract(end, begin)
+    distance_from_begin = np.subtract(begin, place) + span_length * rule.up
+    distance_from_end = np.subtract(end, place) - span_length * rule.down
+    return np.where(rule.up < 0.5, distance_from_begin, distance_from_end)
 
 
 def _add_panel(
@@ -521,30 +538,37 @@ def _add_panel(
     x: Array,
     y: Array,
 ) -> None:
-    """Adds the punches of half-widths between `ends`; where |x| is one of them the panel is cut
-    there.
+    """Add to the potentials (4, n) at places x, y the flat punches of half-widths between the two
+    `ends`, whose share of Q per load is `slope`; where |x| is one of these half-widths the panel is
+    cut there.
     """
-    low, high = ends
-    length = high - low
+    begin_width, end_width = ends
+    panel_width = end_width - begin_width
     rule = INVERSE_ROOTS
     in_lower_half = rule.up < 0.5
-    half_widths = _nodes_from(0.0, low, high)
-    weights = _weights(contact, slope, half_widths, length * rule.weight)
-    is_cut = (x > low) & (x < high)
+    half_widths = _nodes_from(0.0, begin_width, end_width)
+    panel_weights = _weights(contact, slope, half_widths, panel_width * rule.weight)
+    is_cut = (x > begin_width) & (x < end_width)
     points_at_once = _AT_ONCE // len(rule.up)
-    beside_panel = np.flatnonzero(~is_cut)
-    for rows in np.array_split(beside_panel, 1 + len(beside_panel) // points_at_once):
-        delta = _nodes_from(x[rows, None], low, high)
-        _add(potentials, rows, weights, delta, x, y)
-    in_panel = np.flatnonzero(is_cut)
-    for rows in np.array_split(in_panel, 1 + len(in_panel) // points_at_once):
-        point = x[rows, None]
-        for sign, end in ((-1.0, low), (1.0, high)):
-            reach = sign * (end - point)
-            delta = sign * reach * rule.up
-            half_widths = np.where(in_lower_half, point + delta, end - sign * reach * rule.down)
-            weights_of_part = _weights(contact, slope, half_widths, reach * rule.weight)
-            _add(potentials, rows, weights_of_part, delta, x, y)
+    points_beside = np.flatnonzero(~is_cut)
+    for point_numbers in np.array_split(points_beside, 1 + len(points_beside) // points_at_once):
+        distance_to_punch = _nodes_from(x[point_numbers, None], begin_width, end_width)
+        _add(potentials, point_numbers, panel_weights, distance_to_punch, x, y)
+    points_in_panel = np.flatnonzero(is_cut)
+    for point_numbers in np.array_split(
+        points_in_panel, 1 + len(points_in_panel) // points_at_once
+    ):
+        x_of_points = x[point_numbers, None]
+        for sign, part_end in ((-1.0, begin_width), (1.0, end_width)):
+            part_width = sign * (part_end - x_of_points)
+            distance_to_punch = sign * part_width * rule.up
+            half_widths = np.where(
+                in_lower_half,
+                x_of_points + distance_to_punch,
+                part_end - sign * part_width * rule.down,
+            )
+            weights_of_part = _weights(contact, slope, half_widths, part_width * rule.weight)
+            _add(potentials, point_numbers, weights_of_part, distance_to_punch, x, y)
 
 
 def _weights(
@@ -556,26 +580,34 @@ def _weights(
 
 
 def _add(
-    potentials: Complex, rows: NDArray[np.intp], weights: Array, delta: Array, x: Array, y: Array
+    potentials: Complex,
+    point_numbers: NDArray[np.intp],
+    weights: Array,
+    distance_to_punch: Array,
+    x: Array,
+    y: Array,
 ) -> None:
-    """Adds the sums over the nodes (the last axis) at the points `rows`; z^2 - a^2 from delta = a -
-    x, which does not cancel.
+    """Add to the potentials (4, n) the sums over the nodes, the last axis, at the points
+    `point_numbers`; `distance_to_punch` is a - x, of which z^2 - a^2 is formed without
+    cancellation.
     """
-    point = x[rows, None]
-    height = y[rows, None]
+    x_of_points = x[point_numbers, None]
+    y_of_points = y[point_numbers, None]
     # The root is that of -0 i on the face: from inside the lower body.
-    square = np.empty(delta.shape, dtype=complex)
-    square.real = -delta * (2 * point + delta) - height * height
-    square.imag = 2 * point * -np.abs(height)
-    kernel = 1 / np.sqrt(square)
-    potentials[:2, rows] += np.einsum(
+    squared_root = np.empty(distance_to_punch.shape, dtype=complex)
+    squared_root.real = (
+        -distance_to_punch * (2 * x_of_points + distance_to_punch) - y_of_points * y_of_points
+    )
+    squared_root.imag = 2 * x_of_points * -np.abs(y_of_points)
+    kernel = 1 / np.sqrt(squared_root)
+    potentials[:2, point_numbers] += np.einsum(
         "...mn,mn->...m" if weights.ndim == 3 else "kn,mn->km", weights, kernel
     )
-    in_body = np.flatnonzero(height[:, 0] != 0)
+    in_body = np.flatnonzero(y_of_points[:, 0] != 0)
     if len(in_body):
-        kernel = kernel[in_body] / square[in_body]
-        part = weights[:, in_body] if weights.ndim == 3 else weights
-        z = (point + 1j * height)[in_body, 0]
-        potentials[2:, rows[in_body]] -= z * np.einsum(
-            "...mn,mn->...m" if weights.ndim == 3 else "kn,mn->km", part, kernel
+        kernel = kernel[in_body] / squared_root[in_body]
+        weights_in_body = weights[:, in_body] if weights.ndim == 3 else weights
+        z = (x_of_points + 1j * y_of_points)[in_body, 0]
+        potentials[2:, point_numbers[in_body]] -= z * np.einsum(
+            "...mn,mn->...m" if weights.ndim == 3 else "kn,mn->km", weights_in_body, kernel
         )
