@@ -586,9 +586,9 @@ def test_a_planted_order_is_found_and_the_rest_is_left(order: float, amount: flo
     known = study([level(points, order, amount, 2e-3) for points in POINTS])
     for key in ("peak_pressure", "pressure"):
         line = known.line(key)
-        assert order - 0.02 < line.found.order < order + 0.02, key
-        assert line.found.value == pytest.approx(2e-3, rel=1e-3), key
-        assert abs(line.found.value - 2e-3) <= line.found.uncertainty, key
+        assert order - 0.02 < line.extrapolation.order < order + 0.02, key
+        assert line.extrapolation.value == pytest.approx(2e-3, rel=1e-3), key
+        assert abs(line.extrapolation.value - 2e-3) <= line.extrapolation.uncertainty, key
         assert line.mesh == pytest.approx(amount * known.levels[0].size ** order, rel=1e-3), key
 
 
@@ -597,12 +597,12 @@ def test_the_finest_comes_first_errors_that_grow_have_no_order_and_nor_do_two_me
     assert [mesh.name for mesh in known.levels] == ["run105.csv", "run53.csv", "run27.csv"]
     assert known.line("peak_pressure").values[0] == min(known.line("peak_pressure").values)
     grows = study([level(points, -1.0, 1e-4) for points in POINTS[:3]]).line("peak_pressure")
-    assert (grows.found.kind, grows.mesh) == ("diverging", None)
+    assert (grows.extrapolation.kind, grows.mesh) == ("diverging", None)
     # both where the finest is worst
     mesh, coarse = study([level(53, worst=2), level(27, worst=6)]).line("peak_pressure").values
     assert coarse / mesh == pytest.approx(4 / 2)
     two = study([level(points) for points in (27, 53)])
-    assert two.line("peak_pressure").found.order is None
+    assert two.line("peak_pressure").extrapolation.order is None
     assert any("Two meshes show no order" in sentence for sentence in two.sentences)
     for levels, words in (
         ([level(27)], "takes two meshes at least"),

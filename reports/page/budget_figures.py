@@ -279,8 +279,8 @@ def study_convergence(study: Study) -> Plate | None:
     sizes = [level.size for level in study.levels]
     curves: dict[str, list[tuple[float, float]]] = {}
     for line in study.lines:
-        limit = line.found.value
-        if not line.metric.headline or line.found.kind != "monotone" or limit is None:
+        limit = line.extrapolation.value
+        if not line.metric.headline or line.extrapolation.kind != "monotone" or limit is None:
             continue
         curves[line.metric.label] = [
             (size, abs(value - limit)) for size, value in zip(sizes, line.values, strict=True)

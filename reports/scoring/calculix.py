@@ -107,8 +107,8 @@ class CalculixMesh:
         return np.asarray(rows, np.int64)
 
     def face(self, number: int, face: int) -> tuple[Array, float]:
-        """Middle of an element's face (3,), and how far the element's middle lies above it
-        [length].
+        """Middle (3,) of one face of an element, and how far the element's middle lies above it
+        [length]. InputError where the mesh has no such element or face.
         """
         element = self._elements.get(number)
         fault = ""
@@ -136,8 +136,8 @@ class CalculixMesh:
 
 
 def read_results(path: Path, mapping: Mapping) -> SurfaceResult:
-    """The tractions in a .frd file, from its CONTACT blocks; where there are none, from its stress
-    at the lower body's face.
+    """Contact tractions in a .frd file of CalculiX, from its CONTACT blocks; where there are none,
+    from its stress at the lower body's face.
 
     Loads are the resultants of the contact pair (*CONTACT PRINT, CF) where a .dat file of the same
     name beside it has them.
@@ -194,8 +194,8 @@ def read_results(path: Path, mapping: Mapping) -> SurfaceResult:
 def _face_by_stress(
     mesh: CalculixMesh, mapping: Mapping
 ) -> tuple[Integers, dict[_Quantity, float], list[str]]:
-    """Rows of the lower body's face, factors of p = -SYY and q = SXY there, and a note: the
-    traction on its outward normal +y.
+    """Node rows of the lower body's face; factors that make pressure and shear of its stress there,
+    p = -SYY and q = SXY, the traction on its outward normal +y; and a note.
     """
     height = mesh.points[:, 1] - mapping.y_offset / (mapping.factors.length or 1.0)
     is_on_face = (np.abs(height) <= SAME * extent(mesh.points)) & (mesh.above < 0)
@@ -217,7 +217,9 @@ def _face_by_stress(
 def _face_by_contact(
     mesh: CalculixMesh, blocks: Sequence[FrdBlock], mapping: Mapping
 ) -> tuple[Integers, dict[_Quantity, float], list[str]]:
-    """Rows of the slave face, factors of the contact values there, and notes."""
+    """Node rows of the slave face, factors that make pressure, shear and slip of its contact
+    values, and notes.
+    """
     touched_rows = [mesh.rows(block.nodes[np.any(block.values != 0, axis=1)]) for block in blocks]
     touched = np.unique(np.concatenate(touched_rows))
     if not len(touched):
@@ -233,8 +235,8 @@ def _face_by_contact(
 
 
 def read_printed(path: Path, mapping: Mapping) -> SurfaceResult:
-    """The contact stresses of every time in a .dat file; loads from the resultants of the pair
-    where it has them (CF).
+    """Contact tractions at every time in a .dat file of CalculiX. Loads are the resultants of the
+    contact pair where it has them (CF).
 
     Raises
     ------
@@ -268,14 +270,14 @@ def read_printed(path: Path, mapping: Mapping) -> SurfaceResult:
             f"{path}: contact stress of nodes and of element faces in one file; print one contact"
             " pair (mapping's surface)"
         )
-    keys = np.unique(np.concatenate([table.ids for table in filled_tables]), axis=0)
+    place_keys = np.unique(np.concatenate([table.ids for table in filled_tables]), axis=0)
     notes = []
-    if keys.shape[1] == 1:
-        node_rows = mesh.rows(keys[:, 0])
+    if place_keys.shape[1] == 1:
+        node_rows = mesh.rows(place_keys[:, 0])
         places = mesh.points[node_rows]
         is_above = mesh.above[node_rows]
     else:
-        faces = [mesh.face(int(element), int(face)) for element, face in keys]
+        faces = [mesh.face(int(element), int(face)) for element, face in place_keys]
         places = np.array([middle for middle, _ in faces])
         is_above = np.array([height for _, height in faces])
         notes = [
@@ -283,27 +285,29 @@ def read_printed(path: Path, mapping: Mapping) -> SurfaceResult:
             " each face stands at its middle"
         ]
     body = _body_of_face(path, is_above)
-    rows, _, plane_notes = one_plane(places, np.arange(len(keys)))
+    rows, _, plane_notes = one_plane(places, np.arange(len(place_keys)))
     face_note = f"contact values stand at the slave face, that of the {body} body"
     notes = [face_note, *notes, *plane_notes]
 
-    def column(tables: Sequence[DatTable], k: int, quantity: _Quantity) -> Array:
+    def column_of(tables: Sequence[DatTable], k: int, quantity: _Quantity) -> Array:
         """(n_times, n_points): the mean of the rows of each node or face; 0 where a table has
         none.
         """
         means = np.zeros((len(tables), len(rows)))
-        for mean, table in zip(means, tables, strict=True):
+        for row_of_means, table in zip(means, tables, strict=True):
             values_of: dict[tuple[int, ...], list[float]] = {}  # key of a node or face -> its rows
             all_ids = map(tuple, table.ids.tolist())
             for ids, value in zip(all_ids, table.values[:, k].tolist(), strict=True):
                 values_of.setdefault(ids, []).append(value)
-            mean[:] = [np.mean(values_of.get(tuple(key), 0.0)) for key in keys[rows].tolist()]
+            row_of_means[:] = [
+                np.mean(values_of.get(tuple(key), 0.0)) for key in place_keys[rows].tolist()
+            ]
         return _factor(mapping, quantity, body) * means
 
     tables = list(stress_at.values())
-    fields = {"pressure": column(tables, 0, "pressure"), "shear": column(tables, 1, "shear")}
+    fields = {"pressure": column_of(tables, 0, "pressure"), "shear": column_of(tables, 1, "shear")}
     if set(slip_at) >= set(stress_at):
-        fields["slip"] = column([slip_at[time] for time in stress_at], 1, "slip")
+        fields["slip"] = column_of([slip_at[time] for time in stress_at], 1, "slip")
         notes.append(_SLIP_NOTE)
     depth = float(np.ptp(mesh.points[:, 2]))
     face_values = _FaceValues(places[rows, 0], depth, fields, np.array(list(stress_at)))
@@ -324,8 +328,8 @@ def _factor(mapping: Mapping, quantity: _Quantity, body: str) -> float:
 def _one_block_a_time(
     file: FrdFile, components: Sequence[str], noun: str
 ) -> tuple[list[FrdBlock], list[str]]:
-    """The last block of each time, of which all hold these components; frames without one and
-    doubles are named.
+    """The last result block of each time, and notes on frames without one and on doubles.
+    InputError where a block lacks one of the `components`; `noun` says what the blocks hold.
     """
     for block in file.blocks:
         missing_names = [name for name in components if name not in block.components]
@@ -395,7 +399,9 @@ def _result(
     printed_file: DatFile | None,
     notes: list[str],
 ) -> SurfaceResult:
-    """The face's values with times and loads; everything checked and sorted."""
+    """The tractions of a face with times and loads as an external result, checked and sorted; loads
+    from the printed file where there is one.
+    """
     series: dict[str, ArrayLike | None] = {}
     load_notes: list[str] = []
     if printed_file is not None:
@@ -414,8 +420,8 @@ def _result(
 def _pair_loads(
     file: DatFile, mapping: Mapping, times: Array, depth: float
 ) -> tuple[dict[str, Array], list[str]]:
-    """P and Q (n_times,) of the one contact pair, and what was done to them; nothing where a time
-    has no resultant.
+    """Loads P and Q (n_times,) of the one contact pair in a .dat file, and notes; empty where a
+    time has no resultant.
 
     They are what the upper body does to the lower; the file states the force on the slave face,
     which is the lower body's where its normal looks up. `depth` is the thickness of the mesh, 0
@@ -444,15 +450,15 @@ def _pair_loads(
             f" {len(times)} times: not used"
         )
         return {}, [note] if pairs else []
-    on_lower = np.array(forces_on_lower)
+    force_on_lower = np.array(forces_on_lower)
     source = "mapping"
     thickness = 1.0
     if depth > 0 and "thickness" not in mapping.model_fields_set:
         source = "mesh"
         thickness = depth * (mapping.factors.length or 1.0)
     loads = {
-        "normal_load": converted(mapping, "normal_load", -on_lower[:, 1] / thickness),
-        "tangential_load": converted(mapping, "tangential_load", on_lower[:, 0] / thickness),
+        "normal_load": converted(mapping, "normal_load", -force_on_lower[:, 1] / thickness),
+        "tangential_load": converted(mapping, "tangential_load", force_on_lower[:, 0] / thickness),
     }
     note = (
         f"loads are the resultants of the contact pair in {file.path.name}, divided by the"

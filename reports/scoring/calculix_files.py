@@ -80,8 +80,8 @@ class FrdFile:
 def read_frd(
     path: str | Path, names: Collection[str] = ("CONTACT",), instead: Collection[str] = ()
 ) -> FrdFile:
-    """Nodes, elements, and the result blocks of the `names`; where there is none, those of the
-    names `instead`.
+    """Nodes, elements, and result blocks of a .frd file of CalculiX: blocks of the `names`, or
+    where it has none of these, of the names `instead`.
 
     Raises
     ------
@@ -117,18 +117,20 @@ def read_frd(
                 case "3C":
                     elements += lines.elements(line)
                 case "100C":
-                    at = lines.number
+                    header_line = lines.number
                     time = lines.float(line[12:24], "the time of a frame in columns 13 to 24")
                     name, components = lines.components()
                     times[time] = None
                     block_names[name] = None
                     has_first_choice = bool(blocks) and blocks[0].name in names
-                    label, records = lines.records(line, f"records of block {name}", at)
+                    label, records = lines.records(line, f"records of block {name}", header_line)
                     if name in names and not has_first_choice:
                         blocks.clear()
                     if name in names or (name in instead and not has_first_choice):
                         numbers, values = lines.table(records, label, len(components))
-                        blocks.append(FrdBlock(name, time, components, numbers, values, at))
+                        blocks.append(
+                            FrdBlock(name, time, components, numbers, values, header_line)
+                        )
                 case "9999":
                     ended = True
                     break
@@ -186,15 +188,20 @@ class _Lines(Iterator[str]):
         """The sentence to raise, with file and line."""
         return InputError(f"{self.path}: line {number or self.number}: expected {expected}")
 
-    def records(self, header: str, noun: str, at: int) -> tuple[int, list[_Record]]:
-        """Characters of a node's number, and the records of a block, as many as its header in line
-        `at` announces.
+    def records(self, header: str, noun: str, header_line: int) -> tuple[int, list[_Record]]:
+        """How many characters a node's number has, and the records of a block: as many as its
+        header, in line `header_line`, announces. `noun` names them in messages.
         """
-        announced = self.integer(header[24:36], "the count of records in columns 25 to 36", at)
-        form = self.integer(header[73:].strip()[:1] or "1", "the form of the block (0 or 1)", at)
+        n_announced = self.integer(
+            header[24:36], "the count of records in columns 25 to 36", header_line
+        )
+        form = self.integer(
+            header[73:].strip()[:1] or "1", "the form of the block (0 or 1)", header_line
+        )
         if form not in _LABELS:
             raise InputError(
-                f"{self.path}: line {at}: the file is binary (form {form}), and only the ASCII"
+                f"{self.path}: line {header_line}: the file is binary (form {form}), and only the"
+                f" ASCII"
                 " forms are read; write *NODE FILE, *EL FILE and *CONTACT FILE in place of *NODE"
                 " OUTPUT, *ELEMENT OUTPUT and *CONTACT OUTPUT"
             )
@@ -205,9 +212,9 @@ class _Lines(Iterator[str]):
             elif line.startswith(" -2") and records:
                 records[-1].continuations.append(line[3:])
             elif line.startswith(" -3"):
-                if len(records) != announced:
+                if len(records) != n_announced:
                     raise self.refusal(
-                        f"{announced} {noun} as announced here, found {len(records)}", at
+                        f"{n_announced} {noun} as announced here, found {len(records)}", header_line
                     )
                 return _LABELS[form], records
             else:
@@ -216,7 +223,7 @@ class _Lines(Iterator[str]):
                     f" found {line[:40]!r}"
                 )
         raise self.refusal(
-            f"the end of the block (-3): the file breaks off after {len(records)} of {announced}"
+            f"the end of the block (-3): the file breaks off after {len(records)} of {n_announced}"
             f" {noun}"
         )
 
@@ -232,24 +239,28 @@ class _Lines(Iterator[str]):
         return nodes, points
 
     def elements(self, header: str) -> Iterator[FrdElement]:
-        """The elements in the block of this header."""
-        at = self.number
-        label, records = self.records(header, "elements", at)
+        """The elements in the block below this header."""
+        header_line = self.number
+        label_width, records = self.records(header, "elements", header_line)
         for line, head, continuations in records:
-            number = self.integer(head[:label], "an element's number", line)
-            kind = self.integer(head[label:][:5], "its kind", line)
+            number = self.integer(head[:label_width], "an element's number", line)
+            kind = self.integer(head[label_width:][:5], "its kind", line)
             words = [
-                text[k : k + label] for text in continuations for k in range(0, len(text), label)
+                text[k : k + label_width]
+                for text in continuations
+                for k in range(0, len(text), label_width)
             ]
             nodes = tuple(self.integer(word, "a node's number", line + 1) for word in words)
             if not nodes:
                 raise self.refusal(
-                    f"nodes (-2) of every element, found none of element {number}", at
+                    f"nodes (-2) of every element, found none of element {number}", header_line
                 )
             yield FrdElement(number, kind, nodes)
 
     def components(self) -> tuple[str, tuple[str, ...]]:
-        """Name of a result block and its components, in the lines below its header."""
+        """Name of a result block and the names of its components, from the lines below its
+        header.
+        """
         line = next(self, "")
         if not line.startswith(" -4"):
             raise self.refusal(f"the name of a result block (-4), found {line[:40]!r}")
@@ -267,28 +278,39 @@ class _Lines(Iterator[str]):
                 components.append(line[5:13].strip())
         return name, tuple(components)
 
-    def table(self, records: list[_Record], label: int, columns: int) -> tuple[Integers, Array]:
-        """Node numbers (n,) and values (n, columns) of records, six numbers a line."""
+    def table(
+        self, records: list[_Record], label_width: int, n_columns: int
+    ) -> tuple[Integers, Array]:
+        """Node numbers (n,) and values (n, columns) of records in fixed columns; `label_width` is
+        how many characters a node's number has.
+        """
         nodes: list[int] = []
-        words: list[str] = []
+        number_texts: list[str] = []
         for line, text, continuations in records:
-            body = text[label:] + "".join(rest[label:] for rest in continuations)
-            if len(body) != _WIDTH * columns:
-                length = f"{3 + label + _WIDTH * columns} in all, found {3 + label + len(body)}"
-                raise self.refusal(
-                    f"{columns} numbers of {_WIDTH} characters, {length}: {text[:40]!r}", line
+            numbers_in_text = text[label_width:] + "".join(
+                rest[label_width:] for rest in continuations
+            )
+            if len(numbers_in_text) != _WIDTH * n_columns:
+                length = (
+                    f"{3 + label_width + _WIDTH * n_columns} in all, found"
+                    f" {3 + label_width + len(numbers_in_text)}"
                 )
-            nodes.append(self.integer(text[:label], "a node's number", line))
-            words += [body[k : k + _WIDTH] for k in range(0, len(body), _WIDTH)]
+                raise self.refusal(
+                    f"{n_columns} numbers of {_WIDTH} characters, {length}: {text[:40]!r}", line
+                )
+            nodes.append(self.integer(text[:label_width], "a node's number", line))
+            number_texts += [
+                numbers_in_text[k : k + _WIDTH] for k in range(0, len(numbers_in_text), _WIDTH)
+            ]
         try:
-            values = np.array(words, f"S{_WIDTH}").astype(float)
+            values = np.array(number_texts, f"S{_WIDTH}").astype(float)
         except ValueError:  # one of them is not as Python writes it
             numbers = []
-            for k, word in enumerate(words):
-                line = records[k // columns].line
+            for k, word in enumerate(number_texts):
+                line = records[k // n_columns].line
                 numbers.append(self.float(word, "a number", line))
             values = np.array(numbers)
-        return np.array(nodes, np.int64), values.reshape(len(nodes), columns)
+        return np.array(nodes, np.int64), values.reshape(len(nodes), n_columns)
 
     def float(self, text: str, noun: str = "a number", line: int = 0) -> float:
         """The number that the text states, also as Fortran writes it."""
@@ -357,7 +379,8 @@ class DatFile:
 
 
 def read_dat(path: str | Path) -> DatFile:
-    """Every table, and the resultants of every contact pair, whose title states a time.
+    """Every table, and the resultants of every contact pair, in a .dat file of CalculiX whose title
+    states a time.
 
     Raises
     ------
@@ -392,7 +415,7 @@ def read_dat(path: str | Path) -> DatFile:
 def _pair_force(
     file: _Lines, lines: Sequence[str], title_line: int, title: re.Match[str]
 ) -> PairForce:
-    """The resultant of a contact pair in the statistics below a title."""
+    """The resultant of a contact pair, from the statistics below a title in line `title_line`."""
 
     def numbers_below(heading: str) -> Array:
         """Six numbers on the line after next of a heading."""
@@ -420,14 +443,20 @@ def _pair_force(
 def _printed_table(
     file: _Lines, lines: Sequence[str], title_line: int, title: re.Match[str]
 ) -> DatTable:
-    """The table below a title and blank lines, up to the next blank line or title."""
+    """The printed table below a title, in line `title_line`, and blank lines, up to the next blank
+    line or title.
+    """
     first_line = title_line
     while first_line < len(lines) and not lines[first_line].strip():
         first_line += 1
-    end = first_line
-    while end < len(lines) and lines[end].strip() and " time" not in lines[end]:
-        end += 1
-    rows = [row.split() for row in lines[first_line:end]]
+    line_beyond = first_line
+    while (
+        line_beyond < len(lines)
+        and lines[line_beyond].strip()
+        and " time" not in lines[line_beyond]
+    ):
+        line_beyond += 1
+    rows = [row.split() for row in lines[first_line:line_beyond]]
     columns = title["columns"].split(",")
     first_column = columns[0].strip()
     n_values = len(columns)

@@ -87,7 +87,10 @@ def _moments(discrepancy: Discrepancy) -> tuple[float, float, float]:
     distance of the centroids [length].
     """
     sums = []
-    for pressure in (discrepancy.found[PRESSURE], discrepancy.expected[PRESSURE]):
+    for pressure in (
+        discrepancy.result_tractions[PRESSURE],
+        discrepancy.reference_tractions[PRESSURE],
+    ):
         weight = discrepancy.weight * np.maximum(pressure, 0.0)
         total = float(weight.sum())
         if not total:
@@ -135,7 +138,8 @@ def round_power(factor: float) -> float | None:
 def _of_pressure_alone(discrepancy: Discrepancy) -> Sequence[float]:
     """Under a wrong factor of the pressure the shear is right."""
     right = (
-        discrepancy.is_within(SHEAR) or discrepancy.residual(discrepancy.expected, SHEAR).is_noise
+        discrepancy.is_within(SHEAR)
+        or discrepancy.residual(discrepancy.reference_tractions, SHEAR).is_noise
     )
     return _of_factor(discrepancy) if right and _slips(discrepancy) else ()
 
@@ -148,7 +152,7 @@ def _of_shear_alone(discrepancy: Discrepancy) -> Sequence[float]:
         return ()
     sums, sums_expected = (
         np.sum(discrepancy.weight * shear, axis=1)
-        for shear in (discrepancy.found[SHEAR], discrepancy.expected[SHEAR])
+        for shear in (discrepancy.result_tractions[SHEAR], discrepancy.reference_tractions[SHEAR])
     )
     square = float(sums_expected @ sums_expected)
     ratio = float(sums @ sums_expected) / square if square else 0.0
@@ -175,7 +179,7 @@ def _slips(discrepancy: Discrepancy) -> bool:
     return bool(
         discrepancy.sheared
         and discrepancy.scene.friction.coefficient
-        and np.any(discrepancy.expected[SHEAR])
+        and np.any(discrepancy.reference_tractions[SHEAR])
     )
 
 
@@ -213,7 +217,7 @@ def _of_layer(discrepancy: Discrepancy) -> Sequence[float]:
 def _of_coupling(discrepancy: Discrepancy) -> Sequence[float]:
     shear = discrepancy.sheared and bool(discrepancy.scene.friction.coefficient)
     possible = shear and not discrepancy.unsymmetric and not discrepancy.scene.load.is_driven
-    return _BETAS if possible and bool(np.any(discrepancy.found[SHEAR])) else ()
+    return _BETAS if possible and bool(np.any(discrepancy.result_tractions[SHEAR])) else ()
 
 
 def _of_wrong_load(key: str) -> Callable[[Discrepancy], Sequence[float]]:

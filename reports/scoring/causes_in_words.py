@@ -76,7 +76,12 @@ def _height(share: float) -> float:
 def _of_mesh(discrepancy: Discrepancy, *, alone: bool) -> str:
     """The sentence of a mesh whose nodal forces are all that it shows."""
     carrying = int(
-        np.max(np.sum(discrepancy.found[0] > 1e-3 * np.max(discrepancy.found[0]), axis=1))
+        np.max(
+            np.sum(
+                discrepancy.result_tractions[0] > 1e-3 * np.max(discrepancy.result_tractions[0]),
+                axis=1,
+            )
+        )
     )
     sentence = WORDS["others"]["coarse_mesh"].format(
         elements=discrepancy.elements,

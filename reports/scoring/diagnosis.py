@@ -45,18 +45,20 @@ from reports.scoring.variants import Predictions
 
 
 def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
-    """Findings on the difference, causes first; none for a result within tolerance."""
+    """Findings on why a result differs from the reference, likely causes first; none for a result
+    within tolerance.
+    """
     discrepancy = discrepancy_of(comparison)
     if discrepancy is None:
         return ()
-    cells = outliers(comparison)
+    outlying_values = outliers(comparison)
     traces = [
         *full_slip(discrepancy),
         *elastic_slip(discrepancy),
         *alternating_nodes(discrepancy),
     ]
     if discrepancy.within:
-        named_causes = (*cells, *traces) or tuple(long_steps_by_work(comparison))
+        named_causes = (*outlying_values, *traces) or tuple(long_steps_by_work(comparison))
         if named_causes or comparison.verdict == "within":
             return named_causes or tuple(_of_cone(discrepancy))
     judgement = Judgement(discrepancy, Search(discrepancy, Predictions(discrepancy)))
@@ -66,15 +68,15 @@ def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
     if turned_causes and not traces:
         traces_of_turned = list(elastic_slip(discrepancy, shear_sign=-1.0))
         if traces_of_turned:
-            of_pressure = _named(judgement, verdict, is_traced=True)
-            causes = [*of_pressure, *turned_causes, *traces_of_turned]
+            causes_of_pressure = _named(judgement, verdict, is_traced=True)
+            causes = [*causes_of_pressure, *turned_causes, *traces_of_turned]
     if not traces and not (verdict.fit is not None and judgement.is_whole(verdict.fit)):
         causes = list(other_problems(discrepancy, verdict.fit)) or causes
     if not causes and not traces:
         causes = [*_own_bodies(judgement), *_mesh_at_edges(judgement), *scatter(discrepancy)][:1]
-    if not causes and not traces and not cells and not discrepancy.within:
+    if not causes and not traces and not outlying_values and not discrepancy.within:
         causes = [_not_found(judgement, verdict)]
-    return (*cells, *traces, *causes)
+    return (*outlying_values, *traces, *causes)
 
 
 def _of_cone(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
@@ -89,13 +91,17 @@ def _of_cone(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
 
 
 def _named(judgement: Judgement, verdict: Verdict, *, is_traced: bool) -> Iterator[Diagnosis]:
-    """The causes of the verdict that no rival lacks."""
+    """A finding for each cause of the verdict that all its rivals (explanations which the file does
+    not tell apart) have too.
+
+    With `is_traced` a cause of the shear alone is left out: it has a trace of its own.
+    """
     fit = verdict.fit
     if fit is None:
         return
-    shared = fit.keys.intersection(*(rival.keys for rival in verdict.rivals))
-    for place, cause in enumerate(fit.causes):
-        if cause.key not in shared:
+    shared_keys = fit.keys.intersection(*(rival.keys for rival in verdict.rivals))
+    for index, cause in enumerate(fit.causes):
+        if cause.key not in shared_keys:
             continue
         fit_before = _without_cause(judgement, fit, cause)
         # What has a trace of its own in the shear needs no second explanation of it.
@@ -103,17 +109,17 @@ def _named(judgement: Judgement, verdict: Verdict, *, is_traced: bool) -> Iterat
             continue
         # a layer's effect on the shear is not predicted
         channels = (PRESSURE,) if cause is SOFT_NORMAL else judgement.channels
-        left = share_left(fit, fit_before, channels)
-        left_by_all = share_left(fit, judgement.no_cause, channels)
-        evidence = list(_evidence(judgement, fit, left_by_all))
+        share_left_by_cause = share_left(fit, fit_before, channels)
+        share_left_by_all = share_left(fit, judgement.no_cause, channels)
+        evidence = list(_evidence(judgement, fit, share_left_by_all))
         if verdict.is_shear_left:
             evidence.append("it explains the pressure; the shear differs for a reason not found")
         yield Diagnosis(
-            key_of_sentence(cause, fit.sizes[place]),
-            sentence_of(judgement.discrepancy, cause, fit.sizes[place], fit),
+            key_of_sentence(cause, fit.sizes[index]),
+            sentence_of(judgement.discrepancy, cause, fit.sizes[index], fit),
             tuple(evidence),
-            strength=1 - min(left, 1.0),
-            size=size_of(cause, fit.sizes[place]),
+            strength=1 - min(share_left_by_cause, 1.0),
+            size=size_of(cause, fit.sizes[index]),
         )
 
 
@@ -123,8 +129,10 @@ def _without_cause(judgement: Judgement, fit: Fit, cause: Cause) -> Fit:
     return judgement.search.fit(other_causes, judgement.channels) or judgement.no_cause
 
 
-def _evidence(judgement: Judgement, fit: Fit, left: float) -> Iterator[str]:
-    """Measured values that speak for a cause, in the order of evidence."""
+def _evidence(judgement: Judgement, fit: Fit, share_left: float) -> Iterator[str]:
+    """Measured values that speak for a cause: sum of the pressures, noise, what the fit leaves,
+    errors before and after. `share_left` is the share of the difference that it leaves.
+    """
     discrepancy = judgement.discrepancy
     ratio = discrepancy.resultant_ratio
     if np.isfinite(ratio):
@@ -134,18 +142,18 @@ def _evidence(judgement: Judgement, fit: Fit, left: float) -> Iterator[str]:
         f"{fit.count((PRESSURE,))} values in contact; noise from point to point {noise:.2g} of the"
         " scales"
     )
-    of_which = " of the pressure" if SOFT_NORMAL in fit.causes else ""
-    who_leaves = "a result with just this fault leaves"
-    taken_out = "the fault"
+    part_in_words = " of the pressure" if SOFT_NORMAL in fit.causes else ""
+    subject_in_words = "a result with just this fault leaves"
+    faults_in_words = "the fault"
     if len(fit.causes) > 1:
-        who_leaves = "both causes together leave"
-        taken_out = "both"
-    yield f"{who_leaves} {max(left, 0.0):.1%} of the difference{of_which}"
+        subject_in_words = "both causes together leave"
+        faults_in_words = "both"
+    yield f"{subject_in_words} {max(share_left, 0.0):.1%} of the difference{part_in_words}"
     pressure, shear = discrepancy.errors()
-    errors_after = replace(discrepancy, expected=fit.predicted).errors()
+    errors_after = replace(discrepancy, reference_tractions=fit.predicted).errors()
     yield (
         f"error of the pressure {pressure:.2g} of its norm, of the shear {shear:.2g} of f times"
-        f" that, at the worst instant; with {taken_out} taken out, "
+        f" that, at the worst instant; with {faults_in_words} taken out, "
         f"{errors_after[0]:.2g} and {errors_after[1]:.2g}"
     )
     if discrepancy.missing:
@@ -158,8 +166,8 @@ def _evidence(judgement: Judgement, fit: Fit, left: float) -> Iterator[str]:
 
 
 def _own_bodies(judgement: Judgement) -> Iterator[Diagnosis]:
-    """The idealisation: theory with the numbers of the scene's own bodies leaves less than a third
-    of what half-plane theory leaves.
+    """A finding of the idealisation itself: theory with what the scene's own bodies add leaves less
+    than a third of what half-plane theory leaves.
     """
     discrepancy = judgement.discrepancy
     if not discrepancy.has_bodies:
@@ -168,58 +176,65 @@ def _own_bodies(judgement: Judgement) -> Iterator[Diagnosis]:
     half_planes = np.array(
         [reference.pressure[discrepancy.rows], reference.shear[discrepancy.rows]]
     )
-    half_planes = np.where(np.isfinite(half_planes), half_planes, discrepancy.expected)
+    half_planes = np.where(np.isfinite(half_planes), half_planes, discrepancy.reference_tractions)
     fit_before = Fit((), (), half_planes, discrepancy.residuals(half_planes))
-    left = share_left(judgement.no_cause, fit_before, judgement.channels)
-    if left < MOST_LEFT:
-        evidence = tuple(_evidence(judgement, judgement.no_cause, left))
-        yield Diagnosis(OWN_BODIES, WORDS["others"][OWN_BODIES], evidence, 1 - left)
+    share_left_by_bodies = share_left(judgement.no_cause, fit_before, judgement.channels)
+    if share_left_by_bodies < MOST_LEFT:
+        evidence = tuple(_evidence(judgement, judgement.no_cause, share_left_by_bodies))
+        yield Diagnosis(OWN_BODIES, WORDS["others"][OWN_BODIES], evidence, 1 - share_left_by_bodies)
 
 
 def _mesh_at_edges(judgement: Judgement) -> Iterator[Diagnosis]:
-    """A difference that lies within two elements of the edges."""
+    """A finding where the difference lies within two elements of the edges of contact or stick."""
     from scipy.stats import f as f_distribution
 
     discrepancy = judgement.discrepancy
-    edges = coarse_edge(discrepancy)
-    if edges is None or judgement.is_right(judgement.no_cause, PRESSURE):
+    prediction = coarse_edge(discrepancy)
+    if prediction is None or judgement.is_right(judgement.no_cause, PRESSURE):
         return  # a mesh that errs at stick edges errs at the edges of contact as well
-    predicted_values, is_near = edges
+    predicted_values, is_near = prediction
     fit = Fit((), (), predicted_values, discrepancy.residuals(predicted_values))
-    left = share_left(fit, judgement.no_cause, judgement.channels)
+    share_left_by_mesh = share_left(fit, judgement.no_cause, judgement.channels)
     values = np.array(
         [judgement.no_cause.residuals[channel].values for channel in judgement.channels]
     )
     contact = judgement.no_cause.residuals[PRESSURE].inside
     values_near = values[:, contact & is_near].ravel()
-    far = values[:, contact & ~is_near].ravel()
-    ratio = np.mean(values_near**2) / max(float(np.mean(far**2)), ROUND_OFF)
-    chance = float(f_distribution.sf(ratio, len(values_near), len(far)))
-    if left > MOST_LEFT or ratio < MOST_LEFT**-2 or chance > CHANCE:
+    values_far = values[:, contact & ~is_near].ravel()
+    ratio_of_squares = np.mean(values_near**2) / max(float(np.mean(values_far**2)), ROUND_OFF)
+    chance = float(f_distribution.sf(ratio_of_squares, len(values_near), len(values_far)))
+    if share_left_by_mesh > MOST_LEFT or ratio_of_squares < MOST_LEFT**-2 or chance > CHANCE:
         return
     sentence = FAULTS["coarse_edge"].format(spacing=1 / discrepancy.elements)
-    yield Diagnosis("coarse_edge", sentence, tuple(_evidence(judgement, fit, left)), 1 - left)
+    yield Diagnosis(
+        "coarse_edge",
+        sentence,
+        tuple(_evidence(judgement, fit, share_left_by_mesh)),
+        1 - share_left_by_mesh,
+    )
 
 
 def _not_found(judgement: Judgement, verdict: Verdict) -> Diagnosis:
-    """What is excluded, and by what."""
+    """The finding that no cause was found: errors, causes that the file does not tell apart, and
+    those that are excluded, with the reasons.
+    """
     discrepancy = judgement.discrepancy
     pressure, shear = discrepancy.errors()
-    lines = [
+    evidence_lines = [
         f"error of the pressure {pressure:.2g} of its norm, of the shear {shear:.2g} of f times"
         " that, at the worst instant"
     ]
     if verdict.fit is not None and verdict.rivals:
         choices = [verdict.fit, *verdict.rivals]
         words = " or ".join(_names_of(fit) for fit in choices)
-        lines.insert(0, f"the file does not tell these apart: {words}")
+        evidence_lines.insert(0, f"the file does not tell these apart: {words}")
     if judgement.excluded:
         words = "; ".join(
             f"{WORDS['names'][key]}: {reason}" for key, reason in judgement.excluded.items()
         )
-        lines.append(f"excluded: {words}")
-    lines += _left_by_each(judgement)
-    return Diagnosis(UNKNOWN, WORDS["others"][UNKNOWN], tuple(lines), 0.0)
+        evidence_lines.append(f"excluded: {words}")
+    evidence_lines += _left_by_each(judgement)
+    return Diagnosis(UNKNOWN, WORDS["others"][UNKNOWN], tuple(evidence_lines), 0.0)
 
 
 def _names_of(fit: Fit) -> str:
@@ -228,8 +243,8 @@ def _names_of(fit: Fit) -> str:
 
 
 def _left_by_each(judgement: Judgement) -> Iterator[str]:
-    """What each cause that was tried alone leaves, the least first; of those that gain more than
-    chance would.
+    """A sentence on what each cause that was tried alone leaves of the difference, the least first;
+    of those that gain more than chance would.
     """
     least_left: dict[str, float] = {}
     for fit in judgement.search.done.values():

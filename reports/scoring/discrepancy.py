@@ -44,29 +44,19 @@ class Discrepancy:
 
     Attributes
     ----------
-    comparison
-        the result beside its reference
-    rows
-        (k,), the instants taken, of the last cycle's
-    expected, found
-        tractions of the reference, and of the result; where it has no number, the reference's
-    weight
-        (k, n) of the squares, 0 where the result has no number; they add up to 1
-    missing
-        share of the result's tractions that are no numbers
-    exact
-        whether `expected` is half-plane theory of the scene
-    sheared
-        whether the file has a shear
-    has_bodies
-        whether `expected` is half-plane theory with the numbers of the scene's own finite bodies,
-        which the reference does not have
+        comparison the result beside its reference rows (k,), the instants taken, of the last
+        cycle's reference_tractions, result_tractions tractions of the reference, and of the result;
+        where it has no number, the reference's weight (k, n) of the squares, 0 where the result has
+        no number; they add up to 1 missing share of the result's tractions that are no numbers
+        exact whether `reference_tractions` are half-plane theory of the scene sheared whether the
+        file has a shear has_bodies whether `reference_tractions` are half-plane theory with the
+        numbers of the scene's own finite bodies, which the reference does not have
     """
 
     comparison: Comparison
     rows: NDArray[np.intp]
-    expected: Tractions
-    found: Tractions
+    reference_tractions: Tractions
+    result_tractions: Tractions
     weight: Array
     missing: float
     exact: bool
@@ -75,7 +65,7 @@ class Discrepancy:
 
     @property
     def scene(self) -> Scene:
-        """The question that `expected` answers."""
+        """The question that `reference_tractions` answer."""
         return self.comparison.scene
 
     @property
@@ -116,21 +106,27 @@ class Discrepancy:
 
     @cached_property
     def resultant_ratio(self) -> float:
-        """Sum of the pressures found over P, in the mean of the loaded instants; NaN without one.
+        """Sum of the result's pressures over x, over P, in the mean of the loaded instants; NaN
+        without one.
 
-        Of P and of the same sum over the pressures expected it takes the nearer one: nodal forces
-        over the elements add up to P on any mesh, pressures at points to the sum of theory's. Where
-        the points end within the contact expected, and not within that of the result, P counts.
+        Of P and of the same sum over the reference's pressures it takes the nearer one: nodal
+        forces over the elements add up to P on any mesh, pressures at points to the sum of
+        theory's. Where the points end within the contact of the reference, and not within that of
+        the result, P counts.
         """
         if not self.loaded.any():
             return float("nan")
-        sums = np.trapezoid(self.found[PRESSURE], self.x, axis=1)[self.loaded]
-        sums_expected = np.trapezoid(self.expected[PRESSURE], self.x, axis=1)[self.loaded]
-        beside_load = float(np.median(sums / self.normal_load[self.loaded]))
-        if self._ends_in_contact(self.expected) and not self._ends_in_contact(self.found):
-            return beside_load
-        beside_expected = float(np.sum(sums) / np.sum(sums_expected))
-        return min((beside_load, beside_expected), key=lambda ratio: abs(ratio - 1))
+        sums = np.trapezoid(self.result_tractions[PRESSURE], self.x, axis=1)[self.loaded]
+        sums_of_reference = np.trapezoid(self.reference_tractions[PRESSURE], self.x, axis=1)[
+            self.loaded
+        ]
+        ratio_to_load = float(np.median(sums / self.normal_load[self.loaded]))
+        if self._ends_in_contact(self.reference_tractions) and not self._ends_in_contact(
+            self.result_tractions
+        ):
+            return ratio_to_load
+        ratio_to_reference = float(np.sum(sums) / np.sum(sums_of_reference))
+        return min((ratio_to_load, ratio_to_reference), key=lambda ratio: abs(ratio - 1))
 
     def _ends_in_contact(self, tractions: Tractions) -> bool:
         """Whether the first or the last point carries pressure."""
@@ -157,12 +153,16 @@ class Discrepancy:
     def in_contact(self, predicted: Tractions) -> Mask:
         """(k, n) points with a pressure in the result or in the prediction, and with numbers."""
         limit = _LOADED * self.comparison.scales.pressure
-        is_loaded = (np.abs(self.found[PRESSURE]) > limit) | (np.abs(predicted[PRESSURE]) > limit)
+        is_loaded = (np.abs(self.result_tractions[PRESSURE]) > limit) | (
+            np.abs(predicted[PRESSURE]) > limit
+        )
         return is_loaded & (self.weight > 0)
 
     def residual(self, predicted: Tractions, channel: int) -> Residual:
         """What a prediction leaves of the pressure (0) or of the shear (1)."""
-        scaled_difference = (self.found[channel] - predicted[channel]) / self.units[channel]
+        scaled_difference = (self.result_tractions[channel] - predicted[channel]) / self.units[
+            channel
+        ]
         return Residual(scaled_difference, self.weight, self.in_contact(predicted))
 
     def residuals(self, predicted: Tractions) -> tuple[Residual, Residual]:
@@ -172,8 +172,10 @@ class Discrepancy:
     def errors(self) -> tuple[float, float]:
         """||p - p_ref||/||p_ref|| and ||q - q_ref||/(f ||p_ref||) at the worst of the instants."""
         friction = self.comparison.scales.friction
-        sizes = norm(self.x, self.expected[0]) * pair(1, friction)[:, :, 0]
-        relative_errors = over(norm(self.x, self.found - self.expected), sizes)
+        sizes = norm(self.x, self.reference_tractions[0]) * pair(1, friction)[:, :, 0]
+        relative_errors = over(
+            norm(self.x, self.result_tractions - self.reference_tractions), sizes
+        )
         p, q = np.nanmax(relative_errors, axis=1, initial=0.0).tolist()
         return p, q
 
@@ -236,22 +238,23 @@ class Residual:
         return (1, 0) if len(self.values) >= _FEWEST_INSTANTS else (1,)
 
     def _differences(self, axis: int) -> tuple[float, int]:
-        """Half the mean squared difference of neighbours in contact, and how many pairs there are;
-        the mean square itself where there is none.
+        """Half the mean squared difference of neighbours in contact along an axis, and how many
+        pairs there are; where there is none, the mean square itself and 0.
         """
         is_inside = np.moveaxis(self.inside, axis, -1)
         weight = np.moveaxis(self.weight, axis, -1)
-        both = is_inside[..., 1:] & is_inside[..., :-1]
-        if not both.any():
+        both_inside = is_inside[..., 1:] & is_inside[..., :-1]
+        if not both_inside.any():
             return self.square, 0
         steps = np.diff(np.moveaxis(self.values, axis, -1))
-        weight = np.where(both, weight[..., 1:] + weight[..., :-1], 0.0)
-        half_squares = np.where(both, steps, 0.0) ** 2 / 2
-        return float(np.sum(weight * half_squares) / weight.sum()), int(both.sum())
+        weight = np.where(both_inside, weight[..., 1:] + weight[..., :-1], 0.0)
+        half_squares = np.where(both_inside, steps, 0.0) ** 2 / 2
+        return float(np.sum(weight * half_squares) / weight.sum()), int(both_inside.sum())
 
     @property
     def is_noise(self) -> bool:
-        """Whether nothing in it is smooth: the ratio of von Neumann, 1 for white noise.
+        """Whether nothing in the residual is smooth, by the ratio of von Neumann: half the mean
+        squared difference of neighbours over the mean square, 1 for white noise.
 
         It scatters by sqrt(1/n) for n pairs; three of these deviations are allowed for.
         """
@@ -284,15 +287,17 @@ def pair(of_pressure: float, of_shear: float) -> Array:
 
 
 def discrepancy_of(comparison: Comparison) -> Discrepancy | None:
-    """The discrepancy of `comparison`; None where the result has no instant with a contact or not
-    one number.
+    """What is to be explained of a comparison: tractions of result and reference at some loaded
+    instants, with weights. None where the result has no instant with a contact or not one number.
     """
-    usable = np.flatnonzero(comparison.judged if comparison.judged.any() else comparison.touching)
-    if not len(usable):
+    usable_instants = np.flatnonzero(
+        comparison.judged if comparison.judged.any() else comparison.touching
+    )
+    if not len(usable_instants):
         return None
-    count = min(len(usable), _MOST_INSTANTS)
-    places = np.linspace(0, len(usable) - 1, count).round().astype(int)
-    rows = usable[np.unique(places)]
+    count = min(len(usable_instants), _MOST_INSTANTS)
+    places = np.linspace(0, len(usable_instants) - 1, count).round().astype(int)
+    rows = usable_instants[np.unique(places)]
     expected_tractions, result_tractions = (
         np.array([side.pressure[rows], side.shear[rows]])
         for side in (comparison.expected, comparison.found)
@@ -307,9 +312,9 @@ def discrepancy_of(comparison: Comparison) -> Discrepancy | None:
     is_known &= ~(isolated["pressure"] | isolated["shear"])[rows]
     if not is_known.any():
         return None
-    bodies = _with_bodies(comparison, rows)
-    if bodies is not None:
-        expected_tractions = bodies
+    tractions_with_bodies = _with_bodies(comparison, rows)
+    if tractions_with_bodies is not None:
+        expected_tractions = tractions_with_bodies
         result_tractions = np.where(is_known, result_tractions, expected_tractions)
     weight = is_known * shares(comparison.found.time[rows])[:, None] * shares(comparison.found.x)
     expected_tractions = np.nan_to_num(expected_tractions)
@@ -320,21 +325,21 @@ def discrepancy_of(comparison: Comparison) -> Discrepancy | None:
         np.where(is_known, result_tractions, expected_tractions),
         weight / weight.sum(),
         missing=float(1 - is_known.mean()),
-        exact=comparison.reference.engine == "semi_analytic" and bodies is None,
+        exact=comparison.reference.engine == "semi_analytic" and tractions_with_bodies is None,
         sheared=has_shear,
-        has_bodies=bodies is not None,
+        has_bodies=tractions_with_bodies is not None,
     )
 
 
 def _with_bodies(comparison: Comparison, rows: NDArray[np.intp]) -> Tractions | None:
-    """Theory with the numbers of the scene's finite bodies, at the points and instants of the
-    result; None where the reference has them, or they are not covered.
+    """Tractions of theory with what the scene's finite bodies add, at the points and the instants
+    `rows` of the result. None where the reference has them in it, or where they are not covered.
     """
     scene = comparison.scene
     if comparison.reference.engine != "semi_analytic" or are_half_planes(scene):
         return None
     try:
-        answer = semi_analytic.solve(
+        solution = semi_analytic.solve(
             scene,
             x=comparison.found.x,
             time=comparison.found.time[rows],
@@ -343,4 +348,4 @@ def _with_bodies(comparison: Comparison, rows: NDArray[np.intp]) -> Tractions | 
         )
     except InputError:  # curved faces, free sides: `body_effects` says which are covered
         return None
-    return np.array([answer.pressure, answer.shear])
+    return np.array([solution.pressure, solution.shear])

@@ -47,7 +47,9 @@ class Step:
 
 
 def evidence(comparison: Comparison) -> tuple[Step, ...]:
-    """The steps in their order; none for a result without a contact."""
+    """What the rows of a result show, in five steps: what was read, equilibrium, resolution, laws
+    of contact, shape. None for a result without a contact.
+    """
     discrepancy = discrepancy_of(comparison)
     if discrepancy is None:
         return ()
@@ -61,7 +63,7 @@ def evidence(comparison: Comparison) -> tuple[Step, ...]:
 
 
 def _reading(comparison: Comparison) -> str:
-    """Rows and their range."""
+    """In words which tractions a result has, at how many points and instants, and their range."""
     result_cycle = comparison.found
     shear = "pressure alone"
     if not np.isnan(result_cycle.shear).all():
@@ -76,12 +78,14 @@ def _reading(comparison: Comparison) -> str:
 
 
 def _equilibrium(discrepancy: Discrepancy) -> Iterator[str]:
-    """Sums over the points against P, Q and the moment, at the instants that are loaded."""
+    """Phrases on the sums of the tractions over x beside P, Q and the moment, at the loaded
+    instants.
+    """
     is_loaded = discrepancy.loaded
     if not is_loaded.any():
         return
     x = discrepancy.x
-    pressure = np.trapezoid(discrepancy.found[PRESSURE], x, axis=1)[is_loaded]
+    pressure = np.trapezoid(discrepancy.result_tractions[PRESSURE], x, axis=1)[is_loaded]
     normal_load = discrepancy.normal_load[is_loaded]
     ratio = discrepancy.resultant_ratio
     words = f"the sum of p is {ratio:.4g} P ({_range(pressure / normal_load)} by instants)"
@@ -90,16 +94,18 @@ def _equilibrium(discrepancy: Discrepancy) -> Iterator[str]:
     yield words
     friction = discrepancy.comparison.scene.friction.coefficient
     if discrepancy.sheared and friction:
-        shear = np.trapezoid(discrepancy.found[SHEAR], x, axis=1)[is_loaded]
+        shear = np.trapezoid(discrepancy.result_tractions[SHEAR], x, axis=1)[is_loaded]
         tangential_load = discrepancy.comparison.expected.tangential_load[discrepancy.rows][
             is_loaded
         ]
-        off = float(np.max(np.abs(shear - tangential_load) / (friction * normal_load)))
-        yield f"the sum of q differs from Q by {off:.2g} f P at most"
+        largest_difference = float(
+            np.max(np.abs(shear - tangential_load) / (friction * normal_load))
+        )
+        yield f"the sum of q differs from Q by {largest_difference:.2g} f P at most"
     if not discrepancy.unsymmetric:
-        moment = np.trapezoid(x * discrepancy.found[PRESSURE], x, axis=1)[is_loaded]
-        off_centre = float(np.max(np.abs(moment / pressure))) / discrepancy.half_width
-        yield f"the centre of p is {_rounded(off_centre):.2g} a_ref from x = 0 at most"
+        moment = np.trapezoid(x * discrepancy.result_tractions[PRESSURE], x, axis=1)[is_loaded]
+        largest_eccentricity = float(np.max(np.abs(moment / pressure))) / discrepancy.half_width
+        yield f"the centre of p is {_rounded(largest_eccentricity):.2g} a_ref from x = 0 at most"
 
 
 def _range(values: Array) -> str:
@@ -118,16 +124,20 @@ def _rounded(value: float) -> float:
 
 
 def _resolution(discrepancy: Discrepancy) -> Iterator[str]:
-    """Points in contact and in slip, spacing, scatter."""
+    """Phrases on how finely a result is resolved: points in contact and in slip, spacing,
+    scatter.
+    """
     comparison = discrepancy.comparison
-    in_contact = discrepancy.in_contact(discrepancy.expected)[discrepancy.loaded].sum(axis=1)
+    in_contact = discrepancy.in_contact(discrepancy.reference_tractions)[discrepancy.loaded].sum(
+        axis=1
+    )
     if len(in_contact):
         yield f"{_range(in_contact)} points in contact at an instant"
     yield f"{discrepancy.elements:.3g} spacings over a_ref"
     if discrepancy.sheared and comparison.scene.friction.coefficient:
         slips = np.isin(comparison.found.state, (SLIP_FORWARD, SLIP_REVERSE)).sum(axis=1)
         yield f"{_range(slips)} points in slip"
-    residuals = discrepancy.residuals(discrepancy.expected)
+    residuals = discrepancy.residuals(discrepancy.reference_tractions)
     scatter = [_rounded(residual.noise**0.5) for residual in residuals]
     words = f"p changes from point to point by {scatter[PRESSURE]:.1g} of p_ref beside theory"
     if discrepancy.sheared:
@@ -136,11 +146,11 @@ def _resolution(discrepancy: Discrepancy) -> Iterator[str]:
 
 
 def _laws(discrepancy: Discrepancy) -> Iterator[str]:
-    """Each law with its largest violation, the limit that it is held to, and whether scatter makes
-    as much.
+    """Phrases on the laws of contact: the largest violation of each, its limit, and whether scatter
+    makes as much.
     """
     names = {"cone": "|q| beyond f p, over f p_max", "tension": "tension over p_max"}
-    residuals = discrepancy.residuals(discrepancy.expected)
+    residuals = discrepancy.residuals(discrepancy.reference_tractions)
     scatter = float(sum(residual.noise for residual in residuals if residual.is_noise)) ** 0.5
     for check in discrepancy.comparison.result_certificates:
         words = f"{names.get(check.name, check.name)} {check.value:.2g} (limit {check.limit:.1g})"
@@ -153,8 +163,13 @@ def _laws(discrepancy: Discrepancy) -> Iterator[str]:
 
 
 def _shape(discrepancy: Discrepancy) -> Iterator[str]:
-    """Peak, width and centre of the pressure, sign and size of the shear, beside the reference."""
-    result_tractions, expected_tractions = discrepancy.found, discrepancy.expected
+    """Phrases on the shape of the tractions beside the reference's: peak and width of the pressure,
+    size of the shear.
+    """
+    result_tractions, expected_tractions = (
+        discrepancy.result_tractions,
+        discrepancy.reference_tractions,
+    )
     ratio_of_peaks = result_tractions[PRESSURE].max() / expected_tractions[PRESSURE].max()
     yield f"peak of p {ratio_of_peaks:.4g} times the reference's"
     widths = [
@@ -167,8 +182,10 @@ def _shape(discrepancy: Discrepancy) -> Iterator[str]:
     if discrepancy.sheared and largest_shear:
         weight = discrepancy.weight
         product = float(np.sum(weight * result_tractions[SHEAR] * expected_tractions[SHEAR]))
-        size = float(np.sum(weight * expected_tractions[SHEAR] ** 2))
-        yield minus(f"q {product / size:.3g} times that of the reference, by least squares")
+        square_of_reference = float(np.sum(weight * expected_tractions[SHEAR] ** 2))
+        yield minus(
+            f"q {product / square_of_reference:.3g} times that of the reference, by least squares"
+        )
 
 
 def _width(discrepancy: Discrepancy, pressure: Array) -> float:

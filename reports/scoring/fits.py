@@ -120,10 +120,11 @@ class Search:
         channels: tuple[int, ...],
         known: tuple[float, ...] = (),
     ) -> Fit | None:
-        """The sizes that leave least in these channels; None where the file can't have the causes,
-        or theory has no solution for them.
+        """Fit the sizes of some causes (known faults) to the difference in these channels
+        (pressure, shear), each fit done once.
 
-        `known` are the sizes of the first causes, found before, which are kept.
+        `known` are sizes of the first causes, found before and kept. None where the file can't have
+        the causes, or theory has no solution for them.
         """
         key = tuple(CAUSES.index(cause) for cause in causes), channels, known
         if key not in self.done:
@@ -133,35 +134,38 @@ class Search:
     def _fitted(
         self, causes: tuple[Cause, ...], channels: tuple[int, ...], known: tuple[float, ...]
     ) -> Fit | None:
-        """The best of all starts, from which least squares go on: roughly, and closely where that
-        is worth it.
+        """The best fit of causes from all starting sizes: the best starts go on by least squares,
+        roughly first, and closely where that is worth it. `known` sizes of the first causes are
+        kept.
         """
         searched_causes = causes[len(known) :]
-        starts: list[tuple[float, ...]] = [(size,) for size in known]
-        starts += [self._starts(cause, searched_causes, channels) for cause in searched_causes]
-        if not all(starts):
+        starts_of_causes: list[tuple[float, ...]] = [(size,) for size in known]
+        starts_of_causes += [
+            self._starts(cause, searched_causes, channels) for cause in searched_causes
+        ]
+        if not all(starts_of_causes):
             return None
-        trials = list(itertools.product(*starts))
-        squares = [self._square(causes, sizes, channels) for sizes in trials]
+        trial_sizes = list(itertools.product(*starts_of_causes))
+        squares = [self._square(causes, sizes, channels) for sizes in trial_sizes]
         order = np.argsort(squares, kind="stable")
         if squares[order[0]] >= _NO_SOLUTION**2:
             return None
-        sizes = trials[order[0]]
-        fitted_places = [
+        sizes = trial_sizes[order[0]]
+        fitted_indices = [
             place for place, cause in enumerate(causes) if cause.sized and place >= len(known)
         ]
-        if fitted_places:
+        if fitted_indices:
             # Few points know of an edge of slip only when it passes them: a search may stop early.
             count = _SEARCHES_OF_SHEAR if SHEAR in channels else 1
             rough_fits = [
-                self._least_squares(causes, trials[trial], fitted_places, channels, _ROUGH)
+                self._least_squares(causes, trial_sizes[trial], fitted_indices, channels, _ROUGH)
                 for trial in order[:count]
                 if squares[trial] < _NO_SOLUTION**2
             ]
             sizes = min(rough_fits, key=lambda trial: self._square(causes, trial, channels))
             square_without = self._square((), (), channels)
             if self._square(causes, sizes, channels) <= _HOPELESS**2 * square_without:
-                sizes = self._least_squares(causes, sizes, fitted_places, channels, _CLOSE)
+                sizes = self._least_squares(causes, sizes, fitted_indices, channels, _CLOSE)
         return self._fit_of(causes, sizes, channels)
 
     def refined(
@@ -176,7 +180,9 @@ class Search:
     def _starts(
         self, cause: Cause, searched_causes: tuple[Cause, ...], channels: tuple[int, ...]
     ) -> tuple[float, ...]:
-        """Sizes at which a search starts: beside another cause, the size fitted alone as well."""
+        """Sizes of a cause at which a search starts. Beside other `searched_causes` the size that
+        was fitted alone is one of them.
+        """
         starts = tuple(cause.starts(self.discrepancy))
         if len(searched_causes) == 1 or not starts or not cause.sized:
             return starts
@@ -191,30 +197,32 @@ class Search:
         self,
         causes: tuple[Cause, ...],
         sizes: tuple[float, ...],
-        fitted: Sequence[int],
+        fitted_indices: Sequence[int],
         channels: tuple[int, ...],
         tolerance: float,
     ) -> tuple[float, ...]:
-        """Least squares from these sizes on, to so much of a size."""
+        """Sizes of the causes by least squares, from `sizes` on and to `tolerance`; only those at
+        the indices `fitted_indices` change.
+        """
         from scipy.optimize import least_squares
 
-        def completed(values: Array) -> tuple[float, ...]:
+        def all_sizes(values: Array) -> tuple[float, ...]:
             trial = list(sizes)
-            for place, value in zip(fitted, values, strict=True):
-                trial[place] = float(value)
+            for index, value in zip(fitted_indices, values, strict=True):
+                trial[index] = float(value)
             return tuple(trial)
 
         solution = least_squares(
-            lambda values: self._residuals(causes, completed(values), channels),
-            [sizes[place] for place in fitted],
+            lambda values: self._residuals(causes, all_sizes(values), channels),
+            [sizes[index] for index in fitted_indices],
             method="lm",
             diff_step=1e-5,
             xtol=tolerance,
             ftol=tolerance,
-            x_scale=np.full(len(fitted), 0.1),
+            x_scale=np.full(len(fitted_indices), 0.1),
             max_nfev=_MOST_CALLS,
         )
-        return completed(solution.x)
+        return all_sizes(solution.x)
 
     def _square(
         self, causes: tuple[Cause, ...], sizes: tuple[float, ...], channels: tuple[int, ...]
@@ -225,7 +233,9 @@ class Search:
     def _residuals(
         self, causes: tuple[Cause, ...], sizes: tuple[float, ...], channels: tuple[int, ...]
     ) -> Array:
-        """Weighted residuals, flat; large where there is no solution."""
+        """Weighted residuals of result minus prediction by causes of these sizes, in one row; large
+        numbers where theory has no solution.
+        """
         size = self.discrepancy.weight.size
         try:
             predicted_values = self._predicted(causes, sizes, channels)
@@ -234,7 +244,7 @@ class Search:
         weight = np.sqrt(self.discrepancy.weight)
         parts = [
             weight
-            * (self.discrepancy.found[channel] - predicted_values[channel])
+            * (self.discrepancy.result_tractions[channel] - predicted_values[channel])
             / self.discrepancy.units[channel]
             for channel in channels
         ]
@@ -253,6 +263,9 @@ class Search:
     def _fit_of(
         self, causes: tuple[Cause, ...], sizes: tuple[float, ...], channels: tuple[int, ...]
     ) -> Fit | None:
+        """The fit of causes with these sizes: what they predict and leave. None where theory has no
+        solution for them.
+        """
         try:
             predicted_values = self._predicted(causes, sizes, channels)
         except InputError:
@@ -291,11 +304,12 @@ def by_chance(fit: Fit, before: Fit, channels: Sequence[int]) -> float:
 def gain_by_chance(
     left: float, before: float, count: int, *, sizes: int, sizes_before: int = 0
 ) -> float:
-    """Probability that noise alone leaves so little of the mean square `before` of `count` values.
+    """Probability that noise alone brings the mean square of `count` values from `before` down to
+    `left`.
 
-    Of sizes that were fitted by the F test. A prediction without a size leaves the share e of the
-    squares of n values by chance with a probability of about e^(n/2); there are some ten of them,
-    so that it is counted a hundredfold less severely.
+    Of `sizes` that were fitted (`sizes_before` of them earlier) by the F test. A prediction without
+    a size leaves the share e of the squares of n values by chance with a probability of about
+    e^(n/2); there are some ten of them, so that it is counted a hundredfold less severely.
     """
     from scipy.stats import f as f_distribution
 

@@ -74,7 +74,8 @@ def without_tangential_load(scene: Scene) -> bool:
 
 
 def matched(surface: SurfaceResult, scene: Scene, *, sure_of_times: bool = True) -> History:
-    """The instants of `surface` on the path of `scene`.
+    """The instants of an external result on the load path of a scene: by its times, else by the
+    loads that it states, else by the sums of its tractions.
 
     Times that nobody vouches for (a solver's own, counted from 0 in each step) are given up where
     they can't be the scene's and the loads or the tractions tell better.
@@ -106,12 +107,12 @@ def matched(surface: SurfaceResult, scene: Scene, *, sure_of_times: bool = True)
 
 
 def _by_resultants(surface: SurfaceResult, scene: Scene) -> History:
-    """By the integrals of the tractions, less what the trapezoidal rule misses of theory at the
-    instants so found.
+    """Find the instants on the load path by the sums of the tractions over x. What the trapezoidal
+    rule misses of theory at the instants so found is subtracted.
     """
     import semi_analytic
 
-    sign = "the integrals of its pressure and shear over x"
+    source_in_words = "the integrals of its pressure and shear over x"
     if not surface.sheared and not without_tangential_load(scene):
         raise InputError(
             f"{surface.source}: without a shear the pressure alone does not say which instant is"
@@ -119,28 +120,34 @@ def _by_resultants(surface: SurfaceResult, scene: Scene) -> History:
             " P and Q"
         )
     if not surface.sheared:
-        sign = "the integral of its pressure over x, with Q = 0 as throughout the scene"
+        source_in_words = "the integral of its pressure over x, with Q = 0 as throughout the scene"
         surface = replace(surface, shear=freeze(np.zeros_like(surface.pressure)))
     normal_force, tangential_force = resultants(surface)
     if surface.normal_load is not None:
         normal_force = surface.normal_load
 
-    def with_shear_times(sense: float, words: str) -> History | None:
+    def with_shear_times(shear_sign: float, corrected_in_words: str) -> History | None:
         """The instants with the shear as it is (1) or turned (-1); None where they don't fit."""
         try:
             return _by_loads(
-                surface, scene, (normal_force, sense * tangential_force), _INTEGRATED, words
+                surface,
+                scene,
+                (normal_force, shear_sign * tangential_force),
+                _INTEGRATED,
+                corrected_in_words,
             )
         except InputError:
             return None
 
-    sense = 1.0
+    shear_sign = 1.0
     try:
-        history = _by_loads(surface, scene, (normal_force, tangential_force), _INTEGRATED, sign)
+        history = _by_loads(
+            surface, scene, (normal_force, tangential_force), _INTEGRATED, source_in_words
+        )
     except InputError:
         # Shear on the other body: matched all the same, scored as it is, and named by the oddities.
-        sense = -1.0
-        turned_history = with_shear_times(sense, f"{sign}, the latter turned")
+        shear_sign = -1.0
+        turned_history = with_shear_times(shear_sign, f"{source_in_words}, the latter turned")
         if turned_history is None:
             raise
         history = turned_history
@@ -154,17 +161,21 @@ def _by_resultants(surface: SurfaceResult, scene: Scene) -> History:
             integral = np.trapezoid(theory.pressure, surface.x, axis=1)
             corrected_normal = normal_force - (integral - history.normal_load)
         integral = np.trapezoid(theory.shear, surface.x, axis=1)
-        corrected_tangential = sense * tangential_force - (integral - history.tangential_load)
+        corrected_tangential = shear_sign * tangential_force - (integral - history.tangential_load)
         loads = (corrected_normal, corrected_tangential)
-        words = f"{sign}, less what that misses of theory"
-        history = _by_loads(surface, scene, loads, _INTEGRATED, words)
+        corrected_in_words = f"{source_in_words}, less what that misses of theory"
+        history = _by_loads(surface, scene, loads, _INTEGRATED, corrected_in_words)
     has_shear = float(np.max(np.abs(tangential_force))) > _INTEGRATED * float(np.max(normal_force))
-    either_sign = has_shear and with_shear_times(-sense, sign) is not None
+    either_sign = has_shear and with_shear_times(-shear_sign, source_in_words) is not None
     return replace(history, either_sign=either_sign)
 
 
 def _by_time(surface: SurfaceResult, stated_time: Array, scene: Scene, *, sure: bool) -> History:
-    """At the times that the file states; InputError where they or the loads there don't fit."""
+    """The instants at the times that the file states.
+
+    InputError where these times are not on the path, or where loads and sums of pressure there are
+    not the scene's; `sure` sets how closely the sums must agree.
+    """
     path = scene.load.path()
     if path.period is None:
         last_time = path.initial_loading[-1].end
@@ -179,20 +190,21 @@ def _by_time(surface: SurfaceResult, stated_time: Array, scene: Scene, *, sure: 
         )
     instants_beyond = np.flatnonzero((time < path.start) | (time > last_time))
     if len(instants_beyond):
-        rounds = f" in {scene.cycles} cycles" if path.period is not None else ""
+        cycles_in_words = f" in {scene.cycles} cycles" if path.period is not None else ""
         raise InputError(
             f"{surface.source}: instant {instants_beyond[0] + 1} is at time"
             f" {time[instants_beyond[0]]:.6g}, outside"
-            f" the scene's path, which goes from {path.start:.6g} to {last_time:.6g}{rounds};"
+            f" the scene's path, which goes from {path.start:.6g} to"
+            f" {last_time:.6g}{cycles_in_words};"
             " state each"
             " instant's time there by the key times of a mapping"
         )
     normal_load, tangential_load = path.at(time)
     # At the times stated, loads stated must be the scene's, and so must the integral of the
     # pressure.
-    size = float(np.max(normal_load)) or 1.0
+    largest_load = float(np.max(normal_load)) or 1.0
     integral, _ = resultants(surface)
-    for name, result_values, of_scene, limit in (
+    for name, result_values, scene_values, limit in (
         ("P", surface.normal_load, normal_load, _STATED),
         ("Q", surface.tangential_load, tangential_load, _STATED),
         (
@@ -204,13 +216,14 @@ def _by_time(surface: SurfaceResult, stated_time: Array, scene: Scene, *, sure: 
     ):
         if result_values is None:
             continue
-        misfits = np.flatnonzero(np.abs(result_values - of_scene) > limit * size)
+        misfits = np.flatnonzero(np.abs(result_values - scene_values) > limit * largest_load)
         if len(misfits):
             step = int(misfits[0])
             raise InputError(
                 f"{surface.source}: its history is not the scene's: at instant {step + 1}, time"
                 f" {time[step]:.6g}, {name} is {result_values[step]:.6g} and the scene's"
-                f" {of_scene[step]:.6g}{_constant_ratio(result_values, of_scene, size)}"
+                f" {scene_values[step]:.6g}"
+                f"{_constant_ratio(result_values, scene_values, largest_load)}"
             )
     note = "its instants were matched by the times that it states"
     return History(time, normal_load, tangential_load, (note,))
@@ -229,12 +242,14 @@ def _snapped(time: Array, path: LoadPath, scene: Scene) -> Array:
     return np.where(np.abs(time - nearest_end) <= close, nearest_end, time)
 
 
-def _constant_ratio(of_result: Array, of_scene: Array, size: float) -> str:
-    """What to do, if all figures differ by one factor."""
-    is_loaded = np.abs(of_scene) > 0.01 * size
+def _constant_ratio(result_values: Array, scene_values: Array, largest_load: float) -> str:
+    """A hint for a message, where all values of the result differ from the scene's by one factor:
+    its size and likely reasons; else empty.
+    """
+    is_loaded = np.abs(scene_values) > 0.01 * largest_load
     if not is_loaded.any():
         return ""
-    ratios = of_result[is_loaded] / of_scene[is_loaded]
+    ratios = result_values[is_loaded] / scene_values[is_loaded]
     factor = ratios[0]
     if np.ptp(ratios) > 0.01 * abs(factor) or abs(factor - 1) < 0.01 or factor == 0:
         return ""
@@ -245,39 +260,50 @@ def _constant_ratio(of_result: Array, of_scene: Array, size: float) -> str:
 
 
 # --------------------------------------------------------------------------- by the loads, in order
-def _by_loads(surface: SurfaceResult, scene: Scene, loads: Loads, limit: float, by: str) -> History:
-    """In order along the path; where every instant lies on the cycle, in its last one."""
+def _by_loads(
+    surface: SurfaceResult, scene: Scene, loads: Loads, limit: float, source_in_words: str
+) -> History:
+    """Find the instants by their loads P and Q, in order along the path; where every instant lies
+    on the cycle, in its last one.
+
+    InputError where one is farther from the path than `limit` times the largest P;
+    `source_in_words` says in words where the loads come from.
+    """
     path = scene.load.path()
-    size = float(np.max(path.at(_samples(path, 1))[0]))
-    if np.max(loads[0]) <= _STATED * size:
+    largest_load = float(np.max(path.at(_samples(path, 1))[0]))
+    if np.max(loads[0]) <= _STATED * largest_load:
         raise InputError(
-            f"{surface.source}: its largest P is {np.max(loads[0]):.4g} (from {by}) and the scene's"
-            f" {size:.4g}: too little to tell its instants by; see to thickness and factors of the"
+            f"{surface.source}: its largest P is {np.max(loads[0]):.4g} (from {source_in_words})"
+            f" and the scene's"
+            f" {largest_load:.4g}: too little to tell its instants by; see to thickness and"
+            f" factors of the"
             " mapping, or state the times"
         )
     best_match: tuple[float, Array] | None = None
     for times in _windows(path, scene):
-        candidate = _in_order(times, path, scene, loads, size)
-        misfit = float(np.max(_distance(path, candidate, loads))) / size
+        candidate = _in_order(times, path, scene, loads, largest_load)
+        misfit = float(np.max(_distance(path, candidate, loads))) / largest_load
         if best_match is None or misfit < best_match[0]:
             best_match = (misfit, candidate)
         if misfit <= limit:
             break
     assert best_match is not None
     misfit, time = best_match
-    time = _closed(time, scene, loads, misfit * size)
+    time = _closed(time, scene, loads, misfit * largest_load)
     normal_load, tangential_load = path.at(time)
     if misfit > limit:
-        step = int(np.flatnonzero(_distance(path, time, loads) / size > limit)[0])
+        step = int(np.flatnonzero(_distance(path, time, loads) / largest_load > limit)[0])
         raise InputError(
             f"{surface.source}: its history is not the scene's: at instant {step + 1} P ="
-            f" {loads[0][step]:.6g} and Q = {loads[1][step]:.6g} (from {by}), and the nearest that"
+            f" {loads[0][step]:.6g} and Q = {loads[1][step]:.6g} (from {source_in_words}), and the"
+            f" nearest that"
             f" the scene's path has, in order, is P = {normal_load[step]:.6g} and Q ="
             f" {tangential_load[step]:.6g} at time"
-            f" {time[step]:.6g}{_constant_ratio(loads[0], normal_load, size)}"
+            f" {time[step]:.6g}{_constant_ratio(loads[0], normal_load, largest_load)}"
         )
     notes = [
-        f"its instants were matched to the load path by {by}; the farthest is {misfit:.1e} of the"
+        f"its instants were matched to the load path by {source_in_words}; the farthest is"
+        f" {misfit:.1e} of the"
         " largest P away"
     ]
     start_of_last_two = math.inf
@@ -298,7 +324,8 @@ def _by_loads(surface: SurfaceResult, scene: Scene, loads: Loads, limit: float, 
 
 
 def _closed(time: Array, scene: Scene, loads: Loads, distance: float) -> Array:
-    """Times of which the last is a whole period after an earlier one, where its loads are the same.
+    """The times, the last one set to a whole period after an earlier one where its loads are the
+    same.
 
     Next to a turning point a small error of a load is a large one of the time. Loads are the same
     where they differ by no more than twice the largest `distance` of an instant from the path, or
@@ -342,9 +369,11 @@ def _samples(path: LoadPath, cycles: int) -> Array:
     return np.unique(np.concatenate([np.linspace(leg.start, leg.end, count) for leg in legs]))
 
 
-def _in_order(times: Array, path: LoadPath, scene: Scene, loads: Loads, size: float) -> Array:
-    """Ascending times, (n_steps,), among `times` (n,): of the places where the path is near to each
-    load, those that cost least.
+def _in_order(
+    times: Array, path: LoadPath, scene: Scene, loads: Loads, largest_load: float
+) -> Array:
+    """Ascending times, (n_steps,), one for each pair of loads: among `times` (n,) those places on
+    the path that are near to the loads and cost least in all.
 
     A place costs the square of its distance, over that of the instant that lies farthest from the
     path, `_DISTANCE` times; a step the square of its length over the mean one. So of places that
@@ -353,15 +382,19 @@ def _in_order(times: Array, path: LoadPath, scene: Scene, loads: Loads, size: fl
     to a turn may put an instant before the last one, by a small part of a revolution.
     """
     normal_load, tangential_load = path.at(times)
-    squares = [
-        _squares(normal_load - p, tangential_load - q) / size**2
+    squared_distances = [
+        _squares(normal_load - p, tangential_load - q) / largest_load**2
         for p, q in zip(*loads, strict=True)
     ]
-    noise = max(float(square.min()) for square in squares) + _SAME**2
+    largest_misfit = (
+        max(float(squares_of_instant.min()) for squares_of_instant in squared_distances) + _SAME**2
+    )
     duration = times[-1] - times[0]
-    mean_step = duration / len(squares)
+    mean_step = duration / len(squared_distances)
     step_back = (path.period or duration) / _BACK
-    places = [_nearest(square) for square in squares]  # of each instant
+    places = [
+        _nearest(squares_of_instant) for squares_of_instant in squared_distances
+    ]  # of each instant
     cost = _AHEAD * (times[places[0]] - times[0]) / duration
     predecessors: list[Places] = []  # of each place of an instant, the best of the one before
     for k, place in enumerate(places):
@@ -370,7 +403,7 @@ def _in_order(times: Array, path: LoadPath, scene: Scene, loads: Loads, size: fl
             cost_of_pair = cost[:, None] + (step / np.where(step < 0, step_back, mean_step)) ** 2
             predecessors.append(np.argmin(cost_of_pair, axis=0))
             cost = np.min(cost_of_pair, axis=0)
-        cost = cost + _DISTANCE * squares[k][place] / noise
+        cost = cost + _DISTANCE * squared_distances[k][place] / largest_misfit
     best_from_end = [int(np.argmin(cost))]
     for predecessor in reversed(predecessors):
         best_from_end.append(int(predecessor[best_from_end[-1]]))
@@ -380,8 +413,8 @@ def _in_order(times: Array, path: LoadPath, scene: Scene, loads: Loads, size: fl
 
 
 def _nearest(squares: Array) -> Places:
-    """The samples (k,) at which the squared distance is least among its neighbours, the `_PLACES`
-    nearest of them.
+    """Indices of the samples at which the squared distance is least among its neighbours; at most
+    the `_PLACES` nearest of them.
 
     >>> _nearest(np.array([4.0, 1.0, 1.0, 4.0, 1.5])).tolist()
     [1, 4]
@@ -394,8 +427,9 @@ def _nearest(squares: Array) -> Places:
 
 
 def _chords(across: Array, up: Array) -> tuple[Array, Array]:
-    """Of the chords between neighbouring samples (..., n), counted from the origin: where its foot
-    lies on each, as a share of the chord, and its squared distance, (..., n - 1) each.
+    """For the chords between neighbouring samples at (across, up), (..., n): the point of each
+    chord nearest to the origin, as a share of the chord, and its squared distance, (..., n - 1)
+    each.
     """
     start_x = across[..., :-1]
     start_y = up[..., :-1]
@@ -403,8 +437,10 @@ def _chords(across: Array, up: Array) -> tuple[Array, Array]:
     chord_y = np.diff(up)
     square_of_length = chord_x**2 + chord_y**2
     divisor = np.where(square_of_length > 0, square_of_length, 1.0)
-    share = np.clip(-(start_x * chord_x + start_y * chord_y) / divisor, 0.0, 1.0)
-    return share, (start_x + share * chord_x) ** 2 + (start_y + share * chord_y) ** 2
+    share_at_foot = np.clip(-(start_x * chord_x + start_y * chord_y) / divisor, 0.0, 1.0)
+    return share_at_foot, (start_x + share_at_foot * chord_x) ** 2 + (
+        start_y + share_at_foot * chord_y
+    ) ** 2
 
 
 def _squares(across: Array, up: Array) -> Array:
@@ -421,11 +457,11 @@ def _squares(across: Array, up: Array) -> Array:
 
 
 def _refined(times: Array, chosen_places: Places, path: LoadPath, loads: Loads) -> Array:
-    """The nearest times between the neighbours of the samples `chosen_places`: the feet on chords
-    ten times shorter, six times over.
+    """The times, near the samples `chosen_places`, at which the path is nearest to the loads: six
+    times the nearest points on chords ten times shorter.
 
-    A foot misses the path's by the square of its chord; squares of distances alone are flat to 1e-8
-    of a cycle around it.
+    A nearest point on a chord misses the path's by the square of its length; squares of distances
+    alone are flat to 1e-8 of a cycle around it.
     """
     time = times[chosen_places]
     rows = np.arange(len(chosen_places))
@@ -433,13 +469,13 @@ def _refined(times: Array, chosen_places: Places, path: LoadPath, loads: Loads) 
     time_above = times[np.minimum(chosen_places + 1, len(times) - 1)]
     for _ in range(6):
         step = (time_above - time_below) / 20
-        grid = time_below[:, None] + step[:, None] * np.arange(21)
-        normal_load, tangential_load = path.at(grid)
+        fine_times = time_below[:, None] + step[:, None] * np.arange(21)
+        normal_load, tangential_load = path.at(fine_times)
         share, square = _chords(
             normal_load - loads[0][:, None], tangential_load - loads[1][:, None]
         )
         nearest_place = np.argmin(square, axis=1)
-        time = grid[rows, nearest_place] + share[rows, nearest_place] * step
+        time = fine_times[rows, nearest_place] + share[rows, nearest_place] * step
         time_below = np.maximum(time - step, times[0])
         time_above = np.minimum(time + step, times[-1])
     return time

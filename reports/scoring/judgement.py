@@ -125,19 +125,24 @@ class Judgement:
         return fit
 
     def verdict(self) -> Verdict:
-        """Pressure first, then shear; of several explanations the one that leaves least."""
+        """Which known faults explain the difference of result and reference, first in the pressure,
+        then in the shear.
+
+        Of several explanations that one which leaves least; those that the file does not tell apart
+        from it are its rivals.
+        """
         pressure_fits = self._fits_of_pressure()
         explanations: list[Fit] = []
-        of_pressure_alone: list[Fit] = []
+        fits_of_pressure_alone: list[Fit] = []
         for pressure_fit in pressure_fits:
-            of_both = self._with_shear(pressure_fit)
-            explanations += of_both
-            if not of_both:
-                of_pressure_alone += self._named_alone(pressure_fit)
+            fits_of_both = self._with_shear(pressure_fit)
+            explanations += fits_of_both
+            if not fits_of_both:
+                fits_of_pressure_alone += self._named_alone(pressure_fit)
         if not explanations:
-            explanations += self._with_small_body(of_pressure_alone)
+            explanations += self._with_small_body(fits_of_pressure_alone)
         explanations += self._fitted_jointly(pressure_fits, explanations)
-        candidates = explanations or of_pressure_alone
+        candidates = explanations or fits_of_pressure_alone
         if not candidates:
             return Verdict(None)
         # A cause that needs a size to do what another does without is no rival: a tilt of a
@@ -173,8 +178,10 @@ class Judgement:
         return [fit] if left <= _ALONE or self.is_right(pressure_fit, PRESSURE) else []
 
     def _with_small_body(self, pressure_fits: Sequence[Fit]) -> list[Fit]:
-        """Bodies too small in place of a factor of E* that leaves the shear unexplained: under a
-        constant P a base that is near moves the pressure as another radius does.
+        """Explanations in which bodies are too small, in place of a wrong modulus E* that leaves
+        the shear unexplained.
+
+        Under a constant P a base that is near moves the pressure as another radius does.
         """
         explanations = []
         for fit in pressure_fits:
@@ -189,8 +196,8 @@ class Judgement:
     def _fitted_jointly(
         self, pressure_fits: Sequence[Fit], explanations: Sequence[Fit]
     ) -> list[Fit]:
-        """The best explanation, and the same with each other explanation of the pressure in it,
-        their sizes fitted to both tractions at once.
+        """The best explanation with each other explanation of the pressure in it, their sizes
+        fitted to pressure and shear at once.
 
         Sizes that a noisy pressure has given may be too far off for the shear to decide fairly.
         """
@@ -202,11 +209,11 @@ class Judgement:
         starts_of_best = [fit for fit in pressure_fits if fit.keys <= best_explanation.keys]
         if not starts_of_best:
             return []
-        count = len(starts_of_best[0].causes)
+        n_causes_of_pressure = len(starts_of_best[0].causes)
         joint_fits = []
         for pressure_fit in pressure_fits:
-            causes = (*pressure_fit.causes, *best_explanation.causes[count:])
-            sizes = (*pressure_fit.sizes, *best_explanation.sizes[count:])
+            causes = (*pressure_fit.causes, *best_explanation.causes[n_causes_of_pressure:])
+            sizes = (*pressure_fit.sizes, *best_explanation.sizes[n_causes_of_pressure:])
             if not _may_meet(causes):
                 continue
             fit = self.search.refined(causes, sizes, self.channels)
@@ -218,34 +225,39 @@ class Judgement:
 
     # ------------------------------------------------------------------------------ the pressure
     def _fits_of_pressure(self) -> list[Fit]:
-        """Explanations of the pressure, the best first; no cause where it is right, or where
-        nothing explains it.
+        """Explanations of the pressure by one or two causes (known faults), the best first. No
+        cause where the pressure is right, or where nothing explains it.
         """
         no_cause = self.no_cause
         if self.is_right(no_cause, PRESSURE) and self.discrepancy.is_within(PRESSURE):
             return [no_cause]
         causes = [cause for cause in CAUSES if cause.channel == PRESSURE]
         quick_causes = [cause for cause in causes if cause not in _OF_MODEL]
-        singles = self._explanations_of_pressure([(cause,) for cause in quick_causes])
-        if self._needs_no_pair(singles):
-            return self._near_the_best(singles) or [no_cause]
-        pairs = self._explanations_of_pressure(self._pairs_worth_trying(singles, quick_causes))
+        single_fits = self._explanations_of_pressure([(cause,) for cause in quick_causes])
+        if self._needs_no_pair(single_fits):
+            return self._near_the_best(single_fits) or [no_cause]
+        fits_of_pairs = self._explanations_of_pressure(
+            self._pairs_worth_trying(single_fits, quick_causes)
+        )
         # Few values may not show more than chance, and a pair is no way around that.
         best_single = self._best_single(quick_causes)
         if best_single is not None:
-            pairs = [fit for fit in pairs if self._better(fit, best_single, (PRESSURE,))]
-        pairs = [fit for fit in pairs if self._needs_both(fit)]
-        return self._near_the_best(pairs or singles) or [no_cause]
+            fits_of_pairs = [
+                fit for fit in fits_of_pairs if self._better(fit, best_single, (PRESSURE,))
+            ]
+        fits_of_pairs = [fit for fit in fits_of_pairs if self._needs_both(fit)]
+        return self._near_the_best(fits_of_pairs or single_fits) or [no_cause]
 
-    def _needs_no_pair(self, singles: Sequence[Fit]) -> bool:
-        """Whether the best single cause of the pressure, or none, leaves what no pair needs to
-        explain; few values may look like noise by chance.
+    def _needs_no_pair(self, single_fits: Sequence[Fit]) -> bool:
+        """Whether the best single cause of the pressure difference, or none, leaves so little that
+        no pair is needed. Few values may look like noise by chance: there it must leave next to
+        nothing.
         """
-        if not singles:
+        if not single_fits:
             best_cause = self.no_cause
             is_right = best_cause.is_noise((PRESSURE,))
         else:
-            best_cause = singles[0]
+            best_cause = single_fits[0]
             is_right = self.is_right(best_cause, PRESSURE)
         is_exact = share_left(best_cause, self.no_cause, (PRESSURE,)) <= _COMPLETE
         return is_right and (is_exact or best_cause.count((PRESSURE,)) >= _FEW_VALUES)
@@ -259,18 +271,19 @@ class Judgement:
         return sorted(fits, key=lambda fit: fit.square((PRESSURE,)))
 
     def _pairs_worth_trying(
-        self, singles: Sequence[Fit], quick_causes: Sequence[Cause]
+        self, single_fits: Sequence[Fit], quick_causes: Sequence[Cause]
     ) -> list[tuple[Cause, ...]]:
-        """Pairs of causes that help alone, of the one that helps most with any other, and of a
-        cause without a size with any other: behind a sign, a swap, a unit or a large offset no
-        other one helps alone.
+        """Pairs of causes: those that help alone, the one that helps most with any other, and a
+        cause without a size with any other.
+
+        Behind a sign, a swap, a unit or a large offset no other one helps alone.
         """
-        helpful = [cause for cause in quick_causes if self._helps(cause)]
-        pairs = list(itertools.combinations(helpful, 2))
-        if helpful:
-            best_cause = min(helpful, key=self._left_alone)
-            pairs += [(best_cause, cause) for cause in quick_causes if cause not in helpful]
-        for fit in singles:
+        helpful_causes = [cause for cause in quick_causes if self._helps(cause)]
+        pairs = list(itertools.combinations(helpful_causes, 2))
+        if helpful_causes:
+            best_cause = min(helpful_causes, key=self._left_alone)
+            pairs += [(best_cause, cause) for cause in quick_causes if cause not in helpful_causes]
+        for fit in single_fits:
             if not fit.causes[0].sized:
                 pairs += [(fit.causes[0], cause) for cause in quick_causes if cause.sized]
         return [pair for pair in dict.fromkeys(pairs) if _may_meet(pair)]
@@ -289,17 +302,17 @@ class Judgement:
         return np.inf if fit is None else share_left(fit, self.no_cause, (PRESSURE,))
 
     def _best_single(self, causes: Sequence[Cause]) -> Fit | None:
-        """The single cause that leaves least of the pressure, by chance or not; None where each
-        leaves a third or more.
+        """The fit of one cause that leaves least of the pressure difference, by chance or not; None
+        where each leaves a third or more.
         """
-        possible = []
+        possible_fits = []
         for cause in causes:
             fit = self.search.fit((cause,), (PRESSURE,))
             if fit is None or self._contradicted(fit):
                 continue
             if share_left(fit, self.no_cause, (PRESSURE,)) < MOST_LEFT:
-                possible.append(fit)
-        return min(possible, key=lambda fit: fit.square((PRESSURE,)), default=None)
+                possible_fits.append(fit)
+        return min(possible_fits, key=lambda fit: fit.square((PRESSURE,)), default=None)
 
     def _needs_both(self, pair: Fit) -> bool:
         """Whether neither cause of a pair does as well alone."""
@@ -307,16 +320,18 @@ class Judgement:
         return all(fit is None or self._better(pair, fit, (PRESSURE,)) for fit in fits_alone)
 
     def _of_model(self, fits: Sequence[Fit]) -> list[tuple[Cause, ...]]:
-        """Bodies too small, or faces that sink into each other, in place of the factor of E*, loads
-        or x that does best: both change widths as these do. None where that is exact.
+        """Causes to try with bodies too small, or faces that sink into each other, in place of the
+        factor of E*, loads or x that does best: both change widths as these do.
+
+        None where that factor is exact.
         """
         if not fits:
             is_noise = self.no_cause.is_noise((PRESSURE,))
             return [] if is_noise else [(cause,) for cause in _OF_MODEL]
-        sized = [fit for fit in fits if any(cause.group == "size" for cause in fit.causes)]
-        if not sized:
+        fits_with_size = [fit for fit in fits if any(cause.group == "size" for cause in fit.causes)]
+        if not fits_with_size:
             return []
-        best_fit = min(sized, key=lambda fit: fit.square((PRESSURE,)))
+        best_fit = min(fits_with_size, key=lambda fit: fit.square((PRESSURE,)))
         if best_fit.square((PRESSURE,)) <= _EXACT * self.no_cause.square((PRESSURE,)):
             return []
         return [(cause, *_without_size(best_fit)) for cause in _OF_MODEL]
@@ -329,16 +344,18 @@ class Judgement:
     def _explanations(
         self,
         choices: Iterable[tuple[Cause, ...]],
-        before: Fit,
+        fit_before: Fit,
         channels: tuple[int, ...],
     ) -> list[Fit]:
-        """Fits that explain what `before` leaves in these channels."""
+        """Of the `choices`, each some causes together, the fits that explain what the fit
+        `fit_before` leaves in these channels (pressure, shear).
+        """
         explanations = []
         for causes in choices:
             fit = self.search.fit(causes, channels)
-            if fit is None or not self._is_possible(fit, before, channels):
+            if fit is None or not self._is_possible(fit, fit_before, channels):
                 continue
-            if explains(fit, before, channels):
+            if explains(fit, fit_before, channels):
                 explanations.append(fit)
         return explanations
 
@@ -351,26 +368,29 @@ class Judgement:
             return False
         return not self._contradicted(fit)
 
-    def _is_factor_of_shear(self, fit: Fit, before: Fit) -> bool:
-        """Whether the sums of the shear follow the factor, and next to nothing is left: another f
-        leaves the sums as they are, and another Q moves the edges of stick.
+    def _is_factor_of_shear(self, fit: Fit, fit_before: Fit) -> bool:
+        """Whether the sums of the shear over x follow a factor of the file's shear, and next to
+        nothing is left. Another f leaves the sums as they are, and another Q moves the edges of
+        stick.
         """
-        if share_left(fit, before, (SHEAR,)) > _ALONE:
+        if share_left(fit, fit_before, (SHEAR,)) > _ALONE:
             return False
         weight = self.discrepancy.weight
         sums, sums_predicted = (
             np.sum(weight * shear, axis=1)
-            for shear in (self.discrepancy.found[SHEAR], fit.predicted[SHEAR])
+            for shear in (self.discrepancy.result_tractions[SHEAR], fit.predicted[SHEAR])
         )
-        square = float(sums_predicted @ sums_predicted)
-        if not square:
+        square_of_sums = float(sums_predicted @ sums_predicted)
+        if not square_of_sums:
             return False
         factor = float(np.exp(fit.sizes[fit.causes.index(SHEAR_FACTOR)]))
-        ratio = float(sums @ sums_predicted) / square
+        ratio = float(sums @ sums_predicted) / square_of_sums
         return abs(ratio - 1) <= _UNMOVED * abs(factor - 1)
 
     def _contradicted(self, fit: Fit) -> bool:
-        """Whether the sum of the pressures speaks against a factor of loads, traction or x."""
+        """Whether the sum of the pressures over x speaks against the factor of loads, tractions or
+        x in a fit. The reason is noted in `excluded`.
+        """
         factors = [
             cause.resultant(size)
             for cause, size in zip(fit.causes, fit.sizes, strict=True)
@@ -378,14 +398,14 @@ class Judgement:
         ]
         if "other_times" in fit.keys:  # where P is another one
             return False
-        ratio = self.discrepancy.resultant_ratio
-        reason = f"the sum of the pressures is {ratio:.4g} P"
-        if "coarse_edge" in fit.keys and not factors and abs(ratio - 1) > _SAME_RESULTANT:
+        sum_over_load = self.discrepancy.resultant_ratio
+        reason = f"the sum of the pressures is {sum_over_load:.4g} P"
+        if "coarse_edge" in fit.keys and not factors and abs(sum_over_load - 1) > _SAME_RESULTANT:
             self.excluded["coarse_edge"] = reason
             return True
-        if len(factors) != 1 or not np.isfinite(ratio):
+        if len(factors) != 1 or not np.isfinite(sum_over_load):
             return False
-        if abs(ratio - 1) > _UNMOVED * abs(factors[0] - 1):
+        if abs(sum_over_load - 1) > _UNMOVED * abs(factors[0] - 1):
             return False
         if len(fit.causes) == 1:
             self.excluded[fit.causes[0].key] = reason
@@ -400,9 +420,8 @@ class Judgement:
         return fits[0] if fits and self.is_right(fits[0], SHEAR) else None
 
     def _with_shear(self, pressure_fit: Fit) -> list[Fit]:
-        """Explanations of pressure and shear that begin with that of the pressure, the best first.
-
-        The sizes that the pressure has given are kept.
+        """Explanations of pressure and shear that begin with this one of the pressure, whose sizes
+        are kept; the best first.
         """
         if not self.discrepancy.sheared:
             return [pressure_fit] if pressure_fit.causes else []
@@ -417,15 +436,17 @@ class Judgement:
         if self._is_shear_explained(explanations):
             return explanations
         if len(fit_before.causes) < 2:
-            coupled = self._coupled(explanations[0] if explanations else fit_before)
-            if coupled is not None:
-                return [coupled]
+            coupled_fit = self._coupled(explanations[0] if explanations else fit_before)
+            if coupled_fit is not None:
+                return [coupled_fit]
         # Friction follows the pressure: where that has no cause, no pair is looked for.
         if not fit_before.causes and self.is_right(pressure_fit, PRESSURE):
-            pairs = self._causes_of_shear(fit_before, 2)
+            fits_of_pairs = self._causes_of_shear(fit_before, 2)
             if explanations:
-                pairs = [fit for fit in pairs if self._better(fit, explanations[0], (SHEAR,))]
-            explanations = pairs or explanations
+                fits_of_pairs = [
+                    fit for fit in fits_of_pairs if self._better(fit, explanations[0], (SHEAR,))
+                ]
+            explanations = fits_of_pairs or explanations
         return explanations
 
     def _is_shear_explained(self, explanations: Sequence[Fit]) -> bool:
@@ -433,8 +454,8 @@ class Judgement:
         return bool(explanations) and self.is_right(explanations[0], SHEAR)
 
     def _causes_of_shear(self, fit_before: Fit, count: int) -> list[Fit]:
-        """So many causes of the shear beside those of the pressure, two in all at most; the best
-        first.
+        """Explanations of the shear by `count` causes beside those of the pressure, two in all at
+        most; the best first.
         """
         if len(fit_before.causes) + count > 2:
             return []
@@ -451,8 +472,8 @@ class Judgement:
         return self._explanations_of_shear(filter(_may_meet, choices), fit_before)
 
     def _coupled(self, fit_before: Fit) -> Fit | None:
-        """Unlike bodies beside the causes of `fit_before`, where most of what these leave is odd
-        in x.
+        """The fit in which unlike bodies couple shear and pressure, beside the causes of
+        `fit_before`; None where less than most of what these leave is odd in x.
 
         Theory is known to lack what the scene's own materials make: there the odd part is enough.
         """
@@ -469,24 +490,28 @@ class Judgement:
         return fits[0] if fits else None
 
     def _explanations_of_shear(
-        self, choices: Iterable[tuple[Cause, ...]], before: Fit
+        self, choices: Iterable[tuple[Cause, ...]], fit_before: Fit
     ) -> list[Fit]:
-        """Fits that explain the shear that `before` leaves, and leave no more of the pressure; the
-        best first.
+        """Of the `choices`, each some causes together, the fits that explain the shear that the fit
+        `fit_before` leaves, and leave no more of the pressure; the best first.
         """
         explanations = []
         for causes in choices:
-            fit = self.search.fit(causes, (PRESSURE, SHEAR), known=before.sizes)
-            if fit is None or not self._is_possible(fit, before, (SHEAR,)):
+            fit = self.search.fit(causes, (PRESSURE, SHEAR), known=fit_before.sizes)
+            if fit is None or not self._is_possible(fit, fit_before, (SHEAR,)):
                 continue
-            keeps = fit.square((PRESSURE,)) <= 2 * before.square((PRESSURE,)) + ROUND_OFF
-            if keeps and explains(fit, before, (SHEAR,)):
+            keeps_pressure = (
+                fit.square((PRESSURE,)) <= 2 * fit_before.square((PRESSURE,)) + ROUND_OFF
+            )
+            if keeps_pressure and explains(fit, fit_before, (SHEAR,)):
                 explanations.append(fit)
         return sorted(explanations, key=lambda fit: fit.square((SHEAR,)))
 
     # -------------------------------------------------------------------------------- comparison
     def is_right(self, fit: Fit, channel: int) -> bool:
-        """Whether a fit leaves nothing of a traction but noise, or what its tolerance allows."""
+        """Whether a fit leaves nothing of a traction (channel: pressure or shear) but noise, or
+        what its tolerance allows.
+        """
         if fit.is_noise((channel,)):
             if channel == PRESSURE:
                 return True
@@ -495,10 +520,11 @@ class Judgement:
         if not fit.causes:
             return self.discrepancy.is_within(channel)
         # Behind a factor of units the difference is far larger than the tractions.
-        left = fit.square((channel,)) - fit.noise((channel,))
-        size = self.discrepancy.residual(0 * fit.predicted, channel).square
+        square_left = fit.square((channel,)) - fit.noise((channel,))
+        square_of_traction = self.discrepancy.residual(0 * fit.predicted, channel).square
         return (
-            share_left(fit, self.no_cause, (channel,)) <= _COMPLETE and left <= _COMPLETE**2 * size
+            share_left(fit, self.no_cause, (channel,)) <= _COMPLETE
+            and square_left <= _COMPLETE**2 * square_of_traction
         )
 
     def is_whole(self, fit: Fit) -> bool:

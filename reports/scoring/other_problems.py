@@ -66,19 +66,19 @@ _FEWEST_SMOOTH = 40
 
 
 @dataclass(frozen=True, eq=False)
-class Shown:
+class ProblemFit:
     """What a problem makes of a result.
 
     Attributes
     ----------
     predicted
         tractions of the problem, its sizes fitted; those of the reference where it says nothing
-    before
-        tractions that it must do better than: the reference's, or those of the best cause that it
+    tractions_to_beat
+        those that it must do better than: the reference's, or those of the best cause that it
         could be taken for
     parameters
-        sizes that were fitted beyond those of `before`
-    where
+        sizes that were fitted beyond those of `tractions_to_beat`
+    judged_points
         (k, n) points on which it is judged
     figures
         numbers of its sentence
@@ -87,9 +87,9 @@ class Shown:
     """
 
     predicted: Tractions
-    before: Tractions
+    tractions_to_beat: Tractions
     parameters: int
-    where: Mask
+    judged_points: Mask
     figures: dict[str, float | str] = field(default_factory=dict)
     evidence: tuple[str, ...] = ()
 
@@ -104,37 +104,41 @@ class OtherProblem:
         of its sentence in templates/faults.toml
     channel
         0 where the pressure shows it, 1 where the shear does
-    shown
+    fit
         what it makes of a result; None where the result does not have its signature
     """
 
     key: str
     channel: int
-    shown: Callable[[Discrepancy], Shown | None]
+    fit: Callable[[Discrepancy], ProblemFit | None]
 
-    def residual(self, discrepancy: Discrepancy, tractions: Tractions, shown: Shown) -> Residual:
+    def residual(
+        self, discrepancy: Discrepancy, tractions: Tractions, problem_fit: ProblemFit
+    ) -> Residual:
         """What tractions leave where the problem is judged."""
         whole = discrepancy.residual(tractions, self.channel)
-        return replace(whole, inside=shown.where & (discrepancy.weight > 0))
+        return replace(whole, inside=problem_fit.judged_points & (discrepancy.weight > 0))
 
 
 # ------------------------------------------------------------------------- closed forms of pressure
 def _in_contact(discrepancy: Discrepancy, pressure: Array) -> Mask:
     """(k, n) points that carry in the result, in the reference or in a problem."""
     predicted = _with(discrepancy, PRESSURE, pressure)
-    return discrepancy.in_contact(predicted) | discrepancy.in_contact(discrepancy.expected)
+    return discrepancy.in_contact(predicted) | discrepancy.in_contact(
+        discrepancy.reference_tractions
+    )
 
 
 def _with(discrepancy: Discrepancy, channel: int, traction: Array) -> Tractions:
     """The tractions expected with another pressure or shear."""
-    tractions = discrepancy.expected.copy()
+    tractions = discrepancy.reference_tractions.copy()
     tractions[channel] = traction
     return tractions
 
 
 def _carrying(discrepancy: Discrepancy) -> Mask:
     """(k, n) points with a pressure or a tension in the result."""
-    size = np.abs(discrepancy.found[PRESSURE])
+    size = np.abs(discrepancy.result_tractions[PRESSURE])
     return np.asarray(size > _OPEN * size.max(axis=1, keepdims=True))
 
 
@@ -160,204 +164,230 @@ class ClosedForm:
 def _closed_form(
     discrepancy: Discrepancy, functions: Callable[[Array], Array]
 ) -> ClosedForm | None:
-    """The sum of functions of xi that leaves least of the pressure at each instant; None where a
-    factor is negative, or fewer than three points carry.
+    """The sum of given functions of xi = (x − centre)/half-width that fits the result's pressure
+    best at each instant.
+
+    None where a factor is not positive, or fewer than three points carry pressure.
 
     Parameters
     ----------
     functions
         xi (m,), |xi| < 1 -> (m, number of functions)
     """
-    rows = []
-    for pressure, carrying, weight in zip(
-        discrepancy.found[PRESSURE], _carrying(discrepancy), discrepancy.weight, strict=True
+    fits = []
+    for pressure, carries, weight in zip(
+        discrepancy.result_tractions[PRESSURE],
+        _carrying(discrepancy),
+        discrepancy.weight,
+        strict=True,
     ):
-        if carrying.sum() < 3:
+        if carries.sum() < 3:
             return None
-        row = _fitted_row(discrepancy.x, pressure, carrying, weight, functions)
-        if np.any(row[1] <= 0):
+        fit_of_instant = _fitted_row(discrepancy.x, pressure, carries, weight, functions)
+        if np.any(fit_of_instant[1] <= 0):
             return None
-        rows.append(row)
-    fields, factors, half_widths = zip(*rows, strict=True)
-    return ClosedForm(np.array(fields), np.array(factors), np.array(half_widths))
+        fits.append(fit_of_instant)
+    pressures, factors, half_widths = zip(*fits, strict=True)
+    return ClosedForm(np.array(pressures), np.array(factors), np.array(half_widths))
 
 
 def _fitted_row(
-    x: Array, pressure: Array, carrying: Mask, weight: Array, functions: Callable[[Array], Array]
+    x: Array, pressure: Array, carries: Mask, weight: Array, functions: Callable[[Array], Array]
 ) -> tuple[Array, Array, float]:
-    """Pressure, factors and half-width of one instant.
+    """Fitted pressure (n,), factors of the functions, and half-width of one instant.
 
     The centre is the middle of what carries. Half-widths are tried from the outermost point that
     carries to a spacing beyond it; the functions are linear in their factors.
     """
-    places = np.flatnonzero(carrying)
-    first, last = places[0], places[-1]
-    centre = (x[first] + x[last]) / 2
-    outermost = (x[last] - x[first]) / 2
-    before = x[first] - x[max(first - 1, 0)]
-    after = x[min(last + 1, len(x) - 1)] - x[last]
-    spacing = max(before, after, np.diff(x).min())
-    root = np.sqrt(weight)
-    least = np.inf
+    carrying_points = np.flatnonzero(carries)
+    first_point, last_point = carrying_points[0], carrying_points[-1]
+    centre = (x[first_point] + x[last_point]) / 2
+    half_distance = (x[last_point] - x[first_point]) / 2
+    spacing_before = x[first_point] - x[max(first_point - 1, 0)]
+    spacing_after = x[min(last_point + 1, len(x) - 1)] - x[last_point]
+    spacing = max(spacing_before, spacing_after, np.diff(x).min())
+    root_of_weight = np.sqrt(weight)
+    least_square = np.inf
     for share in (np.arange(_EDGES_TRIED) + 0.5) / _EDGES_TRIED:
-        half_width = float(outermost + share * spacing)
+        half_width = float(half_distance + share * spacing)
         xi = (x - centre) / half_width
         inside = np.abs(xi) < 1
-        columns = np.zeros((len(x), functions(np.zeros(1)).shape[1]))
-        columns[inside] = functions(xi[inside])
-        solution = np.linalg.lstsq(root[:, None] * columns, root * pressure, rcond=None)
+        function_values = np.zeros((len(x), functions(np.zeros(1)).shape[1]))
+        function_values[inside] = functions(xi[inside])
+        solution = np.linalg.lstsq(
+            root_of_weight[:, None] * function_values, root_of_weight * pressure, rcond=None
+        )
         factors: Array = np.asarray(solution[0], dtype=np.float64)
-        fitted: Array = columns @ factors
-        square = float(np.sum(weight * (pressure - fitted) ** 2))
-        if square < least:
-            least = square
-            best = fitted, factors, half_width
-    return best
+        fitted_pressure: Array = function_values @ factors
+        square = float(np.sum(weight * (pressure - fitted_pressure) ** 2))
+        if square < least_square:
+            least_square = square
+            best_fit = fitted_pressure, factors, half_width
+    return best_fit
 
 
-def _adhesion(discrepancy: Discrepancy) -> Shown | None:
-    """p = p0 sqrt(1 - xi^2) - p1/sqrt(1 - xi^2): a strip with adhesion (Johnson 1985, 5.5), in
-    tension next to both edges.
+def _adhesion(discrepancy: Discrepancy) -> ProblemFit | None:
+    """Fit of a strip with adhesion, p = p0 sqrt(1 - xi^2) - p1/sqrt(1 - xi^2) with tension next to
+    both edges (Johnson 1985, 5.5). None where the result has no such tension.
     """
-    pressure = discrepancy.found[PRESSURE]
-    largest = pressure.max(axis=1, keepdims=True)
-    tension = pressure < -_OPEN * largest
-    deepest = float(np.max(-pressure / np.maximum(largest, 1e-300)))
-    if deepest < _TENSION:
+    pressure = discrepancy.result_tractions[PRESSURE]
+    largest_pressure = pressure.max(axis=1, keepdims=True)
+    is_in_tension = pressure < -_OPEN * largest_pressure
+    largest_tension = float(np.max(-pressure / np.maximum(largest_pressure, 1e-300)))
+    if largest_tension < _TENSION:
         return None
-    for row, pulled in zip(pressure, tension, strict=True):
-        top = int(np.argmax(row))
-        if min(pulled[:top].sum(), pulled[top:].sum()) < _FEWEST_IN_TENSION:
+    for pressure_of_instant, in_tension in zip(pressure, is_in_tension, strict=True):
+        peak_index = int(np.argmax(pressure_of_instant))
+        if min(in_tension[:peak_index].sum(), in_tension[peak_index:].sum()) < _FEWEST_IN_TENSION:
             return None
 
     def strip(xi: Array) -> Array:
         root = np.sqrt(1 - xi**2)
         return np.column_stack([root, -1 / root])
 
-    fitted = _closed_form(discrepancy, strip)
-    if fitted is None:
+    closed_form = _closed_form(discrepancy, strip)
+    if closed_form is None:
         return None
-    evidence = f"{int(tension.sum())} points are in tension, at both edges of contact"
-    return Shown(
-        _with(discrepancy, PRESSURE, fitted.pressure),
-        discrepancy.expected,
+    evidence = f"{int(is_in_tension.sum())} points are in tension, at both edges of contact"
+    return ProblemFit(
+        _with(discrepancy, PRESSURE, closed_form.pressure),
+        discrepancy.reference_tractions,
         3 * len(pressure),
-        _in_contact(discrepancy, fitted.pressure),
-        {"tension": deepest},
+        _in_contact(discrepancy, closed_form.pressure),
+        {"tension": largest_tension},
         (evidence,),
     )
 
 
-def _sharp_punch(discrepancy: Discrepancy) -> Shown | None:
-    """p = P/(pi a sqrt(1 - xi^2)): a flat punch with sharp corners (Johnson 1985, 2.8), largest at
-    the edges.
+def _sharp_punch(discrepancy: Discrepancy) -> ProblemFit | None:
+    """Fit of a flat punch with sharp corners, p = P/(pi a sqrt(1 - xi^2)), largest at the edges
+    (Johnson 1985, 2.8). None where the width changes: the edges of a punch do not move.
     """
-    fitted = _closed_form(discrepancy, lambda xi: (1 / np.sqrt(1 - xi**2))[:, None])
-    if fitted is None:
+    closed_form = _closed_form(discrepancy, lambda xi: (1 / np.sqrt(1 - xi**2))[:, None])
+    if closed_form is None:
         return None
-    a = float(fitted.half_widths.max())
-    narrowest = float(fitted.half_widths.min())
-    if narrowest < a - 2 * float(np.diff(discrepancy.x).max()):  # the edges of a punch do not move
+    largest_half_width = float(closed_form.half_widths.max())
+    least_half_width = float(closed_form.half_widths.min())
+    if least_half_width < largest_half_width - 2 * float(
+        np.diff(discrepancy.x).max()
+    ):  # the edges of a punch do not move
         return None
-    return Shown(
-        _with(discrepancy, PRESSURE, fitted.pressure),
-        discrepancy.expected,
-        2 * len(fitted.half_widths),
-        _in_contact(discrepancy, fitted.pressure),
-        {"half_width": a},
+    return ProblemFit(
+        _with(discrepancy, PRESSURE, closed_form.pressure),
+        discrepancy.reference_tractions,
+        2 * len(closed_form.half_widths),
+        _in_contact(discrepancy, closed_form.pressure),
+        {"half_width": largest_half_width},
     )
 
 
-def _sphere(discrepancy: Discrepancy) -> Shown | None:
-    """p = p0 sqrt(1 - xi^2) with p0/a = 2 E*/(pi R): a sphere, whose P = 2 pi a^2 p0/3 is a force
-    (Johnson 1985, 4.2). A cylinder has p0/a = E*/(2 R).
+def _sphere(discrepancy: Discrepancy) -> ProblemFit | None:
+    """Fit of a sphere, p = p0 sqrt(1 - xi^2) with p0/a = 2 E*/(pi R), whose P = 2 pi a^2 p0/3 is a
+    force (Johnson 1985, 4.2); a cylinder has p0/a = E*/(2 R). None where the profile is no
+    parabola.
     """
     profile = discrepancy.scene.profile
     if not isinstance(profile, Hertz):
         return None
-    fitted = _closed_form(discrepancy, lambda xi: np.sqrt(1 - xi**2)[:, None])
-    if fitted is None:
+    closed_form = _closed_form(discrepancy, lambda xi: np.sqrt(1 - xi**2)[:, None])
+    if closed_form is None:
         return None
     scales = discrepancy.comparison.scales
-    slope = _SPHERE * scales.pressure / scales.half_width
-    xi = discrepancy.x / fitted.half_widths[:, None]
-    pressure = slope * fitted.half_widths[:, None] * np.sqrt(np.maximum(1 - xi**2, 0.0))
-    force = float(np.max(2 / 3 * np.pi * fitted.half_widths**3 * slope))
-    return Shown(
+    pressure_over_half_width = _SPHERE * scales.pressure / scales.half_width
+    xi = discrepancy.x / closed_form.half_widths[:, None]
+    pressure = (
+        pressure_over_half_width
+        * closed_form.half_widths[:, None]
+        * np.sqrt(np.maximum(1 - xi**2, 0.0))
+    )
+    force = float(np.max(2 / 3 * np.pi * closed_form.half_widths**3 * pressure_over_half_width))
+    return ProblemFit(
         _with(discrepancy, PRESSURE, pressure),
-        discrepancy.expected,
+        discrepancy.reference_tractions,
         len(pressure),
         _in_contact(discrepancy, pressure),
         {"force": force},
     )
 
 
-def _limit_of_pressure(discrepancy: Discrepancy) -> Shown | None:
-    """p = min(limit, elastic pressure of a larger load): plastic flow, or wear, flattens the
-    middle; the limit is the same at all instants.
+def _limit_of_pressure(discrepancy: Discrepancy) -> ProblemFit | None:
+    """Fit of p = min(limit, elastic pressure of a larger load): plastic flow, or wear, flattens the
+    middle, with the same limit at all instants. None where few points lie on a limit.
     """
     if discrepancy.unsymmetric:
         return None
     contact = contact_of(discrepancy.scene.profile, discrepancy.scene.material)
-    found = discrepancy.found[PRESSURE]
-    limit = float(np.median(found[found > 0.9 * found.max()]))
-    rows = []
-    count = 0
+    result_pressure = discrepancy.result_tractions[PRESSURE]
+    limit = float(np.median(result_pressure[result_pressure > 0.9 * result_pressure.max()]))
+    limited_pressures = []
+    most_on_limit = 0
     for pressure, load, weight in zip(
-        found, discrepancy.normal_load, discrepancy.weight, strict=True
+        result_pressure, discrepancy.normal_load, discrepancy.weight, strict=True
     ):
-        elastic = contact.pressure(discrepancy.x, load * _WIDER[:, None])
-        limited = np.minimum(elastic, limit)
-        best = int(np.argmin(np.sum(weight * (pressure - limited) ** 2, axis=1)))
-        rows.append(limited[best])
-        count = max(count, int(np.sum(elastic[best] > _ABOVE_LIMIT * limit)))
-    if count < _FEWEST_ON_LIMIT:
+        elastic_pressures = contact.pressure(discrepancy.x, load * _WIDER[:, None])
+        trial_pressures = np.minimum(elastic_pressures, limit)
+        best_trial = int(np.argmin(np.sum(weight * (pressure - trial_pressures) ** 2, axis=1)))
+        limited_pressures.append(trial_pressures[best_trial])
+        most_on_limit = max(
+            most_on_limit, int(np.sum(elastic_pressures[best_trial] > _ABOVE_LIMIT * limit))
+        )
+    if most_on_limit < _FEWEST_ON_LIMIT:
         return None
-    on_limit = discrepancy.expected[PRESSURE] > limit
-    return Shown(
-        _with(discrepancy, PRESSURE, np.array(rows)),
-        discrepancy.expected,
-        len(rows) + 1,
-        _in_contact(discrepancy, np.array(rows)),
+    is_above_limit = discrepancy.reference_tractions[PRESSURE] > limit
+    return ProblemFit(
+        _with(discrepancy, PRESSURE, np.array(limited_pressures)),
+        discrepancy.reference_tractions,
+        len(limited_pressures) + 1,
+        _in_contact(discrepancy, np.array(limited_pressures)),
         {"limit": limit / discrepancy.comparison.scales.pressure},
         (
-            f"{count} points of one instant have {limit:.4g}, and no point has more than"
-            f" {found.max() / limit:.3g} times that, where the reference exceeds it at"
-            f" {int(on_limit.sum())} points",
+            f"{most_on_limit} points of one instant have {limit:.4g}, and no point has more than"
+            f" {result_pressure.max() / limit:.3g} times that, where the reference exceeds it at"
+            f" {int(is_above_limit.sum())} points",
         ),
     )
 
 
 # ------------------------------------------------------------------------------- features of rows
-def _several_zones(discrepancy: Discrepancy) -> Shown | None:
-    """Gaps inside the contact of the reference, whose load the zones between them carry: rough or
-    wavy faces. Values that are missing from a table take their share of the load with them.
+def _several_zones(discrepancy: Discrepancy) -> ProblemFit | None:
+    """Fit of gaps inside the contact of the reference, whose load the zones between them carry:
+    rough or wavy faces.
+
+    None where values are only missing from a table: they take their share of the load with them.
     """
-    found, expected = discrepancy.found[PRESSURE], discrepancy.expected[PRESSURE]
-    largest = found.max(axis=1, keepdims=True)
-    is_open = (found <= _OPEN * largest) & (
-        expected > _WELL_INSIDE * expected.max(axis=1, keepdims=True)
+    result_pressure, reference_pressure = (
+        discrepancy.result_tractions[PRESSURE],
+        discrepancy.reference_tractions[PRESSURE],
     )
-    lengths = [length for row in is_open for length in _lengths_of_runs(row)]
-    long_gaps = sum(length >= _FEWEST_IN_GAP for length in lengths)
-    share = np.trapezoid(np.where(is_open, expected, 0.0), discrepancy.x, axis=1)
-    share = share / np.maximum(np.trapezoid(expected, discrepancy.x, axis=1), 1e-300)
+    largest_pressure = result_pressure.max(axis=1, keepdims=True)
+    is_open = (result_pressure <= _OPEN * largest_pressure) & (
+        reference_pressure > _WELL_INSIDE * reference_pressure.max(axis=1, keepdims=True)
+    )
+    gap_lengths = [
+        length for is_open_at_instant in is_open for length in _lengths_of_runs(is_open_at_instant)
+    ]
+    long_gaps = sum(length >= _FEWEST_IN_GAP for length in gap_lengths)
+    load_over_gaps = np.trapezoid(np.where(is_open, reference_pressure, 0.0), discrepancy.x, axis=1)
+    load_over_gaps = load_over_gaps / np.maximum(
+        np.trapezoid(reference_pressure, discrepancy.x, axis=1), 1e-300
+    )
     if (
-        long_gaps < _FEWEST_GAPS * len(found)
-        or float(share[discrepancy.loaded].min()) < _LEAST_OVER_GAPS
+        long_gaps < _FEWEST_GAPS * len(result_pressure)
+        or float(load_over_gaps[discrepancy.loaded].min()) < _LEAST_OVER_GAPS
     ):
         return None
     if abs(discrepancy.resultant_ratio - 1) > _BALANCED:
         return None
     # the gaps themselves: open in the result, and nothing else is claimed
-    return Shown(
-        _with(discrepancy, PRESSURE, np.where(is_open, 0.0, expected)),
-        discrepancy.expected,
+    return ProblemFit(
+        _with(discrepancy, PRESSURE, np.where(is_open, 0.0, reference_pressure)),
+        discrepancy.reference_tractions,
         1,
         is_open,
-        {"gaps": long_gaps / len(found)},
+        {"gaps": long_gaps / len(result_pressure)},
         (
-            f"over the gaps the reference carries {float(share.max()):.0%} of P; the sum of the"
+            f"over the gaps the reference carries {float(load_over_gaps.max()):.0%} of P; the sum"
+            f" of the"
             f" pressures is {discrepancy.resultant_ratio:.4g} P all the same",
         ),
     )
@@ -373,43 +403,60 @@ def _lengths_of_runs(row: NDArray[np.bool_]) -> list[int]:
     return [int(end - start) for start, end in ends.reshape(-1, 2)]
 
 
-def _not_elastic(discrepancy: Discrepancy) -> Shown | None:
+def _not_elastic(discrepancy: Discrepancy) -> ProblemFit | None:
     """Two instants with the same P, by the scene and by the sum of the pressures, whose pressures
-    differ: of elastic half-planes the pressure depends on P alone.
+    differ most: of elastic half-planes the pressure depends on P alone.
 
-    What is odd in x is left out: unlike bodies and bodies that tilt make it.
+    None where none differ. What is odd in x is left out: unlike bodies and bodies that tilt make
+    it.
     """
     if discrepancy.unsymmetric or len(discrepancy.rows) < 2:
         return None
-    found = discrepancy.found[PRESSURE]
-    even = (found + _mirrored(found, discrepancy.x)) / 2
-    sums = np.trapezoid(found, discrepancy.x, axis=1)
-    size = np.sqrt(np.mean(discrepancy.expected[PRESSURE] ** 2, axis=1))
-    largest = (0.0, 0, 0)
-    for i in range(len(found)):
-        for j in range(i + 1, len(found)):
-            same = abs(discrepancy.normal_load[i] / discrepancy.normal_load[j] - 1) < _SAME_LOAD
-            balanced = abs(sums[i] / sums[j] - 1) < _SAME_LOAD
-            if discrepancy.loaded[i] and discrepancy.loaded[j] and same and balanced:
-                change = float(np.sqrt(np.mean((even[i] - even[j]) ** 2)))
-                largest = max(largest, (change / float(size[i]), i, j))
-    share, i, j = largest
-    difference = (even[i] - even[j])[None] / discrepancy.comparison.scales.pressure
-    between = Residual(difference, discrepancy.weight[[i]], (even[[i]] != 0) | (even[[j]] != 0))
-    is_smooth = between.noise < _SMOOTH * between.square and between.count >= _FEWEST_SMOOTH
-    if share < _OTHER_PRESSURE or not is_smooth:
+    result_pressure = discrepancy.result_tractions[PRESSURE]
+    even_pressure = (result_pressure + _mirrored(result_pressure, discrepancy.x)) / 2
+    sums = np.trapezoid(result_pressure, discrepancy.x, axis=1)
+    reference_size = np.sqrt(np.mean(discrepancy.reference_tractions[PRESSURE] ** 2, axis=1))
+    largest_change = (0.0, 0, 0)
+    for i in range(len(result_pressure)):
+        for j in range(i + 1, len(result_pressure)):
+            has_same_load = (
+                abs(discrepancy.normal_load[i] / discrepancy.normal_load[j] - 1) < _SAME_LOAD
+            )
+            has_same_sum = abs(sums[i] / sums[j] - 1) < _SAME_LOAD
+            if discrepancy.loaded[i] and discrepancy.loaded[j] and has_same_load and has_same_sum:
+                change = float(np.sqrt(np.mean((even_pressure[i] - even_pressure[j]) ** 2)))
+                largest_change = max(largest_change, (change / float(reference_size[i]), i, j))
+    relative_change, i, j = largest_change
+    difference = (even_pressure[i] - even_pressure[j])[
+        None
+    ] / discrepancy.comparison.scales.pressure
+    residual_between = Residual(
+        difference, discrepancy.weight[[i]], (even_pressure[[i]] != 0) | (even_pressure[[j]] != 0)
+    )
+    is_smooth = (
+        residual_between.noise < _SMOOTH * residual_between.square
+        and residual_between.count >= _FEWEST_SMOOTH
+    )
+    if relative_change < _OTHER_PRESSURE or not is_smooth:
         return None
     # The two instants, each of which the other one would predict.
-    before = discrepancy.expected.copy()
-    before[PRESSURE, i], before[PRESSURE, j] = even[j], even[i]
-    where = np.zeros(found.shape, dtype=bool)
-    where[[i, j]] = True
-    return Shown(
-        _with(discrepancy, PRESSURE, even),
-        before,
+    swapped_tractions = discrepancy.reference_tractions.copy()
+    swapped_tractions[PRESSURE, i], swapped_tractions[PRESSURE, j] = (
+        even_pressure[j],
+        even_pressure[i],
+    )
+    judged_points = np.zeros(result_pressure.shape, dtype=bool)
+    judged_points[[i, j]] = True
+    return ProblemFit(
+        _with(discrepancy, PRESSURE, even_pressure),
+        swapped_tractions,
         1,
-        where,
-        {"share": share, "first": float(discrepancy.time[i]), "second": float(discrepancy.time[j])},
+        judged_points,
+        {
+            "share": relative_change,
+            "first": float(discrepancy.time[i]),
+            "second": float(discrepancy.time[j]),
+        },
         (f"the sums of both pressures agree to {abs(sums[i] / sums[j] - 1):.1%}",),
     )
 
@@ -420,84 +467,98 @@ def _mirrored(rows: Array, x: Array) -> Array:
 
 
 # ---------------------------------------------------------------------------------------- the shear
-def _rolling(discrepancy: Discrepancy) -> Shown | None:
-    """q = f [p(x, P) - p(x -+ (a - c), P - |Q|/f)] with the sign of Q: tractive rolling, whose
-    stick zone begins at the leading edge (Carter 1926; Johnson 1985, 8.3).
+def _rolling(discrepancy: Discrepancy) -> ProblemFit | None:
+    """Fit of tractive rolling, whose stick zone begins at the leading edge: q = f [p(x, P) - p(x -+
+    (a - c), P - |Q|/f)] with the sign of Q (Carter 1926; Johnson 1985, 8.3). None without friction
+    or Q.
     """
     friction = discrepancy.scene.friction.coefficient
     if discrepancy.unsymmetric or not friction or not discrepancy.sheared:
         return None
-    normal, tangential = (
+    normal_load, tangential_load = (
         np.asarray(load)[:, None] for load in discrepancy.scene.load.path().at(discrepancy.time)
     )
-    stuck = normal - np.abs(tangential) / friction
-    if np.any(stuck <= 0) or np.all(np.abs(tangential) < 1e-9 * normal):
+    stick_load = normal_load - np.abs(tangential_load) / friction
+    if np.any(stick_load <= 0) or np.all(np.abs(tangential_load) < 1e-9 * normal_load):
         return None
     contact = contact_of(discrepancy.scene.profile, discrepancy.scene.material)
-    distance = contact.half_width(normal) - contact.half_width(stuck)
-    pressure = contact.pressure(discrepancy.x, normal)
-    least = np.inf
+    shifts = contact.half_width(normal_load) - contact.half_width(stick_load)
+    pressure = contact.pressure(discrepancy.x, normal_load)
+    least_square = np.inf
     for direction in (1.0, -1.0):
-        stick = np.array(
+        stick_pressure = np.array(
             [
                 contact.pressure(discrepancy.x - direction * shift, load)
-                for shift, load in zip(distance[:, 0], stuck[:, 0], strict=True)
+                for shift, load in zip(shifts[:, 0], stick_load[:, 0], strict=True)
             ]
         )
-        shear = np.sign(tangential) * friction * (pressure - stick)
-        square = float(np.sum(discrepancy.weight * (discrepancy.found[SHEAR] - shear) ** 2))
-        if square < least:
-            least = square
+        shear = np.sign(tangential_load) * friction * (pressure - stick_pressure)
+        square = float(
+            np.sum(discrepancy.weight * (discrepancy.result_tractions[SHEAR] - shear) ** 2)
+        )
+        if square < least_square:
+            least_square = square
             best_shear = shear
             side = "right" if direction > 0 else "left"
-    return Shown(
+    return ProblemFit(
         _with(discrepancy, SHEAR, best_shear),
-        discrepancy.expected,
+        discrepancy.reference_tractions,
         1,
-        discrepancy.in_contact(discrepancy.expected),
+        discrepancy.in_contact(discrepancy.reference_tractions),
         {"side": side},
     )
 
 
-def _law_of_friction(discrepancy: Discrepancy) -> Shown | None:
-    """|q| = constant + slope p where the reference slips: a law that is no coefficient of friction,
-    such as a shear strength (slope 0) or cohesion (slope f).
+def _law_of_friction(discrepancy: Discrepancy) -> ProblemFit | None:
+    """Fit of |q| = constant + slope p where the reference slips: a law that is no coefficient of
+    friction, such as a shear strength (slope 0) or cohesion (slope f).
+
+    None where such a law fits no better.
     """
     friction = discrepancy.scene.friction.coefficient
     if not friction or not discrepancy.sheared:
         return None
     state = discrepancy.comparison.expected.state[discrepancy.rows]
-    sense = (state == SLIP_FORWARD) * 1.0 - (state == SLIP_REVERSE)
-    sense = np.where(sense == 0, 0.0, np.sign(discrepancy.expected[SHEAR]))
-    pressure = discrepancy.found[PRESSURE]
-    slips = (sense != 0) & (pressure > _OPEN * pressure.max()) & (discrepancy.weight > 0)
-    shear = sense * discrepancy.found[SHEAR]
+    slip_direction = (state == SLIP_FORWARD) * 1.0 - (state == SLIP_REVERSE)
+    slip_direction = np.where(
+        slip_direction == 0, 0.0, np.sign(discrepancy.reference_tractions[SHEAR])
+    )
+    pressure = discrepancy.result_tractions[PRESSURE]
+    slips = (slip_direction != 0) & (pressure > _OPEN * pressure.max()) & (discrepancy.weight > 0)
+    shear = slip_direction * discrepancy.result_tractions[SHEAR]
     if slips.sum() < _FEWEST_IN_SLIP:
         return None
     p, q = pressure[slips], shear[slips]
-    slope_alone = float(p @ q / (p @ p))
+    coefficient_alone = float(p @ q / (p @ p))
     (constant, slope), *_ = np.linalg.lstsq(np.column_stack([np.ones_like(p), p]), q, rcond=None)
-    left_alone = float(np.mean((q - slope_alone * p) ** 2))
-    left = float(np.mean((q - constant - slope * p) ** 2))
+    square_left_by_coefficient = float(np.mean((q - coefficient_alone * p) ** 2))
+    square_left = float(np.mean((q - constant - slope * p) ** 2))
     scale = discrepancy.comparison.scales.shear
     if constant < _LEAST_CONSTANT * scale or slope < -0.1 * friction:
         return None
-    law = np.where(slips, sense * (constant + slope * pressure), discrepancy.expected[SHEAR])
-    coefficient = np.where(slips, sense * slope_alone * pressure, discrepancy.expected[SHEAR])
-    residual = discrepancy.residual(_with(discrepancy, SHEAR, law), SHEAR)
-    noise = min(replace(residual, inside=slips).noise * scale**2, left)
-    if left - noise > _LEFT_OF_LAW**2 * (left_alone - noise):
+    shear_by_law = np.where(
+        slips,
+        slip_direction * (constant + slope * pressure),
+        discrepancy.reference_tractions[SHEAR],
+    )
+    shear_by_coefficient = np.where(
+        slips, slip_direction * coefficient_alone * pressure, discrepancy.reference_tractions[SHEAR]
+    )
+    residual = discrepancy.residual(_with(discrepancy, SHEAR, shear_by_law), SHEAR)
+    noise = min(replace(residual, inside=slips).noise * scale**2, square_left)
+    if square_left - noise > _LEFT_OF_LAW**2 * (square_left_by_coefficient - noise):
         return None
-    return Shown(
-        _with(discrepancy, SHEAR, law),
-        _with(discrepancy, SHEAR, coefficient),
+    return ProblemFit(
+        _with(discrepancy, SHEAR, shear_by_law),
+        _with(discrepancy, SHEAR, shear_by_coefficient),
         1,
         slips,
         {"constant": float(constant), "slope": float(slope)},
         (
             f"{int(slips.sum())} points in slip; no coefficient of friction leaves less than"
-            f" {left_alone**0.5 / scale:.2g} of f p_ref of their shear, this law leaves"
-            f" {left**0.5 / scale:.2g}",
+            f" {square_left_by_coefficient**0.5 / scale:.2g} of f p_ref of their shear, this law"
+            f" leaves"
+            f" {square_left**0.5 / scale:.2g}",
         ),
     )
 
@@ -514,41 +575,51 @@ PROBLEMS = (
 )
 
 
-def other_problems(discrepancy: Discrepancy, named: Fit | None) -> Iterator[Diagnosis]:
-    """The problem that the tractions belong to, where the rows show one and the causes that are
-    named leave so much more that they are out.
+def other_problems(discrepancy: Discrepancy, fit_named: Fit | None) -> Iterator[Diagnosis]:
+    """The finding that the tractions belong to a problem which the suite does not solve, where one
+    fits and the causes `fit_named` leave much more; else none.
     """
     # Friction follows the pressure: where that is wrong, the shear shows no problem of its own.
-    of_pressure = discrepancy.residual(discrepancy.expected, PRESSURE)
-    is_pressure_right = discrepancy.is_within(PRESSURE) or of_pressure.is_noise
+    pressure_residual = discrepancy.residual(discrepancy.reference_tractions, PRESSURE)
+    is_pressure_right = discrepancy.is_within(PRESSURE) or pressure_residual.is_noise
     candidates = []
     for problem in PROBLEMS:
         if problem.channel == SHEAR and not is_pressure_right:
             continue
-        shown = problem.shown(discrepancy)
-        if shown is None:
+        problem_fit = problem.fit(discrepancy)
+        if problem_fit is None:
             continue
-        after = problem.residual(discrepancy, shown.predicted, shown)
-        before = problem.residual(discrepancy, shown.before, shown)
-        noise = min(after.noise, after.square)
-        left = share_of_norm(after.square, before.square, noise)
-        chance = gain_by_chance(after.square, before.square, after.count, sizes=shown.parameters)
-        if left >= MOST_LEFT or chance >= CHANCE:
+        residual_after = problem.residual(discrepancy, problem_fit.predicted, problem_fit)
+        residual_before = problem.residual(discrepancy, problem_fit.tractions_to_beat, problem_fit)
+        noise = min(residual_after.noise, residual_after.square)
+        share_left = share_of_norm(residual_after.square, residual_before.square, noise)
+        chance = gain_by_chance(
+            residual_after.square,
+            residual_before.square,
+            residual_after.count,
+            sizes=problem_fit.parameters,
+        )
+        if share_left >= MOST_LEFT or chance >= CHANCE:
             continue
-        if named is not None:
-            of_causes = problem.residual(discrepancy, named.predicted, shown)
+        if fit_named is not None:
+            residual_of_causes = problem.residual(discrepancy, fit_named.predicted, problem_fit)
             is_apart = are_apart(
-                of_causes.square, after.square, after.count, is_noise=after.is_noise
+                residual_of_causes.square,
+                residual_after.square,
+                residual_after.count,
+                is_noise=residual_after.is_noise,
             )
             if not is_apart:
                 continue
-        candidates.append((left, problem, shown))
+        candidates.append((share_left, problem, problem_fit))
     if not candidates:
         return
-    left, problem, shown = min(candidates, key=lambda candidate: candidate[0])
-    sentence = f"{WORDS['other_problem']} {WORDS['problems'][problem.key].format(**shown.figures)}"
-    evidence = (
-        *shown.evidence,
-        f"tractions of that problem, its sizes fitted, leave {left:.1%} of the difference",
+    share_left, problem, problem_fit = min(candidates, key=lambda candidate: candidate[0])
+    sentence = (
+        f"{WORDS['other_problem']} {WORDS['problems'][problem.key].format(**problem_fit.figures)}"
     )
-    yield Diagnosis(problem.key, sentence, evidence, 1 - left)
+    evidence = (
+        *problem_fit.evidence,
+        f"tractions of that problem, its sizes fitted, leave {share_left:.1%} of the difference",
+    )
+    yield Diagnosis(problem.key, sentence, evidence, 1 - share_left)

@@ -76,12 +76,13 @@ _UNTOLD = 0.05
 def contact_solution(
     surface: SurfaceResult, mapping: Mapping, theory: ContactSolution, *, sure_of_times: bool = True
 ) -> tuple[ContactSolution, tuple[str, ...]]:
-    """The solution that `surface` amounts to, and what was guessed on the way, in sentences.
+    """An external result `surface` as a solution that can be compared, and what was guessed on the
+    way, in sentences.
 
     Nothing is filled in: what the result does not hold is NaN, named in `work.skipped`, and left
     out of the comparison. Worked out from its own fields, and said so in the notes, are states,
-    edges, and of a whole cycle with slip the work of friction. `theory` is the `whole_path` of the
-    scene that it answers.
+    edges, and of a whole cycle with slip the work of friction. `theory` is that of the scene's
+    whole path.
 
     Raises
     ------
@@ -104,20 +105,20 @@ def contact_solution(
                 " and Q, say it for certain)"
             ),
         )
-    normal = surface.normal_load
-    tangential = surface.tangential_load
+    normal_load = surface.normal_load
+    tangential_load = surface.tangential_load
     names_of_scene: list[str] = []
     notes: list[str] = []
-    if normal is None or tangential is None:
-        normal = history.normal_load
-        tangential = history.tangential_load
+    if normal_load is None or tangential_load is None:
+        normal_load = history.normal_load
+        tangential_load = history.tangential_load
         names_of_scene = ["normal_load", "tangential_load"]
         notes.append("P and Q are the scene's at its instants")
     count = len(history.time)
     no_edges = freeze(np.full((count, 2), np.nan))
     no_series = freeze(np.full(count, np.nan))
-    unknown: dict[str, Any] = dict.fromkeys(("contact_edges", "stick_edges"), no_edges)
-    unknown |= dict.fromkeys(
+    unknown_fields: dict[str, Any] = dict.fromkeys(("contact_edges", "stick_edges"), no_edges)
+    unknown_fields |= dict.fromkeys(
         ("contact_half_width", "stick_half_width", "tangential_displacement", "normal_approach"),
         no_series,
     )
@@ -129,12 +130,12 @@ def contact_solution(
         settings["read_as"] = [list(pair) for pair in surface.read_as]
     if mapping.element_size:
         settings["element_size"] = mapping.element_size
-    bare_solution = ContactSolution(
+    solution_without_zones = ContactSolution(
         engine=surface.code or Path(surface.source).name,
         scene=scene,
         time=freeze(history.time),
-        normal_load=freeze(normal),
-        tangential_load=freeze(tangential),
+        normal_load=freeze(normal_load),
+        tangential_load=freeze(tangential_load),
         x=surface.x,
         pressure=surface.pressure,
         shear=surface.shear,
@@ -142,7 +143,7 @@ def contact_solution(
         if surface.slip is None
         else surface.slip,
         state=freeze(np.zeros(surface.pressure.shape), np.int8),
-        **unknown,
+        **unknown_fields,
         dissipation_density=freeze(np.full(len(surface.x), np.nan)),
         dissipation=np.nan,
         cycle_dissipation=freeze([np.nan]),
@@ -155,8 +156,10 @@ def contact_solution(
         **_imposed(scene, history.time),
         settings=settings,
     )
-    solution, how = _ruled(
-        bare_solution, slip=surface.slip is not None, work="dissipation" not in skipped
+    solution, method_in_words = _ruled(
+        solution_without_zones,
+        has_slip=surface.slip is not None,
+        has_work="dissipation" not in skipped,
     )
     if "dissipation" not in skipped:
         steps = len(solution.last_cycle)
@@ -165,7 +168,7 @@ def contact_solution(
             f"its dissipation is the sum of q ds of its own shear and slip over the {steps}"
             " instants of a cycle",
         )
-    all_notes = (*surface.notes, *history.notes, how, *notes)
+    all_notes = (*surface.notes, *history.notes, method_in_words, *notes)
     solution = replace(solution, record=replace(solution.record, notes=all_notes))
     return solution, (*guesses, *_oddities(surface, history.tangential_load, scene))
 
@@ -173,10 +176,10 @@ def contact_solution(
 def _placed_on_path(
     surface: SurfaceResult, mapping: Mapping, theory: ContactSolution, *, sure_of_times: bool
 ) -> tuple[SurfaceResult, History, tuple[str, ...]]:
-    """`surface` in the scene's units and our signs, its instants on the load path, and what was
-    guessed.
+    """An external result in the scene's units and our signs; its instants on the load path; what
+    was guessed, in sentences.
 
-    A single cell that stands out of all others tells nothing of units and instants: they are found
+    A single value that stands out of all others tells nothing of units and instants: they are found
     without it, and it is put back.
     """
     fields = {"pressure": surface.pressure, "shear": surface.shear}
@@ -185,82 +188,90 @@ def _placed_on_path(
     smooth_fields: dict[str, Any] = {}
     for name, values in fields.items():
         smooth_fields[name] = without_spikes(values)
-    smooth = replace(surface, **smooth_fields)
-    in_our_units, guesses = _guessed(smooth, mapping, theory)
-    history = matched(in_our_units, theory.scene, sure_of_times=sure_of_times)
+    smooth_surface = replace(surface, **smooth_fields)
+    converted_surface, guesses = _guessed(smooth_surface, mapping, theory)
+    history = matched(converted_surface, theory.scene, sure_of_times=sure_of_times)
     if not surface.outliers:
-        return in_our_units, history, guesses
-    spiked_fields = {name: getattr(in_our_units, name).copy() for name in fields}
+        return converted_surface, history, guesses
+    spiked_fields = {name: getattr(converted_surface, name).copy() for name in fields}
     for outlier in surface.outliers:
         # The factor and the sign that its field was given.
-        before = getattr(smooth, outlier.quantity)
-        after = getattr(in_our_units, outlier.quantity)
-        largest = np.unravel_index(np.argmax(np.abs(before)), before.shape)
-        factor = float(after[largest] / before[largest]) if before[largest] else 1.0
+        field_before = getattr(smooth_surface, outlier.quantity)
+        field_after = getattr(converted_surface, outlier.quantity)
+        place_of_largest = np.unravel_index(np.argmax(np.abs(field_before)), field_before.shape)
+        factor = (
+            float(field_after[place_of_largest] / field_before[place_of_largest])
+            if field_before[place_of_largest]
+            else 1.0
+        )
         spiked_fields[outlier.quantity][outlier.instant, outlier.point] = factor * outlier.value
     frozen_fields: dict[str, Any] = {name: freeze(values) for name, values in spiked_fields.items()}
     sentences = [outlier.sentence for outlier in surface.outliers]
-    return replace(in_our_units, **frozen_fields), history, (*sentences, *guesses)
+    return replace(converted_surface, **frozen_fields), history, (*sentences, *guesses)
 
 
-def _ruled(of: ContactSolution, *, slip: bool, work: bool) -> tuple[ContactSolution, str]:
-    """A solution with states, edges, permanent stick zone and moments from its own tractions, and
-    how they were told, in words.
+def _ruled(
+    solution: ContactSolution, *, has_slip: bool, has_work: bool
+) -> tuple[ContactSolution, str]:
+    """A solution with states, edges, permanent stick zone and moments worked out from its own
+    tractions, and in words how.
 
-    `slip`: the slip helps to tell what slips; `work`: the dissipation is the sum of q ds over its
-    last cycle.
+    `has_slip`: its slip helps to tell what slips; `has_work`: its dissipation is the sum of q ds
+    over its last cycle.
     """
-    has_shear = not np.isnan(of.shear).all()
-    state, contact, stick, how = zones(
-        of.x,
-        of.pressure,
-        of.shear,
-        of.slip if slip else None,
-        of.scene.friction.coefficient,
-        of.time,
+    has_shear = not np.isnan(solution.shear).all()
+    state, contact_edges, stick_edges, method_in_words = zones(
+        solution.x,
+        solution.pressure,
+        solution.shear,
+        solution.slip if has_slip else None,
+        solution.scene.friction.coefficient,
+        solution.time,
     )
-    steps = of.last_cycle if WHOLE_CYCLE not in of.work.skipped else np.arange(0)
+    steps = solution.last_cycle if WHOLE_CYCLE not in solution.work.skipped else np.arange(0)
     if not has_shear:
-        how = (
+        method_in_words = (
             f"{_IN_CONTACT}; without a shear nothing says what slips, and what touches is drawn as"
             " sticking"
         )
-        stick = np.full_like(stick, np.nan)
-    ends = np.full(2, np.nan)  # of what sticks through the whole cycle
-    if len(steps) and not np.isnan(stick[steps]).any():
-        left = stick[steps, 0].max()
-        right = stick[steps, 1].min()
+        stick_edges = np.full_like(stick_edges, np.nan)
+    permanent_edges = np.full(2, np.nan)  # of what sticks through the whole cycle
+    if len(steps) and not np.isnan(stick_edges[steps]).any():
+        left = stick_edges[steps, 0].max()
+        right = stick_edges[steps, 1].min()
         if right > left:
-            ends = np.array([left, right])
+            permanent_edges = np.array([left, right])
     changes: dict[str, Any] = {
         "state": freeze(state, np.int8),
-        "contact_edges": freeze(contact),
-        "stick_edges": freeze(stick),
-        "contact_half_width": freeze(np.diff(contact, axis=1)[:, 0] / 2),
-        "stick_half_width": freeze(np.diff(stick, axis=1)[:, 0] / 2),
-        "permanent_stick_half_width": float(ends[1] - ends[0]) / 2,
+        "contact_edges": freeze(contact_edges),
+        "stick_edges": freeze(stick_edges),
+        "contact_half_width": freeze(np.diff(contact_edges, axis=1)[:, 0] / 2),
+        "stick_half_width": freeze(np.diff(stick_edges, axis=1)[:, 0] / 2),
+        "permanent_stick_half_width": float(permanent_edges[1] - permanent_edges[0]) / 2,
     }
-    if of.scene.unsymmetric:
-        changes["moment"] = freeze(np.trapezoid(of.x * of.pressure, of.x, axis=1))
+    if solution.scene.unsymmetric:
+        changes["moment"] = freeze(np.trapezoid(solution.x * solution.pressure, solution.x, axis=1))
         if has_shear:
-            changes["shear_moment"] = freeze(np.trapezoid(of.x * of.shear, of.x, axis=1))
-            changes["permanent_stick_edges"] = freeze(ends)
-    if work:
-        density = friction_work(of.shear[steps], of.slip[steps])
-        dissipation = float(np.trapezoid(density, of.x))
+            changes["shear_moment"] = freeze(
+                np.trapezoid(solution.x * solution.shear, solution.x, axis=1)
+            )
+            changes["permanent_stick_edges"] = freeze(permanent_edges)
+    if has_work:
+        density = friction_work(solution.shear[steps], solution.slip[steps])
+        dissipation = float(np.trapezoid(density, solution.x))
         changes |= {
             "dissipation": dissipation,
             "dissipation_density": freeze(density),
             "cycle_dissipation": freeze([dissipation]),
         }
-    return replace(of, **changes), how
+    return replace(solution, **changes), method_in_words
 
 
 def by_same_rule(
     reference: ContactSolution, result: ContactSolution, length: float
 ) -> tuple[ContactSolution, tuple[str, ...]]:
-    """`reference` with states, edges and dissipation by the rules that gave `result` its own, and
-    how far the rules are off.
+    """The reference with states, edges and dissipation worked out by the rules that gave an
+    external result its own; and in sentences how far these rules are off.
 
     The metrics then are about the result and not about the rules. A result that states everything
     itself leaves the reference as it is; so does, of the dissipation, a reference on other instants
@@ -268,22 +279,27 @@ def by_same_rule(
     """
     if "state" not in derived(result):
         return reference, ()
-    lacks = missing(result)
-    work = np.array_equal(reference.time, result.time) and "dissipation" not in lacks
-    by_rule, _ = _ruled(reference, slip="slip" not in lacks, work=work)
+    missing_fields = missing(result)
+    has_work = np.array_equal(reference.time, result.time) and "dissipation" not in missing_fields
+    reference_by_rule, _ = _ruled(
+        reference, has_slip="slip" not in missing_fields, has_work=has_work
+    )
     # Instants at which the rule finds the reference's own stick edges; all, where those are the
     # fewer.
-    stick_error = reference.stick_edges - by_rule.stick_edges
-    is_judged = np.isnan(reference.stick_edges[:, 0]) == np.isnan(by_rule.stick_edges[:, 0])
+    stick_error = reference.stick_edges - reference_by_rule.stick_edges
+    is_judged = np.isnan(reference.stick_edges[:, 0]) == np.isnan(
+        reference_by_rule.stick_edges[:, 0]
+    )
     is_judged &= np.max(np.abs(np.nan_to_num(stick_error)), axis=1) <= _UNTOLD * length
     if 2 * is_judged.sum() <= len(is_judged):
         is_judged = np.ones_like(is_judged)
-    contact_error = reference.contact_edges - by_rule.contact_edges
-    contact = float(np.nanmax(np.abs(contact_error), initial=0.0)) / length
-    stick = float(np.nanmax(np.abs(stick_error[is_judged]), initial=0.0)) / length
+    contact_error = reference.contact_edges - reference_by_rule.contact_edges
+    largest_contact_error = float(np.nanmax(np.abs(contact_error), initial=0.0)) / length
+    largest_stick_error = float(np.nanmax(np.abs(stick_error[is_judged]), initial=0.0)) / length
     sentence = (
         "States and edges follow from one rule in the result and in the reference; against the"
-        f" reference's own it errs by up to {contact:.1e} a_ref at the contact edge and {stick:.1e}"
+        f" reference's own it errs by up to {largest_contact_error:.1e} a_ref at the contact edge"
+        f" and {largest_stick_error:.1e}"
         " a_ref at the stick edge"
     )
     if not is_judged.all():
@@ -292,22 +308,22 @@ def by_same_rule(
             " edges, which are not judged"
         )
     sentences = [f"{sentence}."]
-    if work:
+    if has_work:
         excess = 0.0
         if reference.dissipation:
-            excess = 100 * (by_rule.dissipation / reference.dissipation - 1)
+            excess = 100 * (reference_by_rule.dissipation / reference.dissipation - 1)
         sentences.append(
             "Dissipation is compared by one rule, the sum of q ds over "
-            f"{len(by_rule.last_cycle)} instants and {len(by_rule.x)} points; "
+            f"{len(reference_by_rule.last_cycle)} instants and {len(reference_by_rule.x)} points; "
             f"of the reference that rule gives {excess:+.2g} % more than its own."
         )
-    judged_edges = np.where(is_judged[:, None], by_rule.stick_edges, np.nan)
-    return replace(by_rule, stick_edges=freeze(judged_edges)), tuple(sentences)
+    judged_edges = np.where(is_judged[:, None], reference_by_rule.stick_edges, np.nan)
+    return replace(reference_by_rule, stick_edges=freeze(judged_edges)), tuple(sentences)
 
 
 def _imposed(scene: Scene, time: Array) -> dict[str, Any]:
-    """Bulk stresses and tilt of the scene at the instants; of a tilt that follows from a moment the
-    tractions say nothing.
+    """Bulk stresses and tilt of a scene at the times of a result, by name, (k,) each. A tilt that
+    follows from a moment is left out: the tractions say nothing of it.
     """
     if not scene.unsymmetric:
         return {}
@@ -320,17 +336,17 @@ def _imposed(scene: Scene, time: Array) -> dict[str, Any]:
         if name == "turning" and path.moment_given:
             continue
         companion = path.companion(name)
-        for place, key in enumerate(keys):
+        for column, key in enumerate(keys):
             series = np.zeros(len(time))
             if companion is not None:
-                series = companion.at(np.maximum(time, path.start))[place]
+                series = companion.at(np.maximum(time, path.start))[column]
             imposed[key] = freeze(series)
     return imposed
 
 
 def _instants_of_cycle(scene: Scene, time: Array) -> int:
-    """How many instants the last whole cycle has (of a path that is not periodic: all, if they go
-    from its start to its end).
+    """How many of a result's instants make up the last whole cycle, 0 where they hold none. Of a
+    path that is not periodic: all, if they go from its start to its end.
     """
     path = scene.load.path()
     if path.period is None:
@@ -342,28 +358,38 @@ def _instants_of_cycle(scene: Scene, time: Array) -> int:
     return len(steps) if is_complete else 0
 
 
-def _skipped(surface: SurfaceResult, time: Array, steps: int) -> dict[str, tuple[int, str]]:
-    """What the result lacks, with the reason; `steps` instants of it are a whole cycle."""
-    lacking = dict.fromkeys(("tangential_displacement", "normal_approach", "loop_work"), _LACKING)
+def _skipped(
+    surface: SurfaceResult, time: Array, instants_of_cycle: int
+) -> dict[str, tuple[int, str]]:
+    """What an external result lacks: name -> (number of instants, reason). `instants_of_cycle` of
+    its instants are a whole cycle.
+    """
+    reason_by_name = dict.fromkeys(
+        ("tangential_displacement", "normal_approach", "loop_work"), _LACKING
+    )
     if surface.slip is None:
-        lacking["slip"] = _LACKING
+        reason_by_name["slip"] = _LACKING
     if not surface.sheared:
-        lacking |= {"shear": _LACKING} | dict.fromkeys(
+        reason_by_name |= {"shear": _LACKING} | dict.fromkeys(
             ("state", "stick_edges"), f"{_LACKING}; it takes the shear"
         )
-    if not steps:
-        lacking[WHOLE_CYCLE] = f"{_LACKING}, which goes from time {time[0]:.6g} to {time[-1]:.6g}"
-    takes = {
+    if not instants_of_cycle:
+        reason_by_name[WHOLE_CYCLE] = (
+            f"{_LACKING}, which goes from time {time[0]:.6g} to {time[-1]:.6g}"
+        )
+    too_coarse = (
+        f", for a cycle of {instants_of_cycle} instants is too coarse to work it out (less than"
+        f" {_FEWEST})"
+    )
+    condition_by_reason = {
         "; it takes the shear": not surface.sheared,
         "; it takes slip": surface.slip is None,
-        "; it takes a whole cycle, or a whole path from the unloaded start": not steps,
-        f", for a cycle of {steps} instants is too coarse to work it out (less than {_FEWEST})": (
-            steps < _FEWEST
-        ),
+        "; it takes a whole cycle, or a whole path from the unloaded start": not instants_of_cycle,
+        too_coarse: instants_of_cycle < _FEWEST,
     }
-    if why := next((words for words, lacks in takes.items() if lacks), ""):
-        lacking |= dict.fromkeys(("dissipation", "dissipation_density"), _LACKING + why)
-    return {name: (len(time), why) for name, why in lacking.items()}
+    if reason := next((words for words, lacks in condition_by_reason.items() if lacks), ""):
+        reason_by_name |= dict.fromkeys(("dissipation", "dissipation_density"), _LACKING + reason)
+    return {name: (len(time), reason) for name, reason in reason_by_name.items()}
 
 
 def friction_work(shear: Array, slip: Array) -> Array:
@@ -393,8 +419,8 @@ _IN_CONTACT = f"in contact is a point with more than {TOUCHES:g} of the instant'
 def zones(
     x: Array, pressure: Array, shear: Array, slip: Array | None, friction: float, time: Array
 ) -> Zones:
-    """States and edges of tractions on points, (n_steps, n_points), and of their slip where there
-    is one.
+    """States, contact edges and stick edges at every instant, from tractions on points, (n_steps,
+    n_points), and from slip where there is one.
 
     In full stick the stick edges are the contact edges, in full slip NaN, as everywhere in the
     project.
@@ -409,21 +435,21 @@ def zones(
     touching = pressure > TOUCHES * pressure.max(axis=1, keepdims=True)
     slips = touching & (np.abs(shear) >= (1 - _CONE) * friction * pressure)
     sense = np.sign(shear)
-    words = _IN_CONTACT
+    rule_in_words = _IN_CONTACT
     sources = "tractions"
     if friction:
-        words += f"; it slips where |q| is at least {1 - _CONE:g} f p"
+        rule_in_words += f"; it slips where |q| is at least {1 - _CONE:g} f p"
     if slip is not None and len(slip) > 1:
         movement = np.where(touching[1:], np.diff(slip, axis=0), 0.0)
-        largest = np.max(np.abs(movement), axis=1, keepdims=True)
+        largest_movement = np.max(np.abs(movement), axis=1, keepdims=True)
         with np.errstate(divide="ignore", invalid="ignore"):
-            rate = np.where(largest > 0, largest / np.diff(time)[:, None], 0.0)
-        moves = (np.abs(movement) > _MOVES * largest) & (rate >= _RESTS * np.max(rate))
+            rate = np.where(largest_movement > 0, largest_movement / np.diff(time)[:, None], 0.0)
+        moves = (np.abs(movement) > _MOVES * largest_movement) & (rate >= _RESTS * np.max(rate))
         if friction:
             moves_with_shear = moves & (np.sign(movement) == sense[1:])
             slips = np.vstack([slips[:1], slips[1:] & moves_with_shear])
             sources = "tractions and slip"
-            words += (
+            rule_in_words += (
                 f" and its slip has moved with the shear by more than {_MOVES:g} of the instant's"
                 f" largest step, unless no point moves faster than {_RESTS:g} of the largest rate"
             )
@@ -431,56 +457,59 @@ def zones(
             slips = np.vstack([slips[:1], moves])
             sense = np.vstack([sense[:1], np.sign(movement)])
     elif friction:
-        words += "; for want of slip, a point that just came to rest still counts as slipping"
+        rule_in_words += (
+            "; for want of slip, a point that just came to rest still counts as slipping"
+        )
     state = np.full(pressure.shape, OPEN, dtype=np.int8)
     state[touching] = STICK
     state[slips & (sense > 0)] = SLIP_FORWARD
     state[slips & ~(sense > 0)] = SLIP_REVERSE
     sticks = touching & ~slips
     below_limit = np.maximum(friction * pressure - np.abs(shear), 0.0)
-    contact = np.empty((len(pressure), 2))
-    stick = np.empty((len(pressure), 2))
+    contact_edges = np.empty((len(pressure), 2))
+    stick_edges = np.empty((len(pressure), 2))
     for k in range(len(pressure)):
-        contact[k] = _ends(x, pressure[k] ** 2, touching[k], smooth=True)
-        stick[k] = _ends(x, below_limit[k] ** 2, sticks[k])
+        contact_edges[k] = _ends(x, pressure[k] ** 2, touching[k], smooth=True)
+        stick_edges[k] = _ends(x, below_limit[k] ** 2, sticks[k])
         # where the outermost points of the contact stick, the stick zone ends with it
-        points = np.flatnonzero(touching[k])
-        if len(points) and sticks[k, points[0]]:
-            stick[k, 0] = contact[k, 0]
-        if len(points) and sticks[k, points[-1]]:
-            stick[k, 1] = contact[k, 1]
-    how = f"states and edges are worked out from its {sources}: {words}"
-    return Zones(state, contact, stick, how)
+        touching_points = np.flatnonzero(touching[k])
+        if len(touching_points) and sticks[k, touching_points[0]]:
+            stick_edges[k, 0] = contact_edges[k, 0]
+        if len(touching_points) and sticks[k, touching_points[-1]]:
+            stick_edges[k, 1] = contact_edges[k, 1]
+    method_in_words = f"states and edges are worked out from its {sources}: {rule_in_words}"
+    return Zones(state, contact_edges, stick_edges, method_in_words)
 
 
 def _ends(x: Array, square: Array, inside: Mask, *, smooth: bool = False) -> tuple[float, float]:
-    """Left and right end of `inside`, where `square` (n,) goes to 0, as a power series if `smooth`;
-    NaN where nothing is inside.
+    """Left and right end of the points `inside` (n,), where `square` (n,), the square of a
+    traction, goes to 0: along a straight line, or a parabola if `smooth`. NaN where nothing is
+    inside.
     """
     points = np.flatnonzero(inside)
     if not len(points):
         return np.nan, np.nan
 
-    def end(last: int, outward: int) -> float:
-        """Where the line through the points `last` and the one before is 0, between `last` and the
-        next point; or the parabola.
+    def end_at(last_point: int, outward: int) -> float:
+        """Where the line through the points `last_point` and the one before is 0, between
+        `last_point` and the next point; or the parabola.
         """
-        following = last + outward
-        before = last - outward
-        if not 0 <= following < len(x):
-            return float(x[last])
-        reach = abs(float(x[following] - x[last]))
-        if not 0 <= before < len(x) or square[before] <= square[last]:
-            return float(x[last]) + outward * reach / 2
-        spacing = abs(float(x[last] - x[before]))
-        steps_to_zero = float(square[last] / (square[before] - square[last]))
-        zero_of_line = float(x[last]) + outward * min(steps_to_zero * spacing, reach)
+        next_point = last_point + outward
+        point_before = last_point - outward
+        if not 0 <= next_point < len(x):
+            return float(x[last_point])
+        reach = abs(float(x[next_point] - x[last_point]))
+        if not 0 <= point_before < len(x) or square[point_before] <= square[last_point]:
+            return float(x[last_point]) + outward * reach / 2
+        spacing = abs(float(x[last_point] - x[point_before]))
+        steps_to_zero = float(square[last_point] / (square[point_before] - square[last_point]))
+        zero_of_line = float(x[last_point]) + outward * min(steps_to_zero * spacing, reach)
         largest_depth = _SERIES * abs(x[points[-1]] - x[points[0]])
         # fewer points where a corner of the profile is among them
         for divisor in (1, 2, 4) if smooth else ():
             count = min(SQUARES, len(points) // 2 - _RIM) // divisor
-            nodes = last - outward * (_RIM + np.arange(count))
-            if count < _FEWEST_SQUARES or abs(x[last] - x[nodes[-1]]) > largest_depth:
+            nodes = last_point - outward * (_RIM + np.arange(count))
+            if count < _FEWEST_SQUARES or abs(x[last_point] - x[nodes[-1]]) > largest_depth:
                 continue
             depth = outward * (x[nodes[0]] - x[nodes]) / spacing
             values = square[nodes]
@@ -495,7 +524,7 @@ def _ends(x: Array, square: Array, inside: Mask, *, smooth: bool = False) -> tup
                 return zero
         return zero_of_line
 
-    return end(int(points[0]), -1), end(int(points[-1]), 1)
+    return end_at(int(points[0]), -1), end_at(int(points[-1]), 1)
 
 
 # -------------------------------------------------------------------- units and signs that can't be
@@ -511,9 +540,8 @@ def whole_path(scene: Scene) -> ContactSolution:
 def _guessed(
     surface: SurfaceResult, mapping: Mapping, theory: ContactSolution
 ) -> tuple[SurfaceResult, tuple[str, ...]]:
-    """`surface` in the scene's units and our signs, and a sentence for each guess that took.
-
-    What the mapping states is never guessed at. `theory` is that of the scene's `whole_path`.
+    """An external result in the scene's units and our signs, and a sentence for each guess that
+    took. What the mapping states is never guessed at. `theory` is that of the scene's whole path.
 
     Raises
     ------
@@ -554,23 +582,24 @@ def _guessed(
         if sentence:
             sentences.append(sentence)
 
-    left, right = _extent(surface)
+    left_end, right_end = _extent(surface)
     half_width = float(np.nanmax(theory.contact_half_width))
     edges = (np.nanmin(theory.contact_edges[:, 0]), np.nanmax(theory.contact_edges[:, 1]))
     centre = float(edges[0] + edges[1]) / 2 if theory.tilt is not None else 0.0
     if (
         not mapping.x_offset
-        and abs((left + right) / 2 - centre) > _OFF_CENTRE * half_width
-        and right - left <= 4 * half_width
+        and abs((left_end + right_end) / 2 - centre) > _OFF_CENTRE * half_width
+        and right_end - left_end <= 4 * half_width
     ):
         pressure = surface.pressure[int(np.argmax(surface.pressure.max(axis=1)))]
         load = np.trapezoid(pressure, surface.x)
         centroid = float(np.trapezoid(pressure * surface.x, surface.x) / load)
         shift = centroid - centre
         surface = replace(surface, x=freeze(surface.x - shift))
-        by = ", by the centroid" if centre else ", the centroid"
+        method_in_words = ", by the centroid" if centre else ", the centroid"
         sentences.append(
-            f"x was counted from {shift:.6g}{by} of the largest pressure, where the file has it"
+            f"x was counted from {shift:.6g}{method_in_words} of the largest pressure, where the"
+            f" file has it"
             " from 0 (x_offset)"
         )
     return surface, tuple(sentences)
@@ -618,7 +647,9 @@ class _Yardstick:
 
 
 def _yardsticks(surface: SurfaceResult, theory: ContactSolution) -> tuple[_Yardstick, ...]:
-    """Half-width, pressure and normal load, at the largest load."""
+    """Half-width, pressure and normal load of a result beside those of theory, each at the largest
+    load: units of the result are guessed by them.
+    """
     left, right = _extent(surface)
     half_width = float(np.nanmax(theory.contact_half_width))
     load = float(np.max(theory.normal_load))
@@ -654,8 +685,8 @@ def _yardsticks(surface: SurfaceResult, theory: ContactSolution) -> tuple[_Yards
 def _scaled_by(
     yardstick: _Yardstick, surface: SurfaceResult, mapping: Mapping
 ) -> tuple[SurfaceResult, str]:
-    """The result times the factor that was guessed from a measured quantity and theory's, and the
-    sentence that says so; empty where nothing is multiplied.
+    """The result with the fields of a yardstick multiplied by the factor of its unit that was
+    guessed, and a sentence that says so. Empty where nothing is multiplied.
     """
     fields = {name: getattr(surface, name) for name in yardstick.fields}
     present_fields = {name: values for name, values in fields.items() if values is not None}

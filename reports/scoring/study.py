@@ -75,13 +75,16 @@ class StudyRow:
     metric: Metric  # that of the finest mesh
     # on each mesh, the finest first, all at the instant at which the finest is worst
     values: tuple[float, ...]
-    found: Extrapolation  # order, kind, value at size zero with its uncertainty
+    extrapolation: Extrapolation  # order, kind, value at size zero with its uncertainty
 
     @property
     def mesh(self) -> float | None:
         """E - E_0: what the finest mesh itself adds; None where no value was extrapolated."""
-        told = self.found.value is not None and self.found.kind not in ("oscillating", "diverging")
-        return self.values[0] - float(self.found.value or 0.0) if told else None
+        told = self.extrapolation.value is not None and self.extrapolation.kind not in (
+            "oscillating",
+            "diverging",
+        )
+        return self.values[0] - float(self.extrapolation.value or 0.0) if told else None
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,7 +112,7 @@ class Study:
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """What the table is, and what a reader must not miss."""
+        """What the table of a mesh study shows, and what a reader must not miss."""
         sizes = ", ".join(f"{level.name}: {level.size:.4g} ({level.how})" for level in self.levels)
         return (
             f"Element sizes at the contact, in the scene's length: {sizes}.",
@@ -122,7 +125,9 @@ class Study:
         )
 
     def content(self) -> dict[str, Any]:
-        """For comparison.json."""
+        """A mesh study for JSON: the meshes with their element sizes, and of each metric the
+        values, order, limit at size zero and uncertainty.
+        """
         return {
             "levels": [
                 {"name": one.name, "element_size": one.size, "from": one.how} for one in self.levels
@@ -130,12 +135,12 @@ class Study:
             "metrics": {
                 line.metric.key: {
                     "values": line.values,
-                    "order": line.found.order,
-                    "kind": line.found.kind,
-                    "at_zero": line.found.value,
-                    "uncertainty": line.found.uncertainty,
+                    "order": line.extrapolation.order,
+                    "kind": line.extrapolation.kind,
+                    "at_zero": line.extrapolation.value,
+                    "uncertainty": line.extrapolation.uncertainty,
                     "mesh": line.mesh,
-                    "rule": line.found.rule,
+                    "rule": line.extrapolation.rule,
                 }
                 for line in self.lines
             },
@@ -144,48 +149,51 @@ class Study:
 
 
 def study(levels: Sequence[Level], notes: Sequence[str] = ()) -> Study:
-    """Orders and extrapolated values over `levels`, in any order.
+    """Orders and limits at size zero of every metric over meshes of different element size, given
+    in any order.
 
     Raises
     ------
     InputError
         For a single mesh, or two of one size.
     """
-    ordered = tuple(sorted(levels, key=lambda level: level.size))
-    if len(ordered) < 2:
+    levels_by_size = tuple(sorted(levels, key=lambda level: level.size))
+    if len(levels_by_size) < 2:
         raise InputError(
             "a mesh study takes two meshes at least; name the file itself to score one"
         )
-    for fine, coarse in itertools.pairwise(ordered):
+    for fine, coarse in itertools.pairwise(levels_by_size):
         if coarse.size < _DISTINCT * fine.size:
             raise InputError(
                 f"{fine.name} and {coarse.name} have the same element size, {fine.size:.4g} and"
                 f" {coarse.size:.4g} ({fine.how}): state sizes under [element_sizes] of a mapping,"
                 " or leave one out"
             )
-    lines = (_line(metric, ordered) for metric in ordered[0].comparison.metrics)
-    said = list(notes)
-    if len(ordered) == 2:
-        said.append(
+    lines = (_line(metric, levels_by_size) for metric in levels_by_size[0].comparison.metrics)
+    all_notes = list(notes)
+    if len(levels_by_size) == 2:
+        all_notes.append(
             "Two meshes show no order: second order is assumed, with three times the uncertainty."
         )
-    return Study(ordered, tuple(line for line in lines if line is not None), tuple(said))
+    return Study(
+        levels_by_size, tuple(line for line in lines if line is not None), tuple(all_notes)
+    )
 
 
 def _line(metric: Metric, levels: Sequence[Level]) -> StudyRow | None:
-    """At the instant at which the finest mesh is worst, where the instants are the same; else each
-    mesh at its own worst.
+    """One metric over the meshes, at the instant at which the finest mesh is worst; where the
+    instants are not the same, each mesh at its own worst. None where a mesh has no value.
     """
     values = []
-    finest = levels[0].comparison.found.time
+    times_of_finest = levels[0].comparison.found.time
     for level in levels:
         metric_of_level = level.comparison.metric(metric.key)
         time = level.comparison.found.time
-        has_same_times = len(time) == len(finest) and np.allclose(time, finest)
+        has_same_times = len(time) == len(times_of_finest) and np.allclose(time, times_of_finest)
         value = metric_of_level.value
         series = metric_of_level.series
         if series is not None and metric.time is not None and has_same_times:
-            value = series[int(np.argmin(np.abs(finest - metric.time)))]
+            value = series[int(np.argmin(np.abs(times_of_finest - metric.time)))]
         if value is None or not math.isfinite(value):
             return None
         values.append(float(value))
@@ -196,74 +204,77 @@ def _line(metric: Metric, levels: Sequence[Level]) -> StudyRow | None:
 
 
 def _words(line: StudyRow) -> tuple[str, ...]:
-    found = line.found
-    signed = line.metric.signed
+    """The cells of one row of a mesh study: metric, value of each mesh, order, limit, its
+    uncertainty, error of the finest mesh.
+    """
+    extrapolation = line.extrapolation
+    has_sign = line.metric.signed
 
-    def cell(value: float | None, plus: bool = signed) -> str:
+    def cell_of(value: float | None, plus: bool = has_sign) -> str:
         return "–" if value is None else amount(value, line.metric, plus=plus, digits=3)
 
-    order = f"{found.order:.2f}" if found.order is not None else found.kind
-    zero = None if line.mesh is None else found.value
+    order = f"{extrapolation.order:.2f}" if extrapolation.order is not None else extrapolation.kind
+    limit = None if line.mesh is None else extrapolation.value
     return (
         line.metric.label,
-        *map(cell, line.values),
+        *map(cell_of, line.values),
         order,
-        cell(zero),
-        cell(found.uncertainty, False),
-        cell(line.mesh),
+        cell_of(limit),
+        cell_of(extrapolation.uncertainty, False),
+        cell_of(line.mesh),
     )
 
 
 def element_size(path: Path, mapping: Mapping, comparison: Comparison) -> tuple[float, str]:
-    """Element size at the contact [length] and where it is from: the mapping, the file's name, the
-    points.
+    """Element size at the contact [length] and where it is from: the mapping, the file's name, or
+    the spacing of the points.
     """
     if path.name in mapping.element_sizes:
         return mapping.element_sizes[path.name], "from the mapping"
-    if named := _SIZE.search(path.stem):
-        return float(named[1]), "from the file's name"
+    if size_in_name := _SIZE.search(path.stem):
+        return float(size_in_name[1]), "from the file's name"
     x = comparison.result.x
-    reach = float(np.nanmax(np.abs(comparison.found.contact_edges)))
-    inside = x[np.abs(x) <= reach]
-    if len(inside) < 2:
+    largest_edge = float(np.nanmax(np.abs(comparison.found.contact_edges)))
+    points_in_contact = x[np.abs(x) <= largest_edge]
+    if len(points_in_contact) < 2:
         raise InputError(
             f"{path}: fewer than two points touch: state its element size under [element_sizes] of"
             " a mapping"
         )
-    return float(np.median(np.diff(inside))), "median spacing of the points in contact"
+    return float(np.median(np.diff(points_in_contact))), "median spacing of the points in contact"
 
 
 def results_in(folder: Path) -> tuple[tuple[Path, ...], tuple[str, ...]]:
-    """The files that a reader takes, one for each stem (the first suffix in the order of the
-    readers); what was left out, in words.
-
-    What a collection names is read through it.
+    """Result files in a folder that a reader takes, one for each stem (the first suffix in the
+    order of the readers); and notes on what was left out. What a collection names is read through
+    it.
 
     Raises
     ------
     InputError
         Where there is none, or a collection can't be read.
     """
-    known = [*READERS, OWN]
+    known_suffixes = [*READERS, OWN]
     files = sorted(
         path for path in folder.iterdir() if path.is_file() and not path.name.startswith(".")
     )
-    parts = {part.resolve() for path in files for part in collected_files(path)}
-    alone = [path for path in files if path.resolve() not in parts]
+    collected_parts = {part.resolve() for path in files for part in collected_files(path)}
+    files_alone = [path for path in files if path.resolve() not in collected_parts]
 
-    results = [path for path in alone if path.suffix.lower() in known]
+    results = [path for path in files_alone if path.suffix.lower() in known_suffixes]
     # the last one counts
-    taken = {
-        path.stem: path for path in sorted(results, key=lambda p: -known.index(p.suffix.lower()))
+    file_by_stem = {
+        path.stem: path
+        for path in sorted(results, key=lambda p: -known_suffixes.index(p.suffix.lower()))
     }
-    left = [path.name for path in alone if path not in taken.values()]
-    if not taken:
+    names_left_out = [path.name for path in files_alone if path not in file_by_stem.values()]
+    if not file_by_stem:
         raise InputError(
-            f"{folder}: no result is in this folder; a result ends in {', '.join(known)}"
+            f"{folder}: no result is in this folder; a result ends in {', '.join(known_suffixes)}"
         )
-    notes = [f"Left out of the folder: {', '.join(left)}."] if left else []
-    if len(alone) < len(files):
+    notes = [f"Left out of the folder: {', '.join(names_left_out)}."] if names_left_out else []
+    if len(files_alone) < len(files):
         notes.append(
-            f"Read through the collections that name them: {len(files) - len(alone)} files."
+            f"Read through the collections that name them: {len(files) - len(files_alone)} files."
         )
-    return tuple(sorted(taken.values())), tuple(notes)
+    return tuple(sorted(file_by_stem.values())), tuple(notes)

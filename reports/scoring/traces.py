@@ -102,54 +102,65 @@ class Diagnosis:
 
 
 def outliers(comparison: Comparison) -> list[Diagnosis]:
-    """Single values that stand out of all others, the first with its place."""
-    found = comparison.found
-    words = [
-        f"{name} {getattr(found, name)[k, i]:.6g} at instant {k + 1} of the last cycle (time"
-        f" {found.time[k]:.6g}), x = {found.x[i]:.6g}"
+    """A finding on single values of the result that stand out of all others, with the first one's
+    place; empty where there is none.
+    """
+    result_cycle = comparison.found
+    values_in_words = [
+        f"{name} {getattr(result_cycle, name)[k, i]:.6g} at instant {k + 1} of the last cycle (time"
+        f" {result_cycle.time[k]:.6g}), x = {result_cycle.x[i]:.6g}"
         for name, mask in comparison.isolated.items()
         for k, i in np.argwhere(mask)
     ]
-    if not words:
+    if not values_in_words:
         return []
-    sentence = WORDS["others"]["outlier"].format(count=len(words), first=words[0])
-    return [Diagnosis("outlier", sentence, tuple(words[1:6]), 1.0)]
+    sentence = WORDS["others"]["outlier"].format(
+        count=len(values_in_words), first=values_in_words[0]
+    )
+    return [Diagnosis("outlier", sentence, tuple(values_in_words[1:6]), 1.0)]
 
 
 def full_slip(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
-    """A result that lies on the Coulomb limit at the points that stick in the reference."""
+    """A finding where the result lies on the Coulomb limit |q| = f p at the points that stick in
+    the reference: it slips everywhere.
+    """
     comparison = discrepancy.comparison
     friction = discrepancy.comparison.scene.friction.coefficient
     if not friction or not discrepancy.sheared:
         return
-    found = comparison.found
-    expected = comparison.expected
-    pressed = (found.pressure > 0.01 * comparison.scales.pressure) & comparison.judged[:, None]
+    result_cycle = comparison.found
+    reference_cycle = comparison.expected
+    is_pressed = (result_cycle.pressure > 0.01 * comparison.scales.pressure) & comparison.judged[
+        :, None
+    ]
     should_stick = (
-        pressed
-        & (expected.state == STICK)
-        & (np.abs(expected.shear) < _STICKS * friction * expected.pressure)
+        is_pressed
+        & (reference_cycle.state == STICK)
+        & (np.abs(reference_cycle.shear) < _STICKS * friction * reference_cycle.pressure)
     )
-    limit = friction * found.pressure
-    at_limit = np.abs(np.abs(found.shear) - limit) <= _ON_LIMIT * limit
+    coulomb_limit = friction * result_cycle.pressure
+    at_limit = np.abs(np.abs(result_cycle.shear) - coulomb_limit) <= _ON_LIMIT * coulomb_limit
     count = int(should_stick.sum())
-    if not count or at_limit[pressed].mean() < _ALL_SLIP:
+    if not count or at_limit[is_pressed].mean() < _ALL_SLIP:
         return
-    share = float((should_stick & at_limit).sum()) / count
-    if share < _ALL_SLIP:
+    share_at_limit = float((should_stick & at_limit).sum()) / count
+    if share_at_limit < _ALL_SLIP:
         return
-    width = float(np.nanmax(np.diff(expected.stick_edges, axis=1))) / 2
-    sentence = WORDS["others"]["full_slip"].format(width=width / comparison.scales.half_width)
+    stick_half_width = float(np.nanmax(np.diff(reference_cycle.stick_edges, axis=1))) / 2
+    sentence = WORDS["others"]["full_slip"].format(
+        width=stick_half_width / comparison.scales.half_width
+    )
     evidence = (
-        f"|q| is f p at {share:.0%} of the {count} points and instants at which the reference"
+        f"|q| is f p at {share_at_limit:.0%} of the {count} points and instants at which the"
+        f" reference"
         " sticks"
     )
     yield Diagnosis("full_slip", sentence, (evidence,), 1.0)
 
 
 def elastic_slip(discrepancy: Discrepancy, *, shear_sign: float = 1.0) -> Iterator[Diagnosis]:
-    """Creep of points that stick, in proportion to the shear: a penalty of stiffness k moves them
-    by dq/k.
+    """A finding where points that stick creep in proportion to the shear: a penalty of stiffness k
+    moves them by dq/k.
 
     Points that stick from one instant to the next are those with |q| < 0.9 f p at both, in the
     result and in the reference, whose slip rests in the reference. `shear_sign` is -1 where the
@@ -157,122 +168,144 @@ def elastic_slip(discrepancy: Discrepancy, *, shear_sign: float = 1.0) -> Iterat
     """
     comparison = discrepancy.comparison
     friction = discrepancy.comparison.scene.friction.coefficient
-    found = comparison.found
-    expected = comparison.expected
-    if not friction or not discrepancy.sheared or len(found.time) < 2:
+    result_cycle = comparison.found
+    reference_cycle = comparison.expected
+    if not friction or not discrepancy.sheared or len(result_cycle.time) < 2:
         return
-    if not (np.isfinite(found.slip).all() and np.isfinite(expected.slip).all()):
+    if not (np.isfinite(result_cycle.slip).all() and np.isfinite(reference_cycle.slip).all()):
         return
-    pressed = comparison.judged[:, None] & ~comparison.isolated["shear"]
-    for side in (found, expected):
-        pressed &= side.pressure > 0.01 * comparison.scales.pressure
-        pressed &= np.abs(side.shear) < _STICKS * friction * side.pressure
-    moved = np.diff(found.slip, axis=0)
-    moved_in_reference = np.diff(expected.slip, axis=0)
-    sheared = shear_sign * np.diff(found.shear, axis=0)
-    touching = (found.pressure[1:] > 0) & (found.pressure[:-1] > 0)
-    largest = float(np.max(np.abs(moved), where=touching, initial=0.0))
-    sticks = pressed[1:] & pressed[:-1] & (np.abs(moved_in_reference) <= _AT_REST * largest)
-    creep = moved[sticks]
-    change = sheared[sticks]
-    if len(creep) < _FEWEST_CREEPING or not change.any() or not creep.any():
+    is_well_inside = comparison.judged[:, None] & ~comparison.isolated["shear"]
+    for cycle in (result_cycle, reference_cycle):
+        is_well_inside &= cycle.pressure > 0.01 * comparison.scales.pressure
+        is_well_inside &= np.abs(cycle.shear) < _STICKS * friction * cycle.pressure
+    slip_change = np.diff(result_cycle.slip, axis=0)
+    slip_change_of_reference = np.diff(reference_cycle.slip, axis=0)
+    shear_change = shear_sign * np.diff(result_cycle.shear, axis=0)
+    touching = (result_cycle.pressure[1:] > 0) & (result_cycle.pressure[:-1] > 0)
+    largest_change = float(np.max(np.abs(slip_change), where=touching, initial=0.0))
+    sticks = (
+        is_well_inside[1:]
+        & is_well_inside[:-1]
+        & (np.abs(slip_change_of_reference) <= _AT_REST * largest_change)
+    )
+    creep = slip_change[sticks]
+    shear_change_there = shear_change[sticks]
+    if len(creep) < _FEWEST_CREEPING or not shear_change_there.any() or not creep.any():
         return
-    compliance = float(creep @ change / (change @ change))
-    left = moved - compliance * sheared
-    beside = sticks[:, 1:] & sticks[:, :-1]
-    noise = float(np.mean(np.diff(left, axis=1)[beside] ** 2)) / 2 if beside.any() else 0.0
-    square = float(np.mean(creep**2))
-    square_left = float(np.mean(left[sticks] ** 2))
+    compliance = float(creep @ shear_change_there / (shear_change_there @ shear_change_there))
+    slip_left = slip_change - compliance * shear_change
+    both_stick = sticks[:, 1:] & sticks[:, :-1]
+    noise = (
+        float(np.mean(np.diff(slip_left, axis=1)[both_stick] ** 2)) / 2 if both_stick.any() else 0.0
+    )
+    mean_square = float(np.mean(creep**2))
+    square_left = float(np.mean(slip_left[sticks] ** 2))
     noise = min(noise, square_left)
-    if square <= noise:
+    if mean_square <= noise:
         return
-    proportional = 1 - (square_left - noise) / (square - noise)
-    gain = (square - square_left) / max(square_left, 1e-300) * len(creep)
-    size = float(np.sqrt(square - noise)) / largest
-    if compliance <= 0 or proportional < _PROPORTIONAL or size < _NO_CREEP or gain < _GAIN:
+    share_proportional = 1 - (square_left - noise) / (mean_square - noise)
+    gain_of_fit = (mean_square - square_left) / max(square_left, 1e-300) * len(creep)
+    relative_creep = float(np.sqrt(mean_square - noise)) / largest_change
+    if (
+        compliance <= 0
+        or share_proportional < _PROPORTIONAL
+        or relative_creep < _NO_CREEP
+        or gain_of_fit < _GAIN
+    ):
         return
     scales = comparison.scales
     stiffness = scales.compliance * scales.half_width / (2 * compliance)  # over E*/a, E* = 2/A
     evidence = (
         (
-            f"{len(creep)} steps of points that stick: the slip moves by {size:.2g} of the largest"
-            f" step, {proportional:.0%} of it in proportion to the shear"
+            f"{len(creep)} steps of points that stick: the slip moves by {relative_creep:.2g} of"
+            f" the largest"
+            f" step, {share_proportional:.0%} of it in proportion to the shear"
         ),
         f"a tangential stiffness of {stiffness:.2g} E*/a_ref",
     )
-    yield Diagnosis("elastic_slip", FAULTS["elastic_slip"], evidence, proportional)
+    yield Diagnosis("elastic_slip", FAULTS["elastic_slip"], evidence, share_proportional)
 
 
 def alternating_nodes(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
-    """Pressures that alternate from node to node: nodal forces or extrapolated stresses of corner
-    and mid-side nodes of quadratic elements.
+    """A finding where pressures alternate from node to node: nodal forces or extrapolated stresses
+    of corner and mid-side nodes of quadratic elements.
 
     The mean (1, 2, 1)/4 over neighbours takes out what alternates. The ratio of von Neumann is 2
     where all does, and 1 for white noise, about which it scatters by 1/sqrt(n).
     """
-    residual = discrepancy.residual(discrepancy.expected, PRESSURE)
-    inside = residual.inside
-    three = inside[:, :-2] & inside[:, 1:-1] & inside[:, 2:]
+    residual = discrepancy.residual(discrepancy.reference_tractions, PRESSURE)
+    is_inside = residual.inside
+    all_three_inside = is_inside[:, :-2] & is_inside[:, 1:-1] & is_inside[:, 2:]
     # Of one instant: a mesh errs alike at all.
-    count = int(three.sum(axis=1).max())
+    count = int(all_three_inside.sum(axis=1).max())
     if not count or discrepancy.is_within(PRESSURE):
         return
     values = residual.values
-    smooth = (values[:, :-2] + 2 * values[:, 1:-1] + values[:, 2:])[three] / 4
-    steps = np.diff(values, axis=1)[inside[:, 1:] & inside[:, :-1]]
-    size = float(np.mean(values[:, 1:-1][three] ** 2))
-    ratio = float(np.mean(steps**2)) / 2 / size
-    left = float(np.sqrt(np.mean(smooth**2) / size))
-    if left > _LEFT_OF_ALTERNATION or (ratio - 1) * np.sqrt(count) < _ALTERNATES:
+    smooth_values = (values[:, :-2] + 2 * values[:, 1:-1] + values[:, 2:])[all_three_inside] / 4
+    neighbour_changes = np.diff(values, axis=1)[is_inside[:, 1:] & is_inside[:, :-1]]
+    mean_square = float(np.mean(values[:, 1:-1][all_three_inside] ** 2))
+    ratio = float(np.mean(neighbour_changes**2)) / 2 / mean_square
+    share_left = float(np.sqrt(np.mean(smooth_values**2) / mean_square))
+    if share_left > _LEFT_OF_ALTERNATION or (ratio - 1) * np.sqrt(count) < _ALTERNATES:
         return
     evidence = (
         f"{count} points of an instant have both neighbours in contact; their means over three"
-        f" points leave {left:.0%} of the difference",
+        f" points leave {share_left:.0%} of the difference",
     )
-    yield Diagnosis("alternating", WORDS["others"]["alternating"], evidence, 1 - left)
+    yield Diagnosis("alternating", WORDS["others"]["alternating"], evidence, 1 - share_left)
 
 
 def scatter(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
-    """Tractions that scatter from point to point, where that is the discrepancy; how many exceed
-    the Coulomb limit.
+    """A finding where the difference is that tractions scatter from point to point; it states how
+    many points exceed the Coulomb limit by that.
     """
     scales = discrepancy.comparison.scales
     channels = [PRESSURE]
     if discrepancy.sheared and scales.friction > 0:
         channels.append(SHEAR)
-    residuals = [discrepancy.residual(discrepancy.expected, channel) for channel in channels]
-    differing = [residual for residual in residuals if residual.square > 0]
-    if not differing or not all(residual.is_noise for residual in differing):
+    residuals = [
+        discrepancy.residual(discrepancy.reference_tractions, channel) for channel in channels
+    ]
+    residuals_with_difference = [residual for residual in residuals if residual.square > 0]
+    if not residuals_with_difference or not all(
+        residual.is_noise for residual in residuals_with_difference
+    ):
         return
-    sigma = [min(residual.noise, residual.square) ** 0.5 for residual in residuals]
-    if len(sigma) > 1 and scales.friction * sigma[SHEAR] > NOISIER * max(sigma[PRESSURE], _EXACT):
+    noise_by_channel = [min(residual.noise, residual.square) ** 0.5 for residual in residuals]
+    if len(noise_by_channel) > 1 and scales.friction * noise_by_channel[SHEAR] > NOISIER * max(
+        noise_by_channel[PRESSURE], _EXACT
+    ):
         return  # one code, one file: a shear alone does not scatter
-    share = sum(value**2 for value in sigma) / sum(residual.square for residual in residuals)
-    evidence = [f"noise from point to point makes {share:.0%} of the square of the discrepancy"]
-    words = f"{sigma[0]:.2g} in p/p_ref"
-    if len(sigma) > 1:
-        words += f" and {sigma[1]:.2g} in q/(f p_ref)"
-        found = discrepancy.comparison.found  # at all instants
+    share_of_noise = sum(value**2 for value in noise_by_channel) / sum(
+        residual.square for residual in residuals
+    )
+    evidence = [
+        f"noise from point to point makes {share_of_noise:.0%} of the square of the discrepancy"
+    ]
+    noise_in_words = f"{noise_by_channel[0]:.2g} in p/p_ref"
+    if len(noise_by_channel) > 1:
+        noise_in_words += f" and {noise_by_channel[1]:.2g} in q/(f p_ref)"
+        result_cycle = discrepancy.comparison.found  # at all instants
         touching = discrepancy.comparison.expected.pressure > 1e-3 * scales.pressure
-        beyond = np.abs(found.shear) / scales.shear - found.pressure / scales.pressure
-        count = int(np.sum(beyond[touching] > 0))
-        most = float(np.max(beyond[touching]))
-        limit = _BY_NOISE * sum(value**2 for value in sigma) ** 0.5
-        how_much = "more than noise alone makes"
-        if most <= limit:
-            how_much = "no more than noise makes: no fault of the contact law"
+        excess = np.abs(result_cycle.shear) / scales.shear - result_cycle.pressure / scales.pressure
+        count = int(np.sum(excess[touching] > 0))
+        largest_excess = float(np.max(excess[touching]))
+        excess_by_noise = _BY_NOISE * sum(value**2 for value in noise_by_channel) ** 0.5
+        size_in_words = "more than noise alone makes"
+        if largest_excess <= excess_by_noise:
+            size_in_words = "no more than noise makes: no fault of the contact law"
         evidence.insert(
             0,
             f"{count} of {int(touching.sum())} points in contact exceed the Coulomb limit, by"
-            f" {most:.2g} of f p_ref at most: {how_much}",
+            f" {largest_excess:.2g} of f p_ref at most: {size_in_words}",
         )
-    sentence = WORDS["others"][NOISE].format(size=words)
-    yield Diagnosis(NOISE, sentence, tuple(evidence), share)
+    sentence = WORDS["others"][NOISE].format(size=noise_in_words)
+    yield Diagnosis(NOISE, sentence, tuple(evidence), share_of_noise)
 
 
 def long_steps_by_work(comparison: Comparison) -> Iterator[Diagnosis]:
-    """Steps too long where the tractions show nothing: the dissipation is off, and that of the
-    polygon of the instants is not.
+    """A finding of load steps too long where the tractions show nothing: the dissipation is off,
+    and on straight lines between the instants it is not.
 
     Exact steps cut corners of the path alone, and tractions at their ends are right as soon as the
     corner is left behind.
@@ -299,40 +332,52 @@ def long_steps_by_work(comparison: Comparison) -> Iterator[Diagnosis]:
 
 
 def coarse_edge(discrepancy: Discrepancy) -> tuple[Tractions, NDArray[np.bool_]] | None:
-    """What a mesh too coarse at the edges would give: the part of the discrepancy within two
-    spacings of an edge, as far as the spacing can account for its size; and which points these
-    are, (k, n). None where the points tell no edge from the rest.
+    """What a mesh too coarse at the edges would give: tractions with the difference within two
+    spacings of an edge, as far as the spacing can account for its size; and which points these are,
+    (k, n).
 
-    An elastic traction leaves the edge of contact as (1 - x/a)^(1/2), and q the stick edge
-    likewise. Interpolated on elements of length h its error is of the order of p_ref sqrt(2 h/a)
-    over the element with the edge. What goes beyond that is not the mesh's. The edges are those of
-    the instant, and those of the smallest stick zone: what a mesh gets wrong there stays locked in.
+    None where the points tell no edge from the rest. An elastic traction leaves the edge of contact
+    as (1 - x/a)^(1/2), and q the stick edge likewise. Interpolated on elements of length h its
+    error is of the order of p_ref sqrt(2 h/a) over the element with the edge. What goes beyond that
+    is not the mesh's. The edges are those of the instant, and those of the smallest stick zone:
+    what a mesh gets wrong there stays locked in.
     """
     x = discrepancy.x
     scales = discrepancy.comparison.scales
-    cycle = discrepancy.comparison.expected
+    reference_cycle = discrepancy.comparison.expected
     steps = np.diff(x)
     spacing = np.maximum(np.append(steps, steps[-1]), np.insert(steps, 0, steps[0]))
-    places = [
+    edge_positions = [
         edge
-        for edges in (cycle.contact_edges, cycle.stick_edges)
+        for edges in (reference_cycle.contact_edges, reference_cycle.stick_edges)
         for edge in edges[discrepancy.rows].T[:, :, None]
     ]
-    if np.isfinite(cycle.stick_edges).any():
-        least = np.nanmin(np.abs(cycle.stick_edges))
-        inner = np.nanmax(cycle.stick_edges[:, 0]), np.nanmin(cycle.stick_edges[:, 1])
-        places += inner if discrepancy.unsymmetric else (-least, least)
+    if np.isfinite(reference_cycle.stick_edges).any():
+        least_stick_edge = np.nanmin(np.abs(reference_cycle.stick_edges))
+        innermost_edges = (
+            np.nanmax(reference_cycle.stick_edges[:, 0]),
+            np.nanmin(reference_cycle.stick_edges[:, 1]),
+        )
+        edge_positions += (
+            innermost_edges if discrepancy.unsymmetric else (-least_stick_edge, least_stick_edge)
+        )
     with np.errstate(invalid="ignore"):
-        near = np.any(
+        is_near_edge = np.any(
             [
-                np.broadcast_to(np.abs(x - edge) <= _REACH * spacing, discrepancy.expected[0].shape)
-                for edge in places
+                np.broadcast_to(
+                    np.abs(x - edge) <= _REACH * spacing, discrepancy.reference_tractions[0].shape
+                )
+                for edge in edge_positions
             ],
             axis=0,
         )
-    contact = discrepancy.in_contact(discrepancy.expected)
-    if not near.any() or np.mean(near[contact]) > _MOST_NEAR:
+    is_in_contact = discrepancy.in_contact(discrepancy.reference_tractions)
+    if not is_near_edge.any() or np.mean(is_near_edge[is_in_contact]) > _MOST_NEAR:
         return None
-    most = pair(*_MOST) * np.sqrt(2 * spacing / scales.half_width) * discrepancy.units
-    difference = np.clip(discrepancy.found - discrepancy.expected, -most, most)
-    return discrepancy.expected + np.where(near, difference, 0.0), near
+    largest_error = pair(*_MOST) * np.sqrt(2 * spacing / scales.half_width) * discrepancy.units
+    difference = np.clip(
+        discrepancy.result_tractions - discrepancy.reference_tractions,
+        -largest_error,
+        largest_error,
+    )
+    return discrepancy.reference_tractions + np.where(is_near_edge, difference, 0.0), is_near_edge

@@ -120,10 +120,11 @@ class Predictions:
     solved: dict[tuple[Variant, bool], Tractions] = field(default_factory=dict)
 
     def of(self, variant: Variant, *, sheared: bool = True) -> Tractions:
-        """(2, k, n): p and q that a result with these faults has; q is the expected one unless
-        `sheared`.
+        """Tractions (2, k, n), p and q, that a result with the faults of `variant` has at the
+        points and instants of the result.
 
-        The pressure alone needs no history of friction, and is solved in a tenth of the time.
+        Unless `sheared` q is the reference's: the pressure alone needs no history of friction, and
+        is solved in a tenth of the time.
 
         Raises
         ------
@@ -131,17 +132,21 @@ class Predictions:
             Where there is no such solution: gross sliding, separation; and where it takes a grid,
             whose seconds are too many for a search.
         """
-        question = replace(variant, pressure_factor=1.0, shear_factor=1.0, swapped=False, odd=False)
+        variant_solved = replace(
+            variant, pressure_factor=1.0, shear_factor=1.0, swapped=False, odd=False
+        )
         needs_shear = sheared or variant.swapped
-        if (question, needs_shear) not in self.solved:
-            self.solved[question, needs_shear] = self._solved(question, sheared=needs_shear)
-        tractions = self.solved[question, needs_shear]
+        if (variant_solved, needs_shear) not in self.solved:
+            self.solved[variant_solved, needs_shear] = self._solved(
+                variant_solved, sheared=needs_shear
+            )
+        tractions = self.solved[variant_solved, needs_shear]
         if variant.swapped:
             tractions = tractions[::-1]
         tractions = pair(variant.pressure_factor, variant.shear_factor) * tractions
         if variant.odd:
             tractions = tractions + self._odd_part(
-                self.discrepancy.found - tractions, variant.offset
+                self.discrepancy.result_tractions - tractions, variant.offset
             )
         return tractions
 
@@ -156,23 +161,30 @@ class Predictions:
         return (difference - mirrored) / 2
 
     def _solved(self, variant: Variant, *, sheared: bool) -> Tractions:
+        """Tractions (2, k, n) of theory with the faults of a variant, on the result's points moved
+        or stretched as the variant says; less what the reference differs from theory by.
+        """
         if variant == Variant():
-            return self.discrepancy.expected
+            return self.discrepancy.reference_tractions
         x = (self.discrepancy.x - variant.offset * self.discrepancy.half_width) / variant.stretch
         if variant.on_mesh:
-            fine, weights = _shape_functions(x)
-            tractions = self._theory(variant, fine, sheared=sheared) @ weights
+            fine_points, weights = _shape_functions(x)
+            tractions = self._theory(variant, fine_points, sheared=sheared) @ weights
         else:
             tractions = self._theory(variant, x, sheared=sheared)
         if not self.discrepancy.exact:
             theory = self._theory(Variant(), self.discrepancy.x, sheared=sheared)
-            tractions = tractions + (self.discrepancy.expected[: len(tractions)] - theory)
+            tractions = tractions + (
+                self.discrepancy.reference_tractions[: len(tractions)] - theory
+            )
         if not sheared:
-            tractions = np.array([tractions[PRESSURE], self.discrepancy.expected[SHEAR]])
+            tractions = np.array([tractions[PRESSURE], self.discrepancy.reference_tractions[SHEAR]])
         return tractions
 
     def _theory(self, variant: Variant, x: Array, *, sheared: bool) -> Tractions:
-        """p, and q if `sheared`, at x, before the file's own faults."""
+        """Pressure p of half-plane theory with the faults of a variant at points x, and shear q if
+        `sheared`; before factors, swaps and offsets of the file are applied.
+        """
         discrepancy = self.discrepancy
         scene = discrepancy.scene
         if variant.wrong_load:
@@ -190,10 +202,10 @@ class Predictions:
         match variant.history:
             case "first revolution":
                 assert path.period is not None
-                later = np.where(
+                fraction_in_cycle = np.where(
                     discrepancy.fraction > 1, discrepancy.fraction - 1, discrepancy.fraction
                 )
-                time = path.cycle_start + np.minimum(later, 1 - 1e-12) * path.period
+                time = path.cycle_start + np.minimum(fraction_in_cycle, 1 - 1e-12) * path.period
             case "no memory" if sheared:
                 return _without_memory(scene, x, time)
             case "straight steps" | "end of steps" if sheared:
@@ -204,12 +216,12 @@ class Predictions:
         if variant.small_body:
             effects = _of_blocks(discrepancy, scene, variant.small_body)
         if not sheared:
-            layer = (
+            layer_compliance = (
                 variant.soft_normal
                 * discrepancy.half_width
                 / composite_modulus(discrepancy.scene.material)
             )
-            return self._pressure(scene, x, time, effects, layer)[None]
+            return self._pressure(scene, x, time, effects, layer_compliance)[None]
         if variant.soft_normal:
             pressure = self._theory(variant, x, sheared=False)[PRESSURE]
             return np.array(
@@ -237,19 +249,21 @@ class Predictions:
 
 
 def _shape_functions(nodes: Array) -> tuple[Array, Array]:
-    """Places between nodes, (m,), and weights (m, n) of the values there in the nodal force of each
-    node over its length, for linear elements.
+    """Points between the nodes, (m,), and weights (m, n) that make nodal values of the traction
+    there: nodal force over length, by linear elements.
     """
     spacings = np.diff(nodes)
-    left = np.concatenate([spacings[:1], spacings])
-    right = np.concatenate([spacings, spacings[-1:]])
-    ends = np.concatenate([[nodes[0] - left[0]], nodes, [nodes[-1] + right[-1]]])
-    share = np.arange(_BETWEEN_NODES) / _BETWEEN_NODES
-    places = (ends[:-1, None] + np.diff(ends)[:, None] * share).ravel()
-    distance = places[:, None] - nodes
-    shape = np.maximum(1 - np.where(distance > 0, distance / right, -distance / left), 0.0)
+    spacing_before = np.concatenate([spacings[:1], spacings])
+    spacing_after = np.concatenate([spacings, spacings[-1:]])
+    ends = np.concatenate([[nodes[0] - spacing_before[0]], nodes, [nodes[-1] + spacing_after[-1]]])
+    share_of_spacing = np.arange(_BETWEEN_NODES) / _BETWEEN_NODES
+    points = (ends[:-1, None] + np.diff(ends)[:, None] * share_of_spacing).ravel()
+    distance = points[:, None] - nodes
+    shape_values = np.maximum(
+        1 - np.where(distance > 0, distance / spacing_after, -distance / spacing_before), 0.0
+    )
     lengths = np.repeat(np.diff(ends) / _BETWEEN_NODES, _BETWEEN_NODES)
-    return places, shape * lengths[:, None] / ((left + right) / 2)
+    return points, shape_values * lengths[:, None] / ((spacing_before + spacing_after) / 2)
 
 
 def _tractions(
@@ -261,9 +275,11 @@ def _tractions(
     straight: bool = False,
     fields: tuple[str, ...] = ("pressure", "shear"),
 ) -> Tractions:
-    """p and q of half-plane theory at x and at times in any order."""
-    times, places = np.unique(time, return_inverse=True)
-    answer = semi_analytic.solve(
+    """Pressure p and shear q of half-plane theory at points x and at times in any order, (2, k, n);
+    on `straight` lines between the times if wanted.
+    """
+    times, rows_of_times = np.unique(time, return_inverse=True)
+    solution = semi_analytic.solve(
         scene,
         x=x,
         time=times,
@@ -271,19 +287,19 @@ def _tractions(
         effects=effects,
         straight_steps=straight,
     )
-    return np.array([answer.pressure[places], answer.shear[places]])
+    return np.array([solution.pressure[rows_of_times], solution.shear[rows_of_times]])
 
 
 def _steps(scene: Scene, time: Array) -> tuple[Array, NDArray[np.intp]]:
-    """P and Q (n, 2) of steps along the path, its second revolution the last, and the (k,) rows of
-    the instants.
+    """Loads P and Q (n, 2) of fine steps along the path, up to its second cycle, and the rows (k,)
+    of the instants among them.
     """
     path = scene.load.path()
     if path.period is None:
-        wanted = time
+        times_of_instants = time
         times = np.linspace(path.start, time.max(), 2 * _STEPS_A_CYCLE)
     else:
-        wanted = path.cycle_start + path.period * (
+        times_of_instants = path.cycle_start + path.period * (
             1 + np.mod((time - path.cycle_start) / path.period, 1.0)
         )
         times = np.concatenate(
@@ -292,8 +308,8 @@ def _steps(scene: Scene, time: Array) -> tuple[Array, NDArray[np.intp]]:
                 path.cycle_start + path.period * np.linspace(0, 2, 2 * _STEPS_A_CYCLE + 1),
             ]
         )
-    times = np.unique(np.concatenate([times[times > path.start], wanted]))
-    return np.transpose(path.at(times)), np.searchsorted(times, wanted)
+    times = np.unique(np.concatenate([times[times > path.start], times_of_instants]))
+    return np.transpose(path.at(times)), np.searchsorted(times, times_of_instants)
 
 
 def _of_blocks(discrepancy: Discrepancy, scene: Scene, share: float) -> BodyEffects:
@@ -308,7 +324,8 @@ def _of_blocks(discrepancy: Discrepancy, scene: Scene, share: float) -> BodyEffe
 
 
 def _without_memory(scene: Scene, x: Array, time: Array) -> Tractions:
-    """Cattaneo's first loading at every instant: q = sign(Q) f [p(x, P) - p(x, P - |Q|/f)].
+    """Tractions as if each load were the first one, Cattaneo's loading: q = sign(Q) f [p(x, P) -
+    p(x, P - |Q|/f)].
 
     Raises
     ------
@@ -316,19 +333,21 @@ def _without_memory(scene: Scene, x: Array, time: Array) -> Tractions:
         Where the loads slide.
     """
     f = scene.friction.coefficient
-    normal, tangential = (np.asarray(load)[:, None] for load in scene.load.path().at(time))
-    stuck = normal - np.abs(tangential) / f
-    if not np.all(stuck > 0):
+    normal_load, tangential_load = (
+        np.asarray(load)[:, None] for load in scene.load.path().at(time)
+    )
+    stick_load = normal_load - np.abs(tangential_load) / f
+    if not np.all(stick_load > 0):
         raise InputError("the loads slide")
     contact = contact_of(scene.profile, scene.material)
-    pressure = contact.pressure(x, normal)
-    shear = np.sign(tangential) * f * (pressure - contact.pressure(x, stuck))
+    pressure = contact.pressure(x, normal_load)
+    shear = np.sign(tangential_load) * f * (pressure - contact.pressure(x, stick_load))
     return np.array([pressure, shear])
 
 
 def _long_steps(discrepancy: Discrepancy, scene: Scene, x: Array, *, of_ends: bool) -> Tractions:
-    """The result's increments in place of the path: straight lines, or (`of_ends`) as a solver
-    takes them whose law holds at their ends.
+    """Tractions if the result's own load increments replace the path: straight lines, or
+    (`of_ends`) as a solver takes them whose law holds at their ends.
 
     While P rises such an increment is that of P first and then that of Q at the new pressure; while
     P falls it is a straight line. Finite elements in steps that end on no event follow it to 0.983
@@ -336,31 +355,34 @@ def _long_steps(discrepancy: Discrepancy, scene: Scene, x: Array, *, of_ends: bo
     """
     path = scene.load.path()
     assert path.period is not None
-    own = discrepancy.comparison.found
-    whole = discrepancy.comparison.result.time
-    times = whole[whole <= own.time[-1]]
-    wanted = discrepancy.time
-    if whole[0] > path.cycle_start:  # the cycle alone: twice, after the initial loading
+    result_cycle = discrepancy.comparison.found
+    times_of_result = discrepancy.comparison.result.time
+    times = times_of_result[times_of_result <= result_cycle.time[-1]]
+    times_of_instants = discrepancy.time
+    if times_of_result[0] > path.cycle_start:  # the cycle alone: twice, after the initial loading
         fraction = fraction_of_cycle(discrepancy.comparison)
         cycles = [path.cycle_start + (turn + fraction) * path.period for turn in (0, 1)]
         times = np.concatenate([np.linspace(path.start, path.cycle_start, 9), *cycles])
-        wanted = path.cycle_start + (1 + discrepancy.fraction) * path.period
+        times_of_instants = path.cycle_start + (1 + discrepancy.fraction) * path.period
     times = np.unique(times[times > path.start])
-    places = np.abs(times[:, None] - wanted).argmin(axis=0)
+    rows_of_instants = np.abs(times[:, None] - times_of_instants).argmin(axis=0)
     if not of_ends:
-        return _tractions(scene, x, times, straight=True)[:, places]
-    points = [(0.0, 0.0)]
-    ends = []
-    least = _SAME_LOAD * float(np.max(path.at(times)[0]))
-    for normal, tangential in np.transpose(path.at(times)).tolist():
-        corner = (normal, points[-1][1])
-        end = (normal, tangential)
-        for point in (corner, end) if normal > points[-1][0] else (end,):
-            if max(abs(point[0] - points[-1][0]), abs(point[1] - points[-1][1])) > least:
-                points.append(point)
-        ends.append(float(len(points) - 1))  # a polygon takes one unit of time a leg
-    stepped = scene.vary(load=PolygonLoad(initial_loading=tuple(points[1:])))
-    return _tractions(stepped, x, np.array(ends)[places])
+        return _tractions(scene, x, times, straight=True)[:, rows_of_instants]
+    polygon = [(0.0, 0.0)]
+    polygon_times = []
+    least_change = _SAME_LOAD * float(np.max(path.at(times)[0]))
+    for normal_load, tangential_load in np.transpose(path.at(times)).tolist():
+        corner = (normal_load, polygon[-1][1])
+        end_of_step = (normal_load, tangential_load)
+        for load_pair in (corner, end_of_step) if normal_load > polygon[-1][0] else (end_of_step,):
+            if (
+                max(abs(load_pair[0] - polygon[-1][0]), abs(load_pair[1] - polygon[-1][1]))
+                > least_change
+            ):
+                polygon.append(load_pair)
+        polygon_times.append(float(len(polygon) - 1))  # a polygon takes one unit of time a leg
+    scene_of_polygon = scene.vary(load=PolygonLoad(initial_loading=tuple(polygon[1:])))
+    return _tractions(scene_of_polygon, x, np.array(polygon_times)[rows_of_instants])
 
 
 # ---------------------------------------------------------------------------- changes of a scene
@@ -379,16 +401,20 @@ def with_friction(scene: Scene, coefficient: float) -> Scene:
 
 
 def wrong_loads(scene: Scene) -> dict[str, dict[str, Any]]:
-    """Changes of the load: bulk stress, or tilt, of the other sign, and left out."""
+    """Changes of the scene's load that are likely faults, by name: bulk stress, or tilt, of the
+    other sign, or left out.
+    """
     changes = {}
     for name, keys in (
         ("bulk", ("bulk_stress_lower", "bulk_stress_upper")),
         ("tilt", ("tilt", "moment", "line_of_action")),
     ):
-        stated = {key: value for key in keys if (value := getattr(scene.load, key)) is not None}
-        if stated:
-            changes[f"{name}_sign"] = {key: _turned(value) for key, value in stated.items()}
-            changes[f"{name}_left_out"] = dict.fromkeys(stated)
+        stated_values = {
+            key: value for key in keys if (value := getattr(scene.load, key)) is not None
+        }
+        if stated_values:
+            changes[f"{name}_sign"] = {key: _turned(value) for key, value in stated_values.items()}
+            changes[f"{name}_left_out"] = dict.fromkeys(stated_values)
     return changes
 
 
