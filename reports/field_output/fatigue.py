@@ -67,8 +67,8 @@ class Criteria:
 
 
 def survey(solution: FiniteElementSolution, criteria: Criteria) -> pd.DataFrame:
-    """Measures through the last cycle at places beside the contact in both bodies, of theory and
-    finite elements; a row a place.
+    """A table of fatigue measures through the last cycle at places beside the contact in both
+    bodies, by theory and finite elements; a row a place.
 
     Columns: body; x in theory and in finite elements, the same over their own half-widths at the
     largest tension, so that the edges, where stress has an infinite slope, are among them in both
@@ -131,9 +131,9 @@ def survey(solution: FiniteElementSolution, criteria: Criteria) -> pd.DataFrame:
         for name, middle, half_width in zip(ENGINES, middles, half_widths, strict=True):
             columns[f"x, {name}"] = middle + half_width * places
         columns["y"] = y
-        for words in measures_by_engine[0]:
+        for measure in measures_by_engine[0]:
             for name, values in zip(ENGINES, measures_by_engine, strict=True):
-                columns[f"{words}, {name}"] = values[words]
+                columns[f"{measure}, {name}"] = values[measure]
         tables.append(pd.DataFrame(columns))
     return pd.concat(tables, ignore_index=True)
 
@@ -153,20 +153,20 @@ def _averaged_over_depth(stress: Array, weights: Array) -> Array:
 
 
 def largest(table: pd.DataFrame) -> list[dict[str, Any]]:
-    """The largest value of each measure of a survey in each body with its place, by both
-    engines.
+    """The largest value of each measure of a survey in each body with its place, by both engines: a
+    dict for each.
     """
     rows = []
-    for body, part in table.groupby("body", sort=False):
+    for body, rows_of_body in table.groupby("body", sort=False):
         first_columns = (name for name in table.columns if name.endswith(f", {ENGINES[0]}"))
-        for words in (name.removesuffix(f", {ENGINES[0]}") for name in first_columns):
-            if words == "x":
+        for measure in (name.removesuffix(f", {ENGINES[0]}") for name in first_columns):
+            if measure == "x":
                 continue
-            row: dict[str, Any] = {"body": body, "measure": words}
+            row: dict[str, Any] = {"body": body, "measure": measure}
             for name in ENGINES:
-                largest_row = part.loc[part[f"{words}, {name}"].idxmax()]
+                largest_row = rows_of_body.loc[rows_of_body[f"{measure}, {name}"].idxmax()]
                 row[name.replace(" ", "_")] = {
-                    "value": float(largest_row[f"{words}, {name}"]),
+                    "value": float(largest_row[f"{measure}, {name}"]),
                     "x": float(largest_row[f"x, {name}"]),
                     "y": float(largest_row["y"]) + 0.0,
                 }
@@ -229,15 +229,15 @@ def measures(
         strain = (normal_stress - poisson_ratio * (xx + yy - normal_stress + zz)) / young_modulus
         tau = np.ptp(-(xx - yy) / 2 * sine + xy * cosine, axis=0) / 2
         largest_normal = normal_stress.max(axis=0)
-        of_plane = {"Smith-Watson-Topper": largest_normal * np.ptp(strain, axis=0) / 2}
+        measures_on_plane = {"Smith-Watson-Topper": largest_normal * np.ptp(strain, axis=0) / 2}
         if criteria.fatemi_socie is not None:
             k, yield_stress = criteria.fatemi_socie
             fatemi_socie = tau / shear_modulus * (1 + k * largest_normal / yield_stress)
-            of_plane["Fatemi-Socie"] = np.maximum(fatemi_socie, 0.0)
+            measures_on_plane["Fatemi-Socie"] = np.maximum(fatemi_socie, 0.0)
         if criteria.findley is not None:
-            of_plane["Findley"] = tau + criteria.findley * largest_normal
-        for words, value in of_plane.items():
-            largest_values[words] = np.maximum(value, largest_values.get(words, value))
+            measures_on_plane["Findley"] = tau + criteria.findley * largest_normal
+        for name, value in measures_on_plane.items():
+            largest_values[name] = np.maximum(value, largest_values.get(name, value))
     mean = (xx + yy + zz) / 3
     # Coordinates in which distances are sqrt(J2): half the double product of the deviator.
     path = np.stack([(xx - yy) / 2, xy, (zz - mean) * np.sqrt(0.75)], axis=-1)

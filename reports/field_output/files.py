@@ -43,7 +43,9 @@ class Instant:
 
 
 def instant_of(word: str, option: str, start: float, end: float) -> float:
-    """A time from the command line; InputError for what is none, or lies outside the path."""
+    """A time that was given on the command line as `word`; InputError, naming the option, for what
+    is no number or lies outside the path from `start` to `end`.
+    """
     try:
         time = float(word)
     except ValueError:
@@ -59,10 +61,10 @@ def instant_of(word: str, option: str, start: float, end: float) -> float:
 
 
 def instants_of(
-    words: Sequence[str], solution: ContactSolution, option: str
+    texts: Sequence[str], solution: ContactSolution, option: str
 ) -> tuple[Instant, ...]:
-    """Instants meant on the command line, in order of time: numbers are times, "events" the loaded
-    ones of the page's figures.
+    """Instants asked for on the command line, in order of time: numbers are times, "events" are the
+    loaded ones among the numbered instants of the page.
 
     Raises
     ------
@@ -71,8 +73,8 @@ def instants_of(
         answer needs to repeat).
     """
     label_at: dict[float, str] = {}
-    for word in words:
-        if word == "events":
+    for text in texts:
+        if text == "events":
             cycle = last_cycle(solution)
             for event in events(
                 cycle, solution.scene.friction.coefficient, first_row(cycle, solution.scene)
@@ -80,8 +82,8 @@ def instants_of(
                 if cycle.normal_load[event.index] > 0:
                     label_at[float(cycle.time[event.index])] = event.label
         else:
-            time = instant_of(word, option, float(solution.time[0]), float(solution.time[-1]))
-            label_at.setdefault(time, f"asked for {word}")
+            time = instant_of(text, option, float(solution.time[0]), float(solution.time[-1]))
+            label_at.setdefault(time, f"asked for {text}")
     return tuple(Instant(time, label_at[time]) for time in sorted(label_at))
 
 
@@ -216,8 +218,8 @@ def write_fields(
 
 
 def contact_line(mesh: BodyMesh, boundaries: Sequence[str] = ("contact",)) -> Indices:
-    """Nodes of a body's contact face from left to right, mid-side nodes among them; indices into
-    the points of its fields.
+    """Nodes of a body's contact face from left to right, mid-side nodes among them: indices into
+    the points of its fields. Other `boundaries` may be named.
     """
     skfem_mesh = mesh.mesh
     facets = np.concatenate(
@@ -233,15 +235,15 @@ def contact_line(mesh: BodyMesh, boundaries: Sequence[str] = ("contact",)) -> In
 
 
 def peak(
-    snapshot: Snapshot, of: Callable[[BodyFields], Array] = lambda body: body.von_mises
+    snapshot: Snapshot, stress_of: Callable[[BodyFields], Array] = lambda body: body.von_mises
 ) -> dict[str, Any]:
     """The largest nodal value of a stress [stress], its body and undeformed place [length]; see
-    `NO_PEAK`.
+    `NO_PEAK` for what it is worth.
 
-    `of` a body gives a value at each of its nodes: von Mises' stress, or `tension`.
+    `stress_of` gives the stress at each node of a body: von Mises' stress, or `tension`.
     """
-    body = max(snapshot.bodies, key=lambda body: float(of(body).max()))
-    values = of(body)
+    body = max(snapshot.bodies, key=lambda body: float(stress_of(body).max()))
+    values = stress_of(body)
     node = int(np.argmax(values))
     x = float(body.points[node, 0])
     y = float(body.points[node, 1]) + 0.0
@@ -256,10 +258,8 @@ def tension(body: BodyFields) -> Array:
 
 
 def edge_tension(snapshot: Snapshot) -> dict[str, Any] | None:
-    """The largest s_xx of the faces at the edges of contact with its uncertainty [stress], its body
-    and place x [length].
-
-    None out of contact, and where it is not known of a body.
+    """The largest tension along the faces at the edges of contact with its uncertainty [stress],
+    its body and place x [length]. None out of contact, and where it is not known of a body.
     """
     if not all(np.isfinite(body.edge_tension).all() for body in snapshot.bodies):
         return None
@@ -275,8 +275,8 @@ def edge_tension(snapshot: Snapshot) -> dict[str, Any] | None:
 
 
 def stated(instant: Instant, snapshot: Snapshot) -> dict[str, Any]:
-    """What is stated of an instant that was written, here and on the command line: loads
-    [force/length], largest stresses.
+    """What is stated of an instant that was written, in fields.json and on the command line: loads
+    [force/length] and largest stresses.
     """
     return {
         "asked": instant.time,
@@ -290,16 +290,16 @@ def stated(instant: Instant, snapshot: Snapshot) -> dict[str, Any]:
     }
 
 
-def record(solution: FiniteElementSolution, **of_command: Any) -> dict[str, Any]:
-    """What was written and from what, for fields.json: what the command adds, and what is known of
-    the solution.
+def record(solution: FiniteElementSolution, **command_content: Any) -> dict[str, Any]:
+    """The content of fields.json: what was written and from what. `command_content` is what the
+    command adds to what is known of the solution.
     """
     scene = solution.scene
     return {
         "format": "halfplane fields 1",
         "units": scene.units,
         "largest nodal stresses": NO_PEAK,
-        **of_command,
+        **command_content,
         "point data": {
             "displacement": (
                 "of each body; the upper one's with its movement as a whole; on the contact line"

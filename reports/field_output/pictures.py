@@ -66,7 +66,7 @@ class Skin:
     edges: float = 0.0
 
     def grid(self) -> Any:
-        """The mesh as pyvista.UnstructuredGrid with its values; elements of order 2 are those of
+        """The mesh with its values as pyvista.UnstructuredGrid; elements of order 2 are those of
         VTK.
         """
         import pyvista
@@ -101,7 +101,8 @@ def round_down(value: float) -> float:
 
 
 def picture(skins: Sequence[Skin], window: Window, width: int) -> NDArray[np.uint8]:
-    """What `window` shows of the meshes, (height, width, 3) pixels; first drawn first.
+    """A picture of meshes in the `window` (left, right, bottom, top), rendered off-screen: pixels
+    (height, width, 3). Meshes that come first are drawn first.
 
     Raises
     ------
@@ -167,7 +168,7 @@ def rendered(
     marks_over: Sequence[Mark] = (),
     size: tuple[float, float] = (440.0, 460.0),
 ) -> Panel:
-    """A panel of that size with what pyvista draws of the meshes in the window, `pixels` wide, and
+    """A panel of that size with a rendered picture of meshes in the window, `pixels` wide, and
     marks over it.
 
     The window is widened where the panel is wider; one unit has one length along both axes.
@@ -200,7 +201,8 @@ def rendered(
 def mesh(
     bodies: Sequence[BodyMesh], half_width: float, edge: float, *, named: bool = False
 ) -> Plate:
-    """The meshes of both bodies, y out of the lower one: whole, at the contact, at its edge.
+    """A figure of the meshes of both bodies, y out of the lower one: all of them, at the contact,
+    and at its edge.
 
     Parameters
     ----------
@@ -214,9 +216,9 @@ def mesh(
     placed_bodies = list(zip(("lower", "upper"), (1.0, -1.0), bodies, strict=True))
     sides: dict[str, Array] = {}  # (n, 2, 2) ends of the elements' sides over a_ref
     quality: dict[str, float] = {}
-    for body_name, flip, body in placed_bodies:
+    for body_name, sign_of_y, body in placed_bodies:
         ends = np.asarray(body.mesh.p.T[body.mesh.facets.T])
-        sides[body_name] = ends * (1.0, flip) / half_width
+        sides[body_name] = ends * (1.0, sign_of_y) / half_width
         quality |= {f"{body_name} {key}": value for key, value in body.quality.items()}
     points = np.concatenate([lines.reshape(-1, 2) for lines in sides.values()])
     least_corner = points.min(axis=0)
@@ -234,15 +236,19 @@ def mesh(
     keys = [Key("mesh-lower", "lower body"), Key("mesh-upper", "upper body")]
     boundaries: list[Mark] = []
     for name in BOUNDARIES if named else ():
-        bounded = [(flip, body) for _, flip, body in placed_bodies if name in body.mesh.boundaries]
-        for flip, body in bounded:
-            lines = _boundary(body, name, flip) / half_width
+        bounded = [
+            (sign_of_y, body)
+            for _, sign_of_y, body in placed_bodies
+            if name in body.mesh.boundaries
+        ]
+        for sign_of_y, body in bounded:
+            lines = _boundary(body, name, sign_of_y) / half_width
             boundaries.append(Segments(lines, f"curve side-{name}"))
         if bounded:
             support = _support_in_words([body for _, body in bounded], name)
             keys.append(Key(f"side-{name}", f"{name.replace('_', ' ')}{support}"))
     panels = []
-    for k, (words, centre, half_size) in enumerate(views):
+    for k, (view_in_words, centre, half_size) in enumerate(views):
         left, bottom = (centre - half_size).tolist()
         right, top = (centre + half_size).tolist()
         link_end = " again" if k else ""  # an SVG holds the lines of a mesh once
@@ -258,10 +264,10 @@ def mesh(
                 Axis(left, right, "x / a_ref"),
                 Axis(bottom, top, "y / a_ref"),
                 marks,
-                f"Mesh, {words}",
+                f"Mesh, {view_in_words}",
                 340.0,
                 340.0,
-                words,
+                view_in_words,
                 equal=True,
             )
         )
@@ -297,8 +303,8 @@ def _support_in_words(bodies: Sequence[BodyMesh], boundary: str) -> str:
 
 
 def scales_of(snapshots: Sequence[Snapshot]) -> tuple[float, float]:
-    """What all pictures of a run share: largest von Mises stress, and factor on the displacements
-    of whole bodies.
+    """What all pictures of a run share: the largest von Mises stress, and the factor by which
+    displacements of whole bodies are magnified.
     """
     bodies = [body for snapshot in snapshots for body in snapshot.bodies]
     size = max(float(np.ptp(body.points, axis=0).max()) for body in bodies)
@@ -318,8 +324,8 @@ def stress(
     name: str = "von_mises",
     pixels: int = 560,
 ) -> Plate:
-    """Von Mises' stress at instants: whole bodies, drawn apart and deformed; and at the contact to
-    true scale, with the mesh.
+    """A figure of von Mises' stress at some instants: both bodies, drawn apart and deformed; and
+    the contact to true scale, with the mesh.
 
     Parameters
     ----------
@@ -363,7 +369,9 @@ def _whole_bodies(
     name: str,
     pixels: int,
 ) -> Cell:
-    """Both bodies, with the outlines of the undeformed ones; the colours beneath."""
+    """Panels of both bodies at one instant, coloured by von Mises' stress and deformed, with the
+    outlines of the undeformed ones; the scale of colours beneath.
+    """
     largest_stress, factor = scales
     _, length_unit, stress_unit = units(solution.scene)
     least_stress = largest_stress * 10**-_DECADES
@@ -424,7 +432,9 @@ def _at_the_contact(
     name: str,
     pixels: int,
 ) -> Cell:
-    """The contact to true scale with the mesh, the state of its points and the colours beneath."""
+    """Panels of the contact at one instant to true scale, coloured by von Mises' stress, with the
+    mesh; the state of its points and the scale of colours beneath.
+    """
     _, length_unit, stress_unit = units(solution.scene)
     half_size = 1.75 * outermost(solution)
     skins = []
@@ -432,10 +442,9 @@ def _at_the_contact(
         rise = np.outer(gap_share(solution, body), (0.0, 1.0))
         points = body.points + body.displacement + rise
         skins.append(Skin(points, body.cells, body.von_mises, (0.0, largest_stress), edges=0.22))
-    largest_value = peak(snapshot)
+    peak_value = peak(snapshot)
     note = minus(
-        f"largest nodal value {largest_value['value']:.4g} {stress_unit},"
-        f" {largest_value['body']} body"
+        f"largest nodal value {peak_value['value']:.4g} {stress_unit}, {peak_value['body']} body"
     )
     words = PanelWords(length_unit, "at the contact, to true scale", note)
     window = (-half_size, half_size, -half_size, half_size)
@@ -473,21 +482,25 @@ def gap_share(solution: FiniteElementSolution, body: BodyFields) -> Array:
 
 
 def state_blocks(
-    solution: FiniteElementSolution, step: int, half: float, low: float, high: float
+    solution: FiniteElementSolution,
+    step: int,
+    half_length: float,
+    lower_edge: float,
+    upper_edge: float,
 ) -> list[Block]:
-    """A strip from `low` to `high` with the states of the points |x| <= half at a step; neighbours
-    of one state are one block.
+    """Blocks of a strip from `lower_edge` to `upper_edge` with the states of the points |x| <= half
+    at a step; neighbours of one state are one block.
     """
-    is_drawn = np.abs(solution.x) <= half
+    is_drawn = np.abs(solution.x) <= half_length
     x = solution.x[is_drawn]
     states = solution.state[step][is_drawn]
     middles = np.concatenate([x[:1], (x[1:] + x[:-1]) / 2, x[-1:]])
     first_points = [0, *(np.flatnonzero(np.diff(states)) + 1).tolist(), len(states)]
     return [
         Block(
-            (float(middles[first_point]), float(middles[end])),
-            (low, high),
+            (float(middles[first_point]), float(middles[next_first_point])),
+            (lower_edge, upper_edge),
             f"state-{states[first_point]}",
         )
-        for first_point, end in itertools.pairwise(first_points)
+        for first_point, next_first_point in itertools.pairwise(first_points)
     ]

@@ -52,7 +52,7 @@ _MOST_DOTS = 400
 
 
 def sketch(scene: Scene, half_width: float) -> Plate:
-    """Both bodies to scale with supports, loads and the place of the contact.
+    """A figure of both bodies to scale with supports, loads and the place of the contact.
 
     Parameters
     ----------
@@ -109,8 +109,8 @@ def sketch(scene: Scene, half_width: float) -> Plate:
 
 
 def fit_residuals(scene: Scene, half_width: float) -> Plate | None:
-    """The levelled trace with its fitted curve, and rows minus curve beside twice their noise;
-    None of a profile that is not fitted.
+    """A figure of a profile fitted to measured rows: the levelled trace with the curve, and rows
+    minus curve beside twice their noise. None of a profile that is not fitted.
 
     Parameters
     ----------
@@ -139,12 +139,12 @@ def fit_residuals(scene: Scene, half_width: float) -> Plate | None:
         label = f"x = {x[k]:.4g}, {residuals[k]:.3g} {length}"
         marks.append(Dot(float(x[k]), float(residuals[k]), "p0", 2.2, label))
     largest_residual = float(np.abs(residuals[is_fitted]).max())
-    top = 1.1 * max(largest_residual, 2.2 * fit.noise)
-    across = Axis(*limits(x[is_fitted], margin=0.02), f"x from the middle  [{length}]")
+    largest_shown = 1.1 * max(largest_residual, 2.2 * fit.noise)
+    x_axis = Axis(*limits(x[is_fitted], margin=0.02), f"x from the middle  [{length}]")
     panel = Panel(
         "profile-fit",
-        across,
-        Axis(-top, top, f"row − fit  [{length}]"),
+        x_axis,
+        Axis(-largest_shown, largest_shown, f"row − fit  [{length}]"),
         marks,
         "Residuals of the fit",
         height=260.0,
@@ -153,19 +153,19 @@ def fit_residuals(scene: Scene, half_width: float) -> Plate | None:
     trace = height + residuals
     spikes = np.array(fit.spikes, dtype=np.int64) - 1
     order = np.argsort(x)
-    of_trace: list[Mark] = [
+    marks_of_trace: list[Mark] = [
         Dot(float(x[k]), float(trace[k]), "p0", 2.2, f"row {k + 1}") for k in drawn_rows
     ]
-    of_trace += [
+    marks_of_trace += [
         Dot(float(x[k]), float(trace[k]), "p3", 4.0, f"row {k + 1}: left out") for k in spikes
     ]
-    of_trace.append(Curve(x[order], height[order], "line-1", "fit"))
-    drawn = np.union1d(np.flatnonzero(is_fitted), spikes)
+    marks_of_trace.append(Curve(x[order], height[order], "line-1", "fit"))
+    rows_in_limits = np.union1d(np.flatnonzero(is_fitted), spikes)
     upper_panel = Panel(
         "profile-trace",
-        across,
-        Axis(*limits(trace[drawn], height[is_fitted]), f"h, levelled  [{length}]"),
-        of_trace,
+        x_axis,
+        Axis(*limits(trace[rows_in_limits], height[is_fitted]), f"h, levelled  [{length}]"),
+        marks_of_trace,
         "Trace and fit",
         height=260.0,
     )
@@ -191,8 +191,8 @@ def fit_residuals(scene: Scene, half_width: float) -> Plate | None:
 
 
 def _frame(outlines: dict[str, Array]) -> Frame:
-    """Both bodies with one scale in both directions, room above for the loads and all round for
-    supports.
+    """The area of the sketch of both bodies: one scale in both directions, room above for the loads
+    and all round for supports.
     """
     points = np.concatenate(list(outlines.values()))
     left, lower_end = points.min(axis=0)
@@ -202,21 +202,24 @@ def _frame(outlines: dict[str, Array]) -> Frame:
     unit = max(unit_across, unit_up)
     height = float((upper_end - lower_end) / unit + _ROOM + _SIDE)
     middle = (left + right) / 2
-    half = (_WIDTH / 2 - _SIDE) * unit
-    x_scale = Scale(float(middle - half), float(middle + half), _SIDE, _WIDTH - _SIDE)
-    up = Scale(float(lower_end), float(upper_end), height - _SIDE, _ROOM)
-    return Frame(x_scale, up, _WIDTH, height)
+    half_width_shown = (_WIDTH / 2 - _SIDE) * unit
+    x_scale = Scale(
+        float(middle - half_width_shown), float(middle + half_width_shown), _SIDE, _WIDTH - _SIDE
+    )
+    y_scale = Scale(float(lower_end), float(upper_end), height - _SIDE, _ROOM)
+    return Frame(x_scale, y_scale, _WIDTH, height)
 
 
 def outline(scene: Scene, name: str, half_width: float) -> Array:
-    """(n, 2) outline of a body in the common frame, from the left end of its face to the right one
+    """Outline (n, 2) of a body in the common frame, from the left end of its face to the right one
     and round its base [length].
 
-    A half-plane is drawn as a piece of itself: as wide as suits the other body, or the contact.
+    A half-plane is drawn as a piece of itself: as wide as suits the other body, or the contact of
+    this half-width.
     """
     shape = getattr(scene.bodies, name)
     facing_shape = getattr(scene.bodies, "upper" if name == "lower" else "lower")
-    side = 1.0 if name == "lower" else -1.0
+    outward_sign = 1.0 if name == "lower" else -1.0
     width = shape.face_half_width
     height = getattr(shape, "height", 0.0)
     if isinstance(shape, HalfPlane):
@@ -226,24 +229,24 @@ def outline(scene: Scene, name: str, half_width: float) -> Array:
         height = 0.5 * width
     # Finer towards the ends, where an arc is steep.
     x = width * np.sin(np.linspace(-np.pi / 2, np.pi / 2, _FACE_POINTS))
-    face = np.column_stack([x, -side * face_of(shape, scene.profile).depth(x)])
+    face = np.column_stack([x, -outward_sign * face_of(shape, scene.profile).depth(x)])
     if isinstance(shape, Cylinder):
         return face
-    right = [(width, height)]
+    right_side = [(width, height)]
     if isinstance(shape, TShape | ShoulderedPad):
         half_width_below = shape.step.half_width
-        right = [
+        right_side = [
             (width, shape.step.depth),
             (half_width_below, shape.step.depth),
             (half_width_below, height),
         ]
-    left = [(-x, depth) for x, depth in reversed(right)]
-    return np.vstack([face, np.array(right + left) * [1.0, -side]])
+    left_side = [(-x, depth) for x, depth in reversed(right_side)]
+    return np.vstack([face, np.array(right_side + left_side) * [1.0, -outward_sign]])
 
 
 def _body(frame: Frame, points: Array, shape: Shape, name: str) -> Iterator[Mark]:
-    """A filled body; a half-plane has a line along its face alone, for it goes on everywhere
-    else.
+    """Marks of a filled body with its outline. A half-plane has a line along its face alone, for it
+    goes on everywhere else.
     """
     x = frame.x.place(points[:, 0])
     y = frame.y.place(points[:, 1])
@@ -258,8 +261,8 @@ def _body(frame: Frame, points: Array, shape: Shape, name: str) -> Iterator[Mark
 
 
 def _supports(frame: Frame, shape: Shape, points: Array, side: float) -> Iterator[Mark]:
-    """A rigid plane along the base and along guided sides, rollers between it and the body where
-    there are some.
+    """Marks of the supports of a body: a rigid plane along the base and along guided sides, with
+    rollers where there are some. `side` is 1 for the lower body, -1 for the upper.
     """
     if isinstance(shape, HalfPlane):
         return
@@ -282,28 +285,34 @@ def _plane(
     outward: tuple[float, float],
     rollers: bool,
 ) -> Iterator[Mark]:
-    """A rigid plane with hatching from one end to the other; rollers between it and the body."""
-    size = 10.0  # of the hatching, and three times the radius of a roller
+    """Marks of a rigid plane from `start` to `end`, hatched on its outward side; with rollers
+    between it and the body if wanted.
+    """
+    hatch_length = 10.0  # three times the radius of a roller
     first_point = np.array(start)
     last_point = np.array(end)
     outward_normal = np.array(outward)
     if rollers:
-        parts = np.linspace(0.08, 0.92, 7)[:, None]
-        for x, y in first_point + parts * (last_point - first_point) + outward_normal * size / 3:
-            yield Dot(float(x), float(y), "roller", size / 3)
-        first_point = first_point + outward_normal * 2 * size / 3
-        last_point = last_point + outward_normal * 2 * size / 3
+        shares_of_length = np.linspace(0.08, 0.92, 7)[:, None]
+        for x, y in (
+            first_point
+            + shares_of_length * (last_point - first_point)
+            + outward_normal * hatch_length / 3
+        ):
+            yield Dot(float(x), float(y), "roller", hatch_length / 3)
+        first_point = first_point + outward_normal * 2 * hatch_length / 3
+        last_point = last_point + outward_normal * 2 * hatch_length / 3
     length = np.hypot(*(last_point - first_point))
     direction = (last_point - first_point) / length
     count = max(int(length / 8), 4)
     feet = first_point + np.linspace(0, 1, count)[:, None] * (last_point - first_point)
-    tips = feet + 0.7 * size * (outward_normal - direction)
+    tips = feet + 0.7 * hatch_length * (outward_normal - direction)
     yield Curve([first_point[0], last_point[0]], [first_point[1], last_point[1]], "wall")
     yield Segments(np.stack([feet, tips], axis=1), "curve hatch")
 
 
 def _label(scene: Scene, name: str) -> str:
-    """Kind, sizes and material of a body."""
+    """Kind, sizes, E and nu of a body, as the text beside it in the sketch."""
     shape = getattr(scene.bodies, name)
     material = getattr(scene.material, name)
     _, length, stress = units(scene)
@@ -317,8 +326,8 @@ def _label(scene: Scene, name: str) -> str:
 
 
 def _loads(frame: Frame, scene: Scene, outlines: dict[str, Array]) -> Iterator[Mark]:
-    """Arrows of P and Q at the top of the upper body; of its tilt or moment, and of bulk stress at
-    both ends.
+    """Marks of the loads: arrows of P and Q at the top of the upper body, of its tilt or moment,
+    and of bulk stress at both ends of a body.
     """
     load = scene.load
     top = float(frame.y.place(outlines["upper"][:, 1].max())) - 8

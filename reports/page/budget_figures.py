@@ -27,11 +27,11 @@ _LONGEST_OVER_MEDIAN = 3.0
 
 
 def budget_bars(budget: ErrorBudget) -> Plate | None:
-    """The terms of every metric that has a tolerance as a stack over it; None where no metric has
-    one.
+    """A figure with a stacked bar for each metric that has a tolerance: what each source of error
+    adds to its difference E, over the tolerance.
 
-    What adds to the metric lies right of zero, what takes from it left: the two stacks together are
-    E. Where the scene states no tolerance at all, the metrics of the first table in per cent.
+    Parts that add lie right of zero, parts that take away left: together they are E. Where the
+    scene states no tolerance at all, the metrics of the first table in per cent. None without any.
     """
     with_tolerance = [row for row in budget.budgets if row.metric.tolerance]
     headlines = [row for row in budget.budgets if row.metric.headline]
@@ -81,8 +81,8 @@ def _axis_of_bars(is_judged: bool) -> str:
 
 
 def waterfall(why: Why) -> Plate | None:
-    """From half-plane theory at zero to the finite elements: a bar for each step, in per cent of
-    theory's dissipation; None where the difference is not split.
+    """A figure that leads from half-plane theory at zero to the finite elements by a bar for each
+    cause, in per cent of theory's dissipation W. None where the difference is not split.
     """
     steps = why.steps
     if not steps:
@@ -94,8 +94,8 @@ def waterfall(why: Why) -> Plate | None:
         uncertainty = 0.0
     least_value = min(0.0, *ends, total - uncertainty)
     largest_value = max(0.0, *ends, total + uncertainty)
-    room = 0.08 * (largest_value - least_value) or 1.0
-    axis = Axis(least_value - room, largest_value + room, "change of W, per cent", count=8)
+    margin = 0.08 * (largest_value - least_value) or 1.0
+    axis = Axis(least_value - margin, largest_value + margin, "change of W, per cent", count=8)
     marks: list[Mark] = []
     notes: list[Mark] = []  # on top of all lines
     row_count = len(steps) + 1
@@ -151,20 +151,22 @@ class _Stack(NamedTuple):
 
 
 def _stack_of(budget: Budget, is_judged: bool) -> _Stack:
-    """The stack of a metric; what is unknown or infinite has no length."""
+    """The budget of a metric as lengths of a stacked bar: over its tolerance where `is_judged`,
+    else in per cent. What is unknown or infinite has no length.
+    """
     unit = 0.01
     if is_judged:
         unit = budget.metric.tolerance or 1.0
 
-    def share(value: float | None) -> float:
+    def length_of(value: float | None) -> float:
         length = (value or 0.0) / unit
         return length if math.isfinite(length) else 0.0
 
-    shares = [share(term.value) for term in budget.terms]
-    shares.append(share(budget.rest))
-    total = share(budget.total)
-    uncertainty = share(budget.uncertainty)
-    return _Stack(budget, np.array(shares), total, uncertainty)
+    lengths = [length_of(term.value) for term in budget.terms]
+    lengths.append(length_of(budget.rest))
+    total = length_of(budget.total)
+    uncertainty = length_of(budget.uncertainty)
+    return _Stack(budget, np.array(lengths), total, uncertainty)
 
 
 def _half_width_of_bars(stacks: Sequence[_Stack], is_judged: bool) -> float:
@@ -190,7 +192,9 @@ def _limits_of_bar(lower_edge: float, is_judged: bool) -> Iterator[Mark]:
 def _blocks_of_bar(
     lower_edge: float, stack: _Stack, names: Sequence[str], is_judged: bool
 ) -> Iterator[Mark]:
-    """A block for each term, to the right of those that add, to the left of those that take."""
+    """A block for each part of a stacked bar at the height `lower_edge`: to the right those that
+    add, to the left those that take away.
+    """
     right_end = 0.0
     left_end = 0.0
     unit = "of the tolerance" if is_judged else "%"
@@ -208,7 +212,9 @@ def _blocks_of_bar(
 
 
 def _budget_table(budgets: Sequence[Budget], term_names: Sequence[str], rest_name: str) -> Table:
-    """A row for each metric: tolerance, E, its terms, what is left, uncertainty."""
+    """The numbers of the budget figure as a table by column: a row for each metric with tolerance,
+    E, its parts by source, what is left, uncertainty.
+    """
     columns: dict[str, list[float | None]] = {
         "tolerance": [row.metric.tolerance for row in budgets],
         "E": [row.total for row in budgets],
@@ -226,8 +232,8 @@ def _budget_table(budgets: Sequence[Budget], term_names: Sequence[str], rest_nam
 def _marks_of_total(
     lower_edge: float, total: float, uncertainty: float, half_width: float
 ) -> Iterator[Mark]:
-    """E as an upright mark with its uncertainty across it; a head at the edge where it goes on
-    beyond.
+    """Marks of a total on a bar: an upright line with a whisker for its uncertainty; an arrow head
+    at the edge of the figure where these reach beyond it.
     """
     middle = lower_edge + 0.32
     if abs(total) <= half_width:
@@ -239,13 +245,15 @@ def _marks_of_total(
     for side in (-1, 1):
         if side * total + uncertainty > half_width:
             tip = side * 0.998 * half_width
-            back = side * 0.985 * half_width
-            yield Curve([back, tip, back], [middle - 0.1, middle, middle + 0.1], "whisker")
+            end_of_head = side * 0.985 * half_width
+            yield Curve(
+                [end_of_head, tip, end_of_head], [middle - 0.1, middle, middle + 0.1], "whisker"
+            )
 
 
 def mesh_refinement(budget: ErrorBudget) -> Plate | None:
-    """|phi(h) - phi(0)| of the headline metrics over the element size; None for two meshes or where
-    no metric converges.
+    """A figure of the distance of the headline metrics from their limits at size zero, over the
+    element size. None for two meshes, or where no metric converges.
     """
     runs = [run for run in budget.refinements.mesh if not run.failure]
     curves: dict[str, list[tuple[float, float]]] = {}
@@ -273,8 +281,10 @@ def mesh_refinement(budget: ErrorBudget) -> Plate | None:
 
 
 def study_convergence(study: Study) -> Plate | None:
-    """|E(h) - E(0)| of each headline metric that goes to a value, over the element size; None for
-    two meshes or where none does.
+    """A figure, for a mesh study of external results, of the distance of the headline metrics from
+    their limits at size zero, over the element size.
+
+    None for two meshes, or where no metric converges.
     """
     sizes = [level.size for level in study.levels]
     curves: dict[str, list[tuple[float, float]]] = {}
@@ -300,7 +310,8 @@ def _convergence(
     distances: Mapping[str, list[tuple[float, float]]],
     element_sizes: Sequence[float],
 ) -> Plate | None:
-    """Distances over the element size, both logarithmic, beside lines of order 1 and 2.
+    """A figure of distances from the limit over the element size, both logarithmic, beside lines of
+    order 1 and 2; None for fewer than three meshes.
 
     Parameters
     ----------
@@ -317,13 +328,15 @@ def _convergence(
 
     sizes = np.array(sorted(element_sizes))
     all_points = [point for points in curves.values() for point in points]
-    positive = [distance for _, distance in all_points if distance > 0]
-    top = max(positive)
+    positive_distances = [distance for _, distance in all_points if distance > 0]
+    largest_distance = max(positive_distances)
 
-    slopes = [Key(f"slope order-{order}", f"order {order}") for order in (1, 2)]
+    keys_of_orders = [Key(f"slope order-{order}", f"order {order}") for order in (1, 2)]
     marks: list[Mark] = []
-    for order, key in enumerate(slopes, 1):
-        marks.append(Curve(sizes, top * (sizes / sizes[-1]) ** order, key.css, key.text))
+    for order, key in enumerate(keys_of_orders, 1):
+        marks.append(
+            Curve(sizes, largest_distance * (sizes / sizes[-1]) ** order, key.css, key.text)
+        )
     keys = []
     for (label, points), css in zip(curves.items(), LINE_LOOKS, strict=False):
         curve_sizes = [size for size, _ in points]
@@ -337,13 +350,13 @@ def _convergence(
     words_across, words_up = axes
     x_axis = Axis(0.8 * float(sizes.min()), 1.25 * float(sizes.max()), words_across, log=True)
     # Below a millionth of the largest distance a curve is round-off.
-    lowest_error = max(min(positive), 1e-6 * top)
-    up = Axis(lowest_error / 3, 3 * top, words_up, log=True)
+    least_distance = max(min(positive_distances), 1e-6 * largest_distance)
+    y_axis = Axis(least_distance / 3, 3 * largest_distance, words_up, log=True)
     alt = "Convergence with the mesh, both axes logarithmic"
-    panel = broad_panel(name, x_axis, up, marks, alt, 360.0)
+    panel = broad_panel(name, x_axis, y_axis, marks, alt, 360.0)
     table: dict[str, Any] = {
         "metric": [label for label, points in curves.items() for _ in points],
         "size": [size for size, _ in all_points],
         "distance": [distance for _, distance in all_points],
     }
-    return worded(name, [panel], table, [*keys, *slopes], columns=1)
+    return worded(name, [panel], table, [*keys, *keys_of_orders], columns=1)

@@ -40,7 +40,9 @@ def as_json(report: Report, command: str = "", seconds: Mapping[str, float] | No
 
 
 def common_content(report: Report) -> dict[str, Any]:
-    """What the page and comparison.json say alike, by its name there."""
+    """The texts that the page and comparison.json both state, by their names there: headline,
+    table, question, bodies, idealisation.
+    """
     comparison = report.comparison
     scene = comparison.scene
     return {
@@ -55,7 +57,9 @@ def common_content(report: Report) -> dict[str, Any]:
 
 
 def whole_content(report: Report, command: str, seconds: Mapping[str, float]) -> dict[str, Any]:
-    """All that comparison.json holds, by its names; numbers may be numpy's and not finite."""
+    """All that comparison.json holds, by its names; numbers may be numpy's and not finite.
+    `command` and `seconds` say how the report came about.
+    """
     comparison = report.comparison
     budget = report.budget
     scales = comparison.scales

@@ -115,28 +115,29 @@ class CycleView:
 def difference_in_words(
     difference: Array,
     along: Array,
-    where: str,
+    place_template: str,
     unit: str = "",
-    weight: NDArray[np.bool_] | None = None,
+    counts: NDArray[np.bool_] | None = None,
 ) -> str:
-    """The numbers of a difference (n,) along x or time (n,): root mean square over the length, the
-    largest value, its place.
+    """A difference (n,) along x or time (n,) in words: root mean square over the length, the
+    largest value, and its place, for which `place_template` has {}. Where `counts` is False it does
+    not count.
 
     >>> difference_in_words(
     ...     np.array([0.0, -3.0, 0.0]), np.array([0.0, 1.0, 2.0]), "x = {} a_ref", " %"
     ... )
     'rms 1.7 %, largest −3 % at x = 1 a_ref'
     """
-    is_known = np.isfinite(difference) & (True if weight is None else weight)
+    is_known = np.isfinite(difference) & (True if counts is None else counts)
     if not is_known.any():
         return "nothing to compare"
     lengths = np.gradient(along) if len(along) > 1 else np.ones(1)
     rms = np.sqrt(
         np.average(difference[is_known] ** 2, weights=np.maximum(lengths[is_known], 1e-300))
     )
-    worst_place = int(np.argmax(np.where(is_known, np.abs(difference), -1.0)))
-    place = where.format(minus(f"{along[worst_place] + 0.0:.3g}"))
-    largest_difference = difference[worst_place] + 0.0
+    worst_index = int(np.argmax(np.where(is_known, np.abs(difference), -1.0)))
+    place = place_template.format(minus(f"{along[worst_index] + 0.0:.3g}"))
+    largest_difference = difference[worst_index] + 0.0
     return (
         minus(f"rms {_two_digits(rms)}{unit}, largest {_two_digits(largest_difference)}{unit} at ")
         + place
@@ -169,10 +170,8 @@ def permanent_edges(solution: ContactSolution) -> Array:
 
 
 def slip_points(comparison: Comparison, count: int = 4) -> list[int]:
-    """Points whose slip is worth a look: from the permanent stick zone (or the middle) to just
-    outside the largest contact.
-
-    Indices into the result's points, on the right-hand side, none twice.
+    """Indices of some points of the result whose slip is worth a look: from the permanent stick
+    zone (or the middle) to just outside the largest contact, on the right-hand side, none twice.
     """
     edges = comparison.expected.contact_edges
     x = comparison.found.x

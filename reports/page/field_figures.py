@@ -59,7 +59,9 @@ def traction_keys(view: CycleView) -> tuple[Key, ...]:
 
 
 def tractions(view: CycleView) -> Plate:
-    """p and q of both engines at the chosen instants, the difference beneath."""
+    """A figure of pressure p and shear q of both engines at the numbered instants, their difference
+    beneath.
+    """
     instants = [event.index for event in view.chosen_events]
     cells = []
     for count, event in enumerate(view.chosen_events, start=1):
@@ -100,10 +102,8 @@ def traction_panels(
     *,
     live: bool = False,
 ) -> tuple[Panel, Panel]:
-    """Tractions at an instant in a drawing of that size, and the difference; axes hold all
-    `instants`.
-
-    `live` if the slider moves them.
+    """Two panels: p and q of both engines over x at one instant, and their difference. The axes
+    hold the values at all `instants`; `live` if the page's slider moves the panels.
     """
     width, height = size
     is_drawn = np.abs(view.x) <= view.largest_x * 1.02
@@ -122,7 +122,7 @@ def traction_panels(
         for letter, (reference_values, result_values) in traction_pairs.items()
     }
 
-    def curve(values: Array, css: str, label: str, field: str) -> Curve:
+    def curve_of(values: Array, css: str, label: str, field: str) -> Curve:
         return Curve(x, values.copy(), css, label, {"field": field} if live else {})
 
     lines: list[Mark] = [ZERO]
@@ -131,12 +131,12 @@ def traction_panels(
             values = traction_pairs[letter][engine_number][0]
             css = f"{engine.look} {letter}"
             label = f"{letter}, {engine.name}"
-            lines.append(curve(values, css, label, f"{letter}{engine_number}"))
+            lines.append(curve_of(values, css, label, f"{letter}{engine_number}"))
     difference_lines: list[Mark] = [ZERO]
     for letter in "pq":
         values = differences[letter][0]
         label = f"difference of {letter}, %"
-        difference_lines.append(curve(values, f"d {letter}", label, f"d{letter}"))
+        difference_lines.append(curve_of(values, f"d {letter}", label, f"d{letter}"))
 
     pressures = traction_pairs["p"]
     is_touching = (pressures[0][0] != 0) | (pressures[1][0] != 0)
@@ -144,11 +144,11 @@ def traction_panels(
     for letter in "pq":
         numbers = difference_in_words(differences[letter][0], x, "x = {} a_ref", " %", is_touching)
         notes.append(f"{letter}: {numbers}")
-    series = [values for pair in traction_pairs.values() for values in pair]
+    all_values = [values for pair in traction_pairs.values() for values in pair]
     upper_panel = Panel(
         name,
         view.over_x(""),
-        Axis(*limits(*series, zero=True), "p/p_ref,  q/(f p_ref)"),
+        Axis(*limits(*all_values, zero=True), "p/p_ref,  q/(f p_ref)"),
         lines,
         f"Pressure and shear over x. {title}".strip(),
         width,
@@ -170,8 +170,8 @@ def traction_panels(
 
 
 def moving_instant(view: CycleView) -> Plate:
-    """Both engines at the chosen instant with most slip; axes hold the whole cycle, so that nothing
-    leaves them as it moves.
+    """The figure that the slider moves: p and q of both engines at the instant with most slip, and
+    their states along x. Its axes hold the whole cycle, so that nothing leaves them.
     """
     width = 560.0
     every_instant = range(len(view.result_cycle.time))
@@ -207,45 +207,47 @@ def moving_instant(view: CycleView) -> Plate:
     return worded("cycle", panels, table, traction_keys(view), columns=1)
 
 
-def _strip_of_states(view: CycleView, engine: EngineView, strip: int) -> Iterator[Mark]:
-    """Open, stick and slip along x of one engine, which the slider recolours."""
-    top = 20.0 + 40.0 * strip
+def _strip_of_states(view: CycleView, engine: EngineView, strip_number: int) -> Iterator[Mark]:
+    """Marks of a strip that shows open, stick and slip of one engine along x; the page's slider
+    recolours it. `strip_number` is its number from the top.
+    """
+    top = 20.0 + 40.0 * strip_number
     bottom = top + 16
     x = engine.cycle.x / view.scales.half_width
     state = engine.cycle.state[view.shown_instant]
     # A state ends midway between two points of different states.
-    last_of_state = np.flatnonzero(np.diff(state))
-    midpoints = (x[last_of_state + 1] + x[last_of_state]) / 2
+    ends_of_state = np.flatnonzero(np.diff(state))
+    midpoints = (x[ends_of_state + 1] + x[ends_of_state]) / 2
     boundaries = np.clip(midpoints, -view.largest_x, view.largest_x)
     ends = [-view.largest_x, *boundaries.tolist(), view.largest_x]
-    states = state[[0, *(last_of_state + 1).tolist()]].tolist()
+    states = state[[0, *(ends_of_state + 1).tolist()]].tolist()
     blocks = []
     for left, right, code in zip(ends[:-1], ends[1:], states, strict=True):
         if right > left:
             blocks.append(Block((left, right), (top, bottom), f"state-{code}"))
     yield Note(-view.largest_x, top - 5, engine.name)
-    yield Group(tuple(blocks), "strip", {"strip": strip, "top": f"{top:g}"})
+    yield Group(tuple(blocks), "strip", {"strip": strip_number, "top": f"{top:g}"})
     yield Block((-view.largest_x, view.largest_x), (top, bottom), "outline")
 
 
 def state_map(view: CycleView) -> Plate:
-    """Open, stick, forward and reverse slip over x and time, for both engines and where they
-    differ.
+    """A figure of open, stick, forward and reverse slip over x and time: a map for each engine, and
+    one of where they differ.
     """
-    reference_values = view.reference_cycle.state
-    result_values = view.result_cycle.state
+    states_of_reference = view.reference_cycle.state
+    states_of_result = view.result_cycle.state
     metric = view.comparison.metric("state")
     # The metric's own number: points crowd at the edges, so that counting them would give another,
     # larger share.
-    share = "" if metric.value is None else value_of(metric)
+    share_in_words = "" if metric.value is None else value_of(metric)
     reference_engine, result_engine = view.engines
-    difference_title = f"they differ: {share}".rstrip(": ")
+    difference_title = f"they differ: {share_in_words}".rstrip(": ")
     maps = (
-        ("map-reference", reference_values, _STATE_COLOURS, reference_engine.name),
-        ("map-result", result_values, _STATE_COLOURS, result_engine.name),
+        ("map-reference", states_of_reference, _STATE_COLOURS, reference_engine.name),
+        ("map-result", states_of_result, _STATE_COLOURS, result_engine.name),
         (
             "map-difference",
-            reference_values != result_values,
+            states_of_reference != states_of_result,
             _DIFFERENCE_COLOURS,
             difference_title,
         ),
@@ -277,8 +279,8 @@ def state_map(view: CycleView) -> Plate:
     table = {
         "time": np.repeat(view.result_cycle.time[instants], len(points)),
         "x": np.tile(view.result_cycle.x[points], len(instants)),
-        f"state_reference ({codes})": reference_values[grid].ravel(),
-        f"state_result ({codes})": result_values[grid].ravel(),
+        f"state_reference ({codes})": states_of_reference[grid].ravel(),
+        f"state_result ({codes})": states_of_result[grid].ravel(),
     }
     return worded(
         "state_map",
@@ -286,7 +288,7 @@ def state_map(view: CycleView) -> Plate:
         table,
         STATE_KEYS,
         columns=3,
-        share=share,
+        share=share_in_words,
         written=len(instants),
         instants=len(view.time),
         stretch=view.stretch,
@@ -303,37 +305,41 @@ def _pixels(view: CycleView) -> tuple[NDArray[np.int_], ...]:
 
 
 def dissipation_density(view: CycleView) -> Plate | None:
-    """w(x) of the last cycle, both engines, the difference beside it; None where nothing is
-    dissipated anywhere.
+    """A figure of the friction work per area w(x) of the last cycle, both engines, and their
+    difference beside it. None where nothing is dissipated anywhere.
     """
     x = view.x
     scales = view.scales
     unit = scales.dissipation / scales.half_width
-    reference_values = view.reference_cycle.dissipation_density / unit
-    result_values = view.result_cycle.dissipation_density / unit
-    if not (np.any(reference_values) or np.any(result_values)):
+    density_of_reference = view.reference_cycle.dissipation_density / unit
+    density_of_result = view.result_cycle.dissipation_density / unit
+    if not (np.any(density_of_reference) or np.any(density_of_result)):
         return None
 
-    stick = permanent_edges(view.comparison.reference) / scales.half_width
+    stick_edges = permanent_edges(view.comparison.reference) / scales.half_width
     lines: list[Mark] = [
-        Rule(float(edge), "stick-line", upright=True) for edge in stick if np.isfinite(edge)
+        Rule(float(edge), "stick-line", upright=True) for edge in stick_edges if np.isfinite(edge)
     ]
-    for density, key in zip((reference_values, result_values), view.keys, strict=True):
+    for density, key in zip((density_of_reference, density_of_result), view.keys, strict=True):
         lines.append(Curve(x, density, key.css, key.text))
-    peak = int(np.nanargmax(np.where(np.isfinite(result_values), result_values, -np.inf)))
-    lines.append(Dot(float(x[peak]), float(result_values[peak]), "event"))
+    peak_index = int(
+        np.nanargmax(np.where(np.isfinite(density_of_result), density_of_result, -np.inf))
+    )
+    lines.append(Dot(float(x[peak_index]), float(density_of_result[peak_index]), "event"))
     densities = Panel(
         "work",
         view.over_x(),
-        Axis(*limits(reference_values, result_values, zero=True), "w / (A f² P_ref²/a_ref)"),
+        Axis(
+            *limits(density_of_reference, density_of_result, zero=True), "w / (A f² P_ref²/a_ref)"
+        ),
         lines,
         "Dissipation density over x",
         css="pick",
     )
 
-    largest_density = float(np.nanmax(np.abs(reference_values), initial=0.0)) or 1.0
-    difference = 100 * (result_values - reference_values) / largest_density
-    dissipates = (reference_values != 0) | (result_values != 0)
+    largest_density = float(np.nanmax(np.abs(density_of_reference), initial=0.0)) or 1.0
+    difference = 100 * (density_of_result - density_of_reference) / largest_density
+    dissipates = (density_of_reference != 0) | (density_of_result != 0)
     note = difference_in_words(
         difference, x, "x = {} a_ref", " %", (np.abs(x) <= view.largest_x) & dissipates
     )
@@ -349,8 +355,8 @@ def dissipation_density(view: CycleView) -> Plate | None:
     table = {
         "x": view.result_cycle.x,
         "x/a_ref": x,
-        f"w_reference/{columns}": reference_values,
-        f"w_result/{columns}": result_values,
+        f"w_reference/{columns}": density_of_reference,
+        f"w_result/{columns}": density_of_result,
     }
     return worded(
         "dissipation_density",
@@ -358,9 +364,9 @@ def dissipation_density(view: CycleView) -> Plate | None:
         table,
         (*view.keys, Key("d p", "difference")),
         stretch=view.stretch,
-        peak=f"{result_values[peak]:.4g}",
-        place=signed(float(x[peak])),
-        stick=_ends_in_words(stick),
+        peak=f"{density_of_result[peak_index]:.4g}",
+        place=signed(float(x[peak_index])),
+        stick=_ends_in_words(stick_edges),
     )
 
 

@@ -51,8 +51,8 @@ _LOOP_HEIGHT = 220.0
 
 
 def half_widths(view: CycleView) -> Plate:
-    """Contact and stick edges of both engines through the last cycle, the difference of the
-    half-widths beside them.
+    """A figure of the contact and stick edges of both engines through the cycle, and beside it the
+    difference of their half-widths.
     """
     half_width = view.scales.half_width
     lines: list[Curve] = []
@@ -128,35 +128,38 @@ def _spacing_at_the_edge(cycle: Cycle) -> float:
 
 
 def discrepancies(view: CycleView) -> Plate:
-    """Metrics that have a value at each instant, at the instants that are judged: over their
+    """A figure of the metrics that have a value at each instant, through the cycle: over their
     tolerances, where there are any.
 
-    Where no tolerance was given, those that half-planes are judged by, in per cent.
+    Where no tolerance was given, those metrics that half-planes are judged by, in per cent.
     """
     metrics = [metric for metric in view.comparison.metrics if metric.series is not None]
-    with_tolerance = [metric for metric in metrics if metric.tolerance is not None]
-    is_judged = bool(with_tolerance)
-    drawn_metrics = with_tolerance or [metric for metric in metrics if metric.key in OWN_TOLERANCES]
+    metrics_with_tolerance = [metric for metric in metrics if metric.tolerance is not None]
+    is_judged = bool(metrics_with_tolerance)
+    drawn_metrics = metrics_with_tolerance or [
+        metric for metric in metrics if metric.key in OWN_TOLERANCES
+    ]
     lines: list[Mark] = []
     if is_judged:
         lines.append(Rule(1.0, "limit"))
     keys = []
     largest_ratio = 0.0
     for metric, css in zip(drawn_metrics, LINE_LOOKS, strict=False):
-        unit = (metric.tolerance or 1.0) if is_judged else 0.01
-        shares = np.abs(np.asarray(metric.series)) / unit
-        size = np.where(view.comparison.judged, shares, np.nan)
-        worst_instant = int(np.nanargmax(size)) if np.isfinite(size).any() else 0
-        largest_ratio = max(largest_ratio, float(np.nanmax(size, initial=0.0)))
-        lines.append(Curve(view.time, size, css, metric.label))
+        unit_of_share = (metric.tolerance or 1.0) if is_judged else 0.01
+        shares = np.abs(np.asarray(metric.series)) / unit_of_share
+        shares_shown = np.where(view.comparison.judged, shares, np.nan)
+        worst_instant = int(np.nanargmax(shares_shown)) if np.isfinite(shares_shown).any() else 0
+        largest_ratio = max(largest_ratio, float(np.nanmax(shares_shown, initial=0.0)))
+        lines.append(Curve(view.time, shares_shown, css, metric.label))
         per_cent = "" if is_judged else " %"
         text = (
-            f"{metric.label}: {size[worst_instant]:.2g}{per_cent} at {view.time[worst_instant]:.3g}"
+            f"{metric.label}: {shares_shown[worst_instant]:.2g}{per_cent} at"
+            f" {view.time[worst_instant]:.3g}"
         )
         keys.append(Key(css, minus(text)))
     if is_judged:
-        end = float(view.time[-1])
-        lines.append(Note(end, 1.0, "tolerance", anchor="end", shift=(-4.0, -5.0)))
+        last_time = float(view.time[-1])
+        lines.append(Note(last_time, 1.0, "tolerance", anchor="end", shift=(-4.0, -5.0)))
     if is_judged:
         top = min(max(1.0, largest_ratio), _MOST_TOLERANCES)
         axis_words = "|discrepancy| / tolerance"
@@ -186,8 +189,8 @@ def discrepancies(view: CycleView) -> Plate:
 
 
 def slip_histories(view: CycleView) -> Plate:
-    """Slip of chosen points through the last cycle, both engines, from where each stood at the
-    start of the cycle.
+    """A figure of the slip of a few points through the cycle, both engines, counted from where each
+    point stood at its start.
     """
     points = slip_points(view.comparison)
     length = units(view.scene)[1]
@@ -195,15 +198,15 @@ def slip_histories(view: CycleView) -> Plate:
     slips = [engine.cycle.slip[:, points] - engine.cycle.slip[0, points] for engine in view.engines]
     lines = []
     for look, slip, engine in zip(("wide", "thin"), slips, view.engines, strict=True):
-        for place, name in enumerate(names):
-            css = f"{look} point-{place}"
-            lines.append(Curve(view.time, slip[:, place], css, f"{name}, {engine.name}"))
+        for number, name in enumerate(names):
+            css = f"{look} point-{number}"
+            lines.append(Curve(view.time, slip[:, number], css, f"{name}, {engine.name}"))
     reference_values, result_values = slips
     table = {"time": view.result_cycle.time}
-    for place, point in enumerate(points):
-        words_of_place = f"(x = {view.result_cycle.x[point]:.6g}) [{length}]"
-        table[f"slip_reference{words_of_place}"] = reference_values[:, place]
-        table[f"slip_result{words_of_place}"] = result_values[:, place]
+    for number, point in enumerate(points):
+        place_in_words = f"(x = {view.result_cycle.x[point]:.6g}) [{length}]"
+        table[f"slip_reference{place_in_words}"] = reference_values[:, number]
+        table[f"slip_result{place_in_words}"] = result_values[:, number]
 
     difference = result_values - reference_values
     worst_point = int(np.argmax(np.nanmax(np.abs(np.nan_to_num(difference)), axis=0)))
@@ -222,12 +225,14 @@ def slip_histories(view: CycleView) -> Plate:
         notes=notes,
         time="x",
     )
-    keys = [Key(f"point-{place}", name) for place, name in enumerate(names)]
+    keys = [Key(f"point-{number}", name) for number, name in enumerate(names)]
     return worded("slip_history", [panel], table, keys, columns=1, stretch=view.stretch)
 
 
 def cumulative_work(view: CycleView) -> Plate | None:
-    """Dissipation of a measured record so far, by both engines; None for other loads."""
+    """A figure of the friction work so far through a measured record of loads, by both engines;
+    None for other loads.
+    """
     solutions = (view.comparison.reference, view.comparison.result)
     series = []
     for key, solution in zip(view.keys, solutions, strict=True):
@@ -254,8 +259,8 @@ def cumulative_work(view: CycleView) -> Plate | None:
 
 
 def load_path(view: CycleView) -> Plate:
-    """The path in the P-Q plane: initial loading, cycle, Coulomb limit, chosen instants, a ring at
-    the instant shown.
+    """A figure of the load path in the P-Q plane: initial loading, cycle, Coulomb limit, numbered
+    instants, a ring at the instant shown.
 
     Beneath it bulk stress, tilt and moment over the cycle, where there are any.
     """
@@ -284,8 +289,12 @@ def load_path(view: CycleView) -> Plate:
         height=_LOOP_HEIGHT,
     )
     marks += _events(panel, cycle.normal_load, cycle.tangential_load, view.chosen_events)
-    start = view.shown_instant
-    marks.append(_follower("P", cycle.normal_load[start], cycle.tangential_load[start], "now"))
+    instant_shown = view.shown_instant
+    marks.append(
+        _follower(
+            "P", cycle.normal_load[instant_shown], cycle.tangential_load[instant_shown], "now"
+        )
+    )
 
     keys = [Key(part.look, part.name) for part in reversed(parts)]
     if friction:
@@ -330,7 +339,9 @@ class _PathPart(NamedTuple):
 
 
 def _parts_of_path(scene: Scene) -> list[_PathPart]:
-    """Initial loading and cycle; one path where nothing repeats."""
+    """Initial loading and cycle of a scene's load path, each as P and Q at many instants; one part
+    where nothing repeats.
+    """
     path = scene.load.path()
     named_legs = [("path", "loop", path.initial_loading)]
     if path.cycle:
@@ -358,7 +369,9 @@ class _Line(NamedTuple):
 
 
 def _beside_the_forces(view: CycleView) -> Iterator[tuple[str, str, list[_Line]]]:
-    """Name, words of the axis and lines of what a scene has beside P and Q, each with its unit."""
+    """For bulk stress, tilt and moment, as far as a scene has them: name of a panel, words of its
+    axis with the unit, and its lines over time.
+    """
     force, _, stress_unit = units(view.scene)
     cycle = view.result_cycle
     stresses: list[_Line] = []
@@ -375,34 +388,36 @@ def _beside_the_forces(view: CycleView) -> Iterator[tuple[str, str, list[_Line]]
 
 
 def _events(panel: Panel, across: Array, up: Array, events: Sequence[Event]) -> Iterator[Mark]:
-    """Numbered dots, numbers outside the loop that the dots lie on; a number that would stand on
-    another one is left out.
+    """Numbered dots on a loop at (across, up), (k,) each, at the chosen instants; the numbers stand
+    outside the loop. A number that would stand on another one is left out.
     """
     x = panel.frame.x.place(across)
     y = panel.frame.y.place(up)
-    numbers: list[Array] = []  # places of those that are drawn
-    for count, event in enumerate(events, start=1):
-        k = event.index
-        index = {"event": k}
-        at = np.array([x[k], y[k]])
-        shift = _within(13 * _outward(x, y, k), at, panel.frame.box)
-        place = at + shift
-        yield Dot(float(across[k]), float(up[k]), "event", 3.4, data=index)
-        if all(np.hypot(*(place - number)) > 11 for number in numbers):
-            numbers.append(place)
+    number_places: list[Array] = []  # places of those that are drawn
+    for event_number, event in enumerate(events, start=1):
+        instant = event.index
+        event_data = {"event": instant}
+        dot_place = np.array([x[instant], y[instant]])
+        shift = _within(13 * _outward(x, y, instant), dot_place, panel.frame.box)
+        place = dot_place + shift
+        yield Dot(float(across[instant]), float(up[instant]), "event", 3.4, data=event_data)
+        if all(np.hypot(*(place - number)) > 11 for number in number_places):
+            number_places.append(place)
             yield Note(
-                float(across[k]),
-                float(up[k]),
-                str(count),
+                float(across[instant]),
+                float(up[instant]),
+                str(event_number),
                 "number",
                 "middle",
                 (float(shift[0]), float(shift[1]) + 4),
-                index,
+                event_data,
             )
 
 
 def _outward(x: Array, y: Array, k: int) -> Array:
-    """Unit vector across the line at its k-th place, away from the middle of all places."""
+    """Unit vector across a line (x, y), (k,) each, at its k-th place, away from the middle of all
+    places.
+    """
     place_before = max(k - 1, 0)
     place_after = min(k + 1, len(x) - 1)
     normal_direction = np.array(
@@ -421,8 +436,8 @@ _HALF_NUMBER = np.array([5.0, 7.0])
 
 
 def _within(shift: Array, at: Array, box: tuple[float, float, float, float]) -> Array:
-    """A shift from a place that keeps a number in the frame: as it is, else turned round, else
-    shortened.
+    """The shift of a number from the place `at` that keeps it in the box (left, top, right,
+    bottom): as it is, else turned round, else shortened.
     """
     left, top, right, bottom = box
     lowest = np.array([left, top]) + _HALF_NUMBER
@@ -442,26 +457,31 @@ def _follower(x: str, across: float, up: float, css: str) -> Dot:
 
 
 def hysteresis(view: CycleView) -> Plate | None:
-    """Tangential load over tangential displacement in the last cycle, both engines; beside it
-    sheared, so that the loop opens.
+    """A figure of the tangential load over the tangential displacement through the cycle, both
+    engines; beside it sheared, so that the loop opens.
 
-    None where neither load nor shift moves, or the result holds no shift.
+    None where neither load nor displacement moves, or the result holds no displacement.
     """
     comparison = view.comparison
     scene = view.scene
     cycles = (view.reference_cycle, view.result_cycle)
-    shifts = [cycle.tangential_displacement for cycle in cycles]
-    loop_series = [view.result_cycle.tangential_load, *shifts]
+    displacements_u = [cycle.tangential_displacement for cycle in cycles]
+    loop_series = [view.result_cycle.tangential_load, *displacements_u]
     nothing_moves = all(np.ptp(values) == 0 for values in loop_series)
     if "tangential_displacement" in missing(comparison.result) or nothing_moves:
         return None
 
     _, length, _ = units(scene)
-    displacements = [sheared_displacement(cycle) for cycle in cycles]
+    displacements_v = [sheared_displacement(cycle) for cycle in cycles]
     panels = [
-        _loop_panel(view, "hysteresis", ("U", shifts), f"tangential displacement U  [{length}]"),
         _loop_panel(
-            view, "hysteresis-sheared", ("V", displacements), f"U − k Q, about its mean  [{length}]"
+            view, "hysteresis", ("U", displacements_u), f"tangential displacement U  [{length}]"
+        ),
+        _loop_panel(
+            view,
+            "hysteresis-sheared",
+            ("V", displacements_v),
+            f"U − k Q, about its mean  [{length}]",
         ),
     ]
     if comparison.pulled and all(cycle.shear_moment is not None for cycle in cycles):
@@ -469,21 +489,21 @@ def hysteresis(view: CycleView) -> Plate | None:
 
     works_in_words: list[str] = []
     if comparison.pulled:
-        works = (
+        works_of_loop = (
             [loop_work(cycle) for cycle in cycles],
             [bulk_work(cycle, scene.material) for cycle in cycles],
             [comparison.reference.dissipation, comparison.result.dissipation],
         )
         works_in_words += [
             f"{minus(f'{reference_values:.5g}')} and {minus(f'{result_values:.5g}')}"
-            for reference_values, result_values in works
+            for reference_values, result_values in works_of_loop
         ]
         works_in_words.append(energy_unit(scene))
     table = {
         "time": view.result_cycle.time,
         "Q": view.result_cycle.tangential_load,
-        "U_reference": shifts[0],
-        "U_result": shifts[1],
+        "U_reference": displacements_u[0],
+        "U_result": displacements_u[1],
     }
     # P works too where it varies and the approach hangs on Q as well.
     constant_load = np.ptp(view.result_cycle.normal_load) == 0 and view.result_cycle.tilt is None
@@ -512,7 +532,7 @@ def _datum_in_words(comparison: JudgedPair) -> str:
 
 
 def _loop_panel(view: CycleView, name: str, shift: tuple[str, list[Array]], title: str) -> Panel:
-    """Tangential load over a shift of both engines.
+    """A panel of the tangential load over a displacement, of both engines.
 
     Parameters
     ----------
@@ -524,12 +544,12 @@ def _loop_panel(view: CycleView, name: str, shift: tuple[str, list[Array]], titl
     letter, (reference_values, result_values) = shift
     loads = [view.reference_cycle.tangential_load, view.result_cycle.tangential_load]
     stroke = float(np.ptp(reference_values)) or 1.0
-    share = 100 * (result_values - reference_values) / stroke
+    difference_in_percent = 100 * (result_values - reference_values) / stroke
     fraction = view.result_cycle.fraction
-    numbers_and_place = difference_in_words(share, fraction, "{}", " %")
-    numbers = numbers_and_place.rpartition(" at ")[0]
+    numbers_and_place = difference_in_words(difference_in_percent, fraction, "{}", " %")
+    difference_note = numbers_and_place.rpartition(" at ")[0]
     if letter == "U" and view.comparison.lacks_datum:
-        numbers = ""  # the distance of two places from which U is counted
+        difference_note = ""  # the distance of two places from which U is counted
     loop_extent = "stroke" if letter == "U" else "width"
     marks: list[Mark] = []
     for key, values, load in zip(view.keys, (reference_values, result_values), loads, strict=True):
@@ -541,18 +561,24 @@ def _loop_panel(view: CycleView, name: str, shift: tuple[str, list[Array]], titl
         marks,
         f"Tangential load over {title}",
         height=_LOOP_HEIGHT,
-        notes=[f"{numbers}, of the {loop_extent}"] if numbers else [],
+        notes=[f"{difference_note}, of the {loop_extent}"] if difference_note else [],
     )
     marks += _events(panel, result_values, loads[1], view.chosen_events)
-    start = view.shown_instant
-    marks.append(_follower(f"{letter}0", reference_values[start], loads[0][start], "now pale"))
-    marks.append(_follower(f"{letter}1", result_values[start], loads[1][start], "now"))
+    instant_shown = view.shown_instant
+    marks.append(
+        _follower(
+            f"{letter}0", reference_values[instant_shown], loads[0][instant_shown], "now pale"
+        )
+    )
+    marks.append(
+        _follower(f"{letter}1", result_values[instant_shown], loads[1][instant_shown], "now")
+    )
     return panel
 
 
 def _bulk_loop_panel(view: CycleView) -> Panel:
-    """Moment of the shear over the bulk strain, both engines: its loop is the work of the bulk
-    stress.
+    """A panel of the moment of the shear over the bulk strain, both engines: the area of this loop
+    is the work of the bulk stress.
     """
     force, _, _ = units(view.scene)
     cycles = (view.reference_cycle, view.result_cycle)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 def scene_html(scene: Scene) -> str:
-    """Name, bodies, material, profile, friction and loads of a scene."""
+    """A scene as HTML for a notebook: name, bodies, material, profile, friction and loads."""
     upper_material = scene.material.upper
     lower_material = scene.material.lower
     normal_range, tangential_range = scene.ranges_of_load()
@@ -58,8 +58,8 @@ _STATES = ("#f2f2f2", "#9db4c0", "#d95f02", "#4b2e83")
 
 
 def solution_figure(solution: ContactSolution, time: float | None = None) -> Figure:
-    """Tractions at the stored instant next to `time`, and the states of all points through the last
-    cycle.
+    """A matplotlib figure of a solution: tractions at the stored instant next to `time`, and the
+    states of all points through the last cycle.
 
     Without `time` the instant is that of the largest |Q| of the last cycle.
 
@@ -82,8 +82,8 @@ def solution_figure(solution: ContactSolution, time: float | None = None) -> Fig
 
 
 def _step_shown(solution: ContactSolution, time: float | None) -> int:
-    """The stored instant next to `time`, or that of the largest |Q| of the last cycle; refused as
-    `solution_figure` states.
+    """Index of the stored instant next to `time`; without `time` that of the largest |Q| of the
+    last cycle. InputError for a time outside the solution, and a solution without pressure.
     """
     stored_times = solution.time
     if not np.isfinite(solution.pressure).any():
@@ -104,7 +104,9 @@ def _step_shown(solution: ContactSolution, time: float | None) -> int:
 
 
 def _draw_tractions(axes: Axes, solution: ContactSolution, step: int) -> None:
-    """p, q and the Coulomb limit over x."""
+    """Draw pressure p, shear q and the Coulomb limit f p over x at one step, into matplotlib
+    `axes`.
+    """
     scene = solution.scene
     x = solution.x
     pressure = solution.pressure[step]
@@ -122,7 +124,9 @@ def _draw_tractions(axes: Axes, solution: ContactSolution, step: int) -> None:
 
 
 def _draw_states(axes: Axes, solution: ContactSolution) -> None:
-    """Open, stick and slip of all points through the last cycle, with a legend above."""
+    """Draw open, stick and slip of all points through the last cycle, into matplotlib `axes`, with
+    a legend above.
+    """
     from matplotlib.colors import ListedColormap
     from matplotlib.patches import Patch
 
@@ -148,7 +152,8 @@ def _draw_states(axes: Axes, solution: ContactSolution) -> None:
 
 
 def loop_figure(solution: ContactSolution) -> Figure:
-    """Q over U through the last cycle, with the friction work that the loop encloses.
+    """A matplotlib figure of Q over U through the last cycle, with the friction work that the loop
+    encloses.
 
     Raises
     ------
@@ -156,8 +161,8 @@ def loop_figure(solution: ContactSolution) -> Figure:
         For a solution without displacement.
     """
     cycle = solution.last_cycle
-    shift = solution.tangential_displacement[cycle]
-    if not np.isfinite(shift).any():
+    displacement = solution.tangential_displacement[cycle]
+    if not np.isfinite(displacement).any():
         raise InputError(
             "plot_loop: the solution holds no relative tangential displacement; solve it with that"
             " field"
@@ -165,25 +170,27 @@ def loop_figure(solution: ContactSolution) -> Figure:
     scene = solution.scene
     figure, (axes,) = _axes(1, (5.5, 4.5))
     force, length, _ = scene.unit_words
-    axes.plot(shift, solution.tangential_load[cycle], color="black")
-    words = f"relative tangential displacement U [{length}]"
+    axes.plot(displacement, solution.tangential_load[cycle], color="black")
+    axis_in_words = f"relative tangential displacement U [{length}]"
     if scene.bodies.half_planes or lacks_datum(solution):
-        words += f", datum length {scene.profile.datum_length:g} {length}"
-    axes.set_xlabel(words)
+        axis_in_words += f", datum length {scene.profile.datum_length:g} {length}"
+    axes.set_xlabel(axis_in_words)
     axes.set_ylabel(f"Q [{force}/{length}]")
     title = scene.title or scene.name
     if np.isfinite(solution.dissipation):
         repeats = scene.load.path().period is not None
         stretch_in_words = "per cycle" if repeats else f"of the {stretch(scene)}"
-        work = f"W = {solution.dissipation:.4g} {force}·{length}/{length} {stretch_in_words}"
-        title = "\n".join(filter(None, (title, work)))
+        work_in_words = (
+            f"W = {solution.dissipation:.4g} {force}·{length}/{length} {stretch_in_words}"
+        )
+        title = "\n".join(filter(None, (title, work_in_words)))
     axes.set_title(title, loc="left")
     return figure
 
 
 def _axes(rows: int, size: tuple[float, float]) -> tuple[Figure, list[Axes]]:
-    """A figure with `rows` axes one above the other; a notebook, which shows what a cell returns,
-    is not to show it twice.
+    """A matplotlib figure with `rows` axes one above the other. It is closed in a notebook, which
+    shows what a cell returns and would show it twice.
     """
     import matplotlib.pyplot as plt
 

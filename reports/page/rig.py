@@ -134,22 +134,26 @@ class RigMotion:
 
     @cached_property
     def motions(self) -> Indices:
-        """`Motion` of the step that ends at each instant, (k,); that of the first one is of no
-        step.
+        """What the contact does in the step that ends at each instant, (k,): stick, partial slip,
+        sliding forward or back, apart. The first instant ends no step.
         """
-        load = self.normal_load
-        force = self.tangential_load
+        normal_load = self.normal_load
+        tangential_load = self.tangential_load
         stick = self.solution.stick_half_width[self.rows]
         contact = self.solution.contact_half_width[self.rows]
-        is_apart = load <= 0
-        limit = self.scene.friction.coefficient * load * (1 - _AT_LIMIT)
-        sense = np.where(~is_apart & np.isnan(stick) & (np.abs(force) >= limit), np.sign(force), 0)
+        is_apart = normal_load <= 0
+        limit = self.scene.friction.coefficient * normal_load * (1 - _AT_LIMIT)
+        slide_direction = np.where(
+            ~is_apart & np.isnan(stick) & (np.abs(tangential_load) >= limit),
+            np.sign(tangential_load),
+            0,
+        )
         sticks = stick >= contact * (1 - _SAME)
-        motions = np.full(len(load), Motion.PARTIAL, dtype=np.int64)
-        row_before = np.maximum(np.arange(len(load)) - 1, 0)
-        motions[sticks & (sense[row_before] == 0)] = Motion.STICK
-        motions[(sense > 0) & (sense[row_before] > 0)] = Motion.FORWARD
-        motions[(sense < 0) & (sense[row_before] < 0)] = Motion.BACK
+        motions = np.full(len(normal_load), Motion.PARTIAL, dtype=np.int64)
+        row_before = np.maximum(np.arange(len(normal_load)) - 1, 0)
+        motions[sticks & (slide_direction[row_before] == 0)] = Motion.STICK
+        motions[(slide_direction > 0) & (slide_direction[row_before] > 0)] = Motion.FORWARD
+        motions[(slide_direction < 0) & (slide_direction[row_before] < 0)] = Motion.BACK
         motions[is_apart | is_apart[row_before]] = Motion.APART
         return motions
 
@@ -184,7 +188,9 @@ class RigMotion:
 
 # ------------------------------------------------------------------------------------------ figures
 def _loop(rig: RigMotion) -> Plate:
-    """Q over the displacement of the contact, and of the actuator where a spring is between."""
+    """A figure of the tangential load Q over the displacement of the contact; over that of the
+    actuator too where a spring is between.
+    """
     length = units(rig.scene)[1]
     load = load_unit(rig.scene)
     answers = [motion for motion in (rig, rig.elements) if motion is not None]
@@ -218,15 +224,24 @@ def _engine(rig: RigMotion) -> str:
 
 
 def _loop_panel(rig: RigMotion, name: str, width: float, height: float, title: str = "") -> Panel:
-    """The loop of a rig; that of the actuator too where a spring is between."""
-    of_contact, of_actuator = _KEYS_OF_LOOP
-    curves = [Curve(rig.contact, rig.tangential_load, of_contact.css, of_contact.text)]
+    """A panel with the loop of a rig: Q over the displacement of the contact, and of the actuator
+    where a spring is between; by finite elements too where they were solved.
+    """
+    key_of_contact, key_of_actuator = _KEYS_OF_LOOP
+    curves = [Curve(rig.contact, rig.tangential_load, key_of_contact.css, key_of_contact.text)]
     if rig.scene.rig.tangential_stiffness is not None:
-        curves.append(Curve(rig.actuator, rig.tangential_load, of_actuator.css, of_actuator.text))
-    if (elements := rig.elements) is not None:
-        of_elements = _KEY_OF_ELEMENTS
         curves.append(
-            Curve(elements.contact, elements.tangential_load, of_elements.css, of_elements.text)
+            Curve(rig.actuator, rig.tangential_load, key_of_actuator.css, key_of_actuator.text)
+        )
+    if (elements := rig.elements) is not None:
+        key_of_elements = _KEY_OF_ELEMENTS
+        curves.append(
+            Curve(
+                elements.contact,
+                elements.tangential_load,
+                key_of_elements.css,
+                key_of_elements.text,
+            )
         )
     x_limits = limits(*(curve.x for curve in curves))
     return Panel(
@@ -256,8 +271,8 @@ def loops(rigs: Sequence[RigMotion]) -> Plate:
 
 
 def _over_time(rig: RigMotion) -> Plate:
-    """Q between the limits of friction over time, above what the contact does; beneath, the
-    displacement of actuator and contact, and the way that the bodies slide.
+    """A figure over time: Q between the limits of friction, above what the contact does. Beneath,
+    the displacements of actuator and contact, and the distance that the bodies slide.
     """
     length = units(rig.scene)[1]
     load = load_unit(rig.scene)
@@ -272,27 +287,27 @@ def _over_time(rig: RigMotion) -> Plate:
         Curve(rig.time, -limit, "cone", "−f P"),
         Curve(rig.time, rig.tangential_load, "c5 bold", "Q"),
     ]
-    moved_curves = [
+    displacement_curves = [
         Curve(rig.time, rig.actuator, "c1 dash", "U of the actuator"),
         Curve(rig.time, rig.contact, "c0", "U of the contact"),
         Curve(rig.time, rig.way, "c2 bold", "way that the bodies slide"),
     ]
     time = Axis(float(rig.time[0]), float(rig.time[-1]), "time")
 
-    def panel(name: str, up: Axis, marks: Sequence[Mark], alt: str) -> Panel:
+    def panel_of(name: str, up: Axis, marks: Sequence[Mark], alt: str) -> Panel:
         return Panel(name, time, up, marks, alt, _WIDTH, 300.0, css="broad", time="x")
 
     panels = [
-        panel("rig-force", Axis(*force_range, f"Q  [{load}]"), force_marks, "Q over time"),
-        panel(
+        panel_of("rig-force", Axis(*force_range, f"Q  [{load}]"), force_marks, "Q over time"),
+        panel_of(
             "rig-way",
-            Axis(*limits(*(curve.y for curve in moved_curves)), f"displacement  [{length}]"),
-            [Rule(0.0, "zero"), *moved_curves],
+            Axis(*limits(*(curve.y for curve in displacement_curves)), f"displacement  [{length}]"),
+            [Rule(0.0, "zero"), *displacement_curves],
             "Displacements over time",
         ),
     ]
     keys = [Key("c5 bold", "Q"), Key("cone", "±f P")]
-    keys += [Key(curve.css, curve.label) for curve in moved_curves]
+    keys += [Key(curve.css, curve.label) for curve in displacement_curves]
     motions_shown = {motion for motion, _, _ in rig.stretches()}
     keys += [Key(*_MOTIONS[motion], patch=True) for motion in Motion if motion in motions_shown]
     columns: Table = {
@@ -307,23 +322,25 @@ def _over_time(rig: RigMotion) -> Plate:
 
 # ------------------------------------------------------------------------------------------ numbers
 def rows_of(rig: RigMotion) -> list[tuple[str, str]]:
-    """The first table: strokes, loads, dissipation, motions."""
-    length = units(rig.scene)[1]
-    load = load_unit(rig.scene)
-    work = rig.solution.dissipation
+    """Rows (label with unit, value) of the first table of a rig: strokes, loads, dissipation, and
+    how long the contact sticks or slides.
+    """
+    unit_of_length = units(rig.scene)[1]
+    unit_of_load = load_unit(rig.scene)
+    dissipation = rig.solution.dissipation
     least_load = float(np.min(rig.normal_load))
     largest_load = float(np.max(rig.normal_load))
     loads = f"{least_load:.6g} to {largest_load:.6g}"
     rows = [
-        (f"stroke of the actuator [{length}]", f"{np.ptp(rig.actuator):.6g}"),
-        (f"stroke of the contact [{length}]", f"{np.ptp(rig.contact):.6g}"),
-        (f"P [{load}]", f"{largest_load:.6g}" if least_load == largest_load else loads),
+        (f"stroke of the actuator [{unit_of_length}]", f"{np.ptp(rig.actuator):.6g}"),
+        (f"stroke of the contact [{unit_of_length}]", f"{np.ptp(rig.contact):.6g}"),
+        (f"P [{unit_of_load}]", f"{largest_load:.6g}" if least_load == largest_load else loads),
         (
-            f"Q [{load}]",
+            f"Q [{unit_of_load}]",
             minus(f"{np.min(rig.tangential_load):.6g} to {np.max(rig.tangential_load):.6g}"),
         ),
         *([row_of_sliding(rig.solution)] if rig.scene.friction.coefficient else []),
-        (f"dissipation W of the {rig.noun} [{energy_unit(rig.scene)}]", f"{work:.6g}"),
+        (f"dissipation W of the {rig.noun} [{energy_unit(rig.scene)}]", f"{dissipation:.6g}"),
     ]
     for motion in Motion:
         share = rig.share(motion)
@@ -331,7 +348,7 @@ def rows_of(rig: RigMotion) -> list[tuple[str, str]]:
             continue
         words = f"{100 * share:.3g} % of the time"
         if motion in (Motion.FORWARD, Motion.BACK):
-            words += f", over {rig.distance(motion):.6g} {length}"
+            words += f", over {rig.distance(motion):.6g} {unit_of_length}"
         rows.append((_MOTIONS[motion][1], words))
     if rig.elements is not None:
         rows += _rows_of_elements(rig, rig.elements)
@@ -339,28 +356,30 @@ def rows_of(rig: RigMotion) -> list[tuple[str, str]]:
 
 
 def _rows_of_elements(rig: RigMotion, elements: RigMotion) -> list[tuple[str, str]]:
-    """The same of finite elements, with the difference over theory's."""
-    load = load_unit(rig.scene)
-    length = units(rig.scene)[1]
-    work = elements.solution.dissipation
+    """Rows (label with unit, value) on the finite elements' answer for a rig: dissipation with its
+    difference from theory's, range of Q, sliding distance.
+    """
+    unit_of_load = load_unit(rig.scene)
+    unit_of_length = units(rig.scene)[1]
+    dissipation = elements.solution.dissipation
     uncertainty = getattr(elements.solution, "dissipation_uncertainty", math.nan)
-    words = f"{work:.6g}"
+    work_in_words = f"{dissipation:.6g}"
     if math.isfinite(uncertainty):
-        words += f" ± {uncertainty:.1g}"
+        work_in_words += f" ± {uncertainty:.1g}"
     if rig.solution.dissipation:
-        words += f" ({100 * (work / rig.solution.dissipation - 1):+.3g} %)"
-    force = elements.tangential_load
+        work_in_words += f" ({100 * (dissipation / rig.solution.dissipation - 1):+.3g} %)"
+    tangential_load = elements.tangential_load
     rows = [
-        (f"W by finite elements [{energy_unit(rig.scene)}]", minus(words)),
+        (f"W by finite elements [{energy_unit(rig.scene)}]", minus(work_in_words)),
         (
-            f"Q by finite elements [{load}]",
-            minus(f"{np.min(force):.6g} to {np.max(force):.6g}"),
+            f"Q by finite elements [{unit_of_load}]",
+            minus(f"{np.min(tangential_load):.6g} to {np.max(tangential_load):.6g}"),
         ),
     ]
     # Of few increments one begins to slide within another: the middle slips only where all do.
-    way = float(np.sum(np.abs(np.diff(elements.way))))
-    if way > _NO_SLIDE * float(np.ptp(elements.actuator)):
-        rows.append((f"slide by finite elements [{length}]", f"{way:.6g}"))
+    sliding_distance = float(np.sum(np.abs(np.diff(elements.way))))
+    if sliding_distance > _NO_SLIDE * float(np.ptp(elements.actuator)):
+        rows.append((f"slide by finite elements [{unit_of_length}]", f"{sliding_distance:.6g}"))
     return rows
 
 
@@ -372,11 +391,15 @@ def may_slide(rig: RigMotion) -> bool:
 
 
 def _sentence(rig: RigMotion) -> str:
-    """What matters first."""
+    """The first sentence on a rig: whether the bodies slide as a whole, how far, and the
+    dissipation W.
+    """
     length = units(rig.scene)[1]
-    way = rig.distance(Motion.FORWARD) + rig.distance(Motion.BACK)
-    if way:
-        sentence_on_slides = f"The bodies slide as a whole by {way:.6g} {length} in the {rig.noun}."
+    sliding_distance = rig.distance(Motion.FORWARD) + rig.distance(Motion.BACK)
+    if sliding_distance:
+        sentence_on_slides = (
+            f"The bodies slide as a whole by {sliding_distance:.6g} {length} in the {rig.noun}."
+        )
     elif may_slide(rig):
         sentence_on_slides = (
             f"Nothing slides as a whole in the {rig.noun}, but with these inputs the bodies may."
@@ -395,10 +418,8 @@ def _notes_of(rig: RigMotion) -> Iterator[str]:
 
 
 def write(rig: RigMotion, out: str | Path, command: str, remarks: Sequence[str]) -> Path:
-    """The page and the CSV of each figure, beside the solution that is saved there; returns the
-    path of the page.
-
-    `remarks` are sentences on which engine takes the scene.
+    """Write the page of a rig and the CSV of each figure to the folder that holds the solution;
+    returns the path of the page. `remarks` are sentences on which engine takes the scene.
     """
     program, digest = script()
     drawings = (_loop(rig), _over_time(rig))

@@ -85,7 +85,8 @@ def write(
     stress_instants: Sequence[Instant] = (),
     log: Sequence[str] = (),
 ) -> Path:
-    """Write the report and return the path of the page.
+    """Write the report to a folder: both solutions, the page, the figures' tables and the JSON;
+    returns the path of the page.
 
     Both solutions are written first. Where the page fails they are in the folder, and a note of the
     error names their files.
@@ -178,8 +179,8 @@ def render(
     live: Mapping[str, Any] | None = None,
     third: Mapping[str, Any] | None = None,
 ) -> str:
-    """The HTML text; every word that came from outside is escaped, and no script but the page's own
-    may run.
+    """The text of the HTML page of a report. Every word that came from outside is escaped, and no
+    script but the page's own may run.
 
     Parameters
     ----------
@@ -198,9 +199,9 @@ def render(
     scene = comparison.scene
     sentences = common_content(report)
     profile_findings = findings(scene)[0]
-    without_terms = budget_words.negligible_terms(report.budget) if report.budget else ()
+    terms_left_out = budget_words.negligible_terms(report.budget) if report.budget else ()
     bodies = [sentences["bodies"], sentences["unlike_materials"], *profile_findings]
-    program, digest = script()
+    program, script_digest = script()
     return template("report.html").render(
         sentences | {"bodies": bodies},
         title=scene.title or scene.name,
@@ -211,8 +212,8 @@ def render(
         budget_words=budget_words,
         units=import_module("reports.units"),
         input_words=input_words,
-        budget=budget_words.budget_table(report.budget, without_terms) if report.budget else None,
-        without_terms=without_terms,
+        budget=budget_words.budget_table(report.budget, terms_left_out) if report.budget else None,
+        without_terms=terms_left_out,
         notes=_notes(comparison),
         dissipations=list(_dissipations(comparison)),
         stretch=words.stretch(scene),
@@ -227,7 +228,7 @@ def render(
         commit=code_commit(),
         third=third,
         script=program,
-        script_hash=digest,
+        script_hash=script_digest,
         live=_as_script(dict(live) if live else {"instants": 0}),
         carried=_carried_in_words(dict(live)) if live else "",
         states=STATE_KEYS,
@@ -237,8 +238,8 @@ def render(
 
 
 def code_commit(files: str = ".") -> str:
-    """The commit of the checkout that this package lies in, "with changes" where one of `files`
-    (a pattern of git) differs from it; "unknown", and why, where there is no checkout or no git.
+    """The git commit of the checkout that this package lies in, "with changes" where one of `files`
+    (a pattern of git) differs from it. "unknown", and why, without a checkout or without git.
     """
     home = Path(__file__).parents[2]
     if not (home / ".git").exists():
@@ -272,40 +273,46 @@ def _notes(comparison: Comparison) -> list[str]:
 
 
 def _dissipations(comparison: Comparison) -> Iterator[dict[str, str]]:
-    """Dissipation of each solution: both routes and every cycle."""
+    """Texts of a table on the friction work of each solution: the sum of q ds, the closed integral
+    of Q dU with its parts, how far these differ, and the work of every cycle.
+    """
 
     def in_digits(value: float | None, digits: int = 8) -> str:
         """A dash for what a solution does not hold."""
         return "–" if value is None or np.isnan(value) else minus(f"{value:.{digits}g}")
 
-    polygon = comparison.polygon_reference
-    for solution in filter(None, (comparison.reference, polygon, comparison.result)):
+    reference_on_steps = comparison.polygon_reference
+    for solution in filter(None, (comparison.reference, reference_on_steps, comparison.result)):
         name = name_of(solution.engine)
-        if solution is polygon:
+        if solution is reference_on_steps:
             name += ", on the polygon of the steps"
-        work = solution.dissipation
-        loop = solution.loop_work
+        dissipation = solution.dissipation
+        loop_work = solution.loop_work
         work_of_normal_load = normal_work(solution)
-        if work_of_normal_load is not None and abs(work_of_normal_load) < _ROUND_OFF * work:
+        if work_of_normal_load is not None and abs(work_of_normal_load) < _ROUND_OFF * dissipation:
             work_of_normal_load = 0.0
         difference = "–"
-        if work and not np.isnan(loop):
-            difference = minus(f"{abs((loop + (work_of_normal_load or 0.0)) / work - 1):.1e}")
+        if dissipation and not np.isnan(loop_work):
+            difference = minus(
+                f"{abs((loop_work + (work_of_normal_load or 0.0)) / dissipation - 1):.1e}"
+            )
         yield {
             "name": name,
-            "value": in_digits(work),
-            "scaled": in_digits(work / comparison.scales.dissipation),
-            "loop": in_digits(loop),
+            "value": in_digits(dissipation),
+            "scaled": in_digits(dissipation / comparison.scales.dissipation),
+            "loop": in_digits(loop_work),
             # of the instants that the solution has
             "bulk": in_digits(bulk_work(last_cycle(solution), solution.scene.material)),
             "normal": in_digits(work_of_normal_load),
             "apart": difference,
-            "cycles": ", ".join(in_digits(of_cycle, 6) for of_cycle in solution.cycle_dissipation),
+            "cycles": ", ".join(
+                in_digits(work_of_cycle, 6) for work_of_cycle in solution.cycle_dissipation
+            ),
         }
 
 
 def _flat(settings: Mapping[str, Any], prefix: str = "") -> dict[str, str]:
-    """Nested settings as one list, names joined by dots, numbers to six digits.
+    """Nested settings as one dict of texts: names joined by dots, numbers to six digits.
 
     >>> _flat({"mesh": {"order": 2}, "element_size": 0.0144202817})
     {'mesh.order': '2', 'element_size': '0.0144203'}
@@ -332,21 +339,23 @@ _NO_NUMBER = -32768
 
 
 def _quantised(values: Array) -> dict[str, Any]:
-    """Numbers as 16-bit whole numbers of a step, little-endian in base64; what is not finite is a
-    number of its own.
+    """Numbers as 16-bit multiples of a step, little-endian in base64, for the page's script. What
+    is not finite has a number of its own.
 
     >>> _quantised(np.array([0.0, 2.0, -1.0]))["step"] * 32766
     2.0
     """
-    finite = np.isfinite(values)
-    step = float(np.max(np.abs(values[finite]), initial=0.0)) / _STEPS or 1.0
-    steps = np.rint(np.where(finite, values, 0.0) / step)
-    numbers = np.where(finite, steps, _NO_NUMBER).astype("<i2")
-    return {"step": step, "data": base64.b64encode(numbers.tobytes()).decode()}
+    is_finite = np.isfinite(values)
+    step = float(np.max(np.abs(values[is_finite]), initial=0.0)) / _STEPS or 1.0
+    steps = np.rint(np.where(is_finite, values, 0.0) / step)
+    codes = np.where(is_finite, steps, _NO_NUMBER).astype("<i2")
+    return {"step": step, "data": base64.b64encode(codes.tobytes()).decode()}
 
 
 def _cycle_data(view: CycleView) -> dict[str, Any]:
-    """Everything that the slider moves, and how much of the cycle that is."""
+    """Everything that the slider of the page moves through, for its script: loads, displacements,
+    tractions and states at the instants and points carried, and how many of all these are.
+    """
     scene = view.scene
     rows = _carried_instants(view)
     points = _carried_points(view, len(rows))
@@ -402,16 +411,18 @@ def _carried_points(view: CycleView, instants: int) -> NDArray[np.int_]:
 def _carried_fields(
     view: CycleView, grid: tuple[NDArray[np.int_], ...]
 ) -> tuple[dict[str, Any], NDArray[np.uint8]]:
-    """p, q and s of the reference with the differences of the result, and the states of both."""
-    sizes = {
+    """For the page's script, at the instants and points of `grid`: pressure p, shear q and slip s
+    of the reference, the differences of the result from them, and the states of both in one number.
+    """
+    field_and_unit = {
         "p": ("pressure", view.scales.pressure),
         "q": ("shear", view.scales.shear),
         "s": ("slip", 1.0),
     }
     fields = {}
-    for key, (name, size) in sizes.items():
-        reference_values = getattr(view.reference_cycle, name)[grid] / size
-        result_values = getattr(view.result_cycle, name)[grid] / size
+    for key, (name, unit) in field_and_unit.items():
+        reference_values = getattr(view.reference_cycle, name)[grid] / unit
+        result_values = getattr(view.result_cycle, name)[grid] / unit
         fields[key] = _quantised(reference_values)
         fields[f"d{key}"] = _quantised(result_values - reference_values)
     state_of_result = view.result_cycle.state[grid].astype(np.uint8)
@@ -429,7 +440,7 @@ def _place_of(index: int, indices: NDArray[np.int_]) -> int:
 
 
 def _carried_in_words(cycle_data: dict[str, Any]) -> str:
-    """How much of the cycle the slider moves through, in a sentence."""
+    """A sentence on how much of the cycle the slider moves through, all or a part."""
     instants, points = cycle_data["of"]
     carried_instants = cycle_data["instants"]
     carried_points = cycle_data["points"]
@@ -464,16 +475,16 @@ def _as_script(content: dict[str, Any]) -> str:
 
 
 def draw(report: Report) -> tuple[Plate, ...]:
-    """Every figure of the report, in the order of the page; those left out that need what a foreign
-    result does not hold.
+    """Every figure of a report, in the order of the page. Left out are those that need what an
+    external result does not hold.
     """
     comparison = report.comparison
     view = CycleView(comparison)
     half_width = comparison.scales.half_width
-    right_edge = float(np.nanmax(comparison.expected.contact_edges))
+    contact_edge = float(np.nanmax(comparison.expected.contact_edges))
     drawings: list[Plate | None] = [
         sketch(comparison.scene, half_width),
-        fit_residuals(comparison.scene, right_edge),
+        fit_residuals(comparison.scene, contact_edge),
         cumulative_work(view),
         load_path(view),
         moving_instant(view),
@@ -511,7 +522,7 @@ def draw(report: Report) -> tuple[Plate, ...]:
 
 
 def figure(report: Comparison | Report, name: str) -> str:
-    """One figure of the page as an SVG document that stands alone.
+    """One figure of a report's page as an SVG document that stands alone.
 
     Parameters
     ----------
@@ -545,28 +556,28 @@ def figure(report: Comparison | Report, name: str) -> str:
 
 
 def published(comparison: Comparison) -> str:
-    """The picture of a published scene, two panels as SVG: tractions at the largest load, and the
-    loop or the half-widths.
+    """The picture of a published scene as SVG: tractions at the largest load, and beside them the
+    loop of Q over U, or the half-widths where U does not move.
     """
     view = CycleView(comparison)
     scene = comparison.scene
-    expected_cycle = comparison.expected
+    reference_cycle = comparison.expected
     # Where P is largest, and of these instants where |Q| is.
-    at_largest_load = expected_cycle.normal_load >= expected_cycle.normal_load.max() * (1 - 1e-9)
-    shear_loads = np.where(at_largest_load, np.abs(expected_cycle.tangential_load), -1.0)
+    at_largest_load = reference_cycle.normal_load >= reference_cycle.normal_load.max() * (1 - 1e-9)
+    shear_loads = np.where(at_largest_load, np.abs(reference_cycle.tangential_load), -1.0)
     instant = int(np.argmax(shear_loads))
-    title = f"t = {expected_cycle.time[instant]:.4g}"
+    title = f"t = {reference_cycle.time[instant]:.4g}"
     size = (440.0, 330.0)
     traction_panel, _ = traction_panels(view, instant, [instant], "tractions", size, title)
     traction_panel = replace(traction_panel, x=view.over_x(), room=None)
 
-    moves = np.ptp(expected_cycle.tangential_displacement) > 1e-9 * comparison.scales.shift
-    loop = hysteresis(view) if moves else None
+    moves = np.ptp(reference_cycle.tangential_displacement) > 1e-9 * comparison.scales.shift
+    loop_plate = hysteresis(view) if moves else None
     view.time = view.result_cycle.time
     view.time_words = "time"
-    beside_it = loop.panels[1] if loop else half_widths(view).panels[0]
-    assert isinstance(beside_it, Panel)
-    second_panel = replace(beside_it, height=size[1])
+    second_plate_panel = loop_plate.panels[1] if loop_plate else half_widths(view).panels[0]
+    assert isinstance(second_plate_panel, Panel)
+    second_panel = replace(second_plate_panel, height=size[1])
     keys = traction_keys(view)[:4]
     alt = f"Both engines on {scene.name}"
     panels = (traction_panel, second_panel)
