@@ -10,7 +10,7 @@ import numpy as np
 
 
 def python_number(value: Any) -> Any:
-    """A scalar of numpy, or a tuple of them, as Python's own number; anything else as it is.
+    """A numpy scalar, or a tuple of them, as Python's own number; anything else as it is.
 
     Page, JSON and tables take `True` for an index and `0.5` for a number; numpy's own scalars are
     neither everywhere.

@@ -127,20 +127,23 @@ class Report:
 
     @property
     def opening(self) -> str:
-        """The first sentence: what differs and by how much; of a scored result also why it differs,
-        or that the reason was not found, and then what agrees.
+        """The first sentence of a report: what differs and by how much. Of an external result also
+        why, or that the reason was not found, and then what agrees.
         """
         sentence = headline(self.comparison)
         if not self.diagnoses:
             return sentence
-        agreeing = [
+        labels_within = [
             metric.label.lower()
             for metric in self.comparison.headlines
             if metric.verdict is Verdict.WITHIN
         ]
         reasons = " and ".join(diagnosis.name_and_size for diagnosis in self.diagnoses)
-        agrees = f"; within tolerance: {', '.join(agreeing)}" if agreeing else ""
-        return f"{sentence.removesuffix('.')}; cause: {reasons}{agrees}."
+        agreement_in_words = (
+            f"; within tolerance: {', '.join(labels_within)}" if labels_within else"
+            f" ""
+        )
+        return f"{sentence.removesuffix('.')}; cause: {reasons}{agreement_in_words}."
 
     @property
     def passed(self) -> bool:

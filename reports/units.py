@@ -55,7 +55,8 @@ def number(value: float) -> str:
 
 
 def significant(value: float, count: int) -> str:
-    """Significant digits, zeros at the end among them; a dash for what is no number.
+    """A value in words to so many significant digits, zeros at the end among them; a dash for what
+    is no number.
 
     >>> significant(4.0, 2), significant(184.2, 2), significant(2.5e-6, 2)
     ('4.0', '180', '2.5e−06')

@@ -94,11 +94,13 @@ class AgainstMeasurement:
 
     @property
     def sentence(self) -> str:
-        """E with u_val in per cent of D, what u_val is made of, and the verdict."""
-        unit = 100 / abs(self.measured) if self.measured else math.nan
-        amount = with_uncertainty(unit * self.error, unit * self.uncertainty)
-        parts = [
-            f"{name} {significant(unit * size, 2)} %"
+        """The difference computed − measured with its uncertainty u_val, in per cent of the
+        measured value, what u_val is made of, and the verdict.
+        """
+        percent_per_unit = 100 / abs(self.measured) if self.measured else math.nan
+        amount = with_uncertainty(percent_per_unit * self.error, percent_per_unit * self.uncertainty)
+        parts_of_uncertainty = [
+            f"{name} {significant(percent_per_unit * size, 2)} %"
             for name, size in (
                 ("numerical", self.numerical),
                 ("inputs", self.inputs),
@@ -107,7 +109,7 @@ class AgainstMeasurement:
         ]
         sentence = (
             f"E of {self.words}, {self.model} minus measured, is {amount} % (u_val of"
-            f" {', '.join(parts)}): {self.verdict}."
+            f" {', '.join(parts_of_uncertainty)}): {self.verdict}."
         )
         if self.not_stated:
             sentence += f" Not stated, and so taken as 0: {', '.join(self.not_stated)}."
@@ -132,8 +134,8 @@ class AgainstMeasurement:
 def against_result(
     comparison: JudgedPair, effects: InputEffects | None, measured: Measured
 ) -> tuple[AgainstMeasurement, ...]:
-    """A scored result as a measurement: values of it beside those of half-plane theory; none where
-    no uncertainty of the inputs is stated.
+    """Values of an external result, taken as a measurement, beside those of half-plane theory. None
+    where the scene states no uncertainty of its inputs, by which theory is uncertain (`effects`).
 
     Parameters
     ----------
@@ -146,25 +148,28 @@ def against_result(
 def _against_result(
     comparison: JudgedPair, effects: InputEffects | None, measured: Measured
 ) -> Iterator[AgainstMeasurement]:
+    """Each scored value of an external result beside that of half-plane theory, with the
+    uncertainties of both.
+    """
     if effects is None or effects.unknown:
         return
     for key, (name, words) in _SCORED.items():
         metric = comparison.metric(key)
-        value = effects.values.get(name)
+        theory_value = effects.values.get(name)
         is_known = metric.value is not None and not metric.absolute and math.isfinite(metric.value)
-        if not is_known or value is None or not value.value:
+        if not is_known or theory_value is None or not theory_value.value:
             continue
-        relative_uncertainty = effects.work_uncertainty if name == WORK else value.relative
-        result = value.value * (1 + float(metric.value or 0.0))
+        relative_uncertainty = effects.work_uncertainty if name == WORK else theory_value.relative
+        measured_value = theory_value.value * (1 + float(metric.value or 0.0))
         stated_share = measured.share(key)
         yield AgainstMeasurement(
             words=words,
             model="theory",
-            computed=value.value,
-            measured=result,
+            computed=theory_value.value,
+            measured=measured_value,
             numerical=0.0,
-            inputs=relative_uncertainty * value.value,
-            measurement=(stated_share or 0.0) * result,
+            inputs=relative_uncertainty * theory_value.value,
+            measurement=(stated_share or 0.0) * measured_value,
             not_stated=("u_D of the result",) if stated_share is None else (),
         )
 
@@ -172,20 +177,20 @@ def _against_result(
 def against_loop(
     score: LoopScore, effects: InputEffects | None, measured: Measured
 ) -> tuple[AgainstMeasurement, ...]:
-    """The area of a measured loop beside those that are computed with the scene's f; none where no
-    uncertainty of the inputs is stated.
+    """The area of a measured loop beside the areas that theory and finite elements compute with the
+    scene's friction.
 
-    What lies between rows is a bound, taken as a uniform distribution; the scatter is stated in
-    95 %.
+    None where the scene states no uncertainty of its inputs. What lies between rows is a bound,
+    taken as a uniform distribution; the scatter is stated in 95 %.
     """
     from reports.scoring.loops import OF_SCENE
 
     if effects is None or not math.isfinite(effects.work_uncertainty):
         return ()
-    area = score.rows[0]
-    of_rows = math.hypot(area.by_distance / math.sqrt(3), area.by_noise / _OF_95)
+    measured_row = score.rows[0]
+    uncertainty_of_rows = math.hypot(measured_row.by_distance / math.sqrt(3), measured_row.by_noise / _OF_95)
     stated_share = measured.share("dissipation")
-    measurement = math.hypot(of_rows, (stated_share or 0.0) * area.area)
+    measurement = math.hypot(uncertainty_of_rows, (stated_share or 0.0) * measured_row.area)
     entries = []
     for row in score.rows[1:]:
         model, _, engine = row.name.partition(", ")
@@ -201,7 +206,7 @@ def against_loop(
                 words="W",
                 model=model,
                 computed=row.area,
-                measured=area.area,
+                measured=measured_row.area,
                 numerical=numerical_error,
                 inputs=effects.work_uncertainty * row.area,
                 measurement=measurement,

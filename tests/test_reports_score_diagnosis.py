@@ -373,7 +373,7 @@ def test_a_fit_of_the_fault_leaves_nothing_of_what_no_cause_leaves(table: Module
     without, turned = (search.fit(causes, (PRESSURE, SHEAR)) for causes in ((), (SHEAR_SIGN,)))
     assert without is not None
     assert turned is not None
-    np.testing.assert_array_equal(without.predicted, difference.expected)
+    np.testing.assert_array_equal(without.predicted, difference.reference_tractions)
     assert without.square((PRESSURE,)) == 0.0
     assert without.square((SHEAR,)) > 0.01
     assert turned.square((PRESSURE, SHEAR)) == 0.0

@@ -225,21 +225,25 @@ def compare(
 
 
 def _refuse_other_question(reference: ContactSolution, result: ContactSolution) -> None:
-    """InputError where the scenes differ in what theory depends on."""
+    """InputError where the scenes of two solutions differ in what theory depends on: material,
+    profile, friction, load.
+    """
     for part in ("material", "profile", "friction", "load"):
-        reference_values = getattr(reference.scene, part)
-        result_values = getattr(result.scene, part)
-        if reference_values != result_values:
+        reference_part = getattr(reference.scene, part)
+        result_part = getattr(result.scene, part)
+        if reference_part != result_part:
             raise InputError(
                 f"{reference.engine} and {result.engine} answer different questions: {part} is"
-                f" {reference_values!r} in the one and {result_values!r} in the other; solve"
+                f" {reference_part!r} in the one and {result_part!r} in the other; solve"
                 " both from one"
                 " scene"
             )
 
 
 def _notes(pair: Pair) -> Iterator[str]:
-    """What a reader must not miss, as sentences."""
+    """Sentences that a reader of a comparison must not miss: interpolation, light instants, no
+    convergence, notes of both solutions.
+    """
     from reports.charts.templating import in_template
 
     scene = pair.result.scene

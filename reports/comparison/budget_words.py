@@ -37,16 +37,24 @@ def _is_negligible(entry: Budget, term: Term) -> bool:
 def budget_table(
     budget: ErrorBudget, without: tuple[str, ...] = ()
 ) -> tuple[tuple[str, ...], list[tuple[str, ...]], list[tuple[str, ...]]]:
-    """Heads; a row for each metric of the first table; a row for each other metric.
+    """The table of the error budget: heads, rows of the metrics of the first table, rows of the
+    other metrics.
 
-    Without a column for the terms named, and for one that is none everywhere. The last column says
-    whether the uncertainty covers what is left (half-planes), or whether an idealisation error
-    stands out of it (real bodies).
+    Without a column for the terms named in `without`, and for one that is none everywhere. The last
+    column says whether the uncertainty covers what is left (half-planes), or whether an
+    idealisation error stands out of it (real bodies).
     """
-    terms = [term.name for term in budget.budgets[0].terms] if budget.budgets else []
+    term_names = [term.name for term in budget.budgets[0].terms] if budget.budgets else []
     are_half_planes = all(entry.half_planes for entry in budget.budgets)
-    rest = "unexplained" if are_half_planes else "idealisation"
-    heads = ("metric", "E", *terms, rest, "± u", "covered" if are_half_planes else "resolved")
+    name_of_rest = "unexplained" if are_half_planes else "idealisation"
+    heads = (
+        "metric",
+        "E",
+        *term_names,
+        name_of_rest,
+        "± u",
+        "covered" if are_half_planes else "resolved",
+    )
     rows = [_budget_row(entry) for entry in budget.budgets]
     columns = []
     for column, head in enumerate(heads):

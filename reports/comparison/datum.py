@@ -14,8 +14,11 @@ from scenes import BodyEffects, ContactSolution, InputError, freeze
 
 
 def effects_between(reference: ContactSolution, result: ContactSolution) -> BodyEffects | None:
-    """What the bodies of two solutions add to half-planes; None where both count from one datum,
-    and where it is not known: curved faces, coupled materials, bulk stress.
+    """What the bodies add to half-planes, where one solution counts its displacements with it and
+    the other does not.
+
+    None where both count alike, and where it is not known: curved faces, coupled materials, bulk
+    stress.
     """
     scene = result.scene
     if lacks_datum(reference) == lacks_datum(result) or coupled(scene):

@@ -79,8 +79,9 @@ def energy_scale(scene: Scene, load: float) -> float:
 
 
 def scales(reference: ContactSolution) -> Scales:
-    """The scales of `reference`; a(P_ref) is read off its own half-widths, linear in P between its
-    instants.
+    """The scales that make a comparison dimensionless: P_ref, the mean load of an ellipse or else
+    the largest one, the reference's half-width a(P_ref), linear in P between its instants, and what
+    follows from these.
     """
     load = reference.scene.load
     if isinstance(load, EllipseLoad):

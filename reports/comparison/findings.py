@@ -84,7 +84,8 @@ class Findings:
 
 
 def read_findings(source: str | Path) -> Findings:
-    """The findings of a run folder, comparison.json, <engine>.json, solution (.nc) or baseline.
+    """The values of a run, for comparison with another one: from a run folder, comparison.json,
+    <engine>.json, a solution (.nc) or a baseline.
 
     A folder that holds a comparison is read for that; otherwise for every engine's own answer in
     it.
@@ -111,7 +112,9 @@ def read_findings(source: str | Path) -> Findings:
 
 
 def _of_answers(folder: Path, source: str | Path) -> Findings:
-    """The findings of every engine's own answer in a folder without a comparison."""
+    """The values of every engine's own answer in a folder without a comparison. InputError where
+    there is none, where none converged, or where they answer different scenes.
+    """
     contents = [_json(file, file) for file in sorted(folder.glob("*.json"))]
     answers = [
         content
@@ -123,27 +126,34 @@ def _of_answers(folder: Path, source: str | Path) -> Findings:
             f"{source}: this is no folder of a run: it holds no comparison.json and no answer of an"
             " engine"
         )
-    parts = [of_content(content, str(source)) for content in answers if content["converged"]]
-    if not parts:
+    findings_of_engines = [
+        of_content(content, str(source)) for content in answers if content["converged"]
+    ]
+    if not findings_of_engines:
         raise InputError(
             f"{source}: it holds only the steps before an engine failed:"
             f" {answers[0].get('message')}"
         )
-    if any(_physics(part.scene) != _physics(parts[0].scene) for part in parts):
+    if any(
+        _physics(finding.scene) != _physics(findings_of_engines[0].scene)
+        for finding in findings_of_engines
+    ):
         raise InputError(
             f"{source}: the engines in this folder answer different scenes; name the file of one of"
             " them"
         )
     figures: dict[str, float | None] = {}
     engines: dict[str, Mapping[str, Any]] = {}
-    for part in parts:
-        figures |= part.figures
-        engines |= part.engines
-    return Findings(str(source), parts[0].scene, figures, engines)
+    for finding in findings_of_engines:
+        figures |= finding.figures
+        engines |= finding.engines
+    return Findings(str(source), findings_of_engines[0].scene, figures, engines)
 
 
 def of_content(content: Mapping[str, Any], source: str) -> Findings:
-    """The findings in what comparison.json, <engine>.json or a baseline hold."""
+    """The values in the content of comparison.json, <engine>.json or a baseline; InputError, naming
+    `source`, for another format or version.
+    """
     format_name = content.get("format")
     match = _FORMAT.fullmatch(format_name) if isinstance(format_name, str) else None
     if match is None:
@@ -176,13 +186,15 @@ def of_content(content: Mapping[str, Any], source: str) -> Findings:
 
 
 def _read(kind: str, content: Mapping[str, Any], source: str) -> Findings:
-    """Of content of that kind; whatever is missing or no number raises."""
+    """The values in JSON content of this kind (baseline, comparison or solution). Whatever is
+    missing or no number raises KeyError, TypeError or ValueError.
+    """
     scene = Scene.model_validate(content["scene"])
     figures: dict[str, float | None] = {}
     tolerances: dict[str, float] = {}
     engines: dict[str, Mapping[str, Any]] = {}
     answers: dict[str, Mapping[str, Any]] = {}  # name of an engine, or its role -> its answer
-    unfinished: list[str] = []
+    failures: list[str] = []
     if kind == "baseline":
         figures = {str(key): _number(value) for key, value in content["figures"].items()}
         tolerances = {str(key): float(value) for key, value in content["tolerances"].items()}
@@ -194,9 +206,9 @@ def _read(kind: str, content: Mapping[str, Any], source: str) -> Findings:
             # look alike.
             if not metric["finite"]:
                 figures[f"metric.{key}.finite"] = 0.0
-        has_one_engine = content["reference"]["engine"] == content["result"]["engine"]
+        has_same_engine = content["reference"]["engine"] == content["result"]["engine"]
         for role in ("reference", "result"):
-            name = role if has_one_engine else _slug(content[role]["engine"])
+            name = role if has_same_engine else _slug(content[role]["engine"])
             answers[name] = content[role]
     else:
         answers = {_slug(content["engine"]): content}
@@ -210,8 +222,8 @@ def _read(kind: str, content: Mapping[str, Any], source: str) -> Findings:
         }
         engines[name] = _made_by(answer)
         if not answer["converged"]:
-            unfinished.append(f"{name}: {answer['message']}")
-    return Findings(source, scene, figures, engines, tuple(unfinished), tolerances)
+            failures.append(f"{name}: {answer['message']}")
+    return Findings(source, scene, figures, engines, tuple(failures), tolerances)
 
 
 def of_solution(solution: ContactSolution, source: str) -> Findings:
@@ -224,7 +236,8 @@ def of_solution(solution: ContactSolution, source: str) -> Findings:
 
 
 def write_baseline(findings: Findings, path: Path, tolerances: Mapping[str, float]) -> None:
-    """Keep `findings` as a baseline, whole or not at all.
+    """Write the values of a run to `path` as a baseline that later runs are compared with; all of
+    it or nothing.
 
     Raises
     ------
@@ -289,7 +302,7 @@ def _physics(scene: Scene) -> dict[str, Any]:
 
 
 def _flat(value: Any, name: str = "") -> dict[str, Any]:
-    """Nested mappings and lists as one mapping.
+    """Nested mappings and lists as one mapping, names joined by dots and numbers in brackets.
 
     >>> _flat({"load": {"cycle": [[1.0, 0.5]]}})
     {'load.cycle[0][0]': 1.0, 'load.cycle[0][1]': 0.5}
@@ -306,7 +319,9 @@ def _flat(value: Any, name: str = "") -> dict[str, Any]:
     else:
         return {name: value}
     return {
-        key: part for entry_name, entry in entries for key, part in _flat(entry, entry_name).items()
+        key: nested_value
+        for entry_name, entry in entries
+        for key, nested_value in _flat(entry, entry_name).items()
     }
 
 
@@ -348,7 +363,7 @@ class Difference:
 def difference(
     a: Findings, b: Findings, tolerances: Mapping[str, float] | None = None
 ) -> Difference:
-    """How far the figures of `b` are from those of `a`.
+    """How far the values of a run `b` are from those of a run `a`: a row for each, and notes.
 
     Parameters
     ----------
@@ -387,8 +402,8 @@ def difference(
     ]
     rows = []
     for key in keys:
-        fitting = (value for pattern, value in patterns if fnmatchcase(key, pattern))
-        rows.append(_row(key, a, b, tolerance=next(fitting)))
+        fitting_tolerances = (value for pattern, value in patterns if fnmatchcase(key, pattern))
+        rows.append(_row(key, a, b, tolerance=next(fitting_tolerances)))
     notes = []
     for letter, groups in (("A", groups_of_a), ("B", groups_of_b)):
         unmatched_groups = sorted(groups - common_groups)
@@ -434,45 +449,49 @@ def _notes(a: Findings, b: Findings) -> Iterator[str]:
         yield from (f"{letter} did not converge: {sentence}" for sentence in findings.unfinished)
 
 
-def patterned_tolerances(words: Sequence[str]) -> dict[str, float]:
-    """What --tolerance KEY=VALUE says; InputError for anything else.
+def patterned_tolerances(texts: Sequence[str]) -> dict[str, float]:
+    """Pattern of keys -> tolerance, from the texts after --tolerance, KEY=VALUE each; InputError
+    for anything else.
 
     >>> patterned_tolerances(["metric.*=1e-4"])
     {'metric.*': 0.0001}
     """
     tolerances = {}
-    for word in words:
-        key, _, text = word.rpartition("=")
+    for stated_text in texts:
+        key, _, value_in_words = stated_text.rpartition("=")
         try:
-            value = float(text)
+            value = float(value_in_words)
         except ValueError:
             value = math.nan
         if not (key and value >= 0):
             raise InputError(
-                f"--tolerance {word}: write KEY=VALUE, VALUE a number not below 0 (inf: not judged)"
+                f"--tolerance {stated_text}: write KEY=VALUE, VALUE a number not below 0 (inf: not"
+                f" judged)"
             )
         tolerances[key] = value
     return tolerances
 
 
 def _row(key: str, a: Findings, b: Findings, tolerance: float) -> Row:
-    """One figure of two findings; a difference is over the figure, of a metric as it is."""
-    of_a = a.figures.get(key)
-    of_b = b.figures.get(key)
+    """The value `key` of two runs, its difference and whether that is within the tolerance.
+    Differences are over the larger of the two; of a metric, which is relative already, as they are.
+    """
+    value_of_a = a.figures.get(key)
+    value_of_b = b.figures.get(key)
     kind = "absolute" if key.startswith("metric.") else "relative"
     if key not in a.figures or key not in b.figures:
         verdict = ONLY_A if key in a.figures else ONLY_B
-        return Row(key, of_a, of_b, None, kind, tolerance, verdict)
-    if of_a is None or of_b is None:
-        verdict = SAME if of_a is of_b else DIFFERS
-        return Row(key, of_a, of_b, None, kind, tolerance, verdict)
-    size = 1.0
+        return Row(key, value_of_a, value_of_b, None, kind, tolerance, verdict)
+    if value_of_a is None or value_of_b is None:
+        verdict = SAME if value_of_a is value_of_b else DIFFERS
+        return Row(key, value_of_a, value_of_b, None, kind, tolerance, verdict)
+    scale = 1.0
     if kind == "relative":
-        size = max(abs(of_a), abs(of_b), _least_size(key, a))
-    change = of_b - of_a
-    difference = change / size if change else 0.0
+        scale = max(abs(value_of_a), abs(value_of_b), _least_size(key, a))
+    change = value_of_b - value_of_a
+    difference = change / scale if change else 0.0
     verdict = SAME if verdict_on(difference, tolerance) is Verdict.WITHIN else DIFFERS
-    return Row(key, of_a, of_b, difference, kind, tolerance, verdict)
+    return Row(key, value_of_a, value_of_b, difference, kind, tolerance, verdict)
 
 
 def _least_size(key: str, findings: Findings) -> float:

@@ -44,14 +44,16 @@ def spikes(values: Array) -> Mask:
 
 
 def _stands_out(values: Array, over_all: float) -> Mask:
-    """Values larger than their neighbours, and so many times larger than all others."""
+    """Where values (k, n) are several times larger than their four neighbours, and `over_all` times
+    larger than all others.
+    """
     size = np.abs(np.nan_to_num(values))
     padded = np.pad(size, 1)
-    left = padded[1:-1, :-2]
-    right = padded[1:-1, 2:]
+    value_left = padded[1:-1, :-2]
+    value_right = padded[1:-1, 2:]
     value_before = padded[:-2, 1:-1]
     value_after = padded[2:, 1:-1]
-    largest_neighbour = np.maximum.reduce([left, right, value_before, value_after])
+    largest_neighbour = np.maximum.reduce([value_left, value_right, value_before, value_after])
     stands_out = (size > 0) & (size > _OVER_NEIGHBOURS * largest_neighbour)
     largest_of_rest = float(np.max(size, where=~stands_out, initial=0.0))
     return np.asarray(stands_out & (size > over_all * largest_of_rest))
@@ -64,36 +66,42 @@ def _has_form(values: Array) -> Mask:
 
 
 def without_spikes(values: Array) -> Array:
-    """`values`, (n_steps, n_points), with the mean of both neighbours in x in place of a spike."""
-    mask = spikes(values)
-    if not mask.any():
+    """`values` (n_steps, n_points), with the mean of both neighbours in x in place of every spike,
+    a value that stands out of all others.
+    """
+    is_spike = spikes(values)
+    if not is_spike.any():
         return values
     mended = values.copy()
-    for row, column in np.argwhere(mask):
+    for row, column in np.argwhere(is_spike):
         neighbours = [
-            k for k in (column - 1, column + 1) if 0 <= k < values.shape[1] and not mask[row, k]
+            k for k in (column - 1, column + 1) if 0 <= k < values.shape[1] and not is_spike[row, k]
         ]
         mended[row, column] = np.mean(values[row, neighbours]) if neighbours else 0.0
     return freeze(mended)
 
 
-def isolated_values(found: Cycle, expected: Cycle) -> dict[str, Mask]:
-    """Of each field the values (k, n) that stand alone: spikes, and pressures and shears whose
-    difference from the reference is a spike away from all edges.
+def isolated_values(result_cycle: Cycle, reference_cycle: Cycle) -> dict[str, Mask]:
+    """Where values (k, n) of pressure, shear and slip stand alone in a result: spikes, and
+    pressures and shears whose difference from the reference is a spike away from all edges.
 
     The slip counts from a datum of its own, so that its difference from the reference says nothing.
     """
     edges = {
-        "pressure": [expected.contact_edges],
-        "shear": [expected.contact_edges, expected.stick_edges],
+        "pressure": [reference_cycle.contact_edges],
+        "shear": [reference_cycle.contact_edges, reference_cycle.stick_edges],
     }
-    masks = {name: spikes(getattr(found, name)) for name in ("pressure", "shear", "slip")}
+    masks = {name: spikes(getattr(result_cycle, name)) for name in ("pressure", "shear", "slip")}
     for name, edges_of_field in edges.items():
-        reference = np.nan_to_num(getattr(expected, name))
-        difference = getattr(found, name) - reference
-        is_large = np.abs(difference) > _LEAST_DIFFERENCE * np.max(np.abs(reference), initial=0.0)
-        stands_alone = _stands_out(difference, _DIFFERENCE_OVER_ALL) & _has_form(found.pressure)
-        is_near_edge = _near(edges_of_field, expected)
+        reference_values = np.nan_to_num(getattr(reference_cycle, name))
+        difference = getattr(result_cycle, name) - reference_values
+        is_large = np.abs(difference) > _LEAST_DIFFERENCE * np.max(
+            np.abs(reference_values), initial=0.0
+        )
+        stands_alone = _stands_out(difference, _DIFFERENCE_OVER_ALL) & _has_form(
+            result_cycle.pressure
+        )
+        is_near_edge = _near(edges_of_field, reference_cycle)
         masks[name] = masks[name] | (stands_alone & is_large & ~is_near_edge)
     return masks
 

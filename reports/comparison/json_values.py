@@ -16,7 +16,8 @@ from scenes import ContactSolution, Scene
 
 
 def strict(value: Any) -> Any:
-    """`value` with numpy types as Python's and every NaN or infinity as None.
+    """`value` for JSON: numpy types as Python's, and every NaN or infinity as None, in nested
+    mappings and lists too.
 
     >>> strict({"a": np.float64(1), "b": [float("nan"), np.int64(2)]})
     {'a': 1.0, 'b': [None, 2]}
@@ -52,9 +53,8 @@ _OF_A_METRIC = (
 
 
 def metric_content(metric: Metric, scene: Scene, honest: bool | None) -> dict[str, Any]:
-    """What the JSON of a metric has of it.
-
-    `honest`: whether its stated uncertainty covers its known error, None where that is not known.
+    """A metric of a comparison, for JSON. `honest`: whether its stated uncertainty covers its known
+    error, None where that is not known.
     """
     return {
         **{name: getattr(metric, name) for name in _OF_A_METRIC},
@@ -69,7 +69,9 @@ def metric_content(metric: Metric, scene: Scene, honest: bool | None) -> dict[st
 
 
 def solution_content(solution: ContactSolution, checks: tuple[Certificate, ...]) -> dict[str, Any]:
-    """What is worth keeping of one solution beside its fields."""
+    """A solution without its fields, for JSON: energies, sizes, record, laws of contact, counts and
+    settings.
+    """
     names_of_values = (
         "engine",
         "dissipation",

@@ -85,10 +85,11 @@ def is_corrected(solution: ContactSolution) -> bool:
 
 
 def certificates(solution: ContactSolution) -> tuple[Certificate, ...]:
-    """Every certificate of `solution`: from its fields first, then from its record.
+    """How far a solution violates each law of contact, from its fields and from its record, with
+    the limit admitted.
 
-    Of a foreign result none that rests on a field worked out from the law itself, and the others to
-    `_PRINTED`; of corrected theory to `_BY_STEPS`.
+    Of an external result only laws that rest on fields of its own, to `_PRINTED`; of corrected
+    theory to `_BY_STEPS`.
     """
     from_fields = {"tension": _tension(solution)}
     if not np.isnan(solution.shear).all():
@@ -138,8 +139,8 @@ def _cone(solution: ContactSolution) -> Array:
 
 
 def _slip(solution: ContactSolution) -> Array:
-    """max|q -+ f p| of the points in forward (reverse) slip, over the same as the cone, (n_steps,):
-    slip costs f p, against it.
+    """Violation of Coulomb's law in slip, (n_steps,): the largest |q − f p| of points in forward
+    slip, and |q + f p| in reverse slip, over f times the largest pressure.
     """
     friction = solution.scene.friction.coefficient
     sign = (solution.state == SLIP_FORWARD) * 1.0 - (solution.state == SLIP_REVERSE)
@@ -302,7 +303,9 @@ def of_unsymmetric(solution: ContactSolution) -> dict[str, float]:
 
 
 def _scale(expected: Expected, solution: ContactSolution) -> float:
-    """What the tolerance is relative to: the value, or where that is 0 the scale of its kind."""
+    """What the tolerance of an expected number is relative to: the number, or where that is 0 the
+    scale of its kind.
+    """
     if expected.value:
         return abs(expected.value)
     match QUANTITIES[expected.quantity].kind:
@@ -329,21 +332,23 @@ def ratio_of_answer(solution: ContactSolution) -> float:
 
 
 def expected_numbers(scene: Scene, solutions: Iterable[ContactSolution]) -> Iterator[Finding]:
-    """The numbers that `scene` expects of these engines, in its order; those of other engines are
-    left out. Of corrected theory none is expected.
+    """The numbers that a scene expects of the engines of these solutions, each with what was found,
+    in the scene's order. None is expected of corrected theory.
     """
-    answers = {
+    solution_by_engine = {
         name_of(solution.engine): solution for solution in solutions if not is_corrected(solution)
     }
     for expected in scene.expected:
-        if expected.engine in answers:
-            solution = answers[expected.engine]
+        if expected.engine in solution_by_engine:
+            solution = solution_by_engine[expected.engine]
             value = QUANTITIES[expected.quantity].of(solution)
             yield Finding(expected, value, (value - expected.value) / _scale(expected, solution))
 
 
 def expected_rows(findings: Iterable[Finding]) -> list[tuple[str, ...]]:
-    """Cells of the table that the terminal shows, under `EXPECTED_HEADS`."""
+    """Cells of the table of expected numbers that the terminal shows: quantity, engine, expected,
+    found, difference, tolerance, whether it is met.
+    """
     return [
         (
             finding.expected.quantity.replace("_", " "),

@@ -133,9 +133,8 @@ class Metric(Measured):
 
 
 def missing(solution: ContactSolution) -> dict[str, str]:
-    """Quantity -> why the solution does not hold it.
-
-    An engine that was not asked for a field, and a foreign result that lacks one, say so alike: in
+    """Quantity -> why the solution does not hold it, of those that a metric needs. An engine that
+    was not asked for a field, and an external result that lacks one, say so alike: in
     `work.skipped`.
     """
     needed_fields: set[str] = set()
@@ -147,12 +146,12 @@ def missing(solution: ContactSolution) -> dict[str, str]:
 
 
 def judge(pair: Pair, tolerances: Mapping[str, float]) -> tuple[Metric, ...]:
-    """Every metric of the table that the pair has, in its order, by `tolerances`, key -> |E|
-    admitted.
+    """Every metric of the table that a comparison has, in its order, with its value, and its
+    verdict by `tolerances` (key -> |E| admitted).
 
-    Of one that needs what a solution does not hold, the reason; never a guess.
+    A metric that needs what a solution does not hold has the reason for that, and never a guess.
     """
-    reasons = {
+    reasons_by_engine = {
         name_of(solution.engine): missing(solution) for solution in (pair.result, pair.reference)
     }
     carries_shear = bool(
@@ -163,15 +162,17 @@ def judge(pair: Pair, tolerances: Mapping[str, float]) -> tuple[Metric, ...]:
         if metric.exists is not None and not metric.exists(pair):
             continue
         tolerance = metric.admitted(tolerances)
-        reason = _first_lacking(metric, reasons)
+        reason = _first_lacking(metric, reasons_by_engine)
         if FRICTION in metric.needs and not pair.result.scene.friction.coefficient:
             note = "frictionless: nothing sticks and nothing resists slip"
             metrics.append(replace(metric, note=note, tolerance=None))
         elif reason:
             # Of a contact that carries no shear a lacking shear or slip leaves nothing open.
             is_open = carries_shear or not set(metric.needs) & set(OF_FRICTION)
-            judged_by = tolerance if is_open else None
-            metrics.append(replace(metric, note=reason, tolerance=judged_by, lacking=True))
+            tolerance_of_metric = tolerance if is_open else None
+            metrics.append(
+                replace(metric, note=reason, tolerance=tolerance_of_metric, lacking=True)
+            )
         else:
             measurement = metric.measure(pair)
             metrics.append(
@@ -181,33 +182,32 @@ def judge(pair: Pair, tolerances: Mapping[str, float]) -> tuple[Metric, ...]:
 
 
 def _first_lacking(metric: Metric, reasons: Mapping[str, Mapping[str, str]]) -> str:
-    """What a solution lacks of what the metric needs, with the reason; "" where both have all.
-
-    `reasons`: name of the engine -> quantity -> why it is missing.
+    """In words, the first quantity that the metric needs and a solution lacks, with the reason; ""
+    where both have all. `reasons`: name of the engine -> quantity -> why it is missing.
     """
     for engine, reason_of in reasons.items():
         for quantity in metric.needs:
             if quantity in reason_of:
-                words = quantity.replace("_", " ")
+                quantity_in_words = quantity.replace("_", " ")
                 if quantity == "dissipation_density":
-                    words = "pointwise dissipation"
-                return f"{words}: {reason_of[quantity]} ({engine})"
+                    quantity_in_words = "pointwise dissipation"
+                return f"{quantity_in_words}: {reason_of[quantity]} ({engine})"
     return ""
 
 
 def tolerances_of(
     scene: Scene, exact: bool, tolerances: Mapping[str, float] | None = None
 ) -> dict[str, float]:
-    """Key -> largest |E| admitted: that of `tolerances`, else the scene's, else the engines' own
-    where theory is `exact` for the bodies.
+    """Metric key -> largest |E| admitted: that of `tolerances`, else the scene's, else the engines'
+    own where theory is `exact` for the bodies.
 
-    An infinite one leaves the metric unjudged.
+    An infinite one leaves the metric unjudged, and out of the answer.
     """
-    of_engines = OWN_TOLERANCES if exact else {}
-    of_scene = {
+    engine_tolerances = OWN_TOLERANCES if exact else {}
+    scene_tolerances = {
         key: value for key, value in scene.tolerances.model_dump().items() if value is not None
     }
-    tolerance_values = {**of_engines, **of_scene, **(tolerances or {})}
+    tolerance_values = {**engine_tolerances, **scene_tolerances, **(tolerances or {})}
     return {key: value for key, value in tolerance_values.items() if value < math.inf}
 
 
@@ -234,10 +234,11 @@ _SHORTER = {
 
 
 def _markdown_rows() -> Iterator[str]:
+    """Rows of the manual's table of metrics: name, how, why, unit, norm and region, tolerance."""
     for metric in METRICS.values():
         norm_and_region = f"{metric.norm}; {metric.region}"
-        for words, shorter in _SHORTER.items():
-            norm_and_region = norm_and_region.replace(words, shorter)
+        for phrase, short_phrase in _SHORTER.items():
+            norm_and_region = norm_and_region.replace(phrase, short_phrase)
         if not metric.signed:
             norm_and_region += "; no sign"
         tolerance = "–"

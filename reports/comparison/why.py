@@ -39,8 +39,8 @@ def in_percent(share: float) -> str:
 
 
 def percent_of(change: Estimate) -> str:
-    """A share in per cent to two digits behind the point, with its uncertainty, 0.01 at least;
-    without one where that is 0 or unknown.
+    """A relative change in per cent with two decimals and its uncertainty, 0.01 at least; without
+    one where that is 0 or unknown.
 
     >>> percent_of(Estimate(-0.0200, 0.00021)), percent_of(Estimate(0.0004))
     ('−2.00 ± 0.02 %', '+0.04 %')
@@ -126,7 +126,8 @@ class Why(PythonNumbers):
 
     @property
     def main_cause(self) -> str:
-        """Words of the part that makes most of E; empty where none is known to.
+        """In words, what makes most of the difference of W between finite elements and theory; ""
+        where no cause is known to.
 
         >>> parts = {"tilt": Estimate(0.03, 0.001), "strain": Estimate(-0.004, 0.001)}
         >>> Why(Estimate(0.027, 0.001), parts).main_cause
@@ -136,15 +137,15 @@ class Why(PythonNumbers):
         """
         if not self.parts:
             return ""
-        words = max(self.parts, key=lambda name: abs(self.parts[name].value))
-        part = self.parts[words]
-        size = abs(part.value)
-        all_sizes = sum(abs(change.value) for change in self.parts.values())
+        cause = max(self.parts, key=lambda name: abs(self.parts[name].value))
+        change = self.parts[cause]
+        size = abs(change.value)
+        all_sizes = sum(abs(part.value) for part in self.parts.values())
         is_resolved = abs(self.total.value) > 2 * self.total.uncertainty
-        same_sign = math.copysign(1.0, part.value) == math.copysign(1.0, self.total.value)
-        is_main = size >= _MAIN_SHARE * all_sizes and size > 2 * part.uncertainty
+        same_sign = math.copysign(1.0, change.value) == math.copysign(1.0, self.total.value)
+        is_main = size >= _MAIN_SHARE * all_sizes and size > 2 * change.uncertainty
         is_explained = abs(self.left.value) <= _LEFT_OF_A_CAUSE * size
-        return words if is_resolved and same_sign and is_main and is_explained else ""
+        return cause if is_resolved and same_sign and is_main and is_explained else ""
 
     @property
     def left_in_percent(self) -> str:
@@ -170,7 +171,7 @@ class Why(PythonNumbers):
         return [*rows, ("finite elements/theory − 1", percent_of(self.total))]
 
     def content(self) -> dict[str, Any]:
-        """For comparison.json: shares of theory's W."""
+        """For comparison.json: the difference of W and its causes, as shares of theory's W."""
         steps = [
             {"cause": words, "value": change.value, "uncertainty": change.uncertainty}
             for words, change, _ in self.steps

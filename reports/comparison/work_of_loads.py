@@ -19,8 +19,8 @@ from scenes.array_types import Array
 
 
 def bulk_strains(materials: Materials) -> tuple[float, float]:
-    """What the bulk stress of the lower and of the upper body adds to eps: 1/E' and -1/E', E' =
-    E/(1 - nu^2) [1/stress].
+    """Strain eps per bulk stress in the lower and in the upper body: 1/E' and -1/E', E' = E/(1 -
+    nu^2) [1/stress].
 
     >>> steel = Materials.model_validate({"young_modulus": 210e3, "poisson_ratio": 0.3})
     >>> [round(1 / compliance) for compliance in bulk_strains(steel)]
@@ -64,13 +64,12 @@ def bulk_work(of: ContactSolution | Cycle, materials: Materials) -> float:
 
 
 def normal_work(solution: ContactSolution) -> float | None:
-    """Closed integral of P dV - M d(tilt) over the last cycle, V the normal approach, by the
-    trapezoidal rule [energy / thickness].
+    """Work of the normal load and the moment in the last cycle: closed integral of P dV - M
+    d(tilt), V the normal approach, by the trapezoidal rule [energy / thickness].
 
-    What normal load and moment put in: with Q dU and the bulk term it adds up to the dissipation.
-    None where it is 0 by nature (P and tilt constant; half-planes of like materials, where V and M
-    hang on P and the tilt only) and where the solution is not of our finite elements, which alone
-    know V.
+    With Q dU and the bulk term it adds up to the dissipation. None where it is 0 by nature (P and
+    tilt constant; half-planes of like materials, where V and M hang on P and the tilt only) and
+    where the solution is not of our finite elements, which alone know V.
     """
     steps = solution.last_cycle
     tilt_is_constant = solution.tilt is None or np.ptp(solution.tilt[steps]) == 0
@@ -85,13 +84,13 @@ def normal_work(solution: ContactSolution) -> float | None:
 
 
 def on_straight_steps(solution: ContactSolution) -> ContactSolution:
-    """The solution with its dissipation on the straight lines between its instants: finite elements
-    add what a curve makes.
+    """The solution with its dissipation as if the path were straight between its instants. Finite
+    elements add the work that a curved path makes; it is taken off.
     """
-    curve = solution.record.energy.get("curve")
-    if curve is None or not solution.dissipation > 0:
+    work_by_curve = solution.record.energy.get("curve")
+    if work_by_curve is None or not solution.dissipation > 0:
         return solution
-    work_of_curve = float(curve[solution.last_cycle[1:]].sum())
+    work_of_curve = float(work_by_curve[solution.last_cycle[1:]].sum())
     share_of_straight_lines = 1 - work_of_curve / solution.dissipation
     return replace(
         solution,

@@ -60,8 +60,8 @@ def is_field_report(path: Path) -> bool:
 
 
 def read_field_report(path: Path, mapping: Mapping) -> tuple[dict[Quantity, Array], list[str]]:
-    """Columns of one row for each instant and node, in the scene's units and our signs, and what a
-    reader must not miss.
+    """Quantities of an Abaqus field report, one row for each frame and node of the contact surface,
+    in the scene's units and our signs; and notes.
 
     Nodes of both bodies, or within them, carry no pressure: those that ever do are taken, and those
     beside them on the same face where the report has y.
@@ -93,7 +93,9 @@ def read_field_report(path: Path, mapping: Mapping) -> tuple[dict[Quantity, Arra
 
 
 def _region_with_pressure(path: Path, blocks: Sequence[_Block], mapping: Mapping) -> str:
-    """The one region that carries pressure, of several the one that the mapping names."""
+    """Name of the one region of a report that carries pressure; of several the one that the mapping
+    names.
+    """
     regions = {block.region for block in blocks}
     if mapping.surface is not None and mapping.surface not in regions:
         raise InputError(
@@ -123,7 +125,9 @@ def _region_with_pressure(path: Path, blocks: Sequence[_Block], mapping: Mapping
 def _columns(
     path: Path, blocks: Sequence[_Block], mapping: Mapping, notes: list[str]
 ) -> dict[Quantity, Array]:
-    """One row for each frame and node that lies on the contact surface."""
+    """Quantities of the report's blocks, one row for each frame and node that lies on the contact
+    surface, in the scene's units and our signs; `notes` gets what was left out.
+    """
     import pandas as pd
 
     frames = list(dict.fromkeys((block.step, block.frame) for block in blocks))
@@ -135,23 +139,23 @@ def _columns(
             name = find_column(mapping, quantity, block.names, str(path))
             if name is not None:
                 columns[quantity] = block.column(name)
-        labels = np.arange(float(len(block.values)))
+        node_labels = np.arange(float(len(block.values)))
         for name in block.names:
             if plain(name) == "nodelabel":
-                labels = block.column(name)
+                node_labels = block.column(name)
                 break
         table = pd.DataFrame(columns)
-        table.index = pd.Index(labels)
+        table.index = pd.Index(node_labels)
         tables.append(table.assign(frame=float(frames.index((block.step, block.frame)))))
-    values = pd.concat(tables)  # every value is finite: NaN is what a table lacks
-    if "x" not in values:
+    all_values = pd.concat(tables)  # every value is finite: NaN is what a table lacks
+    if "x" not in all_values:
         raise InputError(
             f"{path}: the nodes of {blocks[0].region} have no places: report COORD with COORD1"
             " beside CPRESS"
         )
     # Places may stand in tables of their own, and once for all frames.
-    places = values[values.columns.intersection(["x", "y"])].groupby(level=0).last()
-    tractions = values.drop(columns=places.columns).dropna(subset="pressure").dropna(axis=1)
+    places = all_values[all_values.columns.intersection(["x", "y"])].groupby(level=0).last()
+    tractions = all_values.drop(columns=places.columns).dropna(subset="pressure").dropna(axis=1)
     rows = tractions.join(places)
     nodes_without_place = rows.index[rows["x"].isna()]
     if len(nodes_without_place):
@@ -173,7 +177,7 @@ def _columns(
     if left_out:
         notes.append(f"{left_out} nodes that do not lie on the contact surface were left out")
     surface_quantities: tuple[Quantity, ...] = ("x", "pressure", "shear", "slip", "frame")
-    surface = {
+    surface_columns = {
         name: converted(mapping, name, rows[name][is_on_surface].to_numpy())
         for name in surface_quantities
         if name in rows
@@ -182,22 +186,26 @@ def _columns(
     matches = [_TIME.search(frame) for _, frame in frames]
     if len(steps) == 1 and all(matches):
         times = np.array([float(match["time"]) for match in matches if match])
-        surface["time"] = converted(mapping, "time", times)[surface["frame"].astype(int)]
+        surface_columns["time"] = converted(mapping, "time", times)[
+            surface_columns["frame"].astype(int)
+        ]
     elif len(frames) > 1:
         notes.append(
             f"its frames are of {len(steps)} steps, whose times start again: they were numbered in"
             " the order of the report"
         )
-    return surface
+    return surface_columns
 
 
 def _blocks(path: Path) -> Iterator[_Block]:
-    """The tables of a report that have rows, in its order."""
-    about = dict.fromkeys(("step", "frame", "where", "region"), "")
+    """The tables of a report that have rows, in its order; each with its step, frame, kind of place
+    and region from the lines above it.
+    """
+    header_values = dict.fromkeys(("step", "frame", "where", "region"), "")
     lines_above: list[str] = []  # lines since the last empty one: headings, if dashes come
     names: list[str] = []
     rows: list[list[float]] = []
-    dashes = count = 0
+    line_of_dashes = row_count = 0
     with path.open(encoding="utf-8", errors="replace") as stream:
         for number, line in enumerate(
             chain(iter(lambda: stream.readline(_LONGEST + 1), ""), [""]), 1
@@ -208,30 +216,34 @@ def _blocks(path: Path) -> Iterator[_Block]:
                     " report"
                 )
             text = line.rstrip()
-            if dashes and text:
-                count += 1
-                if count > _MOST_ROWS:
+            if line_of_dashes and text:
+                row_count += 1
+                if row_count > _MOST_ROWS:
                     raise InputError(
                         f"{path}: more than {_MOST_ROWS:,} rows; report the contact surface alone"
                     )
                 names = names or _names(text, lines_above)
                 rows.append(_numbers(f"{path}, line {number}", text, names))
             elif rows:
-                yield _Block(**about, names=names, values=np.array(rows), line=dashes)
+                yield _Block(
+                    **header_values, names=names, values=np.array(rows), line=line_of_dashes
+                )
                 lines_above = []
                 names = []
                 rows = []
-                dashes = 0
+                line_of_dashes = 0
             elif not text:
-                lines_above = lines_above if dashes else []
+                lines_above = lines_above if line_of_dashes else []
             elif re.fullmatch(r"\s*-{12,}", text) and lines_above:
-                dashes = number
+                line_of_dashes = number
             else:
                 lines_above.append(text)
                 match = _HEADER.match(text)
                 if match:
-                    words = match.groupdict()
-                    about |= {key: value for key, value in words.items() if value is not None}
+                    header_words = match.groupdict()
+                    header_values |= {
+                        key: value for key, value in header_words.items() if value is not None
+                    }
 
 
 def _names(row: str, lines_above: list[str]) -> list[str]:
@@ -248,7 +260,9 @@ def _names(row: str, lines_above: list[str]) -> list[str]:
 
 
 def _numbers(where: str, row: str, names: list[str]) -> list[float]:
-    """The numbers of a row, one for each name."""
+    """The numbers of a row of a report, one for each of `names`; InputError, beginning with
+    `where`, for anything else.
+    """
     cells = row.split()
     if len(cells) != len(names):
         raise InputError(
@@ -267,7 +281,7 @@ def _numbers(where: str, row: str, names: list[str]) -> list[float]:
 
 
 def _name(heading: str) -> str:
-    """The quantity in a heading of a report.
+    """The name of the quantity in a heading of a report, without the field and the region.
 
     >>> (
     ...     _name("COORD.COORD1"),

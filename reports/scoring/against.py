@@ -41,7 +41,8 @@ def score(
     against: Against = "exact",
     tolerances: dict[str, float] | None = None,
 ) -> Report:
-    """Tractions on plain arrays, scored against half-plane theory at their own points and instants.
+    """Score tractions on plain arrays against half-plane theory at their own points and instants;
+    the report has likely causes of the difference.
 
     Parameters
     ----------
@@ -113,8 +114,8 @@ def score_file(
     against: Against = "exact",
     tolerances: dict[str, float] | None = None,
 ) -> Report:
-    """A result in a file, without diagnoses: of the project's own (.nc) as it is, any other through
-    `mapping`.
+    """Score a result in a file, without likely causes: a NetCDF file of this program as it is, any
+    other through `mapping`, which states names, units and signs.
     """
     if path.suffix.lower() == OWN and path.is_file():
         return score_solution(
@@ -137,8 +138,8 @@ def score_file(
 
 
 def own_solution(path: Path, scene: Scene) -> ContactSolution:
-    """The solution of a NetCDF file of the project's own; InputError for another file or another
-    scene.
+    """The solution in a NetCDF file of this program. InputError for another file, and for one that
+    answers another scene.
     """
     try:
         solution = ContactSolution.load(path)
@@ -167,7 +168,9 @@ def score_surface(
     sure_of_times: bool = True,
     tolerances: dict[str, float] | None = None,
 ) -> Report:
-    """A result in the common form, guesses applied, without diagnoses."""
+    """Score an external result in the common form of all readers, units and signs guessed where
+    `mapping` states none; without likely causes.
+    """
     path_solution = whole_path(scene)
     solution, guesses = contact_solution(
         result, mapping, path_solution, sure_of_times=sure_of_times
@@ -178,17 +181,18 @@ def score_surface(
 def score_solution(
     solution: ContactSolution,
     guesses: tuple[str, ...],
-    whole: ContactSolution | None,
+    theory_of_path: ContactSolution | None,
     *,
     against: Against = "exact",
     polygon: bool = False,
     tolerances: dict[str, float] | None = None,
 ) -> Report:
-    """A solution against a fresh reference, without diagnoses.
+    """Score a solution against a reference that is solved here, without likely causes.
 
-    `whole` is the `whole_path` of its scene; None has it solved, where the solution was worked out
-    of a foreign result. `polygon` asks for theory on the straight steps between the instants as
-    well, which tells the error of the steps where the instants are all the increments of a solver.
+    `theory_of_path` is theory on the whole path of its scene; with None it is solved where the
+    solution comes from an external result. `polygon` asks for theory on the straight steps
+    between the instants as well, which tells the error of the steps where the instants are all the
+    increments of a solver.
 
     Raises
     ------
@@ -212,7 +216,9 @@ def score_solution(
         work=replace(reference.work, skipped={**reference.work.skipped, **reasons_lacking}),
     )
     _refuse_beside(solution, reference)
-    steps = None  # theory on the increments of a solver; none for an answer that takes no steps
+    theory_on_polygon = (
+        None  # theory on the increments of a solver; none for an answer that takes no steps
+    )
     if (
         polygon
         and against == "exact"
@@ -221,21 +227,21 @@ def score_solution(
     ):
         from reports.comparison.budget import theory_on_steps
 
-        steps = theory_on_steps(solution)
-    if whole is None and derived(solution):
-        whole = whole_path(solution.scene)
-    like, words = (
+        theory_on_polygon = theory_on_steps(solution)
+    if theory_of_path is None and derived(solution):
+        theory_of_path = whole_path(solution.scene)
+    compared_reference, sentences = (
         (reference, ())
-        if whole is None
-        else by_same_rule(reference, solution, scales(whole).half_width)
+        if theory_of_path is None
+        else by_same_rule(reference, solution, scales(theory_of_path).half_width)
     )
     # Without a rule that both follow the reference stands for itself.
-    plain_reference = None if like is reference else reference
+    plain_reference = None if compared_reference is reference else reference
     comparison = compare(
-        like,
+        compared_reference,
         solution,
-        polygon_reference=steps,
-        scales_from=whole,
+        polygon_reference=theory_on_polygon,
+        scales_from=theory_of_path,
         plain_reference=plain_reference,
         tolerances=tolerances,
         effects=effects_between(reference, solution),
@@ -245,26 +251,26 @@ def score_solution(
         comparison,
         reference=reference,
         reference_certificates=checks,
-        notes=(*words, *comparison.notes),
+        notes=(*sentences, *comparison.notes),
     )
     return Report(comparison, guesses=guesses)
 
 
 def _refuse_beside(solution: ContactSolution, reference: ContactSolution) -> None:
-    """InputError where no point of a result can be judged: all lie beside the contact, or its
-    instants have none.
+    """InputError where no point of a result can be judged: all lie outside the reference's contact,
+    or its instants have none.
     """
-    left, right = (
+    left_edges, right_edges = (
         np.interp(solution.time, reference.time, np.nan_to_num(edge))
         for edge in reference.contact_edges.T
     )
     if (
-        np.any((solution.x > left[:, None]) & (solution.x < right[:, None]))
+        np.any((solution.x > left_edges[:, None]) & (solution.x < right_edges[:, None]))
         or not solution.pressure.any()
     ):
         return
     source = solution.settings.get("source", solution.engine)
-    if np.all(left >= right):
+    if np.all(left_edges >= right_edges):
         first_time, last_time = solution.time[[0, -1]]
         raise InputError(
             f"{source}: it has pressure at times {first_time:.6g} to {last_time:.6g}, where the"
@@ -274,7 +280,8 @@ def _refuse_beside(solution: ContactSolution, reference: ContactSolution) -> Non
         )
     raise InputError(
         f"{source}: none of its points lies in the contact: they go from x = {solution.x[0]:.6g} to"
-        f" {solution.x[-1]:.6g}, the contact from {left.min():.6g} to {right.max():.6g}; state its"
+        f" {solution.x[-1]:.6g}, the contact from {left_edges.min():.6g} to"
+        f" {right_edges.max():.6g}; state its"
         " x at the middle of the contact by x_offset of a mapping, in the scene's length"
     )
 

@@ -83,10 +83,10 @@ class Cause:
 
 
 def _moments(discrepancy: Discrepancy) -> tuple[float, float, float]:
-    """Of the pressure found over that expected: factor of the sum, factor of the width, and the
-    distance of the centroids [length].
+    """Pressure of the result beside that of the reference: ratio of the sums, ratio of the widths,
+    and distance of the centroids [length].
     """
-    sums = []
+    moments = []
     for pressure in (
         discrepancy.result_tractions[PRESSURE],
         discrepancy.reference_tractions[PRESSURE],
@@ -97,10 +97,10 @@ def _moments(discrepancy: Discrepancy) -> tuple[float, float, float]:
             return 1.0, 1.0, 0.0
         centre = float(np.sum(weight * discrepancy.x)) / total
         width = float(np.sqrt(np.sum(weight * (discrepancy.x - centre) ** 2) / total))
-        sums.append((total, centre, width))
-    (total, centre, width), (total_expected, centre_expected, width_expected) = sums
-    width_ratio = width / width_expected if width and width_expected else 1.0
-    return total / total_expected, width_ratio, centre - centre_expected
+        moments.append((total, centre, width))
+    (total, centre, width), (total_of_reference, centre_of_reference, width_of_reference) = moments
+    width_ratio = width / width_of_reference if width and width_of_reference else 1.0
+    return total / total_of_reference, width_ratio, centre - centre_of_reference
 
 
 def _away_from_zero(value: float) -> float:
@@ -145,17 +145,17 @@ def _of_pressure_alone(discrepancy: Discrepancy) -> Sequence[float]:
 
 
 def _of_shear_alone(discrepancy: Discrepancy) -> Sequence[float]:
-    """By the sums of the shear over the points, at all instants; none where they have other
-    signs.
+    """Size at which to start the search for a factor of the shear: the logarithm of the ratio of
+    the sums of the shear over x. None where these have other signs.
     """
     if not _slips(discrepancy):
         return ()
-    sums, sums_expected = (
+    sums, sums_of_reference = (
         np.sum(discrepancy.weight * shear, axis=1)
         for shear in (discrepancy.result_tractions[SHEAR], discrepancy.reference_tractions[SHEAR])
     )
-    square = float(sums_expected @ sums_expected)
-    ratio = float(sums @ sums_expected) / square if square else 0.0
+    square_of_sums = float(sums_of_reference @ sums_of_reference)
+    ratio = float(sums @ sums_of_reference) / square_of_sums if square_of_sums else 0.0
     return (_away_from_zero(np.log(ratio)),) if ratio > 0 else ()
 
 

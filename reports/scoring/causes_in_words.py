@@ -49,7 +49,7 @@ def _figures(cause: Cause, size: float) -> dict[str, float]:
 
 
 def sentence_of(discrepancy: Discrepancy, cause: Cause, size: float, fit: Fit) -> str:
-    """The cause, and what to do."""
+    """A sentence that names a cause (a known fault) of this size, and says what to do about it."""
     factor = float(np.exp(size))
     figures = {
         **_figures(cause, size),
@@ -74,8 +74,10 @@ def _height(share: float) -> float:
 
 
 def _of_mesh(discrepancy: Discrepancy, *, alone: bool) -> str:
-    """The sentence of a mesh whose nodal forces are all that it shows."""
-    carrying = int(
+    """The sentence for a result whose only visible fault is that it has nodal forces of a coarse
+    mesh; `alone` if no other cause is named.
+    """
+    most_carrying = int(
         np.max(
             np.sum(
                 discrepancy.result_tractions[0] > 1e-3 * np.max(discrepancy.result_tractions[0]),
@@ -85,7 +87,7 @@ def _of_mesh(discrepancy: Discrepancy, *, alone: bool) -> str:
     )
     sentence = WORDS["others"]["coarse_mesh"].format(
         elements=discrepancy.elements,
-        carrying=carrying,
+        carrying=most_carrying,
         wanted=discrepancy.half_width / _ENOUGH_ELEMENTS,
         enough=_ENOUGH_ELEMENTS,
     )

@@ -49,34 +49,36 @@ def influence(scene: Scene, middle: Array, width: float) -> Array:
 
 
 def pressure_on_layer(scene: Scene, x: Array, normal_load: Array, layer: float) -> Array:
-    """(k, n) pressure under P (k,) of half-planes whose faces sink into each other by p times
-    `layer` [length/stress].
+    """Pressure (k, n) at x under loads P (k,), of half-planes whose faces sink into each other by p
+    times `layer` [length/stress].
 
     A p + layer p = approach - gap in the cells that are closed, where p adds up to P; cells that
     pull are opened until none does.
     """
     contact = contact_of(scene.profile, scene.material)
-    reach = _REACH_OF_LAYER * float(contact.half_width(normal_load.max()))
-    middle, width = cells(reach, _CELLS)
-    matrix = influence(scene, middle, width) + layer * np.eye(_CELLS)
-    gap = np.asarray(scene.profile.height(middle))
+    half_width_of_cells = _REACH_OF_LAYER * float(contact.half_width(normal_load.max()))
+    cell_centres, cell_width = cells(half_width_of_cells, _CELLS)
+    matrix = influence(scene, cell_centres, cell_width) + layer * np.eye(_CELLS)
+    gap = np.asarray(scene.profile.height(cell_centres))
     pressures = np.zeros((len(normal_load), _CELLS))
-    for place, load in enumerate(normal_load):
-        is_closed = np.full(_CELLS, load > 0)
+    for instant, load_at_instant in enumerate(normal_load):
+        is_closed = np.full(_CELLS, load_at_instant > 0)
         while is_closed.any():  # each pass opens a cell, or is the last
-            pressure, _ = _bordered(matrix, is_closed, -gap[is_closed], width, float(load))
+            pressure, _ = _bordered(
+                matrix, is_closed, -gap[is_closed], cell_width, float(load_at_instant)
+            )
             if np.all(pressure >= 0):
-                pressures[place, is_closed] = pressure
+                pressures[instant, is_closed] = pressure
                 break
             is_closed[is_closed] = pressure > 0
-    return np.array([np.interp(x, middle, row, left=0.0, right=0.0) for row in pressures])
+    return np.array([np.interp(x, cell_centres, row, left=0.0, right=0.0) for row in pressures])
 
 
 def shear_by_coupling(
     scene: Scene, x: Array, loads: Array, rows: NDArray[np.intp], beta: float
 ) -> Array:
-    """(k, n) shear of bodies with Dundurs' `beta` minus that of like ones, at `rows` (k,) of the
-    steps.
+    """Shear (k, n) at x of bodies with Dundurs' `beta` minus that of like ones, at the `rows` (k,)
+    of the load steps.
 
     The pressure moves the faces along x, with the slope 2 beta p/E*; what the shear adds to the
     pressure is neglected (Goodman's approximation). Steps in which the Coulomb law holds at the
@@ -88,17 +90,19 @@ def shear_by_coupling(
         (n_steps, 2): P and Q at the ends of the steps [force / thickness]
     """
     contact = contact_of(scene.profile, scene.material)
-    reach = _REACH_OF_SHEAR * float(contact.half_width(loads[:, 0].max()))
-    middle, width = cells(reach, _CELLS_OF_SHEAR)
-    matrix = influence(scene, middle, width)
-    pressure = contact.pressure(middle, loads[:, :1])
+    half_width_of_cells = _REACH_OF_SHEAR * float(contact.half_width(loads[:, 0].max()))
+    cell_centres, cell_width = cells(half_width_of_cells, _CELLS_OF_SHEAR)
+    matrix = influence(scene, cell_centres, cell_width)
+    pressure = contact.pressure(cell_centres, loads[:, :1])
     slope = 2 * beta / composite_modulus(scene.material)
-    pushed = slope * width * (np.cumsum(pressure, axis=1) - pressure / 2)
-    limit = scene.friction.coefficient * pressure
-    change = np.array(_followed(matrix, width, limit, loads[:, 1], pushed)) - np.array(
-        _followed(matrix, width, limit, loads[:, 1], 0 * pushed)
+    displacement_by_pressure = slope * cell_width * (np.cumsum(pressure, axis=1) - pressure / 2)
+    coulomb_limit = scene.friction.coefficient * pressure
+    change = np.array(
+        _followed(matrix, cell_width, coulomb_limit, loads[:, 1], displacement_by_pressure)
+    ) - np.array(
+        _followed(matrix, cell_width, coulomb_limit, loads[:, 1], 0 * displacement_by_pressure)
     )
-    return np.array([np.interp(x, middle, row, left=0.0, right=0.0) for row in change[rows]])
+    return np.array([np.interp(x, cell_centres, row, left=0.0, right=0.0) for row in change[rows]])
 
 
 def _followed(
@@ -115,39 +119,45 @@ def _followed(
 
 
 def _sheared(
-    matrix: Array, width: float, limit: Array, held_shear: Array, force: float
+    matrix: Array, width: float, coulomb_limit: Array, held_shear: Array, force: float
 ) -> tuple[Array, float]:
-    """q of cells with |q| <= limit that add up to `force`, and the relative displacement U.
+    """Shear q of cells with |q| <= limit that adds up to `force`, and the relative tangential
+    displacement U.
 
-    Cells that stick have U - A q = held; the others have slipped in the sense of their shear.
+    Cells that stick have U - A q = held_shear; the others have slipped in the direction of their
+    shear.
 
     Raises
     ------
     InputError
         Where all cells slip, or no state is found.
     """
-    is_pressed = limit > 1e-9 * limit.max(initial=0.0)
-    scale = max(float(limit.max(initial=0.0)), 1e-300)
+    is_pressed = coulomb_limit > 1e-9 * coulomb_limit.max(initial=0.0)
+    scale = max(float(coulomb_limit.max(initial=0.0)), 1e-300)
     slip_scale = scale * float(np.abs(np.diag(matrix)).max())
-    sense = np.zeros(len(limit))  # of slip: 0 for stick
-    for attempt in range(_MOST_STATES + 2 * len(limit)):
-        stick = is_pressed & (sense == 0)
-        if not stick.any():
+    slip_direction = np.zeros(len(coulomb_limit))  # of slip: 0 for stick
+    for attempt in range(_MOST_STATES + 2 * len(coulomb_limit)):
+        sticks = is_pressed & (slip_direction == 0)
+        if not sticks.any():
             break
-        shear = np.where(is_pressed, sense * limit, 0.0)
-        rest = force - width * float(shear.sum())
-        right = -held_shear[stick] - matrix[stick] @ shear
-        shear[stick], shift = _bordered(matrix, stick, right, width, rest)
+        shear = np.where(is_pressed, slip_direction * coulomb_limit, 0.0)
+        force_left = force - width * float(shear.sum())
+        right_side = -held_shear[sticks] - matrix[sticks] @ shear
+        shear[sticks], shift = _bordered(matrix, sticks, right_side, width, force_left)
         slip = shift - matrix @ shear - held_shear
-        excess = np.where(stick, (np.abs(shear) - limit) / scale, 0.0)
-        back = np.where(is_pressed & (sense != 0), -slip * sense / slip_scale, 0.0)
-        wrong = np.maximum(excess, back)
-        has_changed = wrong > _ROUND_OFF
+        excess = np.where(sticks, (np.abs(shear) - coulomb_limit) / scale, 0.0)
+        slip_against_shear = np.where(
+            is_pressed & (slip_direction != 0), -slip * slip_direction / slip_scale, 0.0
+        )
+        violation = np.maximum(excess, slip_against_shear)
+        has_changed = violation > _ROUND_OFF
         if not has_changed.any():
             return shear, shift
         if attempt >= _MOST_STATES:  # one cell at a time, which ends where all at once do not
-            has_changed = wrong == wrong.max()
-        sense = np.where(has_changed, np.where(stick, np.sign(shear), 0.0), sense)
+            has_changed = violation == violation.max()
+        slip_direction = np.where(
+            has_changed, np.where(sticks, np.sign(shear), 0.0), slip_direction
+        )
     raise InputError("no state of stick and slip on cells")
 
 

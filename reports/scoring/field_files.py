@@ -76,7 +76,6 @@ class FieldFrame:
 
 def read_frames(path: str | Path) -> list[FieldFrame]:
     """Every instant of a .vtu, .vtk or .pvd file, in the order of time where times are stated.
-
     Bodies of one instant in files of their own stay parts with fields of their own; see `joined`.
 
     Raises
@@ -114,7 +113,7 @@ def collected_files(path: Path) -> tuple[Path, ...]:
 
 
 def _entries(path: Path) -> list[tuple[float, Path]]:
-    """Time and file of each entry of a collection."""
+    """(time, file) of each entry of a .pvd collection; time is NaN where none is stated."""
     _check_size(path)
     try:
         with within_memory(path, UNPACKED):
@@ -147,7 +146,7 @@ def _broken(path: Path, reason: str) -> InputError:
 
 
 def _parts(paths: Sequence[Path]) -> list[FieldPart]:
-    """The mesh and fields of each file, in their order."""
+    """The mesh and fields of each of these files, in their order."""
     for path in paths:
         if path.suffix.lower() not in _SUFFIXES:
             raise InputError(
@@ -161,14 +160,14 @@ def _parts(paths: Sequence[Path]) -> list[FieldPart]:
 
 
 def _read_apart(paths: Sequence[Path]) -> bytes:
-    """What `vtk_files` writes of these files, in a process that may end, grow or take long without
-    harm to this one.
+    """Content of these VTK files, as bytes of an NPZ archive, read in a process that may end, grow
+    or take long without harm to this one.
     """
     command = [sys.executable, "-P", str(vtk_files.__file__), str(UNPACKED), str(int(SECONDS) + 1)]
     request = json.dumps([str(path.absolute()) for path in paths]).encode()
     environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
     try:
-        done = subprocess.run(
+        process = subprocess.run(
             command,
             input=request,
             capture_output=True,
@@ -176,20 +175,21 @@ def _read_apart(paths: Sequence[Path]) -> bytes:
             env=environment,
             check=False,
         )
-    except subprocess.TimeoutExpired as late:
+    except subprocess.TimeoutExpired as expiry:
         raise InputError(
-            f"{_last(paths, late.stderr or b'')[0]}: reading takes longer than {SECONDS:g} s, which"
+            f"{_last(paths, expiry.stderr or b'')[0]}: reading takes longer than {SECONDS:g} s,"
+            f" which"
             " is the limit; write the contact surface alone, and fewer instants"
-        ) from late
-    if done.returncode == 0:
-        return done.stdout
-    path, reason = _last(paths, done.stderr)
-    if any(words in done.stderr.decode(errors="replace") for words in _OUT_OF_MEMORY):
+        ) from expiry
+    if process.returncode == 0:
+        return process.stdout
+    path, reason = _last(paths, process.stderr)
+    if any(words in process.stderr.decode(errors="replace") for words in _OUT_OF_MEMORY):
         raise InputError(
             f"{path}: unpacked it takes more than {in_words(UNPACKED)} of memory, which is the"
             " limit; write the contact surface alone"
         )
-    raise _broken(path, reason or f"VTK's reader ended with code {done.returncode}")
+    raise _broken(path, reason or f"VTK's reader ended with code {process.returncode}")
 
 
 def _last(paths: Sequence[Path], output: bytes) -> tuple[Path, str]:
@@ -204,11 +204,13 @@ def _last(paths: Sequence[Path], output: bytes) -> tuple[Path, str]:
 
 
 def _part(path: Path, prefix: str, arrays: dict[str, NDArray[Any]]) -> FieldPart:
-    """The part of a file out of the arrays of `vtk_files.arrays_of`."""
+    """Mesh and fields of one file, from the arrays of `vtk_files.arrays_of` whose names begin with
+    `prefix`.
+    """
     dimensions = arrays[f"{prefix}dimensions"].tolist()
     blocks = range(len(dimensions))
-    of_points = arrays[f"{prefix}point names"].tolist()
-    of_cells = arrays[f"{prefix}cell names"].tolist()
+    point_names = arrays[f"{prefix}point names"].tolist()
+    cell_names = arrays[f"{prefix}cell names"].tolist()
     return FieldPart(
         path.name,
         arrays[f"{prefix}points"],
@@ -216,17 +218,16 @@ def _part(path: Path, prefix: str, arrays: dict[str, NDArray[Any]]) -> FieldPart
             (dimension, arrays[f"{prefix}cells.{number}"])
             for number, dimension in enumerate(dimensions)
         ),
-        {name: arrays[f"{prefix}point.{k}"] for k, name in enumerate(of_points)},
+        {name: arrays[f"{prefix}point.{k}"] for k, name in enumerate(point_names)},
         {
             name: tuple(arrays[f"{prefix}cell.{k}.{number}"] for number in blocks)
-            for k, name in enumerate(of_cells)
+            for k, name in enumerate(cell_names)
         },
     )
 
 
 def joined(parts: Sequence[FieldPart]) -> FieldPart:
-    """The parts as one mesh, with the fields that all of them have: choose parts that have what is
-    looked for.
+    """Some parts of an instant as one mesh, with the fields that all of them have.
 
     Raises
     ------

@@ -141,17 +141,16 @@ class Mapping(Frozen):
     measured: Measured = Measured()
 
     def sign(self, quantity: Quantity) -> float:
-        """-1 where the file counts `quantity` the other way than the project does, else 1."""
-        turned_words = {
+        """-1 where the file has the opposite sign of the project's for `quantity`, else 1."""
+        opposite_signs = {
             "pressure": "compression negative",
             "shear": "on upper",
             "slip": "lower over upper",
         }
-        return (
-            -1.0
-            if quantity in turned_words and getattr(self.signs, quantity) == turned_words[quantity]
-            else 1.0
-        )
+        if quantity not in opposite_signs:
+            return 1.0
+        is_opposite = getattr(self.signs, quantity) == opposite_signs[quantity]
+        return -1.0 if is_opposite else 1.0
 
 
 def load_mapping(source: str | Path | None) -> Mapping:
@@ -167,8 +166,8 @@ def load_mapping(source: str | Path | None) -> Mapping:
 def find_column(
     mapping: Mapping, quantity: Quantity, names: Sequence[str], where: str, *, needed: bool = False
 ) -> str | None:
-    """Which of the file's `names` holds `quantity`: the mapping's own, else the first alias that is
-    there; None where none is.
+    """Which of a file's column `names` holds `quantity`: the one that the mapping states, else the
+    first known alias that is there; None where none is.
 
     Raises
     ------
@@ -212,8 +211,8 @@ def find_column(
 
 
 def _how_to_name(quantity: str, names: Sequence[str]) -> str:
-    """How a mapping says which column holds a quantity: the lines to write where one is nearly
-    called like it.
+    """How to say in a mapping which column holds a quantity, as a phrase; with the lines to write
+    where a column is nearly called like it.
     """
     by_plain_name = {plain(name): name for name in names}
     nearest = [
@@ -237,55 +236,60 @@ def listed(names: Sequence[str]) -> str:
 
 
 def converted(mapping: Mapping, quantity: Quantity, values: Array) -> Array:
-    """Figures of the file in the scene's unit and the project's signs, as far as the mapping says:
-    factor, thickness, offset, sign.
+    """Values of a file in the scene's unit and the project's signs, as far as the mapping states
+    them: times factor and sign, loads over the thickness, places less the offset.
 
     >>> converted(Mapping(x_offset=2.0), "x", np.array([2.0, 3.0])).tolist()
     [0.0, 1.0]
     """
-    kind = {
+    if quantity == "frame":
+        return values
+    kinds = {
         "x": "length",
         "y": "length",
         "slip": "length",
         "pressure": "stress",
         "shear": "stress",
         "time": "time",
-    }.get(quantity)
-    if quantity == "frame":
-        return values
+    }
+    kind = kinds.get(quantity, "load")
+    factor = getattr(mapping.factors, kind) or 1.0
     with np.errstate(over="ignore"):  # what is not finite is refused by the reader, with its place
-        scaled_values = (
-            values * (getattr(mapping.factors, kind or "load") or 1.0) * mapping.sign(quantity)
-        )
-        if quantity in ("x", "y"):
-            return np.asarray(
-                scaled_values - (mapping.x_offset if quantity == "x" else mapping.y_offset)
-            )
-        return np.asarray(scaled_values / mapping.thickness if kind is None else scaled_values)
+        scaled_values = values * factor * mapping.sign(quantity)
+        if quantity == "x":
+            return np.asarray(scaled_values - mapping.x_offset)
+        if quantity == "y":
+            return np.asarray(scaled_values - mapping.y_offset)
+        if kind == "load":
+            return np.asarray(scaled_values / mapping.thickness)
+        return np.asarray(scaled_values)
 
 
 def conversion_in_words(mapping: Mapping, quantity: Quantity) -> str:
-    """What a column is, and what `converted` does to its figures, if anything.
+    """The quantity that a column holds, and what `converted` does to its values, in words: factor,
+    sign, thickness, offset.
 
     >>> conversion_in_words(Mapping(thickness=2.0), "normal_load")
     'normal load, divided by the thickness 2'
     >>> conversion_in_words(Mapping(), "slip")
     'slip'
     """
-    factor = converted(mapping, quantity, np.ones(1)) - converted(mapping, quantity, np.zeros(1))
+    change_per_unit = converted(mapping, quantity, np.ones(1)) - converted(
+        mapping, quantity, np.zeros(1)
+    )
     is_load = quantity in ("normal_load", "tangential_load")
     thickness = mapping.thickness if is_load else 1.0
-    steps = []
-    if abs(factor[0]) * thickness != 1:
-        steps.append(f"times {abs(factor[0]) * thickness:g}")
-    if factor[0] < 0:
-        steps.append("sign turned")
+    phrases = []
+    if abs(change_per_unit[0]) * thickness != 1:
+        phrases.append(f"times {abs(change_per_unit[0]) * thickness:g}")
+    if change_per_unit[0] < 0:
+        phrases.append("sign turned")
     if thickness != 1:
-        steps.append(f"divided by the thickness {thickness:g}")
+        phrases.append(f"divided by the thickness {thickness:g}")
     offset = {"x": mapping.x_offset, "y": mapping.y_offset}.get(quantity, 0.0)
     if offset:
-        steps.append(f"less {offset:g}")
-    return ", ".join([quantity.replace("_", " "), *steps])
+        phrases.append(f"less {offset:g}")
+    return ", ".join([quantity.replace("_", " "), *phrases])
 
 
 def stated_times(source: str, mapping: Mapping, count: int, what: str = "instants") -> Array:

@@ -22,15 +22,15 @@ def score_folder(
     against: Against = "exact",
     tolerances: dict[str, float] | None = None,
 ) -> Report:
-    """The report of the finest mesh, with the study over all of them; files that can't be scored
-    are named in its notes.
+    """Score all files of a folder as results of one problem on different meshes: the report of the
+    finest mesh with the study over all. Files that can't be scored are named in its notes.
 
     Raises
     ------
     InputError
         Where no file can be scored, with the reason for the first; where two are of one mesh.
     """
-    files, left = results_in(folder)
+    files, notes_on_files = results_in(folder)
     levels = []
     reports = []
     faults: dict[str, InputError] = {}
@@ -47,22 +47,22 @@ def score_folder(
             reports.append(report)
             levels.append(level)
     if not levels:
-        words_of_more = (
+        further_faults = (
             f" ({len(faults) - 1} other files of the folder can't be scored either)"
             if len(faults) > 1
             else ""
         )
-        raise InputError(f"{next(iter(faults.values()))}{words_of_more}")
+        raise InputError(f"{next(iter(faults.values()))}{further_faults}")
     unscored = tuple(
         UnscoredFile(name, str(fault).replace(str(folder / name), name))
         for name, fault in faults.items()
     )
-    notes = (*left, *(file.sentence for file in unscored))
+    notes = (*notes_on_files, *(file.sentence for file in unscored))
     if faults and len(levels) == 1:  # a result, and no study
         (report,) = reports
-        noted = replace(report.comparison, notes=(*notes, *report.comparison.notes))
+        comparison_with_notes = replace(report.comparison, notes=(*notes, *report.comparison.notes))
         with stages.stage("diagnosis"):
-            return diagnosed(replace(report, comparison=noted, unscored=unscored))
+            return diagnosed(replace(report, comparison=comparison_with_notes, unscored=unscored))
     mesh_study = study(levels, notes)
     with stages.stage("diagnosis"):
         finest_level = next(

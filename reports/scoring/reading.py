@@ -65,7 +65,8 @@ _TAGGED = re.compile(
 
 
 def read(path: Path, mapping: Mapping) -> SurfaceResult:
-    """The result in the file, in the scene's units and our signs as far as the mapping says.
+    """The external result in a file, in the scene's units and our signs as far as the mapping
+    states them. The suffix says which reader takes it.
 
     Raises
     ------
@@ -74,20 +75,20 @@ def read(path: Path, mapping: Mapping) -> SurfaceResult:
     """
     if not path.exists():
         raise InputError(f"{path}: there is no such file")
-    home = READERS.get(path.suffix.lower())
-    if home is None:
+    reader_name = READERS.get(path.suffix.lower())
+    if reader_name is None:
         raise InputError(
             f"{path}: no reader for {path.suffix or 'a file without suffix'!r}; it reads"
             f" {', '.join(sorted(READERS))}, .nc"
         )
-    module, function = home.split(":")
+    module, function = reader_name.split(":")
     reader = getattr(import_module(f"reports.scoring.{module}"), function)
     return cast(SurfaceResult, reader(path, mapping))
 
 
 def read_table(path: Path, mapping: Mapping) -> SurfaceResult:
-    """The result in a table with a line of names: one row for each instant and point, or one for
-    each point and columns for frames.
+    """The external result in a text table with a line of names: one row for each instant and point,
+    or one for each point and columns for frames.
 
     Instants differ by time, else by a number of the frame, else by the loads.
 
@@ -135,19 +136,23 @@ def _described(
     mapping: Mapping,
     quantities: Sequence[Quantity | None],
 ) -> SurfaceResult:
-    """The result with what became of every column of its table, None of one that was not read."""
+    """The result with words on what became of every column of its table; the quantity None stands
+    for a column that was not read.
+    """
     read_as = layout_in_words(Path(surface.source), table)
     for name, quantity in zip(table.names, quantities, strict=True):
-        words = "not read" if quantity is None else conversion_in_words(mapping, quantity)
-        read_as.append((f"column {name}", words))
+        column_in_words = "not read" if quantity is None else conversion_in_words(mapping, quantity)
+        read_as.append((f"column {name}", column_in_words))
     return replace(surface, read_as=tuple(read_as))
 
 
 def _placed(surface: SurfaceResult, table: TextTable, mapping: Mapping) -> SurfaceResult:
-    """The result with line, column and figure of the file for each of its outliers."""
+    """The result with line, column and value in the file for each of its outliers, single values
+    that stand out of all others.
+    """
     if not surface.outliers:
         return surface
-    size = np.abs(table.values)
+    sizes_in_table = np.abs(table.values)
     outliers = []
     for outlier in surface.outliers:
         # The cell whose figure is the outlier's, but for the factor that all cells of its field
@@ -158,10 +163,11 @@ def _placed(surface: SurfaceResult, table: TextTable, mapping: Mapping) -> Surfa
             for k, name in enumerate(table.names)
             if _head(name, mapping).quantity == outlier.quantity
         ]
-        cells = size[:, columns]
-        factor = float(field.max() / cells.max())
+        sizes_of_quantity = sizes_in_table[:, columns]
+        factor = float(field.max() / sizes_of_quantity.max())
         row, column = np.unravel_index(
-            np.argmin(np.abs(cells * factor - abs(outlier.value))), cells.shape
+            np.argmin(np.abs(sizes_of_quantity * factor - abs(outlier.value))),
+            sizes_of_quantity.shape,
         )
         name = table.names[columns[column]]
         place = f"line {table.lines[row]}, column {name!r} ({outlier.place})"
@@ -173,26 +179,32 @@ def _placed(surface: SurfaceResult, table: TextTable, mapping: Mapping) -> Surfa
 def _rows(
     source: str, mapping: Mapping, columns: dict[Quantity, Array], notes: list[str]
 ) -> SurfaceResult:
-    """From one row for each instant and point; what a reader must not miss comes first."""
-    instants, sign = _instants_of_rows(columns)
-    counts = np.unique(instants, return_counts=True)[1]
-    if np.any(counts != counts[0]):
-        odd = int(np.flatnonzero(counts != counts[0])[0])
+    """An external result from columns with one row for each instant and point: grouped by instant,
+    sorted by x, shapes and loads checked. `notes` come first in its notes.
+    """
+    instants, source_in_words = _instants_of_rows(columns)
+    points_of_instants = np.unique(instants, return_counts=True)[1]
+    if np.any(points_of_instants != points_of_instants[0]):
+        first_odd = int(np.flatnonzero(points_of_instants != points_of_instants[0])[0])
         raise InputError(
-            f"{source}: instant {odd + 1} (by {sign}) has {counts[odd]} points and the first has"
-            f" {counts[0]}: every instant needs the same points, with zeros where nothing touches"
+            f"{source}: instant {first_odd + 1} (by {source_in_words}) has"
+            f" {points_of_instants[first_odd]} points and the first has"
+            f" {points_of_instants[0]}: every instant needs the same points, with zeros where"
+            f" nothing touches"
         )
     order = np.argsort(instants, kind="stable")
-    shaped: dict[str, Array] = {
-        name: values[order].reshape(len(counts), -1)
+    value_grids: dict[str, Array] = {
+        name: values[order].reshape(len(points_of_instants), -1)
         for name, values in columns.items()
         if name != "frame"
     }
-    rank = np.argsort(shaped["x"], axis=1, kind="stable")
-    shaped = {name: np.take_along_axis(values, rank, axis=1) for name, values in shaped.items()}
+    order_of_x = np.argsort(value_grids["x"], axis=1, kind="stable")
+    value_grids = {
+        name: np.take_along_axis(values, order_of_x, axis=1) for name, values in value_grids.items()
+    }
     series: dict[str, Array | None] = {}
     for name in ("time", "normal_load", "tangential_load"):
-        values = shaped.get(name)
+        values = value_grids.get(name)
         if values is not None:
             # what a factor made infinite is refused with all that is not finite
             with np.errstate(invalid="ignore"):
@@ -201,21 +213,21 @@ def _rows(
                 row = values[odd_rows[0]]
                 raise InputError(
                     f"{source}: {name} goes from {row.min():.6g} to {row.max():.6g} within instant"
-                    f" {odd_rows[0] + 1} (by {sign})"
+                    f" {odd_rows[0] + 1} (by {source_in_words})"
                 )
         series[name] = None if values is None else values[:, 0]
     if mapping.times is not None:
-        series["time"] = stated_times(source, mapping, len(counts))
+        series["time"] = stated_times(source, mapping, len(points_of_instants))
     if np.any(np.diff(instants) < 0):
         notes = [*notes, "the rows were not in the order of the instants and were sorted"]
-    if np.any(np.diff(rank, axis=1) < 0):
+    if np.any(np.diff(order_of_x, axis=1) < 0):
         notes = [*notes, "the points were not in the order of x and were sorted"]
-    fields = {name: shaped.get(name) for name in ("pressure", "shear", "slip")}
-    return surface_result(source, mapping.code, shaped["x"], dict(fields), dict(series), notes)
+    fields = {name: value_grids.get(name) for name in ("pressure", "shear", "slip")}
+    return surface_result(source, mapping.code, value_grids["x"], dict(fields), dict(series), notes)
 
 
 def _instants_of_rows(columns: dict[Quantity, Array]) -> tuple[NDArray[np.intp], str]:
-    """(n_rows,) number of the instant of each row, and by what instants were told apart: time,
+    """Number of the instant of each row, (n_rows,), and by what instants were told apart: time,
     frame, else the loads.
     """
     for key in ("time", "frame"):
@@ -224,8 +236,8 @@ def _instants_of_rows(columns: dict[Quantity, Array]) -> tuple[NDArray[np.intp],
             return instants, key
     if "normal_load" not in columns:
         return np.zeros(len(columns["x"]), dtype=np.intp), "nothing"
-    normal = columns["normal_load"]
-    loads = np.column_stack([normal, columns.get("tangential_load", normal)])
+    normal_load = columns["normal_load"]
+    loads = np.column_stack([normal_load, columns.get("tangential_load", normal_load)])
     is_new = np.any(np.diff(loads, axis=0) != 0, axis=1)
     return np.concatenate([[0], np.cumsum(is_new)]), "the loads"
 
@@ -239,7 +251,7 @@ class _Head(NamedTuple):
 
 
 def _head(name: str, mapping: Mapping) -> _Head:
-    """The quantity in the name of a column, and the number after it: of a frame, or its time
+    """What the name of a column says: the quantity, and the number after it, of a frame or its time
     ('pressure t=0.5').
     """
 
@@ -266,8 +278,8 @@ def _head(name: str, mapping: Mapping) -> _Head:
 def _frames(
     source: str, table: TextTable, mapping: Mapping
 ) -> tuple[dict[Quantity, Array], list[str]] | None:
-    """The frames that stand beside each other, one below the other; None where the names don't look
-    like that.
+    """Columns of frames that stand beside each other in a table, put one below the other, and a
+    note; None where the names don't look like that.
 
     Each frame has a pressure and perhaps a shear, a slip and places of its own; its number or time
     stands in the names, or the frames are taken in the order of the columns.
@@ -307,6 +319,10 @@ def _frames(
         columns[quantity] = np.concatenate([by_frame[frame] for frame in frames])
     key: Quantity = "time" if any(head.is_time for head in heads) else "frame"
     columns[key] = converted(mapping, key, np.repeat(frames, len(table.values)))
-    named = any(head.quantity is not None and head.frame is not None for head in heads)
-    how = "by the figures in their names" if named else "in the order of the columns"
-    return columns, [f"{len(frames)} frames were found beside each other, told apart {how}"]
+    has_number_in_name = any(head.quantity is not None and head.frame is not None for head in heads)
+    order_in_words = (
+        "by the figures in their names" if has_number_in_name else "in the order of the columns"
+    )
+    return columns, [
+        f"{len(frames)} frames were found beside each other, told apart {order_in_words}"
+    ]

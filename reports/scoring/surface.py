@@ -91,7 +91,8 @@ def surface_result(
     series: dict[str, ArrayLike | None],
     notes: Sequence[str] = (),
 ) -> SurfaceResult:
-    """A `SurfaceResult` of arrays as they came: points sorted, shapes and numbers checked.
+    """An external result in the common form of all readers, from arrays as they came: points
+    sorted, shapes and numbers checked.
 
     Parameters
     ----------
@@ -109,24 +110,24 @@ def surface_result(
         One sentence: a shape that does not fit, a number that is none, a point that stands there
         twice.
     """
-    grids = {
+    field_arrays = {
         name: np.atleast_2d(np.array(values, dtype=float))
         for name, values in fields.items()
         if values is not None
     }
-    lines = {
+    series_arrays = {
         name: np.atleast_1d(np.array(values, dtype=float))
         for name, values in series.items()
         if values is not None
     }
     places = np.array(x, dtype=float)
     all_notes = list(notes)
-    shape = grids["pressure"].shape
+    shape = field_arrays["pressure"].shape
     n_steps, n_points = shape
-    shape_of: dict[str, tuple[int, ...]] = dict.fromkeys(grids, shape)
-    shape_of |= dict.fromkeys(lines, (n_steps,))
+    shape_of: dict[str, tuple[int, ...]] = dict.fromkeys(field_arrays, shape)
+    shape_of |= dict.fromkeys(series_arrays, (n_steps,))
     shape_of["x"] = (n_points,) if places.ndim == 1 else shape
-    for name, values in (*grids.items(), *lines.items(), ("x", places)):
+    for name, values in (*field_arrays.items(), *series_arrays.items(), ("x", places)):
         if values.shape != shape_of[name]:
             raise InputError(
                 f"{source}: {name} has the shape {values.shape} where {shape_of[name]} is needed:"
@@ -139,11 +140,13 @@ def surface_result(
             raise InputError(
                 f"{source}: {len(row)} points are no surface: three at least are needed"
             )
-        close = np.flatnonzero(np.diff(row) <= 1e-12 * np.ptp(row))
-        if len(close):
+        equal_neighbours = np.flatnonzero(np.diff(row) <= 1e-12 * np.ptp(row))
+        if len(equal_neighbours):
             raise InputError(
-                f"{source}: the point x = {row[close[0]]:.9g} stands there twice in one instant"
-                f" ({len(close)} such in all); leave one out, or name a column that tells the"
+                f"{source}: the point x = {row[equal_neighbours[0]]:.9g} stands there twice in one"
+                f" instant"
+                f" ({len(equal_neighbours)} such in all); leave one out, or name a column that"
+                f" tells the"
                 " instants apart (columns.time or columns.frame of a mapping)"
             )
     if places.ndim == 2:
@@ -154,8 +157,8 @@ def surface_result(
     if np.any(np.diff(order) < 0):
         all_notes.append("the points were not in the order of x and were sorted")
     arrays = {"shear": freeze(np.full(shape, np.nan))}
-    arrays |= {name: freeze(values[:, order]) for name, values in grids.items()}
-    arrays |= {name: freeze(values) for name, values in lines.items()}
+    arrays |= {name: freeze(values[:, order]) for name, values in field_arrays.items()}
+    arrays |= {name: freeze(values) for name, values in series_arrays.items()}
     sorted_x = freeze(places[order])
     outliers = tuple(_outliers(arrays, sorted_x))
     return SurfaceResult(
@@ -194,23 +197,27 @@ def _outliers(arrays: dict[str, Array], x: Array) -> Iterator[Outlier]:
 
 
 def _one_line(source: str, places: Array) -> tuple[Array, str]:
-    """The mean place of each point, and a sentence where it moves from instant to instant."""
-    middle = places.mean(axis=0)
-    moved = float(np.max(np.abs(places - middle)))
-    if moved <= 1e-9 * float(np.ptp(middle)):
+    """The mean place of each point from `places` (n_steps, n_points), and a sentence where points
+    move from instant to instant. InputError where they move by much of their spacing.
+    """
+    mean_places = places.mean(axis=0)
+    largest_movement = float(np.max(np.abs(places - mean_places)))
+    if largest_movement <= 1e-9 * float(np.ptp(mean_places)):
         return places[0], ""
-    spacing = float(np.median(np.diff(np.sort(middle))))
-    if moved > _SAME_PLACE * spacing:
-        row, column = np.unravel_index(np.argmax(np.abs(places - middle)), places.shape)
+    spacing = float(np.median(np.diff(np.sort(mean_places))))
+    if largest_movement > _SAME_PLACE * spacing:
+        row, column = np.unravel_index(np.argmax(np.abs(places - mean_places)), places.shape)
         raise InputError(
             f"{source}: the points are not the same at every instant: point {column + 1} has x ="
-            f" {places[row, column]:.6g} at instant {row + 1} and {middle[column]:.6g} in the mean,"
-            f" {moved / spacing:.2g} spacings off; give undeformed places"
+            f" {places[row, column]:.6g} at instant {row + 1} and {mean_places[column]:.6g} in the"
+            f" mean,"
+            f" {largest_movement / spacing:.2g} spacings off; give undeformed places"
         )
     return (
-        middle,
+        mean_places,
         (
-            f"x moves from instant to instant by at most {moved / spacing:.1g} of the points'"
+            f"x moves from instant to instant by at most {largest_movement / spacing:.1g} of the"
+            f" points'"
             " spacing; its mean was taken"
         ),
     )
@@ -226,8 +233,8 @@ def one_plane(points: Array, chosen: Integers) -> tuple[Integers, float, list[st
     """Of the `chosen` rows of `points` (n, 3) those of the plane z = const that holds most of them,
     ascending in x.
 
-    Also the depth from the first to the last plane [length], 0 for a plane model, and a sentence
-    where there are several.
+    Also the depth from the first to the last plane [length], 0 for a plane model, and a note where
+    there are several.
 
     >>> thick = np.array([[1.0, 0, 0], [0.0, 0, 0], [0.0, 0, 1.0], [1.0, 0, 1.0]])
     >>> rows, depth, notes = one_plane(thick, np.arange(4))
@@ -236,34 +243,36 @@ def one_plane(points: Array, chosen: Integers) -> tuple[Integers, float, list[st
     """
     depth = points[chosen, 2]
     order = np.argsort(depth, kind="stable")
-    plane = np.empty(len(chosen), np.int64)
-    plane[order] = np.concatenate([[0], np.cumsum(np.diff(depth[order]) > SAME * extent(points))])
-    fullest = int(np.argmax(np.bincount(plane)))  # the lowest where several hold as many
-    is_in_plane = plane == fullest
+    plane_number = np.empty(len(chosen), np.int64)
+    plane_number[order] = np.concatenate(
+        [[0], np.cumsum(np.diff(depth[order]) > SAME * extent(points))]
+    )
+    fullest = int(np.argmax(np.bincount(plane_number)))  # the lowest where several hold as many
+    is_in_plane = plane_number == fullest
     rows = chosen[is_in_plane]
     rows = rows[np.argsort(points[rows, 0], kind="stable")]
-    if not plane.any():
+    if not plane_number.any():
         return rows, 0.0, []
     place = float(depth[is_in_plane].min())
     thickness = float(np.ptp(depth))
-    words = (
+    note = (
         f"the model is {thickness:.6g} thick: the tractions are those of its plane z = {place:.6g},"
-        f" one of {plane.max() + 1}"
+        f" one of {plane_number.max() + 1}"
     )
-    return rows, thickness, [words]
+    return rows, thickness, [note]
 
 
 def material_above(points: Array, cells: Iterable[Integers]) -> Array:
-    """(n_points,): how far the middles of a point's cells lie above it in the mean [length]; NaN
+    """How far the middles of a point's cells lie above it in the mean, (n_points,) [length]; NaN
     for a point that is in no cell.
 
     Negative at the top face of the lower body, positive at the bottom face of the upper one.
     `cells` are blocks of rows of points.
     """
-    total = np.zeros(len(points))
+    sum_of_heights = np.zeros(len(points))
     count = np.zeros(len(points))
     for block in cells:
         heights = points[block, 1]
-        np.add.at(total, block, heights.mean(axis=1)[:, None] - heights)
+        np.add.at(sum_of_heights, block, heights.mean(axis=1)[:, None] - heights)
         np.add.at(count, block, 1.0)
-    return np.divide(total, count, out=np.full(len(points), np.nan), where=count > 0)
+    return np.divide(sum_of_heights, count, out=np.full(len(points), np.nan), where=count > 0)

@@ -86,8 +86,8 @@ def arrays_of(path: Path) -> dict[str, NDArray[Any]]:
 
 
 def _grid_of(path: Path) -> Any:
-    """The vtkUnstructuredGrid of a .vtu file, or of whatever mesh a .vtk file holds; None
-    where it holds none.
+    """The vtkUnstructuredGrid in a .vtu file, or of whatever mesh a .vtk file holds; None where it
+    holds none.
     """
     if path.suffix.lower() == ".vtu":
         from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
@@ -102,8 +102,8 @@ def _grid_of(path: Path) -> Any:
 
     reader = vtkDataSetReader()
     reader.SetFileName(str(path))
-    for everything in ("Scalars", "ColorScalars", "Normals", "TCoords", "Vectors", "Fields"):
-        getattr(reader, f"ReadAll{everything}On")()
+    for kind_of_data in ("Scalars", "ColorScalars", "Normals", "TCoords", "Vectors", "Fields"):
+        getattr(reader, f"ReadAll{kind_of_data}On")()
     reader.ReadAllTensorsOn()
     reader.Update()
     mesh = reader.GetOutput()
@@ -117,7 +117,8 @@ def _grid_of(path: Path) -> Any:
 
 
 def _numeric_fields(attributes: Any, count: int) -> dict[str, NDArray[Any]]:
-    """Name -> array of `count` rows, of the fields of points or cells that are numbers.
+    """Name -> array of `count` rows, of those fields of points or cells (`attributes`) that hold
+    numbers.
 
     Raises
     ------
@@ -171,16 +172,22 @@ class _Complaints:
 
 
 def _limit(most_bytes: int, seconds: int) -> None:
-    """From now on this process may grow by so many bytes and work for so long (POSIX only)."""
+    """From now on this process may grow by so many bytes and compute for so many seconds (POSIX
+    only).
+    """
     try:
         import resource
     except ImportError:
         return
     pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
-    room = pages * resource.getpagesize() + most_bytes
-    for kind, most in ((resource.RLIMIT_AS, room), (resource.RLIMIT_CPU, seconds)):
-        hard = resource.getrlimit(kind)[1]
-        limit = most if hard == resource.RLIM_INFINITY else min(most, hard)
+    most_memory = pages * resource.getpagesize() + most_bytes
+    for kind, largest_amount in ((resource.RLIMIT_AS, most_memory), (resource.RLIMIT_CPU, seconds)):
+        hard_limit = resource.getrlimit(kind)[1]
+        limit = (
+            largest_amount
+            if hard_limit == resource.RLIM_INFINITY
+            else min(largest_amount, hard_limit)
+        )
         resource.setrlimit(kind, (limit, limit))
 
 
