@@ -139,10 +139,9 @@ class Report:
             if metric.verdict is Verdict.WITHIN
         ]
         reasons = " and ".join(diagnosis.name_and_size for diagnosis in self.diagnoses)
-        agreement_in_words = (
-            f"; within tolerance: {', '.join(labels_within)}" if labels_within else"
-            f" ""
-        )
+        agreement_in_words = ""
+        if labels_within:
+            agreement_in_words = f"; within tolerance: {', '.join(labels_within)}"
         return f"{sentence.removesuffix('.')}; cause: {reasons}{agreement_in_words}."
 
     @property

@@ -98,7 +98,9 @@ class AgainstMeasurement:
         measured value, what u_val is made of, and the verdict.
         """
         percent_per_unit = 100 / abs(self.measured) if self.measured else math.nan
-        amount = with_uncertainty(percent_per_unit * self.error, percent_per_unit * self.uncertainty)
+        amount = with_uncertainty(
+            percent_per_unit * self.error, percent_per_unit * self.uncertainty
+        )
         parts_of_uncertainty = [
             f"{name} {significant(percent_per_unit * size, 2)} %"
             for name, size in (
@@ -188,7 +190,9 @@ def against_loop(
     if effects is None or not math.isfinite(effects.work_uncertainty):
         return ()
     measured_row = score.rows[0]
-    uncertainty_of_rows = math.hypot(measured_row.by_distance / math.sqrt(3), measured_row.by_noise / _OF_95)
+    uncertainty_of_rows = math.hypot(
+        measured_row.by_distance / math.sqrt(3), measured_row.by_noise / _OF_95
+    )
     stated_share = measured.share("dissipation")
     measurement = math.hypot(uncertainty_of_rows, (stated_share or 0.0) * measured_row.area)
     entries = []
