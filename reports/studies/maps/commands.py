@@ -24,8 +24,8 @@ _MODEL_ITSELF = (
 
 
 def make_map(name: str, options: Options) -> Answer:
-    """Compute what is missing of a map, or of all, write tables and pages, and show from which
-    height on theory holds.
+    """The command `map`: compute what is missing of a map of errors, or of all maps, write tables
+    and pages, and show from which height on theory holds.
     """
     from reports.folder import replace_text
     from reports.studies.maps import pages
@@ -71,8 +71,8 @@ def make_map(name: str, options: Options) -> Answer:
 
 
 def advise(scene: str, options: Options) -> Answer:
-    """How wrong half-plane theory is for the bodies of a scene, and why. Outside where the error of
-    the dissipation may exceed the limit, or is not known.
+    """The command `advise`: how wrong half-plane theory is for the bodies of a scene, and why. Exit
+    code 1 where the error of the dissipation may exceed the limit, or is not known.
     """
     from reports import advising
     from reports.advising_by_numbers import Advice
@@ -86,20 +86,20 @@ def advise(scene: str, options: Options) -> Answer:
             f"--limit {options.limit} is refused: it is a share above 0 and below 1, such as 0.05"
             " for 5 %"
         )
-    problem = read(scene)
-    if are_half_planes(problem) and problem.friction.coefficient:
-        return _answer_in_words(problem, limit, Verdict.WITHIN, _MODEL_ITSELF)
+    scene_read = read(scene)
+    if are_half_planes(scene_read) and scene_read.friction.coefficient:
+        return _answer_in_words(scene_read, limit, Verdict.WITHIN, _MODEL_ITSELF)
     try:
-        advice = advising.advise(problem, limit)
-    except advising.NoAdvice as not_known:
-        return _answer_in_words(problem, limit, None, str(not_known))
+        advice = advising.advise(scene_read, limit)
+    except advising.NoAdvice as no_advice:
+        return _answer_in_words(scene_read, limit, None, str(no_advice))
     if isinstance(advice, Advice):
         return _answer_by_numbers(advice)
     return _answer_by_kernels(advice)
 
 
 def _answer_in_words(scene: Scene, limit: float, verdict: str | None, sentence: str) -> Answer:
-    """Where no error is to be stated."""
+    """The answer of `advise` in one sentence, where no error is to be stated."""
     from reports.comparison.verdicts import Verdict
 
     is_within = verdict is Verdict.WITHIN
@@ -115,7 +115,9 @@ def _answer_in_words(scene: Scene, limit: float, verdict: str | None, sentence: 
 
 
 def _answer_by_numbers(advice: Advice) -> Answer:
-    """By corrected theory."""
+    """The answer of `advise` from corrected theory: the sentence, what the bodies change, and the
+    causes.
+    """
     from reports.advising_by_numbers import sentence
     from reports.comparison.pairs import coupled
     from reports.comparison.verdicts import Verdict
@@ -125,18 +127,18 @@ def _answer_by_numbers(advice: Advice) -> Answer:
         if advice.declined_by_kernels:
             yield f"The kernel solve does not take this scene: {advice.declined_by_kernels}"
         yield _sheet_of_changes(advice.scene, advice.changes, "corrected theory, no contact solved")
-        causes = [(words, _percent(part)) for words, part in advice.parts.items()]
+        causes = [(cause, _percent(share)) for cause, share in advice.parts.items()]
         if advice.left_out:
-            what = "tilt and bulk strain, a size"
+            name_of_rest = "tilt and bulk strain, a size"
             if coupled(advice.scene):
-                what = "coupling, tilt and bulk strain, a size"
-            causes.append((what, f"± {100 * advice.left_out:.2g} %"))
+                name_of_rest = "coupling, tilt and bulk strain, a size"
+            causes.append((name_of_rest, f"± {100 * advice.left_out:.2g} %"))
         yield Sheet("What makes the change of the dissipation", ("cause", "share of it"), causes)
 
     def content() -> dict[str, Any]:
         return {
             **_content(advice, "corrected theory", sentence(advice)),
-            "parts": {words: _pair(part) for words, part in advice.parts.items()},
+            "parts": {cause: _pair(share) for cause, share in advice.parts.items()},
             "left_out": advice.left_out,
             "declined": "; ".join(filter(None, (advice.declined, advice.declined_by_kernels))),
             "effects": asdict(advice.effects),
@@ -147,6 +149,9 @@ def _answer_by_numbers(advice: Advice) -> Answer:
 
 
 def _answer_by_kernels(advice: KernelAdvice) -> Answer:
+    """The answer of `advise` from a solve with the kernels of the real bodies: the sentence, and
+    what the bodies change.
+    """
     from reports.advising_by_kernels import sentence
     from reports.comparison.verdicts import Verdict
 
@@ -164,8 +169,10 @@ def _answer_by_kernels(advice: KernelAdvice) -> Answer:
     return Answer(code, parts(), content, advice.scene.name)
 
 
-def _sheet_of_changes(scene: Scene, changes: Mapping[str, Change], by: str) -> Sheet:
-    """Theory's values, and what the bodies make of them."""
+def _sheet_of_changes(scene: Scene, changes: Mapping[str, Change], source_in_words: str) -> Sheet:
+    """A table of theory's values and of what the bodies change in them; `source_in_words` says in
+    words how that was found.
+    """
     from reports.units import energy_unit, units
 
     _, length, stress = units(scene)
@@ -176,14 +183,16 @@ def _sheet_of_changes(scene: Scene, changes: Mapping[str, Change], by: str) -> S
     }
     rows = []
     for name, (words, theory, change) in changes.items():
-        changed = "no estimate" if math.isnan(change.value) else _percent(change)
-        rows.append((words, f"{theory:.6g} {unit_of.get(name, length)}", changed))
+        change_in_words = "no estimate" if math.isnan(change.value) else _percent(change)
+        rows.append((words, f"{theory:.6g} {unit_of.get(name, length)}", change_in_words))
     heads = ("quantity", "half-plane theory", "bodies/theory − 1")
-    return Sheet(f"{scene.title or scene.name}: by {by}", heads, rows)
+    return Sheet(f"{scene.title or scene.name}: by {source_in_words}", heads, rows)
 
 
 def _content(advice: Advice | KernelAdvice, by: str, sentence: str) -> dict[str, Any]:
-    """What both kinds of advice answer in JSON."""
+    """What both kinds of advice answer in JSON: verdict, limit, and the changes of theory's
+    values.
+    """
     from reports.comparison.verdicts import Verdict
 
     return {

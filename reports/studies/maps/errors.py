@@ -60,7 +60,8 @@ class Row(NamedTuple):
 
 
 def row_of(kind: Kind, place: Place, way: Way) -> Row:
-    """The errors of theory at a point.
+    """The errors of theory at one point of a map, found by one `way`: numbers of the bodies, kernel
+    solve, or finite elements.
 
     Raises
     ------
@@ -129,7 +130,8 @@ def _digits(value: float) -> str:
 
 
 def rows_in(table: Path) -> list[Row]:
-    """The rows of a table; none where it is not there.
+    """The rows of a map's table, a CSV file; none where it is not there. InputError for a file that
+    is no such table.
 
     Raises
     ------
@@ -155,18 +157,18 @@ def _row_of_record(record: dict[str, Any]) -> Row:
 
 
 def computed(kind: Kind, table: Path, report: Report) -> bool:
-    """All rows of a map, in its table after each; those that it holds are not computed again.
-    Whether any was.
+    """Compute the rows that a map's table lacks, storing the table after each. Returns whether any
+    row was new.
     """
     rows = {(row.place, row.way): row for row in rows_in(table)}
     points = points_of(kind)
-    missing = [point for point in points if point not in rows]
-    for number, (place, way) in enumerate(missing, start=1):
-        report(number, len(missing), f"{kind.title}, {way}")
+    missing_points = [point for point in points if point not in rows]
+    for number, (place, way) in enumerate(missing_points, start=1):
+        report(number, len(missing_points), f"{kind.title}, {way}")
         rows[place, way] = row_of(kind, place, way)
-        ready = [rows[point] for point in points if point in rows]
-        replace_text(table, table_of(ready))
-    return bool(missing)
+        rows_so_far = [rows[point] for point in points if point in rows]
+        replace_text(table, table_of(rows_so_far))
+    return bool(missing_points)
 
 
 # ---------------------------------------------------------------------------------------- distances
@@ -187,53 +189,56 @@ class Distance(NamedTuple):
 
 
 def distances_of(kind: Kind, rows: Sequence[Row], report: Report) -> list[Distance]:
-    """The least heights from which on theory is within each of `LEVELS` of the kernel solve."""
+    """The least heights of bodies from which on theory is within each of `LEVELS` of the kernel
+    solve, for every width and quantity of a map.
+    """
     quantities = list(OF_DESIGNERS)
     if kind.is_curved:
         quantities.remove("edge_tension")
-    wanted = [
+    combinations = [
         (width, quantity, level)
         for width in kind.widths
         for quantity in quantities
         for level in LEVELS
     ]
     distances = []
-    for number, (width, quantity, level) in enumerate(wanted, start=1):
-        report(number, len(wanted), f"{kind.title}: heights")
+    for number, (width, quantity, level) in enumerate(combinations, start=1):
+        report(number, len(combinations), f"{kind.title}: heights")
         heights = []
         for friction in kind.frictions:
-            line = [
+            rows_of_line = [
                 row for row in rows if row.way == "kernels" and row.place[1:] == (width, friction)
             ]
-            heights.append(_least_height(kind, line, quantity, level))
+            heights.append(_least_height(kind, rows_of_line, quantity, level))
         distances.append(Distance(width, quantity, level, max(heights)))
     return distances
 
 
 def _least_height(kind: Kind, line: Sequence[Row], quantity: str, level: float) -> float:
-    """From which height on |error| is below a level: between the last point of a line that is above
-    it and the next one, by Brent's method in the logarithms of both.
+    """The height of a body from which on |error| of a quantity is below a level, along a line of
+    points by height: between the last point above the level and the next one, by Brent's method in
+    the logarithms of both. 0 where all points are below, infinite where the last is above.
     """
     sizes = np.array([abs(row.errors[quantity].value) for row in line])
-    above = np.flatnonzero(sizes > level)
-    if not len(above):
+    rows_above = np.flatnonzero(sizes > level)
+    if not len(rows_above):
         return 0.0
-    last = int(above[-1])
-    if last + 1 == len(line):
+    last_above = int(rows_above[-1])
+    if last_above + 1 == len(line):
         return math.inf
-    ends = [math.log(row.place.height) for row in line[last : last + 2]]
-    known = dict(zip(ends, line[last : last + 2], strict=True))
+    log_heights = [math.log(row.place.height) for row in line[last_above : last_above + 2]]
+    row_at_end = dict(zip(log_heights, line[last_above : last_above + 2], strict=True))
 
-    def excess(log_height: float) -> float:
+    def log_excess(log_height: float) -> float:
         """log(|error|/level); its end where the error is 0."""
-        row = known.get(log_height)
+        row = row_at_end.get(log_height)
         if row is None:
-            place = line[last].place._replace(height=math.exp(log_height))
+            place = line[last_above].place._replace(height=math.exp(log_height))
             row = _by_kernels(kind.name, place)
         error = row.errors[quantity].value
         return math.log(max(abs(error), 1e-9) / level)
 
-    return math.exp(brentq(excess, *ends, xtol=_OF_HEIGHT))
+    return math.exp(brentq(log_excess, *log_heights, xtol=_OF_HEIGHT))
 
 
 @lru_cache(maxsize=256)

@@ -82,7 +82,9 @@ class Kind:
     is_flat_pad: bool = False
 
     def scene(self, place: Place) -> Scene:
-        """The scene at a point."""
+        """The scene at a point of the map: bodies, friction and load such that a(P0) is 1 mm and
+        the loads are the paper's.
+        """
         profile: dict[str, Any] = {"kind": "hertz", "radius": _RADIUS}
         if self.is_curved:
             profile["radius"] = place.height

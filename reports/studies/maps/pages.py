@@ -82,7 +82,8 @@ def stored(folder: Path) -> list[Tables]:
 
 
 def write(folder: Path) -> None:
-    """Figures and pages of the maps whose tables are in `folder`: all, or none after an error.
+    """Write figures and pages of the maps whose tables are in `folder`: all, or none after an
+    error.
 
     Raises
     ------
@@ -92,29 +93,31 @@ def write(folder: Path) -> None:
     maps = stored(folder)
     if not maps:
         raise InputError(f"{folder}: no map has its tables here; make them by `halfplane map all`")
-    with filled(folder, fresh=()) as made:
+    with filled(folder, fresh=()) as staging:
         for tables in maps:
             name = tables.kind.name
-            (made / f"{name}.svg").write_text(figure(tables).svg(), encoding="utf-8")
-            (made / f"{name}.md").write_text(page(tables), encoding="utf-8")
-        (made / "README.md").write_text(index(maps), encoding="utf-8")
+            (staging / f"{name}.svg").write_text(figure(tables).svg(), encoding="utf-8")
+            (staging / f"{name}.md").write_text(page(tables), encoding="utf-8")
+        (staging / "README.md").write_text(index(maps), encoding="utf-8")
 
 
 # -------------------------------------------------------------------------------------------- pages
 def page(tables: Tables) -> str:
-    """Markdown of one map."""
+    """The Markdown page of one map: figure, heights from which theory holds, finite elements beside
+    the kernel solve.
+    """
     kind = tables.kind
-    shown = _quantities(tables, "elements")
+    quantities_shown = _quantities(tables, "elements")
     heads = [kind.height_words, kind.width_words, "f"]
-    for quantity in shown:
+    for quantity in quantities_shown:
         heads += [f"{QUANTITIES[quantity]}, %", "kernels"]
-    by_kernels = _by_place(tables.rows, "kernels")
+    errors_by_kernels = _by_place(tables.rows, "kernels")
     rows = []
     for place, errors in _by_place(tables.rows, "elements").items():
         cells = [f"{coordinate:g}" for coordinate in place]
-        for quantity in shown:
+        for quantity in quantities_shown:
             cells.append(_percent(errors[quantity]))
-            cells.append(_value(by_kernels[place][quantity]))
+            cells.append(_value(errors_by_kernels[place][quantity]))
         rows.append(cells)
     lines = [
         f"# {kind.title}",
@@ -135,7 +138,9 @@ def page(tables: Tables) -> str:
 
 
 def index(maps: Sequence[Tables]) -> str:
-    """Markdown of the first page: heights of all kinds, and where their maps are."""
+    """The Markdown of the first page of the maps: heights from which theory holds for all kinds of
+    bodies, and links to their maps.
+    """
     lines = [
         "# Maps: where half-plane theory holds",
         "<!-- written by `halfplane map all` -->",
@@ -155,14 +160,14 @@ def heights_of(maps: Sequence[Tables]) -> str:
 
 
 def rows_of_heights(maps: Sequence[Tables]) -> list[list[str]]:
-    """Cells of the designer's table: kind, width, and the heights from which each quantity is
-    within 1, 5 and 10 %.
+    """Rows of the designer's table: kind of bodies, width, and the heights from which each quantity
+    is within 1, 5 and 10 %.
     """
     rows = []
     for tables in maps:
-        what = f"{tables.kind.width_words} " if tables.kind.is_flat_pad else ""
+        width_in_words = f"{tables.kind.width_words} " if tables.kind.is_flat_pad else ""
         for width in tables.kind.widths:
-            cells = [tables.kind.name, f"{what}{width:g}"]
+            cells = [tables.kind.name, f"{width_in_words}{width:g}"]
             cells += [_heights(tables, width, quantity) for quantity in OF_DESIGNERS]
             rows.append(cells)
     return rows
@@ -214,7 +219,9 @@ def _quantities(tables: Tables, way: Way) -> list[str]:
 
 # ------------------------------------------------------------------------------------------ figures
 def figure(tables: Tables) -> Plate:
-    """A panel a quantity: |error| in per cent over the height, a line for each width and f."""
+    """The figure of a map: a panel for each quantity with |error| in per cent over the height, a
+    line for each width and friction coefficient f.
+    """
     kind = tables.kind
     looks: dict[tuple[float, float], tuple[int, str]] = {}
     keys = []
@@ -230,10 +237,13 @@ def figure(tables: Tables) -> Plate:
 def _panel(
     tables: Tables, quantity: str, looks: dict[tuple[float, float], tuple[int, str]]
 ) -> Panel:
+    """A panel of a map: |error| of one quantity over the height, both logarithmic, a line for each
+    width and friction in `looks`.
+    """
     kind = tables.kind
     sizes = [100 * abs(row.errors[quantity].value) for row in tables.rows]
-    largest = float(np.nanmax(sizes))
-    lowest = float(np.clip(np.nanmin(sizes) / 1.5, _LEAST_DRAWN, _MOST_AT_THE_FOOT))
+    largest_size = float(np.nanmax(sizes))
+    lower_end = float(np.clip(np.nanmin(sizes) / 1.5, _LEAST_DRAWN, _MOST_AT_THE_FOOT))
     x_axis = Axis(
         0.9 * kind.heights[0],
         1.1 * kind.heights[-1],
@@ -241,32 +251,36 @@ def _panel(
         log=True,
         ticks=tuple(zip(kind.heights, labels(kind.heights), strict=True)),
     )
-    highest = max(1.5 * largest, 15.0)
-    ticks = [tick for tick in _TICKS if lowest <= tick <= highest]
+    upper_end = max(1.5 * largest_size, 15.0)
+    ticks = [tick for tick in _TICKS if lower_end <= tick <= upper_end]
     y_axis = Axis(
-        lowest,
-        highest,
+        lower_end,
+        upper_end,
         "|error|, %",
         log=True,
         ticks=tuple(zip(ticks, labels(ticks), strict=True)),
     )
     marks: list[Mark] = [Rule(100 * level, "slope order-2") for level in LEVELS]
     for (width, friction), (number, style) in looks.items():
-        line = [row for row in tables.rows if row.place[1:] == (width, friction)]
-        marks += _marks_of_line(line, quantity, number, style)
+        rows_of_line = [row for row in tables.rows if row.place[1:] == (width, friction)]
+        marks += _marks_of_line(rows_of_line, quantity, number, style)
     title = QUANTITIES[quantity]
     return Panel(quantity, x_axis, y_axis, marks, title, _WIDTH, _HEIGHT, title)
 
 
-def _marks_of_line(line: Sequence[Row], quantity: str, number: int, style: str) -> Iterator[Mark]:
-    """The kernel solve as a line, the numbers as rings, finite elements as dots with bars."""
-    by_kernels = [row for row in line if row.way == "kernels"]
-    sizes = np.array([100 * abs(row.errors[quantity].value) for row in by_kernels])
-    heights = np.array([row.place.height for row in by_kernels])
-    uncertainties = np.array([100 * row.errors[quantity].uncertainty for row in by_kernels])
+def _marks_of_line(
+    rows_of_line: Sequence[Row], quantity: str, number: int, style: str
+) -> Iterator[Mark]:
+    """Marks of one line of a map: the kernel solve as a line, the numbers of the bodies as rings,
+    finite elements as dots with bars.
+    """
+    rows_by_kernels = [row for row in rows_of_line if row.way == "kernels"]
+    sizes = np.array([100 * abs(row.errors[quantity].value) for row in rows_by_kernels])
+    heights = np.array([row.place.height for row in rows_by_kernels])
+    uncertainties = np.array([100 * row.errors[quantity].uncertainty for row in rows_by_kernels])
     is_hidden = (sizes < _LEAST_DRAWN) | (sizes <= uncertainties)
     yield Curve(heights, np.where(is_hidden, np.nan, sizes), f"c{number}{style}")
-    for row in line:
+    for row in rows_of_line:
         error = row.errors[quantity]
         size = 100 * abs(error.value)
         if row.way == "kernels" or not size >= _LEAST_DRAWN:

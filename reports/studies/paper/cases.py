@@ -98,10 +98,12 @@ class Case:
         *,
         steady: bool = False,
     ) -> ContactSolution:
-        """The engine's answer at scaled points `x`."""
-        points = np.asarray(x, dtype=float) * self.length
+        """The engine's solution of this ellipse at points `x`, in units of a0; `time` and `fields`
+        as in `semi_analytic.solve`.
+        """
+        places = np.asarray(x, dtype=float) * self.length
         return semi_analytic.solve(
-            self.scene, x=points, time=time, fields=fields, cycles="steady" if steady else "all"
+            self.scene, x=places, time=time, fields=fields, cycles="steady" if steady else "all"
         )
 
     @cached_property
@@ -141,20 +143,22 @@ class Case:
 
     @cached_property
     def slipping(self) -> Mapping[str, tuple[Span, ...]]:
-        """The steady cycle's spans of slip by the paper's phases EG, IJ and JM."""
+        """Spans of time in which points slip in the steady cycle, by the paper's phases: reverse
+        slip EG, forward slip IJ and JM.
+        """
         spans = history_of(self.scene.load.path(), self.friction, self.scene.cycles).cycles[-1]
         start_of_forward = min(span.begin.time for span in spans if span.direction > 0)
         time_of_j = start_of_forward + self.time("J") - self.time("I")
         spans_of: dict[str, list[Span]] = {"EG": [], "IJ": [], "JM": []}
         for span in spans:
-            middle = (span.begin.time + span.end.time) / 2
+            middle_time = (span.begin.time + span.end.time) / 2
             if span.direction < 0:
                 spans_of["EG"].append(span)
-            elif span.direction > 0 and middle < time_of_j:
+            elif span.direction > 0 and middle_time < time_of_j:
                 spans_of["IJ"].append(span)
             elif span.direction > 0:
                 spans_of["JM"].append(span)
-        return {phase: tuple(of_phase) for phase, of_phase in spans_of.items()}
+        return {phase: tuple(phase_spans) for phase, phase_spans in spans_of.items()}
 
     def density(self, x: ArrayLike) -> dict[str, Array]:
         """Pointwise work of each phase of slip at scaled `x`, over A f^2 P0^2/a0."""
@@ -167,7 +171,9 @@ class Case:
         return {phase: self.length / self.work_unit * part.total for phase, part in parts.items()}
 
     def batch(self, **changes: Any) -> dict[str, Any]:
-        """Arguments of the engine's batches for this case, some of them replaced."""
+        """Arguments for the engine's functions that take arrays of ellipses, with those of this
+        case; `changes` replace some.
+        """
         names = (
             "mean_normal_load",
             "normal_amplitude",
@@ -183,8 +189,8 @@ class Case:
         return bodies | {name: getattr(self.load, name) for name in names} | changes
 
     def circles(self, friction: ArrayLike, ratio: ArrayLike, **changes: Any) -> dict[str, Any]:
-        """The same for circles about Q = 0 (phase 90 degrees, Q1 = P1 = this unit) with P0/P1 =
-        `ratio`.
+        """Arguments for the engine's functions that take arrays of ellipses: circles about Q = 0
+        (phase 90 degrees, Q1 = P1 = P0/3 of this case) with P0/P1 = `ratio`.
         """
         loads = {
             "mean_normal_load": np.asarray(ratio) * self.unit,
@@ -202,7 +208,7 @@ class Case:
         )
 
     def ten_times(self) -> Case:
-        """The same with all lengths and loads times ten: the same stresses."""
+        """The case with all lengths and loads times ten, which has the same stresses."""
         names = (
             "mean_normal_load",
             "normal_amplitude",
@@ -268,8 +274,8 @@ class Formulas:
         return slope - 2 * beta * a.normal_load, beta
 
     def initial_meeting(self, t: float) -> float:
-        """P_Y of equation (6), at E P_Z of (7): where the line of gradient f through the point at t
-        meets the path O-A-B.
+        """P_Y of equation (6), or P_Z of (7) at E: the normal load at which the line of gradient f
+        through the point of time t meets the initial loading O-A-B.
         """
         case = self.case
         alpha, beta = self.initial()
@@ -277,14 +283,14 @@ class Formulas:
         if mirrored_time >= case.time("A"):
             return float(self.loads(mirrored_time)[0])
         p, q = self.loads(t)
-        level = float(q - case.friction * p)
+        q_minus_f_p = float(q - case.friction * p)
         slope = alpha - case.friction
         # The root of beta P^2 + slope P = level that stays finite for beta = 0; slope < 0.
-        return 2 * level / (slope - math.sqrt(slope * slope + 4 * beta * level))
+        return 2 * q_minus_f_p / (slope - math.sqrt(slope * slope + 4 * beta * q_minus_f_p))
 
     def stuck(self, x: Array, load: float) -> Array:
-        """int_0^P p'(x, eta) dQ/d eta d eta along O-A and the ellipse after A, the integral in
-        equations (5) to (7).
+        """Shear at points x after loading in full stick up to `load`, along O-A and the ellipse
+        after A: int_0^P p'(x, eta) dQ/d eta d eta, the integral in equations (5) to (7).
 
         By parts, for p' has an inverse root where the contact reaches x: dQ/dP p(x, P) - int p(x,
         eta) d2Q/d eta2 d eta.
@@ -294,7 +300,7 @@ class Formulas:
         load_at_a = case.events["A"].normal_load
         edge_load = np.asarray(case.contact.load(x))
 
-        def ellipse(p: Array) -> tuple[Array, Array]:
+        def slope_on_ellipse(p: Array) -> tuple[Array, Array]:
             """dQ/dP and its derivative on the rising half of the ellipse."""
             turn = 2 * math.pi - np.arccos(
                 (p - case.load.mean_normal_load) / case.load.normal_amplitude
@@ -305,14 +311,17 @@ class Formulas:
 
         slope = np.asarray(alpha + 2 * beta * load)
         if load > load_at_a:
-            slope, _ = ellipse(np.asarray(load))
+            slope, _ = slope_on_ellipse(np.asarray(load))
         shear = slope * case.contact.pressure(x, load)
-        parts = ((0.0, min(load, load_at_a), False), (load_at_a, max(load, load_at_a), True))
-        for begin, end, is_on_ellipse in parts:
+        ranges_of_load = (
+            (0.0, min(load, load_at_a), False),
+            (load_at_a, max(load, load_at_a), True),
+        )
+        for begin, end, is_on_ellipse in ranges_of_load:
             p, weights = graded(np.clip(edge_load, begin, end), np.full(len(x), end))
             curvature = np.full_like(p, 2 * beta)
             if is_on_ellipse:
-                _, curvature = ellipse(p)
+                _, curvature = slope_on_ellipse(p)
             pressure = case.contact.pressure(x[:, None], p)
             shear = shear - np.sum(weights * curvature * pressure, axis=-1)
         return np.asarray(shear)
@@ -359,10 +368,9 @@ class Formulas:
         return np.arccosh(np.maximum(x / np.asarray(self.case.contact.half_width(load)), 1.0))
 
     def slip_rate(self, phase: str, x: float, t: ArrayLike) -> Array:
-        """ds/dt, equations (16), (18) and (19) mended; x in or out of contact.
-
-        ds = (A/pi) f [C dP arccosh(x/c) - sign dP arccosh(x/a)], the sign being + in EG and - in IJ
-        and JM.
+        """Rate of slip ds/dt at x in one of the phases EG, IJ and JM, by equations (16), (18) and
+        (19) mended; x in or out of contact. ds = (A/pi) f [C dP arccosh(x/c) - sign dP
+        arccosh(x/a)], the sign being + in EG and - in IJ and JM.
         """
         sign = 1 if phase == "EG" else -1
         load, _ = self.loads(t)
@@ -424,8 +432,8 @@ class Sweep:
 
 
 def _sweep(case: Case, largest_ratio: float = 6.0, count: int = 33) -> Sweep:
-    """The sweep over f and P0/P1 on the case's profile, its radius such that a(P0) and b stay what
-    they are: one call each.
+    """Work and its peak for all coefficients of friction f and many P0/P1, on the profile of a
+    case; its radius is such that a(P0) and b stay what they are. One call each.
     """
     friction = np.array(FRICTIONS)
     # A share of 1e-9 above the limit: the logarithm of gross sliding is harmless, the limit itself

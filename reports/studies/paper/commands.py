@@ -7,7 +7,9 @@ from reports.console import Part, Sheet, Stages
 
 
 def paper(options: Options) -> Answer:
-    """The paper's figures and both tables; outside if a misprint is not proven."""
+    """The command `paper`: the paper's figures, what it states in words, and its misprints, each
+    recomputed. Exit code 1 if a misprint is not proven.
+    """
     from reports.folder import claim, default_folder
 
     stages = Stages(options.quiet)
@@ -27,7 +29,7 @@ def paper(options: Options) -> Answer:
         "seconds": stages.seconds,
     }
     counts = ", ".join(f"{count} {verdict}" for verdict, count in verdicts.items())
-    proven = sum(row.proven is True for row in report.misprints)
+    n_proven = sum(row.proven is True for row in report.misprints)
     parts: list[Part] = [
         Sheet(
             "What the paper states in words",
@@ -47,7 +49,7 @@ def paper(options: Options) -> Answer:
         ),
         (
             f"{len(report.statements)} statements: {counts}; {len(report.misprints)} misprints:"
-            f" {proven} proven by evaluation"
+            f" {n_proven} proven by evaluation"
         ),
         str(report.page),
     ]

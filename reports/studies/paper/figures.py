@@ -28,7 +28,7 @@ _REVOLUTION = Axis(0.0, 360.0, _ANGLE, ticks=_DEGREES)
 
 
 def sheets(paper: Paper) -> tuple[Plate, ...]:
-    """Every figure of the paper, in its order."""
+    """Every figure of the paper, in its order, recomputed."""
     hertz = paper.hertz
     rounded = paper.rounded
     sweep_of_hertz, sweep_of_rounded = paper.sweeps
@@ -66,8 +66,8 @@ def _named(
     dot: bool = False,
     css: str = "word",
 ) -> Iterator[Mark]:
-    """A text about `shift` units right and up of a point, of colour `look`; a dot is drawn there if
-    wanted.
+    """Marks of a text about `shift` units right and up of the point (x, y), in the colour of
+    `look`; of a dot there too, if wanted.
     """
     if dot:
         yield Dot(x, y, f"p{look}" if look else "event", 2.8)
@@ -90,7 +90,9 @@ def _plate(
     keys: Iterable[Key] = (),
     **values: float,
 ) -> Plate:
-    """A figure with its words, and the legend of its labelled curves and bands, each once."""
+    """A figure of the paper with its words from paper.toml, filled in with `values`, and the legend
+    of its labelled curves and bands, each once.
+    """
     words = next(row for row in WORDS["figure"] if row["key"] == name)
     legend: dict[str, Key] = {}
     for panel in panels:
@@ -128,31 +130,31 @@ def _panel(
 
 # ------------------------------------------------------------------------------ loads and tractions
 def _figure_1(case: Case) -> Plate:
-    """The motor with an eccentric weight; the gap under its foot is the profile of the case, drawn
-    much higher.
+    """Figure 1: the motor with an eccentric weight. The gap under its foot is the profile of the
+    case, drawn much higher.
     """
     x = np.linspace(-1.9, 1.9, 191)
     height = np.asarray(case.scene.profile.height(x * case.length))
-    foot = height * 0.45 / height[0]
-    circle = np.linspace(0.0, 2 * math.pi, 121)
-    turn = np.linspace(math.radians(70), math.radians(160), 31)
+    height_of_foot = height * 0.45 / height[0]
+    full_angle = np.linspace(0.0, 2 * math.pi, 121)
+    angle_of_arrow = np.linspace(math.radians(70), math.radians(160), 31)
     axle = (0.0, 2.35)
     radius = 0.85
     angle_of_mass = math.radians(35.0)
     along_x = math.cos(angle_of_mass)
     along_y = math.sin(angle_of_mass)
-    weight = (axle[0] + 0.55 * along_x, axle[1] + 0.55 * along_y)
-    tip = (axle[0] + 1.6 * along_x, axle[1] + 1.6 * along_y)
-    strut = [1.1, axle[1] - radius * math.sin(math.acos(0.4 / radius))]
-    turn_x = axle[0] + 0.6 * np.cos(turn)
-    turn_y = axle[1] + 0.6 * np.sin(turn)
+    place_of_weight = (axle[0] + 0.55 * along_x, axle[1] + 0.55 * along_y)
+    tip_of_force = (axle[0] + 1.6 * along_x, axle[1] + 1.6 * along_y)
+    heights_of_strut = [1.1, axle[1] - radius * math.sin(math.acos(0.4 / radius))]
+    turn_x = axle[0] + 0.6 * np.cos(angle_of_arrow)
+    turn_y = axle[1] + 0.6 * np.sin(angle_of_arrow)
     marks: list[Mark] = [
         Band(np.array([-2.6, 2.6]), np.full(2, -0.9), np.zeros(2), "body lower"),
         _line([-2.6, 2.6], [0.0, 0.0]),
-        Band(x, foot, np.full(len(x), 1.1), "body upper"),
+        Band(x, height_of_foot, np.full(len(x), 1.1), "body upper"),
         _line(
             np.concatenate([x, x[::-1], x[:1]]),
-            np.concatenate([foot, np.full(len(x), 1.1), foot[:1]]),
+            np.concatenate([height_of_foot, np.full(len(x), 1.1), height_of_foot[:1]]),
         ),
         Arrow((-2.5, 0.22), (-2.0, 0.22), "solid"),
         *_named(-2.5, 0.22, "x, Q", (14.0, 9.0)),
@@ -161,16 +163,27 @@ def _figure_1(case: Case) -> Plate:
         *_named(0.0, -0.2, "flat face, 2 b", (0.0, -12.0)),
         *_named(1.45, 0.55, "edges of\nradius R", (0.0, 7.0)),
         *_named(0.0, -0.72, "half-plane"),
-        _line([-0.55, -0.4], strut),
-        _line([0.55, 0.4], strut),
-        _line(axle[0] + radius * np.cos(circle), axle[1] + radius * np.sin(circle), look="bold"),
-        _line([axle[0], weight[0]], [axle[1], weight[1]], look="faint"),
+        _line([-0.55, -0.4], heights_of_strut),
+        _line([0.55, 0.4], heights_of_strut),
+        _line(
+            axle[0] + radius * np.cos(full_angle),
+            axle[1] + radius * np.sin(full_angle),
+            look="bold",
+        ),
+        _line([axle[0], place_of_weight[0]], [axle[1], place_of_weight[1]], look="faint"),
         *_named(*axle, "", dot=True),
         _line(
-            weight[0] + 0.1 * np.cos(circle), weight[1] + 0.1 * np.sin(circle), look="c1 broad-line"
+            place_of_weight[0] + 0.1 * np.cos(full_angle),
+            place_of_weight[1] + 0.1 * np.sin(full_angle),
+            look="c1 broad-line",
         ),
-        Arrow(weight, tip, "c1"),
-        *_named(*tip, "turning force: P₁ cos ωt down,\nQ₁ cos(ωt − φ) along x", (72.0, 14.0), "1"),
+        Arrow(place_of_weight, tip_of_force, "c1"),
+        *_named(
+            *tip_of_force,
+            "turning force: P₁ cos ωt down,\nQ₁ cos(ωt − φ) along x",
+            (72.0, 14.0),
+            "1",
+        ),
         _line(turn_x, turn_y, look="faint"),
         Arrow((-0.5, 2.68), (float(turn_x[-1]), float(turn_y[-1]) - 0.06), "faint"),
         *_named(-0.42, 2.95, "ω", (0.0, 4.0), css="tick"),
@@ -194,11 +207,11 @@ def _figure_1(case: Case) -> Plate:
 
 
 def _figure_2(case: Case) -> Plate:
-    """The initial loading and the ellipse in the plane of the loads, with the letters and the lines
-    that define them.
+    """Figure 2: the initial loading and the ellipse in the plane of the loads, with the letters of
+    the events and the lines that define them.
     """
     f = case.friction
-    cone = np.array([0.0, 4.6])
+    loads_on_limit = np.array([0.0, 4.6])
     points = {
         letter: np.array([event.normal_load, event.tangential_load, event.front_load]) / case.unit
         for letter, event in case.events.items()
@@ -209,8 +222,8 @@ def _figure_2(case: Case) -> Plate:
     q_z = q_e - f * (p_e - p_z)
     q_t = q_g + f * (p_g - p_t)
     marks: list[Mark] = [
-        _line(cone, f * cone, "sliding, |Q| = f P", "faint dash fine"),
-        _line(cone, -f * cone, "", "faint dash fine"),
+        _line(loads_on_limit, f * loads_on_limit, "sliding, |Q| = f P", "faint dash fine"),
+        _line(loads_on_limit, -f * loads_on_limit, "", "faint dash fine"),
         _line(
             *case.loads(np.linspace(case.scene.load.path().start, case.time("A"), 101)),
             "initial loading, parabola OA",
@@ -224,11 +237,11 @@ def _figure_2(case: Case) -> Plate:
         _line(*case.loads(case.round_times()), "ellipse, gone round anticlockwise", "bold"),
     ]
     # Letters outside the ellipse, those of one point together.
-    groups: dict[tuple[float, float], list[str]] = {}
+    letters_at_point: dict[tuple[float, float], list[str]] = {}
     for letter in LETTERS:
         p, q = points[letter][:2].round(6).tolist()
-        groups.setdefault((p, q), []).append(letter)
-    for (p, q), letters in groups.items():
+        letters_at_point.setdefault((p, q), []).append(letter)
+    for (p, q), letters in letters_at_point.items():
         from_centre = np.array([p - 3.0, q - case.load.mean_tangential_load / case.unit])
         outward_direction = from_centre / np.hypot(*from_centre)
         shift = (14.0 * float(outward_direction[0]), 12.0 * float(outward_direction[1]))
@@ -246,22 +259,22 @@ def _figure_2(case: Case) -> Plate:
 
 
 def _figure_3(case: Case) -> Plate:
-    """Pressure and shear traction at A to M; what slips is filled between zero and the limit of
-    friction.
+    """Figure 3: pressure and shear traction at the events A to M; what slips is filled between zero
+    and the limit of friction.
     """
     x = np.linspace(-1.25, 1.25, 251)
     scale = case.length / case.unit
     times = [case.time(letter) for letter in LETTERS]
     solution = case.solve(time=times, x=x, fields=("pressure", "shear", "state"))
-    limits = case.friction * solution.pressure * scale
-    shears = solution.shear * scale
-    loads = np.column_stack([solution.normal_load, solution.tangential_load]) / case.unit
+    limits_at_events = case.friction * solution.pressure * scale
+    shears_at_events = solution.shear * scale
+    loads_at_events = np.column_stack([solution.normal_load, solution.tangential_load]) / case.unit
     x_axis = Axis(-1.25, 1.25, "x / a(P₀)")
     y_axis = Axis(-2.4, 2.4, "traction · a(P₀) / (P₀/3)")
     panels = []
     table = {"x / a(P0)": x}
     for letter, limit, shear, state, (p, q) in zip(
-        LETTERS, limits, shears, solution.state, loads, strict=True
+        LETTERS, limits_at_events, shears_at_events, solution.state, loads_at_events, strict=True
     ):
         marks: list[Mark] = []
         for slip_state, sign in ((SurfaceState.SLIP_FORWARD, 1), (SurfaceState.SLIP_REVERSE, -1)):
@@ -279,7 +292,9 @@ def _figure_3(case: Case) -> Plate:
             _panel(f"figure_03-{letter}", x_axis, y_axis, marks, alt, (270.0, 240.0), title)
         )
         table[f"f p at {letter}"] = limit
-    table |= {f"q at {letter}": shear for letter, shear in zip(LETTERS, shears, strict=True)}
+    table |= {
+        f"q at {letter}": shear for letter, shear in zip(LETTERS, shears_at_events, strict=True)
+    }
     return _plate("figure_03", panels, table, columns=4)
 
 
@@ -321,18 +336,20 @@ class Zones:
 
 
 def _zones(case: Case, marks: Sequence[tuple[float, int]], count: int = 91) -> Zones:
-    """The zones between marks (time, direction of slip up to the next)."""
+    """Half-widths of contact and stick through the time between marks, each (time, direction of
+    slip up to the next); `count` instants between two marks.
+    """
     time = np.concatenate(
         [np.linspace(begin, end, count) for (begin, _), (end, _) in pairwise(marks)]
     )
-    unique_times, places = np.unique(time, return_inverse=True)
+    unique_times, rows_of_times = np.unique(time, return_inverse=True)
     solution = case.solve(time=unique_times)
-    contact = solution.contact_half_width[places] / case.length
-    stick = solution.stick_half_width[places] / case.length
+    contact_half_width = solution.contact_half_width[rows_of_times] / case.length
+    stick_half_width = solution.stick_half_width[rows_of_times] / case.length
     # A turning point belongs to what ends there; the second time to what starts, where all sticks.
-    stick[::count] = contact[::count]
+    stick_half_width[::count] = contact_half_width[::count]
     directions = [direction for _, direction in marks[:-1]]
-    return Zones(time, contact, stick, np.repeat(directions, count))
+    return Zones(time, contact_half_width, stick_half_width, np.repeat(directions, count))
 
 
 def _steady_marks(case: Case) -> list[tuple[float, int]]:
@@ -347,37 +364,44 @@ def _steady_marks(case: Case) -> list[tuple[float, int]]:
 
 
 def _figure_4a(case: Case) -> Plate:
-    """Half-widths over the way that P has gone."""
-    turns = (
-        (case.time(letter), way) for letter, way in zip("BEGIM", (1, -1, 0, 1, 0), strict=True)
+    """Figure 4a: half-widths of contact and stick over the way that the normal load P has gone."""
+    turning_marks = (
+        (case.time(letter), way_of_load)
+        for letter, way_of_load in zip("BEGIM", (1, -1, 0, 1, 0), strict=True)
     )
     # P turns at C, F and K: finer than that nothing is needed, since the way of P is taken from the
     # instants.
-    zones = _zones(case, [(case.scene.load.path().start, 0), *turns], 181)
-    way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(case.loads(zones.time)[0])))])
-    places = {
-        letter: float(np.interp(case.time(letter), zones.time, way))
+    zones = _zones(case, [(case.scene.load.path().start, 0), *turning_marks], 181)
+    way_of_load = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(case.loads(zones.time)[0])))])
+    way_at_letter = {
+        letter: float(np.interp(case.time(letter), zones.time, way_of_load))
         for letter in sorted(case.events)
     }
-    marks = list(zones.drawn(way))
-    for letter, place in places.items():
+    marks = list(zones.drawn(way_of_load))
+    for letter, way_there in way_at_letter.items():
         marks += _named(
-            place, float(case.width(case.events[letter].normal_load)), letter, (0.0, 9.0), dot=True
+            way_there,
+            float(case.width(case.events[letter].normal_load)),
+            letter,
+            (0.0, 9.0),
+            dot=True,
         )
     ticks = [(0.0, "0"), (1.0, "1"), (2.0, "2")]
     ticks += [
-        (places[letter], f"{case.events[letter].normal_load / case.unit:.3g}")
+        (way_at_letter[letter], f"{case.events[letter].normal_load / case.unit:.3g}")
         for letter in "ACDFHKLM"
     ]
-    end = float(way[-1]) + 0.05
-    x_axis = Axis(0.0, end, "normal load P / (P₀/3), along its path", ticks=tuple(ticks))
+    largest_way = float(way_of_load[-1]) + 0.05
+    x_axis = Axis(0.0, largest_way, "normal load P / (P₀/3), along its path", ticks=tuple(ticks))
     alt = "Half-widths over the path of P"
     panel = _panel("figure_04a", x_axis, _HALF_WIDTH, marks, alt, (820.0, 420.0))
-    return _plate("figure_04a", [panel], zones.table(case, "way of P / (P0/3)", way))
+    return _plate("figure_04a", [panel], zones.table(case, "way of P / (P0/3)", way_of_load))
 
 
 def _figure_4b(case: Case) -> Plate:
-    """Half-widths through the steady cycle for four coefficients of friction, about Q0 = 0."""
+    """Figure 4b: half-widths through the steady cycle for four coefficients of friction, about Q0 =
+    0.
+    """
     case_of = {f: case.about_no_shear(f) for f in FRICTIONS}
     case_of_largest = case_of[FRICTIONS[0]]
     case_of_least = case_of[FRICTIONS[-1]]
@@ -397,30 +421,33 @@ def _figure_4b(case: Case) -> Plate:
         *zones.slipping(angle, remark),
     ]
     # Just after M, for f = 1 the instant of M itself still belongs to forward slip.
-    grid = np.linspace(1e-6, 360.0, 721)
-    columns = {
-        f: case_of_f.solve(time=start + np.radians(grid)).stick_half_width / case_of_f.length
+    angles_of_curves = np.linspace(1e-6, 360.0, 721)
+    stick_by_friction = {
+        f: case_of_f.solve(time=start + np.radians(angles_of_curves)).stick_half_width
+        / case_of_f.length
         for f, case_of_f in case_of.items()
     }
     curves = [
-        _line(grid, c, f"c / a(P₀), f = {f}", look)
-        for (f, c), look in zip(columns.items(), _FAMILY, strict=True)
+        _line(angles_of_curves, c, f"c / a(P₀), f = {f}", look)
+        for (f, c), look in zip(stick_by_friction.items(), _FAMILY, strict=True)
     ]
-    contact = case.width(case_of_largest.solve(time=start + np.radians(grid)).normal_load)
-    curves.append(_line(grid, contact, "contact, a / a(P₀)", "bold"))
-    words = "angle θ of the cycle after M for f = 1  [degrees]"
-    x_axis = Axis(0.0, 360.0, words, ticks=_DEGREES)
+    contact_half_width = case.width(
+        case_of_largest.solve(time=start + np.radians(angles_of_curves)).normal_load
+    )
+    curves.append(_line(angles_of_curves, contact_half_width, "contact, a / a(P₀)", "bold"))
+    axis_in_words = "angle θ of the cycle after M for f = 1  [degrees]"
+    x_axis = Axis(0.0, 360.0, axis_in_words, ticks=_DEGREES)
     alt = "Half-widths over the angle"
     panel = _panel("figure_04b", x_axis, _HALF_WIDTH, [*bands, *curves], alt, (700.0, 430.0))
-    table = {"theta [degrees]": grid, "a / a(P0)": contact} | {
-        f"c / a(P0), f = {f}": c for f, c in columns.items()
+    table = {"theta [degrees]": angles_of_curves, "a / a(P0)": contact_half_width} | {
+        f"c / a(P0), f = {f}": c for f, c in stick_by_friction.items()
     }
     return _plate("figure_04b", [panel], table)
 
 
 def _figure_5(case: Case) -> Plate:
-    """Extent of contact and slip above, displacement of four points beneath: slip broad, separation
-    dotted.
+    """Figure 5: extent of contact and slip through the cycle above, displacement of four points
+    beneath; slip is broad, separation dotted.
     """
     start = case.time("M")
     zones = _zones(case, _steady_marks(case))
@@ -430,9 +457,9 @@ def _figure_5(case: Case) -> Plate:
         shift = {"M": (8.0, 9.0), "I": (0.0, -12.0), "J": (-6.0, -12.0)}.get(letter, (0.0, 9.0))
         height = float(case.width(case.events[letter].normal_load))
         marks_above += _named(math.degrees(time - start), height, letter, shift, dot=True)
-    turn = np.linspace(0.0, 360.0, 721)
+    angles = np.linspace(0.0, 360.0, 721)
     marks_below: list[Mark] = []
-    solution = case.solve(time=start + np.radians(turn), x=POINTS, fields=("slip", "state"))
+    solution = case.solve(time=start + np.radians(angles), x=POINTS, fields=("slip", "state"))
     displacement = (solution.slip - solution.slip[0]) / (case.compliance * case.unit)
     for x, look, y, state in zip(POINTS, "d435", displacement.T, solution.state.T, strict=True):
         css = look if look == "d" else f"c{look}"
@@ -445,26 +472,28 @@ def _figure_5(case: Case) -> Plate:
             slips = state == slip_state
             if slips.any():
                 slipping_y = np.where(_grown(slips), y, np.nan)
-                marks_below.append(_line(turn, slipping_y, "", f"{direction} broad-line"))
+                marks_below.append(_line(angles, slipping_y, "", f"{direction} broad-line"))
         is_open = state == SurfaceState.OPEN
-        marks_below.append(_line(turn, np.where(is_open, np.nan, y), "", css))
-        marks_below.append(_line(turn, np.where(_grown(is_open), y, np.nan), "", f"{css} dot"))
+        marks_below.append(_line(angles, np.where(is_open, np.nan, y), "", css))
+        marks_below.append(_line(angles, np.where(_grown(is_open), y, np.nan), "", f"{css} dot"))
         peak = int(np.argmin(y))
-        marks_below += _named(float(turn[peak]), float(y[peak]), f"{x:.2f}", (0.0, -10.0), look)
+        marks_below += _named(float(angles[peak]), float(y[peak]), f"{x:.2f}", (0.0, -10.0), look)
     least_displacement = float(displacement.min())
     largest_displacement = float(displacement.max())
-    room = largest_displacement - least_displacement
-    up = Axis(
-        least_displacement - 0.12 * room,
-        largest_displacement + 0.08 * room,
+    range_shown = largest_displacement - least_displacement
+    y_axis = Axis(
+        least_displacement - 0.12 * range_shown,
+        largest_displacement + 0.08 * range_shown,
         "displacement / (A P₀/3)",
     )
-    extent = Axis(0.5, 1.28, "x / a(P₀)")
+    extent_axis = Axis(0.5, 1.28, "x / a(P₀)")
     alt_of_zones = "Zones over the angle"
     alt_of_slip = "Displacement of four points over the angle"
     panels = [
-        _panel("figure_05-zones", _REVOLUTION, extent, marks_above, alt_of_zones, (760.0, 330.0)),
-        _panel("figure_05-slip", _REVOLUTION, up, marks_below, alt_of_slip, (760.0, 360.0)),
+        _panel(
+            "figure_05-zones", _REVOLUTION, extent_axis, marks_above, alt_of_zones, (760.0, 330.0)
+        ),
+        _panel("figure_05-slip", _REVOLUTION, y_axis, marks_below, alt_of_slip, (760.0, 360.0)),
     ]
     looks = {
         "faint solid": "sticking",
@@ -472,7 +501,7 @@ def _figure_5(case: Case) -> Plate:
         "reverse broad-line": "slipping in reverse",
     }
     keys = [Key(css, text) for css, text in (looks | {"faint dot": "separated"}).items()]
-    table: dict[str, Any] = {"theta [degrees]": turn}
+    table: dict[str, Any] = {"theta [degrees]": angles}
     for x, y in zip(POINTS, displacement.T, strict=True):
         table[f"s/(A P0/3) at x = {x}"] = y
     for x, state in zip(POINTS, solution.state.T, strict=True):
@@ -486,13 +515,15 @@ def _grown(mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 
 def _figure_8(case: Case) -> Plate:
-    """Contact and stick of the flat and rounded contact."""
+    """Figure 8: half-widths of contact and stick of the flat and rounded contact through the
+    cycle.
+    """
     zones = _zones(case, _steady_marks(case))
-    flat = float(case.width(0.0))
+    edge_of_flat = float(case.width(0.0))
     angle = np.degrees(zones.time - case.time("M"))
     marks = [
         *zones.drawn(angle),
-        _line([0.0, 360.0], [flat, flat], "edge of flat, b / a(P₀)", "c1 dot"),
+        _line([0.0, 360.0], [edge_of_flat, edge_of_flat], "edge of flat, b / a(P₀)", "c1 dot"),
     ]
     alt = "Half-widths over the angle"
     panel = _panel("figure_08", _REVOLUTION, _HALF_WIDTH, marks, alt, (700.0, 420.0))
@@ -500,50 +531,60 @@ def _figure_8(case: Case) -> Plate:
         "figure_08",
         [panel],
         zones.table(case, "theta [degrees]", angle),
-        flat=flat,
+        flat=edge_of_flat,
         friction=case.friction,
     )
 
 
 # --------------------------------------------------------------------------------------------- work
 def _pointwise(name: str, paper: Paper, number: int) -> Plate:
-    """Figures 6 and 9: W(x) with its parts."""
+    """Figures 6 and 9: dissipation W(x) with the parts of the phases; `number` 0 for Hertz, 1 for
+    the flat and rounded contact.
+    """
     case = (paper.hertz, paper.rounded)[number]
     peak = paper.peaks[number]
     inner_edge = case.stick_edge
     outer_edge = case.outer_edge
     share = float(peak.fraction)
-    zone = inner_edge + (outer_edge - inner_edge) * (1 - np.cos(np.linspace(0, np.pi, 241))) / 2
-    x = np.concatenate([[0.95 * inner_edge], zone, [outer_edge + 0.05 * inner_edge]])
+    places_in_zone = (
+        inner_edge + (outer_edge - inner_edge) * (1 - np.cos(np.linspace(0, np.pi, 241))) / 2
+    )
+    x = np.concatenate([[0.95 * inner_edge], places_in_zone, [outer_edge + 0.05 * inner_edge]])
     phases = case.density(x)
     density = total(phases)
-    place = float(peak.place) / case.length
-    top = float(peak.value) * case.length / case.work_unit
+    peak_place = float(peak.place) / case.length
+    peak_value = float(peak.value) * case.length / case.work_unit
     marks: list[Mark] = [
         _line(x, density, "whole cycle", "bold"),
         _line(x, phases["IJ"], "forward, I–J", "c1 dash"),
         _line(x, phases["JM"], "forward, J–M", "c4 dashdot"),
         _line(x, phases["EG"], "reverse, E–G", "c0 dot"),
         *(
-            _line([edge, edge], [0.0, 1.12 * top], "", "faint dot fine")
+            _line([edge, edge], [0.0, 1.12 * peak_value], "", "faint dot fine")
             for edge in (inner_edge, outer_edge)
         ),
-        *_named(inner_edge, 1.12 * top, f"stick edge {inner_edge:.3f}", (42.0, 6.0), css="tick"),
         *_named(
-            outer_edge, 1.12 * top, f"edge of contact {outer_edge:.3f}", (-50.0, 6.0), css="tick"
+            inner_edge, 1.12 * peak_value, f"stick edge {inner_edge:.3f}", (42.0, 6.0), css="tick"
         ),
-        *_named(place, top, f"{share:.1%} of the way", (0.0, 10.0), dot=True),
+        *_named(
+            outer_edge,
+            1.12 * peak_value,
+            f"edge of contact {outer_edge:.3f}",
+            (-50.0, 6.0),
+            css="tick",
+        ),
+        *_named(peak_place, peak_value, f"{share:.1%} of the way", (0.0, 10.0), dot=True),
     ]
     x_axis = Axis(0.95 * inner_edge, outer_edge + 0.05 * inner_edge, "x / a(P₀)")
-    up = Axis(0.0, 1.22 * top, "W(x) · a(P₀) / (A f² P₀²)")
-    panel = _panel(name, x_axis, up, marks, "Pointwise dissipation over x", (640.0, 400.0))
+    y_axis = Axis(0.0, 1.22 * peak_value, "W(x) · a(P₀) / (A f² P₀²)")
+    panel = _panel(name, x_axis, y_axis, marks, "Pointwise dissipation over x", (640.0, 400.0))
     table = {"x / a(P0)": x, "W a(P0)/(A f^2 P0^2)": density}
     table |= {f"in {phase}": phases[phase] for phase in ("IJ", "JM", "EG")}
-    return _plate(name, [panel], table, fraction=share, place=place)
+    return _plate(name, [panel], table, fraction=share, place=peak_place)
 
 
 def _swept(name: str, quantity: str, sweep: Sweep, pale_sweep: Sweep | None = None) -> Plate:
-    """Figures 7 and 10: curves of one quantity over P0/P1, one for each f; another sweep in pale
+    """Figures 7 and 10: one quantity over P0/P1, a curve for each f; those of another sweep as pale
     lines beneath.
     """
     label = {"work": "W / (A P₁²)", "peak": "max W(x) · a(P₀) / (A P₁²)"}[quantity]
@@ -561,8 +602,8 @@ def _swept(name: str, quantity: str, sweep: Sweep, pale_sweep: Sweep | None = No
         marks.append(_line(ratio, value, f"f = {f:g}", _FAMILY[number]))
         marks += _named(float(ratio[0]), float(value[0]), "", look=f"{number}", dot=True)
     x_axis = Axis(1.0, float(sweep.ratio.max()), "P₀ / P₁")
-    up = Axis(0.0, 1.08 * largest_value, label)
-    panel = _panel(name, x_axis, up, marks, f"{label} over P₀/P₁", (620.0, 400.0))
+    y_axis = Axis(0.0, 1.08 * largest_value, label)
+    panel = _panel(name, x_axis, y_axis, marks, f"{label} over P₀/P₁", (620.0, 400.0))
     table = {
         f"P0/P1, f = {f:g}": ratio for f, ratio in zip(sweep.frictions, sweep.ratio, strict=True)
     }

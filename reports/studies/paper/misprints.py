@@ -50,7 +50,9 @@ def _proof(
 
 # -------------------------------------------------------------------- loads, friction and tractions
 def _cycle(case: Case) -> dict[str, Found]:
-    """Sections 2 and 3: which loads, letters and conditions are meant."""
+    """Proofs for misprints of sections 2 and 3: which loads, letters and conditions are meant. Name
+    of a misprint -> (whether it is proven, numbers).
+    """
     formulas = Formulas(case)
     events = case.events
     # Stick, at instants of the steady cycle: the share at which each reading is wrong.
@@ -60,7 +62,7 @@ def _cycle(case: Case) -> dict[str, Found]:
     sticks = solution.contact_half_width - solution.stick_half_width <= EXACT * case.length
     dp, dq = formulas.rates(times)
     printed_share = float(np.mean((dq / dp < case.friction) != sticks))
-    right = float(np.mean(((np.abs(dq / dp) < case.friction) & (dp > 0)) != sticks))
+    right_share = float(np.mean(((np.abs(dq / dp) < case.friction) & (dp > 0)) != sticks))
 
     level_of_e = formulas.level("E", -1)
     b, g = (
@@ -68,77 +70,94 @@ def _cycle(case: Case) -> dict[str, Found]:
         for name in "BG"
     )
     p, q = (float(loads.min()) for loads in case.loads(case.round_times(3601)))
-    at = {f"P at {letter}": events[letter].normal_load / case.unit for letter in "HF"}
-    at |= {f"Q at {letter}": events[letter].tangential_load / case.unit for letter in "HF"}
-    is_least = abs(at["P at F"] - p) < EXACT < at["P at H"] - p and abs(at["Q at H"] - q) < EXACT
+    loads_at_letters = {f"P at {letter}": events[letter].normal_load / case.unit for letter in "HF"}
+    loads_at_letters |= {
+        f"Q at {letter}": events[letter].tangential_load / case.unit for letter in "HF"
+    }
+    is_least = (
+        abs(loads_at_letters["P at F"] - p) < EXACT < loads_at_letters["P at H"] - p
+        and abs(loads_at_letters["Q at H"] - q) < EXACT
+    )
     j, i = (math.degrees(case.time(letter) - case.time("K")) for letter in "JI")
-    front = _relative_error(events["J"].front_load, events["G"].normal_load)
-    degrees = {"J after K in degrees": j, "I after K in degrees": i, "I before K in degrees": -i}
+    error_of_front = _relative_error(events["J"].front_load, events["G"].normal_load)
+    angles_after_k = {
+        "J after K in degrees": j,
+        "I after K in degrees": i,
+        "I before K in degrees": -i,
+    }
 
-    def halved(name: str) -> float:
+    def loop_work_halved(name: str) -> float:
         """The closed integral of Q dU, when a load is halved."""
         changes = {name: getattr(case.load, name) / 2}
         return case.with_load(initial_loading="straight", **changes).steady.loop_work
 
-    work_at_half_mean = halved("mean_tangential_load")
-    work_at_half_amplitude = halved("tangential_amplitude")
+    work_at_half_mean = loop_work_halved("mean_tangential_load")
+    work_at_half_amplitude = loop_work_halved("tangential_amplitude")
     start = case.time("G")
     revolution = start + np.linspace(0, 2 * math.pi, 101)
     slip = case.solve(time=revolution, x=[0.8], fields=("slip",)).slip[:, 0]
     net_slip = abs(formulas.moved(0.8 * case.length, start, start + 2 * math.pi))
-    net = net_slip / float(np.ptp(slip))
+    relative_net_slip = net_slip / float(np.ptp(slip))
     dissipation = case.steady.dissipation / case.work_unit
     named_numbers = {"with B": b, "with G": g, "permanent stick": case.stick_edge}
     return {
         "(2)": _corrective_load(case),
         "condition of stick": (
-            right == 0 and printed_share > 0.01,
-            {"printed": printed_share, "right": right},
+            right_share == 0 and printed_share > 0.01,
+            {"printed": printed_share, "right": right_share},
         ),
         "(9), (10)": _proof(g, b, case.stick_edge, named_numbers),
-        "3H": (is_least, at | {"least P": p, "least Q": q}),
-        "J and K": (front <= EXACT and i < 0 < j, degrees | {"front at J against P_G": front}),
+        "3H": (is_least, loads_at_letters | {"least P": p, "least Q": q}),
+        "J and K": (
+            error_of_front <= EXACT and i < 0 < j,
+            angles_after_k | {"front at J against P_G": error_of_front},
+        ),
         "mean shear force": _proof(
             work_at_half_mean, work_at_half_amplitude, case.steady.loop_work, {}
         ),
         "net displacement": (
-            net <= EXACT and dissipation > 1e-3,
-            {"right": net, "printed": dissipation},
+            relative_net_slip <= EXACT and dissipation > 1e-3,
+            {"right": relative_net_slip, "printed": dissipation},
         ),
     }
 
 
-def _corrective_load(case: Case, friction: float = 0.5, part: float = 0.6) -> Found:
-    """Cattaneo and Mindlin's problem, Q = 0.6 f P."""
-    p = case.load.mean_normal_load
-    q = part * friction * p
-    scene = case.scene.vary(load=PolygonLoad(initial_loading=((p, 0.0), (p, q))), friction=friction)
+def _corrective_load(case: Case, friction: float = 0.5, share_of_limit: float = 0.6) -> Found:
+    """Proof for equation (2), on Cattaneo and Mindlin's problem with Q = 0.6 f P: which corrective
+    load gives the engine's shear. (whether it is proven, errors of the readings).
+    """
+    normal_load = case.load.mean_normal_load
+    tangential_load = share_of_limit * friction * normal_load
+    scene = case.scene.vary(
+        load=PolygonLoad(initial_loading=((normal_load, 0.0), (normal_load, tangential_load))),
+        friction=friction,
+    )
     x = np.linspace(0.0, 0.999, 200) * case.length
     shear = semi_analytic.solve(scene, x=x, time=[2.0], fields=("shear",)).shear[0]
 
     def error(corrective_load: float) -> float:
         """Of f (p at P - p at that load), over the largest shear of the engine."""
-        pressure = case.contact.pressure(x, p)
+        pressure = case.contact.pressure(x, normal_load)
         if corrective_load > 0:
             pressure = pressure - case.contact.pressure(x, corrective_load)
         return float(np.max(np.abs(friction * pressure - shear)) / np.max(np.abs(shear)))
 
     errors = {
-        "right": error(p - q / friction),
-        "printed": error(q - p),
-        "sign turned only": error(p - q),
+        "right": error(normal_load - tangential_load / friction),
+        "printed": error(tangential_load - normal_load),
+        "sign turned only": error(normal_load - tangential_load),
     }
     return proves(errors["right"], min(errors["printed"], errors["sign turned only"])), errors
 
 
 def _sliding_condition(case: Case) -> Found:
-    """Circles between the two formulas slide; the engine's limit is within a share of 1e-10 of the
-    mended one.
+    """Proof for the condition of gross sliding: circles between the printed and the mended formula
+    slide, and the engine's limit is within a share of 1e-10 of the mended one.
     """
     friction = np.array([0.1, 0.4, 0.6, 0.8, 1.0, 1.25, 1.5, 2.0])
-    right = sliding_limit(friction)
+    mended_limit = sliding_limit(friction)
     printed_limit = math.sqrt(2) * (1 + friction) / (2 * friction)
-    bracket = 1e-10
+    relative_distance = 1e-10
 
     def slides(f: Array, ratio: Array) -> NDArray[np.bool_]:
         """Whether the engine says that circles of P0/P1 = `ratio` slide."""
@@ -146,61 +165,66 @@ def _sliding_condition(case: Case) -> Found:
         return np.asarray(batch.reason == semi_analytic.Reason.SLIDING)
 
     is_not_one = np.abs(friction - 1) > EXACT  # at f = 1 both formulas agree
-    distance = (right - printed_limit)[is_not_one]
+    distance = (mended_limit - printed_limit)[is_not_one]
     ratios_between = printed_limit[is_not_one] + distance * np.linspace(0.01, 0.99, 99)[:, None]
     sliding_share = float(np.mean(slides(friction[is_not_one], ratios_between)))
-    slides_below = slides(friction, right * (1 - bracket))
-    slides_above = slides(friction, right * (1 + bracket))
-    error_of_right = bracket if (slides_below & ~slides_above).all() else math.nan
+    slides_below = slides(friction, mended_limit * (1 - relative_distance))
+    slides_above = slides(friction, mended_limit * (1 + relative_distance))
+    error_of_right = relative_distance if (slides_below & ~slides_above).all() else math.nan
     errors = {
         "right": error_of_right,
-        "printed": float(np.min(np.abs(printed_limit / right - 1)[is_not_one])),
+        "printed": float(np.min(np.abs(printed_limit / mended_limit - 1)[is_not_one])),
     }
     return sliding_share == 1 and proves(errors["right"], errors["printed"]), errors | {
-        "apart at f = 1": _relative_error(float(printed_limit[4]), float(right[4])),
+        "apart at f = 1": _relative_error(float(printed_limit[4]), float(mended_limit[4])),
         "sliding share between": sliding_share,
         "circles between": ratios_between.size,
-        "mended limit at f = 0.4": float(right[1]),
+        "mended limit at f = 0.4": float(mended_limit[1]),
         "printed limit at f = 0.4": float(printed_limit[1]),
     }
 
 
 def _rounded_law(case: Case) -> Found:
-    """The contact law of section 4.2, from the pressure that the engine computes; (1 + kappa)/mu =
-    2 A.
+    """Proof for the contact law of section 4.2, from the load that the engine's pressure carries;
+    (1 + kappa)/mu = 2 A.
     """
     load = case.load.mean_normal_load
     profile = case.scene.profile.model_dump()
-    flat = profile["flat_half_length"]
+    flat_half_length = profile["flat_half_length"]
     radius = profile["radius"]
     # x = a sin(angle), in two parts: the pressure's root at the edge becomes smooth, its singular
     # slope at x = b lies at an end.
-    corner = math.asin(flat / case.length)
+    angle_of_corner = math.asin(flat_half_length / case.length)
 
-    def pressure(angle: Array) -> Array:
+    def load_per_angle(angle: Array) -> Array:
         return (
             case.contact.pressure(case.length * np.sin(angle), load) * case.length * np.cos(angle)
         )
 
-    carried_load = 2 * (integral(pressure, 0.0, corner) + integral(pressure, corner, math.pi / 2))
-    right_side = (math.pi - 2 * corner) / (4 * math.sin(corner) ** 2) - 1 / math.tan(corner) / 2
-    a, b = (
+    carried_load = 2 * (
+        integral(load_per_angle, 0.0, angle_of_corner)
+        + integral(load_per_angle, angle_of_corner, math.pi / 2)
+    )
+    right_side = (math.pi - 2 * angle_of_corner) / (
+        4 * math.sin(angle_of_corner) ** 2
+    ) - 1 / math.tan(angle_of_corner) / 2
+    left_side_over_a, left_side_over_b = (
         carried_load * radius * 2 * case.compliance / (4 * length**2)
-        for length in (case.length, flat)
+        for length in (case.length, flat_half_length)
     )
     sides = {
-        "left side over a²": a,
-        "left side over b²": b,
+        "left side over a²": left_side_over_a,
+        "left side over b²": left_side_over_b,
         "right side": right_side,
-        "b/a": flat / case.length,
+        "b/a": flat_half_length / case.length,
     }
-    return _proof(b, a, right_side, sides)
+    return _proof(left_side_over_b, left_side_over_a, right_side, sides)
 
 
 # --------------------------------------------------------------------------------------------- slip
 def _slip(case: Case) -> dict[str, Found]:
-    """Equations (14) to (19): slip and movement between two letters, at points in and out of
-    contact.
+    """Proofs for equations (14) to (19): slip and movement between two letters, at points in and
+    out of contact, by the printed and the mended formula.
     """
     formulas = Formulas(case)
     factor = case.compliance * case.friction / math.pi
@@ -232,18 +256,20 @@ def _slip(case: Case) -> dict[str, Found]:
 
         return formulas.rubbing("IJ", x, rate)
 
-    right = by_18(None)
+    slip_right = by_18(None)
     printed_value = formulas.rubbing("IJ", x, by_14)
     ratio_after = integral(by_14, t["K"], t["J"]) / moved_distance
-    halves = {
+    ratios_of_halves = {
         "printed I-K": printed_value / moved_distance - ratio_after,
         "printed K-J": ratio_after,
     }
-    products = {
+    ratios_with_unit = {
         "printed in N/mm": by_18(1.0) / moved_distance,
         "printed in P0/3": by_18(case.unit) / moved_distance,
     }
-    nearest_value = min(products.values(), key=lambda ratio: abs(ratio - 1)) * moved_distance
+    nearest_value = (
+        min(ratios_with_unit.values(), key=lambda ratio: abs(ratio - 1)) * moved_distance
+    )
 
     # Out of contact from E to F; as printed: int_a^x dx / sqrt(x^2 - c^2).
     x1 = case.length
@@ -252,15 +278,19 @@ def _slip(case: Case) -> dict[str, Found]:
     def by_16(time: Array) -> Array:
         """Rate of slip by equation (16) as printed."""
         inner_reach = reach(x1, front("EG", time))
-        root = inner_reach - reach(case.contact.half_width(loads(time)[0]), front("EG", time))
-        return factor * (2 * formulas.front_rate("EG", time) * inner_reach - rates(time)[0] * root)
+        reach_from_edge = inner_reach - reach(
+            case.contact.half_width(loads(time)[0]), front("EG", time)
+        )
+        return factor * (
+            2 * formulas.front_rate("EG", time) * inner_reach - rates(time)[0] * reach_from_edge
+        )
 
-    mended = integral(lambda time: formulas.slip_rate("EG", x1, time), *phase)
-    second_proof = _proof(mended, integral(by_16, *phase), formulas.moved(x1, *phase), {})
+    slip_mended = integral(lambda time: formulas.slip_rate("EG", x1, time), *phase)
+    second_proof = _proof(slip_mended, integral(by_16, *phase), formulas.moved(x1, *phase), {})
 
     # After J: P_K is a front; as a constant load it leaves what the open surface does.
     phase = t["J"], (t["J"] + t["M"]) / 2
-    mended = integral(lambda time: formulas.slip_rate("JM", x1, time), *phase)
+    slip_mended = integral(lambda time: formulas.slip_rate("JM", x1, time), *phase)
     outer_value = integral(lambda time: factor * rates(time)[0] * reach(x1, loads(time)[0]), *phase)
     named_numbers = {
         "front at M": float(front("JM", t["M"])) / case.unit,
@@ -271,43 +301,47 @@ def _slip(case: Case) -> dict[str, Found]:
     x2 = 0.8 * case.length
     slip_by_15 = formulas.rubbing("JM", x2, lambda time: formulas.slip_rate("JM", x2, time))
     forward_slip = formulas.moved(x2, t["I"], t["M"])
-    net = formulas.moved(x2, t["G"], t["G"] + 2 * math.pi)
+    net_slip = formulas.moved(x2, t["G"], t["G"] + 2 * math.pi)
     return {
         "(14), I–J": _proof(
-            right, printed_value, moved_distance, halves, halves["printed I-K"] * ratio_after < 0
+            slip_right,
+            printed_value,
+            moved_distance,
+            ratios_of_halves,
+            ratios_of_halves["printed I-K"] * ratio_after < 0,
         ),
         "(15)": _gap_for_slope(case),
         "(16), second line": second_proof,
         "(17)": _stick_displacement(case),
-        "(18)": _proof(right, nearest_value, moved_distance, products),
-        "P_K in (19)": _proof(mended, outer_value, formulas.moved(x1, *phase), named_numbers),
+        "(18)": _proof(slip_right, nearest_value, moved_distance, ratios_with_unit),
+        "P_K in (19)": _proof(slip_mended, outer_value, formulas.moved(x1, *phase), named_numbers),
         "reference before (23)": _proof(
-            slip_by_15, net, forward_slip, {"net over the slip": abs(net / forward_slip)}
+            slip_by_15, net_slip, forward_slip, {"net over the slip": abs(net_slip / forward_slip)}
         ),
     }
 
 
 def _gap_for_slope(case: Case) -> Found:
-    """What h_o is: slip from J to M at 0.8 a0, and how it grows with all lengths and loads at the
-    same stresses.
+    """Proof of what h_o in equation (15) is: slip from J to M at 0.8 a0, and how it grows with all
+    lengths and loads at the same stresses.
     """
-    small = case
-    large = case.ten_times()
-    slip_of_small = _slip_after_j(small)
-    power = math.log10(_slip_after_j(large) / slip_of_small)
+    case_as_is = case
+    case_ten_times = case.ten_times()
+    slip_of_small = _slip_after_j(case_as_is)
+    power_of_slip = math.log10(_slip_after_j(case_ten_times) / slip_of_small)
     errors = {}
     powers = {}
     for name in ("slope", "gap of the increment", "gap of the punch"):
-        by_15_of_small = _by_15(small, 0.8 * small.length, name)
-        by_15_of_large = _by_15(large, 0.8 * large.length, name)
+        by_15_of_small = _by_15(case_as_is, 0.8 * case_as_is.length, name)
+        by_15_of_large = _by_15(case_ten_times, 0.8 * case_ten_times.length, name)
         errors[name] = _relative_error(by_15_of_small, slip_of_small)
         powers[name] = math.log10(by_15_of_large / by_15_of_small)
     error_of_slope = errors.pop("slope")
     least_error = min(errors.values())
-    numbers = {"right": error_of_slope, "printed": least_error, "power of the slip": power}
+    numbers = {"right": error_of_slope, "printed": least_error, "power of the slip": power_of_slip}
     numbers |= {f"power with the {name}": value for name, value in powers.items()}
     numbers |= {f"error with the {name}": error for name, error in errors.items()}
-    grows_alike = abs(powers["slope"] - power) <= EXACT
+    grows_alike = abs(powers["slope"] - power_of_slip) <= EXACT
     return proves(error_of_slope, least_error) and grows_alike, numbers
 
 
@@ -317,7 +351,7 @@ def _slip_after_j(case: Case) -> float:
 
 
 def _by_15(case: Case, x: float, reading: str) -> float:
-    """Slip of x from J to M by equation (15) with a reading of h_o, integrated over x from the
+    """Slip of x from J to M by equation (15) with one reading of h_o, integrated over x from the
     stick edge c; Hertz.
     """
     formulas = Formulas(case)
@@ -338,9 +372,11 @@ def _by_15(case: Case, x: float, reading: str) -> float:
 
 
 def _stick_displacement(hertz: Case) -> Found:
-    """A point out of contact from G to H, in full stick, at two coefficients of friction."""
+    """Proof for equation (17): movement of a point out of contact from G to H, in full stick, at
+    two coefficients of friction.
+    """
 
-    def ratio(f: float) -> float:
+    def ratio_to_engine(f: float) -> float:
         """A/pi int dQ arccosh(x/a) over the engine's movement."""
         case = hertz.about_no_shear(f)
         formulas = Formulas(case)
@@ -359,7 +395,7 @@ def _stick_displacement(hertz: Case) -> Found:
             case.compliance / math.pi * sheared_distance / formulas.moved(x, time_of_g, time_of_h)
         )
 
-    ratios = {f: ratio(f) for f in (1.0, 0.6)}
+    ratios = {f: ratio_to_engine(f) for f in (1.0, 0.6)}
     errors = {
         "right": max(abs(r - 1) for r in ratios.values()),
         "printed": min(abs(2 * f * r - 1) for f, r in ratios.items()),
@@ -371,26 +407,28 @@ def _stick_displacement(hertz: Case) -> Found:
 
 # --------------------------------------------------------------------------------------------- work
 def work(case: Case, x: float) -> dict[str, Found]:
-    """Equations (11), (23) and (24), at the place x of the peak of W(x); Hertz."""
+    """Proofs for equations (11), (23) and (24) on the dissipation, at the place x of the peak of
+    W(x); Hertz. Name of a misprint -> (whether it is proven, numbers).
+    """
     formulas = Formulas(case)
     solution = case.solve(x=[x / case.length], fields=("dissipation_density",))
     density = solution.dissipation_density[0]
     radius = case.scene.profile.model_dump()["radius"]
 
-    def root(t: Array) -> Array:
+    def root_over_density(t: Array) -> Array:
         """f^2/(pi R) sqrt(a^2 - x^2) over W."""
         half_width = case.contact.half_width(formulas.loads(t)[0])
         square = np.maximum(np.square(half_width) - x * x, 0.0)
         return case.friction**2 / (math.pi * radius) * np.sqrt(square) / density
 
-    def argument(phase: str, unit: float) -> float:
+    def part_with_c_in_arccosh(phase: str, unit: float) -> float:
         """Part of W with the multiplier C of (14) for c in the arccosh, lengths in a unit."""
 
         def rate(t: Array) -> Array:
             reach_ratio = np.arccosh(
                 np.maximum(unit * x / np.abs(formulas.multiplier(phase, t)), 1.0)
             )
-            return root(t) * np.abs(formulas.driving(phase, t)) * reach_ratio
+            return root_over_density(t) * np.abs(formulas.driving(phase, t)) * reach_ratio
 
         return formulas.rubbing(phase, x, rate)
 
@@ -398,34 +436,34 @@ def work(case: Case, x: float) -> dict[str, Found]:
         """How long x/C is at least 1, so that its arccosh is real."""
         return formulas.rubbing(phase, x, lambda t: x >= np.abs(formulas.multiplier(phase, t)))
 
-    def mended(phase: str) -> float:
+    def part_mended(phase: str) -> float:
         """Part of W with arccosh(x/c) and the size of C dP."""
 
         def rate(t: Array) -> Array:
             reach_ratio = formulas.reach(x, formulas.front(phase, t))
-            return root(t) * np.abs(formulas.driving(phase, t)) * reach_ratio
+            return root_over_density(t) * np.abs(formulas.driving(phase, t)) * reach_ratio
 
         return formulas.rubbing(phase, x, rate)
 
-    def with_minus(phase: str) -> float:
+    def part_with_minus(phase: str) -> float:
         """Part of W with the leading minus and C dP throughout."""
 
         def rate(t: Array) -> Array:
             load_rate, _ = formulas.rates(t)
             reach_ratio = formulas.reach(x, formulas.front(phase, t))
-            return -root(t) * reach_ratio * formulas.multiplier(phase, t) * load_rate
+            return -root_over_density(t) * reach_ratio * formulas.multiplier(phase, t) * load_rate
 
         return formulas.rubbing(phase, x, rate)
 
-    mended_parts = {f"mended {phase}": mended(phase) for phase in _PHASES}
-    printed_parts = {f"printed {phase}": with_minus(phase) for phase in _PHASES}
-    millimetres = sum(argument(phase, 1.0) for phase in _PHASES)
-    metres = sum(argument(phase, 1e-3) for phase in _PHASES)
+    mended_parts = {f"mended {phase}": part_mended(phase) for phase in _PHASES}
+    printed_parts = {f"printed {phase}": part_with_minus(phase) for phase in _PHASES}
+    sum_in_millimetres = sum(part_with_c_in_arccosh(phase, 1.0) for phase in _PHASES)
+    sum_in_metres = sum(part_with_c_in_arccosh(phase, 1e-3) for phase in _PHASES)
     rubbing_time = sum(formulas.rubbing(phase, x, np.ones_like) for phase in _PHASES)
     parts = {
         "share of time with a real arccosh": sum(map(real_time, _PHASES)) / rubbing_time,
-        "in millimetres": millimetres,
-        "in metres": metres,
+        "in millimetres": sum_in_millimetres,
+        "in metres": sum_in_metres,
     }
 
     # Ten times all lengths and loads, the same stresses; the integral of W(x) in parts between the
@@ -436,17 +474,18 @@ def work(case: Case, x: float) -> dict[str, Found]:
     power_of_density = math.log10(large.dissipation_density[0] / small.dissipation_density[0])
     power_of_work = math.log10(large.dissipation / small.dissipation)
     edges = (float(case.width(case.events[letter].normal_load)) for letter in "FGHIJ")
-    marks = sorted({case.stick_edge, case.outer_edge, *edges})
-    halves = (
-        integral(lambda x: total(case.density(x)), begin, end) for begin, end in pairwise(marks)
+    places_of_edges = sorted({case.stick_edge, case.outer_edge, *edges})
+    parts_of_work = (
+        integral(lambda x: total(case.density(x)), begin, end)
+        for begin, end in pairwise(places_of_edges)
     )
-    error = _relative_error(2 * sum(halves) * case.work_unit, case.steady.dissipation)
+    error = _relative_error(2 * sum(parts_of_work) * case.work_unit, case.steady.dissipation)
     powers_hold = abs(power_of_density - 1) <= EXACT and abs(power_of_work - 2) <= EXACT
     sign_differs = printed_parts["printed JM"] < 0 < mended_parts["mended JM"]
     mended_sum = sum(mended_parts.values())
     printed_sum = sum(printed_parts.values())
     return {
-        "(23), (24), arccosh": _proof(mended_sum, millimetres, 1.0, parts),
+        "(23), (24), arccosh": _proof(mended_sum, sum_in_millimetres, 1.0, parts),
         "(23), (24), sign": _proof(
             mended_sum, printed_sum, 1.0, printed_parts | mended_parts, sign_differs
         ),

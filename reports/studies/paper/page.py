@@ -66,7 +66,8 @@ def tally(rows: Sequence[Statement]) -> dict[str, int]:
 
 
 def write(out: str | Path, stages: Stages, command: str = "halfplane paper") -> PaperReport:
-    """Compute everything and fill the folder: page, two tables as CSV, each figure as SVG and CSV.
+    """Compute everything of the paper and fill the folder: page, tables of statements and misprints
+    as CSV, each figure as SVG and CSV.
 
     Raises
     ------
@@ -94,7 +95,7 @@ def write(out: str | Path, stages: Stages, command: str = "halfplane paper") -> 
                     figure.csv(), encoding="utf-8"
                 )
         with stages.stage("page"):
-            program, digest = script()
+            program, script_digest = script()
             page = template("paper.html").render(
                 authors=AUTHORS,
                 source=SOURCE,
@@ -106,7 +107,7 @@ def write(out: str | Path, stages: Stages, command: str = "halfplane paper") -> 
                 by_reading=sum(row.proven is None for row in misprint_rows),
                 proven_in_words=proven_in_words,
                 script=program,
-                script_hash=digest,
+                script_hash=script_digest,
                 command=command,
             )
             (folder / "report.html").write_text(page, encoding="utf-8")

@@ -50,14 +50,16 @@ def judged(paper: Paper) -> dict[str, Found]:
 
 # --------------------------------------------------------------------- tractions of the first cycle
 def tractions(case: Case) -> dict[str, Found]:
-    """Equations (5) to (8) against the engine's shear traction, and what the transient leaves."""
+    """Statements on the tractions: equations (5) to (8) against the engine's shear, and what the
+    transient leaves. Name of a statement -> (verdict, numbers).
+    """
     formulas = Formulas(case)
     x = np.array(_PLACES) * case.length
     f = case.friction
     pressure = case.contact.pressure
     a, b, c, d, e, g = (case.time(letter) for letter in "ABCDEG")
 
-    def error(time: float, by_formula: Array) -> float:
+    def relative_error(time: float, by_formula: Array) -> float:
         """Largest difference at an instant over the largest value."""
         shear = case.solve(time=[time], x=_PLACES, fields=("shear",)).shear[0]
         return float(np.max(np.abs(by_formula - shear)) / np.max(np.abs(shear)))
@@ -67,19 +69,19 @@ def tractions(case: Case) -> dict[str, Found]:
 
     # (5) holds in full stick; beyond B, where P still grows, the edges slip.
     between_b_and_c = (b + c) / 2
-    stick = max(error(t, formulas.stuck(x, load(t))) for t in (a, b))
-    slip = error(between_b_and_c, formulas.stuck(x, load(between_b_and_c)))
+    error_in_stick = max(relative_error(t, formulas.stuck(x, load(t))) for t in (a, b))
+    error_in_slip = relative_error(between_b_and_c, formulas.stuck(x, load(between_b_and_c)))
     errors_forward = {}
     for name, t in {"B-C": between_b_and_c, "C": c, "D": d, "E": e}.items():
         load_met = formulas.initial_meeting(t)
         q = formulas.stuck(x, load_met) + f * (pressure(x, load(t)) - pressure(x, load_met))
-        errors_forward[f"error at {name}"] = error(t, q)
+        errors_forward[f"error at {name}"] = relative_error(t, q)
     errors_reverse = {}
     load_met = formulas.initial_meeting(e)
     for name, t in {"E-F": (e + case.time("F")) / 2, "F": case.time("F"), "G": g}.items():
         pressure_at_edge = pressure(x, float(formulas.front("EG", t)))
         slipped_pressure = 2 * pressure_at_edge - pressure(x, load(t)) - pressure(x, load_met)
-        errors_reverse[f"error at {name}"] = error(
+        errors_reverse[f"error at {name}"] = relative_error(
             t, formulas.stuck(x, load_met) + f * slipped_pressure
         )
     worst_forward = max(errors_forward.values())
@@ -88,7 +90,7 @@ def tractions(case: Case) -> dict[str, Found]:
     # Slip comes to rest at E everywhere; reverse slip then starts from the edges.
     time_before = 1e-6
     around_e = case.solve(time=[e - time_before, e + time_before])
-    ratio = (around_e.stick_half_width / around_e.contact_half_width).tolist()
+    stick_ratio = (around_e.stick_half_width / around_e.contact_half_width).tolist()
     slip_at_times = case.solve(time=[b, e - time_before, e], x=[0.8, 0.85], fields=("slip",)).slip
     slowest_ratio = float(
         np.max(
@@ -97,16 +99,22 @@ def tractions(case: Case) -> dict[str, Found]:
             / ((slip_at_times[2] - slip_at_times[0]) / (e - b))
         )
     )
-    rest = {"stick before": ratio[0], "slip after": 1 - ratio[1], "speed before": slowest_ratio}
+    numbers_at_rest = {
+        "stick before": stick_ratio[0],
+        "slip after": 1 - stick_ratio[1],
+        "speed before": slowest_ratio,
+    }
     return {
         "(5)": (
-            judge(max(stick, slip) <= EXACT, nearly=stick <= EXACT),
-            {"error in full stick": stick, "error in slip": slip},
+            judge(max(error_in_stick, error_in_slip) <= EXACT, nearly=error_in_stick <= EXACT),
+            {"error in full stick": error_in_stick, "error in slip": error_in_slip},
         ),
         "(6)": (judge(worst_forward <= EXACT), errors_forward | {"largest error": worst_forward}),
         "full stick at E": (
-            judge(ratio[0] < 1 - EXACT and 1 - ratio[1] <= EXACT and slowest_ratio <= 1e-5),
-            rest,
+            judge(
+                stick_ratio[0] < 1 - EXACT and 1 - stick_ratio[1] <= EXACT and slowest_ratio <= 1e-5
+            ),
+            numbers_at_rest,
         ),
         "(7)": (judge(worst_reverse <= EXACT), errors_reverse | {"largest error": worst_reverse}),
         "residual tractions": _residual_tractions(case),
@@ -114,8 +122,8 @@ def tractions(case: Case) -> dict[str, Found]:
 
 
 def _residual_tractions(case: Case) -> Found:
-    """What the slip of the transient leaves: the locked-in slip, and the tractions that the initial
-    loading alone has not.
+    """Statement on what the slip of the first cycle leaves: the locked-in slip, and tractions that
+    the initial loading alone has not.
     """
     formulas = Formulas(case)
     inner_load = formulas.initial_meeting(case.time("E"))
@@ -125,58 +133,74 @@ def _residual_tractions(case: Case) -> Found:
     x = np.concatenate([bounds[0] * shares, bounds[0] + (bounds[1] - bounds[0]) * shares])
     times = [case.time(letter) for letter in "BGM"]
     slip = case.solve(time=times, x=x, fields=("slip",)).slip / (case.compliance * case.unit)
-    locked = np.abs(slip[1] - slip[0])
+    locked_slip = np.abs(slip[1] - slip[0])
     later_change = float(np.max(np.abs(slip[2] - slip[1])))
-    within = float(np.max(locked[:50]))
-    least_locked = float(np.min(locked[50:]))
+    largest_within = float(np.max(locked_slip[:50]))
+    least_locked = float(np.min(locked_slip[50:]))
 
     # At G: the engine's q without the hooks of reverse slip, and without what loading in stick to
     # P_T would have left.
-    widest = float(case.width(case.events["G"].normal_load))
-    x = np.array([0.0, bounds[0], 0.7 * bounds[1] + 0.3 * widest, 0.1 * bounds[1] + 0.9 * widest])
+    largest_half_width = float(case.width(case.events["G"].normal_load))
+    x = np.array(
+        [
+            0.0,
+            bounds[0],
+            0.7 * bounds[1] + 0.3 * largest_half_width,
+            0.1 * bounds[1] + 0.9 * largest_half_width,
+        ]
+    )
     shear = case.solve(time=[case.time("G")], x=x, fields=("shear",)).shear[0]
-    place = x * case.length
+    place_in_units = x * case.length
     load_at_g = case.events["G"].normal_load
-    hooks = case.contact.pressure(place, load_at_g) - case.contact.pressure(place, outer_load)
-    residual = shear + case.friction * hooks - formulas.stuck(place, outer_load)
+    pressure_hooks = case.contact.pressure(place_in_units, load_at_g) - case.contact.pressure(
+        place_in_units, outer_load
+    )
+    residual = shear + case.friction * pressure_hooks - formulas.stuck(place_in_units, outer_load)
     scaled_residual = residual * case.length / case.unit
-    share = float(scaled_residual[0] / scaled_residual[1])
+    share_at_centre = float(scaled_residual[0] / scaled_residual[1])
     largest_beyond = float(np.max(np.abs(scaled_residual[2:])))
-    holds = max(within, later_change, largest_beyond) <= _ROUNDING < least_locked
-    return judge(holds and abs(share) <= _ROUNDING, nearly=holds), {
+    holds = max(largest_within, later_change, largest_beyond) <= _ROUNDING < least_locked
+    return judge(holds and abs(share_at_centre) <= _ROUNDING, nearly=holds), {
         "a(P_Z)/a0": float(bounds[0]),
         "a(P_T)/a0": float(bounds[1]),
-        "slip within a(P_Z)": within,
+        "slip within a(P_Z)": largest_within,
         "slip beyond a(P_Z)": least_locked,
         "change in later cycles": later_change,
-        "traction at the centre over that at a(P_Z)": share,
+        "traction at the centre over that at a(P_Z)": share_at_centre,
         "traction beyond a(P_T)": largest_beyond,
     }
 
 
 # ----------------------------------------------------------------------- stick, slip and separation
 def course(case: Case) -> dict[str, Found]:
-    """Stick, slip and separation through the cycle."""
-    turn = 2 * math.pi
+    """Statements on stick, slip and separation through the cycle. Name of a statement -> (verdict,
+    numbers).
+    """
+    revolution = 2 * math.pi
     t = {letter: case.time(letter) for letter in LETTERS}
     depth_of_hold = _slip_depth(case, t["G"], t["I"])
     depth_of_forward_slip = _slip_depth(case, t["I"], t["M"])
-    stuck = {
+    numbers_of_stick = {
         "deepest slip in G-I": float(depth_of_hold.max()),
         "least slip in I-M": float(depth_of_forward_slip.min()),
-        "share of the cycle": (t["I"] - t["G"]) / turn,
+        "share of the cycle": (t["I"] - t["G"]) / revolution,
     }
     front_of_first_cycle = float(case.width(case.events["E"].front_load))
     front_in_reverse = float(case.width(case.events["G"].front_load))
     front_forward = float(case.width(case.events["M"].front_load))
-    times = {"forward": (t["M"] - t["I"]) / turn, "reverse": (t["G"] - t["E"]) / turn}
+    shares_of_cycle = {
+        "forward": (t["M"] - t["I"]) / revolution,
+        "reverse": (t["G"] - t["E"]) / revolution,
+    }
     # From G of the first cycle on: the engine marches along it, later ones it looks up.
-    slip = case.solve(time=t["G"] + np.linspace(0.0, turn, 361), x=POINTS, fields=("slip",)).slip
-    net = float(np.max(np.abs(slip[-1] - slip[0])) / np.max(np.ptp(slip, axis=0)))
+    slip = case.solve(
+        time=t["G"] + np.linspace(0.0, revolution, 361), x=POINTS, fields=("slip",)
+    ).slip
+    relative_net_slip = float(np.max(np.abs(slip[-1] - slip[0])) / np.max(np.ptp(slip, axis=0)))
     return {
         "stick from G to I": (
             judge(depth_of_hold.max() <= _ROUNDING < depth_of_forward_slip.min()),
-            stuck,
+            numbers_of_stick,
         ),
         "transient slip": (
             judge(front_of_first_cycle < case.stick_edge),
@@ -187,10 +211,16 @@ def course(case: Case) -> dict[str, Found]:
             judge(abs(front_forward - front_in_reverse) <= _ROUNDING),
             {"forward": front_forward, "reverse": front_in_reverse},
         ),
-        "longer in forward slip": (judge(times["forward"] > times["reverse"]), times),
+        "longer in forward slip": (
+            judge(shares_of_cycle["forward"] > shares_of_cycle["reverse"]),
+            shares_of_cycle,
+        ),
         "forward slip is slower": slip_speed(case),
         "permanent stick": (judge_number(case.stick_edge, 0.73, 2), {"a(P_T)/a0": case.stick_edge}),
-        "no net displacement": (judge(net <= _ROUNDING), {"net over largest": net}),
+        "no net displacement": (
+            judge(relative_net_slip <= _ROUNDING),
+            {"net over largest": relative_net_slip},
+        ),
         **{f"history of x = {x}": _point_history(case, x) for x in POINTS},
         "one-way slip": one_way_slip(case),
     }
@@ -203,7 +233,9 @@ def _slip_depth(case: Case, begin: float, end: float) -> Array:
 
 
 def _advance_of_slip(case: Case, begin: float, end: float) -> Found:
-    """Whether the stick zone shrinks from B to E, while the contact grows from B to C."""
+    """Statement that the stick zone shrinks from B to E (times `begin` and `end`), while the
+    contact grows from B to C.
+    """
     stick = case.solve(time=np.linspace(begin, end, 201)).stick_half_width / case.length
     contact = case.width([case.events[letter].normal_load for letter in "BC"])
     least_fall = float(np.min(-np.diff(stick)))
@@ -217,8 +249,8 @@ def _advance_of_slip(case: Case, begin: float, end: float) -> Found:
 
 
 def slip_speed(case: Case, x: float = POINTS[0]) -> Found:
-    """Mean speed of a particle that is always in contact: over its own time of slip, and over that
-    of the contact.
+    """Statement on the mean speed of slip, forward over reverse, of a point that is always in
+    contact: over its own time of slip, and over the phases of the contact.
     """
     edge_load = np.asarray(case.contact.load(np.array([x * case.length])))
     # Forward, reverse.
@@ -227,12 +259,12 @@ def slip_speed(case: Case, x: float = POINTS[0]) -> Found:
     for span in chain.from_iterable(case.slipping.values()):
         begin, end = (float(time[0]) for time in slip_times(span, edge_load))
         if end > begin:
-            way = 0 if span.direction > 0 else 1
+            sense = 0 if span.direction > 0 else 1
             slip = case.solve(
                 time=[begin + span.delay, end + span.delay], x=[x], fields=("slip",)
             ).slip[:, 0]
-            distance[way] += abs(float(slip[1] - slip[0])) / (case.compliance * case.unit)
-            duration[way] += end - begin
+            distance[sense] += abs(float(slip[1] - slip[0])) / (case.compliance * case.unit)
+            duration[sense] += end - begin
     phases = np.array([case.time("M") - case.time("I"), case.time("G") - case.time("E")])
     ratio_in_slip = float(np.divide(*(distance / duration)))
     ratio_over_phases = float(np.divide(*(distance / phases)))
@@ -244,25 +276,25 @@ def slip_speed(case: Case, x: float = POINTS[0]) -> Found:
         "time forward": float(duration[0] / (2 * math.pi)),
         "time reverse": float(duration[1] / (2 * math.pi)),
     }
-    slower = judge(ratio_in_slip < 1 - _ROUNDING, nearly=ratio_over_phases < 1 - _ROUNDING)
-    return slower, numbers
+    verdict = judge(ratio_in_slip < 1 - _ROUNDING, nearly=ratio_over_phases < 1 - _ROUNDING)
+    return verdict, numbers
 
 
 def _point_history(case: Case, x: float) -> Found:
-    """Sequence of stick, slip and separation of a point of figure 5."""
+    """Statement on the sequence of stick, slip and separation of a point of figure 5."""
     times = case.round_times(1441)
     states = case.solve(time=(times[1:] + times[:-1]) / 2, x=[x], fields=("state",)).state[:, 0]
     names = _sequence([STATE_NAMES[SurfaceState(int(state))] for state in states])
     stated_sequence = _sequence(_HISTORIES[x])
     letter_of = {"stick": "S", "forward slip": "F", "reverse slip": "R", "open": "O"}
     letters = [letter_of[name] for name in names]
-    turns = [stated_sequence[k:] + stated_sequence[:k] for k in range(len(stated_sequence))]
+    stated_turns = [stated_sequence[k:] + stated_sequence[:k] for k in range(len(stated_sequence))]
     numbers = {
         "share of separation": float(np.mean(states == SurfaceState.OPEN)),
         "runs": len(names),
         "history": ", ".join(names).replace("open", "separation"),
     }
-    return judge(letters in turns), numbers
+    return judge(letters in stated_turns), numbers
 
 
 def _sequence(states: Sequence[str]) -> list[str]:
@@ -276,22 +308,24 @@ def _sequence(states: Sequence[str]) -> list[str]:
 
 
 def one_way_slip(case: Case) -> Found:
-    """Beyond which half-width no reverse slip rubs."""
+    """Statement on the half-width beyond which no reverse slip rubs."""
     inner_edge = case.stick_edge
     outer_edge = case.outer_edge
     for _ in range(5):
-        grid = np.linspace(inner_edge, outer_edge, 101)
-        last_rubbed = np.flatnonzero(case.density(grid)["EG"] > 0)[-1]
-        inner_edge = float(grid[last_rubbed])
-        outer_edge = float(grid[last_rubbed + 1])
+        trial_edges = np.linspace(inner_edge, outer_edge, 101)
+        last_rubbed = np.flatnonzero(case.density(trial_edges)["EG"] > 0)[-1]
+        inner_edge = float(trial_edges[last_rubbed])
+        outer_edge = float(trial_edges[last_rubbed + 1])
     edge = (inner_edge + outer_edge) / 2
-    widest = max(float(case.width(case.events[letter].normal_load)) for letter in "EG")
-    return judge_number(edge, 0.88, 2), {"edge": edge, "largest a in E-G": widest}
+    largest_half_width = max(float(case.width(case.events[letter].normal_load)) for letter in "EG")
+    return judge_number(edge, 0.88, 2), {"edge": edge, "largest a in E-G": largest_half_width}
 
 
 # ------------------------------------------------------------------- other loads, the other profile
 def loads(paper: Paper) -> dict[str, Found]:
-    """What the zones of slip and the dissipation depend on."""
+    """Statements on what the zones of slip and the dissipation depend on: friction, mean shear
+    force, initial loading, profile. Name of a statement -> (verdict, numbers).
+    """
     case = paper.hertz
     rounded = paper.rounded
     frictions = np.array(FRICTIONS)
@@ -300,12 +334,12 @@ def loads(paper: Paper) -> dict[str, Found]:
     for letter in "EGI":
         times[letter] = np.array([case_of_friction.time(letter) for case_of_friction in cases])
     is_later = {letter: bool(np.all(np.diff(row) > 0)) for letter, row in times.items()}
-    shift = {
+    shifts = {
         f"shift of {letter} in degrees": math.degrees(row[-1] - row[0])
         for letter, row in times.items()
     }
-    shift["G earlier in degrees"] = -shift["shift of G in degrees"]
-    onset = is_later["E"] and is_later["I"]
+    shifts["G earlier in degrees"] = -shifts["shift of G in degrees"]
+    is_onset_later = is_later["E"] and is_later["I"]
 
     mean = case.load.mean_tangential_load
     arguments = case.batch(
@@ -319,14 +353,17 @@ def loads(paper: Paper) -> dict[str, Found]:
     }
     sliding_words = {"which slide": ", ".join(f"{f:g}" for f in frictions[slides[0]])}
 
-    means = [
+    cases_by_mean = [
         case.with_load(mean_tangential_load=q * case.unit, initial_loading="straight")
         for q in (-1.0, 0.0, 0.5)
     ]
-    polygon = tuple((p * case.unit, q * case.unit) for p, q in ((1.0, 0.5), (2.0, -0.5)))
-    ways = [case.with_load(initial_loading=way) for way in ("straight", polygon)]
-    by_mean = _changes(case, means)
-    by_way = _changes(case, ways)
+    polygon_loading = tuple((p * case.unit, q * case.unit) for p, q in ((1.0, 0.5), (2.0, -0.5)))
+    cases_by_loading = [
+        case.with_load(initial_loading=loading_case)
+        for loading_case in ("straight", polygon_loading)
+    ]
+    change_by_mean = _changes(case, cases_by_mean)
+    change_by_loading = _changes(case, cases_by_loading)
 
     def shear(of: Case, x: Array) -> Array:
         return (
@@ -336,72 +373,86 @@ def loads(paper: Paper) -> dict[str, Found]:
         )
 
     def change_of_shear(x: Array) -> float:
-        return max(float(np.max(np.abs(shear(way, x) - shear(case, x)))) for way in ways)
+        return max(
+            float(np.max(np.abs(shear(loading_case, x) - shear(case, x))))
+            for loading_case in cases_by_loading
+        )
 
-    within = change_of_shear(np.linspace(0, case.stick_edge * 0.999, 50))
+    change_within = change_of_shear(np.linspace(0, case.stick_edge * 0.999, 50))
     change_beyond = change_of_shear(np.linspace(case.stick_edge * 1.001, case.outer_edge, 50))
-    forgets = max(by_way.values()) <= _ROUNDING and change_beyond <= _ROUNDING < within
-    flat = float(rounded.width(0.0))
-    band = case.outer_edge - case.stick_edge
+    forgets = (
+        max(change_by_loading.values()) <= _ROUNDING and change_beyond <= _ROUNDING < change_within
+    )
+    edge_of_flat = float(rounded.width(0.0))
+    width_of_band = case.outer_edge - case.stick_edge
     band_of_rounded = rounded.outer_edge - rounded.stick_edge
     return {
-        "friction delays slip": (judge(onset and is_later["G"], nearly=onset), shift),
+        "friction delays slip": (
+            judge(is_onset_later and is_later["G"], nearly=is_onset_later),
+            shifts,
+        ),
         "coefficients of figure 4b": (
             judge(not slides[0].any(), nearly=not slides[1].any()),
             counts | sliding_words,
         ),
-        "mean shear force": (judge(max(by_mean.values()) <= _ROUNDING), by_mean),
+        "mean shear force": (judge(max(change_by_mean.values()) <= _ROUNDING), change_by_mean),
         "initial loading": (
             judge(forgets),
-            by_way | {"change of q inside": within, "change of q outside": change_beyond},
+            change_by_loading
+            | {"change of q inside": change_within, "change of q outside": change_beyond},
         ),
         "slip in the radii": (
-            judge(rounded.stick_edge > flat),
-            {"a(P_T)/a0": rounded.stick_edge, "b/a0": flat},
+            judge(rounded.stick_edge > edge_of_flat),
+            {"a(P_T)/a0": rounded.stick_edge, "b/a0": edge_of_flat},
         ),
         "narrow bands": (
-            judge(band_of_rounded < band),
-            {"hertz": band, "flat and rounded": band_of_rounded},
+            judge(band_of_rounded < width_of_band),
+            {"hertz": width_of_band, "flat and rounded": band_of_rounded},
         ),
     }
 
 
 def _changes(case: Case, changed_cases: Sequence[Case]) -> dict[str, float]:
-    """Largest change of the stick half-width through the cycle, and of W as closed integral of Q
-    dU: that way to it knows Q0.
+    """Largest change between a case and some others: of the stick half-width through the cycle, and
+    of W as closed integral of Q dU, which knows Q0.
     """
 
-    def zones(of: Case) -> Array:
-        return of.solve(time=of.round_times(73)).stick_half_width / of.length
+    def stick_zones(chosen_case: Case) -> Array:
+        return (
+            chosen_case.solve(time=chosen_case.round_times(73)).stick_half_width
+            / chosen_case.length
+        )
 
-    zones_of_case = zones(case)
+    zones_of_case = stick_zones(case)
     work_of_case = case.steady.loop_work
     zone_changes = []
     work_changes = []
     for changed_case in changed_cases:
-        zone_changes.append(float(np.max(np.abs(zones(changed_case) - zones_of_case))))
+        zone_changes.append(float(np.max(np.abs(stick_zones(changed_case) - zones_of_case))))
         work_changes.append(abs(changed_case.steady.loop_work / work_of_case - 1))
     return {"change of c": max(zone_changes), "change of W": max(work_changes)}
 
 
 # --------------------------------------------------------------------------------- work of friction
 def work(case: Case) -> dict[str, Found]:
-    """The phases' shares of the work, and W(x) at the ends of the slip zone."""
+    """Statements on the dissipation: the phases' shares, and W(x) at the ends of the slip zone.
+    Name of a statement -> (verdict, numbers).
+    """
     batch = semi_analytic.dissipation(**case.batch())
     inner_edge = case.stick_edge
     outer_edge = case.outer_edge
-    share = float(batch.forward / batch.value)
-    shares = {"share of forward slip": share, "share of reverse slip": 1 - share}
+    forward_share = float(batch.forward / batch.value)
+    shares = {"share of forward slip": forward_share, "share of reverse slip": 1 - forward_share}
     values = total(
         case.density(
             inner_edge + (outer_edge - inner_edge) * np.array([-0.5, -1e-9, 0.5, 1 - 1e-9])
         )
     ).tolist()
     work_of_stuck = max(values[:2])
-    middle = values[2]
-    last_value = values[3]
-    ends = {
-        "largest at the ends over mid-zone": max(work_of_stuck, last_value) / middle,
+    value_in_middle = values[2]
+    value_at_edge = values[3]
+    numbers_at_ends = {
+        "largest at the ends over mid-zone": max(work_of_stuck, value_at_edge) / value_in_middle,
         "in the stick zone": work_of_stuck,
     }
 
@@ -413,22 +464,33 @@ def work(case: Case) -> dict[str, Found]:
             / np.diff(np.log(distance))[0]
         )
 
-    at_stick = exponent(inner_edge, 1.0)
-    at_edge = exponent(outer_edge, -1.0)
+    exponent_at_stick = exponent(inner_edge, 1.0)
+    exponent_at_edge = exponent(outer_edge, -1.0)
     return {
-        "most work in forward slip": (judge(share > 0.75, nearly=share > 0.5), shares),
-        "no work at the ends": (
-            judge(work_of_stuck == 0 and max(work_of_stuck, last_value) / middle < 1e-6),
-            ends | {"at the outer edge over mid-zone": last_value / middle},
+        "most work in forward slip": (
+            judge(forward_share > 0.75, nearly=forward_share > 0.5),
+            shares,
         ),
-        "slope at the stick edge": (judge(at_stick > 1 + _EXPONENT_SLACK), {"exponent": at_stick}),
+        "no work at the ends": (
+            judge(
+                work_of_stuck == 0 and max(work_of_stuck, value_at_edge) / value_in_middle < 1e-6
+            ),
+            numbers_at_ends | {"at the outer edge over mid-zone": value_at_edge / value_in_middle},
+        ),
+        "slope at the stick edge": (
+            judge(exponent_at_stick > 1 + _EXPONENT_SLACK),
+            {"exponent": exponent_at_stick},
+        ),
         "slope at the outer edge": (
-            judge(abs(at_edge - 1) <= _EXPONENT_SLACK),
-            {"exponent": at_edge},
+            judge(abs(exponent_at_edge - 1) <= _EXPONENT_SLACK),
+            {"exponent": exponent_at_edge},
         ),
         "root at the outer edge": (
-            judge(abs(at_edge - 0.5) <= _EXPONENT_SLACK, nearly=abs(at_edge - 0.5) <= 0.1),
-            {"exponent": at_edge},
+            judge(
+                abs(exponent_at_edge - 0.5) <= _EXPONENT_SLACK,
+                nearly=abs(exponent_at_edge - 0.5) <= 0.1,
+            ),
+            {"exponent": exponent_at_edge},
         ),
     }
 
@@ -449,21 +511,26 @@ def _comparisons(paper: Paper) -> dict[str, Found]:
 
 
 def _places_of_peaks(paper: Paper) -> dict[str, Found]:
-    """Where between the stick and the contact edge the pointwise dissipation is largest."""
+    """Statements on where the pointwise dissipation is largest, as a fraction of the way from the
+    stick edge to the contact edge.
+    """
     statements: dict[str, Found] = {}
     cases = (paper.hertz, paper.rounded)
     for name, case, peak in zip(_NAMES, cases, paper.peaks, strict=True):
-        place = float(peak.fraction)
-        numbers = {"fraction": place, "x/a0": float(peak.place) / case.length}
-        verdict = judge(0.6 < place < 0.65, nearly=abs(place - 0.6) < 0.02)
+        fraction = float(peak.fraction)
+        numbers = {"fraction": fraction, "x/a0": float(peak.place) / case.length}
+        verdict = judge(0.6 < fraction < 0.65, nearly=abs(fraction - 0.6) < 0.02)
         statements[f"place of the peak, {name}"] = (verdict, numbers)
-    at_ends = {}
+    fractions_at_ends = {}
     for name, sweep in zip(_NAMES, paper.sweeps, strict=True):
-        at_ends[f"{name}, near"] = float(sweep.place[0, 0])
-        at_ends[f"{name}, far"] = float(sweep.place[0, -1])
-    as_stated = all(0.6 < place < 0.65 for place in at_ends.values())
-    nearly_as_stated = all(0.55 < place < 0.7 for place in at_ends.values())
-    statements["place of the peak, all loads"] = (judge(as_stated, nearly_as_stated), at_ends)
+        fractions_at_ends[f"{name}, near"] = float(sweep.place[0, 0])
+        fractions_at_ends[f"{name}, far"] = float(sweep.place[0, -1])
+    as_stated = all(0.6 < fraction < 0.65 for fraction in fractions_at_ends.values())
+    nearly_as_stated = all(0.55 < fraction < 0.7 for fraction in fractions_at_ends.values())
+    statements["place of the peak, all loads"] = (
+        judge(as_stated, nearly_as_stated),
+        fractions_at_ends,
+    )
     return statements
 
 
@@ -474,7 +541,9 @@ def _exponents(sweep: Sweep, quantity: str) -> Array:
 
 
 def _falls_towards_far_loads(paper: Paper) -> dict[str, Found]:
-    """How work, its peak and their quotient change from sliding to loads far from it."""
+    """Statements on how work, its peak and their quotient change from loads near gross sliding to
+    loads far from it.
+    """
     hertz = paper.sweeps[0]
     largest_step = {}
     falls = {}
@@ -485,7 +554,7 @@ def _falls_towards_far_loads(paper: Paper) -> dict[str, Found]:
         falls[f"fall of {quantity}"] = float(near_and_far[0] / near_and_far[1])
     # At constant R, a grows like sqrt(P0).
     exponents_of_peak = _exponents(hertz, "peak") - 0.5
-    gap = float(np.min(exponents_of_peak - _exponents(hertz, "work")))
+    least_gap = float(np.min(exponents_of_peak - _exponents(hertz, "work")))
     merits = [sweep.work / sweep.peak for sweep in paper.sweeps]
     best_columns = {int(column) for merit in merits for column in np.argmax(merit, axis=1)}
     return {
@@ -498,8 +567,8 @@ def _falls_towards_far_loads(paper: Paper) -> dict[str, Found]:
             {"largest step": largest_step["peak"]},
         ),
         "work falls faster than its peak": (
-            judge(gap > 0),
-            falls | {"least gap of exponents": gap},
+            judge(least_gap > 0),
+            falls | {"least gap of exponents": least_gap},
         ),
         "best designs close to sliding": (
             judge(best_columns == {0}),
@@ -509,7 +578,7 @@ def _falls_towards_far_loads(paper: Paper) -> dict[str, Found]:
 
 
 def _flat_over_hertz(paper: Paper) -> dict[str, Found]:
-    """Work and peak of the flat and rounded contact over those of Hertz."""
+    """Statements on work and peak of the flat and rounded contact over those of Hertz."""
     hertz, rounded_sweep = paper.sweeps
     cases = (paper.hertz, paper.rounded)
     works = [case.steady.dissipation / case.work_unit for case in cases]
@@ -544,25 +613,25 @@ def _span(quotients: Array) -> dict[str, float]:
 
 
 def _dependence_of_the_peak(paper: Paper) -> Found:
-    """The peak of the flat and rounded contact falls less with P0 than that of Hertz, but where
-    its place jumps from one shoulder to the other.
+    """Statement that the peak of the flat and rounded contact falls less with P0 than that of
+    Hertz, but where its place jumps from one shoulder to the other.
     """
     hertz, rounded_sweep = paper.sweeps
     # At constant P0 the peak goes as (P1/P0)^2 times what the sweep has at constant P1.
     fall_of_hertz = hertz.peak[:, 0] / hertz.peak[:, -1]
     fall_of_rounded = rounded_sweep.peak[:, 0] / rounded_sweep.peak[:, -1]
-    share = float(np.mean(_exponents(rounded_sweep, "peak") > _exponents(hertz, "peak")))
+    share_of_smaller = float(np.mean(_exponents(rounded_sweep, "peak") > _exponents(hertz, "peak")))
     ratio = rounded_sweep.ratio[-1]
     place = rounded_sweep.place[-1]
     last_on_shoulder = int(np.argmax(np.abs(np.diff(place))))
     numbers = {
         "fall, hertz": float(fall_of_hertz[0]),
         "fall, flat and rounded": float(fall_of_rounded[0]),
-        "share of smaller exponents": share,
+        "share of smaller exponents": share_of_smaller,
         "last shoulder": float(ratio[last_on_shoulder]),
         "first outer one": float(ratio[last_on_shoulder + 1]),
         "first place": float(place[0]),
         "last place": float(place[last_on_shoulder]),
         "place of the outer one": float(place[last_on_shoulder + 1]),
     }
-    return judge(bool(np.all(fall_of_rounded < fall_of_hertz)) and share == 1), numbers
+    return judge(bool(np.all(fall_of_rounded < fall_of_hertz)) and share_of_smaller == 1), numbers

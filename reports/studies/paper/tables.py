@@ -62,8 +62,8 @@ Found = tuple[Any, dict[str, Any]]
 
 
 def filled_in(text: str, values: Mapping[str, Any]) -> str:
-    """A text of paper.toml with its numbers, in Python's formats and `_small`; names hold any sign
-    but : and braces.
+    """A text of paper.toml with numbers in place of {name:format}; formats are Python's, or
+    "small". A name may hold any sign but : and braces.
 
     >>> filled_in("error {error at a/b:small}", {"error at a/b": 3.14e-15})
     'error 3e-15'
@@ -100,8 +100,8 @@ def judge(holds: bool, nearly: bool = False) -> Verdict:
 
 
 def judge_number(computed: float, printed: float, digits: int, slack: float = 0.02) -> Verdict:
-    """Confirmed if `computed` rounds to `printed` at that many decimal digits, refined within a
-    share `slack`, else contradicted.
+    """Verdict on a printed number: confirmed if `computed` rounds to it at so many decimal digits,
+    refined within a share `slack`, else contradicted.
 
     >>> (
     ...     judge_number(0.72705, 0.73, 2).value,

@@ -29,7 +29,9 @@ def sweep(study: str, options: Options) -> Answer:
 
 
 def swept(source: str, options: Options, *, announced: bool = False) -> Answer:
-    """Run a study, or resume it; `announced`: what it is about is printed before the work."""
+    """The command `sweep`: run a study into its folder, or resume it. `announced`: what it is about
+    is printed before the work.
+    """
     from reports.folder import claim, default_folder
     from reports.studies.sweep.running import prepare, work, workers_of
     from reports.studies.sweep.store import StoreError
@@ -46,7 +48,7 @@ def swept(source: str, options: Options, *, announced: bool = False) -> Answer:
         say(line)
     command_again = replace(options, resume=False).command("sweep", source, folder)
 
-    def stored() -> str:
+    def stored_in_words() -> str:
         known_addresses = prepared.store.addresses()
         return (
             f"{sum(point.address in known_addresses for point in prepared.points)} of"
@@ -58,27 +60,35 @@ def swept(source: str, options: Options, *, announced: bool = False) -> Answer:
         with stages.stage("sweep", "points") as report:
             table = work(prepared, report=report, **workers)
     except KeyboardInterrupt:
-        complain(f"halfplane: interrupted; {stored()}; resume with: {command_again}")
+        complain(f"halfplane: interrupted; {stored_in_words()}; resume with: {command_again}")
         return Answer(INTERRUPTED)
     except StoreError as fault:
         raise StoreError(
-            f"{fault}; {stored()}; once there is room resume with: {command_again}"
+            f"{fault}; {stored_in_words()}; once there is room resume with: {command_again}"
         ) from fault
-    state = _content(prepared.store) | {"file": str(prepared.store.folder / "index.csv")}
+    json_content = _content(prepared.store) | {"file": str(prepared.store.folder / "index.csv")}
     code = WITHIN if (table["status"] == "done").all() else NOT_CONVERGED
-    return Answer(code, _points(prepared, table, state), lambda: state, prepared.study.scene.name)
+    return Answer(
+        code,
+        _points(prepared, table, json_content),
+        lambda: json_content,
+        prepared.study.scene.name,
+    )
 
 
 def _announced(prepared: Prepared) -> Iterator[str]:
+    """Lines on what a sweep is about: points, engines, figures, what is stored already, what was
+    damaged.
+    """
     study = prepared.study
-    points = len(prepared.points)
+    n_points = len(prepared.points)
     n_waiting = len(prepared.waiting)
     yield (
-        f"{study.title or study.scene.name}: {points} points, {' and '.join(study.engines)};"
+        f"{study.title or study.scene.name}: {n_points} points, {' and '.join(study.engines)};"
         f" {', '.join(study.figures)}"
     )
-    if n_waiting < points:
-        yield f"{points - n_waiting} points have results already, {n_waiting} are left"
+    if n_waiting < n_points:
+        yield f"{n_points - n_waiting} points have results already, {n_waiting} are left"
     if damaged := prepared.store.damaged():
         yield (
             f"{len(damaged)} damaged results were set aside and are made again:"
@@ -87,7 +97,9 @@ def _announced(prepared: Prepared) -> Iterator[str]:
 
 
 def _points(prepared: Prepared, table: DataFrame, state: dict[str, Any]) -> Iterator[Part]:
-    """The points with their values, those that failed, and the notes."""
+    """What the terminal shows of a sweep: the points with their values, those that failed with the
+    reason, and notes.
+    """
     from reports.studies.sweep.page import table_in_words
     from reports.studies.sweep.study import described
 
@@ -100,9 +112,16 @@ def _points(prepared: Prepared, table: DataFrame, state: dict[str, Any]) -> Iter
     if len(solved_rows) > _SHOWN:
         yield f"... and {len(solved_rows) - _SHOWN} other points; see index.csv"
     if len(failed_rows):
-        at = [described(prepared.points[k].coordinates) for k in failed_rows["number"][:_SHOWN]]
+        coordinates_in_words = [
+            described(prepared.points[k].coordinates) for k in failed_rows["number"][:_SHOWN]
+        ]
         reasons = list(
-            zip(map(str, failed_rows["number"]), at, failed_rows["reason"], strict=False)
+            zip(
+                map(str, failed_rows["number"]),
+                coordinates_in_words,
+                failed_rows["reason"],
+                strict=False,
+            )
         )
         yield Sheet(
             f"{len(failed_rows)} of {len(table)} points failed", ("point", "at", "reason"), reasons
@@ -130,7 +149,9 @@ def _content(store: Store) -> dict[str, Any]:
 
 
 def status(folder: Path, _: Options) -> Answer:
-    """How far a sweep is: done, failed, waiting, time left."""
+    """The command `sweep status`: how far a sweep is: points done, failed and waiting, time
+    left.
+    """
     from reports.studies.sweep.store import Store
 
     state = _content(Store(folder))

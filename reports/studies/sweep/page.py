@@ -65,8 +65,8 @@ _UNCERTAINTY = {
 
 
 def state_of(store: Store) -> Mapping[str, Any]:
-    """What the store holds now, as `halfplane sweep status --json` prints it, with the table under
-    "table".
+    """What the store of a sweep holds now, as `halfplane sweep status --json` prints it, with the
+    table of results under "table".
 
     `seconds_left` is that of a sweep that goes on at the rate of the last results; None where
     nothing waits or no rate is known.
@@ -79,11 +79,11 @@ def state_of(store: Store) -> Mapping[str, Any]:
         if row.status != "done"
     ]
     n_waiting = len(points) - len(table)
-    times = []
+    times_of_results = []
     for address in set(table["address"]):
         with suppress(FileNotFoundError):  # set aside meanwhile
-            times.append(store.path(address).stat().st_mtime)
-    rate = _rate(sorted(times)[-_LATEST:])
+            times_of_results.append(store.path(address).stat().st_mtime)
+    rate = _rate(sorted(times_of_results)[-_LATEST:])
     counts = {"done": len(table) - len(failures), "failed": len(failures)}
     return {
         "title": study.get("title", ""),
@@ -107,7 +107,9 @@ def _rate(times: Sequence[float]) -> float | None:
 
 
 def write_page(store: Store) -> Path:
-    """Write DIR/sweep.html, and DIR/index.csv that it leads to; returns the path of the page."""
+    """Write the page of a sweep, DIR/sweep.html, and DIR/index.csv that it leads to; returns the
+    path of the page.
+    """
     state = state_of(store)
     table = state["table"]
     study = study_of(store.read_plan()[0], str(store.folder / "sweep.json"))
@@ -117,7 +119,7 @@ def write_page(store: Store) -> Path:
         uncertainty = _UNCERTAINTY[study.uncertainty]
     heads, rows = table_in_words(table[:_ROWS], study.axes, study.scene)
     pictures = draw(table, study.axes, study.scene)
-    program, digest = script()
+    program, script_digest = script()
     page = template("sweep.html").render(
         title=study.title or f"Sweep of {name}",
         purpose=study.purpose,
@@ -128,7 +130,7 @@ def write_page(store: Store) -> Path:
         pictures=pictures,
         wide=any(plate.columns > 1 for plate in pictures),
         script=program,
-        script_hash=digest,
+        script_hash=script_digest,
         columns=heads,
         rows=rows,
         more=max(0, len(table) - _ROWS),
@@ -141,8 +143,8 @@ def write_page(store: Store) -> Path:
 def table_in_words(
     table: pd.DataFrame, axes: Sequence[Axis], scene: Scene, *, in_short: bool = False
 ) -> tuple[list[str], list[list[str]]]:
-    """Heads with units, and a row of cells for each point: its coordinates, its figures with their
-    uncertainties, and how it went.
+    """A sweep as a table of texts: heads with units, and a row for each point with its coordinates,
+    its figures with their uncertainties, and how it went.
 
     Parameters
     ----------
@@ -153,8 +155,8 @@ def table_in_words(
     figures = plain_figures(table, axes)
     heads = ["point", *(_label_of_axis(axis, column) for axis in axes for column in axis.columns)]
     for figure in figures:
-        words, unit = label_of(figure, scene)
-        heads.append(f"{figure if in_short else words} [{unit}]")
+        figure_in_words, unit = label_of(figure, scene)
+        heads.append(f"{figure if in_short else figure_in_words} [{unit}]")
     if not in_short:
         heads += ["status", "seconds"]
     rows = []
@@ -249,7 +251,9 @@ class _Sheet:
         self.words = f"{axis_words}  [{self.unit}]"
 
     def plate(self) -> Plate:
-        """The figure with its caption and its numbers."""
+        """The figure of one quantity of a sweep with caption and numbers: lines over one axis, a
+        map over two that form a grid, else dots. Each combination of the other axes has its own.
+        """
         varied_axes = [name for name in self.axes if self.table[name].nunique() > 1]
         word_axes = [name for name in varied_axes if self._has_words(name)]
         number_axes = [name for name in varied_axes if name not in word_axes]
@@ -266,39 +270,43 @@ class _Sheet:
             )
             return Plate(stem, title, text, text, (), csv)
         keys = self._values_in_words(word_axes)
-        parts = np.unique(keys).tolist()
-        masks = [(part, keys == part) for part in parts[:_PANELS]]
+        combinations = np.unique(keys).tolist()
+        masks = [(combination, keys == combination) for combination in combinations[:_PANELS]]
         legend: tuple[Key, ...] = ()
         panels: list[Panel | Cell]
         if len(number_axes) == 1:
-            signs = "bars are its uncertainty; hollow: not resolved"
+            signs_in_words = "bars are its uncertainty; hollow: not resolved"
             panels = [self.line(stem, masks, number_axes[0])]
             legend = tuple(
-                Key(f"line-{k}", _plain(part)) for k, (part, _) in enumerate(masks) if part
+                Key(f"line-{k}", _plain(combination))
+                for k, (combination, _) in enumerate(masks)
+                if combination
             )
         elif len(number_axes) == 2 and self._filled_share(number_axes) > _FILLED:
-            signs = (
+            signs_in_words = (
                 "hatched, hollow: not resolved, the error is less than its uncertainty; grey: no"
                 " result; bars are the uncertainty"
             )
             panels = [
-                self.map(f"{stem}-{k}", mask, number_axes, part)
-                for k, (part, mask) in enumerate(masks)
+                self.map(f"{stem}-{k}", mask, number_axes, combination)
+                for k, (combination, mask) in enumerate(masks)
             ]
             for k, (_, mask) in enumerate(masks):
                 panels += self.along_each(f"{stem}-{k}", mask, number_axes)
         else:
-            signs = "hollow: not resolved; colour: the second axis"
+            signs_in_words = "hollow: not resolved; colour: the second axis"
             panels = [
-                self.cloud(f"{stem}-{k}", mask, number_axes, part)
-                for k, (part, mask) in enumerate(masks)
+                self.cloud(f"{stem}-{k}", mask, number_axes, combination)
+                for k, (combination, mask) in enumerate(masks)
             ]
         if not np.isfinite(self.uncertainty).any():
-            signs = "without uncertainty"
+            signs_in_words = "without uncertainty"
         axes_in_words = " and ".join(self.label(name) for name in number_axes[:2])
-        caption = f"Over {axes_in_words}; {signs}."
-        if len(parts) > _PANELS:
-            caption += f" {len(parts) - _PANELS} more sets of the other axes are in index.csv."
+        caption = f"Over {axes_in_words}; {signs_in_words}."
+        if len(combinations) > _PANELS:
+            caption += (
+                f" {len(combinations) - _PANELS} more sets of the other axes are in index.csv."
+            )
         return Plate(
             stem,
             title,
@@ -311,17 +319,22 @@ class _Sheet:
         )
 
     def along_each(self, name: str, mask: Mask, columns: Sequence[str]) -> Iterator[Panel]:
-        """Lines along each of two axes, one for each value of the other, which stands at its end;
-        of many values the first, the last and some between.
+        """Panels with lines along each of two axes, one line for each value of the other, which
+        stands at its end; of many values the first, the last and some between.
         """
-        for place, (column, other) in enumerate((columns, columns[::-1])):
-            values = np.unique(self.numbers(other)[mask])
-            chosen = np.unique(np.linspace(0, len(values) - 1, min(len(values), _LOOKS)).round())
+        for number_of_panel, (column, other_column) in enumerate((columns, columns[::-1])):
+            values = np.unique(self.numbers(other_column)[mask])
+            chosen_rows = np.unique(
+                np.linspace(0, len(values) - 1, min(len(values), _LOOKS)).round()
+            )
             masks = [
-                (f"{_plain(other)} = {number(value)}", mask & (self.numbers(other) == value))
-                for value in values[chosen.astype(int)].tolist()
+                (
+                    f"{_plain(other_column)} = {number(value)}",
+                    mask & (self.numbers(other_column) == value),
+                )
+                for value in values[chosen_rows.astype(int)].tolist()
             ]
-            yield self.line(f"{name}-along-{place}", masks, column, named=True)
+            yield self.line(f"{name}-along-{number_of_panel}", masks, column, named=True)
 
     def _has_words(self, column: str) -> bool:
         """Whether a coordinate has values that are no numbers."""
@@ -354,8 +367,8 @@ class _Sheet:
         return _label_of_axis(self.axes[column], column)
 
     def axis(self, column: str, *, cells: bool = False) -> ChartAxis:
-        """An axis of numbers; its ticks stand at the values themselves where these are few and
-        apart.
+        """The axis of a chart for a column of numbers; its ticks stand at the values themselves
+        where these are few and apart.
 
         With `cells` it goes half a step beyond the outer values: a cell of a map is one value.
         """
@@ -379,25 +392,36 @@ class _Sheet:
     def line(
         self, name: str, masks: Sequence[tuple[str, Mask]], column: str, *, named: bool = False
     ) -> Panel:
-        """Curves over one axis: dots with bars; of many points a band, and dots where unresolved,
-        so that the page stays small. With `named` each has its words at its end.
+        """A panel of curves over one axis, one for each of `masks`: dots with bars; of many points
+        a band, and dots where unresolved, so that the page stays small.
+
+        With `named` each curve has its words at its end.
         """
-        low, high = limits(self.low, self.high)
+        lower_end, upper_end = limits(self.low, self.high)
         if named:  # room for the words
-            high += _WORDS_OF_LINE * len(masks) * (high - low)
-        marks: list[Mark] = [Rule(0.0, "zero")] if low < 0 < high else []
+            upper_end += _WORDS_OF_LINE * len(masks) * (upper_end - lower_end)
+        marks: list[Mark] = [Rule(0.0, "zero")] if lower_end < 0 < upper_end else []
         places = self.numbers(column)
-        across = self.axis(column)
-        for k, (part, mask) in enumerate(masks):
+        x_axis = self.axis(column)
+        for k, (curve_in_words, mask) in enumerate(masks):
             rows = np.flatnonzero(mask)[np.argsort(places[mask])]
             look = f"line-{k % _LOOKS}"
             fill = f"p{k % _LOOKS}"
             x = places[rows]
             y = self.value[rows]
-            marks.append(Curve(x, y, look, part or self.title_words))
+            marks.append(Curve(x, y, look, curve_in_words or self.title_words))
             if named:
-                down = 14.0 + 15.0 * k
-                marks.append(Note(across.high, high, part, f"tick over t{k}", "end", (-4.0, down)))
+                shift_down = 14.0 + 15.0 * k
+                marks.append(
+                    Note(
+                        x_axis.high,
+                        upper_end,
+                        curve_in_words,
+                        f"tick over t{k}",
+                        "end",
+                        (-4.0, shift_down),
+                    )
+                )
             is_long = len(rows) > _MARKED
             if is_long:
                 marks.insert(0, Band(x, self.low[rows], self.high[rows], f"{fill} pale"))
@@ -412,65 +436,69 @@ class _Sheet:
                     marks.append(Dot(dot_x, dot_y, f"{look} {fill}", 3.0))
         return Panel(
             name,
-            across,
-            ChartAxis(low, high, self.words),
+            x_axis,
+            ChartAxis(lower_end, upper_end, self.words),
             marks,
             f"{self.title_words} over {self.label(column)}",
             480.0,
             340.0,
         )
 
-    def map(self, name: str, mask: Mask, columns: list[str], part: str) -> Cell:
-        """Coloured cells over two axes."""
+    def map(self, name: str, mask: Mask, columns: list[str], combination: str) -> Cell:
+        """A panel with coloured cells over two axes for the points of `mask`, the scale of colours
+        beneath; `combination` says in words which combination of the other axes it is.
+        """
         x_axis, y_axis = (self.axis(column, cells=True) for column in columns)
         least_value = float(np.nanmin(self.value))
         largest_value = float(np.nanmax(self.value))
         # What differs by no more than it is uncertain, or by round-off, has one colour.
         is_flat = largest_value - least_value <= _FLAT * max(abs(least_value), abs(largest_value))
-        spread = math.inf if is_flat else largest_value - least_value
-        share = np.where(mask, (self.value - least_value) / spread, np.nan)
-        names = [self.title(row) for row in range(len(share))]
+        range_of_values = math.inf if is_flat else largest_value - least_value
+        share_of_range = np.where(mask, (self.value - least_value) / range_of_values, np.nan)
+        names = [self.title(row) for row in range(len(share_of_range))]
         x, y = map(self.numbers, columns)
-        marks = heat_map((x_axis, y_axis), (x, y), share, names, self.unresolved)
-        cells = np.flatnonzero(mask & np.isfinite(self.value)).tolist()
-        if len(cells) <= _NUMBERED:
+        marks = heat_map((x_axis, y_axis), (x, y), share_of_range, names, self.unresolved)
+        rows_of_cells = np.flatnonzero(mask & np.isfinite(self.value)).tolist()
+        if len(rows_of_cells) <= _NUMBERED:
             marks += [
                 Note(x[row], y[row], significant(self.value[row], 3), "tick over", "middle", (0, 4))
-                for row in cells
+                for row in rows_of_cells
             ]
-        alt = f"Map of {self.title_words}, {part}"
-        panel = Panel(name, x_axis, y_axis, marks, alt, 480.0, 360.0, _plain(part))
+        alt = f"Map of {self.title_words}, {combination}"
+        panel = Panel(name, x_axis, y_axis, marks, alt, 480.0, 360.0, _plain(combination))
         if is_flat:
             return Cell((panel,), None)
         scale = colour_scale(f"{name}-colours", (least_value, largest_value), self.words)
         return Cell((panel, scale), None)
 
-    def cloud(self, name: str, mask: Mask, columns: list[str], part: str) -> Cell:
-        """Dots over the first axis, coloured by the second."""
+    def cloud(self, name: str, mask: Mask, columns: list[str], combination: str) -> Cell:
+        """A panel with dots over the first axis, coloured by the second, for the points of `mask`;
+        `combination` says in words which combination of the other axes it is.
+        """
         x, coloured_values = map(self.numbers, columns[:2])
         x_axis, colour_axis = map(self.axis, columns[:2])
         ends = np.array([colour_axis.low, colour_axis.high])
         if colour_axis.log:
-            share = np.interp(np.log(coloured_values), np.log(ends), [0.0, 1.0])
+            share_of_scale = np.interp(np.log(coloured_values), np.log(ends), [0.0, 1.0])
         else:
-            share = np.interp(coloured_values, ends, [0.0, 1.0])
+            share_of_scale = np.interp(coloured_values, ends, [0.0, 1.0])
         marks: list[Mark] = [bars(x[mask], self.low[mask], self.high[mask], "faint")]
         for row in np.flatnonzero(mask & np.isfinite(self.value)).tolist():
             look = "faint hollow" if self.unresolved[row] else ""
-            fill = "" if look else shades([share[row]])[0]
+            fill = "" if look else shades([share_of_scale[row]])[0]
             marks.append(
                 Dot(float(x[row]), float(self.value[row]), look, 3.6, self.title(row), fill=fill)
             )
-        up = ChartAxis(*limits(self.low, self.high), self.words)
+        y_axis = ChartAxis(*limits(self.low, self.high), self.words)
         panel = Panel(
             name,
             x_axis,
-            up,
+            y_axis,
             marks,
-            f"{self.title_words} over {x_axis.words}, {part}",
+            f"{self.title_words} over {x_axis.words}, {combination}",
             480.0,
             340.0,
-            _plain(part),
+            _plain(combination),
         )
         scale = colour_scale(
             f"{name}-colours",
@@ -498,8 +526,8 @@ def heat_map(
     names: Sequence[str],
     unresolved: Mask,
 ) -> list[Mark]:
-    """Cells around places (n,) on both axes, coloured by `share` (n,) of the scale; hatched where
-    unresolved, grey where NaN.
+    """Marks of a map: cells around places (n,) on both axes, coloured by `share` (n,) of the scale;
+    hatched where unresolved, grey where NaN.
     """
     x_axis, y_axis = axes
     marks: list[Mark] = [Block((x_axis.low, x_axis.high), (y_axis.low, y_axis.high), "no-value")]
@@ -521,7 +549,7 @@ def _cells_of(axis: ChartAxis, places: Array) -> list[tuple[float, float]]:
 
 def cell_borders(middles: Array, *, log: bool = False) -> Array:
     """Borders half-way (by factors with `log`) between the middles (n,) of cells, and as far beyond
-    the outer ones: (n + 1,).
+    the outer ones, (n + 1,).
 
     >>> cell_borders(np.array([1.0, 2.0, 4.0])).tolist()
     [0.5, 1.5, 3.0, 5.0]

@@ -130,6 +130,9 @@ class Dask:
             self.died(CancelledError())
 
     def start(self) -> None:
+        """Connect to the dask scheduler, or start a cluster on this machine; InputError where none
+        answers or it has no workers.
+        """
         try:
             from dask.config import set as set_dask
             from distributed import Client, LocalCluster
@@ -142,12 +145,12 @@ class Dask:
         for name in ("distributed", "distributed.client"):
             logging.getLogger(name).setLevel(logging.CRITICAL)
         security = None  # of an address what the user's configuration of dask states
-        place: Any = self._address
+        scheduler: Any = self._address
         try:
-            if not place:
+            if not scheduler:
                 security = _temporary_security()
                 with _born_without_ctrl_c(), set_dask(_NO_ROUTES):
-                    place = LocalCluster(
+                    scheduler = LocalCluster(
                         n_workers=self._requested_width or _available_cores(),
                         threads_per_worker=1,
                         host="127.0.0.1",
@@ -156,8 +159,8 @@ class Dask:
                         scheduler_kwargs={"dashboard": False},
                         silence_logs=logging.CRITICAL,
                     )
-                self._open = [place]
-            client = Client(place, timeout=_PATIENCE, security=security, set_as_default=False)
+                self._open = [scheduler]
+            client = Client(scheduler, timeout=_PATIENCE, security=security, set_as_default=False)
         except (OSError, TimeoutError, ValueError, TypeError, RuntimeError) as reason:
             raise InputError(
                 f"{self._where}: no dask scheduler answers there ({type(reason).__name__}:"
@@ -187,8 +190,8 @@ class Dask:
 
 
 def _temporary_security() -> Any:
-    """TLS of a cluster started here: a key and a certificate in memory, so that no other user of
-    the machine gets a task in.
+    """TLS of a dask cluster started here: a key and a certificate in memory, so that no other user
+    of the machine gets a task in.
 
     Raises
     ------
@@ -211,7 +214,7 @@ def workers_of(
     scheduler: str = "",
     workers: int | None = None,
 ) -> Processes | Dask:
-    """Who solves the points, not started yet.
+    """The workers that solve the points of a sweep, not started yet.
 
     Parameters
     ----------
@@ -245,8 +248,8 @@ def _available_cores() -> int:
 
 @contextmanager
 def _born_without_ctrl_c() -> Generator[None, None, None]:
-    """Processes that start inside never hear a Ctrl-C, which a terminal sends to all: they inherit
-    that the signal is blocked.
+    """Processes that start within this context never hear a Ctrl-C, which a terminal sends to all:
+    they inherit that the signal is blocked.
 
     To us the block is of no use: the system hands the signal to any other thread, such as one of
     BLAS, and Python acts on it in this one. So this is done where interrupts wait.
@@ -290,8 +293,8 @@ def prepare(
     folder: str | Path,
     report: Callable[[int], None] = lambda _count: None,
 ) -> Prepared:
-    """Check the whole study and look at what is stored already; nothing is written. InputError for
-    what is refused.
+    """Check a whole study and look at what its folder holds already; nothing is written. InputError
+    for what is refused; `report` is called with the number of points checked.
     """
     checked_study = validated(study, Study) if isinstance(study, Study) else load_study(study)
     store = Store(Path(folder))
@@ -308,11 +311,10 @@ def prepare(
 def work(
     prepared: Prepared, *, report: Report = lambda _count, _total, _words: None, **workers: Any
 ) -> pd.DataFrame:
-    """Solve every point that has no result; returns the table of all. `report` gets (done, total,
-    words) of those.
+    """Solve every point of a sweep that has no result; returns the table of all.
 
-    InputError where no workers can be had, their code differs from ours, results can't be stored,
-    or a process died with points.
+    `report` gets (done, total, words) of those points. InputError where no workers can be had,
+    their code differs from ours, results can't be stored, or a process died with points.
     """
     store = prepared.store
     points = prepared.points
@@ -407,7 +409,9 @@ class _Sweep:
         )
 
     def _hand_out(self, tasks: deque[Task], signals: Sequence[int]) -> None:
-        """Keep every worker busy, and one task ready, until no task is left."""
+        """Keep every worker busy, and one task ready, until no task is left or a signal has
+        come.
+        """
         task_of: dict[Future[str], Task] = {}  # those with the workers
         while (tasks or task_of) and not signals:
             while tasks and len(task_of) <= self.pool.width:
@@ -419,13 +423,15 @@ class _Sweep:
             if task_of:
                 self.pool.require_alive()
             handed_out = sum(map(len, task_of.values()))
-            words = f"{self.failed} failed, {handed_out} handed out"
+            progress_in_words = f"{self.failed} failed, {handed_out} handed out"
             if self.lost:
-                words += f", {len(self.lost)} lost with a worker"
-            self.report(self.solved + self.failed, len(self.prepared.waiting), words)
+                progress_in_words += f", {len(self.lost)} lost with a worker"
+            self.report(self.solved + self.failed, len(self.prepared.waiting), progress_in_words)
 
     def _submitted(self, task: str) -> Future[str]:
-        """The task with the pool, or with a new one where that is broken."""
+        """Give a task to the pool of workers, or to a new pool where that is broken; returns the
+        future of its answer.
+        """
         while True:
             try:
                 return self.pool.executor.submit(solve_task, task)
@@ -443,7 +449,9 @@ class _Sweep:
                 self.pool.start()
 
     def _take(self, future: Future[str], points: Task) -> None:
-        """Store what a task gave; its points are lost where its worker died."""
+        """Store what a task gave for its points; they are lost where its worker died. InputError
+        where the worker has other code.
+        """
         try:
             answer = json.loads(future.result())
         except Exception as fault:
@@ -453,22 +461,22 @@ class _Sweep:
             self.lost += points
             return
         if answer["mismatch"]:
-            mixed = "results of different code are not to be mixed; install the same on all workers"
-            raise InputError(f"{answer['mismatch']}: {mixed}")
+            cure = "results of different code are not to be mixed; install the same on all workers"
+            raise InputError(f"{answer['mismatch']}: {cure}")
         self.broken = 0
         for point, content in zip(points, answer["answers"], strict=True):
             self._store(point, content)
 
     def _store(self, point: Point, answer: dict[str, Any]) -> None:
-        """Store the answer of a point with its question."""
+        """Store the answer of a point, with the question and the versions that it belongs to."""
         question = point.question.as_json()
         settings = {"mesh": question["mesh"], "solver": question["solver"]}
-        about = {
+        origin = {
             "address": point.address,
             "scene": question["scene"],
             "settings": settings,
             "versions": code_versions(),
         }
-        self.prepared.store.write(answer | about)
+        self.prepared.store.write(answer | origin)
         self.solved += answer["status"] == "done"
         self.failed += answer["status"] != "done"

@@ -112,10 +112,9 @@ class Store:
             ) from reason
 
     def read(self, address: str) -> dict[str, Any] | None:
-        """The result of an address; None where there is none. A file that is damaged is set aside,
-        and there is none.
-
-        StoreError where the file is there and can't be read.
+        """The stored result of an address (a hash of the question); None where there is none. A
+        damaged file is set aside, and there is none. StoreError where the file is there and can't
+        be read.
         """
         path = self.path(address)
         try:
@@ -149,8 +148,8 @@ class Store:
         )
 
     def read_plan(self) -> tuple[dict[str, Any], tuple[Planned, ...]]:
-        """The study and the points that were asked; InputError where there is none, or it can't be
-        read.
+        """The study and its points as stored in sweep.json; InputError where there is none, or it
+        can't be read.
         """
         path = self.folder / "sweep.json"
         try:
@@ -172,8 +171,8 @@ class Store:
             ) from reason
 
     def table(self, points: Sequence[Planned]) -> pd.DataFrame:
-        """A row for each of `points` with a result, in the order of the study; NaN where there is
-        no value.
+        """A table with a row for each of `points` that has a result, in the order of the study; NaN
+        where there is no value.
 
         Columns: number, the axes, the figures and their uncertainties, then those of `STATUS`.
         """

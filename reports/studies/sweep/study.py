@@ -71,6 +71,9 @@ class Axis(Frozen):
 
     @model_validator(mode="after")
     def _one_way(self) -> Self:
+        """Check that an axis has its values in exactly one of the four ways, and the names and keys
+        that go with it.
+        """
         if self.key and not self.name and not self.names:
             object.__setattr__(self, "name", re.sub(r"\W", "_", self.key))
         ways = [name for name in _WAYS if getattr(self, name)]
@@ -147,8 +150,8 @@ _FUNCTIONS: dict[str, Callable[..., float]] = {name: getattr(math, name) for nam
 
 
 def evaluate(text: str, names: Mapping[str, Any]) -> float:
-    """The value of arithmetic in `names`, a finite number: + - * / **, and the functions of a
-    pocket calculator.
+    """The value of an arithmetic expression in `names`, a finite number: + - * / **, and the
+    functions of a pocket calculator.
 
     Raises
     ------
@@ -182,6 +185,9 @@ def evaluate(text: str, names: Mapping[str, Any]) -> float:
 
 
 def _value(node: ast.expr, names: Mapping[str, Any]) -> Any:
+    """The value of a node of a parsed arithmetic expression; InputError for anything but numbers,
+    known names, operators and the functions of a pocket calculator.
+    """
     match node:
         case ast.Constant(value=int() | float() as value) if not isinstance(value, bool):
             return float(value)
@@ -245,6 +251,9 @@ class Study(Frozen):
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
+        """Check that no column or key of the study is given twice, that every axis moves something,
+        and that the figures can be had.
+        """
         columns = [column for axis in self.axes for column in axis.columns]
         targets = [key for axis in self.axes for key, _ in axis.targets]
         targets += [*self.derived, *self.set]
@@ -277,7 +286,9 @@ def load_study(source: str | Path) -> Study:
 
 
 def study_of(content: dict[str, Any], where: str, folder: Path = Path()) -> Study:
-    """A checked study from raw keys; a scene named as a file lies in `folder`."""
+    """A checked study from raw keys; a scene that is named as a file lies in `folder`. InputError
+    beginning with `where`.
+    """
     scene_name = content.get("scene")
     if scene_name is None and {"material", "profile", "load"} <= content.keys():
         raise InputError(
@@ -359,7 +370,9 @@ def described(coordinates: Mapping[str, Any]) -> str:
 def _point(
     study: Study, scene_content: dict[str, Any], number: int, coordinates: Coordinates
 ) -> Point:
-    """A point of `study`, whose scene is given by its keys."""
+    """The point `number` of a study at these coordinates: the scene, given by its keys, with all
+    changes put in, and the question asked of it.
+    """
     values: dict[str, Value] = dict(study.set)
     names: dict[str, Value] = dict(coordinates)
     for axis in study.axes:
@@ -392,8 +405,8 @@ def _point(
 
 
 def _place(content: dict[str, Any], key: str, value: Value) -> None:
-    """Set a dotted key; the parts before the last must be there, the last is judged by the scene. A
-    key of one material is that of both bodies, as in a scene file.
+    """Set a dotted key of a scene given by its keys: the parts before the last must be there, the
+    last is judged by the scene. A key of one material is that of both bodies, as in a scene file.
     """
     *path, last_key = key.split(".")
     if path == ["material"] and last_key not in content["material"]:
@@ -428,11 +441,13 @@ def _place(content: dict[str, Any], key: str, value: Value) -> None:
 def _settings(
     preset: str, changes: Mapping[str, Mapping[str, Any]]
 ) -> tuple[MeshSettings, SolverSettings]:
-    """Settings of mesh and solver: the preset, with the changes under "mesh" and "solver"."""
+    """Settings of mesh and solver: those of the preset, with the changes under "mesh" and "solver".
+    InputError for a key or a type that does not fit.
+    """
     from halfplane_fe import SolverSettings
     from meshes import MeshSettings
 
-    kinds = {int: "a whole number", float: "a number", str: "a word", bool: "true or false"}
+    type_in_words = {int: "a whole number", float: "a number", str: "a word", bool: "true or false"}
     settings: list[Any] = []
     bases = (("mesh", MeshSettings.preset(preset)), ("solver", SolverSettings()))
     for name, base in bases:
@@ -445,9 +460,13 @@ def _settings(
                 raise InputError(
                     f"{name}.{key}: there is no such setting; known: {', '.join(types)}"
                 )
-            kind = types[key]
-            if not (type(value) is kind or (kind is float and type(value) is int)):
-                raise InputError(f"{name}.{key} = {value!r} is refused: it is {kinds[kind]}")
+            type_of_setting = types[key]
+            if not (
+                type(value) is type_of_setting or (type_of_setting is float and type(value) is int)
+            ):
+                raise InputError(
+                    f"{name}.{key} = {value!r} is refused: it is {type_in_words[type_of_setting]}"
+                )
         settings.append(replace(base, **changes[name]))
     mesh, solver = settings
     return mesh, solver

@@ -91,13 +91,19 @@ class ThirdSolver:
         return ("quantity", "half-plane theory", "our finite elements", self.code)
 
     def rows(self, comparison: Comparison) -> list[tuple[str, ...]]:
-        """The lines of the table: values of each, then the error of each, then time."""
-        theirs = self.comparison
-        solutions = [comparison.reference, comparison.result] + ([theirs.result] if theirs else [])
-        lines = []
-        for name, unit, of in _values(comparison.scene):
-            values = [of(solution) for solution in solutions] + [math.nan] * (3 - len(solutions))
-            lines.append(
+        """Rows of the table beside CalculiX: values of theory, finite elements and CalculiX, then
+        the error of each metric, then the time.
+        """
+        third_comparison = self.comparison
+        solutions = [comparison.reference, comparison.result] + (
+            [third_comparison.result] if third_comparison else []
+        )
+        table_rows = []
+        for name, unit, value_in in _values(comparison.scene):
+            values = [value_in(solution) for solution in solutions] + [math.nan] * (
+                3 - len(solutions)
+            )
+            table_rows.append(
                 (f"{name} [{unit}]", *(number(v) if math.isfinite(v) else "–" for v in values))
             )
         for key in (
@@ -109,23 +115,23 @@ class ThirdSolver:
             "stick_edge",
         ):
             metric = comparison.metric(key)
-            lines.append(
+            table_rows.append(
                 (
                     f"{metric.label}: error",
                     "reference",
                     value_of(metric),
-                    value_of(theirs.metric(key)) if theirs else "–",
+                    value_of(third_comparison.metric(key)) if third_comparison else "–",
                 )
             )
         seconds = [sum(s.work.seconds.values()) for s in (comparison.reference, comparison.result)]
-        lines.append(
+        table_rows.append(
             (
                 "time [s]",
                 *(f"{t:.2f}" if t else "–" for t in seconds),
                 f"{self.done.seconds:.1f}" if self.done else "–",
             )
         )
-        return lines
+        return table_rows
 
     @property
     def sentences(self) -> list[str]:
@@ -157,7 +163,9 @@ class ThirdSolver:
         }
 
     def as_json(self, comparison: Comparison) -> str:
-        """third.json: the table in numbers; strict JSON."""
+        """The content of third.json: the table beside CalculiX in numbers, the deck, the run and
+        known limits; strict JSON.
+        """
         deck = self.deck
         third_comparison = self.comparison
         third_metrics: dict[str, float | None] = {}
@@ -226,8 +234,8 @@ def solve_with_calculix(
     scales: Scales | None = None,
     command: str = "",
 ) -> ThirdSolver:
-    """Write the deck into a temporary folder, run it, read and judge the result; a run that fails
-    is reported in `failure`.
+    """Write the input deck of a scene into a temporary folder, run CalculiX, read and judge the
+    result; a run that fails is reported in `failure`.
 
     Raises
     ------
@@ -244,7 +252,7 @@ def solve_with_calculix(
         (folder / "third.inp").write_text(answer.text, encoding="utf-8")
         try:
             with stages.stage(code, "per cent of the load path") as report:
-                done = run_calculix(
+                run_record = run_calculix(
                     program, folder, "third", float(deck.deck_time[-1]), TIME_LIMIT, report
                 )
         except ConvergenceError as failure:
@@ -252,7 +260,7 @@ def solve_with_calculix(
         with stages.stage("reading CalculiX"):
             judged_answer = judged(folder / "third.frd", deck, code)
     return replace(
-        answer, comparison=judged_answer.comparison, guesses=judged_answer.guesses, done=done
+        answer, comparison=judged_answer.comparison, guesses=judged_answer.guesses, done=run_record
     )
 
 
@@ -264,7 +272,7 @@ def run_calculix(
     limit: float,
     report: Callable[[int, int | None, str], None] | None = None,
 ) -> Done:
-    """Run the deck `name`.inp of a folder on one thread, until it ends.
+    """Run CalculiX on the deck `name`.inp of a folder, with one thread, until it ends.
 
     Parameters
     ----------
@@ -355,7 +363,7 @@ def status(sta: Path) -> list[Attempt]:
 
 
 def judged(path: Path, deck: Deck, code: str) -> Report:
-    """The result of a deck in a .frd file, against half-plane theory at its own points and
+    """Score the result of a deck in a .frd file against half-plane theory at its own points and
     instants.
 
     The unloaded instant, which CalculiX does not write, is put before it: nothing touches there.
@@ -364,42 +372,44 @@ def judged(path: Path, deck: Deck, code: str) -> Report:
         code=code, times=tuple(deck.time[1:].tolist()), element_size=deck.element_size
     )
     surface = read(path, mapping)
-    from_unloaded: dict[str, Any] = {}
+    series_from_unloaded: dict[str, Any] = {}
     for name in ("pressure", "shear", "slip", "normal_load", "tangential_load"):
-        series = getattr(surface, name)
-        if series is not None:
-            from_unloaded[name] = freeze(np.concatenate([np.zeros_like(series[:1]), series]))
+        values = getattr(surface, name)
+        if values is not None:
+            series_from_unloaded[name] = freeze(np.concatenate([np.zeros_like(values[:1]), values]))
     source = f"{path.name}, the deck of scene {deck.scene.name}"
-    surface = replace(surface, **from_unloaded, time=freeze(deck.time), source=source)
-    scene = whole_path(deck.scene)
-    return score_solution(*contact_solution(surface, mapping, scene), scene)
+    surface = replace(surface, **series_from_unloaded, time=freeze(deck.time), source=source)
+    theory_of_path = whole_path(deck.scene)
+    return score_solution(*contact_solution(surface, mapping, theory_of_path), theory_of_path)
 
 
 def _limits(deck: Deck) -> list[str]:
-    """Known limits of CalculiX' numbers on this deck: from its documentation, from the deck, and
-    measured (docs/third.md).
+    """Sentences on known limits of CalculiX' numbers for this deck: from its documentation, from
+    the deck, and measured (docs/third.md).
     """
     friction = deck.scene.friction.coefficient
     path = deck.scene.load.path()
     pressure = deck.mean_pressure / deck.scales.half_width
     cycle = deck.normal_load[deck.time >= path.cycle_start]
-    varies = friction and path.period is not None and np.ptp(cycle) > 1e-9 * cycle.max()
+    load_varies = friction and path.period is not None and np.ptp(cycle) > 1e-9 * cycle.max()
     radius = (
         "half_plane" in (deck.scene.bodies.lower.kind, deck.scene.bodies.upper.kind)
         and deck.settings.far_radius
     )
     creep = friction * pressure / deck.stick_slope
-    words = words_of("limits_of_calculix")(pressure / deck.stiffness, creep, varies, radius)
-    return [line.strip() for line in str(words).split("\n") if line.strip()]
+    limits_in_words = words_of("limits_of_calculix")(
+        pressure / deck.stiffness, creep, load_varies, radius
+    )
+    return [line.strip() for line in str(limits_in_words).split("\n") if line.strip()]
 
 
 def _values(scene: Scene) -> list[tuple[str, str, Callable[[ContactSolution], float]]]:
-    """Name, unit and function of the values that all three have."""
+    """Label, unit and function of the values that theory, finite elements and CalculiX all have."""
     _, length, stress = units(scene)
-    of = stretch(scene)
-    words_of_largest = f"the largest of the {of}"
+    part_of_path = stretch(scene)
+    words_of_largest = f"the largest of the {part_of_path}"
     return [
-        (f"work of friction, {of}", energy_unit(scene), lambda s: s.dissipation),
+        (f"work of friction, {part_of_path}", energy_unit(scene), lambda s: s.dissipation),
         (f"pressure, {words_of_largest}", stress, lambda s: float(s.pressure[s.last_cycle].max())),
         (
             f"shear, {words_of_largest}",

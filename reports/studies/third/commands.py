@@ -30,7 +30,9 @@ def answer(job: Job, result: ContactSolution) -> ThirdSolver:
 
 @at_work
 def export(job: Job) -> Answer:
-    """The bodies and the load history as an input deck."""
+    """The command `export`: write the bodies and the load history of a scene as an input deck for
+    CalculiX.
+    """
     from reports.folder import filled
 
     scene = job.scene

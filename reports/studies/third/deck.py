@@ -76,6 +76,7 @@ class DeckSettings:
     stick_stiffness: float = 10.0
 
     def __post_init__(self) -> None:
+        """InputError for settings of a deck that are out of range."""
         if not 4 <= self.steps_per_cycle <= 10_000:
             raise InputError(
                 f"--steps-per-cycle {self.steps_per_cycle}: refused for a deck, it lies in [4,"
@@ -181,8 +182,8 @@ class Deck:
         return self.reference + 2
 
     def strain(self, body: int) -> Array | None:
-        """(n + 1,) bulk strain sigma/E' of the lower (0) or the upper (1) body where it is a
-        half-plane; else None.
+        """Bulk strain sigma/E' over time, (n + 1,), of the lower (0) or the upper (1) body where it
+        is a half-plane; else None.
         """
         stress = self.bulk_stress[body]
         name = ("lower", "upper")[body]
@@ -194,8 +195,8 @@ class Deck:
         return np.asarray(stress * (1 - material.poisson_ratio**2) / material.young_modulus)
 
     def end_stresses(self, body: int) -> tuple[Array, Array] | None:
-        """(n + 1,) stress along x at the left and at the right end of a block that is pulled: on
-        rollers each end carries Q/2.
+        """Stress along x over time, (n + 1,) each, at the left and the right end of a block that
+        bulk stress pulls; on rollers each end carries Q/2 too.
 
         None of other bodies, and where it is 0 throughout.
         """
@@ -203,15 +204,15 @@ class Deck:
         shape = (self.scene.bodies.lower, self.scene.bodies.upper)[body]
         if not meshed_body.ends or not isinstance(shape, Block):
             return None
-        mean = self.bulk_stress[body]
-        if mean is None:
-            mean = np.zeros(len(self.time))
-        half_of_shear = np.zeros(len(self.time))
+        mean_stress = self.bulk_stress[body]
+        if mean_stress is None:
+            mean_stress = np.zeros(len(self.time))
+        stress_by_half_of_q = np.zeros(len(self.time))
         if shape.base == "rollers" and body == 0:
-            half_of_shear = self.tangential_load / (2 * shape.height)
-        if not (mean.any() or half_of_shear.any()):
+            stress_by_half_of_q = self.tangential_load / (2 * shape.height)
+        if not (mean_stress.any() or stress_by_half_of_q.any()):
             return None
-        return mean + half_of_shear, mean - half_of_shear
+        return mean_stress + stress_by_half_of_q, mean_stress - stress_by_half_of_q
 
     @property
     def reference(self) -> int:
@@ -254,7 +255,8 @@ class Deck:
 def build_deck(
     scene: Scene, settings: DeckSettings | None = None, scales: Scales | None = None
 ) -> Deck:
-    """The deck of a scene.
+    """All that an input deck for CalculiX states of a scene: meshes of both bodies, supports,
+    instants and loads.
 
     Parameters
     ----------
@@ -329,21 +331,21 @@ def build_deck(
 
 
 def _instants(scene: Scene, settings: DeckSettings) -> Array:
-    """(n + 1,) the unloaded instant, then the end of every increment: turning points of the path,
-    and even ones between them.
+    """Times of a deck, (n + 1,): the unloaded instant, then the end of every increment: turning
+    points of the path, and even ones between them.
     """
     path = scene.load.path()
     steps = settings.steps_per_cycle
-    turns = min(settings.cycles, scene.cycles) if path.period is not None else 0
-    pieces = [(path.initial_loading, max(_INITIAL_LOADING * steps, 4.0))]
-    pieces += [(path.cycle_legs(k), float(steps)) for k in range(turns)]
+    n_cycles = min(settings.cycles, scene.cycles) if path.period is not None else 0
+    segments_and_counts = [(path.initial_loading, max(_INITIAL_LOADING * steps, 4.0))]
+    segments_and_counts += [(path.cycle_legs(k), float(steps)) for k in range(n_cycles)]
     instants = [path.start]
-    for legs, count in pieces:
+    for legs, increments_of_part in segments_and_counts:
         duration = legs[-1].end - legs[0].start
         for leg in legs:
-            increments = count * (leg.end - leg.start) / duration
-            for piece in stretches(leg, scene.friction.coefficient, increments):
-                instants.extend(piece.ends)
+            increments = increments_of_part * (leg.end - leg.start) / duration
+            for stretch in stretches(leg, scene.friction.coefficient, increments):
+                instants.extend(stretch.ends)
     return np.array(instants)
 
 
@@ -375,7 +377,9 @@ def _areas(places: Array, cells: Indices) -> Array:
 def _body(
     name: str, mesh: BodyMesh, places: Array, first_node: int, first_element: int
 ) -> DeckBody:
-    """The body of a mesh whose nodes are moved to `places` (2, n)."""
+    """One body of a deck, from a mesh whose nodes are moved to `places` (2, n); node and element
+    numbers count from the first ones given.
+    """
     cells = mesh.mesh.t.copy()
     clockwise = _areas(places, cells) < 0
     cells[:, clockwise] = cells[:, clockwise][[0, 3, 2, 1]]
@@ -384,21 +388,23 @@ def _body(
     }
     # A side of an element is on a boundary where its two nodes, in either order, are those of a
     # facet there.
-    pairs = np.sort(np.stack([cells, np.roll(cells, -1, axis=0)], axis=-1), axis=-1) @ [
+    keys_of_sides = np.sort(np.stack([cells, np.roll(cells, -1, axis=0)], axis=-1), axis=-1) @ [
         places.shape[1],
         1,
     ]
 
     def faces(facets: Indices) -> Indices:
         """(k, 2) element number and face of the facets (2, k)."""
-        element, side = np.nonzero(np.isin(pairs, np.sort(facets.T) @ [places.shape[1], 1]).T)
+        element, side = np.nonzero(
+            np.isin(keys_of_sides, np.sort(facets.T) @ [places.shape[1], 1]).T
+        )
         return freeze(np.stack([element + first_element, side + 1], axis=1), np.int64)
 
-    pulled: tuple[Indices, ...] = ()
+    pulled_ends: tuple[Indices, ...] = ()
     if mesh.supports.get("sides") == "pulled":
-        right = places[0, nodes_of["sides"]].mean(axis=0) > 0
-        pulled = faces(nodes_of["sides"][:, ~right]), faces(nodes_of["sides"][:, right])
-    ends = np.unique(nodes_of["contact"])
+        is_right = places[0, nodes_of["sides"]].mean(axis=0) > 0
+        pulled_ends = faces(nodes_of["sides"][:, ~is_right]), faces(nodes_of["sides"][:, is_right])
+    contact_nodes = np.unique(nodes_of["contact"])
     held_nodes: dict[int, list[Indices]] = {1: [], 2: []}
     for boundary, support in mesh.supports.items():
         nodes = np.unique(nodes_of[boundary])
@@ -415,18 +421,19 @@ def _body(
         freeze(places.T),
         freeze(cells.T + first_node, np.int64),
         faces(nodes_of["contact"]),
-        freeze(ends[np.argsort(places[0, ends])] + first_node, np.int64),
+        freeze(contact_nodes[np.argsort(places[0, contact_nodes])] + first_node, np.int64),
         {
-            way: freeze(np.unique(np.concatenate(nodes)) + first_node, np.int64)
-            for way, nodes in held_nodes.items()
+            direction_held: freeze(np.unique(np.concatenate(nodes)) + first_node, np.int64)
+            for direction_held, nodes in held_nodes.items()
             if nodes
         },
-        pulled,
+        pulled_ends,
     )
 
 
 def _upper_places(mesh: BodyMesh, profile: Profile | None) -> Array:
-    """(2, n) nodes of an upper body, which its mesh has upside down, in the common frame.
+    """Places (2, n) of the nodes of an upper body, which its mesh has upside down, in the common
+    frame.
 
     Where the face is flat, the gap h(x) is cut into it and dies out towards the far end of the
     body. Beyond the side that may touch, which ends at c, h(x) goes on as h + h' c tanh((|x| -
@@ -436,21 +443,23 @@ def _upper_places(mesh: BodyMesh, profile: Profile | None) -> Array:
     y = -mesh.mesh.p[1]
     if profile is None:
         return np.stack([x, y])
-    end = mesh.grading.outer
-    step = 1e-4 * end
+    touching_end = mesh.grading.outer
+    step = 1e-4 * touching_end
     side = np.where(x < 0, -1.0, 1.0)
     distance = np.abs(x)
-    height_before_end = np.asarray(profile.height(side * (end - step)))
-    height_at_end = np.asarray(profile.height(side * end))
+    height_before_end = np.asarray(profile.height(side * (touching_end - step)))
+    height_at_end = np.asarray(profile.height(side * touching_end))
     slope_at_end = (height_at_end - height_before_end) / step
-    gap = np.asarray(profile.height(side * np.minimum(distance, end)))
-    gap = gap + slope_at_end * end * np.tanh(np.maximum(distance - end, 0.0) / end)
+    gap = np.asarray(profile.height(side * np.minimum(distance, touching_end)))
+    gap = gap + slope_at_end * touching_end * np.tanh(
+        np.maximum(distance - touching_end, 0.0) / touching_end
+    )
     return np.stack([x, y + gap * (1 - y / y.max())])
 
 
 # --------------------------------------------------------------------------------- the deck as text
 def deck_text(deck: Deck, command: str = "", versions: Mapping[str, str] | None = None) -> str:
-    """The text of the input file; `command` and `versions` go into its first comment."""
+    """The text of a deck's input file; `command` and `versions` go into its first comment."""
     packages = ", ".join(f"{name} {version}" for name, version in (versions or {}).items())
     tools = (amplitudes, equations_of, held_of, number, one_line, rows)
     tools_by_name = {tool.__name__: tool for tool in tools}
@@ -491,28 +500,30 @@ def rows(values: ArrayLike, per_line: int) -> str:
 
 
 def amplitudes(deck: Deck) -> dict[str, Array]:
-    """(n + 1, 2) total time and loads, bulk stress, tilt and moment: strains and tilt times a, so
-    that they move a node.
+    """Histories of a deck by name, (n + 1, 2): total time and a load, bulk stress, tilt or moment.
+    Strains and tilt are times a, so that they move a node.
     """
     half_width = deck.scales.half_width
-    courses = {"NORMAL_LOAD": deck.normal_load, "TANGENTIAL_LOAD": deck.tangential_load}
+    histories = {"NORMAL_LOAD": deck.normal_load, "TANGENTIAL_LOAD": deck.tangential_load}
     for body, name in enumerate(("LOWER", "UPPER")):
         strain = deck.strain(body)
         if strain is not None:
-            courses[f"{name}_STRAIN"] = strain * half_width
-        ends = deck.end_stresses(body)
-        if ends is not None:
-            courses[f"{name}_LEFT_END"], courses[f"{name}_RIGHT_END"] = ends
+            histories[f"{name}_STRAIN"] = strain * half_width
+        stresses_of_ends = deck.end_stresses(body)
+        if stresses_of_ends is not None:
+            histories[f"{name}_LEFT_END"], histories[f"{name}_RIGHT_END"] = stresses_of_ends
     if deck.tilt is not None:
-        courses["TILT"] = deck.tilt * half_width
+        histories["TILT"] = deck.tilt * half_width
     if deck.moment is not None:
-        courses["MOMENT"] = deck.moment / half_width
-    return {name: np.stack([deck.deck_time, course], axis=1) for name, course in courses.items()}
+        histories["MOMENT"] = deck.moment / half_width
+    return {
+        name: np.stack([deck.deck_time, history], axis=1) for name, history in histories.items()
+    }
 
 
 def _tied(deck: Deck, body: DeckBody) -> Iterator[list[tuple[int, int, float]]]:
-    """For each node and direction of a far side, by directions, the terms (node, direction, factor)
-    that add up to 0.
+    """For each node and direction of a body's far side, by directions, the terms (node, direction,
+    factor) that add up to 0 in its constraint.
 
     It moves as the rigid plane (of the upper body), by the bulk strain of its half-plane and by the
     plane's turn. With one term it stands still: on the lower half-plane's arc bulk strain leaves
@@ -521,7 +532,7 @@ def _tied(deck: Deck, body: DeckBody) -> Iterator[list[tuple[int, int, float]]]:
     half_width = deck.scales.half_width
     is_upper = body is deck.upper
     material = deck.scene.material.upper if is_upper else deck.scene.material.lower
-    ratio = material.poisson_ratio
+    poisson_ratio = material.poisson_ratio
     strain = deck.strain(int(is_upper))
     turns = is_upper and (deck.tilt is not None or deck.moment is not None)
     for direction, nodes in sorted(body.held.items()):
@@ -532,8 +543,12 @@ def _tied(deck: Deck, body: DeckBody) -> Iterator[list[tuple[int, int, float]]]:
                 terms.append((deck.reference, direction, -1.0))
             if strain is not None:
                 # A uniform stress along x in plane strain: u_x = eps x, u_y = -nu/(1 - nu) eps y.
-                share = -x if direction == 1 else ratio / (1 - ratio) * y
-                terms.append((deck.strained, int(is_upper) + 1, share / half_width))
+                displacement_per_strain = (
+                    -x if direction == 1 else poisson_ratio / (1 - poisson_ratio) * y
+                )
+                terms.append(
+                    (deck.strained, int(is_upper) + 1, displacement_per_strain / half_width)
+                )
             if turns:
                 # A turn that opens the gap at x > 0: u_x = -alpha y, u_y = alpha x.
                 terms.append((deck.turning, 1, (y if direction == 1 else -x) / half_width))
@@ -556,8 +571,8 @@ def _data_lines(terms: Sequence[tuple[int, int, float]]) -> str:
 
 
 def held_of(deck: Deck) -> list[str]:
-    """Nodes of the lower body that stand still, and movements that mean nothing of the nodes for
-    bulk strain and tilt.
+    """Lines of a deck for what stands still: nodes of the lower body, and movements without meaning
+    of the nodes that carry bulk strain and tilt.
     """
     held_nodes = []
     for terms in _tied(deck, deck.lower):
