@@ -117,8 +117,8 @@ def _deciding_legs(scene: Scene) -> list[tuple[LoadSegment, str]]:
     name_of_later = "cycle" if load.repeats else "path"
     rows = load.series()
     legs: list[tuple[LoadSegment, str]] = []
-    for begin in range(0, len(rows) - 1, _BLOCK):
-        block = rows[begin : begin + _BLOCK + 1]
+    for first_of_block in range(0, len(rows) - 1, _BLOCK):
+        block = rows[first_of_block : first_of_block + _BLOCK + 1]
         normal_load, tangential_load = (
             np.stack([block[:-1, column], block[1:, column]], axis=1) for column in (1, 2)
         )
@@ -131,7 +131,7 @@ def _deciding_legs(scene: Scene) -> list[tuple[LoadSegment, str]]:
             leg = StraightSegment(
                 start, end, (loads_before[0], loads_before[1]), (loads_after[0], loads_after[1])
             )
-            legs.append((leg, name_of_later if begin + k > 0 else name_of_first))
+            legs.append((leg, name_of_later if first_of_block + k > 0 else name_of_first))
     return legs
 
 
@@ -204,8 +204,7 @@ def _cure_of_record(load: TimeSeriesLoad, friction: float, time: float) -> str:
         least_load = float(np.floor(largest_load_of_noise / last_digit) + 1) * last_digit
         return (
             f"{row_in_words}. Rows of so little load are noise where it is: write"
-            f" load.least_normal_load ="
-            f" {least_load:.6g}"
+            f" load.least_normal_load = {least_load:.6g}"
         )
     if sliding := sliding_in_words(load, friction):
         return f"{row_in_words}. {sliding}"
@@ -412,15 +411,12 @@ def _require_room(scene: Scene, source: str) -> None:
     remarks_before = "".join(f"{remark} " for remark in remarks(scene, contact))
     raise InputError(
         f"{source}: {remarks_before}Check the units first: loads are in {force} per {length} of"
-        " thickness, E"
-        f" is in {stress}, sizes are in {length}. bodies: the contact at the largest load reaches"
-        f" past the end of the narrower face, at |x| = {half_width_of_face:.6g}: by half-plane"
-        f" theory P ="
-        f" {contact.normal_load:.6g} gives the half-width {contact.half_width:.4g}, which is"
-        f" {contact.half_width / half_width_of_face:.3g} times that. If the units are right, make"
-        f" the bodies"
-        f" wider, or the load less; `halfplane exact {source}` gives half-plane theory's answer,"
-        " which knows no bodies"
+        f" thickness, E is in {stress}, sizes are in {length}. bodies: the contact at the largest"
+        f" load reaches past the end of the narrower face, at |x| = {half_width_of_face:.6g}: by"
+        f" half-plane theory P = {contact.normal_load:.6g} gives the half-width"
+        f" {contact.half_width:.4g}, which is {contact.half_width / half_width_of_face:.3g} times"
+        " that. If the units are right, make the bodies wider, or the load less; `halfplane exact"
+        f" {source}` gives half-plane theory's answer, which knows no bodies"
     )
 
 

@@ -295,9 +295,9 @@ def _wrapped(cell: str, width: int | None) -> str:
         return cell
     lines = [""]
     for word in _words(cell):
-        longer = f"{lines[-1]} {word}".lstrip()
-        if cell_len(longer) <= width:
-            lines[-1] = longer
+        longer_line = f"{lines[-1]} {word}".lstrip()
+        if cell_len(longer_line) <= width:
+            lines[-1] = longer_line
         else:
             lines.append(word)
     return "\n".join(lines).lstrip("\n")

@@ -279,8 +279,8 @@ def filled(
             at_the_end.pop_all()  # nothing is removed
             raise InputError(f"{fault}{_kept_beside(staging)}") from fault
         except OSError as fault:
-            of_this_folder = is_moving or not _is_about_another_file(fault, staging)
-            if not of_this_folder:
+            is_about_folder = is_moving or not _is_about_another_file(fault, staging)
+            if not is_about_folder:
                 _move_solutions(staging, folder, fresh, out, solutions, fault)
                 raise
             sentence = ""

@@ -86,8 +86,10 @@ def sentences(
     """
     sliding = sliding_in_words(effects.sliding)
     if effects.unknown:
-        unknown = f"What the inputs make of the answer is not known: {_ended(effects.unknown)}"
-        return [*filter(None, [sliding]), unknown]
+        reason_in_words = (
+            f"What the inputs make of the answer is not known: {_ended(effects.unknown)}"
+        )
+        return [*filter(None, [sliding]), reason_in_words]
     all_sentences = [sliding]
     all_sentences += [*_of_difference(effects, comparison), *_of_measurement(effects, comparison)]
     all_sentences += [_matters_most(effects)]

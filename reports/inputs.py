@@ -432,8 +432,8 @@ def moves_of_theory(
     `effects_of` gives what the bodies of a moved scene add to half-planes.
     """
 
-    def values_at(moved: Scene) -> _Values:
-        return values_of_theory(moved, effects_of(moved))
+    def values_at(moved_scene: Scene) -> _Values:
+        return values_of_theory(moved_scene, effects_of(moved_scene))
 
     laws_hold = not (scene.load.is_driven or scene.unsymmetric)
     if not laws_hold:
@@ -655,11 +655,11 @@ def moves_of_difference(scene: Scene, effects: BodyEffects) -> tuple[_Values, li
     """
     import halfplane_fe
 
-    def values_at(moved: Scene) -> _Values:
+    def values_at(moved_scene: Scene) -> _Values:
         effects_of_moved = effects
-        if moved.bodies != scene.bodies or moved.material != scene.material:
-            effects_of_moved = halfplane_fe.body_effects(moved)
-        return difference_at(moved, effects_of_moved, by_batch=by_batch)
+        if moved_scene.bodies != scene.bodies or moved_scene.material != scene.material:
+            effects_of_moved = halfplane_fe.body_effects(moved_scene)
+        return difference_at(moved_scene, effects_of_moved, by_batch=by_batch)
 
     by_batch = takes_batch(scene, effects)
     errors_at_inputs = difference_at(scene, effects, by_batch=by_batch)
@@ -1038,11 +1038,11 @@ def _input_effects(scene: Scene, effects: BodyEffects | None) -> InputEffects:
         reason_for_draws = "a sixteenth of a standard uncertainty makes the loads slide"
     for key, value in values_at_inputs.items():
         values[key] = propagated(quantities[key], value, moves, key, correlation)
-    left_out = "the largest pressure, the slip and the edge tension are left out"
+    left_out_in_words = "the largest pressure, the slip and the edge tension are left out"
     if _is_long(scene):
-        notes.append(f"of a record of more than {_LONG_RECORD:,} rows {left_out}")
+        notes.append(f"of a record of more than {_LONG_RECORD:,} rows {left_out_in_words}")
     elif _needs_grids(scene):
-        notes.append(f"where theory needs grids {left_out}")
+        notes.append(f"where theory needs grids {left_out_in_words}")
     sliding = None if scene.load.is_driven else sliding_of_loads(scene)
     if RATIO in values:
         ratio = propagated(

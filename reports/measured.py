@@ -235,8 +235,7 @@ def _rows_in_words(scene: Scene, load: TimeSeriesLoad) -> Iterator[Sentence]:
     if row_beyond - first_row < len(load.rows):
         yield Sentence(
             f"Rows {first_row + 1:,} to {row_beyond:,} of {len(load.rows):,} count, by the keys"
-            " start and"
-            " end.",
+            " start and end.",
             warns=False,
         )
     if load.least_normal_load is not None:
@@ -304,8 +303,7 @@ def _noise_in_words(scene: Scene, load: TimeSeriesLoad, record: RecordCheck) -> 
     if record.by_noise is None:
         text = (
             f"{noise_in_words}. How much of W is noise can't be told: there are too few rows a"
-            f" cycle, or the"
-            " record repeats."
+            " cycle, or the record repeats."
         )
         return Sentence(text, warns=False)
     relative_change = _change(record.averaged, record.all_rows)
@@ -472,12 +470,12 @@ def _last_whole_cycle(rows: Array, time: Array, work_so_far: Array) -> LoadCycle
     times, _, loads_at_turns = rows[turns].T.tolist()
     start, _, end = times
     work_at_start, work_at_end = np.interp([start, end], time, work_so_far).tolist()
-    highest = max(loads_at_turns)
-    lowest = min(loads_at_turns)
+    largest_load = max(loads_at_turns)
+    least_load = min(loads_at_turns)
     return LoadCycle(
         count=1.0,
-        range=highest - lowest,
-        mean=(highest + lowest) / 2,
+        range=largest_load - least_load,
+        mean=(largest_load + least_load) / 2,
         start=start,
         end=end,
         dissipation=work_at_end - work_at_start,

@@ -109,8 +109,8 @@ def fit_uncertainty(scene: Scene, resamples: int = _RESAMPLES, seed: int = 0) ->
     if len(values_of_resamples) < max(2, count // 2):
         raise InputError(
             f"{scene.name}: of {count} other measurements with this noise only"
-            f" {len(values_of_resamples)} can"
-            " carry the load: measure a wider stretch, or more closely"
+            f" {len(values_of_resamples)} can carry the load: measure a wider stretch, or more"
+            " closely"
         )
 
     changes = np.array(values_of_resamples) - values_of_fit
@@ -270,14 +270,14 @@ def fit_in_words(scene: Scene, half_width: float) -> list[str]:
         centre += f", and its tilt, fitted and taken out, is {number(fit.tilt)} rad"
     elif fit.tilt:
         centre += f", and a tilt of {number(fit.tilt)} rad was taken out"
-    left_out = f", {fit.left_out} beyond the extent left out" if fit.left_out else ""
-    left_out += _spikes_in_words(fit)
+    left_out_in_words = f", {fit.left_out} beyond the extent left out" if fit.left_out else ""
+    left_out_in_words += _spikes_in_words(fit)
     noise_source = "stated" if fit.noise_stated else "taken from these residuals"
     rows = len(fit.used_rows())
     return [
         (
             f"The profile is {_shape_in_words(scene)}, fitted to {rows} rows of"
-            f" {fit.source}{left_out}. {centre}. Residuals are {fit.residual:.3g} {length}"
+            f" {fit.source}{left_out_in_words}. {centre}. Residuals are {fit.residual:.3g} {length}"
             f" (root mean square), the noise is {fit.noise:.3g} {length} ({noise_source})."
         ),
         *fit_warnings(scene, half_width),
@@ -373,12 +373,9 @@ def _uncertainty_in_words(scene: Scene, uncertainty: FitUncertainty) -> str:
     words_of_failed = f", {uncertainty.failed} of them unfit" if uncertainty.failed else ""
     return (
         f"The noise of the rows leaves open (95 %): {work_in_words}a ="
-        f" {with_share(uncertainty.half_width)}"
-        f" {length},"
-        f" p0 = {with_share(uncertainty.peak_pressure)} {stress}. That is by"
-        f" {uncertainty.resamples}"
-        " other"
-        f" measurements with this noise{words_of_failed}."
+        f" {with_share(uncertainty.half_width)} {length}, p0 ="
+        f" {with_share(uncertainty.peak_pressure)} {stress}. That is by {uncertainty.resamples}"
+        f" other measurements with this noise{words_of_failed}."
     )
 
 
@@ -407,12 +404,12 @@ def content(scene: Scene) -> dict[str, Any] | None:
     """A fitted profile, its uncertainty by noise and sentences on both, for JSON; None for a
     profile that is not fitted.
     """
-    fitted = fit_of(scene)
-    if fitted is None:
+    profile_fit = fit_of(scene)
+    if profile_fit is None:
         return None
     sentences, uncertainty = findings(scene)
-    fit = fitted.model_dump(mode="json", exclude={"rows"})
-    fit["count"] = len(fitted.used_rows())
+    fit = profile_fit.model_dump(mode="json", exclude={"rows"})
+    fit["count"] = len(profile_fit.used_rows())
     return {
         "sentences": sentences,
         "fit": fit,

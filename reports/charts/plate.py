@@ -71,7 +71,7 @@ class Scale:
         return f"{self.low:.9g} {self.high:.9g} {self.start:.6g} {self.end:.6g} {int(self.log)}"
 
 
-def _ticks(low: float, high: float, count: int = 5, *, log: bool = False) -> list[float]:
+def _ticks(lower_end: float, upper_end: float, count: int = 5, *, log: bool = False) -> list[float]:
     """Round numbers from low to high, about `count` of them; powers of ten on a logarithmic axis,
     1, 2, 5 on a short one.
 
@@ -80,43 +80,47 @@ def _ticks(low: float, high: float, count: int = 5, *, log: bool = False) -> lis
     >>> _ticks(-17.0, 17.0, 3)
     [-10.0, 0.0, 10.0]
     """
-    numbers = _ticks_of_powers(low, high, count) if log else _even_ticks(low, high, count)
+    numbers = (
+        _ticks_of_powers(lower_end, upper_end, count)
+        if log
+        else _even_ticks(lower_end, upper_end, count)
+    )
     return [float(f"{number:.12g}") + 0.0 for number in numbers]
 
 
-def _ticks_of_powers(low: float, high: float, count: int) -> list[float]:
+def _ticks_of_powers(lower_end: float, upper_end: float, count: int) -> list[float]:
     """Powers of ten, at most about `count`; with two and five times them where there are few."""
-    first_power = np.ceil(np.log10(low) - 1e-9)
-    last_power = np.floor(np.log10(high) + 1e-9)
+    first_power = np.ceil(np.log10(lower_end) - 1e-9)
+    last_power = np.floor(np.log10(upper_end) + 1e-9)
     powers = np.arange(first_power, last_power + 1)
     if len(powers) >= 3:
         stride = -(-len(powers) // (count + 1))
         return [10.0**power for power in powers[::stride]]
-    powers = np.arange(np.floor(np.log10(low)), np.ceil(np.log10(high)) + 1)
+    powers = np.arange(np.floor(np.log10(lower_end)), np.ceil(np.log10(upper_end)) + 1)
     numbers = [step * 10.0**power for power in powers for step in (1, 2, 5)]
-    return [n for n in numbers if low * (1 - 1e-9) <= n <= high * (1 + 1e-9)]
+    return [n for n in numbers if lower_end * (1 - 1e-9) <= n <= upper_end * (1 + 1e-9)]
 
 
-def _even_ticks(low: float, high: float, count: int) -> list[float]:
-    """Round numbers from `low` to `high` for the ticks of an axis, about `count` of them: multiples
-    of 1, 2, 2.5 or 5 times a power of ten.
+def _even_ticks(lower_end: float, upper_end: float, count: int) -> list[float]:
+    """Round numbers from `lower_end` to `upper_end` for the ticks of an axis, about `count` of
+    them: multiples of 1, 2, 2.5 or 5 times a power of ten.
     """
-    rough_step = (high - low) / count
+    rough_step = (upper_end - lower_end) / count
     power = 10.0 ** np.floor(np.log10(rough_step))
     steps = [step * power for step in (1, 2, 2.5, 5, 10)]
     step_index = next(k for k, step in enumerate(steps) if step >= 0.999 * rough_step)
-    ticks = _multiples(low, high, steps[step_index])
+    ticks = _multiples(lower_end, upper_end, steps[step_index])
     # One number says nothing of an axis' scale: then the next finer step, which is below `rough`
     # and has more than one.
     if len(ticks) <= 1 and step_index > 0:
-        ticks = _multiples(low, high, steps[step_index - 1])
+        ticks = _multiples(lower_end, upper_end, steps[step_index - 1])
     return ticks.tolist()
 
 
-def _multiples(low: float, high: float, step: float) -> Array:
+def _multiples(lower_end: float, upper_end: float, step: float) -> Array:
     """The multiples of a step from low to high."""
-    first_multiple = np.ceil(low / step - 1e-9)
-    last_multiple = np.floor(high / step + 1e-9)
+    first_multiple = np.ceil(lower_end / step - 1e-9)
+    last_multiple = np.floor(upper_end / step + 1e-9)
     return np.asarray(np.arange(first_multiple, last_multiple + 1) * step)
 
 
@@ -401,9 +405,9 @@ class Panel:
         return _panel_svg(self)
 
 
-def _about_the_middle(low: float, high: float, size: float) -> tuple[float, float]:
+def _about_the_middle(lower_end: float, upper_end: float, size: float) -> tuple[float, float]:
     """An interval of that size about the middle of another."""
-    return (low + high - size) / 2, (low + high + size) / 2
+    return (lower_end + upper_end - size) / 2, (lower_end + upper_end + size) / 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -588,7 +592,8 @@ def colour_scale(
 
 
 def _attributes(attributes: Mapping[str, object]) -> str:
-    """Attributes as text, "_" in a name read as "-", empty ones left out.
+    """Attributes of an XML element as text: "_" in a name is written as "-", empty ones are left
+    out.
 
     >>> _attributes({"data_label": 'a "b"', "x": 1.5, "class_": ""})
     ' data-label="a &quot;b&quot;" x="1.5"'
@@ -668,8 +673,8 @@ def _path_of(
 
 
 def _places_that_show(x: Array, y: Array, is_known: NDArray[np.bool_]) -> NDArray[np.int_]:
-    """Of a long line the first, the last, the highest and the lowest place of each strip, see
-    `_LONG_LINE`.
+    """Of a long line through (x, y), (n,), the indices of the places that show: the first, the
+    last, the highest and the lowest of each strip, see `_LONG_LINE`.
     """
     strips = np.where(is_known, np.floor(x / _STRIP), np.nan)
     # of places that follow each other
@@ -685,8 +690,8 @@ def _places_that_show(x: Array, y: Array, is_known: NDArray[np.bool_]) -> NDArra
 def _png(
     pixels: NDArray[np.uint8], colours: Sequence[str] = (), *, all_colours: bool = False
 ) -> bytes:
-    """A picture as a PNG file: (n, m) numbers of `colours`, or (n, m, 3) colours, of which 255 are
-    kept unless `all_colours`.
+    """A picture as the bytes of a PNG file: (n, m) numbers of `colours`, or (n, m, 3) colours, of
+    which 255 are kept unless `all_colours`.
 
     >>> _png(np.zeros((1, 1), np.uint8), ["#ffffff"])[:8]
     b'\\x89PNG\\r\\n\\x1a\\n'
@@ -722,18 +727,22 @@ class _Pen:
         return {"style": ";".join(declared)}
 
     def words(self, x: float, y: float, text: str, css: str, /, **attributes: object) -> str:
-        """A text at a place of the drawing, with its subscripts."""
+        """The SVG element of a text at a place of the drawing, with its subscripts."""
         parts = pieces(text)
         content = ""
-        was_low = False
-        for part, is_low in parts if len(parts) > 1 else []:
+        was_subscript = False
+        for part, is_subscript in parts if len(parts) > 1 else []:
             shift: dict[str, object] = {}
-            if is_low is not was_low:
-                shift = {"dy": DOWN if is_low else f"-{DOWN}"}
-            size = self.look("sub") if is_low else {}
-            written = escape(part)
-            content += _element("tspan", written, **shift, **size) if shift or size else written
-            was_low = is_low
+            if is_subscript is not was_subscript:
+                shift = {"dy": DOWN if is_subscript else f"-{DOWN}"}
+            look_of_subscript = self.look("sub") if is_subscript else {}
+            escaped_part = escape(part)
+            content += (
+                _element("tspan", escaped_part, **shift, **look_of_subscript)
+                if shift or look_of_subscript
+                else escaped_part
+            )
+            was_subscript = is_subscript
         look = self.look(css, text=True)
         return _element(
             "text", content or escape(text), x=float(x), y=float(y), **look, **attributes
@@ -744,7 +753,7 @@ class _Pen:
         return {} if self.alone else {f"data_{name}": value for name, value in attributes.items()}
 
     def draw(self, mark: Mark) -> str:
-        """A mark as SVG."""
+        """The SVG element of a mark, whatever its kind."""
         frame = self.frame
         left, top, right, bottom = frame.box
         match mark:
@@ -790,8 +799,8 @@ class _Pen:
                 )
 
     def curve(self, mark: Curve) -> str:
-        """A line; in a document of its own with fewer places, for a pointer on a page needs points
-        everywhere.
+        """The SVG element of a line; in a document of its own with fewer places, for a pointer on a
+        page needs points everywhere.
         """
         tolerance, passes = (0.1, 8) if self.alone else (0.02, 1)
         x = self.frame.x.place(mark.x)
@@ -803,7 +812,9 @@ class _Pen:
         return _element("path", d=path, **self.look(f"curve {mark.css}"), **attributes)
 
     def band(self, mark: Band) -> str:
-        """An area: a gap ends one outline, and the next begins behind it."""
+        """The SVG element of an area between two curves: a gap ends one outline, and the next
+        begins behind it.
+        """
         x = np.asarray(mark.x, dtype=float)
         lower_edge = np.asarray(mark.low, dtype=float)
         upper_edge = np.asarray(mark.high, dtype=float)
@@ -817,11 +828,13 @@ class _Pen:
         return _element("path", d=path or "M0 0", **self.look(f"band {mark.css}"))
 
     def note(self, mark: Note) -> str:
-        """A text, its lines one under the other."""
+        """The SVG elements of a text, its lines one under the other."""
         x = float(self.frame.x.place(mark.x))
         y = float(self.frame.y.place(mark.y))
-        right, down = mark.shift
-        attributes = {"dx": right or None, "dy": down or None} | self.data_attributes(mark.data)
+        shift_right, shift_down = mark.shift
+        attributes = {"dx": shift_right or None, "dy": shift_down or None} | self.data_attributes(
+            mark.data
+        )
         anchor = None if mark.anchor == "start" else mark.anchor
         texts = [
             self.words(x, y + _LINE * k, line, mark.css, text_anchor=anchor, **attributes)
@@ -830,8 +843,8 @@ class _Pen:
         return "".join(texts)
 
     def segments(self, mark: Segments) -> str:
-        """All of them as one path: on a page in whole numbers, so that another window can use it
-        again.
+        """The SVG element of many straight lines as one path. On a page it is in whole numbers, so
+        that another panel can use it again.
         """
         if self.alone or not mark.name:
             return _element("path", d=self.visible(mark) or "M0 0", **self.look(mark.css))
@@ -851,7 +864,7 @@ class _Pen:
         return _element("g", path, transform=transform)
 
     def visible(self, mark: Segments) -> str:
-        """The path of those segments that reach into the area."""
+        """The "d" of an SVG path of those segments that reach into the area."""
         x = self.frame.x.place(mark.ends[..., 0])
         y = self.frame.y.place(mark.ends[..., 1])
         is_visible = (x.max(axis=1) >= self.frame.x.start) & (x.min(axis=1) <= self.frame.x.end)
@@ -865,7 +878,7 @@ class _Pen:
         return "".join(lines)
 
     def block(self, mark: Block) -> str:
-        """A rectangle, with lines of slope 1 over it where it is hatched."""
+        """The SVG elements of a rectangle, with lines of slope 1 over it where it is hatched."""
         left, right = np.sort(self.frame.x.place(mark.x))
         lower_edge, upper_edge = np.sort(self.frame.y.place(mark.y))
         place = {
@@ -881,19 +894,23 @@ class _Pen:
         # x + y is constant along each line
         first_line = np.ceil((left + lower_edge) / _HATCH)
         last_line = np.floor((right + upper_edge) / _HATCH)
-        sums = np.arange(first_line, last_line + 1) * _HATCH
-        starts = np.maximum(left, sums - upper_edge)
-        ends = np.minimum(right, sums - lower_edge)
+        sums_of_lines = np.arange(first_line, last_line + 1) * _HATCH
+        starts = np.maximum(left, sums_of_lines - upper_edge)
+        ends = np.minimum(right, sums_of_lines - lower_edge)
         path = ""
-        for start, end, total in zip(starts.tolist(), ends.tolist(), sums.tolist(), strict=True):
+        for start, end, sum_of_line in zip(
+            starts.tolist(), ends.tolist(), sums_of_lines.tolist(), strict=True
+        ):
             if end > start:
-                path += f"M{start:.1f} {total - start:.1f}L{end:.1f} {total - end:.1f}"
+                path += f"M{start:.1f} {sum_of_line - start:.1f}L{end:.1f} {sum_of_line - end:.1f}"
         if not path:
             return rectangle
         return rectangle + _element("path", d=path, **self.look("hatching"))
 
     def arrow(self, mark: Arrow) -> str:
-        """A line from the first to the second place with a head at the second."""
+        """The SVG elements of a line from the first to the second place, with a head at the
+        second.
+        """
         start_x, end_x = self.frame.x.place([mark.start[0], mark.end[0]])
         start_y, end_y = self.frame.y.place([mark.start[1], mark.end[1]])
         tip = np.array([end_x, end_y])
@@ -914,7 +931,7 @@ class _Pen:
         return line + _element("path", d=outline, **self.look(f"head {mark.css}"))
 
     def axes(self, x: Axis, y: Axis) -> str:
-        """Grid lines, numbers beside the axes, and what the axes show."""
+        """The SVG elements of both axes: grid lines, numbers beside them, and what they show."""
         frame = self.frame
         left, top, right, bottom = frame.box
         room_below = frame.height - bottom
@@ -953,8 +970,8 @@ def _tick_pairs(axis: Axis, scale: Scale) -> tuple[tuple[float, str], ...]:
 
 
 def _panel_svg(panel: Panel, *, alone: bool = False, **place: object) -> str:
-    """The SVG element of a panel; in a document of its own at a `place` (x, y, width, height)
-    there.
+    """The SVG element of a panel with its axes and marks; with `alone`, for a document without
+    style sheet, at a `place` (x, y, width, height) there.
     """
     frame = panel.frame
     pen = _Pen(frame, alone)
@@ -974,9 +991,9 @@ def _panel_svg(panel: Panel, *, alone: bool = False, **place: object) -> str:
         ]
     lines = [(left, panel.title, "title")] if panel.title else []
     lines += [(24.0, note, "measure") for note in panel.notes]
-    first_line = top - 9.0 - _LINE * (len(lines) - 1)
-    for k, (start, text, css) in enumerate(lines):
-        parts.append(pen.words(start, first_line + _LINE * k, text, css))
+    height_of_first = top - 9.0 - _LINE * (len(lines) - 1)
+    for k, (left_end, text, css) in enumerate(lines):
+        parts.append(pen.words(left_end, height_of_first + _LINE * k, text, css))
     box = {"viewBox": f"0 0 {frame.width:g} {frame.height:g}"}
     if alone:
         return _element("svg", "".join(parts), **box, **place)
@@ -1008,7 +1025,9 @@ def _kind_of(panel: Panel) -> str:
 
 
 def _for_the_script(panel: Panel, frame: Frame) -> dict[str, object]:
-    """What the page's script asks of a panel: scales, words and ticks of its axes."""
+    """Attributes of a panel's element that the page's script reads: scales, words and ticks of its
+    axes.
+    """
     attributes: dict[str, object] = {}
     if not _is_sketch(panel):
         attributes |= {"data_x": frame.x.words, "data_y": frame.y.words}

@@ -65,7 +65,8 @@ def shades(values: ArrayLike, name: str = "viridis") -> list[str]:
 
 
 def pieces(text: str) -> list[tuple[str, bool]]:
-    """A text in its parts; whether each is a subscript. A symbol is one letter.
+    """A text in parts (part, whether it is a subscript); what follows "_" after a symbol of one
+    letter is one.
 
     >>> pieces("p/p_ref, q/(f p_ref)")
     [('p/p', False), ('ref', True), (', q/(f p', False), ('ref', True), (')', False)]
@@ -81,7 +82,7 @@ def pieces(text: str) -> list[tuple[str, bool]]:
 
 
 def marked(text: object) -> Markup:
-    """Words with their subscripts, and as code what stands between backticks, for a page.
+    """A text as HTML for a page: subscripts, and as code what stands between backticks.
 
     >>> print(marked("p_max; `--budget` gives it"))
     p<sub>max</sub>; <code>--budget</code> gives it
@@ -98,8 +99,8 @@ def marked(text: object) -> Markup:
 
 @cache
 def _rules() -> list[tuple[frozenset[str], bool, Mapping[str, str]]]:
-    """Classes that a rule asks for, whether it is for texts, and what it declares; colours are
-    those of light pages.
+    """The rules of the style sheet: classes that a rule asks for, whether it is for texts, and what
+    it declares; colours are those of light pages.
     """
     sheet = (resources.files("reports") / "templates" / "charts.css").read_text("utf-8")
     sheet = re.sub(r"/\*.*?\*/", "", sheet, flags=re.DOTALL)
@@ -122,7 +123,8 @@ def _rules() -> list[tuple[frozenset[str], bool, Mapping[str, str]]]:
 
 @cache
 def style_of(css: str, *, text: bool = False) -> Mapping[str, str]:
-    """What the style sheet declares for an element of these classes, on a light page.
+    """What the style sheet declares for an element with these classes, on a light page; `text` if
+    it is a text.
 
     >>> style_of("curve f q")["stroke-dasharray"]
     '6 2.5'
@@ -185,6 +187,7 @@ class CompiledTemplates(ChoiceLoader):
 
 @cache
 def _pages() -> Environment:
+    """The environment of the page templates: where they lie, and the filters that they use."""
     pages = Environment(
         loader=CompiledTemplates([PackageLoader("reports"), FunctionLoader(_words_source)]),
         autoescape=select_autoescape(("html",)),
@@ -219,20 +222,22 @@ def words_of(macro: str) -> Any:
 
 
 def _words_source(name: str) -> str | None:
-    """A macro of templates/words.txt with those that it calls, by the name of its template: to
-    compile all of them together takes ten times as long.
+    """The source of a macro of templates/words.txt with those that it calls, by the name of its
+    template. To compile all of them together takes ten times as long.
     """
     sources = _macro_sources()
     macro = next((macro for macro in sources if _WORDS.format(macro) == name), None)
     if macro is None:
         return None
     needed_names = [macro]
-    for needed in needed_names:  # grows
-        called_names = re.findall(r"\b(\w+)\(", sources[needed].partition(")")[2])
+    for needed_name in needed_names:  # grows
+        called_names = re.findall(r"\b(\w+)\(", sources[needed_name].partition(")")[2])
         needed_names += [
-            called for called in called_names if called in sources and called not in needed_names
+            called_name
+            for called_name in called_names
+            if called_name in sources and called_name not in needed_names
         ]
-    return "".join(sources[needed] for needed in needed_names)
+    return "".join(sources[needed_name] for needed_name in needed_names)
 
 
 @cache
@@ -274,8 +279,8 @@ _FORMULA = ("=", "+", "-", "@", "\t")
 
 
 def harmless(cell: str) -> str:
-    """The text of a CSV cell; with an apostrophe before it where a spreadsheet would compute it.
-    Numbers stay as they are.
+    """The text of a CSV cell, with an apostrophe before it where a spreadsheet would compute it as
+    a formula. Numbers stay as they are.
 
     >>> harmless("=HYPERLINK(A1)"), harmless("-1e-3"), harmless("pad"), harmless(" @SUM(A1)")
     ("'=HYPERLINK(A1)", '-1e-3', 'pad', "' @SUM(A1)")
@@ -291,8 +296,8 @@ def harmless(cell: str) -> str:
 
 
 def table_text(table: Table) -> str:
-    """Columns of equal length as CSV text, numbers to the last digit; an empty cell stands for "no
-    such thing".
+    """A table (name -> column, all of equal length) as CSV text, numbers to the last digit; a cell
+    is empty where there is no such thing.
 
     >>> table_text({"x": [0.5, float("nan")], "state": ["stick", "open"]})
     'x,state\\n0.5,stick\\n,open\\n'
@@ -326,7 +331,7 @@ def _number_cell(value: Any) -> str:
 
 
 def markdown_table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A table in Markdown; a row that has not as many cells as heads is a `ValueError`.
+    """A table in Markdown; ValueError for a row that has not as many cells as heads.
 
     >>> print(markdown_table(("x", "|q|"), [("0", "1")]))
     | x | \\|q\\| |

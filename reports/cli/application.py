@@ -620,8 +620,7 @@ def requested_tolerances(texts: Sequence[str]) -> dict[str, float]:
             known_names = list(METRICS)
             raise InputError(
                 f"--tolerance {requested}: unknown metric {key!r};{did_you_mean(key, known_names)}"
-                " there are"
-                f" {', '.join(known_names)}"
+                f" there are {', '.join(known_names)}"
             )
         is_unjudged = bool(equals) and value_in_words.strip() == "none"
         value = math.inf if is_unjudged else share_of(value_in_words)
@@ -634,8 +633,7 @@ def requested_tolerances(texts: Sequence[str]) -> dict[str, float]:
             alternatives = f"{key}{equals}{value:g}%, or {key}{equals}{100 * value:g}%"
             raise InputError(
                 f"--tolerance {requested}: a number without % is a share, and this is"
-                f" {100 * value:g} %;"
-                f" write {alternatives}"
+                f" {100 * value:g} %; write {alternatives}"
             )
         tolerances |= dict.fromkeys([key] if equals else _COMMON, value)
     return tolerances
@@ -740,10 +738,10 @@ def _function_of(row: _Command) -> Callable[..., int]:
         bound_arguments.apply_defaults()
         values = dict(bound_arguments.arguments)
         subjects = [values.pop(operand.name) for operand in row.operands]
-        chosen = Options(**values)
+        chosen_options = Options(**values)
         module, _, name = row.does.partition(":")
         work = getattr(import_module(f"reports.{module}"), name)
-        return _print_answer(row, work(*subjects, chosen), chosen)
+        return _print_answer(row, work(*subjects, chosen_options), chosen_options)
 
     command.__signature__ = signature  # type: ignore[attr-defined]
     return command
@@ -971,8 +969,7 @@ def _misspelt(fault: CycloptsError) -> str:
         suggestion = nearest(words[0], [name for name in app if name.startswith("-") is is_option])
         return (
             f"there is no {'is_option' if is_option else 'command'} {words[0]!r};"
-            f" {suggestion}`halfplane"
-            " --help` lists them"
+            f" {suggestion}`halfplane --help` lists them"
         )
     chain = list(fault.command_chain or ())
     command = " ".join(chain) or "halfplane"

@@ -168,8 +168,7 @@ def _parts(
         if tension is not None:
             tension_in_words = (
                 f"{with_uncertainty(tension['value'], tension['uncertainty'])} at"
-                f" {_rounded(tension['x'])},"
-                f" {tension['body']}"
+                f" {_rounded(tension['x'])}, {tension['body']}"
             )
         time_and_loads = [
             number(instant[key]) for key in ("time", "normal_load", "tangential_load")

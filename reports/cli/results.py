@@ -255,9 +255,8 @@ def _score_shown(report: Report, page: str) -> Iterator[Part]:
     labels_on_points = [m.label for m in report.comparison.headlines if m.is_on_points_of_result]
     if labels_on_points:
         yield (
-            "Differences at the points and instants of the result:"
-            f" {'; '.join(labels_on_points)}. There"
-            " the reference has other values than its own in the table."
+            f"Differences at the points and instants of the result: {'; '.join(labels_on_points)}."
+            " There the reference has other values than its own in the table."
         )
     # headlines without a value, those with one reason in one line
     reasons: dict[str, list[str]] = {}

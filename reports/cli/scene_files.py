@@ -75,8 +75,7 @@ def init(file: Path, options: Options) -> Answer:
     if copied_name:
         sentences.append(
             f"{file}: its expected numbers are those of {copied_name}: change them, or take them"
-            f" out,"
-            " when you change the question"
+            " out, when you change the question"
         )
     sentences.append(
         f"{file}{companions_in_words}: edit it, then `halfplane check {file}` and"
@@ -246,7 +245,9 @@ def _draw_fit(scene: Scene, file: Path) -> None:
 
 
 def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
-    """What follows from the displacements that a scene prescribes: loads, sliding, dissipation."""
+    """The answer of `check` for a scene that prescribes displacements: loads, sliding and
+    dissipation that follow from them by theory, and remarks.
+    """
     import numpy as np
 
     from reports.checking import engines_for
@@ -264,11 +265,11 @@ def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
         )
     load_engines(Stages(quiet=True), ["semi_analytic.solution"])
     engines = engines_for(scene, source)
-    no_comparison = engines.in_words(source)
+    refusals_in_words = engines.in_words(source)
     tables_read = read_in_pairs(scene)
     notes = [question(scene), *filter(None, [bodies_in_words(scene), stated_in_words(scene)])]
     notes += [read_in_words(name, pairs) for name, pairs in tables_read.items()]
-    remarks = [f"{no_comparison}.", *filter(None, [not_stated(scene)])]
+    remarks = [f"{refusals_in_words}.", *filter(None, [not_stated(scene)])]
     content = {
         "passed": True,
         "remarks": remarks,
@@ -288,13 +289,16 @@ def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
         force, length, _ = scene.unit_words
         least_load = number(float(solution.tangential_load.min()))
         largest_load = number(float(solution.tangential_load.max()))
-        ratio = ""
+        ratio_in_words = ""
         if scene.friction.coefficient:
-            ratio = f" |Q|/(f P) is at most {ratio_of_answer(solution):.4g}; all slides at 1."
+            ratio_in_words = (
+                f" |Q|/(f P) is at most {ratio_of_answer(solution):.4g}; all slides at 1."
+            )
         last_sentence = (
             f"{source}: the scene is well formed. Q goes from {least_load} to {largest_load}"
-            f" {force}/{length}, and P up to {number(float(solution.normal_load.max()))}.{ratio}"
-            f" `halfplane exact {source}` writes the answer, and a scene with these loads."
+            f" {force}/{length}, and P up to"
+            f" {number(float(solution.normal_load.max()))}.{ratio_in_words} `halfplane exact"
+            f" {source}` writes the answer, and a scene with these loads."
         )
         notes += [f"{note[:1].upper()}{note[1:]}." for note in solution.record.notes]
         content["rig"] = {
@@ -309,7 +313,9 @@ def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
 
 
 def _answer_of_theory(scene: Scene, source: str) -> ContactSolution:
-    """Dissipation and loads that follow from the displacements of a scene."""
+    """Half-plane theory's dissipation and loads under the displacements that a scene prescribes,
+    with what its bodies add; InputError naming `source`.
+    """
     import semi_analytic
     from scenes import InputError
 
@@ -349,7 +355,7 @@ def _loop_read(scene: Scene, options: Options) -> dict[str, tuple[tuple[str, str
 
 # -------------------------------------------------------------------------- the library, the schema
 def show(name: str, options: Options) -> Answer:
-    """The library, or one scene of it with all its numbers."""
+    """The command `scenes`: list the library, or state all about one scene."""
     from scenes import InputError
 
     if name and options.tag:
@@ -366,15 +372,15 @@ def show(name: str, options: Options) -> Answer:
     )
 
 
-def tagged(chosen: Sequence[str]) -> list[Scene]:
+def tagged(chosen_scenes: Sequence[str]) -> list[Scene]:
     """The scenes of the library that have all these tags; InputError for a word that is no tag."""
     from scenes import InputError, load_scene, rig_names, scene_names, tags
 
-    for tag in chosen:
+    for tag in chosen_scenes:
         if tag not in tags():
             raise InputError(f"--tag {tag}: there is no such tag; there are {', '.join(tags())}")
     scenes = [load_scene(name) for name in (*scene_names(), *rig_names())]
-    return [scene for scene in scenes if set(chosen) <= set(scene.tags)]
+    return [scene for scene in scenes if set(chosen_scenes) <= set(scene.tags)]
 
 
 def _listing(scenes: Sequence[Scene]) -> Iterator[str]:

@@ -110,8 +110,7 @@ def at_work(work: Callable[[Job], Answer]) -> Callable[[str, Options], Answer]:
             )
             complain(
                 f"halfplane: {stop}; what was solved is kept in {path}"
-                f" ({len(partial_solution.time) - 1}"
-                " steps)"
+                f" ({len(partial_solution.time) - 1} steps)"
             )
             return Answer(INTERRUPTED)
         except ConvergenceError as failure:

@@ -234,9 +234,8 @@ def _refuse_other_question(reference: ContactSolution, result: ContactSolution) 
         if reference_part != result_part:
             raise InputError(
                 f"{reference.engine} and {result.engine} answer different questions: {part} is"
-                f" {reference_part!r} in the one and {result_part!r} in the other; solve"
-                " both from one"
-                " scene"
+                f" {reference_part!r} in the one and {result_part!r} in the other; solve both from"
+                " one scene"
             )
 
 

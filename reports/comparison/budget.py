@@ -454,8 +454,7 @@ class ErrorBudget:
             )
         return (
             f"{sum(coverings_known)} of {len(coverings_known)} metrics: the stated uncertainty"
-            f" covers what the"
-            " measured terms leave unexplained"
+            " covers what the measured terms leave unexplained"
         )
 
 

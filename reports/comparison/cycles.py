@@ -174,9 +174,9 @@ def sample(cycle: Cycle, like: Cycle, engine: str) -> Cycle:
 
     Instants are matched by the fraction of the cycle, since two engines may have needed different
     numbers of revolutions. Linear in x and in time; the state is that of the nearest point and
-    instant. `interpolation` states what the same rule errs by when every second sample is left out:
-    of 320 spacings at a square-root edge, where it converges slowest, one in a hundred at most errs
-    by more.
+    instant. `interpolation` of the answer states the error of that, estimated by leaving out every
+    second sample: of 320 spacings at a square-root edge, where it converges slowest, one in a
+    hundred at most errs by more. `engine` names the cycle in messages.
 
     Raises
     ------
@@ -187,15 +187,15 @@ def sample(cycle: Cycle, like: Cycle, engine: str) -> Cycle:
     if starts_elsewhere and cycle.whole and like.whole:
         return _sample_from_elsewhere(cycle, like, engine)
 
-    error: dict[str, float] = {}
+    error_by_field: dict[str, float] = {}
     if not _are_same_places(cycle.fraction, like.fraction, _SAME_FRACTION):
-        cycle, error = _at_instants(cycle, like)
+        cycle, error_by_field = _at_instants(cycle, like)
     if not _are_same_places(cycle.x, like.x, _SAME_POINT * float(np.ptp(like.x))):
         _refuse_points_beyond(cycle, like.x, engine)
         cycle, error_in_x = _at_points(cycle, like.x)
         for name, value in error_in_x.items():
-            error[name] = error.get(name, 0.0) + value
-    return replace(cycle, interpolation=error)
+            error_by_field[name] = error_by_field.get(name, 0.0) + value
+    return replace(cycle, interpolation=error_by_field)
 
 
 def _are_same_places(places: Array, other_places: Array, tolerance: float) -> bool:
@@ -323,10 +323,12 @@ def _halving(samples: Array, values: Array) -> float:
         return 0.0
     worst_error = 0.0
     for first_left_out in (1, 2):
-        left_out = np.arange(first_left_out, len(samples) - 1, 2)
-        coarse_samples = np.delete(np.arange(len(samples)), left_out)
-        interpolated = _linear(samples[left_out], samples[coarse_samples], values[coarse_samples])
-        difference = np.abs(interpolated - values[left_out])
+        rows_left_out = np.arange(first_left_out, len(samples) - 1, 2)
+        coarse_samples = np.delete(np.arange(len(samples)), rows_left_out)
+        interpolated = _linear(
+            samples[rows_left_out], samples[coarse_samples], values[coarse_samples]
+        )
+        difference = np.abs(interpolated - values[rows_left_out])
         worst_error = max(worst_error, float(np.nanmax(difference, initial=0.0)))
     return worst_error / largest_value
 
@@ -364,8 +366,8 @@ def events(cycle: Cycle, friction: float, first: int = 0) -> tuple[Event, ...]:
 
 
 def first_row(cycle: Cycle, scene: Scene) -> int:
-    """Index of the first instant of a cycle that lies on the rows of a record: the path leads from
-    no load to the first row, which no row states; 0 of other loads.
+    """Index of the first instant of a cycle that lies on the rows of a record of loads: the path
+    before it leads from no load to the first row. 0 of other loads.
     """
     if not isinstance(scene.load, TimeSeriesLoad):
         return 0

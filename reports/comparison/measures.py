@@ -152,16 +152,16 @@ def over(numerator: Array, denominator: Array) -> Array:
         return np.asarray(numerator / denominator, dtype=float)
 
 
-def shares(at: Array) -> Array:
-    """Weights of the trapezoidal rule on the points or instants `at`, (n,) -> (n,). Where all of
-    `at` are equal each weight is 1.
+def shares(positions: Array) -> Array:
+    """Weights of the trapezoidal rule on the points or instants `positions`, (n,) -> (n,). Where
+    all of `positions` are equal each weight is 1.
 
     >>> shares(np.array([0.0, 1.0, 3.0])).tolist(), shares(np.array([2.0])).tolist()
     ([0.5, 1.5, 1.0], [1.0])
     """
-    if at[-1] == at[0]:
-        return np.ones(len(at))
-    steps = np.diff(at)
+    if positions[-1] == positions[0]:
+        return np.ones(len(positions))
+    steps = np.diff(positions)
     steps_after = np.concatenate([steps, [0.0]])
     steps_before = np.concatenate([[0.0], steps])
     return np.asarray(steps_before + steps_after) / 2
@@ -198,9 +198,9 @@ def _at_worst(
     return Measured(value=value, time=time, series=series, **of_measured)
 
 
-def _nothing_to_compare(why: str) -> Measured:
+def _nothing_to_compare(reason: str) -> Measured:
     """No value, with the reason in words."""
-    return Measured(value=None, note=why)
+    return Measured(value=None, note=reason)
 
 
 # -------------------------------------------------------------------------------- absolute values
@@ -212,11 +212,11 @@ def _of_amounts(
     """The difference of the result's amount from the reference's, over the reference's. Where that
     is nothing beside `scale` (1e-12 of it), over `scale`.
     """
-    absolute = abs(reference_amount) <= _NOTHING * scale
-    denominator = scale if absolute else reference_amount
+    is_absolute = abs(reference_amount) <= _NOTHING * scale
+    denominator = scale if is_absolute else reference_amount
     return Measured(
         value=(result_amount - reference_amount) / denominator,
-        absolute=absolute,
+        absolute=is_absolute,
         amounts=(reference_amount, result_amount),
         denominator=denominator,
         **further_fields,
@@ -393,19 +393,21 @@ def largest_slip(pair: Pair) -> Measured:
 
     No value where the finite elements slip by no more than round-off and theory does slip.
     """
+    reference_cycle = pair.expected
+    result_cycle = pair.found
     if not pair.result.scene.friction.coefficient:
         return _nothing_to_compare("nothing resists slip")
-    touches_in_result = pair.found.state != OPEN
-    touches_in_reference = pair.expected.state != OPEN
+    touches_in_result = result_cycle.state != OPEN
+    touches_in_reference = reference_cycle.state != OPEN
     if not touches_in_result.any():
         return _nothing_to_compare(_NOT_IN_CONTACT)
-    range_in_result = range_of_slip(pair.found.slip, touches_in_result)
-    reference_value = float(range_of_slip(pair.expected.slip, touches_in_reference).max())
+    range_in_result = range_of_slip(result_cycle.slip, touches_in_result)
+    reference_value = float(range_of_slip(reference_cycle.slip, touches_in_reference).max())
     result_value = float(range_in_result.max())
     measurement = _beside_theory(pair, "slip", reference_value, result_value, pair.scales.slip)
     measurement = _with_stated(pair, measurement, "largest_slip", "slip")
     if pair.result.engine == "halfplane_fe" and measurement.amounts is not None:
-        round_off = _ROUND_OFF_OF_SLIP * float(np.max(np.abs(pair.found.slip)))
+        round_off = _ROUND_OFF_OF_SLIP * float(np.max(np.abs(result_cycle.slip)))
         if result_value <= round_off < measurement.amounts[0]:
             return replace(measurement, value=None, note=_NO_SLIP_RESOLVED)
     return replace(measurement, place=_place_of_largest(pair, range_in_result))
@@ -415,11 +417,11 @@ def largest_slip_common(pair: Pair) -> Measured:
     """Largest range of the slip s, over the points and instants in contact in both result and
     reference; the result's relative difference.
     """
-    touching = _in_contact_in_both(pair)
-    if not touching.any():
+    is_touching = _in_contact_in_both(pair)
+    if not is_touching.any():
         return _nothing_to_compare(_NOT_IN_CONTACT)
-    range_in_result = range_of_slip(pair.found.slip, touching)
-    reference_value = float(range_of_slip(pair.expected.slip, touching).max())
+    range_in_result = range_of_slip(pair.found.slip, is_touching)
+    reference_value = float(range_of_slip(pair.expected.slip, is_touching).max())
     result_value = float(range_in_result.max())
     return _of_amounts(
         reference_value,
@@ -454,15 +456,17 @@ def dissipation(pair: Pair) -> Measured:
 
 def largest_dissipation_density(pair: Pair) -> Measured:
     """Largest w(x)."""
-    common = float(pair.expected.dissipation_density.max())
-    largest_value = float(pair.found.dissipation_density.max())
+    reference_cycle = pair.expected
+    result_cycle = pair.found
+    common = float(reference_cycle.dissipation_density.max())
+    largest_value = float(result_cycle.dissipation_density.max())
     measurement = _beside_theory(
         pair, "dissipation_density", common, largest_value, pair.scales.density
     )
     measurement = _with_stated(
         pair, measurement, "largest_dissipation_density", "dissipation_density"
     )
-    return replace(measurement, place=_place_of_largest(pair, pair.found.dissipation_density))
+    return replace(measurement, place=_place_of_largest(pair, result_cycle.dissipation_density))
 
 
 def edge_tension(pair: Pair) -> Measured:
@@ -521,17 +525,21 @@ def peak_pressure(pair: Pair) -> Measured:
 
 def pressure(pair: Pair) -> Measured:
     """L2 norm of the difference of the pressure over that of the pressure."""
-    x = pair.found.x
-    difference = norm(x, pair.found.pressure - pair.expected.pressure)
-    series = over(difference, norm(x, pair.expected.pressure))
+    reference_cycle = pair.expected
+    result_cycle = pair.found
+    x = result_cycle.x
+    difference = norm(x, result_cycle.pressure - reference_cycle.pressure)
+    series = over(difference, norm(x, reference_cycle.pressure))
     return _at_worst(pair, series, stated=_stated_norms(pair, "pressure"), denominator=1.0)
 
 
 def shear(pair: Pair) -> Measured:
     """L2 norm of the difference of the shear over f times that of the pressure."""
-    x = pair.found.x
-    difference = norm(x, pair.found.shear - pair.expected.shear)
-    series = over(difference, pair.scales.friction * norm(x, pair.expected.pressure))
+    reference_cycle = pair.expected
+    result_cycle = pair.found
+    x = result_cycle.x
+    difference = norm(x, result_cycle.shear - reference_cycle.shear)
+    series = over(difference, pair.scales.friction * norm(x, reference_cycle.pressure))
     return _at_worst(pair, series, stated=_stated_norms(pair, "shear"), denominator=1.0)
 
 
@@ -627,10 +635,12 @@ def stick_edge(pair: Pair) -> Measured:
 
     The note counts the instants at which the two differ in full stick, partial slip or full slip.
     """
+    reference_cycle = pair.expected
+    result_cycle = pair.found
     length = pair.scales.half_width
-    status_of_reference = _stick_status(pair.expected, length)
-    status_of_result = _stick_status(pair.found, length)
-    shift = _shift_of_worse_edge(pair.expected.stick_edges, pair.found.stick_edges)
+    status_of_reference = _stick_status(reference_cycle, length)
+    status_of_result = _stick_status(result_cycle, length)
+    shift = _shift_of_worse_edge(reference_cycle.stick_edges, result_cycle.stick_edges)
     is_compared = pair.judged & _with_stick_edges(status_of_reference, status_of_result)
     measurement = _at_worst(pair, shift / length, is_compared)
 
@@ -717,11 +727,13 @@ def _is_that_of_a_neighbour(status: NDArray[np.int8], neighbours: NDArray[np.int
 
 def state(pair: Pair) -> Measured:
     """Share of the length in contact whose state differs, mean over the cycle."""
-    lengths = np.gradient(pair.found.x)
-    touching = (pair.expected.state != OPEN) | (pair.found.state != OPEN)
-    differs = pair.expected.state != pair.found.state
-    series = over((differs * lengths).sum(axis=1), (touching * lengths).sum(axis=1))
-    time = pair.found.time[pair.touching]
+    reference_cycle = pair.expected
+    result_cycle = pair.found
+    lengths = np.gradient(result_cycle.x)
+    is_touching = (reference_cycle.state != OPEN) | (result_cycle.state != OPEN)
+    differs = reference_cycle.state != result_cycle.state
+    series = over((differs * lengths).sum(axis=1), (is_touching * lengths).sum(axis=1))
+    time = result_cycle.time[pair.touching]
     if not len(time) or time[-1] == time[0]:
         return Measured(value=None, series=series)
     mean = np.trapezoid(series[pair.touching], time) / (time[-1] - time[0])
@@ -735,19 +747,21 @@ def slip(pair: Pair) -> Measured:
     A point that is open is displaced, and nothing slips there. Absolute, over f p_ref a_ref/E*,
     where the range of s_ref is below 1e-12 of that.
     """
-    touching = _in_contact_in_both(pair)
-    applies = pair.judged & touching.any(axis=1)
+    reference_cycle = pair.expected
+    result_cycle = pair.found
+    is_touching = _in_contact_in_both(pair)
+    applies = pair.judged & is_touching.any(axis=1)
     if not applies.any():
         return _nothing_to_compare(_NOT_IN_CONTACT)
-    range_of_reference = np.ptp(pair.expected.slip[touching])
-    absolute = bool(range_of_reference <= _NOTHING * pair.scales.slip)
-    scale = pair.scales.slip if absolute else range_of_reference
-    difference = np.where(touching, (pair.found.slip - pair.expected.slip) / scale, 0.0)
-    length_in_contact = touching * shares(pair.found.x)
+    range_of_reference = np.ptp(reference_cycle.slip[is_touching])
+    is_absolute = bool(range_of_reference <= _NOTHING * pair.scales.slip)
+    scale = pair.scales.slip if is_absolute else range_of_reference
+    difference = np.where(is_touching, (result_cycle.slip - reference_cycle.slip) / scale, 0.0)
+    length_in_contact = is_touching * shares(result_cycle.x)
     mean_square = over(
         (difference**2 * length_in_contact).sum(axis=1), length_in_contact.sum(axis=1)
     )
-    return _at_worst(pair, np.sqrt(mean_square), applies, absolute=absolute)
+    return _at_worst(pair, np.sqrt(mean_square), applies, absolute=is_absolute)
 
 
 def moment(pair: Pair) -> Measured:
@@ -854,13 +868,15 @@ def bulk_term(pair: Pair) -> Measured:
     """Work of the bulk stress per cycle, −(closed integral of m_q d(eps)), result − reference over
     W_ref. m_q is the moment of the shear, eps the bulk strain. Absolute where W_ref is nothing.
     """
+    reference_cycle = pair.expected
+    result_cycle = pair.found
     if not pair.periodic:
         return _nothing_to_compare(_NO_LOOP)
-    for cycle, solution in ((pair.expected, pair.reference), (pair.found, pair.result)):
+    for cycle, solution in ((reference_cycle, pair.reference), (result_cycle, pair.result)):
         if cycle.shear_moment is None:
             return _nothing_to_compare(f"{name_of(solution.engine)} states no moment of its shear")
     materials = pair.result.scene.material
-    difference = bulk_work(pair.found, materials) - bulk_work(pair.expected, materials)
+    difference = bulk_work(result_cycle, materials) - bulk_work(reference_cycle, materials)
     work = pair.reference.dissipation
     scale = pair.scales.dissipation
     is_absolute = abs(work) <= _NO_DISSIPATION * scale
@@ -893,14 +909,16 @@ def dissipation_density(pair: Pair) -> Measured:
     Absolute, over A f^2 P_ref^2/a_ref, where the reference does no friction work anywhere (a NaN
     counts as work).
     """
-    reference_values = pair.expected.dissipation_density
+    reference_cycle = pair.expected
+    result_cycle = pair.found
+    reference_values = reference_cycle.dissipation_density
     largest_reference = np.max(np.abs(reference_values))
-    absolute = bool(largest_reference <= _NO_DISSIPATION * pair.scales.density)
-    scale = pair.scales.density if absolute else largest_reference
-    difference = (pair.found.dissipation_density - reference_values) / scale
-    value, x = _worst(difference, np.ones(len(difference), bool), pair.found.x)
+    is_absolute = bool(largest_reference <= _NO_DISSIPATION * pair.scales.density)
+    scale = pair.scales.density if is_absolute else largest_reference
+    difference = (result_cycle.dissipation_density - reference_values) / scale
+    value, x = _worst(difference, np.ones(len(difference), bool), result_cycle.x)
     place = None if x is None else x / pair.scales.half_width
-    return Measured(value=value, absolute=absolute, place=place)
+    return Measured(value=value, absolute=is_absolute, place=place)
 
 
 def energy_balance(pair: Pair) -> Measured:

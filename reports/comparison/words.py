@@ -675,8 +675,10 @@ def _in_first_table(comparison: JudgedPair) -> list[Metric]:
     """
     if not _is_failed(comparison):
         return list(comparison.headlines)
-    failing = _failing(comparison)
-    return failing + [metric for metric in comparison.headlines if metric not in failing]
+    failing_metrics = _failing(comparison)
+    return failing_metrics + [
+        metric for metric in comparison.headlines if metric not in failing_metrics
+    ]
 
 
 # Share of a value below which its uncertainty changes none of eight digits: it is called exact.
@@ -933,8 +935,8 @@ def summary_rows(
 
 
 def _rows_of_load_cycles(solution: ContactSolution) -> Iterator[tuple[str, str]]:
-    """Number of load cycles of a record, and friction work of their mean and of the last whole one;
-    none of a path that is no record.
+    """Rows (label with unit, value) on the load cycles of a record: their number, the friction work
+    of their mean, and of the last whole one. None of a path that is no record.
     """
     cycles = load_cycles(solution)
     if not cycles:

@@ -243,8 +243,8 @@ def measures(
     path = np.stack([(xx - yy) / 2, xy, (zz - mean) * np.sqrt(0.75)], axis=-1)
     centre = path.mean(axis=0)
     for step in range(_STEPS):
-        furthest = np.argmax(np.sum((path - centre) ** 2, axis=-1), axis=0)
-        centre = centre + (path[furthest, np.arange(path.shape[1])] - centre) / (step + 2)
+        furthest_instant = np.argmax(np.sum((path - centre) ** 2, axis=-1), axis=0)
+        centre = centre + (path[furthest_instant, np.arange(path.shape[1])] - centre) / (step + 2)
     radius = np.sqrt(np.sum((path - centre) ** 2, axis=-1).max(axis=0))
     largest_values["Crossland, amplitude of sqrt(J2)"] = radius
     largest_values["Crossland, largest hydrostatic stress"] = mean.max(axis=0)

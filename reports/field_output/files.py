@@ -103,8 +103,8 @@ def require_series(every: int | None, frames: int | None) -> None:
 def series_of(
     solution: ContactSolution, every: int | None, frames: int | None
 ) -> tuple[tuple[Instant, ...], list[str]]:
-    """Stored instants of the last whole cycle (the whole path, where it does not repeat), in order
-    of time, and remarks.
+    """Stored instants of the last whole cycle (the whole path, where it does not repeat) for a
+    film, in order of time, and notes.
 
     Parameters
     ----------
@@ -177,8 +177,8 @@ def write_fields(
     report: Report = lambda _done, _total, _text: None,
     total: int | None = None,
 ) -> list[str]:
-    """Write lower_000.vtu, upper_000.vtu, contact_000.vtu and so on, the collection; return the
-    names, its own first.
+    """Write the fields of both bodies and of the contact line at each snapshot as VTU files, and
+    the collection of them; returns the names of the files, that of the collection first.
 
     Stress is VTK's symmetric tensor xx, yy, zz, xy, yz, xz. The contact line has the answer at its
     points x, and the lower body's displacement to warp it by.
@@ -186,8 +186,10 @@ def write_fields(
     import meshes
 
     folder.mkdir(exist_ok=True)
-    line = contact_line(solution.bodies[0])
-    chain = np.column_stack([np.arange(len(line) - 1), np.arange(1, len(line))])
+    nodes_of_line = contact_line(solution.bodies[0])
+    cells_of_line = np.column_stack(
+        [np.arange(len(nodes_of_line) - 1), np.arange(1, len(nodes_of_line))]
+    )
     entries = []
     for number, snapshot in enumerate(snapshots):
         report(number, total, f"time {snapshot.time:.6g}")
@@ -206,9 +208,11 @@ def write_fields(
         tractions = {name: getattr(solution, name)[step] for name in ("pressure", "shear", "slip")}
         states = {
             "state": solution.state[step].astype(np.int32),
-            "displacement": lower_fields.displacement[line],
+            "displacement": lower_fields.displacement[nodes_of_line],
         }
-        parts.append(("contact", lower_fields.points[line], chain, tractions | states))
+        parts.append(
+            ("contact", lower_fields.points[nodes_of_line], cells_of_line, tractions | states)
+        )
         for part, (name, points, cells, nodal_values) in enumerate(parts):
             file = f"{name}_{number:03d}.vtu"
             meshes.write_vtu(folder / file, points, cells, nodal_values)

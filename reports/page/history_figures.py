@@ -440,13 +440,13 @@ def _within(shift: Array, at: Array, box: tuple[float, float, float, float]) -> 
     bottom): as it is, else turned round, else shortened.
     """
     left, top, right, bottom = box
-    lowest = np.array([left, top]) + _HALF_NUMBER
-    highest = np.array([right, bottom]) - _HALF_NUMBER
+    lower_corner = np.array([left, top]) + _HALF_NUMBER
+    upper_corner = np.array([right, bottom]) - _HALF_NUMBER
     for sign in ([1, 1], [1, -1], [-1, 1], [-1, -1]):
         place = at + sign * shift
-        if np.all((lowest <= place) & (place <= highest)):
+        if np.all((lower_corner <= place) & (place <= upper_corner)):
             return np.asarray(sign * shift)
-    return np.asarray(np.clip(at + shift, lowest, highest) - at)
+    return np.asarray(np.clip(at + shift, lower_corner, upper_corner) - at)
 
 
 def _follower(x: str, across: float, up: float, css: str) -> Dot:

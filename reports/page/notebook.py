@@ -97,8 +97,7 @@ def _step_shown(solution: ContactSolution, time: float | None) -> int:
     if not stored_times.min() <= time <= stored_times.max():
         raise InputError(
             f"plot: time = {time:g} lies outside the solution, which goes from"
-            f" {stored_times.min():.6g} to"
-            f" {stored_times.max():.6g}"
+            f" {stored_times.min():.6g} to {stored_times.max():.6g}"
         )
     return int(np.argmin(np.abs(stored_times - time)))
 

@@ -509,16 +509,16 @@ def draw(report: Report) -> tuple[Plate, ...]:
         edge_of_result = float(np.nanmax(comparison.found.contact_edges))
         drawings.append(mesh(meshes, half_width, edge_of_result))
 
-    left_out = set()
+    names_left_out = set()
     for field, name in (
         ("slip", "slip_history"),
         ("dissipation_density", "dissipation_density"),
     ):
         if field in missing(comparison.result):
-            left_out.add(name)
+            names_left_out.add(name)
     if len(view.time) < 2:
-        left_out |= {"state_map", "half_widths", "slip_history", "errors"}
-    return tuple(drawing for drawing in drawings if drawing and drawing.name not in left_out)
+        names_left_out |= {"state_map", "half_widths", "slip_history", "errors"}
+    return tuple(drawing for drawing in drawings if drawing and drawing.name not in names_left_out)
 
 
 def figure(report: Comparison | Report, name: str) -> str:

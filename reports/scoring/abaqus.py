@@ -173,9 +173,9 @@ def _columns(
     elif rows["x"][is_in_first_frame].is_unique:
         # no two nodes at one x: the surface alone was reported
         is_on_surface = is_on_surface | True
-    left_out = int(np.sum(~is_on_surface & is_in_first_frame))
-    if left_out:
-        notes.append(f"{left_out} nodes that do not lie on the contact surface were left out")
+    n_left_out = int(np.sum(~is_on_surface & is_in_first_frame))
+    if n_left_out:
+        notes.append(f"{n_left_out} nodes that do not lie on the contact surface were left out")
     surface_quantities: tuple[Quantity, ...] = ("x", "pressure", "shear", "slip", "frame")
     surface_columns = {
         name: converted(mapping, name, rows[name][is_on_surface].to_numpy())

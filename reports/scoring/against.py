@@ -153,8 +153,7 @@ def own_solution(path: Path, scene: Scene) -> ContactSolution:
         if solved_part != scene_part:
             raise InputError(
                 f"{path}: it answers another scene: {part} is {solved_part!r} there and"
-                f" {scene_part!r} in"
-                f" {scene.name}"
+                f" {scene_part!r} in {scene.name}"
             )
     return solution
 
@@ -274,15 +273,14 @@ def _refuse_beside(solution: ContactSolution, reference: ContactSolution) -> Non
         first_time, last_time = solution.time[[0, -1]]
         raise InputError(
             f"{source}: it has pressure at times {first_time:.6g} to {last_time:.6g}, where the"
-            " scene has no"
-            " contact: state the scene's times of its instants, by a column or by times of a"
-            " mapping"
+            " scene has no contact: state the scene's times of its instants, by a column or by"
+            " times of a mapping"
         )
     raise InputError(
         f"{source}: none of its points lies in the contact: they go from x = {solution.x[0]:.6g} to"
         f" {solution.x[-1]:.6g}, the contact from {left_edges.min():.6g} to"
-        f" {right_edges.max():.6g}; state its"
-        " x at the middle of the contact by x_offset of a mapping, in the scene's length"
+        f" {right_edges.max():.6g}; state its x at the middle of the contact by x_offset of a"
+        " mapping, in the scene's length"
     )
 
 

@@ -335,9 +335,8 @@ def _one_block_a_time(
         missing_names = [name for name in components if name not in block.components]
         if missing_names:
             raise InputError(
-                f"{file.path}: line {block.line}: block {block.name} has no {missing_names[0]};"
-                " it needs"
-                f" {', '.join(components)}"
+                f"{file.path}: line {block.line}: block {block.name} has no {missing_names[0]}; it"
+                f" needs {', '.join(components)}"
             )
     last_block_at = {block.time: block for block in file.blocks}
     notes = []

@@ -100,7 +100,7 @@ def read_frd(
     times: dict[float, None] = {}
     block_names: dict[str, None] = {}
     blocks: list[FrdBlock] = []
-    ended = False
+    has_end = False
     with path.open(encoding="ascii", errors="replace", newline="\n") as stream:
         lines = _Lines(path, stream)
         for line in lines:
@@ -132,7 +132,7 @@ def read_frd(
                             FrdBlock(name, time, components, numbers, values, header_line)
                         )
                 case "9999":
-                    ended = True
+                    has_end = True
                     break
     if not len(nodes):
         raise InputError(
@@ -148,7 +148,7 @@ def read_frd(
         tuple(times),
         tuple(blocks),
         tuple(block_names),
-        ended,
+        has_end,
     )
 
 
@@ -201,9 +201,8 @@ class _Lines(Iterator[str]):
         if form not in _LABELS:
             raise InputError(
                 f"{self.path}: line {header_line}: the file is binary (form {form}), and only the"
-                f" ASCII"
-                " forms are read; write *NODE FILE, *EL FILE and *CONTACT FILE in place of *NODE"
-                " OUTPUT, *ELEMENT OUTPUT and *CONTACT OUTPUT"
+                " ASCII forms are read; write *NODE FILE, *EL FILE and *CONTACT FILE in place of"
+                " *NODE OUTPUT, *ELEMENT OUTPUT and *CONTACT OUTPUT"
             )
         records: list[_Record] = []
         for line in self:
@@ -288,7 +287,7 @@ class _Lines(Iterator[str]):
         number_texts: list[str] = []
         for line, text, continuations in records:
             numbers_in_text = text[label_width:] + "".join(
-                rest[label_width:] for rest in continuations
+                continuation[label_width:] for continuation in continuations
             )
             if len(numbers_in_text) != _WIDTH * n_columns:
                 length = (

@@ -216,8 +216,8 @@ def _of_layer(discrepancy: Discrepancy) -> Sequence[float]:
 
 def _of_coupling(discrepancy: Discrepancy) -> Sequence[float]:
     shear = discrepancy.sheared and bool(discrepancy.scene.friction.coefficient)
-    possible = shear and not discrepancy.unsymmetric and not discrepancy.scene.load.is_driven
-    return _BETAS if possible and bool(np.any(discrepancy.result_tractions[SHEAR])) else ()
+    may_be_coupled = shear and not discrepancy.unsymmetric and not discrepancy.scene.load.is_driven
+    return _BETAS if may_be_coupled and bool(np.any(discrepancy.result_tractions[SHEAR])) else ()
 
 
 def _of_wrong_load(key: str) -> Callable[[Discrepancy], Sequence[float]]:

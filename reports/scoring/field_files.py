@@ -178,8 +178,7 @@ def _read_apart(paths: Sequence[Path]) -> bytes:
     except subprocess.TimeoutExpired as expiry:
         raise InputError(
             f"{_last(paths, expiry.stderr or b'')[0]}: reading takes longer than {SECONDS:g} s,"
-            f" which"
-            " is the limit; write the contact surface alone, and fewer instants"
+            " which is the limit; write the contact surface alone, and fewer instants"
         ) from expiry
     if process.returncode == 0:
         return process.stdout

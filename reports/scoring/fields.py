@@ -60,9 +60,9 @@ def read_fields(path: Path, mapping: Mapping) -> SurfaceResult:
     _require_one_mesh(path, frames)
     kind, components, source_in_words = _tractions(path, frames[0], mapping)
     needed_names = [name for quantity, name in components.items() if quantity != "slip"]
-    part_numbers, mesh, left_out = _parts_with(path, frames[0], mapping, needed_names)
+    part_numbers, mesh, notes_on_parts = _parts_with(path, frames[0], mapping, needed_names)
     if "slip" in components and not _holds(mesh, components["slip"]):
-        left_out.append(
+        notes_on_parts.append(
             f"{components['slip']} is not in all of the files that hold"
             f" {' and '.join(needed_names)}, and was left out"
         )
@@ -94,12 +94,12 @@ def read_fields(path: Path, mapping: Mapping) -> SurfaceResult:
     fields = {quantity: np.array(values) for quantity, values in values_of.items()}
     x = converted(mapping, "x", mesh.points[rows, 0])
     instants = _times_of(path, frames, mapping)
-    notes = [source_in_words, *left_out, *surface_notes]
+    notes = [source_in_words, *notes_on_parts, *surface_notes]
     return surface_result(str(path), mapping.code, x, dict(fields), {"time": instants}, notes)
 
 
 def _require_one_mesh(path: Path, frames: Sequence[FieldFrame]) -> None:
-    """InputError where the points of an instant are not those of the first one."""
+    """InputError where the points of any instant of a field file are not those of the first one."""
     first_points = joined(frames[0].parts).points
     tolerance = SAME * extent(first_points)
     for k, frame in enumerate(frames[1:], start=2):

@@ -193,11 +193,9 @@ def _by_time(surface: SurfaceResult, stated_time: Array, scene: Scene, *, sure: 
         cycles_in_words = f" in {scene.cycles} cycles" if path.period is not None else ""
         raise InputError(
             f"{surface.source}: instant {instants_beyond[0] + 1} is at time"
-            f" {time[instants_beyond[0]]:.6g}, outside"
-            f" the scene's path, which goes from {path.start:.6g} to"
-            f" {last_time:.6g}{cycles_in_words};"
-            " state each"
-            " instant's time there by the key times of a mapping"
+            f" {time[instants_beyond[0]]:.6g}, outside the scene's path, which goes from"
+            f" {path.start:.6g} to {last_time:.6g}{cycles_in_words}; state each instant's time"
+            " there by the key times of a mapping"
         )
     normal_load, tangential_load = path.at(time)
     # At the times stated, loads stated must be the scene's, and so must the integral of the
@@ -274,10 +272,8 @@ def _by_loads(
     if np.max(loads[0]) <= _STATED * largest_load:
         raise InputError(
             f"{surface.source}: its largest P is {np.max(loads[0]):.4g} (from {source_in_words})"
-            f" and the scene's"
-            f" {largest_load:.4g}: too little to tell its instants by; see to thickness and"
-            f" factors of the"
-            " mapping, or state the times"
+            f" and the scene's {largest_load:.4g}: too little to tell its instants by; see to"
+            " thickness and factors of the mapping, or state the times"
         )
     best_match: tuple[float, Array] | None = None
     for times in _windows(path, scene):
@@ -296,15 +292,13 @@ def _by_loads(
         raise InputError(
             f"{surface.source}: its history is not the scene's: at instant {step + 1} P ="
             f" {loads[0][step]:.6g} and Q = {loads[1][step]:.6g} (from {source_in_words}), and the"
-            f" nearest that"
-            f" the scene's path has, in order, is P = {normal_load[step]:.6g} and Q ="
+            f" nearest that the scene's path has, in order, is P = {normal_load[step]:.6g} and Q ="
             f" {tangential_load[step]:.6g} at time"
             f" {time[step]:.6g}{_constant_ratio(loads[0], normal_load, largest_load)}"
         )
     notes = [
         f"its instants were matched to the load path by {source_in_words}; the farthest is"
-        f" {misfit:.1e} of the"
-        " largest P away"
+        f" {misfit:.1e} of the largest P away"
     ]
     start_of_last_two = math.inf
     if path.period is not None:

@@ -189,8 +189,7 @@ def find_column(
             hint = f"did you mean {near_names[0]!r}?" if near_names else f"it has {listed(names)}"
             raise InputError(
                 f"{where}: the mapping says columns.{quantity} = {stated_name!r}, which is not"
-                " there;"
-                f" {hint}"
+                f" there; {hint}"
             )
         return stated_name
     for alias in ALIASES[quantity]:
@@ -215,14 +214,14 @@ def _how_to_name(quantity: str, names: Sequence[str]) -> str:
     where a column is nearly called like it.
     """
     by_plain_name = {plain(name): name for name in names}
-    nearest = [
+    near_names = [
         match
         for alias in ALIASES[quantity]
         for match in difflib.get_close_matches(plain(alias), by_plain_name, n=1, cutoff=_NEARLY)
     ]
-    if not nearest:
+    if not near_names:
         return f"name it by columns.{quantity} of a mapping (`halfplane score --mapping-example`)"
-    name = by_plain_name[nearest[0]]
+    name = by_plain_name[near_names[0]]
     return (
         f"if {name!r} is it, write the lines [columns] and {quantity} = {json.dumps(name)} into a"
         " file mapping.toml, and add --mapping mapping.toml"

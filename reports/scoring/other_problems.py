@@ -116,8 +116,10 @@ class OtherProblem:
         self, discrepancy: Discrepancy, tractions: Tractions, problem_fit: ProblemFit
     ) -> Residual:
         """What tractions leave where the problem is judged."""
-        whole = discrepancy.residual(tractions, self.channel)
-        return replace(whole, inside=problem_fit.judged_points & (discrepancy.weight > 0))
+        residual_everywhere = discrepancy.residual(tractions, self.channel)
+        return replace(
+            residual_everywhere, inside=problem_fit.judged_points & (discrepancy.weight > 0)
+        )
 
 
 # ------------------------------------------------------------------------- closed forms of pressure
@@ -387,8 +389,7 @@ def _several_zones(discrepancy: Discrepancy) -> ProblemFit | None:
         {"gaps": long_gaps / len(result_pressure)},
         (
             f"over the gaps the reference carries {float(load_over_gaps.max()):.0%} of P; the sum"
-            f" of the"
-            f" pressures is {discrepancy.resultant_ratio:.4g} P all the same",
+            f" of the pressures is {discrepancy.resultant_ratio:.4g} P all the same",
         ),
     )
 
@@ -557,8 +558,7 @@ def _law_of_friction(discrepancy: Discrepancy) -> ProblemFit | None:
         (
             f"{int(slips.sum())} points in slip; no coefficient of friction leaves less than"
             f" {square_left_by_coefficient**0.5 / scale:.2g} of f p_ref of their shear, this law"
-            f" leaves"
-            f" {square_left**0.5 / scale:.2g}",
+            f" leaves {square_left**0.5 / scale:.2g}",
         ),
     )
 

@@ -93,7 +93,7 @@ def contact_solution(
     surface, history, guesses = _placed_on_path(
         surface, mapping, theory, sure_of_times=sure_of_times
     )
-    skipped = _skipped(surface, history.time, _instants_of_cycle(scene, history.time))
+    missing_fields = _skipped(surface, history.time, _instants_of_cycle(scene, history.time))
     if history.guess:
         guesses = (*guesses, history.guess)
     if history.either_sign and mapping.signs.shear is None:  # nothing in the file can tell
@@ -152,16 +152,16 @@ def contact_solution(
         record=Record(
             True, "end of path", f"read from {surface.source}", freeze(np.zeros(count), np.int64)
         ),
-        work=Work({"instants": count, "points": len(surface.x)}, skipped),
+        work=Work({"instants": count, "points": len(surface.x)}, missing_fields),
         **_imposed(scene, history.time),
         settings=settings,
     )
     solution, method_in_words = _ruled(
         solution_without_zones,
         has_slip=surface.slip is not None,
-        has_work="dissipation" not in skipped,
+        has_work="dissipation" not in missing_fields,
     )
-    if "dissipation" not in skipped:
+    if "dissipation" not in missing_fields:
         steps = len(solution.last_cycle)
         notes.insert(
             0,
@@ -299,8 +299,7 @@ def by_same_rule(
     sentence = (
         "States and edges follow from one rule in the result and in the reference; against the"
         f" reference's own it errs by up to {largest_contact_error:.1e} a_ref at the contact edge"
-        f" and {largest_stick_error:.1e}"
-        " a_ref at the stick edge"
+        f" and {largest_stick_error:.1e} a_ref at the stick edge"
     )
     if not is_judged.all():
         sentence += (
@@ -432,15 +431,15 @@ def zones(
     limit, whose slip, where there is one, moves with the shear; the first instant has no step
     before it, so that there the limit alone tells.
     """
-    touching = pressure > TOUCHES * pressure.max(axis=1, keepdims=True)
-    slips = touching & (np.abs(shear) >= (1 - _CONE) * friction * pressure)
+    is_touching = pressure > TOUCHES * pressure.max(axis=1, keepdims=True)
+    slips = is_touching & (np.abs(shear) >= (1 - _CONE) * friction * pressure)
     sense = np.sign(shear)
     rule_in_words = _IN_CONTACT
     sources = "tractions"
     if friction:
         rule_in_words += f"; it slips where |q| is at least {1 - _CONE:g} f p"
     if slip is not None and len(slip) > 1:
-        movement = np.where(touching[1:], np.diff(slip, axis=0), 0.0)
+        movement = np.where(is_touching[1:], np.diff(slip, axis=0), 0.0)
         largest_movement = np.max(np.abs(movement), axis=1, keepdims=True)
         with np.errstate(divide="ignore", invalid="ignore"):
             rate = np.where(largest_movement > 0, largest_movement / np.diff(time)[:, None], 0.0)
@@ -461,18 +460,18 @@ def zones(
             "; for want of slip, a point that just came to rest still counts as slipping"
         )
     state = np.full(pressure.shape, OPEN, dtype=np.int8)
-    state[touching] = STICK
+    state[is_touching] = STICK
     state[slips & (sense > 0)] = SLIP_FORWARD
     state[slips & ~(sense > 0)] = SLIP_REVERSE
-    sticks = touching & ~slips
+    sticks = is_touching & ~slips
     below_limit = np.maximum(friction * pressure - np.abs(shear), 0.0)
     contact_edges = np.empty((len(pressure), 2))
     stick_edges = np.empty((len(pressure), 2))
     for k in range(len(pressure)):
-        contact_edges[k] = _ends(x, pressure[k] ** 2, touching[k], smooth=True)
+        contact_edges[k] = _ends(x, pressure[k] ** 2, is_touching[k], smooth=True)
         stick_edges[k] = _ends(x, below_limit[k] ** 2, sticks[k])
         # where the outermost points of the contact stick, the stick zone ends with it
-        touching_points = np.flatnonzero(touching[k])
+        touching_points = np.flatnonzero(is_touching[k])
         if len(touching_points) and sticks[k, touching_points[0]]:
             stick_edges[k, 0] = contact_edges[k, 0]
         if len(touching_points) and sticks[k, touching_points[-1]]:
@@ -599,8 +598,7 @@ def _guessed(
         method_in_words = ", by the centroid" if centre else ", the centroid"
         sentences.append(
             f"x was counted from {shift:.6g}{method_in_words} of the largest pressure, where the"
-            f" file has it"
-            " from 0 (x_offset)"
+            " file has it from 0 (x_offset)"
         )
     return surface, tuple(sentences)
 

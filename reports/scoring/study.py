@@ -80,11 +80,11 @@ class StudyRow:
     @property
     def mesh(self) -> float | None:
         """E - E_0: what the finest mesh itself adds; None where no value was extrapolated."""
-        told = self.extrapolation.value is not None and self.extrapolation.kind not in (
+        is_known = self.extrapolation.value is not None and self.extrapolation.kind not in (
             "oscillating",
             "diverging",
         )
-        return self.values[0] - float(self.extrapolation.value or 0.0) if told else None
+        return self.values[0] - float(self.extrapolation.value or 0.0) if is_known else None
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,12 +162,12 @@ def study(levels: Sequence[Level], notes: Sequence[str] = ()) -> Study:
         raise InputError(
             "a mesh study takes two meshes at least; name the file itself to score one"
         )
-    for fine, coarse in itertools.pairwise(levels_by_size):
-        if coarse.size < _DISTINCT * fine.size:
+    for fine_level, coarse_level in itertools.pairwise(levels_by_size):
+        if coarse_level.size < _DISTINCT * fine_level.size:
             raise InputError(
-                f"{fine.name} and {coarse.name} have the same element size, {fine.size:.4g} and"
-                f" {coarse.size:.4g} ({fine.how}): state sizes under [element_sizes] of a mapping,"
-                " or leave one out"
+                f"{fine_level.name} and {coarse_level.name} have the same element size,"
+                f" {fine_level.size:.4g} and {coarse_level.size:.4g} ({fine_level.how}): state"
+                " sizes under [element_sizes] of a mapping, or leave one out"
             )
     lines = (_line(metric, levels_by_size) for metric in levels_by_size[0].comparison.metrics)
     all_notes = list(notes)

@@ -144,10 +144,8 @@ def surface_result(
         if len(equal_neighbours):
             raise InputError(
                 f"{source}: the point x = {row[equal_neighbours[0]]:.9g} stands there twice in one"
-                f" instant"
-                f" ({len(equal_neighbours)} such in all); leave one out, or name a column that"
-                f" tells the"
-                " instants apart (columns.time or columns.frame of a mapping)"
+                f" instant ({len(equal_neighbours)} such in all); leave one out, or name a column"
+                " that tells the instants apart (columns.time or columns.frame of a mapping)"
             )
     if places.ndim == 2:
         places, sentence = _one_line(source, places)
@@ -210,15 +208,13 @@ def _one_line(source: str, places: Array) -> tuple[Array, str]:
         raise InputError(
             f"{source}: the points are not the same at every instant: point {column + 1} has x ="
             f" {places[row, column]:.6g} at instant {row + 1} and {mean_places[column]:.6g} in the"
-            f" mean,"
-            f" {largest_movement / spacing:.2g} spacings off; give undeformed places"
+            f" mean, {largest_movement / spacing:.2g} spacings off; give undeformed places"
         )
     return (
         mean_places,
         (
             f"x moves from instant to instant by at most {largest_movement / spacing:.1g} of the"
-            f" points'"
-            " spacing; its mean was taken"
+            " points' spacing; its mean was taken"
         ),
     )
 

@@ -152,8 +152,7 @@ def full_slip(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     )
     evidence = (
         f"|q| is f p at {share_at_limit:.0%} of the {count} points and instants at which the"
-        f" reference"
-        " sticks"
+        " reference sticks"
     )
     yield Diagnosis("full_slip", sentence, (evidence,), 1.0)
 
@@ -181,8 +180,8 @@ def elastic_slip(discrepancy: Discrepancy, *, shear_sign: float = 1.0) -> Iterat
     slip_change = np.diff(result_cycle.slip, axis=0)
     slip_change_of_reference = np.diff(reference_cycle.slip, axis=0)
     shear_change = shear_sign * np.diff(result_cycle.shear, axis=0)
-    touching = (result_cycle.pressure[1:] > 0) & (result_cycle.pressure[:-1] > 0)
-    largest_change = float(np.max(np.abs(slip_change), where=touching, initial=0.0))
+    is_touching = (result_cycle.pressure[1:] > 0) & (result_cycle.pressure[:-1] > 0)
+    largest_change = float(np.max(np.abs(slip_change), where=is_touching, initial=0.0))
     sticks = (
         is_well_inside[1:]
         & is_well_inside[:-1]
@@ -218,8 +217,7 @@ def elastic_slip(discrepancy: Discrepancy, *, shear_sign: float = 1.0) -> Iterat
     evidence = (
         (
             f"{len(creep)} steps of points that stick: the slip moves by {relative_creep:.2g} of"
-            f" the largest"
-            f" step, {share_proportional:.0%} of it in proportion to the shear"
+            f" the largest step, {share_proportional:.0%} of it in proportion to the shear"
         ),
         f"a tangential stiffness of {stiffness:.2g} E*/a_ref",
     )
@@ -286,17 +284,17 @@ def scatter(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     if len(noise_by_channel) > 1:
         noise_in_words += f" and {noise_by_channel[1]:.2g} in q/(f p_ref)"
         result_cycle = discrepancy.comparison.found  # at all instants
-        touching = discrepancy.comparison.expected.pressure > 1e-3 * scales.pressure
+        is_touching = discrepancy.comparison.expected.pressure > 1e-3 * scales.pressure
         excess = np.abs(result_cycle.shear) / scales.shear - result_cycle.pressure / scales.pressure
-        count = int(np.sum(excess[touching] > 0))
-        largest_excess = float(np.max(excess[touching]))
+        count = int(np.sum(excess[is_touching] > 0))
+        largest_excess = float(np.max(excess[is_touching]))
         excess_by_noise = _BY_NOISE * sum(value**2 for value in noise_by_channel) ** 0.5
         size_in_words = "more than noise alone makes"
         if largest_excess <= excess_by_noise:
             size_in_words = "no more than noise makes: no fault of the contact law"
         evidence.insert(
             0,
-            f"{count} of {int(touching.sum())} points in contact exceed the Coulomb limit, by"
+            f"{count} of {int(is_touching.sum())} points in contact exceed the Coulomb limit, by"
             f" {largest_excess:.2g} of f p_ref at most: {size_in_words}",
         )
     sentence = WORDS["others"][NOISE].format(size=noise_in_words)

@@ -54,16 +54,16 @@ def make_map(name: str, options: Options) -> Answer:
                     replace_text(heights, table_of_distances(distances))
     pages.write(folder)
     page = str(folder / "README.md")
-    shown = [tables for tables in pages.stored(folder) if tables.kind in kinds]
+    tables_shown = [tables for tables in pages.stored(folder) if tables.kind in kinds]
 
     def parts() -> Iterator[Part]:
         title = "height/a from which theory is within 1; 5; 10 %"
-        yield Sheet(title, pages.HEADS_OF_HEIGHTS, pages.rows_of_heights(shown))
+        yield Sheet(title, pages.HEADS_OF_HEIGHTS, pages.rows_of_heights(tables_shown))
         yield page
 
     def content() -> dict[str, Any]:
         heights = {
-            tables.kind.name: [row._asdict() for row in tables.distances] for tables in shown
+            tables.kind.name: [row._asdict() for row in tables.distances] for tables in tables_shown
         }
         return {"passed": True, "heights": heights, "page": page}
 

@@ -327,15 +327,15 @@ def _gap_for_slope(case: Case) -> Found:
     """
     case_as_is = case
     case_ten_times = case.ten_times()
-    slip_of_small = _slip_after_j(case_as_is)
-    power_of_slip = math.log10(_slip_after_j(case_ten_times) / slip_of_small)
+    slip_as_is = _slip_after_j(case_as_is)
+    power_of_slip = math.log10(_slip_after_j(case_ten_times) / slip_as_is)
     errors = {}
     powers = {}
     for name in ("slope", "gap of the increment", "gap of the punch"):
-        by_15_of_small = _by_15(case_as_is, 0.8 * case_as_is.length, name)
-        by_15_of_large = _by_15(case_ten_times, 0.8 * case_ten_times.length, name)
-        errors[name] = _relative_error(by_15_of_small, slip_of_small)
-        powers[name] = math.log10(by_15_of_large / by_15_of_small)
+        by_15_as_is = _by_15(case_as_is, 0.8 * case_as_is.length, name)
+        by_15_ten_times = _by_15(case_ten_times, 0.8 * case_ten_times.length, name)
+        errors[name] = _relative_error(by_15_as_is, slip_as_is)
+        powers[name] = math.log10(by_15_ten_times / by_15_as_is)
     error_of_slope = errors.pop("slope")
     least_error = min(errors.values())
     numbers = {"right": error_of_slope, "printed": least_error, "power of the slip": power_of_slip}
@@ -469,10 +469,12 @@ def work(case: Case, x: float) -> dict[str, Found]:
     # Ten times all lengths and loads, the same stresses; the integral of W(x) in parts between the
     # edges at events.
     fields = ("dissipation_density", "dissipation")
-    small = case.solve(x=[1.0], fields=fields, steady=True)
-    large = case.ten_times().solve(x=[1.0], fields=fields, steady=True)
-    power_of_density = math.log10(large.dissipation_density[0] / small.dissipation_density[0])
-    power_of_work = math.log10(large.dissipation / small.dissipation)
+    solution_as_is = case.solve(x=[1.0], fields=fields, steady=True)
+    solution_ten_times = case.ten_times().solve(x=[1.0], fields=fields, steady=True)
+    power_of_density = math.log10(
+        solution_ten_times.dissipation_density[0] / solution_as_is.dissipation_density[0]
+    )
+    power_of_work = math.log10(solution_ten_times.dissipation / solution_as_is.dissipation)
     edges = (float(case.width(case.events[letter].normal_load)) for letter in "FGHIJ")
     places_of_edges = sorted({case.stick_edge, case.outer_edge, *edges})
     parts_of_work = (

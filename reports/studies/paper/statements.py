@@ -365,9 +365,11 @@ def loads(paper: Paper) -> dict[str, Found]:
     change_by_mean = _changes(case, cases_by_mean)
     change_by_loading = _changes(case, cases_by_loading)
 
-    def shear(of: Case, x: Array) -> Array:
+    def shear(chosen_case: Case, x: Array) -> Array:
         return (
-            of.solve(time=[of.time("M") + 2 * math.pi], x=x, fields=("shear",)).shear
+            chosen_case.solve(
+                time=[chosen_case.time("M") + 2 * math.pi], x=x, fields=("shear",)
+            ).shear
             * case.length
             / case.unit
         )

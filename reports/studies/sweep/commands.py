@@ -52,8 +52,7 @@ def swept(source: str, options: Options, *, announced: bool = False) -> Answer:
         known_addresses = prepared.store.addresses()
         return (
             f"{sum(point.address in known_addresses for point in prepared.points)} of"
-            f" {len(prepared.points)}"
-            " points are stored"
+            f" {len(prepared.points)} points are stored"
         )
 
     try:
@@ -129,13 +128,12 @@ def _points(prepared: Prepared, table: DataFrame, state: dict[str, Any]) -> Iter
     folder = prepared.store.folder
     yield (
         f"{len(solved_rows)} points done, {len(failed_rows)} failed; `halfplane sweep report"
-        f" {folder}` draws"
-        " them"
+        f" {folder}` draws them"
     )
     for note in state["notes"][:_NOTES]:
         yield f"note on {note['points']} of {len(table)} points: {note['note']}"
-    if (left_out := len(state["notes"]) - _NOTES) > 0:
-        yield f"... and {left_out} other notes; see index.csv"
+    if (n_left_out := len(state["notes"]) - _NOTES) > 0:
+        yield f"... and {n_left_out} other notes; see index.csv"
     yield state["file"]
 
 
@@ -167,8 +165,8 @@ def status(folder: Path, _: Options) -> Answer:
             f"point {failure['point']} failed: {failure['reason']}"
             for failure in state["failures"][:_SHOWN]
         )
-        if (left_out := len(state["failures"]) - _SHOWN) > 0:
-            yield f"... and {left_out} more failed; see index.csv"
+        if (n_left_out := len(state["failures"]) - _SHOWN) > 0:
+            yield f"... and {n_left_out} more failed; see index.csv"
         if state["seconds_left"] is not None:
             yield (
                 f"about {state['seconds_left']:.0f} s of work left at the rate of the last results"

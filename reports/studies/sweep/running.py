@@ -345,7 +345,7 @@ def run(
     report: Report = lambda _count, _total, _words: None,
     **workers: Any,
 ) -> pd.DataFrame:
-    """Run a study into a folder, or resume an earlier run of it; returns the table.
+    """Run a study into a folder, or resume an earlier run of it; returns the table of results.
 
     Called from a script, it stands under `if __name__ == "__main__":`, for the workers are
     processes that read the script again. Who solves the points is stated as to `workers_of`:

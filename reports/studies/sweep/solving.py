@@ -188,7 +188,8 @@ def shown_factor(name: str) -> float:
 
 
 def label_of(name: str, scene: Scene) -> tuple[str, str]:
-    """What a figure is, and its unit as it is shown: that of the scene, or per cent of what.
+    """What a figure of a sweep such as "fe.p0" is, and its unit as it is shown: a unit of the
+    scene, or per cent of what.
 
     >>> from scenes import load_scene
     >>> [
@@ -200,9 +201,9 @@ def label_of(name: str, scene: Scene) -> tuple[str, str]:
     if name in METRICS:
         return METRICS[name].label, f"% {METRICS[name].unit}"
     prefix, _, quantity = name.partition(".")
-    words, _, unit = QUANTITIES[quantity].words.removesuffix("]").rpartition(" [")
+    quantity_in_words, _, unit = QUANTITIES[quantity].words.removesuffix("]").rpartition(" [")
     if prefix == "error":
-        return f"{words}, finite elements/theory − 1", "%"
+        return f"{quantity_in_words}, finite elements/theory − 1", "%"
     _, length, stress = units(scene)
     energy = energy_unit(scene)
     unit_of = {
@@ -211,7 +212,7 @@ def label_of(name: str, scene: Scene) -> tuple[str, str]:
         "energy / thickness": energy,
         "energy / area": f"{energy}²",
     }
-    return f"{words}, {_ENGINES[prefix]}", unit_of[unit]
+    return f"{quantity_in_words}, {_ENGINES[prefix]}", unit_of[unit]
 
 
 def check_figures(figures: Sequence[str], engines: Sequence[str], uncertainty: str) -> None:
@@ -408,7 +409,7 @@ def _answer(question: Question) -> dict[str, Any]:
     """The answer to one question as JSON values: its status and figures, or the reason why it has
     none; with seconds and host.
     """
-    begun = time.perf_counter()
+    start_seconds = time.perf_counter()
     try:
         answer = _solve(question)
     except ConvergenceError as failure:
@@ -430,7 +431,11 @@ def _answer(question: Question) -> dict[str, Any]:
         "notes": {},
         "record": {},
     }
-    return empty_answer | answer | {"seconds": time.perf_counter() - begun, "host": platform.node()}
+    return (
+        empty_answer
+        | answer
+        | {"seconds": time.perf_counter() - start_seconds, "host": platform.node()}
+    )
 
 
 def _solve(question: Question) -> dict[str, Any]:

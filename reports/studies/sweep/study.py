@@ -344,9 +344,8 @@ def expand(study: Study, report: Callable[[int], None] = lambda _count: None) ->
             raise InputError(sentence) from fault
         if point.address in number_of:
             raise InputError(
-                f"{words_of_point} asks the same as point {number_of[point.address]}: an axis"
-                " has a value"
-                " twice, or moves nothing"
+                f"{words_of_point} asks the same as point {number_of[point.address]}: an axis has a"
+                " value twice, or moves nothing"
             )
         number_of[point.address] = number
         points.append(point)

@@ -330,9 +330,8 @@ def run_calculix(
             or "nothing"
         )
         raise ConvergenceError(
-            f"CalculiX {cause} at time {time_reached:.6g} of {end:.6g}, in increment"
-            f" {len(rows)}; the last"
-            f" lines of its log: {tail}"
+            f"CalculiX {cause} at time {time_reached:.6g} of {end:.6g}, in increment {len(rows)};"
+            f" the last lines of its log: {tail}"
         )
     return Done(
         time.monotonic() - begin_time,
