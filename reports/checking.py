@@ -215,6 +215,9 @@ def _cure_of_record(load: TimeSeriesLoad, friction: float, time: float) -> str:
 
 
 def _check(scene: Scene) -> None:
+    """Follow the loads of a scene from its start; InadmissibleLoadError where P is negative or |Q|
+    reaches f P.
+    """
     from semi_analytic.history import check
     from semi_analytic.load_series import check_rows
 

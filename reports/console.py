@@ -318,9 +318,7 @@ def _coloured(cell: str) -> Text:
 
 
 def _printable(text: str) -> str:
-    """What a file says must not steer the terminal: its control characters are shown as their
-    escapes.
-    """
+    """A text from a file with its control characters as escapes: it must not steer the terminal."""
     return "".join(c if c.isprintable() or c in "\n\t" else ascii(c)[1:-1] for c in text)
 
 

@@ -300,7 +300,9 @@ def _kept_beside(staging: Path) -> str:
 
 
 def _leave_only(results: Path, names: Iterable[str]) -> list[str]:
-    """Those of `names` that were written, all else in `results` removed."""
+    """Remove all files in `results` but those called `names`; returns which of these were
+    written.
+    """
     written_names = [name for name in names if (results / name).is_file()]
     for name in set(_files(results)) - set(written_names):
         (results / name).unlink()

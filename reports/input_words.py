@@ -327,6 +327,7 @@ def table_of_inputs(effects: InputEffects) -> tuple[tuple[str, ...], list[tuple[
 
 
 def _unit(value: Propagated, scene: Scene) -> str:
+    """The unit of a value of theory, in the units of the scene."""
     _, length, stress = units(scene)
     return {
         "energy": energy_unit(scene),

@@ -502,6 +502,9 @@ class _ScalingLaws:
         return self.derivative("tangential_load")
 
     def of_normal_load(self) -> _Values:
+        """x dV/dx of every value V for the normal load x: measured, or of a parabola by a scaling
+        law.
+        """
         if not isinstance(self.scene.profile, Hertz):
             return self.derivative("normal_load")
         heights = self._exponents("of_heights")
@@ -519,7 +522,7 @@ class _ScalingLaws:
         return {key: shear[key] - of_force[key] for key in self.middle}
 
     def of_modulus(self) -> _Values:
-        """Of E*."""
+        """x dV/dx of every value V for the composite modulus x = E*, by a scaling law."""
         stress = self._exponents("of_stress")
         of_load = self.of_normal_load()
         of_force = self.of_tangential_load()
@@ -689,7 +692,9 @@ class _LawOfModulus:
         return self.loads.by_differences(key)
 
     def move(self, entry: Input) -> _Move:
-        """Of Young's modulus of both bodies, which are of one material."""
+        """What one standard uncertainty of Young's modulus changes in the differences; both bodies
+        are of one material.
+        """
         by_normal_load = self.loads.derivative("normal_load")
         by_tangential_load = self.loads.derivative("tangential_load")
         changes = {}
@@ -765,12 +770,14 @@ def _works_by_batch(scene: Scene, effects: BodyEffects) -> tuple[float, float]:
 
 
 def _works_by_solving(scene: Scene, effects: BodyEffects) -> tuple[float, float]:
-    """The same."""
+    """Friction work W of a cycle for half-planes and for finite bodies, each by a solution of
+    theory.
+    """
     import semi_analytic
 
-    theory = semi_analytic.solve(scene, x=0.0, fields=(WORK,))
-    corrected_solution = semi_analytic.solve(scene, x=0.0, effects=effects, fields=(WORK,))
-    return theory.dissipation, corrected_solution.dissipation
+    solution_of_half_planes = semi_analytic.solve(scene, x=0.0, fields=(WORK,))
+    solution_of_bodies = semi_analytic.solve(scene, x=0.0, effects=effects, fields=(WORK,))
+    return solution_of_half_planes.dissipation, solution_of_bodies.dissipation
 
 
 def _difference_of_peak(scene: Scene, effects: BodyEffects) -> float:
@@ -834,12 +841,16 @@ def draws_of_work(scene: Scene, reason: str) -> Draws | None:
 
 
 def _drawn(values: Array) -> Drawn:
-    """Of draws (n,), those without a value (NaN) left out."""
-    possible = values[np.isfinite(values)]
-    if len(possible) < 2:
+    """Mean, deviation and 95 % range of the values of random draws (n,); those without a value
+    (NaN) are left out.
+    """
+    known_values = values[np.isfinite(values)]
+    if len(known_values) < 2:
         return Drawn(math.nan, math.nan, math.nan, math.nan)
-    lower_bound, upper_bound = np.quantile(possible, (0.025, 0.975)).tolist()
-    return Drawn(float(possible.mean()), float(possible.std(ddof=1)), lower_bound, upper_bound)
+    lower_bound, upper_bound = np.quantile(known_values, (0.025, 0.975)).tolist()
+    return Drawn(
+        float(known_values.mean()), float(known_values.std(ddof=1)), lower_bound, upper_bound
+    )
 
 
 def samples_of(scene: Scene, count: int) -> dict[str, Array]:

@@ -154,6 +154,9 @@ class _Work(Enum):
 
 
 def _way_to_work(scene: Scene) -> _Work:
+    """How the dissipation of another fit of a scene's profile is found: in one batch, by marching
+    along the path, or left out for long records.
+    """
     load = scene.load
     if isinstance(load, EllipseLoad) and not load.has_bulk_or_tilt:
         return _Work.IN_BATCH

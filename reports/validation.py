@@ -231,7 +231,9 @@ OF_A_MODEL = (
 
 
 def sentences(entries: Sequence[AgainstMeasurement], *, is_measured: bool) -> list[str]:
-    """What they say of a result, which may be a measurement or not."""
+    """Sentences on computed beside measured values; with a reservation where the result may be no
+    measurement.
+    """
     sentences_of_entries = [entry.sentence for entry in entries]
     if not sentences_of_entries or is_measured:
         return sentences_of_entries

@@ -134,6 +134,7 @@ def labels(numbers: Sequence[float]) -> list[str]:
 
 
 def _label(number: float) -> str:
+    """A number beside an axis: six digits, a real minus sign, a short exponent."""
     text = f"{number:.6g}"
     if 0 < abs(number) < 1e-3:
         text = np.format_float_scientific(number, precision=5, trim="-")
@@ -420,6 +421,9 @@ class Cell:
     event: int | None
 
     def __html__(self) -> str:
+        """The panels of the cell as HTML, one under the other; with the instant that a click on it
+        shows.
+        """
         content = "".join(panel.__html__() for panel in self.panels)
         if self.event is None:
             return f"<div>{content}</div>"

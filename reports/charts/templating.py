@@ -178,6 +178,7 @@ class CompiledTemplates(ChoiceLoader):
         name: str,
         globals: MutableMapping[str, Any] | None = None,
     ) -> Template:
+        """The template of this name, from its compiled code where that is stored already."""
         source, filename, uptodate = self.get_source(environment, name)
         module = _CompiledOnce(name, source, lambda: environment.compile(source, name, filename))
         code = module.get_code(name)

@@ -54,6 +54,9 @@ _SOLVER = Group("Solver (what is left out is the engine's own)", sort_key=3)
 
 
 def _whole_number(_: type, tokens: Sequence[Token]) -> int:
+    """The whole number in an option; ValueError for anything else, which the command-line library
+    would round.
+    """
     try:
         return int(tokens[0].value)
     except ValueError:
@@ -680,6 +683,7 @@ def ended_by_signals() -> Generator[list[int], None, None]:
 
 # ---------------------------------------------------------------------------------- the application
 def _version() -> str:
+    """The installed version of this program."""
     from importlib.metadata import PackageNotFoundError, version
 
     try:
@@ -817,7 +821,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _drop_unwritten() -> None:
-    """What could not be written to stdout goes nowhere: the end of the process would try it
+    """Send what could not be written to stdout nowhere: the end of the process would try it
     again.
     """
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -920,7 +924,7 @@ def _internal(fault: Exception, tokens: Sequence[str]) -> int:
 
 
 def _notes_of(fault: Exception) -> str:
-    """What was saved before a fault, as notes of it say, to end a sentence with; empty without
+    """The notes of a fault, on what was saved before it, to end a sentence with; empty without
     any.
     """
     return "".join(f"; {_one_line(note)}" for note in getattr(fault, "__notes__", ()))

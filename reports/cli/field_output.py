@@ -43,7 +43,9 @@ def _series(options: Options) -> bool:
 
 
 def _criteria(options: Options) -> Criteria | None:
-    """What --fatigue needs; None where nothing of it is asked for."""
+    """The fatigue measures that the options ask for, with their constants; None where they ask for
+    none.
+    """
     from reports.field_output.fatigue import Criteria
 
     criteria = Criteria(options.fatemi_socie, options.findley, options.critical_distance)

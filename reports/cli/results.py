@@ -284,7 +284,9 @@ def _score_shown(report: Report, page: str) -> Iterator[Part]:
 
 
 def _inputs_said(report: Report) -> Iterator[Part]:
-    """What the inputs make of theory, and the result against it."""
+    """A paragraph on what the uncertain inputs do to theory, and how the result stands against it;
+    nothing without these.
+    """
     from reports.input_words import sentences_of_report
 
     if input_sentences := sentences_of_report(report):
@@ -372,6 +374,7 @@ def _difference_parts(change: Difference) -> Iterator[Part]:
 
 
 def _cells(row: Row) -> tuple[str, ...]:
+    """Cells of one value of `diff`: name, A, B, B − A, tolerance, verdict."""
     value_a, value_b = ("none" if value is None else f"{value:.10g}" for value in (row.a, row.b))
     if row.difference is None:
         step = "–"

@@ -85,6 +85,9 @@ def init(file: Path, options: Options) -> Answer:
 
 
 def _refuse_taken(path: Path, reason: OSError | None = None) -> None:
+    """InputError where a file is at `path` already; after a failed write (`reason`) only if that
+    was the reason.
+    """
     from scenes import InputError
 
     if os.path.lexists(path) and (reason is None or isinstance(reason, FileExistsError)):
@@ -433,7 +436,7 @@ def _details(scene: Scene) -> Iterator[str]:
 
 
 def _companions(scene: Scene) -> list[str]:
-    """What a scene of the library reads besides its own file."""
+    """Names of the files that a scene of the library reads besides its own."""
     from scenes import scene_companions
 
     return list(scene_companions(scene.name))

@@ -229,7 +229,9 @@ def _solve_half_plane(job: Job, **where: Any) -> ContactSolution:
 
 
 def _effects_of_bodies(job: Job) -> BodyEffects:
-    """What the bodies add to half-planes."""
+    """What the bodies of the job's scene add to half-planes, by finite elements; timed as a
+    stage.
+    """
     import halfplane_fe
 
     with job.stages.stage("numbers of the bodies"):
@@ -413,7 +415,9 @@ def _measured(job: Job, comparison: Comparison, seconds_before: float | None) ->
 
 
 def _effects_of_inputs(job: Job, effects: BodyEffects | None = None) -> InputEffects | None:
-    """What the stated uncertainties of the inputs make of the answer; None where none is stated."""
+    """What the stated uncertainties of the inputs do to the answer, timed as a stage; None where
+    none is stated. `effects` is what the bodies add, where it is known.
+    """
     if not job.scene.inputs:
         return None
     from reports.inputs import input_effects

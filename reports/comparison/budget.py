@@ -384,8 +384,8 @@ class Budget:
 
     @property
     def rest(self) -> float:
-        """What no term accounts for: the idealisation error, or of half-planes what is
-        unexplained.
+        """What the measured errors leave of the difference: the idealisation error, or of
+        half-planes what is unexplained.
         """
         return self.total - sum(term.value or 0.0 for term in self.terms)
 
@@ -732,6 +732,9 @@ class Refinement(PythonNumbers):
     rounding: float = 0.0  # differences up to this are none
 
     def __post_init__(self) -> None:
+        """ValueError for sizes that do not grow, and for values that are not finite or not as
+        many.
+        """
         super().__post_init__()
         if len(self.sizes) != len(self.values) or not self.sizes:
             raise ValueError(f"{len(self.sizes)} sizes for {len(self.values)} values")

@@ -97,8 +97,8 @@ def share(term: Term, metric: Metric) -> str:
 
 
 def _judgement(budget: Budget) -> str:
-    """Of half-planes: is what is left over covered? Of real bodies: does an idealisation error
-    stand out?
+    """In words: of half-planes, whether the uncertainty covers what is left over; of real bodies,
+    whether an idealisation error stands out of it.
     """
     if budget.resolved is None:
         return "not known: a term was not measured"
@@ -108,14 +108,16 @@ def _judgement(budget: Budget) -> str:
 
 
 def _judgement_in_short(budget: Budget) -> str:
-    """The same as yes or no."""
+    """In a word, whether the uncertainty covers what is left (half-planes) or an idealisation error
+    stands out of it (real bodies): "yes", "no" or "unknown".
+    """
     if budget.resolved is None:
         return "unknown"
     return "yes" if budget.resolved is not budget.half_planes else "no"
 
 
 def cost(budget: ErrorBudget) -> str:
-    """What the runs were and what they took, in a sentence."""
+    """A sentence on the runs of an error budget and the time that they took."""
     refinements = budget.refinements
     pairs = [run for pair in refinements.penalty for run in pair]
     runs = {run.label: run for run in (*refinements.mesh, *refinements.far_field, *pairs)}
@@ -139,7 +141,7 @@ def honesty(comparison: JudgedPair, budget: ErrorBudget | None) -> bool | None:
 
 
 def budget_content(budget: ErrorBudget) -> dict[str, Any]:
-    """What comparison.json holds of a budget."""
+    """An error budget for comparison.json: cost, coverage, and the terms of every metric."""
     return {
         "cost": budget.cost,
         "words": cost(budget),
@@ -149,6 +151,7 @@ def budget_content(budget: ErrorBudget) -> dict[str, Any]:
 
 
 def _entry_content(budget: Budget) -> dict[str, Any]:
+    """The budget of one metric for comparison.json."""
     return {
         "E": budget.total,
         "terms": {term.name: {**vars(term), "measured": term.measured} for term in budget.terms},

@@ -199,7 +199,7 @@ def sample(cycle: Cycle, like: Cycle, engine: str) -> Cycle:
 
 
 def _are_same_places(places: Array, other_places: Array, tolerance: float) -> bool:
-    """Whether two sets of places are the same to `tolerance`."""
+    """Whether two sets of points or instants are the same to `tolerance`."""
     return len(places) == len(other_places) and np.allclose(
         places, other_places, rtol=0, atol=tolerance
     )

@@ -437,14 +437,14 @@ def _differing_keys(of_a: Mapping[str, Any], of_b: Mapping[str, Any]) -> list[tu
 
 
 def _notes(a: Findings, b: Findings) -> Iterator[str]:
-    """What moves figures without being one (settings, versions), and engines that did not
+    """Sentences on settings and versions in which two runs differ, and on engines that did not
     converge.
     """
     for engine in sorted(a.engines.keys() & b.engines.keys()):
         settings_of_a = _flat(a.engines[engine])
         settings_of_b = _flat(b.engines[engine])
-        for key, of_a, of_b in _differing_keys(settings_of_a, settings_of_b):
-            yield f"{engine}: {key} is {of_a} in A and {of_b} in B"
+        for key, value_in_a, value_in_b in _differing_keys(settings_of_a, settings_of_b):
+            yield f"{engine}: {key} is {value_in_a} in A and {value_in_b} in B"
     for letter, findings in (("A", a), ("B", b)):
         yield from (f"{letter} did not converge: {sentence}" for sentence in findings.unfinished)
 
@@ -495,8 +495,8 @@ def _row(key: str, a: Findings, b: Findings, tolerance: float) -> Row:
 
 
 def _least_size(key: str, findings: Findings) -> float:
-    """What a difference is over at least: for energies a share of A f^2 P^2, P by the largest
-    pressure and half-width.
+    """The least scale of a relative difference: for energies a share of A f^2 P^2, P by the largest
+    pressure and half-width; else 0.
     """
     engine, _, quantity = key.partition(".")
     if quantity not in ("dissipation", "loop_work", "bulk_work"):

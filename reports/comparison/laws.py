@@ -294,8 +294,8 @@ OF_UNSYMMETRIC = ("bulk_work", "permanent_stick_left", "permanent_stick_right")
 
 
 def of_unsymmetric(solution: ContactSolution) -> dict[str, float]:
-    """What a solution with bulk stress, tilt or unequal sides has beside the others; nothing
-    without.
+    """Further values, by name, of a solution with bulk stress, tilt or unequal sides; empty without
+    these.
     """
     if solution.permanent_stick_edges is None:
         return {}
@@ -367,7 +367,7 @@ EXPECTED_HEADS = ("quantity", "engine", "expected", "found", "off", "limit", "me
 
 
 def expected_content(findings: Iterable[Finding]) -> list[dict[str, Any]]:
-    """The same for JSON."""
+    """The expected numbers of a scene with what was found in their place, for JSON."""
     return [
         {
             **finding.expected.model_dump(mode="json"),

@@ -305,7 +305,11 @@ def _with_stated(pair: Pair, measured: Measured, name: str, error: str = "") -> 
 def _uncertainty_stated(
     solution: ContactSolution, amount: float, name: str, error: str
 ) -> float | None:
-    """Of one amount, in its unit; see `Measured`."""
+    """Uncertainty that a solution states of an amount, in the amount's unit.
+
+    `name` is that in finite elements, `error` that in the record of theory; NaN is no estimate,
+    None that nothing is stated.
+    """
     if solution.engine == "semi_analytic":
         return solution.record.errors.get(error, 0.0) * abs(amount)
     if solution.engine != "halfplane_fe":
@@ -685,7 +689,7 @@ _OUT_OF_CONTACT = -1
 
 
 def _stick_status(cycle: Cycle, length: float) -> NDArray[np.int8]:
-    """What the whole contact does at each instant, (k,): full slip, partial slip, full stick, or
+    """Status of the whole contact at each instant, (k,): full slip, partial slip, full stick, or
     out of contact.
 
     Full stick: the stick edges are the contact edges (to 1e-9 `length`). Full slip: they are NaN.

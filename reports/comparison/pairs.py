@@ -32,7 +32,7 @@ _ENGINES = {"semi_analytic": "half-plane theory", "halfplane_fe": "finite elemen
 
 
 def name_of(engine: str) -> str:
-    """What an engine is called on the page.
+    """The name of an engine on the page; of another code its own.
 
     >>> name_of("halfplane_fe"), name_of("somebody's code")
     ('finite elements', "somebody's code")

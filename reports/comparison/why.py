@@ -94,8 +94,8 @@ class Why(PythonNumbers):
 
     @property
     def left(self) -> Estimate:
-        """What no part explains. Its uncertainty is that of all parts and of E, which has that of
-        mesh and steps.
+        """The part of the difference that no cause explains. Its uncertainty is that of all causes
+        and of the difference, which has that of mesh and steps.
         """
         explained = sum(part.value for part in self.parts.values())
         uncertainty = sum(part.uncertainty for part in self.parts.values())

@@ -131,8 +131,8 @@ def bodies_in_words(scene: Scene) -> str:
 
 
 def idealisation(scene: Scene) -> str:
-    """What the discrepancy of the two engines holds beside their errors; empty for half-planes for
-    which theory is exact.
+    """A sentence on what theory leaves out for these bodies, so that the difference of the two
+    engines holds it beside their errors; empty where theory is exact.
     """
     return "" if are_half_planes(scene) else in_template("idealisation", scene, coupled(scene))
 
@@ -149,7 +149,7 @@ def unlike_materials(scene: Scene) -> str:
 
 
 def beyond_theory(comparison: JudgedPair) -> str:
-    """What the discrepancy holds beside errors of the engines, in a sentence; empty where the
+    """A sentence on what the difference holds beside errors of the two solutions; empty where the
     reference is exact for the bodies.
     """
     if _both_ours(comparison):
@@ -160,6 +160,7 @@ def beyond_theory(comparison: JudgedPair) -> str:
 
 
 def _both_ours(comparison: JudgedPair) -> bool:
+    """Whether reference and result are half-plane theory and finite elements of this program."""
     return {comparison.reference.engine, comparison.result.engine} == {
         "semi_analytic",
         "halfplane_fe",
@@ -219,7 +220,7 @@ def value_of(metric: Metric) -> str:
 
 
 def unit_of(metric: Metric) -> str:
-    """What the value is a share of; an edge's shift in elements beside it."""
+    """The unit of a metric's value; of an edge with its shift in elements beside it."""
     if metric.elements is None:
         return metric.unit
     return f"{metric.unit} ({_in_digits(metric.elements, share=False)} elements)"
@@ -248,8 +249,10 @@ _MOST_DIGITS = 8
 
 
 def with_uncertainty(value: float, uncertainty: float | None) -> str:
-    """ "value ± u" with as many decimals as the uncertainty u leaves: one digit of u, or two where
-    it begins with 1. Without u (None) three digits of the value.
+    """A text "value ± u" with as many decimals as the uncertainty u leaves: one digit of u, or two
+    where it begins with 1.
+
+    Without u (None) three digits of the value.
 
     >>> (
     ...     with_uncertainty(2.8512, 0.0614),
@@ -320,7 +323,9 @@ _MOST_NAMED = 2
 
 
 def _is_failed(comparison: JudgedPair) -> bool:
-    """Whether it is somebody else's result, judged, and not within tolerance or against a law."""
+    """Whether an external result was judged and is outside a tolerance or violates a law of
+    contact.
+    """
     if _both_ours(comparison) or comparison.verdict is None:
         return False
     return not comparison.accurate or bool(_violated(comparison))
@@ -439,7 +444,7 @@ def _name(metric: Metric) -> str:
 
 
 def _in_sentence(metric: Metric) -> dict[str, str]:
-    """What a sentence states of a metric."""
+    """The texts of a metric that sentences are filled with: name, value, unit, tolerance."""
     value = value_of(metric)
     value_and_uncertainty = f"{value} {uncertainty_of(metric)}".strip()
     return {
@@ -497,8 +502,8 @@ def verdict_in_short(comparison: JudgedPair) -> str:
 
 
 def not_scored(comparison: JudgedPair) -> str:
-    """What has no value for want of what it needs, in a sentence: what a tolerance judges, then the
-    rest of the first table.
+    """A sentence on metrics without a value because a solution lacks what they need: those with a
+    tolerance, then others of the first table.
     """
     names = [_name(metric) for metric in comparison.unscored]
     headlines = [
@@ -519,8 +524,8 @@ def judged_by_size(comparison: JudgedPair) -> list[str]:
 
 
 def how_judged(comparison: JudgedPair, *, has_budget: bool) -> str:
-    """What the verdicts rest on: sizes and uncertainties, or sizes alone where no uncertainty is
-    known.
+    """A sentence on what the verdicts rest on: sizes and uncertainties, or sizes alone where no
+    uncertainty is known.
     """
     is_judged = any(
         metric.tolerance is not None and metric.value is not None for metric in comparison.metrics
@@ -735,8 +740,8 @@ def is_empty(row: Mapping[str, str]) -> bool:
 
 
 def without_value(comparison: JudgedPair) -> str:
-    """What of the first table neither solution has, in a sentence; nothing where each row has a
-    value.
+    """A sentence that names the rows of the first table for which neither solution has a value;
+    empty where each row has one.
     """
     labels = [
         row["short"].partition(" [")[0] for row in first_table(comparison)[1] if is_empty(row)

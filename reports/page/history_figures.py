@@ -523,7 +523,9 @@ def hysteresis(view: CycleView) -> Plate | None:
 
 
 def _datum_in_words(comparison: JudgedPair) -> str:
-    """What the displacement of half-planes counts from, beside finite bodies; else nothing."""
+    """In words, which place the displacement U of half-planes is counted from, beside finite
+    bodies; "" where there is nothing to say.
+    """
     if comparison.effects is not None:
         return "that of half-planes with c_t, c_n of these bodies"
     if comparison.lacks_datum:

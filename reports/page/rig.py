@@ -410,7 +410,7 @@ def _sentence(rig: RigMotion) -> str:
 
 
 def _notes_of(rig: RigMotion) -> Iterator[str]:
-    """Of both engines."""
+    """Notes of theory's solution and of the finite elements' for a rig."""
     yield from rig.solution.record.notes
     if rig.beside is not None:
         for note in rig.beside.record.notes:

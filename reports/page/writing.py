@@ -253,14 +253,16 @@ def code_commit(files: str = ".") -> str:
 
 
 def _git(home: Path, *words: str) -> str:
-    """What git prints about the checkout in `home`."""
+    """Output of a git command on the checkout in `home`."""
     command = ["git", "-C", str(home), *words]
     process = subprocess.run(command, capture_output=True, text=True, timeout=10, check=True)
     return process.stdout.strip()
 
 
 def _notes(comparison: Comparison) -> list[str]:
-    """What a reader must not miss: of the metrics, then of the solutions."""
+    """Notes of a comparison: those of the metrics of the first table, then those of the
+    solutions.
+    """
     notes = []
     for metric in comparison.headlines:
         note = metric.note
@@ -401,7 +403,9 @@ def _carried_instants(view: CycleView) -> NDArray[np.int_]:
 
 
 def _carried_points(view: CycleView, instants: int) -> NDArray[np.int_]:
-    """Of the points that are drawn as many as fit, with the last and those whose slip is shown."""
+    """Indices of the points that the page's slider carries for so many instants: as many of those
+    drawn as fit, with the last and those whose slip is shown.
+    """
     drawn_points = np.flatnonzero(np.abs(view.x) <= 1.02 * view.largest_x)
     stride = -(-len(drawn_points) * instants // _MOST_VALUES)
     spaced_points = drawn_points[::stride].tolist()

@@ -160,7 +160,9 @@ def _of_shear_alone(discrepancy: Discrepancy) -> Sequence[float]:
 
 
 def _of_stretch(discrepancy: Discrepancy) -> Sequence[float]:
-    """By the second moment of the pressure, and by its sum, which a coarse mesh leaves alone."""
+    """Sizes at which the search for a stretch of x starts: logarithms of the ratio of widths, and
+    of that of the sums, which a coarse mesh leaves alone.
+    """
     _, width_ratio, _ = _moments(discrepancy)
     starts = [_away_from_zero(np.log(width_ratio))]
     if discrepancy.resultant_ratio > 0:
@@ -221,6 +223,10 @@ def _of_coupling(discrepancy: Discrepancy) -> Sequence[float]:
 
 
 def _of_wrong_load(key: str) -> Callable[[Discrepancy], Sequence[float]]:
+    """The function that gives the start of a search for a wrong load `key`, such as a tilt left
+    out; it gives none where the scene has no such load.
+    """
+
     def starts(discrepancy: Discrepancy) -> Sequence[float]:
         with contextlib.suppress(InputError):
             return (1.0,) if key in wrong_loads(discrepancy.scene) else ()
@@ -230,6 +236,7 @@ def _of_wrong_load(key: str) -> Callable[[Discrepancy], Sequence[float]]:
 
 
 def _scaled(variant: Variant, log_factor: float) -> Variant:
+    """The variant with pressure and shear of the file multiplied by exp(log_factor)."""
     k = float(np.exp(log_factor))
     return replace(
         variant,
@@ -361,6 +368,7 @@ FULL_STICK = Cause(
 
 
 def _of_history(key: str, history: str, starts: Callable[[Discrepancy], Sequence[float]]) -> Cause:
+    """The cause that the history of friction is treated wrongly, in one way."""
     return Cause(
         key,
         lambda variant, _: replace(variant, history=history),
@@ -372,6 +380,7 @@ def _of_history(key: str, history: str, starts: Callable[[Discrepancy], Sequence
 
 
 def _of_load(key: str) -> Cause:
+    """The cause that a bulk stress or tilt has the wrong sign or is left out."""
     return Cause(
         key,
         lambda variant, _: replace(variant, wrong_load=key),

@@ -41,7 +41,7 @@ def size_of(cause: Cause, size: float) -> str:
 
 
 def _figures(cause: Cause, size: float) -> dict[str, float]:
-    """What a size stands for in a sentence."""
+    """The numbers that the sentence of a cause is filled with, from its fitted size."""
     factor = float(np.exp(size))
     if key_of_sentence(cause, size) == "units":
         factor = round_power(factor) or factor
@@ -95,7 +95,7 @@ def _of_mesh(discrepancy: Discrepancy, *, alone: bool) -> str:
 
 
 def _likely_stiffness(discrepancy: Discrepancy, factor: float) -> str:
-    """What a factor of E*/R is likely to be, in words."""
+    """In words, what makes a factor of E*/R likely: plane stress, another modulus, or the like."""
     material = discrepancy.comparison.scene.material
     nu = material.upper.poisson_ratio
     if material.alike and abs(factor / (1 - nu**2) - 1) < 0.2 * nu**2:
@@ -107,8 +107,8 @@ def _likely_stiffness(discrepancy: Discrepancy, factor: float) -> str:
 
 
 def coupling_sentence(discrepancy: Discrepancy) -> str:
-    """What a difference that is odd in x means: a fault of the result, unless its scene has unlike
-    materials and the reference does not have their coupling.
+    """The sentence on a difference that is odd in x: a fault of the result, unless its scene has
+    unlike materials and the reference does not have their coupling.
     """
     beta = dundurs(discrepancy.comparison.scene.material).beta
     if abs(beta) <= NO_COUPLING:

@@ -159,7 +159,9 @@ class Discrepancy:
         return is_loaded & (self.weight > 0)
 
     def residual(self, predicted: Tractions, channel: int) -> Residual:
-        """What a prediction leaves of the pressure (0) or of the shear (1)."""
+        """Difference of the result's pressure (channel 0) or shear (1) from a prediction, over its
+        unit.
+        """
         scaled_difference = (self.result_tractions[channel] - predicted[channel]) / self.units[
             channel
         ]

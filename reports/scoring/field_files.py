@@ -132,6 +132,7 @@ def _entries(path: Path) -> list[tuple[float, Path]]:
 
 
 def _check_size(path: Path) -> None:
+    """InputError for a field file that is too large or can't be read."""
     try:
         check_size(path, "the result", LARGEST, "write the contact surface alone")
     except OSError as reason:
@@ -139,6 +140,7 @@ def _check_size(path: Path) -> None:
 
 
 def _broken(path: Path, reason: str) -> InputError:
+    """The InputError for a field file that can't be read, with the reader's reason."""
     return InputError(
         f"{path}: this can't be read as a {path.suffix} file: it is broken off or of another form"
         f" ({reason[:300]})"

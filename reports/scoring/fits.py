@@ -253,6 +253,9 @@ class Search:
     def _predicted(
         self, causes: tuple[Cause, ...], sizes: tuple[float, ...], channels: tuple[int, ...]
     ) -> Tractions:
+        """Tractions that a result with these faults (causes) of these sizes has; InputError for a
+        size beyond the search.
+        """
         variant = Variant()
         for cause, size in zip(causes, sizes, strict=True):
             if abs(size) > cause.largest:
@@ -283,7 +286,9 @@ def share_left(fit: Fit, before: Fit, channels: Sequence[int]) -> float:
 
 
 def share_of_norm(left: float, before: float, noise: float) -> float:
-    """The same of three mean squares: what is left, the difference, the noise in both."""
+    """Share that is left of a difference, as a ratio of roots: mean squares `left` of `before`,
+    with the mean square of the noise taken from both; 1 where there is no difference.
+    """
     difference = before - noise
     if difference <= 0:
         return 1.0

@@ -115,7 +115,7 @@ class OtherProblem:
     def residual(
         self, discrepancy: Discrepancy, tractions: Tractions, problem_fit: ProblemFit
     ) -> Residual:
-        """What tractions leave where the problem is judged."""
+        """What tractions leave of the result's, on the points on which the problem is judged."""
         residual_everywhere = discrepancy.residual(tractions, self.channel)
         return replace(
             residual_everywhere, inside=problem_fit.judged_points & (discrepancy.weight > 0)

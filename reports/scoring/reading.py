@@ -258,9 +258,8 @@ def _head(name: str, mapping: Mapping) -> _Head:
     def quantity_of(base: str) -> Quantity | None:
         for quantity in _FIELDS:
             stated_column = getattr(mapping.columns, quantity)
-            if plain(base) in map(
-                plain, ALIASES[quantity] if stated_column is None else (stated_column,)
-            ):
+            aliases = ALIASES[quantity] if stated_column is None else (stated_column,)
+            if plain(base) in map(plain, aliases):
                 return quantity
         return None
 

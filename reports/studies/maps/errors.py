@@ -89,7 +89,7 @@ def _changes_by_kernels(scene: Scene) -> Mapping[str, Change]:
 
 
 def _errors(changes: Mapping[str, Change]) -> dict[str, Estimate]:
-    """Of every quantity of a row; NaN of what is not known."""
+    """The error of every quantity of a map's row; NaN for those that are not known."""
     return {
         quantity: changes[quantity].change if quantity in changes else _UNKNOWN
         for quantity in QUANTITIES
@@ -101,8 +101,8 @@ _KEYS = ("way", "height", "width", "friction")
 
 
 def points_of(kind: Kind) -> list[tuple[Place, Way]]:
-    """What a map holds: kernels, and numbers of flat bodies, at every height; finite elements at
-    those that they check.
+    """The points of a map and the way of each: kernel solves, and numbers of flat bodies, at every
+    height; finite elements at heights that check them.
     """
     points: list[tuple[Place, Way]] = []
     for place in kind.places(kind.heights):
@@ -148,6 +148,7 @@ def rows_in(table: Path) -> list[Row]:
 
 
 def _row_of_record(record: dict[str, Any]) -> Row:
+    """A row of a map from a record of its CSV file; KeyError or ValueError for another one."""
     errors = {
         quantity: Estimate(float(record[quantity]), float(record[f"{quantity}_uncertainty"]))
         for quantity in QUANTITIES

@@ -124,6 +124,7 @@ def _block(height: float, width: float) -> dict[str, Any]:
 
 
 def _t_shape(flange_height: float, width: float) -> dict[str, Any]:
+    """Keys of a T-shaped body, from the height of its flange and the flange's width over that."""
     flange_width = width * flange_height
     return {
         "kind": "t_shape",

@@ -202,7 +202,7 @@ class Case:
         )
 
     def with_load(self, friction: float | None = None, **changes: Any) -> Case:
-        """The same with another f or other numbers of the ellipse."""
+        """The case with another coefficient of friction, or other numbers of the ellipse."""
         return Case(
             self.scene.vary(load=changes, friction=self.friction if friction is None else friction)
         )
@@ -224,8 +224,8 @@ class Case:
         )
 
     def about_no_shear(self, friction: float) -> Case:
-        """The same amplitudes about Q0 = 0 with another f: the widest range of f before gross
-        sliding.
+        """The case with the same amplitudes about Q0 = 0 and another f: the widest range of f
+        before gross sliding.
         """
         return self.with_load(
             friction=friction, mean_tangential_load=0.0, initial_loading="straight"

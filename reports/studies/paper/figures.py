@@ -318,7 +318,7 @@ class Zones:
         yield _line(x, self.stick, "stick, c / a(P₀)", "c2 dash")
 
     def slipping(self, x: Array, label_end: str = "") -> Iterator[Band]:
-        """What slips, a band for each direction."""
+        """A band for each direction of slip, between the stick edge and the contact edge."""
         for sign, (css, label) in _DIRECTIONS.items():
             slips = self.direction == sign
             inner_edge = np.where(slips, self.stick, np.nan)

@@ -79,6 +79,7 @@ class Processes:
         """InputError where tasks will never come back: not of these."""
 
     def start(self) -> None:
+        """Start all processes now."""
         with _born_without_ctrl_c():
             self.executor = ProcessPoolExecutor(
                 self.width, mp_context=get_context("spawn"), initializer=_begin
@@ -88,6 +89,7 @@ class Processes:
 
     def stop(self, *, at_once: bool) -> None:
         # The one way to stop a process in mid-task; `terminate_workers` comes with Python 3.14.
+        """End the processes: after their tasks, or in mid-task with `at_once`."""
         workers = dict(getattr(self.executor, "_processes", None) or {})
         self.executor.shutdown(wait=not at_once, cancel_futures=True)
         if at_once:
@@ -115,6 +117,9 @@ class Dask:
         self._open: list[Any] = []  # the client, then the cluster if it is ours
 
     def died(self, fault: BaseException) -> bool:
+        """Whether a fault of a task means that its worker died; InputError where the scheduler is
+        gone.
+        """
         from distributed import KilledWorker
         from distributed.comm.core import CommClosedError
 
@@ -183,6 +188,7 @@ class Dask:
         self.executor = client.get_executor(pure=False)
 
     def stop(self, *, at_once: bool) -> None:
+        """Close the client, and the cluster that was started here; quickly with `at_once`."""
         while self._open:
             # a client amid its work, a scheduler that is gone
             with suppress(OSError, TimeoutError):

@@ -573,7 +573,9 @@ class Evaluated:
 
 
 def _effects_of_rig(scene: Scene) -> BodyEffects | None:
-    """What bodies add to half-planes, where a displacement is prescribed between their bases."""
+    """What the bodies add to half-planes, where a displacement is prescribed between their bases;
+    else None.
+    """
     if not scene.load.is_driven or scene.bodies.half_planes:
         return None
     import halfplane_fe

@@ -116,7 +116,7 @@ class Axis(Frozen):
         return list(zip(keys, self.names if self.pairs else [self.name] * len(keys), strict=False))
 
     def settings(self) -> list[Coordinates]:
-        """What it sets its columns to, value by value."""
+        """The points of an axis: a value for each of its columns."""
         if self.pairs:
             return [dict(zip(self.names, row, strict=True)) for row in self.pairs]
         values: Sequence[Value] = self.values

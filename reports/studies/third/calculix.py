@@ -135,7 +135,9 @@ class ThirdSolver:
 
     @property
     def sentences(self) -> list[str]:
-        """What must stand beside the numbers: failure or how the run went, then the limits."""
+        """Sentences beside the numbers of CalculiX: its failure or how the run went, then known
+        limits.
+        """
         size = f"{self.deck.reference} nodes, {len(self.deck.time) - 1} instants"
         if self.done is None:
             first_sentence = f"{self.code} gave no answer ({size}): {self.failure}."
@@ -151,7 +153,7 @@ class ThirdSolver:
         return [*self.guesses, *self.comparison.result.record.notes] if self.comparison else []
 
     def page_words(self, comparison: Comparison) -> dict[str, Any]:
-        """What the page's block is filled with."""
+        """The texts that the block of a page on CalculiX is filled with."""
         first_sentence, *limits = self.sentences
         table = {"heads": self.heads, "rows": self.rows(comparison)}
         return {
@@ -215,7 +217,9 @@ def find_calculix() -> Path:
 
 
 def calculix_version(program: Path) -> str:
-    """What `ccx -v` prints, such as "2.20"; "of unknown version" where it prints nothing."""
+    """The version of CalculiX that a program is, such as "2.20"; "of unknown version" where it
+    prints none.
+    """
     output = subprocess.run(
         [str(program), "-v"], capture_output=True, text=True, check=False, timeout=20
     ).stdout
