@@ -972,7 +972,7 @@ def _misspelt(fault: CycloptsError) -> str:
         is_option = words[0].startswith("-")
         suggestion = nearest(words[0], [name for name in app if name.startswith("-") is is_option])
         return (
-            f"there is no {'is_option' if is_option else 'command'} {words[0]!r};"
+            f"there is no {'option' if is_option else 'command'} {words[0]!r};"
             f" {suggestion}`halfplane --help` lists them"
         )
     chain = list(fault.command_chain or ())
