@@ -112,11 +112,11 @@ FOREIGN = "halfplane did not write it"
 # Words of a command -> what its refusal names; without --quiet a stage that is announced would be a
 # second line, so nothing was begun.
 REFUSED = {
-    "rnu": ["'rnu'", "did you mean run?"],
+    "rnu": ["there is no command 'rnu'", "did you mean run?"],
     "zzz": ["'zzz'", "`halfplane --help`"],
     "run blocks --elment-size 1": ["--elment-size", "--element-size?", "`halfplane run --help`"],
     "exact blocks --qiet": ["--qiet", "--quiet?", "`halfplane exact --help`"],
-    "--zzz": ["'--zzz'"],
+    "--zzz": ["there is no option '--zzz'"],
     "run blocks --zzz=1": ["no option --zzz"],
     "run": ["SCENE is missing", "`halfplane run --help`"],
     "run blocks more words": ["'more words'"],
