@@ -52,7 +52,9 @@ _CREEP_OF_COUPLED = 3e-5
 def answer_arrays(
     scene: Scene, problem: ContactProblem, run: PathRun, scales: Scales
 ) -> dict[str, Any]:
-    """Fields of FiniteElementSolution that are numbers, by name."""
+    """The fields of a FiniteElementSolution that are numbers, by name and in the scene's units, at
+    the stored instants of a run: loads, nodal forces as stresses, slip, edges, friction work.
+    """
     states = [run.states[index] for index in run.stored]
     slip = np.stack([state.slip for state in states])
     pressure = np.stack([state.pressure for state in states])
@@ -66,17 +68,17 @@ def answer_arrays(
     work_unit = scales.load * displacement_unit
     weights = problem.interface.weights * scales.half_width
     densities = np.array(run.cycle_density).reshape(-1, len(weights)) * work_unit
-    all_states = reported_states(problem, run.states, run.cycle_starts)
-    surface_states = all_states[run.stored]
+    states_of_all = reported_states(problem, run.states, run.cycle_starts)
+    stored_states = states_of_all[run.stored]
     loads = np.array([(state.normal_load, state.tangential_load) for state in run.states])
     has_no_slip_zone = np.zeros(len(loads), dtype=bool)
     if scene.bodies.half_planes and problem.interface.coupling is None and not scene.unsymmetric:
         has_no_slip_zone = _grows_within_cone(loads, scene.friction.coefficient)
-    edges = _edges_of_all(problem, states, surface_states, has_no_slip_zone[run.stored], scene)
-    permanent = _permanent_stick(scene, problem, run, all_states, edges["stick_edges"])
+    edges = _edges_of_all(problem, states, stored_states, has_no_slip_zone[run.stored], scene)
+    permanent_edges = _permanent_stick(scene, problem, run, states_of_all, edges["stick_edges"])
     if len(densities) and edges_are_sharp(scene, problem):
-        nodes = working_nodes(problem.interface.x, densities[-1] / weights, permanent)
-        permanent = nodes.confine(permanent)
+        nodes_at_work = working_nodes(problem.interface.x, densities[-1] / weights, permanent_edges)
+        permanent_edges = nodes_at_work.confine(permanent_edges)
     edges = {name: values * scales.half_width for name, values in edges.items()}
     # In place: of a fine mesh with thousands of steps each copy is half a gigabyte and more.
     np.multiply(pressure, scales.load / weights, out=pressure)
@@ -85,8 +87,8 @@ def answer_arrays(
     for values in (pressure, shear, slip):
         values.flags.writeable = False
     loads = loads[run.stored] * scales.load
-    shift = np.array([state.shift for state in states])
-    approach = np.array([state.approach for state in states])
+    shifts = np.array([state.shift for state in states])
+    approaches = np.array([state.approach for state in states])
     dissipation = float("nan")
     dissipation_density = np.zeros_like(weights)
     if len(densities):
@@ -100,21 +102,23 @@ def answer_arrays(
         "time": freeze([state.time for state in states]),
         "normal_load": freeze(loads[:, 0]),
         "tangential_load": freeze(loads[:, 1]),
-        "tangential_displacement": freeze(shift * displacement_unit),
-        "normal_approach": freeze(approach * displacement_unit),
+        "tangential_displacement": freeze(shifts * displacement_unit),
+        "normal_approach": freeze(approaches * displacement_unit),
         "x": freeze(problem.interface.x * scales.half_width),
         "pressure": pressure,
         "shear": shear,
         "slip": slip,
-        "state": freeze(surface_states, np.int8),
+        "state": freeze(stored_states, np.int8),
         **{name: freeze(values) for name, values in edges.items()},
         "contact_half_width": freeze(np.diff(edges["contact_edges"])[:, 0] / 2),
         "stick_half_width": freeze(np.diff(edges["stick_edges"])[:, 0] / 2),
         "dissipation_density": freeze(dissipation_density),
         "dissipation": dissipation,
         "cycle_dissipation": freeze(densities.sum(axis=1)),
-        "permanent_stick_half_width": float(permanent[1] - permanent[0]) / 2 * scales.half_width,
-        "permanent_stick_edges": freeze(permanent * scales.half_width),
+        "permanent_stick_half_width": float(permanent_edges[1] - permanent_edges[0])
+        / 2
+        * scales.half_width,
+        "permanent_stick_edges": freeze(permanent_edges * scales.half_width),
         "steady_from": run.steady_from,
         "loop_work": loop_work,
     }
@@ -187,7 +191,7 @@ def _edges(
     has_no_slip_zone
         (n_steps,) instants at which theory has none
     """
-    anywhere = scene.unsymmetric  # then the stick zone may be anywhere in the contact
+    may_be_anywhere = scene.unsymmetric  # then the stick zone may be anywhere in the contact
     roughness = roughness_of(scene.profile)
     x = problem.interface.x
     weights = problem.interface.weights
@@ -196,40 +200,46 @@ def _edges(
     shear = tangential_force / weights
     states_by_law = np.stack([state.state for state in states])
     is_closed = states_by_law != OPEN
-    stick = surface_states == STICK
+    is_stuck = surface_states == STICK
     # The gap of open nodes, which carry nothing, so that the layer does not count there.
-    form = contact_edges(x, pressure, gap, is_closed, 1.0)
-    contact = form.copy()
+    edges_by_form = contact_edges(x, pressure, gap, is_closed, 1.0)
+    edges_of_contact = edges_by_form.copy()
     # Where unlike bodies slip, the pressure grows by another power than the root.
     if problem.interface.coupling is None:
-        contact = fitted_contact_edges(x, pressure, is_closed, form)
-    limit = problem.friction * pressure
-    stick_zones = fitted_stick_edges(x, stick, is_closed, contact, limit, shear, anywhere)
-    edges = stick_zones.places
-    of_contact = contact_uncertainty(x, pressure, is_closed, contact, form, roughness)
-    of_stick = stick_uncertainty(
+        edges_of_contact = fitted_contact_edges(x, pressure, is_closed, edges_by_form)
+    friction_limit = problem.friction * pressure
+    stick_zones = fitted_stick_edges(
+        x, is_stuck, is_closed, edges_of_contact, friction_limit, shear, may_be_anywhere
+    )
+    edges_of_stick = stick_zones.places
+    contact_uncertainties = contact_uncertainty(
+        x, pressure, is_closed, edges_of_contact, edges_by_form, roughness
+    )
+    stick_uncertainties = stick_uncertainty(
         x,
-        (stick, states_by_law == STICK),
+        (is_stuck, states_by_law == STICK),
         is_closed,
-        ContactEdges(contact, of_contact),
+        ContactEdges(edges_of_contact, contact_uncertainties),
         stick_zones,
         has_no_slip_zone,
-        anywhere,
+        may_be_anywhere,
     )
     for row in np.flatnonzero([not state.normal_load > 0 for state in states]):
-        touching_places = x[is_closed[row]]
-        outermost = (
-            (touching_places.min(), touching_places.max()) if len(touching_places) else (0.0, 0.0)
+        places_in_contact = x[is_closed[row]]
+        outermost_places = (
+            (places_in_contact.min(), places_in_contact.max())
+            if len(places_in_contact)
+            else (0.0, 0.0)
         )
-        contact[row] = outermost
-        edges[row] = outermost
-        of_contact[row] = 0.0
-        of_stick[row] = 0.0
+        edges_of_contact[row] = outermost_places
+        edges_of_stick[row] = outermost_places
+        contact_uncertainties[row] = 0.0
+        stick_uncertainties[row] = 0.0
     return {
-        "contact_edges": contact,
-        "stick_edges": edges,
-        "contact_edge_uncertainty": of_contact,
-        "stick_edge_uncertainty": of_stick,
+        "contact_edges": edges_of_contact,
+        "stick_edges": edges_of_stick,
+        "contact_edge_uncertainty": contact_uncertainties,
+        "stick_edge_uncertainty": stick_uncertainties,
     }
 
 
@@ -395,34 +405,34 @@ def penalty_audit(
     normal_cost = _LayerCost.of(problem.layer.normal * length_per_force, arrays["pressure"])
     tangential_cost = _LayerCost.of(problem.layer.tangential * length_per_force, arrays["shear"])
     largest_half_width = float(np.nanmax(arrays["contact_half_width"]))
-    rise = float(np.ptp(scene.profile.height(np.array([0.0, largest_half_width]))))
+    profile_rise = float(np.ptp(scene.profile.height(np.array([0.0, largest_half_width]))))
     # Range of the relative displacement, in the last cycle, of nodes that stick throughout and of
     # nodes that slip, by the law's own states: those that are reported count a node that has hardly
     # moved as sticking.
     period = scene.load.path().period
     time = arrays["time"]
-    in_cycle = np.ones(len(time), dtype=bool)
+    is_in_cycle = np.ones(len(time), dtype=bool)
     if period is not None:
-        in_cycle = time > time[-1] - period * (1 + 1e-9)
-    states_by_law = np.stack([state.state for state in states])[in_cycle]
-    slip_range = np.ptp(arrays["slip"][in_cycle], axis=0)
-    always_sticks = np.all(states_by_law[1:] == STICK, axis=0)
-    ever_slips = np.any(slip_sign(states_by_law) != 0, axis=0)
-    creep = float(np.max(slip_range[always_sticks], initial=0.0))
-    slip = float(np.max(slip_range[ever_slips], initial=0.0))
+        is_in_cycle = time > time[-1] - period * (1 + 1e-9)
+    states_by_law = np.stack([state.state for state in states])[is_in_cycle]
+    slip_range = np.ptp(arrays["slip"][is_in_cycle], axis=0)
+    is_always_stuck = np.all(states_by_law[1:] == STICK, axis=0)
+    slips_once = np.any(slip_sign(states_by_law) != 0, axis=0)
+    largest_creep = float(np.max(slip_range[is_always_stuck], initial=0.0))
+    largest_slip = float(np.max(slip_range[slips_once], initial=0.0))
 
-    def share(part: float, reference: float) -> float:
+    def share_of(part: float, reference: float) -> float:
         return part / reference if reference else float("nan")
 
     return PenaltyAudit(
         normal_stiffness=normal_cost.stiffness,
         tangential_stiffness=tangential_cost.stiffness,
         penetration=normal_cost.deflection,
-        penetration_share=share(normal_cost.deflection, rise),
+        penetration_share=share_of(normal_cost.deflection, profile_rise),
         elastic_slip=tangential_cost.deflection,
-        elastic_slip_share=share(tangential_cost.deflection, slip),
-        creep=creep,
-        creep_share=share(creep, slip),
+        elastic_slip_share=share_of(tangential_cost.deflection, largest_slip),
+        creep=largest_creep,
+        creep_share=share_of(largest_creep, largest_slip),
     )
 
 

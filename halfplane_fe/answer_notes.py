@@ -74,25 +74,29 @@ def _creep_notes(scene: Scene, arrays: Mapping[str, Any]) -> Iterator[str]:
     """That the permanent stick zone reaches beyond stick edges of single instants, by more than
     these are uncertain.
     """
-    ends = arrays["permanent_stick_edges"]
-    if np.isnan(ends).any():
+    zone_ends = arrays["permanent_stick_edges"]
+    if np.isnan(zone_ends).any():
         return
     in_cycle = in_last_cycle(scene, arrays["time"], arrays["normal_load"])
     outwards = np.array([-1.0, 1.0])
-    edges = arrays["stick_edges"][in_cycle] * outwards
-    farthest_edges = edges + arrays["stick_edge_uncertainty"][in_cycle]
-    reaches_ends = np.all(farthest_edges >= ends * outwards, axis=1)  # False where nothing sticks
+    outward_edges = arrays["stick_edges"][in_cycle] * outwards
+    farthest_edges = outward_edges + arrays["stick_edge_uncertainty"][in_cycle]
+    reaches_ends = np.all(
+        farthest_edges >= zone_ends * outwards, axis=1
+    )  # False where nothing sticks
     n_narrower = int(np.sum(~reaches_ends))
     if not n_narrower:
         return
     x = arrays["x"]
     slip_range = np.ptp(arrays["slip"][in_cycle], axis=0)
-    creep = slip_range[(x > ends[0]) & (x < ends[1])].max(initial=0.0)
-    share = creep / max(float(slip_range.max()), 1e-300)
+    largest_creep = slip_range[(x > zone_ends[0]) & (x < zone_ends[1])].max(initial=0.0)
+    creep_share = largest_creep / max(float(slip_range.max()), 1e-300)
     yield (
-        f"the permanent stick zone, {ends[0]:.6g} to {ends[1]:.6g}, reaches beyond the stick edges"
-        f" of {n_narrower} of {len(edges)} instants. What slips between them counts as stuck: it"
-        f" slips by {share:.1e} of the largest slip at most"
+        f"the permanent stick zone, {zone_ends[0]:.6g} to {zone_ends[1]:.6g}, reaches beyond the"
+        " stick edges"
+        f" of {n_narrower} of {len(outward_edges)} instants. What slips between them counts as"
+        " stuck: it"
+        f" slips by {creep_share:.1e} of the largest slip at most"
     )
 
 
@@ -116,27 +120,28 @@ def _drift_notes(run: PathRun, scales: Scales) -> Iterator[str]:
     works = [float(density.sum()) for density in run.cycle_density]
     last_work = works[-1]
     work_unit = scales.load**2 / scales.modulus
-    trend = run.trend
-    drift = ""
+    trend_of_work = run.trend
+    drift_text = ""
     if len(works) > 1 and last_work > 0:
-        drift = f"; W changed by {1 - works[-2] / last_work:+.1e}"
+        drift_text = f"; W changed by {1 - works[-2] / last_work:+.1e}"
     if run.steady_from is None:
         yield (
             f"no revolution repeats: the last of {len(works)} ends {run.cycle_change[-1]:.1e} of"
             f" the largest nodal force away from its start (up to {REPEATS:g} counts as the"
-            f" same){drift}; give the scene more cycles"
+            f" same){drift_text}; give the scene more cycles"
         )
-    if np.isfinite(trend.limit) and trend.left and last_work > 0:
+    if np.isfinite(trend_of_work.limit) and trend_of_work.left and last_work > 0:
         yield (
-            f"shakedown: W of the revolutions tends to {trend.limit * work_unit:.6g}"
-            f" ({trend.kind} trend). That of revolution {len(works)} still differs from it by"
-            f" {abs(trend.left) / last_work:.1e} of W, which is in the uncertainty"
+            f"shakedown: W of the revolutions tends to {trend_of_work.limit * work_unit:.6g}"
+            f" ({trend_of_work.kind} trend). That of revolution {len(works)} still differs from it"
+            " by"
+            f" {abs(trend_of_work.left) / last_work:.1e} of W, which is in the uncertainty"
         )
-    elif run.steady_from is not None and trend.left and last_work > 0:
+    elif run.steady_from is not None and trend_of_work.left and last_work > 0:
         yield (
             f"shakedown: revolution {len(works)} repeats to {run.cycle_change[-1]:.1e} of the"
-            f" largest nodal force{drift}; no trend is clear, uncertainty"
-            f" {trend.left / last_work:.1e}"
+            f" largest nodal force{drift_text}; no trend is clear, uncertainty"
+            f" {trend_of_work.left / last_work:.1e}"
         )
     if run.ratchets:
         shift_of_cycle = run.states[-1].shift - run.states[run.cycle_starts[-1]].shift
@@ -155,57 +160,59 @@ def work_done(
     condensed: tuple[CondensedBody, CondensedBody],
     seconds: Mapping[str, float],
 ) -> Work:
-    """What was done, and what was not and why."""
-    lower, upper = condensed
-    one_mesh = lower.body is upper.body
+    """Counts of what was done for an answer, what was not done with the reason, and the seconds of
+    its parts. `condensed` are the lower and the upper body.
+    """
+    lower_body, upper_body = condensed
+    is_one_mesh = lower_body.body is upper_body.body
     counts = {
-        "bodies meshed": 1 if one_mesh else 2,
+        "bodies meshed": 1 if is_one_mesh else 2,
         "condensations": problem.work["condensations"],
-        "degrees of freedom": int(lower.diagnostics["degrees_of_freedom"]),
-        "contact nodes": len(lower.x),
+        "degrees of freedom": int(lower_body.diagnostics["degrees_of_freedom"]),
+        "contact nodes": len(lower_body.x),
         "steps solved": len(run.iterations),
         "sparse factorisations": problem.work["sparse factorisations"],
         **{name: int(count) for name, count in sorted(problem.work.items())},
     }
-    skipped_work: dict[str, tuple[int, str]] = {}
-    if one_mesh:
-        skipped_work["meshes"] = (1, "both bodies have one shape: meshed once, reflected")
-    if lower is upper:
-        skipped_work["condensations"] = (
+    skipped: dict[str, tuple[int, str]] = {}
+    if is_one_mesh:
+        skipped["meshes"] = (1, "both bodies have one shape: meshed once, reflected")
+    if lower_body is upper_body:
+        skipped["condensations"] = (
             1,
             "the bodies are alike: the upper one is the lower one reflected",
         )
     n_cached = problem.work[CACHED]
     if n_cached:
-        skipped_work["condensations, cached"] = (
+        skipped["condensations, cached"] = (
             n_cached,
             "this process condensed the body before: taken from the cache",
         )
     if on_half(scene, problem.interface):
-        skipped_work["contact nodes"] = (
+        skipped["contact nodes"] = (
             len(problem.interface.x) // 2,
             "p is even in x, q even or odd: solved on one half",
         )
     if not problem.tangential:
-        skipped_work["tangential problem"] = (len(run.iterations), "no shear can arise")
+        skipped["tangential problem"] = (len(run.iterations), "no shear can arise")
     if not problem.work[CURED]:
         reason = (
             "an end of a face or a base is within ten nodes: W is of first order in the element"
         )
         if problem.work[REPEATED]:
             reason = "the contact did not converge without it"
-        skipped_work["the mesh's part of N - T"] = (1, reason)
+        skipped["the mesh's part of N - T"] = (1, reason)
     if problem.tangential and not problem.work["slip iterations"]:
-        skipped_work["slip iterations"] = (len(run.iterations), "no node left stick")
+        skipped["slip iterations"] = (len(run.iterations), "no node left stick")
     if run.steady_from is not None and run.steady_from + 1 < scene.cycles:
-        skipped_work["revolutions"] = (
+        skipped["revolutions"] = (
             scene.cycles - run.steady_from - 1,
             "the revolution before ended as it started",
         )
     n_dropped = len(run.states) - len(run.stored)
     if n_dropped:
-        skipped_work["instants"] = (
+        skipped["instants"] = (
             n_dropped,
             f"stored at {len(run.stored)} instants: more would take gigabytes",
         )
-    return Work(counts, skipped_work, dict(seconds))
+    return Work(counts, skipped, dict(seconds))

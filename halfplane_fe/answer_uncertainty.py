@@ -54,31 +54,31 @@ def cycle_uncertainty(task: Task, run: PathRun) -> float:
     if not needs_shear(scene):
         return 0.0
     first_increment = run.cycle_starts[-1] if run.cycle_starts else 0
-    unit = task.friction_unit
+    friction_unit = task.friction_unit
     # With bulk stress or tilt a cycle is compared with the coarse run's of the same number: they
     # only approach the steady state.
     densities_compared = (
         run.cycle_density[:COARSE_CYCLES] if scene.unsymmetric else run.cycle_density
     )
     dissipation = float(densities_compared[-1].sum())
-    of_coarse_run = task.scales.dissipation / task.work_unit
-    scatter = None
+    coarse_dissipation = task.scales.dissipation / task.work_unit
+    edge_scatter = None
     if run.excess and not task.has_plain_errors and not scene.unsymmetric:
-        scatter = run.excess[-1].scatter / unit
+        edge_scatter = run.excess[-1].scatter / friction_unit
     # Unlike bodies: the increments of the nodes that start to slide bend the pressure too, and
     # their bound counts in full.
     if task.steps_by_kinks:
-        of_steps = _BENT_IN_RECORDS * run.column("bent")[first_increment:].sum()
-    elif scatter is not None and shapes_alike(scene):
-        of_steps = _BENT * run.column("bent")[first_increment:].sum()
+        step_uncertainty = _BENT_IN_RECORDS * run.column("bent")[first_increment:].sum()
+    elif edge_scatter is not None and shapes_alike(scene):
+        step_uncertainty = _BENT * run.column("bent")[first_increment:].sum()
     else:
-        of_steps = run.column("step_error")[first_increment:].sum()
-    return float(of_steps) + unit * uncertainty(
-        dissipation / unit,
-        abs(dissipation - of_coarse_run) / unit,
+        step_uncertainty = run.column("step_error")[first_increment:].sum()
+    return float(step_uncertainty) + friction_unit * uncertainty(
+        dissipation / friction_unit,
+        abs(dissipation - coarse_dissipation) / friction_unit,
         task.scales.element,
         task.mesh,
-        scatter,
+        edge_scatter,
         task.has_plain_errors,
     )
 
@@ -94,8 +94,8 @@ def dissipation_uncertainty(task: Task, run: PathRun, arrays: Mapping[str, Any])
     share_of_mesh = share_of_flanks(
         task.scene.profile, revolution.least_contact(), task.element * task.scales.half_width
     ) + share_of_shapes(task.scene, revolution.load, task.element)
-    of_cycle = (cycle_uncertainty(task, run) + left_by_trend) * task.work_unit
-    return float(of_cycle + arrays["dissipation"] * share_of_mesh)
+    energy_of_cycle = (cycle_uncertainty(task, run) + left_by_trend) * task.work_unit
+    return float(energy_of_cycle + arrays["dissipation"] * share_of_mesh)
 
 
 def value_uncertainties(

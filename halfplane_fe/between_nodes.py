@@ -135,69 +135,77 @@ def _at_stick_edge(
     sticks: Mask,
     side: int,
 ) -> _EdgeWork | None:
-    """At the edge of permanent stick on that side of x = 0; None where it does not count.
+    """Work in excess, by the place of an edge between two nodes, at the edge of permanent stick on
+    the `side`, 1 or -1, of x = 0; None where it does not count.
 
-    Locked-in shear brings a node beside the edge nearer to the cone at one turn, and further from
-    it at the other. So its distances at both turns are added.
+    Locked-in shear brings a node beside the edge nearer to the cone at one turn of the slip, and
+    further from it at the other. So its distances at both turns are added.
     """
-    left, right = np.flatnonzero(sticks)[[0, -1]].tolist()
-    last_node = right if side > 0 else left
-    first_node = left if side > 0 else right
-    node = last_node + side
-    opposite = first_node - side
+    leftmost, rightmost = np.flatnonzero(sticks)[[0, -1]].tolist()
+    last_stuck = rightmost if side > 0 else leftmost
+    first_stuck = leftmost if side > 0 else rightmost
+    node = last_stuck + side
+    opposite_node = first_stuck - side
     if not _regular(problem, node):
         return None
     slip_of_node = slip[:, node]
     slip_range = float(np.ptp(slip_of_node))
     signs = slip_sign(np.array([state.state[node] for state in states]))
-    turns: dict[int, InterfaceState] = {}
+    states_at_turns: dict[int, InterfaceState] = {}
     for sign in (1, -1):
-        at_turn = sign * slip_of_node >= np.max(sign * slip_of_node) - _TURNED * slip_range
-        instants = np.flatnonzero((signs == sign) & at_turn)
-        if not len(instants) or not states[instants[-1]].is_complete:
+        is_at_turn = sign * slip_of_node >= np.max(sign * slip_of_node) - _TURNED * slip_range
+        turning_numbers = np.flatnonzero((signs == sign) & is_at_turn)
+        if not len(turning_numbers) or not states[turning_numbers[-1]].is_complete:
             return None
-        turns[sign] = states[instants[-1]]
-    to_cone = sum(
-        problem.friction * turn.pressure[last_node] - sign * turn.shear[last_node]
-        for sign, turn in turns.items()
+        states_at_turns[sign] = states[turning_numbers[-1]]
+    force_to_cone = sum(
+        problem.friction * turning_state.pressure[last_stuck]
+        - sign * turning_state.shear[last_stuck]
+        for sign, turning_state in states_at_turns.items()
     )
     work_in_excess = 0.0
     scatter = 0.0
     n_loads = len(states[0].loads)
-    for sign, turn in turns.items():
+    for sign, turning_state in states_at_turns.items():
         # Nodes that have only reached the cone stick.
-        states_at_turn = np.where(sticks & (turn.state != OPEN), STICK, turn.state).astype(np.int8)
-        slides = slip_sign(states_at_turn) == sign
-        slides_beyond = slides[node:] if side > 0 else slides[: node + 1]
-        if np.count_nonzero(slides_beyond) < _ZONE - 1:
+        states_at_turn = np.where(
+            sticks & (turning_state.state != OPEN), STICK, turning_state.state
+        ).astype(np.int8)
+        is_sliding = slip_sign(states_at_turn) == sign
+        sliding_beyond = is_sliding[node:] if side > 0 else is_sliding[: node + 1]
+        if np.count_nonzero(sliding_beyond) < _ZONE - 1:
             return None
         slip_rates, pressure_rates, shear_rates, _ = nodal(
             problem.rates(states_at_turn, n_loads)[1]
         )
-        cone_rate = problem.friction * pressure_rates[last_node] - sign * shear_rates[last_node]
-        from_node = _load_to(slip_range, slip_rates[node])
-        distance = from_node + _load_to(to_cone, cone_rate)
-        if not 0 < distance < math.inf:
+        cone_rate = problem.friction * pressure_rates[last_stuck] - sign * shear_rates[last_stuck]
+        load_from_node = _load_to(slip_range, slip_rates[node])
+        load_between_nodes = load_from_node + _load_to(force_to_cone, cone_rate)
+        if not 0 < load_between_nodes < math.inf:
             return None
-        g, unit = _chord(problem, node, True, from_node / distance, distance)
-        opposite_slides = 0 <= opposite < len(slides) and bool(slides[opposite])
-        nodes = (node, opposite) if opposite_slides else (node,)
+        g, unit_work = _chord(
+            problem, node, True, load_from_node / load_between_nodes, load_between_nodes
+        )
+        opposite_slides = 0 <= opposite_node < len(is_sliding) and bool(is_sliding[opposite_node])
+        nodes = (node, opposite_node) if opposite_slides else (node,)
 
         def slip_by_load(states: States) -> Array:
             return np.asarray(nodal(problem.rates(states, n_loads)[1])[0])
 
-        jump = _jump(slip_by_load, states_at_turn, nodes, STICK)
-        work = problem.friction * float(turn.pressure @ jump) * unit
-        work_in_excess -= work * float(g)
-        scatter += abs(work) * _RMS
+        slip_jump = _jump(slip_by_load, states_at_turn, nodes, STICK)
+        edge_work = problem.friction * float(turning_state.pressure @ slip_jump) * unit_work
+        work_in_excess -= edge_work * float(g)
+        scatter += abs(edge_work) * _RMS
     return _EdgeWork(work_in_excess, scatter)
 
 
 def _at_contact_edge(
     problem: ContactProblem, states: Sequence[InterfaceState], slip: Array, side: int
 ) -> _EdgeWork | None:
-    """The same at the edge of contact, on its way: along each increment p is linear in P, and no
-    node touches or lets go.
+    """Work in excess, by the place of an edge between two nodes, at the edge of contact on the
+    `side`, 1 or -1, of x = 0 on its way; None where it does not count.
+
+    Along each increment the pressure is linear in P, and no node touches or lets go.
     """
     n_loads = len(states[0].loads)
     rates: dict[bytes, Array] = {}
@@ -208,10 +216,10 @@ def _at_contact_edge(
         """
         if problem.interface.coupling is not None:
             state = np.where(state != OPEN, STICK, OPEN).astype(np.int8)
-        key = (state != OPEN).tobytes()
-        if key not in rates:
-            rates[key] = nodal(problem.rates(state, n_loads)[0])
-        return rates[key]
+        closed_key = (state != OPEN).tobytes()
+        if closed_key not in rates:
+            rates[closed_key] = nodal(problem.rates(state, n_loads)[0])
+        return rates[closed_key]
 
     def pressure_by_load(state: States) -> Array:
         return np.asarray(rates_by_load(state)[1])
@@ -220,32 +228,34 @@ def _at_contact_edge(
         rates_by_load(state.state)
     work_in_excess = 0.0
     work_of_stays: dict[int, float] = {}  # by the node that the edge stands at
-    slips = np.abs(np.diff(slip, axis=0))
-    for start, end, slip_increment in zip(states[:-1], states[1:], slips, strict=True):
+    slip_increments = np.abs(np.diff(slip, axis=0))
+    for start, end, node_slips in zip(states[:-1], states[1:], slip_increments, strict=True):
         closed_nodes = np.flatnonzero(start.closed)
         node = int(closed_nodes[-1 if side > 0 else 0])
-        opposite = int(closed_nodes[0 if side > 0 else -1])
+        opposite_node = int(closed_nodes[0 if side > 0 else -1])
         next_node = node + side
-        if not slip_increment.any():
+        if not node_slips.any():
             continue
         if not start.is_complete or not _regular(problem, node):
             return None
-        if not 0 <= next_node < len(slip_increment):
+        if not 0 <= next_node < len(node_slips):
             return None
         _, pressure_rates, _, gap_rates = rates_by_load(start.state)
-        from_node = _load_to(start.pressure[node], pressure_rates[node])
-        distance = from_node + _load_to(start.gap[next_node], gap_rates[next_node])
-        if not 0 < distance < math.inf:
+        load_from_node = _load_to(start.pressure[node], pressure_rates[node])
+        load_between_nodes = load_from_node + _load_to(start.gap[next_node], gap_rates[next_node])
+        if not 0 < load_between_nodes < math.inf:
             return None
-        load_at_end = from_node + end.loads[0] - start.loads[0]
-        share_at_start, share_at_end = np.clip([from_node, load_at_end], 0.0, distance) / distance
+        load_at_end = load_from_node + end.loads[0] - start.loads[0]
+        share_at_start, share_at_end = (
+            np.clip([load_from_node, load_at_end], 0.0, load_between_nodes) / load_between_nodes
+        )
         shares = np.array([share_at_start, (share_at_start + share_at_end) / 2, share_at_end])
-        g, unit = _chord(problem, node, False, shares, distance)
-        nodes = (node, opposite) if _regular(problem, opposite) else (node,)
-        jump = _jump(pressure_by_load, start.state, nodes, OPEN)
-        work = problem.friction * float(slip_increment @ jump) * unit
-        work_in_excess -= work * float(g @ [1, 4, 1]) / 6  # Simpson's rule along the increment
-        work_of_stays[node] = work_of_stays.get(node, 0.0) + abs(work)
+        g, unit_work = _chord(problem, node, False, shares, load_between_nodes)
+        nodes = (node, opposite_node) if _regular(problem, opposite_node) else (node,)
+        pressure_jump = _jump(pressure_by_load, start.state, nodes, OPEN)
+        edge_work = problem.friction * float(node_slips @ pressure_jump) * unit_work
+        work_in_excess -= edge_work * float(g @ [1, 4, 1]) / 6  # Simpson's rule along the increment
+        work_of_stays[node] = work_of_stays.get(node, 0.0) + abs(edge_work)
     # The way from node to node has no mean: what counts is the longest stay between two.
     return _EdgeWork(work_in_excess, max(work_of_stays.values(), default=0.0) * _RMS)
 
@@ -256,18 +266,18 @@ def _load_to(distance: float, rate: float) -> float:
 
 
 def _jump(
-    rates: Callable[[States], Array], state: States, nodes: tuple[int, ...], back: int
+    rates: Callable[[States], Array], state: States, nodes: tuple[int, ...], earlier_state: int
 ) -> Array:
-    """What the first of some nodes made of the rates when it left the state `back`, as a mean over
-    both orders of two nodes.
+    """Change of the rates (n,) when the first of one or two nodes left `earlier_state`: the mean
+    over both orders in which two nodes may have left it.
     """
     node, *second_node = nodes
     jumps = []
     for nodes_back in {(), tuple(second_node)}:
         states_after = state.copy()
-        states_after[list(nodes_back)] = back
+        states_after[list(nodes_back)] = earlier_state
         states_before = states_after.copy()
-        states_before[node] = back
+        states_before[node] = earlier_state
         jumps.append(rates(states_after) - rates(states_before))
     return np.asarray(sum(jumps) / len(jumps))
 
@@ -279,35 +289,33 @@ def _regular(problem: ContactProblem, node: int) -> bool:
     weights = problem.interface.weights
     if not 2 <= node < len(weights) - 2:
         return False
-    like_node = weights[node - 2 : node + 3 : 2].tolist()
-    neighbours = weights[node - 1 : node + 2 : 2].tolist()
-    corners, middles = sorted((like_node, neighbours), key=max)
+    weights_of_kind = weights[node - 2 : node + 3 : 2].tolist()
+    weights_beside = weights[node - 1 : node + 2 : 2].tolist()
+    corner_weights, middle_weights = sorted((weights_of_kind, weights_beside), key=max)
     least_spacing, largest_spacing = _SIMPSON
-    return least_spacing * max(corners) <= min(middles) and max(middles) <= largest_spacing * min(
-        corners
-    )
+    return least_spacing * max(corner_weights) <= min(middle_weights) and max(
+        middle_weights
+    ) <= largest_spacing * min(corner_weights)
 
 
 def _chord(
     problem: ContactProblem, node: int, inwards: bool, share: Array | float, distance: float
 ) -> tuple[Array, float]:
-    """g at an edge that is shares t of the way between a node and the next, inwards or outwards; A
-    over the jump of the rates.
+    """For an edge that is a `share` t of the way between a node and the next, inwards or outwards:
+    the dimensionless work g in excess there, and the load over the jump of the rates that makes it
+    work.
 
-    Parameters
-    ----------
-    distance
-        load that takes the edge from the one node to the next
+    `distance` is the load that takes the edge from the one node to the next.
     """
     is_corner = bool(problem.interface.weights[node] < problem.interface.weights[node - 1])
     v_of_both = (_D**3 + (1 - _D) ** 3) / 6
     v_of_corner = (v_of_both - _V) / 2
     v_of_middle = (v_of_both + _V) / 2
     jump_of_middle = 0.5 + _V * (1 / _D + 1 / (1 - _D))
-    d = _D if is_corner == inwards else 1 - _D
+    place_of_node = _D if is_corner == inwards else 1 - _D
     v_of_node = v_of_corner if is_corner else v_of_middle
     v_of_next = v_of_middle if is_corner else v_of_corner
-    jump = 1 - jump_of_middle if is_corner else jump_of_middle
+    jump_of_node = 1 - jump_of_middle if is_corner else jump_of_middle
     t = np.asarray(share)
-    g = v_of_node + (v_of_next - v_of_node) * t - d**2 * t * (1 - t) / 2
-    return g, distance / (d * jump)
+    g = v_of_node + (v_of_next - v_of_node) * t - place_of_node**2 * t * (1 - t) / 2
+    return g, distance / (place_of_node * jump_of_node)

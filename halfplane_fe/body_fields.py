@@ -160,17 +160,17 @@ def _fields_of_bodies(
 ) -> list[list[BodyFields]]:
     """Fields of the lower and of the upper body, each (n_steps,)."""
     tension, tension_uncertainty = edge_tension(solution, steps)
-    series = [tractions_with_uncertainty(_nodal(solution, step)).series for step in steps]
+    series_of_steps = [tractions_with_uncertainty(_nodal(solution, step)).series for step in steps]
     bodies = []
     for number, name in enumerate(_BODIES):
-        displacement, stress = _displacement_and_stress(solution, steps, series, number)
+        displacement, stress = _displacement_and_stress(solution, steps, series_of_steps, number)
         condensed = solution.condensed[number]
         points = condensed.body.mesh.p.T * [1.0, _sign_of_y(number)]
         cells = _counter_clockwise(points, cells_of(condensed.body.mesh, condensed.order))
-        snapshots = []
-        for k, (step, tractions_of_step) in enumerate(zip(steps, series, strict=True)):
+        fields_of_steps = []
+        for k, (step, tractions_of_step) in enumerate(zip(steps, series_of_steps, strict=True)):
             edges = (np.nan, np.nan) if tractions_of_step is None else tractions_of_step.edges
-            snapshots.append(
+            fields_of_steps.append(
                 BodyFields(
                     name=name,
                     points=points,
@@ -183,7 +183,7 @@ def _fields_of_bodies(
                     edge_tension_uncertainty=tension_uncertainty[k, number],
                 )
             )
-        bodies.append(snapshots)
+        bodies.append(fields_of_steps)
     return bodies
 
 
@@ -204,20 +204,24 @@ def _displacement_and_stress(
     (n_steps, n, 4) of one body, in the common frame.
     """
     material = solution.condensed[number].material
-    sign = _sign_of_y(number)
-    bulk = _bulk_stress(solution, steps, number)
-    nodal = _nodal_fields(solution, number, steps, bulk)
-    near = _near_contact(solution, number, nodal, series)
-    stress = nodal.stress if near is None else _joined_stress(nodal, near, material)
-    places = nodal.basis.mesh.p
-    displacement = nodal.displacement.reshape(places.shape[1], 2, -1).swapaxes(0, 1)
+    sign_of_y = _sign_of_y(number)
+    bulk_stress = _bulk_stress(solution, steps, number)
+    nodal_fields = _nodal_fields(solution, number, steps, bulk_stress)
+    near_contact = _near_contact(solution, number, nodal_fields, series)
+    stress = (
+        nodal_fields.stress
+        if near_contact is None
+        else _joined_stress(nodal_fields, near_contact, material)
+    )
+    places = nodal_fields.basis.mesh.p
+    displacement = nodal_fields.displacement.reshape(places.shape[1], 2, -1).swapaxes(0, 1)
     if isinstance(getattr(solution.scene.bodies, _BODIES[number]), HalfPlane):
-        displacement = displacement + uniform_stretch(material, *places)[..., None] * bulk
+        displacement = displacement + uniform_stretch(material, *places)[..., None] * bulk_stress
         by_bulk_stress = np.array([1.0, 0.0, 0.0, material.poisson_ratio])
-        stress = stress + by_bulk_stress[:, None] * bulk
+        stress = stress + by_bulk_stress[:, None] * bulk_stress
     return (
-        displacement.transpose(2, 1, 0) * [1.0, sign],
-        stress.transpose(2, 0, 1) * [1.0, 1.0, sign, 1.0],
+        displacement.transpose(2, 1, 0) * [1.0, sign_of_y],
+        stress.transpose(2, 0, 1) * [1.0, 1.0, sign_of_y, 1.0],
     )
 
 
@@ -285,8 +289,9 @@ def _has_bodies(solution: ContactSolution) -> bool:
 
 
 def _of_new_contact(solution: ContactSolution, step: int) -> Array:
-    """(2,) change of the tension at both edges by contact that is new since P began to grow in full
-    stick, where it is too narrow for the nodes of the rim to show its shear [stress].
+    """(2,) change of the tension at both edges, left and right, by contact that is new since P
+    began to grow in full stick, where it is too narrow for the nodes of the rim to show its shear
+    [stress].
 
     Within new contact q/p near the edge is dQ/dP of the time since, behind it what the slip before
     has left. With p = K sqrt(d) a difference c of the two changes s_xx by (4/pi) c K sqrt(w), w the
@@ -295,25 +300,27 @@ def _of_new_contact(solution: ContactSolution, step: int) -> Array:
     """
     if not step or not _sticks_in_full(solution, step):
         return np.zeros(2)
-    rise_of_p = np.diff(solution.normal_load[: step + 1])
-    rise_of_q = np.diff(solution.tangential_load[: step + 1])
+    p_increments = np.diff(solution.normal_load[: step + 1])
+    q_increments = np.diff(solution.tangential_load[: step + 1])
     start = step
-    while start > 0 and rise_of_p[start - 1] > 0 and _sticks_in_full(solution, start):
+    while start > 0 and p_increments[start - 1] > 0 and _sticks_in_full(solution, start):
         start -= 1
     nodal = _nodal(solution, step)
     if start == step or len(nodal.x) <= 2 * RIM:
         return np.zeros(2)
-    at_rim = [RIM, -1 - RIM]
-    pressure = nodal.pressure[at_rim]
-    depth = np.abs(nodal.x[at_rim] - solution.contact_edges[step])
-    ratio = rise_of_q[start:] / rise_of_p[start:]
+    rim_nodes = [RIM, -1 - RIM]
+    pressure = nodal.pressure[rim_nodes]
+    rim_depths = np.abs(nodal.x[rim_nodes] - solution.contact_edges[step])
+    ratios = q_increments[start:] / p_increments[start:]
     # q/p that was at the edge before each increment since: at the first, what the rim has.
-    ratio_before = np.tile(np.append(np.nan, ratio[:-1])[:, None], 2)
-    ratio_before[0] = nodal.shear[at_rim] / pressure
-    width = np.abs(solution.contact_edges[step] - solution.contact_edges[start:step])
-    change_of_ratio = np.abs(ratio[-1] - ratio_before)
-    pressure_at_width = pressure * np.sqrt(width / depth)
-    changes = np.where(width < depth, 4 / np.pi * change_of_ratio * pressure_at_width, 0.0)
+    ratio_before = np.tile(np.append(np.nan, ratios[:-1])[:, None], 2)
+    ratio_before[0] = nodal.shear[rim_nodes] / pressure
+    widths_of_new = np.abs(solution.contact_edges[step] - solution.contact_edges[start:step])
+    change_of_ratio = np.abs(ratios[-1] - ratio_before)
+    pressure_at_width = pressure * np.sqrt(widths_of_new / rim_depths)
+    changes = np.where(
+        widths_of_new < rim_depths, 4 / np.pi * change_of_ratio * pressure_at_width, 0.0
+    )
     return np.asarray(changes.max(axis=0))
 
 
@@ -372,40 +379,40 @@ def _tension_by_bodies(
     """
     bodies = solution.scene.bodies
     material = solution.scene.material
-    values = np.zeros((len(steps), 2, 2))
+    tension = np.zeros((len(steps), 2, 2))
     uncertainties = np.zeros(2)
-    bulk = [_bulk_stress(solution, steps, number) for number in (0, 1)]
-    has_bulk_stress = any(of_body.any() for of_body in bulk)
+    bulk_of_bodies = [_bulk_stress(solution, steps, number) for number in (0, 1)]
+    has_bulk_stress = any(bulk_stress.any() for bulk_stress in bulk_of_bodies)
     are_mirrored = bodies.lower == bodies.upper and material.alike and not has_bulk_stress
     size_fit_of_lower: _SizeFit | None = None
     for number, name in enumerate(_BODIES):
         if isinstance(getattr(bodies, name), HalfPlane):
-            values[:, number] = bulk[number][:, None]
+            tension[:, number] = bulk_of_bodies[number][:, None]
             continue
-        on_body = [_on_body(of_step, number) for of_step in series]
+        tractions_on_body = [_on_body(tractions_of_step, number) for tractions_of_step in series]
         if isinstance(solution, KernelSolution):
-            by_size, uncertainty = _tension_by_kernels(solution, number, on_body)
-            values[:, number] += by_size
+            size_tension, uncertainty = _tension_by_kernels(solution, number, tractions_on_body)
+            tension[:, number] += size_tension
             uncertainties[number] = uncertainty
             continue
         assert isinstance(solution, FiniteElementSolution)  # for the type checker
         if number == 1 and are_mirrored:
             size_fit = size_fit_of_lower
         else:
-            size_fit = _size_fit(solution, number, steps, series, bulk[number])
+            size_fit = _size_fit(solution, number, steps, series, bulk_of_bodies[number])
         if size_fit is None:
-            values[:, number] = math.nan
+            tension[:, number] = math.nan
             uncertainties[number] = math.nan
         else:
             # the elements have the bulk stress too
-            values[:, number] = size_fit.tension(on_body, bulk[number])
+            tension[:, number] = size_fit.tension(tractions_on_body, bulk_of_bodies[number])
             uncertainties[number] = size_fit.uncertainty
         size_fit_of_lower = size_fit
-    return values, uncertainties
+    return tension, uncertainties
 
 
 def _tension_by_kernels(
-    solution: KernelSolution, number: int, on_body: Sequence[Tractions]
+    solution: KernelSolution, number: int, tractions_on_body: Sequence[Tractions]
 ) -> tuple[Array, float]:
     """What the size of a body with a flat face adds to s_xx at both edges of contact, (n_steps, 2),
     and its uncertainty [stress]: E' times the strain by its kernels, for nothing presses there.
@@ -420,18 +427,20 @@ def _tension_by_kernels(
     material: Elastic = getattr(solution.scene.material, name)
     modulus = material.young_modulus / (1 - material.poisson_ratio**2)
     angles = math.pi * (np.arange(_ANGLES) + 0.5) / _ANGLES
-    tension = np.zeros((len(on_body), 2))
+    tension = np.zeros((len(tractions_on_body), 2))
     uncertainty = 0.0
-    for k, of_step in enumerate(on_body):
-        places = of_step.middle - of_step.half_width * np.cos(angles)
-        lengths = of_step.half_width * np.sin(angles) * math.pi / _ANGLES
-        pressing, along = (
+    for k, tractions_of_step in enumerate(tractions_on_body):
+        places_in_contact = tractions_of_step.middle - tractions_of_step.half_width * np.cos(angles)
+        lengths = tractions_of_step.half_width * np.sin(angles) * math.pi / _ANGLES
+        pressing_forces, shear_forces = (
             np.sin(np.outer(angles, np.arange(1, len(sines) + 1))) @ sines * lengths
-            for sines in (of_step.pressure[:_ANGLES], of_step.shear[:_ANGLES])
+            for sines in (tractions_of_step.pressure[:_ANGLES], tractions_of_step.shear[:_ANGLES])
         )
-        strain, difference = kernels.strain(np.array(of_step.edges), places, pressing, along)
+        strain, strain_difference = kernels.strain(
+            np.array(tractions_of_step.edges), places_in_contact, pressing_forces, shear_forces
+        )
         tension[k] = modulus * strain
-        uncertainty = max(uncertainty, modulus * float(difference.max()))
+        uncertainty = max(uncertainty, modulus * float(strain_difference.max()))
     return tension, uncertainty
 
 
@@ -487,32 +496,35 @@ def _size_fit(
     series: Sequence[Tractions],
     bulk: Array,
 ) -> _SizeFit | None:
-    """What the size of a body adds; None where it is not known.
-
-    It is linear in tractions and bulk stress, and hardly depends on more than moments of the
-    former: found at a few instants.
+    """What the size of a body adds to the stress at the face, as a linear function of moments of
+    the tractions and of the bulk stress, found at a few of the steps; None where it is not
+    known.
     """
-    evenly = np.linspace(0, len(steps) - 1, _SAMPLED).round().astype(int)
-    sampled = sorted(set(evenly.tolist()))
-    sampled_steps = [steps[k] for k in sampled]
-    nodal = _nodal_fields(solution, number, sampled_steps, bulk[sampled])
-    near = _near_contact(solution, number, nodal, [series[k] for k in sampled])
-    if near is None or near.size_effect is None:
+    even_numbers = np.linspace(0, len(steps) - 1, _SAMPLED).round().astype(int)
+    sampled_numbers = sorted(set(even_numbers.tolist()))
+    sampled_steps = [steps[k] for k in sampled_numbers]
+    nodal_fields = _nodal_fields(solution, number, sampled_steps, bulk[sampled_numbers])
+    near_contact = _near_contact(
+        solution, number, nodal_fields, [series[k] for k in sampled_numbers]
+    )
+    if near_contact is None or near_contact.size_effect is None:
         return None
     causes = _causes([_on_body(of_step, number) for of_step in series], bulk)
     # Over P and powers of the half-width: moments that are zero by symmetry must not count as
     # round-off over round-off.
     half_width = max(of_step.half_width for of_step in series)
-    scale = np.abs(causes[:, 0]).max() * half_width ** np.array([0, 1, 2, 0, 1, 2])
+    cause_units = np.abs(causes[:, 0]).max() * half_width ** np.array([0, 1, 2, 0, 1, 2])
     if bulk.any():
-        scale = np.append(scale, np.abs(bulk).max())
-    causes = causes[sampled, : len(scale)]
-    slopes = np.linalg.lstsq(causes / scale, near.size_effect.coefficients.T, rcond=1e-8)[0]
-    size_fit = _SizeFit(near.size_effect, slopes, scale, uncertainty=0.0)
-    middle = np.zeros(1)
-    stress_of_fit = size_fit.of_causes(causes).stress(middle, middle)
-    missed = near.size_effect.stress(middle, middle) - stress_of_fit
-    uncertainty = float(near.size_effect.error.max() + np.abs(missed[:, 0]).max())
+        cause_units = np.append(cause_units, np.abs(bulk).max())
+    causes = causes[sampled_numbers, : len(cause_units)]
+    slopes = np.linalg.lstsq(
+        causes / cause_units, near_contact.size_effect.coefficients.T, rcond=1e-8
+    )[0]
+    size_fit = _SizeFit(near_contact.size_effect, slopes, cause_units, uncertainty=0.0)
+    origin = np.zeros(1)
+    stress_of_fit = size_fit.of_causes(causes).stress(origin, origin)
+    missed_stress = near_contact.size_effect.stress(origin, origin) - stress_of_fit
+    uncertainty = float(near_contact.size_effect.error.max() + np.abs(missed_stress[:, 0]).max())
     return replace(size_fit, uncertainty=uncertainty)
 
 
@@ -555,35 +567,38 @@ def stress(
     ]
     number = _BODIES.index(body)
     sign = _sign_of_y(number)
-    places, height = np.broadcast_arrays(
+    x_places, y_places = np.broadcast_arrays(
         np.atleast_1d(np.asarray(x, dtype=float)), np.atleast_1d(sign * np.asarray(y, dtype=float))
     )
-    if np.any(height > 0):
+    if np.any(y_places > 0):
         raise InputError(
-            f"stress: y = {sign * float(height.max()):.6g} is outside the {body} body; y points out"
+            f"stress: y = {sign * float(y_places.max()):.6g} is outside the {body} body; y points"
+            " out"
             " of the lower one"
         )
-    bulk = _bulk_stress(solution, steps, number)
-    series = [tractions_with_uncertainty(_nodal(solution, step)).series for step in steps]
-    stress = np.zeros((len(steps), len(places), 4))
-    on_body = [None if step is None else _on_body(step, number) for step in series]
-    of_half_plane = _stress_of_tractions(on_body, places, height)
-    stress[..., :3] = np.moveaxis(of_half_plane, -1, 0)
+    bulk_stress = _bulk_stress(solution, steps, number)
+    series_of_steps = [tractions_with_uncertainty(_nodal(solution, step)).series for step in steps]
+    stress = np.zeros((len(steps), len(x_places), 4))
+    tractions_on_body = [
+        None if step is None else _on_body(step, number) for step in series_of_steps
+    ]
+    half_plane_stress = _stress_of_tractions(tractions_on_body, x_places, y_places)
+    stress[..., :3] = np.moveaxis(half_plane_stress, -1, 0)
     if isinstance(getattr(solution.scene.bodies, body), HalfPlane):
-        stress[..., 0] += bulk[:, None]
-    elif any(step is not None for step in series):
-        nodal = _nodal_fields(solution, number, steps, bulk)
-        near = _near_contact(solution, number, nodal, series)
-        size_effect = None if near is None else near.size_effect
+        stress[..., 0] += bulk_stress[:, None]
+    elif any(step is not None for step in series_of_steps):
+        nodal_fields = _nodal_fields(solution, number, steps, bulk_stress)
+        near_contact = _near_contact(solution, number, nodal_fields, series_of_steps)
+        size_effect = None if near_contact is None else near_contact.size_effect
         # the limit itself may be missed by rounding
         if size_effect is None or np.any(
-            np.hypot(places, height) > size_effect.length * (1 + 1e-9)
+            np.hypot(x_places, y_places) > size_effect.length * (1 + 1e-9)
         ):
             raise InputError(
                 f"stress: a place in the {body} body is further from the contact than where the"
                 " tractions alone give its stress"
             )
-        stress[..., :3] += np.moveaxis(size_effect.stress(places, height), -1, 0)
+        stress[..., :3] += np.moveaxis(size_effect.stress(x_places, y_places), -1, 0)
     stress[..., 2] *= sign
     poisson_ratio = solution.condensed[number].material.poisson_ratio
     stress[..., 3] = poisson_ratio * (stress[..., 0] + stress[..., 1])
@@ -628,21 +643,24 @@ def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
     steps = _steps_of_large_tension(solution)
     if not steps:
         return None
-    series = [tractions(_nodal(solution, step)) for step in steps]
-    by_bodies, of_bodies = _tension_by_bodies(solution, steps, series)
-    of_tractions = [np.outer([1.0, -1.0], of_step.edge_tension()) for of_step in series]
-    values = np.array(of_tractions) + by_bodies
+    series_of_steps = [tractions(_nodal(solution, step)) for step in steps]
+    tension_by_bodies, body_uncertainties = _tension_by_bodies(solution, steps, series_of_steps)
+    tension_by_tractions = [
+        np.outer([1.0, -1.0], tractions_of_step.edge_tension())
+        for tractions_of_step in series_of_steps
+    ]
+    values = np.array(tension_by_tractions) + tension_by_bodies
     if np.isnan(values).any():
         return None
     # Of mirrored instants, alike but for round-off, the first counts.
     is_largest = values >= values.max() - _ROUND_OFF * abs(values.max())
     place_of_largest = np.unravel_index(np.argmax(is_largest), values.shape)
     k, body, edge = (int(index) for index in place_of_largest)
-    of_series = tractions_with_uncertainty(_nodal(solution, steps[k])).tension_uncertainty
-    edges = series[k].edges
+    series_uncertainty = tractions_with_uncertainty(_nodal(solution, steps[k])).tension_uncertainty
+    edges = series_of_steps[k].edges
     return LargestTension(
         value=float(values[k, body, edge]),
-        uncertainty=float(of_series[edge] + of_bodies[body]),
+        uncertainty=float(series_uncertainty[edge] + body_uncertainties[body]),
         time=float(solution.time[steps[k]]),
         body=_BODIES[body],
         x=edges[edge],
@@ -732,13 +750,13 @@ def profile_kinks(scene: Scene) -> Array:
     kinks = []
     for place in scene.profile.kinks:
         step = _STEP_AT_KINK * place
-        far_left, left, middle, right, far_right = scene.profile.height(
-            place + step * np.arange(-2, 3)
+        height_far_left, height_left, height_middle, height_right, height_far_right = (
+            scene.profile.height(place + step * np.arange(-2, 3))
         )
-        difference_left = far_left - 2 * left + middle
-        difference_right = middle - 2 * right + far_right
-        jump = (difference_right - difference_left) / step**2
-        kinks += [(place, jump), (-place, -jump)]
+        second_difference_left = height_far_left - 2 * height_left + height_middle
+        second_difference_right = height_middle - 2 * height_right + height_far_right
+        curvature_jump = (second_difference_right - second_difference_left) / step**2
+        kinks += [(place, curvature_jump), (-place, -curvature_jump)]
     modulus = contact_modulus(scene.material.lower, scene.material.upper)
     return np.array(kinks).reshape(-1, 2) * [1.0, modulus]
 
@@ -815,45 +833,50 @@ class _NearContact:
 def _near_contact(
     solution: FiniteElementSolution,
     number: int,
-    nodal: _NodalFields,
+    nodal_fields: _NodalFields,
     series: Sequence[Tractions | None],
 ) -> _NearContact | None:
-    """The part of a body next to the contact; None where nothing touches, and where the body is so
-    thin that all of it is next to the contact.
+    """The nodes of a body next to the contact, the tractions on it and what its size adds to the
+    stress there; None where nothing touches, and where the body is so thin that all of it is next
+    to the contact.
 
-    Parameters
-    ----------
-    series
-        (k,) tractions on the lower body
+    `series` are the tractions on the lower body at the steps, (k,).
     """
     shape = getattr(solution.scene.bodies, _BODIES[number])
-    half_widths = [step.half_width for step in series if step is not None]
+    half_widths = [
+        tractions_of_step.half_width
+        for tractions_of_step in series
+        if tractions_of_step is not None
+    ]
     if not half_widths:
         return None
     half_width = max(half_widths)
-    limit = min(_OUTER * half_width, _OF_BODY * _room(shape))
-    if limit < _LEAST_OUTER * half_width:
+    largest_distance = min(_OUTER * half_width, _OF_BODY * _room(shape))
+    if largest_distance < _LEAST_OUTER * half_width:
         return None
-    x, y = nodal.basis.mesh.p
+    x, y = nodal_fields.basis.mesh.p
     y = np.minimum(y + face_of(shape, solution.scene.profile).depth(np.abs(x)), 0.0)
-    nodes = np.flatnonzero(np.hypot(x, y) < limit)
+    nodes = np.flatnonzero(np.hypot(x, y) < largest_distance)
     x = x[nodes]
     y = y[nodes]
-    on_body = [None if step is None else _on_body(step, number) for step in series]
+    tractions_on_body = [
+        None if tractions_of_step is None else _on_body(tractions_of_step, number)
+        for tractions_of_step in series
+    ]
     size_effect = None
     if not isinstance(shape, HalfPlane):
-        beside_contact = (np.abs(x) > _BESIDE * half_width) & (y < 0)
-        accurate = (y < -_BELOW * half_width) | beside_contact
-        x_fitted = x[accurate]
-        y_fitted = y[accurate]
-        stress_beyond = nodal.stress[nodes][accurate, :3] - _stress_of_tractions(
-            on_body, x_fitted, y_fitted
+        is_beside = (np.abs(x) > _BESIDE * half_width) & (y < 0)
+        is_accurate = (y < -_BELOW * half_width) | is_beside
+        x_fitted = x[is_accurate]
+        y_fitted = y[is_accurate]
+        stress_beyond = nodal_fields.stress[nodes][is_accurate, :3] - _stress_of_tractions(
+            tractions_on_body, x_fitted, y_fitted
         )
-        areas = nodal.areas[nodes][accurate]
+        areas = nodal_fields.areas[nodes][is_accurate]
         size_effect = fitted_size_effect(
-            x_fitted, y_fitted, stress_beyond, areas, limit, half_width
+            x_fitted, y_fitted, stress_beyond, areas, largest_distance, half_width
         )
-    return _NearContact(limit, nodes, x, y, on_body, size_effect)
+    return _NearContact(largest_distance, nodes, x, y, tractions_on_body, size_effect)
 
 
 def _on_body(tractions_on_lower: Tractions, number: int) -> Tractions:
@@ -867,19 +890,27 @@ def _stress_of_tractions(series: Sequence[Tractions | None], x: Array, y: Array)
     return np.stack([none if step is None else step.stress(x, y) for step in series], axis=-1)
 
 
-def _joined_stress(nodal: _NodalFields, near: _NearContact, material: Elastic) -> Array:
+def _joined_stress(
+    nodal_fields: _NodalFields, near_contact: _NearContact, material: Elastic
+) -> Array:
     """(n, 4, k) beside the contact stress of the tractions and of the size of the body; further
     away that of the elements; a smooth step leads from the one to the other.
     """
-    stress = nodal.stress.copy()
-    local = _stress_of_tractions(near.series, near.x, near.y)
-    if near.size_effect is not None:
-        local = local + near.size_effect.stress(near.x, near.y)
-    distance_to_limit = (near.limit - np.hypot(near.x, near.y)) / (_STEP * near.limit)
-    share = np.clip(distance_to_limit, 0.0, 1.0)
-    share = (share**2 * (3 - 2 * share))[:, None, None]
-    nodes = near.nodes
-    stress[nodes, :3] = (1 - share) * stress[nodes, :3] + share * local
+    stress = nodal_fields.stress.copy()
+    traction_stress = _stress_of_tractions(near_contact.series, near_contact.x, near_contact.y)
+    if near_contact.size_effect is not None:
+        traction_stress = traction_stress + near_contact.size_effect.stress(
+            near_contact.x, near_contact.y
+        )
+    distance_to_limit = (near_contact.limit - np.hypot(near_contact.x, near_contact.y)) / (
+        _STEP * near_contact.limit
+    )
+    share_of_tractions = np.clip(distance_to_limit, 0.0, 1.0)
+    share_of_tractions = (share_of_tractions**2 * (3 - 2 * share_of_tractions))[:, None, None]
+    nodes = near_contact.nodes
+    stress[nodes, :3] = (1 - share_of_tractions) * stress[
+        nodes, :3
+    ] + share_of_tractions * traction_stress
     stress[nodes, 3] = material.poisson_ratio * (stress[nodes, 0] + stress[nodes, 1])
     return stress
 
@@ -905,59 +936,60 @@ def _counter_clockwise(points: Array, cells: Indices) -> Indices:
 def _nodal_stress(
     basis: skfem.Basis, displacement: Array, tension: Array, condensed: CondensedBody
 ) -> tuple[Array, Array]:
-    """(n_nodes, 4) xx, yy, xy, zz: element stresses carried to each node and averaged there with
-    the elements' areas as weights.
-
-    And (n_nodes,) the sum of these areas.
+    """Stress xx, yy, xy, zz at the nodes, (n_nodes, 4), and the sum of the areas of the elements
+    around each node, (n_nodes,): element stresses are carried to each node and averaged there with
+    these areas as weights.
     """
     # notation: lam, mu are Lame's constants, the part of lam that enters through `tension` left out
     lam, _, mu = split_lame(condensed.material, condensed.order)
     strain = sym_grad(basis.interpolate(displacement))
-    corners = basis.with_element(scalar_element(basis.mesh, 1)).interpolate(tension)
-    s_zz = lam * (strain[0, 0] + strain[1, 1]) + np.asarray(corners)
+    tension_at_points = basis.with_element(scalar_element(basis.mesh, 1)).interpolate(tension)
+    s_zz = lam * (strain[0, 0] + strain[1, 1]) + np.asarray(tension_at_points)
     s_xx = s_zz + 2 * mu * strain[0, 0]
     s_yy = s_zz + 2 * mu * strain[1, 1]
     s_xy = 2 * mu * strain[0, 1]
-    in_elements = np.stack((s_xx, s_yy, s_xy, s_zz)) @ _to_nodes(basis, condensed.order).T
+    stress_at_element_nodes = (
+        np.stack((s_xx, s_yy, s_xy, s_zz)) @ _to_nodes(basis, condensed.order).T
+    )
     element_areas = basis.dx.sum(axis=1)[:, None]
     cells = cells_of(basis.mesh, condensed.order).ravel()
     n_nodes = basis.mesh.p.shape[1]
-    repeated = np.broadcast_to(element_areas, in_elements.shape[1:]).ravel()
-    areas = np.bincount(cells, repeated, n_nodes)
-    sums = [
+    areas_of_nodes = np.broadcast_to(element_areas, stress_at_element_nodes.shape[1:]).ravel()
+    areas = np.bincount(cells, areas_of_nodes, n_nodes)
+    weighted_sums = [
         np.bincount(cells, (element_areas * component).ravel(), n_nodes)
-        for component in in_elements
+        for component in stress_at_element_nodes
     ]
-    return np.column_stack([total / areas for total in sums]), np.asarray(areas, dtype=float)
+    return np.column_stack([total / areas for total in weighted_sums]), np.asarray(
+        areas, dtype=float
+    )
 
 
 def _to_nodes(basis: skfem.Basis, order: int) -> Array:
-    """(n_nodes, n_quadrature) of an element: values at its nodes of the polynomial nearest to those
-    at its quadrature points.
+    """(n_nodes, n_quadrature) matrix of one element, from values at its quadrature points to values
+    at its nodes, by the polynomial nearest to the former.
 
-    Of an order less than the displacement has, where stresses are most accurate: constant, or
-    linear (bilinear on a quadrilateral).
-
-    Source: Zienkiewicz and Zhu (1992), Int. J. Numer. Meth. Engng 33, 1331-1364, for the points of
-    most accurate stress.
+    The polynomial has a degree less than the displacement, where stresses are most accurate:
+    constant, or linear (bilinear on a quadrilateral). Source: Zienkiewicz and Zhu (1992), Int. J.
+    Numer. Meth. Engng 33, 1331-1364.
     """
     refdom = basis.mesh.refdom
     corners = np.asarray(refdom.p, dtype=float)
-    places = [corners]
+    groups_of_nodes = [corners]
     if basis.facet_dofs.size:
-        places.append(corners[:, np.array(refdom.facets).T].mean(axis=1))
+        groups_of_nodes.append(corners[:, np.array(refdom.facets).T].mean(axis=1))
     if basis.interior_dofs.size:
-        places.append(corners.mean(axis=1, keepdims=True))
+        groups_of_nodes.append(corners.mean(axis=1, keepdims=True))
     n_terms = 1 if order == 1 else refdom.nnodes
 
     def polynomial(points: Array) -> Array:
         """(n_points, n_terms) of 1, x, y, x y."""
-        terms = [np.ones(points.shape[1]), *points, points[0] * points[1]]
-        return np.column_stack(terms[:n_terms])
+        monomials = [np.ones(points.shape[1]), *points, points[0] * points[1]]
+        return np.column_stack(monomials[:n_terms])
 
-    root = np.sqrt(basis.W)[:, None]
-    least_squares = np.linalg.pinv(root * polynomial(basis.X)) * root.T
-    return np.asarray(polynomial(np.hstack(places)) @ least_squares)
+    root_of_weights = np.sqrt(basis.W)[:, None]
+    least_squares = np.linalg.pinv(root_of_weights * polynomial(basis.X)) * root_of_weights.T
+    return np.asarray(polynomial(np.hstack(groups_of_nodes)) @ least_squares)
 
 
 def _von_mises(stress: Array) -> Array:

@@ -456,47 +456,58 @@ class ContactProblem:
             rates = self._cached_rates(states, self._systems.answers(states, n_loads))
         return rates
 
-    def _cached_rates(self, states: States, by_load: Array) -> Array:
-        """The derivatives by the loads, from those by P, Q, bulk stresses and tilt."""
+    def _cached_rates(self, states: States, rates_by_load: Array) -> Array:
+        """Store the derivatives (n_loads, 3 + 4 n) of the values by the loads for a set of node
+        states, from `rates_by_load`, those by P, Q, bulk stresses and tilt: the tilt follows from
+        the moment where that is given.
+        """
         self.work["rates"] += 1
-        if self.moment_given and len(by_load) > 2:
-            *moments, moment_by_tilt = self._moments(by_load)
+        if self.moment_given and len(rates_by_load) > 2:
+            *moments, moment_by_tilt = self._moments(rates_by_load)
             if not moment_by_tilt < -_LEAST_STIFFNESS:
                 raise SingularSet("one node alone holds no moment")
             # by P, Q and bulk stresses at constant moment; by the moment
-            factors = [*moments, moment_by_tilt - 1]
-            by_load = by_load - np.outer(factors, by_load[_TILT_OR_MOMENT]) / moment_by_tilt
+            load_factors = [*moments, moment_by_tilt - 1]
+            rates_by_load = (
+                rates_by_load
+                - np.outer(load_factors, rates_by_load[_TILT_OR_MOMENT]) / moment_by_tilt
+            )
         n_sets = len(self._rates)
-        if n_sets > _LEAST_RATES and n_sets * by_load.nbytes > _RATE_BYTES:
+        if n_sets > _LEAST_RATES and n_sets * rates_by_load.nbytes > _RATE_BYTES:
             self._rates.pop(next(iter(self._rates)))
-        return self._rates.setdefault(states.tobytes(), by_load)
+        return self._rates.setdefault(states.tobytes(), rates_by_load)
 
     def _by_changes(self, start: InterfaceState, states: States) -> Array | float:
-        """(3 + 4 n,) what meeting the equalities of these states changes at constant loads: of
-        nodes that change sides, or did so in an event.
+        """Changes (3 + 4 n,) of the values at constant loads that meet the equalities of these node
+        states, of nodes that change sides, or did so in an event; 0 where nothing changes.
         """
         latest_changes = self._latest_changes
-        key = states.tobytes()
+        states_key = states.tobytes()
         if (
             latest_changes is not None
             and latest_changes.start is start
-            and latest_changes.states == key
+            and latest_changes.states == states_key
         ):
             return latest_changes.values
         _, pressure, shear, gap = nodal(start.values)
-        beyond_cone = shear - self._tractions(states) * pressure
+        force_beyond_cone = shear - self._tractions(states) * pressure
         residual = np.concatenate(
-            [np.where(states == OPEN, pressure, gap), np.where(states == STICK, 0.0, beyond_cone)]
+            [
+                np.where(states == OPEN, pressure, gap),
+                np.where(states == STICK, 0.0, force_beyond_cone),
+            ]
         )
-        rows = (np.abs(residual) > self._last_digit).nonzero()[0]
-        values: Array | float = 0.0
-        if len(rows):
-            answers = self._systems.answers(states, len(start.loads), rows, -residual[rows])
-            values = answers[-1]
-            if key not in self._rates:
+        equation_numbers = (np.abs(residual) > self._last_digit).nonzero()[0]
+        value_changes: Array | float = 0.0
+        if len(equation_numbers):
+            answers = self._systems.answers(
+                states, len(start.loads), equation_numbers, -residual[equation_numbers]
+            )
+            value_changes = answers[-1]
+            if states_key not in self._rates:
                 self._cached_rates(states, answers[:-1].copy())
-        self._latest_changes = _Changes(start, key, values)
-        return values
+        self._latest_changes = _Changes(start, states_key, value_changes)
+        return value_changes
 
     def _active_set(
         self, start: InterfaceState, time: float, loads: tuple[float, ...], states: States
@@ -538,7 +549,7 @@ class ContactProblem:
         """
         self.work["alternating solves"] += 1
         systems = self._systems
-        n_x = self.interface.normals[0]
+        normals_x = self.interface.normals[0]
         coupling = self.interface.coupling
         if coupling is None:
             coupling = np.zeros_like(self.interface.normal)
@@ -550,8 +561,8 @@ class ContactProblem:
         if len(loads) > 2 and not self.moment_given:
             imposed_values[2] = loads[_TILT_OR_MOMENT]
         n_changing = 0
-        for turn in range(1, self.max_iterations + 1):
-            height = self.height - coupling.T @ shear + n_x * shift
+        for turn_number in range(1, self.max_iterations + 1):
+            height = self.height - coupling.T @ shear + normals_x * shift
             if self.moment_given:
                 imposed_values[2] = self._tilt_at_known_shear(
                     height, shear, is_closed, imposed_values, loads
@@ -560,16 +571,22 @@ class ContactProblem:
             pressure, approach, is_closed = pressure_at_known_shear(
                 systems,
                 height + gap_by_imposed,
-                carried_loads[0] - float(n_x @ shear),
+                carried_loads[0] - float(normals_x @ shear),
                 is_closed,
                 ROUNDING,
             )
             states = np.where(is_closed, STICK, OPEN).astype(np.int8)
             if self.tangential:
-                known_slip = start.slip - slip_by_imposed - coupling @ pressure - n_x * approach
-                load = None if self.interface.guided else carried_loads[1] + float(n_x @ pressure)
+                known_slip = (
+                    start.slip - slip_by_imposed - coupling @ pressure - normals_x * approach
+                )
+                free_load = (
+                    None
+                    if self.interface.guided
+                    else carried_loads[1] + float(normals_x @ pressure)
+                )
                 shear, shift, states = shear_at_known_pressure(
-                    systems, np.maximum(pressure, 0.0), known_slip, load, ROUNDING
+                    systems, np.maximum(pressure, 0.0), known_slip, free_load, ROUNDING
                 )
             if not np.any(states == STICK) and self.actuators.tangential is None:
                 continue
@@ -577,11 +594,14 @@ class ContactProblem:
             carried_loads = state.carried or carried_loads
             n_changing = int(np.count_nonzero(self._states_by_law(state, start) != states))
             if not n_changing:
-                return _Solved(state, turn, 0)
+                return _Solved(state, turn_number, 0)
         return _Solved(None, self.max_iterations, n_changing)
 
     def _states_by_law(self, answer: InterfaceState, start: InterfaceState) -> States:
-        """The states that the law gives the answer's nodes."""
+        """(n,) states that the law of contact and friction gives the nodes of an answer to an
+        increment from `start`: open, stick or slip by the trial forces; within rounding of touching
+        or of the cone a node keeps the state it has.
+        """
         states = answer.state
         # What the equations of these states set to zero is zero (`following`): weighted, its
         # rounding would look like a force.
@@ -592,33 +612,40 @@ class ContactProblem:
         pressure_if_closed = np.maximum(trial_pressure, ROUNDING)
         if self.tangential:
             trial_shear = shear + r_tangential * slip_increment
-            _, _, if_closed = project(pressure_if_closed, trial_shear, self.friction)
+            _, _, states_if_closed = project(pressure_if_closed, trial_shear, self.friction)
         else:
-            if_closed = np.full_like(states, STICK)
-        changing = (np.where(trial_pressure > 0, if_closed, OPEN) != states).nonzero()[0]
-        if not len(changing):
+            states_if_closed = np.full_like(states, STICK)
+        changing_nodes = (np.where(trial_pressure > 0, states_if_closed, OPEN) != states).nonzero()[
+            0
+        ]
+        if not len(changing_nodes):
             return states
         # Within rounding of touching or of the cone a node keeps the state it has.
-        before = states[changing]
+        states_before = states[changing_nodes]
         force_to_cone = np.abs(shear) - self.friction * pressure_if_closed
         is_touching = (np.abs(pressure) <= _LEAST_FORCE) & (np.abs(gap) <= ROUNDING)
-        at_cone = np.abs(force_to_cone) <= _LEAST_FORCE * self._shear_scale
-        at_cone &= np.abs(slip_increment) <= ROUNDING * self._shear_scale
-        is_closed = np.where(is_touching, states != OPEN, trial_pressure > 0)[changing]
-        keeps = at_cone[changing] & (before != OPEN)
-        after = np.where(is_closed, np.where(keeps, before, if_closed[changing]), OPEN)
+        is_at_cone = np.abs(force_to_cone) <= _LEAST_FORCE * self._shear_scale
+        is_at_cone &= np.abs(slip_increment) <= ROUNDING * self._shear_scale
+        is_closed = np.where(is_touching, states != OPEN, trial_pressure > 0)[changing_nodes]
+        keeps_state = is_at_cone[changing_nodes] & (states_before != OPEN)
+        states_after = np.where(
+            is_closed, np.where(keeps_state, states_before, states_if_closed[changing_nodes]), OPEN
+        )
         # A sliding node that turns round sticks first: from forward to reverse slip at one go, sets
         # chase each other.
-        has_turned = (after != before) & (after > STICK) & (before > STICK)
+        has_turned = (
+            (states_after != states_before) & (states_after > STICK) & (states_before > STICK)
+        )
         next_states = states.copy()
-        next_states[changing] = np.where(has_turned, STICK, after)
+        next_states[changing_nodes] = np.where(has_turned, STICK, states_after)
         return next_states
 
     def _tilt_at_known_shear(
         self, height: Array, shear: Array, is_closed: Mask, imposed: Array, loads: tuple[float, ...]
     ) -> float:
-        """The tilt at which the pressure over `height` and the shear have the moment given; the
-        larger it is, the less is M.
+        """The tilt at which the pressure that solves the gap `height` (n,), and the known shear,
+        have the moment that is given, by bracketing: the larger the tilt, the less is the
+        moment.
         """
         load = loads[0] - float(self.interface.normals[0] @ shear)
         moment = loads[_TILT_OR_MOMENT]
@@ -633,13 +660,17 @@ class ContactProblem:
         latest_tilt = float(imposed[2])
         slope_of_gap = float(np.ptp(self.height)) / float(np.ptp(self.interface.x))
         # from a thousandth of the gap's slope on, doubled until the tilt is between both ends
-        for width in slope_of_gap * 2.0 ** np.arange(-10, 30):
-            least_tilt = latest_tilt - width
-            largest_tilt = latest_tilt + width
+        for half_range in slope_of_gap * 2.0 ** np.arange(-10, 30):
+            least_tilt = latest_tilt - half_range
+            largest_tilt = latest_tilt + half_range
             if excess_moment(least_tilt) >= 0 >= excess_moment(largest_tilt):
                 return float(
                     scipy.optimize.brentq(
-                        excess_moment, least_tilt, largest_tilt, xtol=1e-15 * width, rtol=8.9e-16
+                        excess_moment,
+                        least_tilt,
+                        largest_tilt,
+                        xtol=1e-15 * half_range,
+                        rtol=8.9e-16,
                     )
                 )
         raise ConvergenceError(
@@ -660,13 +691,13 @@ class ContactProblem:
                 "load: the upper body falls over: its line of action meets the faces beside where"
                 " they can touch; take a smaller moment, or wider bodies"
             )
-        left = np.flatnonzero(x <= line)
-        right = np.flatnonzero(x > line)
-        rises = np.subtract.outer(height[right], height[left])
-        slopes = rises / np.subtract.outer(x[right], x[left])
+        nodes_before = np.flatnonzero(x <= line)
+        nodes_beyond = np.flatnonzero(x > line)
+        height_rises = np.subtract.outer(height[nodes_beyond], height[nodes_before])
+        chord_slopes = height_rises / np.subtract.outer(x[nodes_beyond], x[nodes_before])
         # The height at `line` of the chord between each pair; the lowest chord is the hull's.
-        heights_at_line = height[left] + slopes * (line - x[left])
-        return -float(slopes.flat[np.argmin(heights_at_line)])
+        heights_at_line = height[nodes_before] + chord_slopes * (line - x[nodes_before])
+        return -float(chord_slopes.flat[np.argmin(heights_at_line)])
 
     def offsets(self, imposed: Array) -> tuple[Array, Array]:
         """What bulk stresses and tilt (..., 3) add to gap and slip, each (..., n)."""

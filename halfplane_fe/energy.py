@@ -85,8 +85,8 @@ class Energies:
 def elastic_energies(
     problem: ContactProblem, states: Sequence[InterfaceState]
 ) -> tuple[Array, Array]:
-    """Elastic energy (m,) of both bodies and of the layer between them, and that of the layer
-    alone.
+    """Elastic energy of both bodies and of the layer between them, and that of the layer alone, at
+    m interface states, (m,) each, over P^2/E*.
     """
     values = np.stack([state.values for state in states])
     slip, p, q, gap = nodal(values)
@@ -94,8 +94,8 @@ def elastic_energies(
     gap_imposed, slip_imposed = problem.offsets(np.array([state.imposed for state in states]))
     gap_part = gap - problem.height - gap_moved - gap_imposed  # N p - K^T q
     slip_part = slip_moved + slip_imposed - slip  # T q - K p
-    layer = (p**2 @ problem.layer.normal + q**2 @ problem.layer.tangential) / 2
-    return np.asarray((p * gap_part + q * slip_part).sum(axis=1) / 2), np.asarray(layer)
+    layer_energy = (p**2 @ problem.layer.normal + q**2 @ problem.layer.tangential) / 2
+    return np.asarray((p * gap_part + q * slip_part).sum(axis=1) / 2), np.asarray(layer_energy)
 
 
 def _starting(states_before: States, states_after: States) -> Mask:
@@ -122,8 +122,8 @@ def step_errors(
 def increment_energies(
     problem: ContactProblem,
     states: Sequence[InterfaceState],
-    solved: Sequence[States],
-    enclosed: Array | None = None,
+    solved_by_increment: Sequence[States],
+    areas_of_curve: Array | None = None,
 ) -> Energies:
     """Energies of the increments between m + 1 states that follow each other.
 
@@ -135,7 +135,7 @@ def increment_energies(
     enclosed
         (k, k, m) see `path`, over the units of the loads
     """
-    faces = problem.interface
+    interface = problem.interface
     values = np.stack([state.values for state in states])
     loads = np.array([(state.normal_load, state.tangential_load) for state in states])
     imposed_motion = np.diff([state.imposed for state in states], axis=0)
@@ -148,20 +148,20 @@ def increment_energies(
     shift = changes[:, 1]
     slip, pressure, _, gap = nodal(changes)
 
-    def work(loads: Array, p: Array, q: Array) -> Array:
-        of_imposed = (faces.work_of_imposed(p, q) * imposed_motion).sum(axis=1)
-        return np.asarray(loads[:, 0] * approach + loads[:, 1] * shift + of_imposed)
+    def load_work(loads: Array, p: Array, q: Array) -> Array:
+        imposed_work = (interface.work_of_imposed(p, q) * imposed_motion).sum(axis=1)
+        return np.asarray(loads[:, 0] * approach + loads[:, 1] * shift + imposed_work)
 
     states_before = np.stack([state.state for state in states[:-1]])
-    solved_states = np.stack(solved)
-    sign = slip_sign(solved_states)
-    dissipation = problem.friction * mean_p * np.maximum(sign * slip, 0.0)
+    solved_states = np.stack(solved_by_increment)
+    slip_signs = slip_sign(solved_states)
+    dissipation = problem.friction * mean_p * np.maximum(slip_signs * slip, 0.0)
     states_after = _states_of_moved(problem.friction, states_before, solved_states, slip)
     kinked_rows = np.flatnonzero(_starting(states_before, states_after).any(axis=1))
-    bent = np.zeros(len(sign))
-    share_before = np.ones(len(sign))
+    bent_works = np.zeros(len(slip_signs))
+    share_before = np.ones(len(slip_signs))
     if len(kinked_rows):
-        dissipation[kinked_rows], bent[kinked_rows], share_before[kinked_rows] = _kinked_work(
+        dissipation[kinked_rows], bent_works[kinked_rows], share_before[kinked_rows] = _kinked_work(
             problem,
             _changes_of_loads(states)[kinked_rows],
             _Rows(p, q, slip, states_before, states_after),
@@ -169,40 +169,44 @@ def increment_energies(
         )
     # The shear of a node that starts to slide has a kink in the increment, and the work of Q with
     # it.
-    trapezoidal = np.where(sign != 0, mean_q * slip, 0.0)
-    loop = mean_load[:, 1] * shift + (dissipation - trapezoidal).sum(axis=1)
-    loop += (faces.work_of_imposed(0 * mean_p, mean_q) * imposed_motion)[:, :2].sum(axis=1)
-    curve = np.zeros_like(slip)
-    if enclosed is not None:
+    trapezoidal_works = np.where(slip_signs != 0, mean_q * slip, 0.0)
+    loop_works = mean_load[:, 1] * shift + (dissipation - trapezoidal_works).sum(axis=1)
+    loop_works += (interface.work_of_imposed(0 * mean_p, mean_q) * imposed_motion)[:, :2].sum(
+        axis=1
+    )
+    works_by_curve = np.zeros_like(slip)
+    if areas_of_curve is not None:
         # The states before hold for a share of the increment, those after for the rest: of the area
         # of a parabola over its chord they have this.
-        early = share_before**2 * (3 - 2 * share_before)
-        slides_on = np.where(sign == slip_sign(states_before), sign, 0)
-        for node_states, slides, weight in (
-            (states_before, slides_on, early),
-            (states_after, slip_sign(states_after), 1 - early),
+        weight_before = share_before**2 * (3 - 2 * share_before)
+        directions_before = np.where(slip_signs == slip_sign(states_before), slip_signs, 0)
+        for node_states, slip_directions, weights in (
+            (states_before, directions_before, weight_before),
+            (states_after, slip_sign(states_after), 1 - weight_before),
         ):
-            rows = np.flatnonzero(slides.any(axis=1) & (weight > 0))
-            areas = enclosed[:, :, rows] * weight[rows]
-            senses = slides[rows].astype(float)
-            of_nodes, of_loop = _work_by_curve(problem, node_states[rows], senses, areas)
-            curve[rows] += of_nodes
-            loop[rows] -= of_loop
-        curve = np.maximum(curve, -dissipation)  # friction only takes
-        loop += curve.sum(axis=1)
-    elastic, layer = elastic_energies(problem, states)
+            row_numbers = np.flatnonzero(slip_directions.any(axis=1) & (weights > 0))
+            enclosed_areas = areas_of_curve[:, :, row_numbers] * weights[row_numbers]
+            float_directions = slip_directions[row_numbers].astype(float)
+            node_works, loop_parts = _work_by_curve(
+                problem, node_states[row_numbers], float_directions, enclosed_areas
+            )
+            works_by_curve[row_numbers] += node_works
+            loop_works[row_numbers] -= loop_parts
+        works_by_curve = np.maximum(works_by_curve, -dissipation)  # friction only takes
+        loop_works += works_by_curve.sum(axis=1)
+    elastic_energy, layer_energy = elastic_energies(problem, states)
     return Energies(
-        dissipation=dissipation + curve,
-        loop=loop,
-        external=work(mean_load, mean_p, mean_q),
-        external_end_of_step=work(loads[1:], p[1:], q[1:]),
-        curve=curve.sum(axis=1),
-        elastic=np.diff(elastic),
-        layer=np.diff(layer),
+        dissipation=dissipation + works_by_curve,
+        loop=loop_works,
+        external=load_work(mean_load, mean_p, mean_q),
+        external_end_of_step=load_work(loads[1:], p[1:], q[1:]),
+        curve=works_by_curve.sum(axis=1),
+        elastic=np.diff(elastic_energy),
+        layer=np.diff(layer_energy),
         interface=(mean_q * slip - mean_p * gap).sum(axis=1),
         end_of_step=(q[1:] * slip - p[1:] * gap).sum(axis=1),
         step_error=step_errors(problem.friction, pressure, slip, states_before, states_after),
-        bent=bent,
+        bent=bent_works,
     )
 
 
@@ -245,7 +249,7 @@ def bent_work(
 
 
 def _work_by_curve(
-    problem: ContactProblem, node_states: States, senses: Array, areas: Array
+    problem: ContactProblem, node_states: States, directions: Array, areas: Array
 ) -> tuple[Array, Array]:
     """What the curve of the loads adds to increments: friction work (m, n) of the nodes, and the
     work (m,) of pressure and P that is no work of Q.
@@ -260,23 +264,23 @@ def _work_by_curve(
         (k, k, m) that the curve encloses with its chord, for each pair of loads
     """
     n_loads = len(areas)
-    of_nodes = np.zeros(senses.shape)
-    of_loop = np.zeros(len(senses))
+    node_works = np.zeros(directions.shape)
+    loop_parts = np.zeros(len(directions))
     pairs = np.argwhere(np.tril(areas.any(axis=2))).tolist()
     if not pairs:
-        return of_nodes, of_loop
-    rates = np.array([problem.rates(states, n_loads) for states in node_states])
+        return node_works, loop_parts
+    rates_by_load = np.array([problem.rates(states, n_loads) for states in node_states])
     for i, j in pairs:
-        by_i = rates[:, i]
-        by_j = rates[:, j]
+        by_i = rates_by_load[:, i]
+        by_j = rates_by_load[:, j]
         slip_by_i, p_by_i, _, _ = nodal(by_i)
         slip_by_j, p_by_j, _, _ = nodal(by_j)
         area = areas[i, j]
-        skew = p_by_i * slip_by_j - p_by_j * slip_by_i
-        of_nodes += problem.friction * senses * skew * area[:, None]
+        skew_rates = p_by_i * slip_by_j - p_by_j * slip_by_i
+        node_works += problem.friction * directions * skew_rates * area[:, None]
         normal_work = _normal_work(problem, i, j, by_i, by_j)
-        of_loop += (normal_work - _normal_work(problem, j, i, by_j, by_i)) * area
-    return of_nodes, of_loop
+        loop_parts += (normal_work - _normal_work(problem, j, i, by_j, by_i)) * area
+    return node_works, loop_parts
 
 
 class _Rows(NamedTuple):
@@ -294,8 +298,8 @@ class _Rows(NamedTuple):
 def _kinked_work(
     problem: ContactProblem, changes_of_loads: Array, increments: _Rows, rows: Indices
 ) -> tuple[Array, Array, Array]:
-    """Friction work of increments in which nodes start to slide, its part by kinks in between, the
-    share of the states before.
+    """Friction work of each node in increments in which nodes start to slide, its part by kinks
+    between the first and the last start, and the share of the increment up to their middle.
 
     Where a node starts, p and s have a kink, and all that slides already goes faster from there on:
     with the mean p of the increment W is too large, by 1e-4 of a cycle. Up to the first start the
@@ -322,50 +326,58 @@ def _kinked_work(
         work (k, n); the part (k,) of the last formula, without sign; share (k,)
     """
     friction = problem.friction
-    slip = increments.slip[rows]
+    slip_change = increments.slip[rows]
     p_at_start = increments.p[rows]
     p_at_end = increments.p[rows + 1]
     states_after = increments.after[rows]
     states_before = _states_with_rates(increments.before[rows], states_after, p_at_start)
-    sign = slip_sign(states_after)
-    starts = _starting(states_before, states_after)
+    slip_directions = slip_sign(states_after)
+    is_starting = _starting(states_before, states_after)
     n_loads = changes_of_loads.shape[1]
     rates_before = np.array([problem.rates(states, n_loads) for states in states_before])
     rates_after = np.array([problem.rates(states, n_loads) for states in states_after])
-    slip_early, p_early, q_early, _ = nodal(np.einsum("kj,kjv->kv", changes_of_loads, rates_before))
-    slip_late, p_late, _, _ = nodal(np.einsum("kj,kjv->kv", changes_of_loads, rates_after))
+    slip_change_before, p_change_before, q_change_before, _ = nodal(
+        np.einsum("kj,kjv->kv", changes_of_loads, rates_before)
+    )
+    slip_change_after, p_change_after, _, _ = nodal(
+        np.einsum("kj,kjv->kv", changes_of_loads, rates_after)
+    )
     with np.errstate(divide="ignore", invalid="ignore"):
         # f p -+ q falls to zero where a node starts; its slip goes back to zero there.
-        force_to_cone = friction * p_at_start - sign * increments.q[rows]
-        first_start = force_to_cone / (sign * q_early - friction * p_early)
-        last_start = 1 - slip / slip_late
+        force_to_cone = friction * p_at_start - slip_directions * increments.q[rows]
+        first_start = force_to_cone / (
+            slip_directions * q_change_before - friction * p_change_before
+        )
+        last_start = 1 - slip_change / slip_change_after
     # What slid the other way turns round somewhere.
     first_start = np.where(first_start >= 0, first_start, 1.0)
     first_start = np.where(slip_sign(states_before) != 0, 0.0, first_start)
-    first_start = np.where(starts, first_start, 1.0).min(axis=1).clip(0.0, 1.0)
-    first_start = np.where(starts.any(axis=1), first_start, 0.0)
+    first_start = np.where(is_starting, first_start, 1.0).min(axis=1).clip(0.0, 1.0)
+    first_start = np.where(is_starting.any(axis=1), first_start, 0.0)
     last_start = (
-        np.where(starts & np.isfinite(last_start), last_start, 0.0)
+        np.where(is_starting & np.isfinite(last_start), last_start, 0.0)
         .max(axis=1)
         .clip(first_start, 1.0)
     )
     share_before = first_start[:, None]
     share_after = 1 - last_start[:, None]
-    p_at_first = p_at_start + share_before * p_early
-    p_at_last = p_at_end - share_after * p_late
-    slip_before = share_before * slip_early
-    slip_after = share_after * slip_late
-    slip_between = slip - slip_before - slip_after
-    doubled_work = (p_at_start + p_at_first) * slip_before + (p_at_first + p_at_last) * slip_between
-    doubled_work += (p_at_last + p_at_end) * slip_after
-    n_starts = _longest_row(starts)
-    factor = np.maximum(n_starts - 2, 0) / np.maximum(n_starts - 1, 1) / 12
-    bent = ((last_start - first_start) ** 2 * factor)[:, None] * (
-        p_early * slip_late - p_late * slip_early
+    p_at_first = p_at_start + share_before * p_change_before
+    p_at_last = p_at_end - share_after * p_change_after
+    slip_to_first = share_before * slip_change_before
+    slip_from_last = share_after * slip_change_after
+    slip_between = slip_change - slip_to_first - slip_from_last
+    doubled_work = (p_at_start + p_at_first) * slip_to_first + (
+        p_at_first + p_at_last
+    ) * slip_between
+    doubled_work += (p_at_last + p_at_end) * slip_from_last
+    n_starts = _longest_row(is_starting)
+    kink_factor = np.maximum(n_starts - 2, 0) / np.maximum(n_starts - 1, 1) / 12
+    bent_work = ((last_start - first_start) ** 2 * kink_factor)[:, None] * (
+        p_change_before * slip_change_after - p_change_after * slip_change_before
     )
-    work = friction * sign * (doubled_work / 2 + bent)
-    bent = friction * sign * bent
-    return np.maximum(work, 0.0), np.abs(bent.sum(axis=1)), (first_start + last_start) / 2
+    node_work = friction * slip_directions * (doubled_work / 2 + bent_work)
+    bent_work = friction * slip_directions * bent_work
+    return np.maximum(node_work, 0.0), np.abs(bent_work.sum(axis=1)), (first_start + last_start) / 2
 
 
 def _states_with_rates(states_before: States, states_after: States, pressure: Array) -> States:
@@ -380,28 +392,30 @@ def _states_with_rates(states_before: States, states_after: States, pressure: Ar
 
 def _longest_row(starts: Mask) -> Indices:
     """(k,) nodes of the longest row of neighbours that are True."""
-    count = np.cumsum(starts, axis=1)
-    count_before_row = np.maximum.accumulate(np.where(starts, 0, count), axis=1)
-    return np.asarray(np.max(count - count_before_row, axis=1))
+    running_count = np.cumsum(starts, axis=1)
+    count_at_row_begin = np.maximum.accumulate(np.where(starts, 0, running_count), axis=1)
+    return np.asarray(np.max(running_count - count_at_row_begin, axis=1))
 
 
-def _normal_work(problem: ContactProblem, i: int, j: int, by_i: Array, by_j: Array) -> Array:
+def _normal_work(
+    problem: ContactProblem, i: int, j: int, rates_by_i: Array, rates_by_j: Array
+) -> Array:
     """(m,) work per unit of load i times change of load j, without that of shear: P in the
     approach, p in bulk stress and tilt.
 
-    `by_i` and `by_j` (m, 3 + 4 n) are the derivatives of the values by the two loads.
+    `rates_by_i` and `rates_by_j` (m, 3 + 4 n) are the derivatives of the values by the two loads.
     """
-    _, p, q, _ = nodal(by_i)
-    approach = by_j[:, 0]
-    tilt = by_j[:, 2]
+    _, p, q, _ = nodal(rates_by_i)
+    approach = rates_by_j[:, 0]
+    tilt = rates_by_j[:, 2]
     moment = problem.interface.work_of_imposed(p, q)[..., 2]
     normal_load: Array | float = float(i == 0)
     if problem.actuators.are_there:
         normal_load, _ = problem.interface.carried(p.T, q.T)
-    work = normal_load * approach + moment * tilt
+    work_rate = normal_load * approach + moment * tilt
     if j in (2, 3):  # a bulk stress
-        work = work + problem.interface.work_of_imposed(p, 0 * q)[..., j - 2]
-    return np.asarray(work)
+        work_rate = work_rate + problem.interface.work_of_imposed(p, 0 * q)[..., j - 2]
+    return np.asarray(work_rate)
 
 
 def certificates(problem: ContactProblem, states: Sequence[InterfaceState]) -> dict[str, Array]:

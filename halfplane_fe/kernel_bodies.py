@@ -119,39 +119,41 @@ class PartOfFace:
         depth_at_force = arc_depth(s, self.radius, self.flat_half_length)
         slope_at_force = slope_of_arc(s, self.radius, self.flat_half_length)
         slope = -_divided(depth, depth_at_force, slope_at_force, x, s)
-        of_slope = kernels_of_slope(slope, self.material)
+        slope_kernels = kernels_of_slope(slope, self.material)
         poisson_ratio = self.material.poisson_ratio
         modulus = self.material.young_modulus / (1 - poisson_ratio**2)
-        of_depth = _divided(self._phi(x), self._phi(s), self._phi_rate(s), x, s)
-        tangential = of_slope.tangential + 4 / (np.pi**2 * modulus) * of_depth
-        return KernelSums(of_slope.normal, tangential, of_slope.along_by_pressure)
+        depth_kernel = _divided(self._phi(x), self._phi(s), self._phi_rate(s), x, s)
+        tangential = slope_kernels.tangential + 4 / (np.pi**2 * modulus) * depth_kernel
+        return KernelSums(slope_kernels.normal, tangential, slope_kernels.along_by_pressure)
 
     def _phi(self, x: Array) -> Array:
         """Phi [length]."""
-        beyond = x + self.flat_half_length
-        before = x - self.flat_half_length
-        of_logarithms = beyond * xlogy(beyond, np.abs(beyond)) - before * xlogy(
-            before, np.abs(before)
-        )
-        return np.asarray(of_logarithms / (2 * self.radius))
+        distance_from_left = x + self.flat_half_length
+        distance_from_right = x - self.flat_half_length
+        logarithmic_sum = distance_from_left * xlogy(
+            distance_from_left, np.abs(distance_from_left)
+        ) - distance_from_right * xlogy(distance_from_right, np.abs(distance_from_right))
+        return np.asarray(logarithmic_sum / (2 * self.radius))
 
     def _phi_rate(self, x: Array) -> Array:
         """d Phi/dx."""
-        beyond = x + self.flat_half_length
-        before = x - self.flat_half_length
-        rate = 2 * xlogy(beyond, np.abs(beyond)) + beyond
-        rate = rate - 2 * xlogy(before, np.abs(before)) - before
+        distance_from_left = x + self.flat_half_length
+        distance_from_right = x - self.flat_half_length
+        rate = 2 * xlogy(distance_from_left, np.abs(distance_from_left)) + distance_from_left
+        rate = (
+            rate - 2 * xlogy(distance_from_right, np.abs(distance_from_right)) - distance_from_right
+        )
         return np.asarray(rate / (2 * self.radius))
 
 
 def _divided(values: Array, at_force: Array, rate: Array, x: Array, s: Array) -> Array:
-    """(f(x) - f(s))/(x - s) of values at x (n,) and at s (m,), f' at s where both are one place:
-    (n, m).
+    """Divided differences (f(x) - f(s))/(x - s), (n, m), of `values` f at places x (n,) and
+    `at_force` f at s (m,); `rate` f' at s where both are one place.
     """
     distance = x[:, None] - s
-    is_one = np.abs(distance) < 1e-9 * np.ptp(x)
+    is_same_place = np.abs(distance) < 1e-9 * np.ptp(x)
     difference = values[:, None] - at_force
-    return np.where(is_one, rate, difference / np.where(is_one, 1.0, distance))
+    return np.where(is_same_place, rate, difference / np.where(is_same_place, 1.0, distance))
 
 
 def slope_of_arc(x: Array, radius: float, flat_half_length: float) -> Array:
@@ -185,17 +187,22 @@ class FaceKernels:
     def at(self, x: Array, s: Array) -> KernelSums:
         """k_nn, k_tt, k_tn at places x (n,) by forces at s (m,): (n, m) each."""
         degree = len(self.normal) - 1
-        of_x = np.polynomial.chebyshev.chebvander(x / self.reach, degree)
-        of_s = np.polynomial.chebyshev.chebvander(s / self.reach, degree)
-        smooth = KernelSums(
-            of_x @ self.normal @ of_s.T,
-            of_x @ self.tangential @ of_s.T,
-            of_x @ self.along_by_pressure @ of_s.T,
+        polynomials_of_x = np.polynomial.chebyshev.chebvander(x / self.reach, degree)
+        polynomials_of_s = np.polynomial.chebyshev.chebvander(s / self.reach, degree)
+        smooth_kernels = KernelSums(
+            polynomials_of_x @ self.normal @ polynomials_of_s.T,
+            polynomials_of_x @ self.tangential @ polynomials_of_s.T,
+            polynomials_of_x @ self.along_by_pressure @ polynomials_of_s.T,
         )
         if self.part_of_face is None:
-            return smooth
-        of_face = self.part_of_face.kernels(x, s)
-        return KernelSums(*(part + added for part, added in zip(smooth, of_face, strict=True)))
+            return smooth_kernels
+        face_kernels = self.part_of_face.kernels(x, s)
+        return KernelSums(
+            *(
+                smooth_kernel + face_kernel
+                for smooth_kernel, face_kernel in zip(smooth_kernels, face_kernels, strict=True)
+            )
+        )
 
     def strain(self, x: Array, s: Array, pressing: Array, along: Array) -> Array:
         """Strain along a flat face at places x (n,), by forces at s (m,) on the body.
@@ -207,11 +214,11 @@ class FaceKernels:
         """
         derivative = np.polynomial.chebyshev.chebder
         degree = len(self.normal) - 1
-        of_x = np.polynomial.chebyshev.chebvander(x / self.reach, degree - 1)
-        of_s = np.polynomial.chebyshev.chebvander(s / self.reach, degree)
-        by_pressing = derivative(self.along_by_pressure) @ of_s.T @ pressing
-        by_shear = derivative(self.tangential) @ of_s.T @ along
-        return np.asarray(of_x @ (by_pressing + by_shear) / self.reach)
+        polynomials_of_x = np.polynomial.chebyshev.chebvander(x / self.reach, degree - 1)
+        polynomials_of_s = np.polynomial.chebyshev.chebvander(s / self.reach, degree)
+        by_pressing = derivative(self.along_by_pressure) @ polynomials_of_s.T @ pressing
+        by_shear = derivative(self.tangential) @ polynomials_of_s.T @ along
+        return np.asarray(polynomials_of_x @ (by_pressing + by_shear) / self.reach)
 
 
 def fitted_kernels(
@@ -221,40 +228,52 @@ def fitted_kernels(
     parities and the symmetries that `remainder` states. What is no polynomial is taken out before.
     """
     if part_of_face is not None:
-        of_face = part_of_face.kernels(kernels.x, kernels.forces_at)
+        face_kernels = part_of_face.kernels(kernels.x, kernels.forces_at)
         kernels = kernels._replace(
-            normal=kernels.normal - of_face.normal,
-            tangential=kernels.tangential - of_face.tangential,
-            along_by_pressure=kernels.along_by_pressure - of_face.along_by_pressure,
+            normal=kernels.normal - face_kernels.normal,
+            tangential=kernels.tangential - face_kernels.tangential,
+            along_by_pressure=kernels.along_by_pressure - face_kernels.along_by_pressure,
             # by reciprocity, and places and forces have one slope between them
-            outward_by_shear=kernels.outward_by_shear + of_face.along_by_pressure,
+            outward_by_shear=kernels.outward_by_shear + face_kernels.along_by_pressure,
         )
     reach = float(np.abs(kernels.x).max())
     chebyshev = np.polynomial.chebyshev.chebvander
-    of_x = chebyshev(kernels.x / reach, degree)
-    of_s = chebyshev(kernels.forces_at / reach, degree)
+    polynomials_of_x = chebyshev(kernels.x / reach, degree)
+    polynomials_of_s = chebyshev(kernels.forces_at / reach, degree)
 
     def products(i: int, j: int) -> Array:
         """T_i(x) T_j(s), (n, m)."""
-        return np.multiply.outer(of_x[:, i], of_s[:, j])
+        return np.multiply.outer(polynomials_of_x[:, i], polynomials_of_s[:, j])
 
-    even = [(i, j) for i, j in even_exponents(degree) if i <= j]
-    terms = np.stack([(products(i, j) + products(j, i)).ravel() for i, j in even], axis=1)
-    of_one_load = np.stack([kernels.normal.ravel(), kernels.tangential.ravel()], axis=1)
-    of_even = np.linalg.lstsq(terms, of_one_load, rcond=None)[0]
-    symmetric = np.zeros((2, degree + 1, degree + 1))
-    for (i, j), of_term in zip(even, of_even, strict=True):
-        symmetric[:, i, j] += of_term
-        symmetric[:, j, i] += of_term
+    even_pairs = [(i, j) for i, j in even_exponents(degree) if i <= j]
+    even_terms = np.stack(
+        [(products(i, j) + products(j, i)).ravel() for i, j in even_pairs], axis=1
+    )
+    kernels_of_one_load = np.stack([kernels.normal.ravel(), kernels.tangential.ravel()], axis=1)
+    even_coefficients = np.linalg.lstsq(even_terms, kernels_of_one_load, rcond=None)[0]
+    symmetric_coefficients = np.zeros((2, degree + 1, degree + 1))
+    for (i, j), coefficient in zip(even_pairs, even_coefficients, strict=True):
+        symmetric_coefficients[:, i, j] += coefficient
+        symmetric_coefficients[:, j, i] += coefficient
 
-    odd = odd_exponents(degree)
-    by_pressure = np.stack([products(i, j).ravel() for i, j in odd], axis=1)
-    by_shear = np.stack([products(j, i).ravel() for i, j in odd], axis=1)
-    cross = np.concatenate([kernels.along_by_pressure.ravel(), -kernels.outward_by_shear.ravel()])
-    of_odd = np.linalg.lstsq(np.concatenate([by_pressure, by_shear]), cross, rcond=None)[0]
-    coupling = np.zeros((degree + 1, degree + 1))
-    coupling[tuple(np.transpose(odd))] = of_odd
-    return FaceKernels(reach, symmetric[0], symmetric[1], coupling, part_of_face)
+    odd_pairs = odd_exponents(degree)
+    by_pressure = np.stack([products(i, j).ravel() for i, j in odd_pairs], axis=1)
+    by_shear = np.stack([products(j, i).ravel() for i, j in odd_pairs], axis=1)
+    cross_kernels = np.concatenate(
+        [kernels.along_by_pressure.ravel(), -kernels.outward_by_shear.ravel()]
+    )
+    odd_coefficients = np.linalg.lstsq(
+        np.concatenate([by_pressure, by_shear]), cross_kernels, rcond=None
+    )[0]
+    coupling_coefficients = np.zeros((degree + 1, degree + 1))
+    coupling_coefficients[tuple(np.transpose(odd_pairs))] = odd_coefficients
+    return FaceKernels(
+        reach,
+        symmetric_coefficients[0],
+        symmetric_coefficients[1],
+        coupling_coefficients,
+        part_of_face,
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -310,16 +329,18 @@ class KernelPair:
 
     def sums(self, x: Array, mesh: Literal["fine", "coarse"]) -> tuple[Array, Array, Array]:
         """What is added to N, T and K, (n, n) each; K is exactly 0 of like bodies."""
-        zero = np.zeros((len(x), len(x)))
-        normal, tangential, coupling = zero, zero, zero
+        zeros = np.zeros((len(x), len(x)))
+        normal = zeros
+        tangential = zeros
+        coupling = zeros
         for body, sign in ((self.lower, -1.0), (self.upper, 1.0)):
             if body is None:
                 continue
-            of_body = getattr(body, mesh).at(x, x)
-            normal = normal + of_body[0]
-            tangential = tangential + of_body[1]
+            kernels_of_body = getattr(body, mesh).at(x, x)
+            normal = normal + kernels_of_body[0]
+            tangential = tangential + kernels_of_body[1]
             if self.lower is not self.upper:
-                coupling = coupling + sign * of_body[2]
+                coupling = coupling + sign * kernels_of_body[2]
         return normal, tangential, coupling
 
 
@@ -339,16 +360,31 @@ def _on_middle_line(pair: Interface, lower: Face, upper: Face) -> Interface:
     slope = (_slope_of(upper, x) - _slope_of(lower, x)) / 2
     n_y = 1 / np.sqrt(1 + slope**2)
     n_x = -slope * n_y
-    x_x = np.multiply.outer(n_x, n_x)
-    x_y = np.multiply.outer(n_x, n_y)
-    y_x = x_y.T
-    y_y = np.multiply.outer(n_y, n_y)
-    along_y = pair.normal
-    along_x = pair.tangential
-    cross = np.zeros_like(along_x) if pair.coupling is None else pair.coupling
-    normal = y_y * along_y + x_x * along_x + x_y * cross + y_x * cross.T
-    tangential = y_y * along_x + x_x * along_y - y_x * cross - x_y * cross.T
-    coupling = y_y * cross - x_x * cross.T + y_x * along_x - x_y * along_y
+    weight_xx = np.multiply.outer(n_x, n_x)
+    weight_xy = np.multiply.outer(n_x, n_y)
+    weight_yx = weight_xy.T
+    weight_yy = np.multiply.outer(n_y, n_y)
+    compliance_y = pair.normal
+    compliance_x = pair.tangential
+    coupling_along_axes = np.zeros_like(compliance_x) if pair.coupling is None else pair.coupling
+    normal = (
+        weight_yy * compliance_y
+        + weight_xx * compliance_x
+        + weight_xy * coupling_along_axes
+        + weight_yx * coupling_along_axes.T
+    )
+    tangential = (
+        weight_yy * compliance_x
+        + weight_xx * compliance_y
+        - weight_yx * coupling_along_axes
+        - weight_xy * coupling_along_axes.T
+    )
+    coupling = (
+        weight_yy * coupling_along_axes
+        - weight_xx * coupling_along_axes.T
+        + weight_yx * compliance_x
+        - weight_xy * compliance_y
+    )
     return replace(
         pair,
         weights=freeze(pair.weights / n_y),
@@ -411,25 +447,32 @@ def kernel_pair(scene: Scene, reach: float, datum_length: float, work: Counter[s
 def _kernels_in(
     scene: Scene, name: str, reach: float, datum_length: float, work: Counter[str]
 ) -> BodyKernels | None:
+    """The kernels of one body of a scene, "lower" or "upper", over |x| <= `reach`, by a fine and a
+    coarse mesh; None of a half-plane. `work` counts the linear systems.
+    """
     shape = getattr(scene.bodies, name)
     if isinstance(shape, HalfPlane):
         return None
     material = getattr(scene.material, name)
-    arc = face_of(shape, scene.profile).arc
-    part_of_face = None if arc is None else PartOfFace(*arc, material)
-    curvature_jumps = arc is not None and arc[0] > 0
-    degree = _DEGREE_OF_JUMP if curvature_jumps else _DEGREE
-    n_forces = _FORCES_OF_JUMP if curvature_jumps else _FORCES
-    n_elements = _ELEMENTS_OF_JUMP if curvature_jumps else _ELEMENTS
-    by_mesh = []
-    for coarser in (1.0, _COARSER):
+    arc_of_face = face_of(shape, scene.profile).arc
+    part_of_face = None if arc_of_face is None else PartOfFace(*arc_of_face, material)
+    has_jump = arc_of_face is not None and arc_of_face[0] > 0
+    degree = _DEGREE_OF_JUMP if has_jump else _DEGREE
+    n_forces = _FORCES_OF_JUMP if has_jump else _FORCES
+    n_elements = _ELEMENTS_OF_JUMP if has_jump else _ELEMENTS
+    kernels_of_meshes = []
+    for size_factor in (1.0, _COARSER):
         elements_of_body = nearest_end(shape) / n_elements
-        size = coarser * min(elements_of_body, reach * _ELEMENTS / _LEAST_ELEMENTS / n_elements)
-        grading = SurfaceGrading(inner=0.0, outer=reach, size=size, edge_size=size)
-        body = build(name, shape, scene.profile, grading, MeshSettings(growth=coarser * _GROWTH))
-        places = reach * np.sin(np.linspace(0.0, np.pi / 2, n_forces))
-        kernels = remainder_kernels(body, material, places, datum_length)
-        by_mesh.append(fitted_kernels(kernels, part_of_face, degree))
-        work["kernel unknowns"] += kernels.unknowns
+        element_size = size_factor * min(
+            elements_of_body, reach * _ELEMENTS / _LEAST_ELEMENTS / n_elements
+        )
+        grading = SurfaceGrading(inner=0.0, outer=reach, size=element_size, edge_size=element_size)
+        body = build(
+            name, shape, scene.profile, grading, MeshSettings(growth=size_factor * _GROWTH)
+        )
+        force_places = reach * np.sin(np.linspace(0.0, np.pi / 2, n_forces))
+        computed_kernels = remainder_kernels(body, material, force_places, datum_length)
+        kernels_of_meshes.append(fitted_kernels(computed_kernels, part_of_face, degree))
+        work["kernel unknowns"] += computed_kernels.unknowns
         work["kernel solves"] += 1
-    return BodyKernels(*by_mesh)
+    return BodyKernels(*kernels_of_meshes)

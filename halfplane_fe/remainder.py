@@ -157,29 +157,29 @@ def remainder_kernels(
     """
     system = assemble(body, material)
     n_dofs = len(system.node)
-    held = system.held
-    free_dofs = np.setdiff1d(np.arange(n_dofs), held)
+    held_dofs = system.held
+    free_dofs = np.setdiff1d(np.arange(n_dofs), held_dofs)
     x, y = body.mesh.p[:, system.node[system.contact[0]]]
     forces = _SurfaceForces(forces_at, np.zeros(len(forces_at)))
     if y.any():
-        nodes = np.abs(x[:, None] - forces_at).argmin(axis=0)
-        forces = _SurfaceForces(x[nodes], y[nodes])
+        force_nodes = np.abs(x[:, None] - forces_at).argmin(axis=0)
+        forces = _SurfaceForces(x[force_nodes], y[force_nodes])
     n_forces = len(forces_at)
     forced_loads = np.zeros((n_dofs, 2 * n_forces))
     forced_loads[: 2 * body.mesh.p.shape[1]] = -_tractions(system, forces)
     displacements = np.zeros_like(forced_loads)
-    displacements[held] = -_support_displacements(system, forces, datum_length)
-    forced_loads -= system.stiffness[:, held] @ displacements[held]
-    factors = factorise(system.stiffness[free_dofs][:, free_dofs].tocsc())
-    displacements[free_dofs] = factors.solve(forced_loads[free_dofs])
-    along_x, outward = displacements[system.contact].reshape(2, -1, 2, n_forces)
+    displacements[held_dofs] = -_support_displacements(system, forces, datum_length)
+    forced_loads -= system.stiffness[:, held_dofs] @ displacements[held_dofs]
+    factorisation = factorise(system.stiffness[free_dofs][:, free_dofs].tocsc())
+    displacements[free_dofs] = factorisation.solve(forced_loads[free_dofs])
+    displacement_along, displacement_out = displacements[system.contact].reshape(2, -1, 2, n_forces)
     kernels = RemainderKernels(
         x=x,
         forces_at=forces.x,
-        normal=outward[:, 1],  # a pull moves the face out as far as a push moves it in
-        tangential=along_x[:, 0],
-        along_by_pressure=-along_x[:, 1],
-        outward_by_shear=outward[:, 0],
+        normal=displacement_out[:, 1],  # a pull moves the face out as far as a push moves it in
+        tangential=displacement_along[:, 0],
+        along_by_pressure=-displacement_along[:, 1],
+        outward_by_shear=displacement_out[:, 0],
         unknowns=len(free_dofs),
     )
     return _with_slopes(kernels, y, forces.y, material) if y.any() else kernels
@@ -215,17 +215,17 @@ def _with_slopes(
     y, heights
         (n,), (m,) of the face at the places and at the forces [length]
     """
-    away = kernels.x[:, None] - kernels.forces_at
-    at_force = away == 0
-    chord = (y[:, None] - heights) / np.where(at_force, 1.0, away)
-    tangent = np.gradient(y, kernels.x, edge_order=2)
-    slope = np.where(at_force, tangent[:, None], chord)
-    of_slope = kernels_of_slope(slope, material)
+    distance_to_force = kernels.x[:, None] - kernels.forces_at
+    is_at_force = distance_to_force == 0
+    chord_slope = (y[:, None] - heights) / np.where(is_at_force, 1.0, distance_to_force)
+    face_slope = np.gradient(y, kernels.x, edge_order=2)
+    slope = np.where(is_at_force, face_slope[:, None], chord_slope)
+    kernels_of_chord = kernels_of_slope(slope, material)
     return kernels._replace(
-        normal=kernels.normal + of_slope.normal,
-        tangential=kernels.tangential + of_slope.tangential,
-        along_by_pressure=kernels.along_by_pressure + of_slope.along_by_pressure,
-        outward_by_shear=kernels.outward_by_shear + of_slope.outward_by_shear,
+        normal=kernels.normal + kernels_of_chord.normal,
+        tangential=kernels.tangential + kernels_of_chord.tangential,
+        along_by_pressure=kernels.along_by_pressure + kernels_of_chord.along_by_pressure,
+        outward_by_shear=kernels.outward_by_shear + kernels_of_chord.outward_by_shear,
     )
 
 
@@ -243,55 +243,54 @@ def kernels_of_slope(slope: Array, material: Elastic) -> KernelsOfSlope:
     # notation: c = 1/(2 pi G), k = 1 - 2 nu, as in `far_field`
     c = (1 + material.poisson_ratio) / (np.pi * material.young_modulus)
     k = 1 - 2 * material.poisson_ratio
-    logarithm = (1 + k) * np.log1p(slope**2) / 2
-    depth = slope**2 / (1 + slope**2)
-    cross = slope / (1 + slope**2)
-    turn = k * np.arctan(slope)
+    logarithmic_part = (1 + k) * np.log1p(slope**2) / 2
+    depth_part = slope**2 / (1 + slope**2)
+    cross_part = slope / (1 + slope**2)
+    turned_part = k * np.arctan(slope)
     return KernelsOfSlope(
-        normal=-c * (logarithm - depth),
-        tangential=-c * (logarithm + depth),
-        along_by_pressure=-c * (cross + turn),
-        outward_by_shear=c * (cross - turn),
+        normal=-c * (logarithmic_part - depth_part),
+        tangential=-c * (logarithmic_part + depth_part),
+        along_by_pressure=-c * (cross_part + turned_part),
+        outward_by_shear=c * (cross_part - turned_part),
     )
 
 
 def _tractions(system: System, forces: _SurfaceForces) -> Array:
-    """(n_u, 2 m) work of Flamant's tractions on the outline, per displacement of each node;
-    columns: m forces along x, then m along y. On a flat face there are none.
-
-    What supports hold takes no part: these rows are not solved for.
+    """(n_dofs of displacement, 2 m) nodal forces of a half-plane's tractions by m unit forces on
+    the face (Flamant's solution) on the outline of the body, columns: m forces along x, then m
+    along y. On a flat face there are none; what supports hold takes no part.
     """
     mesh = system.mesh
     free_of_traction = () if forces.y.any() else ("contact", "free")
-    facets = np.concatenate(
+    loaded_facets = np.concatenate(
         [of_side for name, of_side in mesh.boundaries.items() if name not in free_of_traction]
     )
     # an even number: of an odd one the middle point is the node in the middle, where a force may be
     n_points = _POINTS + 1 if forces.y.any() else _POINTS
-    elements = curve_elements(mesh.p, _outline_nodes(mesh, facets), n_points)
+    elements = curve_elements(mesh.p, _outline_nodes(mesh, loaded_facets), n_points)
     along_x, along_y = elements.tangents
-    normal = np.stack([along_y.ravel(), -along_x.ravel()])  # outward, times the length
+    normals_by_length = np.stack([along_y.ravel(), -along_x.ravel()])  # outward, times the length
     x, y = elements.places.reshape(2, -1)
 
     def traction(at_x: Array, at_y: Array, force_at: Array) -> Array:
-        return surface_force_traction(at_x, at_y, normal, force_at)
+        return surface_force_traction(at_x, at_y, normals_by_length, force_at)
 
     tractions = _of_forces(traction, x, y, forces).reshape(2, *along_x.shape, -1)
-    work = np.zeros((mesh.p.shape[1], 2, tractions.shape[-1]))
-    for nodes, shape in zip(elements.nodes.T, elements.shapes, strict=True):
-        np.add.at(work, nodes, np.einsum("g,degm->edm", shape, tractions))
-    return work.reshape(-1, tractions.shape[-1])
+    work_of_nodes = np.zeros((mesh.p.shape[1], 2, tractions.shape[-1]))
+    for nodes, shape_values in zip(elements.nodes.T, elements.shapes, strict=True):
+        np.add.at(work_of_nodes, nodes, np.einsum("g,degm->edm", shape_values, tractions))
+    return work_of_nodes.reshape(-1, tractions.shape[-1])
 
 
 def _outline_nodes(mesh: skfem.Mesh, facets: Indices) -> Indices:
     """(e, 3) nodes of facets of the outline of a quadratic mesh, with the body on their left."""
-    start, end = mesh.facets[:, facets]
+    start_vertices, end_vertices = mesh.facets[:, facets]
     inner_points = mesh.p[:, mesh.t[:, mesh.f2t[0, facets]]].mean(axis=1)
-    edge_vectors = mesh.p[:, end] - mesh.p[:, start]
-    inward = inner_points - mesh.p[:, start]
-    body_on_right = edge_vectors[0] * inward[1] - edge_vectors[1] * inward[0] < 0
-    first_node = np.where(body_on_right, end, start)
-    last_node = np.where(body_on_right, start, end)
+    edge_vectors = mesh.p[:, end_vertices] - mesh.p[:, start_vertices]
+    inward_vectors = inner_points - mesh.p[:, start_vertices]
+    is_body_on_right = edge_vectors[0] * inward_vectors[1] - edge_vectors[1] * inward_vectors[0] < 0
+    first_node = np.where(is_body_on_right, end_vertices, start_vertices)
+    last_node = np.where(is_body_on_right, start_vertices, end_vertices)
     return np.stack([first_node, mesh.nvertices + facets, last_node], axis=1).astype(np.int64)
 
 
@@ -381,19 +380,24 @@ def face_series(kernels: RemainderKernels, degree: int = _DEGREE) -> FaceSeries:
     reach = float(np.abs(kernels.x).max())
     x, s = np.meshgrid(kernels.x / reach, kernels.forces_at / reach, indexing="ij")
     even_powers = [(i, j) for i, j in even_exponents(degree) if i <= j]
-    terms = np.stack([(x**i * s**j + x**j * s**i).ravel() for i, j in even_powers], axis=1)
+    even_terms = np.stack([(x**i * s**j + x**j * s**i).ravel() for i, j in even_powers], axis=1)
     kernels_of_one_load = np.stack([kernels.normal.ravel(), kernels.tangential.ravel()], axis=1)
-    coefficients = np.linalg.lstsq(terms, kernels_of_one_load, rcond=None)[0]
+    coefficients = np.linalg.lstsq(even_terms, kernels_of_one_load, rcond=None)[0]
     compliance = 2 * coefficients[even_powers.index((0, 0))]
     curvature = 2 * coefficients[even_powers.index((0, 2))] / reach**2
-    fourth = 24 * coefficients[even_powers.index((0, 4))] / reach**4
-    mixed_coefficient = 2 * coefficients[even_powers.index((2, 2))] / reach**4
+    fourth_order = 24 * coefficients[even_powers.index((0, 4))] / reach**4
+    mixed = 2 * coefficients[even_powers.index((2, 2))] / reach**4
 
     odd_powers = odd_exponents(degree)
     by_pressure = np.stack([(x**i * s**j).ravel() for i, j in odd_powers], axis=1)
     by_shear = np.stack([(s**i * x**j).ravel() for i, j in odd_powers], axis=1)
-    cross = np.concatenate([kernels.along_by_pressure.ravel(), -kernels.outward_by_shear.ravel()])
-    slopes = np.linalg.lstsq(np.concatenate([by_pressure, by_shear]), cross, rcond=None)[0] / reach
+    cross_kernels = np.concatenate(
+        [kernels.along_by_pressure.ravel(), -kernels.outward_by_shear.ravel()]
+    )
+    slopes = (
+        np.linalg.lstsq(np.concatenate([by_pressure, by_shear]), cross_kernels, rcond=None)[0]
+        / reach
+    )
     return FaceSeries(
         normal_compliance=float(compliance[0]),
         tangential_compliance=float(compliance[1]),
@@ -401,10 +405,10 @@ def face_series(kernels: RemainderKernels, degree: int = _DEGREE) -> FaceSeries:
         tangential_curvature=float(curvature[1]),
         strain_under_pressure=float(slopes[odd_powers.index((1, 0))]),
         slope_under_shear=-float(slopes[odd_powers.index((0, 1))]),
-        normal_fourth=float(fourth[0]),
-        tangential_fourth=float(fourth[1]),
-        normal_mixed=float(mixed_coefficient[0]),
-        tangential_mixed=float(mixed_coefficient[1]),
+        normal_fourth=float(fourth_order[0]),
+        tangential_fourth=float(fourth_order[1]),
+        normal_mixed=float(mixed[0]),
+        tangential_mixed=float(mixed[1]),
     )
 
 
@@ -465,14 +469,14 @@ def body_numbers(
     kernels = face_kernels(name, shape, profile, material, datum_length)
     coarse_kernels = face_kernels(name, shape, profile, material, datum_length, _COARSER)
     values = face_series(kernels)
-    of_coarse = face_series(coarse_kernels)
-    slope_gap = kernels.reciprocity_gap / float(np.abs(kernels.x).max())
+    coarse_values = face_series(coarse_kernels)
+    reciprocity_error = kernels.reciprocity_gap / float(np.abs(kernels.x).max())
     estimates = {}
     for number in FaceSeries._fields:
         value = getattr(values, number)
-        uncertainty = abs(value - getattr(of_coarse, number))
+        uncertainty = abs(value - getattr(coarse_values, number))
         if number in ("strain_under_pressure", "slope_under_shear"):
-            uncertainty += slope_gap
+            uncertainty += reciprocity_error
         estimates[number] = Estimate(value, uncertainty)
     return BodyNumbers(
         **estimates, unknowns=kernels.unknowns + coarse_kernels.unknowns, factorisations=2
