@@ -70,28 +70,32 @@ class Powers:
     """
 
     def __init__(self, coefficients: Array) -> None:
-        parts = _ON_PARTS[..., : len(coefficients)] @ coefficients
-        needed = np.any(np.abs(parts) > 5e-16 * np.max(np.abs(parts), axis=(0, 1)), axis=(0, 2))
-        count = int(np.max(np.flatnonzero(needed), initial=0)) + 1
-        self._rows = np.moveaxis(_TO_POWERS[:count, :count] @ parts[:, :count], 0, 2).reshape(
-            count, -1
+        coefficients_on_parts = _ON_PARTS[..., : len(coefficients)] @ coefficients
+        is_needed = np.any(
+            np.abs(coefficients_on_parts)
+            > 5e-16 * np.max(np.abs(coefficients_on_parts), axis=(0, 1)),
+            axis=(0, 2),
         )
+        n_powers = int(np.max(np.flatnonzero(is_needed), initial=0)) + 1
+        self._rows = np.moveaxis(
+            _TO_POWERS[:n_powers, :n_powers] @ coefficients_on_parts[:, :n_powers], 0, 2
+        ).reshape(n_powers, -1)
 
     def __call__(self, number: NDArray[np.intp], t: Array) -> Array:
         """Value of the series of these pieces at t, both of one shape; beyond the ends of a piece
         too.
         """
-        place = (np.ravel(t) + 1) * (_PARTS / 2)
-        part = np.clip(place.astype(np.intp), 0, _PARTS - 1)
-        place -= part
-        place -= 0.5
-        part += np.ravel(number) * _PARTS
-        total = self._rows[-1].take(part)
-        row = np.empty(len(place))
+        place_in_parts = (np.ravel(t) + 1) * (_PARTS / 2)
+        part_number = np.clip(place_in_parts.astype(np.intp), 0, _PARTS - 1)
+        place_in_parts -= part_number
+        place_in_parts -= 0.5
+        part_number += np.ravel(number) * _PARTS
+        values = self._rows[-1].take(part_number)
+        row_values = np.empty(len(place_in_parts))
         for coefficients in self._rows[-2::-1]:
-            total *= place
-            total += coefficients.take(part, out=row, mode="clip")
-        return total.reshape(np.shape(t))
+            values *= place_in_parts
+            values += coefficients.take(part_number, out=row_values, mode="clip")
+        return values.reshape(np.shape(t))
 
 
 def tail(coefficients: Array) -> Array:
@@ -116,11 +120,15 @@ class Pieces:
 
     def __call__(self, x: ArrayLike) -> Array:
         """Value at x, any shape; outside, the value of the first or last series."""
-        at = np.asarray(x, dtype=float)
-        number = np.clip(np.searchsorted(self.edges, at, side="right") - 1, 0, len(self.edges) - 2)
-        low = self.edges[number]
-        high = self.edges[number + 1]
-        return self._powers(number, (2 * at - low - high) / (high - low))
+        x_array = np.asarray(x, dtype=float)
+        number = np.clip(
+            np.searchsorted(self.edges, x_array, side="right") - 1, 0, len(self.edges) - 2
+        )
+        piece_begin = self.edges[number]
+        piece_end = self.edges[number + 1]
+        return self._powers(
+            number, (2 * x_array - piece_begin - piece_end) / (piece_end - piece_begin)
+        )
 
     @cached_property
     def _powers(self) -> Powers:
@@ -137,11 +145,11 @@ def clenshaw(coefficients: Array, number: NDArray[np.intp], t: Array) -> Array:
     """Sum of coefficients[k, number] T_k(t), shape of t."""
     pieces = np.ravel(number)
     places = np.ravel(t)
-    total = np.empty(np.size(t))
+    sums = np.empty(np.size(t))
     for begin in range(0, len(places), _AT_ONCE):
-        block = slice(begin, begin + _AT_ONCE)
-        piece = pieces[block]
-        place = places[block]
+        chunk = slice(begin, begin + _AT_ONCE)
+        piece = pieces[chunk]
+        place = places[chunk]
         double_place = 2 * place
         # notation: b_k = c_k + 2 t b_(k+1) - b_(k+2), Clenshaw's recurrence
         b, b_1, b_2, product = np.zeros((4, len(place)))
@@ -150,8 +158,8 @@ def clenshaw(coefficients: Array, number: NDArray[np.intp], t: Array) -> Array:
             b -= b_2
             b += np.multiply(double_place, b_1, out=product)
             b_1, b_2, b = b, b_1, b_2
-        total[block] = place * b_1 - b_2 + coefficients[0].take(piece)
-    return total.reshape(np.shape(t))
+        sums[chunk] = place * b_1 - b_2 + coefficients[0].take(piece)
+    return sums.reshape(np.shape(t))
 
 
 def difference(coefficients: Array, t: Any, t_before: Any) -> Any:
@@ -162,22 +170,22 @@ def difference(coefficients: Array, t: Any, t_before: Any) -> Any:
     1.2
     """
     # Divided differences D_k of T_(k+1) = 2 t T_k - T_(k-1); `value` is T_k(since).
-    both = t + t_before
-    one = 1.0 if isinstance(both, float) else np.ones_like(both)
-    difference_before = 0.0 * one
-    difference_now = one
-    value_before = one
-    value = t_before * one
-    total = 0.0 * one
+    sum_of_places = t + t_before
+    unit = 1.0 if isinstance(sum_of_places, float) else np.ones_like(sum_of_places)
+    difference_before = 0.0 * unit
+    difference_now = unit
+    value_before = unit
+    value = t_before * unit
+    divided_difference = 0.0 * unit
     for coefficient in coefficients[1:].tolist():
-        total = total + coefficient * difference_now
+        divided_difference = divided_difference + coefficient * difference_now
         next_difference = 2 * (t * difference_now + value) - difference_before
         next_value = 2 * t_before * value - value_before
         difference_before = difference_now
         difference_now = next_difference
         value_before = value
         value = next_value
-    return total
+    return divided_difference
 
 
 def fit(function: Function, edges: ArrayLike, scale: float | None = None) -> Pieces:
@@ -193,16 +201,18 @@ def fit(function: Function, edges: ArrayLike, scale: float | None = None) -> Pie
     Unresolved
         Where halving does not help: noise, a pole, a function that is too rough.
     """
-    marks = np.asarray(edges, dtype=float)
-    first_fit = halved(function, marks, scale)
-    runs = _short_runs(first_fit, marks)
-    if not runs:
-        return first_fit
-    marks = np.union1d(marks, [_corner(function, first_fit, run) for run in runs])
-    pieces = halved(function, marks, scale)
-    left = _short_runs(pieces, marks)
-    if left:
-        raise Unresolved(float(pieces.edges[left[0][0]]), float(pieces.edges[left[0][1]]))
+    piece_ends = np.asarray(edges, dtype=float)
+    first_pieces = halved(function, piece_ends, scale)
+    runs_of_short = _short_runs(first_pieces, piece_ends)
+    if not runs_of_short:
+        return first_pieces
+    piece_ends = np.union1d(
+        piece_ends, [_corner(function, first_pieces, run) for run in runs_of_short]
+    )
+    pieces = halved(function, piece_ends, scale)
+    runs_left = _short_runs(pieces, piece_ends)
+    if runs_left:
+        raise Unresolved(float(pieces.edges[runs_left[0][0]]), float(pieces.edges[runs_left[0][1]]))
     return pieces
 
 
@@ -216,54 +226,59 @@ class Unresolved(ValueError):
 
 
 def halved(function: Function, edges: Array, scale: ArrayLike | None = None) -> Pieces:
-    """A function by series on pieces, halved as `fit` does; next to a corner as short as need be.
+    """A function by Chebyshev series on pieces between `edges` (n + 1,), halved until each is
+    resolved to rounding; next to a corner pieces get as short as need be.
 
     `scale` is one number or one for each piece between `edges`, (n,). Each turn halves all pieces
     that are left, and no piece gets shorter than 1e-14 of the first ones: 47 turns at most.
     """
-    low = edges[:-1]
-    high = edges[1:]
-    owner = np.arange(len(edges) - 1)
-    shortest = np.maximum(_SHORTEST * (high - low), 4e-16 * np.maximum(np.abs(low), np.abs(high)))
-    values = np.asarray(
-        function(low[:, None] + (high - low)[:, None] * (1 + NODES) / 2), dtype=float
+    begins = edges[:-1]
+    ends = edges[1:]
+    first_piece = np.arange(len(edges) - 1)
+    shortest = np.maximum(
+        _SHORTEST * (ends - begins), 4e-16 * np.maximum(np.abs(begins), np.abs(ends))
     )
-    size = np.max(np.abs(values), axis=1)
-    scales = np.zeros(len(low)) if scale is None else np.asarray(scale, dtype=float)
+    values = np.asarray(
+        function(begins[:, None] + (ends - begins)[:, None] * (1 + NODES) / 2), dtype=float
+    )
+    largest_values = np.max(np.abs(values), axis=1)
+    scales = np.zeros(len(begins)) if scale is None else np.asarray(scale, dtype=float)
     # What is next to a piece counts too: a piece may be flat.
-    floor = np.maximum(1e-15 * np.maximum(size, np.append(size[1:], 0.0)), 4e-15 * scales)
-    starts = [low[:0]]
-    series_found = [np.empty((0, DEGREE + 1))]
-    count = np.zeros(len(low), dtype=int)
-    while len(low):
+    value_floor = np.maximum(
+        1e-15 * np.maximum(largest_values, np.append(largest_values[1:], 0.0)), 4e-15 * scales
+    )
+    begins_resolved = [begins[:0]]
+    series_resolved = [np.empty((0, DEGREE + 1))]
+    n_pieces = np.zeros(len(begins), dtype=int)
+    while len(begins):
         coefficients = series(values)
-        count = count + np.bincount(owner, minlength=len(count))
-        limit = np.maximum(1e-13 * np.max(np.abs(values), axis=1), floor[owner])
-        is_rough = (tail(coefficients) > limit) & (high - low > shortest[owner])
+        n_pieces = n_pieces + np.bincount(first_piece, minlength=len(n_pieces))
+        tail_limits = np.maximum(1e-13 * np.max(np.abs(values), axis=1), value_floor[first_piece])
+        is_rough = (tail(coefficients) > tail_limits) & (ends - begins > shortest[first_piece])
         rough_pieces = np.flatnonzero(
-            ~np.all(np.isfinite(values), axis=1) | (is_rough & (count[owner] > _PIECES))
+            ~np.all(np.isfinite(values), axis=1) | (is_rough & (n_pieces[first_piece] > _PIECES))
         )
         if len(rough_pieces):
-            raise Unresolved(float(low[rough_pieces[0]]), float(high[rough_pieces[0]]))
-        starts.append(low[~is_rough])
-        series_found.append(coefficients[~is_rough])
-        low = low[is_rough]
-        high = high[is_rough]
-        owner = np.tile(owner[is_rough], 2)
-        middle = (low + high) / 2
-        low = np.append(low, middle)
-        high = np.append(middle, high)
+            raise Unresolved(float(begins[rough_pieces[0]]), float(ends[rough_pieces[0]]))
+        begins_resolved.append(begins[~is_rough])
+        series_resolved.append(coefficients[~is_rough])
+        begins = begins[is_rough]
+        ends = ends[is_rough]
+        first_piece = np.tile(first_piece[is_rough], 2)
+        middle = (begins + ends) / 2
+        begins = np.append(begins, middle)
+        ends = np.append(middle, ends)
         values = (
             np.asarray(
-                function(low[:, None] + (high - low)[:, None] * (1 + NODES) / 2), dtype=float
+                function(begins[:, None] + (ends - begins)[:, None] * (1 + NODES) / 2), dtype=float
             )
-            if len(low)
+            if len(begins)
             else values
         )
-    order = np.argsort(np.concatenate(starts))
+    ascending = np.argsort(np.concatenate(begins_resolved))
     return Pieces(
-        np.append(np.concatenate(starts)[order], edges[-1]),
-        np.concatenate(series_found)[order].T.copy(),
+        np.append(np.concatenate(begins_resolved)[ascending], edges[-1]),
+        np.concatenate(series_resolved)[ascending].T.copy(),
     )
 
 
@@ -271,13 +286,17 @@ def _short_runs(pieces: Pieces, edges: Array) -> list[tuple[int, int]]:
     """(first, last + 1) of each run of pieces that halving left short: there is a corner among
     them.
     """
-    length = np.diff(pieces.edges)
-    outer_length = np.diff(edges)[np.searchsorted(edges, pieces.edges[:-1], side="right") - 1]
-    short = np.concatenate([[False], length < _CORNER * outer_length, [False]]).astype(int)
+    piece_lengths = np.diff(pieces.edges)
+    lengths_between_edges = np.diff(edges)[
+        np.searchsorted(edges, pieces.edges[:-1], side="right") - 1
+    ]
+    is_short = np.concatenate(
+        [[False], piece_lengths < _CORNER * lengths_between_edges, [False]]
+    ).astype(int)
     return list(
         zip(
-            np.flatnonzero(np.diff(short) == 1).tolist(),
-            np.flatnonzero(np.diff(short) == -1).tolist(),
+            np.flatnonzero(np.diff(is_short) == 1).tolist(),
+            np.flatnonzero(np.diff(is_short) == -1).tolist(),
             strict=True,
         )
     )
@@ -295,15 +314,24 @@ def _corner(function: Function, pieces: Pieces, run: tuple[int, int]) -> float:
         begin - float(pieces.edges[0]) or np.inf,
         float(pieces.edges[-1]) - end or np.inf,
     )
-    left, right = (
+    left_series, right_series = (
         chebyshev.Chebyshev(
-            series(function(low + width * (1 + NODES) / 2))[:_LOW], domain=[low, low + width]
+            series(function(interval_begin + width * (1 + NODES) / 2))[:_LOW],
+            domain=[interval_begin, interval_begin + width],
         )
-        for low in (begin - width, end)
+        for interval_begin in (begin - width, end)
     )
-    jump = chebyshev.Chebyshev.interpolate(lambda x: right(x) - left(x), 3, [begin, end])
-    places = (jump if jump(begin) * jump(end) < 0 else jump.deriv()).roots().real
-    return float(min(places, key=lambda place: abs(place - corner_place), default=corner_place))
+    jump_series = chebyshev.Chebyshev.interpolate(
+        lambda x: right_series(x) - left_series(x), 3, [begin, end]
+    )
+    root_places = (
+        (jump_series if jump_series(begin) * jump_series(end) < 0 else jump_series.deriv())
+        .roots()
+        .real
+    )
+    return float(
+        min(root_places, key=lambda place: abs(place - corner_place), default=corner_place)
+    )
 
 
 def values_of(function: Any) -> Callable[[Array], Array]:

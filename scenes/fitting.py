@@ -126,20 +126,20 @@ def fitted_keys(x: Array, h: Array, request: FitRequest) -> dict[str, Any]:
     RowError
         As `_fit_of_rows`.
     """
-    candidates = _spikes_of(x, h)
-    every_row = np.arange(len(x))
-    fit = _fit_of_rows(np.delete(x, candidates), np.delete(h, candidates), request)
+    candidate_rows = _spikes_of(x, h)
+    row_numbers = np.arange(len(x))
+    fit = _fit_of_rows(np.delete(x, candidate_rows), np.delete(h, candidate_rows), request)
     for _ in range(_PASSES):
-        kept_rows = np.delete(every_row, candidates)
-        rows_apart = _rows_far_from_fit(h[kept_rows] - fit.curve(x[kept_rows]))
-        if not len(rows_apart) or len(candidates) + len(rows_apart) > _MOST_SPIKES * len(x):
+        rows_in_fit = np.delete(row_numbers, candidate_rows)
+        rows_apart = _rows_far_from_fit(h[rows_in_fit] - fit.curve(x[rows_in_fit]))
+        if not len(rows_apart) or len(candidate_rows) + len(rows_apart) > _MOST_SPIKES * len(x):
             break
-        candidates = np.sort(np.append(candidates, kept_rows[rows_apart]))
-        fit = _fit_of_rows(np.delete(x, candidates), np.delete(h, candidates), request)
+        candidate_rows = np.sort(np.append(candidate_rows, rows_in_fit[rows_apart]))
+        fit = _fit_of_rows(np.delete(x, candidate_rows), np.delete(h, candidate_rows), request)
     # a corner of the shape stands out from its neighbours, and not from the fit
-    sizes = np.abs(h[candidates] - fit.curve(x[candidates]))
-    spikes = candidates[sizes > STANDS_OUT * fit.keys["fitted"]["noise"]]
-    if len(spikes) < len(candidates):
+    distances_from_fit = np.abs(h[candidate_rows] - fit.curve(x[candidate_rows]))
+    spikes = candidate_rows[distances_from_fit > STANDS_OUT * fit.keys["fitted"]["noise"]]
+    if len(spikes) < len(candidate_rows):
         fit = _fit_of_rows(np.delete(x, spikes), np.delete(h, spikes), request)
     if len(spikes):
         fit.keys["fitted"]["spikes"] = tuple((spikes + 1).tolist())
@@ -169,6 +169,68 @@ def _spikes_of(x: Array, h: Array) -> NDArray[np.int64]:
     return rows_that_stand_out(x, h, sigma) if sigma > 0 else np.array([], dtype=np.int64)
 
 
+class _Trace(NamedTuple):
+    """A trace before a fit: its heights h (n,) without the slope `tilt`; the centre where it is
+    given or rows of one side imply it, else None; whether all rows lie on one side, whether a tilt
+    is fitted, and the middle that the fit begins from.
+    """
+
+    h: Array
+    tilt: float
+    centre_given: float | None
+    one_sided: bool
+    tilt_fitted: bool
+    first_middle: float
+
+
+def _trace_of(x: Array, h: Array, request: FitRequest) -> _Trace:
+    """The trace of rows x, h (n,) as a fit takes it: levelled where it falls from end to end."""
+    tilt = request.tilt or 0.0
+    level_h = h - tilt * (x - x[0])
+    centre_given = request.centre
+    may_be_tilted = request.tilt is None and centre_given is None and request.guess is None
+    if may_be_tilted and _falls_from_end_to_end(x, h, request.kind):
+        tilt = float(np.polyfit(x - x[0], h, 1)[0])
+        level_h = h - tilt * (x - x[0])
+    if centre_given is None and _begins_in_the_middle(x, level_h):
+        centre_given = 0.0
+    one_sided = centre_given is not None and x[0] >= centre_given
+    is_free_parabola = request.kind == "hertz" and centre_given is None
+    tilt_fitted = request.tilt is None and not one_sided and not is_free_parabola
+    first_middle = _middle(x, level_h) if centre_given is None else centre_given
+    if request.guess is not None and centre_given is None:
+        first_middle = request.guess[0]
+    elif tilt_fitted and centre_given is None and not x[0] < first_middle < x[-1]:
+        # so much tilt that a parabola falls from end to end
+        first_middle = float(x[0] + x[-1]) / 2
+    return _Trace(level_h, tilt, centre_given, one_sided, tilt_fitted, first_middle)
+
+
+def _check_rows_of_fit(
+    x: Array, h: Array, middle: float, centre_given: float | None, last_row: int
+) -> None:
+    """RowError for rows x, h (n,) within the extent of a fit that are too few, that are flat, or
+    that do not enclose its middle; `last_row` is that of the trace.
+    """
+    n_places = len(np.unique(x))
+    if n_places < _FEWEST:
+        raise RowError(
+            last_row,
+            f"{n_places} rows within the extent are too few for a fit: at least {_FEWEST} are"
+            " needed",
+        )
+    distances = np.abs(x - middle)
+    is_far = centre_given is None or np.min(distances) > _BESIDE * float(np.max(distances))
+    if not x[0] <= middle < x[-1] and is_far:
+        fault = (
+            f"the middle, x = {middle:.6g}, is not among the rows, which go from x = {x[0]:.6g}"
+            f" to {x[-1]:.6g}"
+        )
+        raise RowError(0, f"{fault}: measure both sides of it, or state centre")
+    if not float(np.ptp(h)) > 0:
+        raise RowError(last_row, "the rows are flat from end to end: they must rise somewhere")
+
+
 class _FitOfRows(NamedTuple):
     """Keys of the profile, and the curve over x with its offset and tilt."""
 
@@ -193,82 +255,47 @@ def _fit_of_rows(x: Array, h: Array, request: FitRequest) -> _FitOfRows:
             f"{len(x):,} rows are too many for a fit of at most {_MOST:,}: leave out all but every"
             " n-th",
         )
-    last_row = len(x) - 1
     every_x = x
-    tilt = request.tilt or 0.0
-    every_h = h - tilt * (x - x[0])
-    centre_given = request.centre
-    may_be_tilted = request.tilt is None and centre_given is None and request.guess is None
-    if may_be_tilted and _falls_from_end_to_end(x, h, request.kind):
-        tilt = float(np.polyfit(x - x[0], h, 1)[0])
-        every_h = h - tilt * (x - x[0])
-    if centre_given is None and _begins_in_the_middle(x, every_h):
-        centre_given = 0.0
-    one_sided = centre_given is not None and x[0] >= centre_given
-    tilt_fitted = (
-        request.tilt is None
-        and not one_sided
-        and not (request.kind == "hertz" and centre_given is None)
-    )
-    start = _middle(x, every_h) if centre_given is None else centre_given
-    if request.guess is not None and centre_given is None:
-        start = request.guess[0]
-    elif (
-        tilt_fitted and centre_given is None and not x[0] < start < x[-1]
-    ):  # so much tilt that a parabola falls from end to end
-        start = float(x[0] + x[-1]) / 2
+    trace = _trace_of(x, h, request)
+    every_h = trace.h
+    tilt = trace.tilt
     reach = request.extent or math.inf
-    origin = start
+    origin = trace.first_middle
+    middle_guess = trace.first_middle
     for _ in range(_PASSES):
-        origin = start
-        in_reach = np.abs(every_x - start) <= reach
-        x = every_x[in_reach]
-        h = every_h[in_reach]
-        if (count := len(np.unique(x))) < _FEWEST:
-            raise RowError(
-                last_row,
-                f"{count} rows within the extent are too few for a fit: at least {_FEWEST} are"
-                " needed",
-            )
+        origin = middle_guess
+        is_in_reach = np.abs(every_x - origin) <= reach
+        x = every_x[is_in_reach]
+        h = every_h[is_in_reach]
+        _check_rows_of_fit(x, h, origin, trace.centre_given, last_row=len(every_x) - 1)
         # In units of the rows, so that nothing depends on theirs.
-        distances = np.abs(x - start)
         height = float(np.ptp(h))
-        length = float(np.max(distances))
-        if not x[0] <= start < x[-1] and (
-            centre_given is None or np.min(distances) > _BESIDE * length
-        ):
-            where = (
-                f"the middle, x = {start:.6g}, is not among the rows, which go from x = {x[0]:.6g}"
-                f" to {x[-1]:.6g}"
-            )
-            raise RowError(0, f"{where}: measure both sides of it, or state centre")
-        if not height > 0:
-            raise RowError(last_row, "the rows are flat from end to end: they must rise somewhere")
+        length = float(np.max(np.abs(x - origin)))
         # beyond, no square
-        level = (
+        noise_over_height = (
             None if request.noise is None else float(np.clip(request.noise / height, 1e-12, 1e6))
         )
-        rows = _Rows(
-            (x - start) / length,
+        scaled_rows = _Rows(
+            (x - origin) / length,
             (h - h[0]) / height,
             request.kind,
-            centre_given is None,
-            tilt_fitted,
+            trace.centre_given is None,
+            trace.tilt_fitted,
         )
         flat_half_length = None if request.guess is None else request.guess[1] / length
-        best_fit = rows.fit(level, request.weight, flat_half_length)
+        best_fit = scaled_rows.fit(noise_over_height, request.weight, flat_half_length)
         # the former: round-off error of rows on a line
         if np.ptp(best_fit.shape) < _BENT or abs(best_fit.centre) > _LONGEST:
             raise RowError(
-                last_row,
+                len(every_x) - 1,
                 "the rows do not bend up: h is a gap, which grows to both sides; is its sign"
                 " turned?",
             )
-        middle = start + length * best_fit.centre
+        middle = origin + length * best_fit.centre
         # Other rows lie within the extent of another middle.
-        if np.array_equal(np.abs(every_x - middle) <= reach, in_reach):
+        if np.array_equal(np.abs(every_x - middle) <= reach, is_in_reach):
             break
-        start = middle
+        middle_guess = middle
     residuals = (h - h[0]) - height * best_fit.curve
     freedom = max(1, len(x) - round(best_fit.numbers))
     estimated_noise = max(math.sqrt(float(residuals @ residuals) / freedom), 1e-15 * height)
@@ -287,13 +314,13 @@ def _fit_of_rows(x: Array, h: Array, request: FitRequest) -> _FitOfRows:
             "noise": estimated_noise if request.noise is None else request.noise,
             "noise_stated": request.noise is not None,
             "centre": middle,
-            "centre_fitted": centre_given is None,
+            "centre_fitted": trace.centre_given is None,
             "tilt": tilt + best_fit.tilt * height / length,
-            "tilt_fitted": tilt_fitted,
+            "tilt_fitted": trace.tilt_fitted,
             "offset": float(h[0]) + height * best_fit.offset + tilt * (middle - every_x[0]),
             "residual": math.sqrt(float(residuals @ residuals) / len(x)),
             "freedom": freedom,
-            "extent": max(sides) if one_sided else min(sides),
+            "extent": max(sides) if trace.one_sided else min(sides),
             "weight": best_fit.weight,
             "left_out": len(every_x) - len(x),
         },
@@ -337,21 +364,19 @@ def fitted_again(
     smoothing
         weight of the smoothing over that of the fit
     """
-    fitted_keys_of_profile = profile.fitted
-    x, h = fitted_keys_of_profile.rows.values[fitted_keys_of_profile.used_rows()].T
-    x = (
-        x - fitted_keys_of_profile.centre
-    )  # so that rows of both sides are such whatever their noise
+    fitted = profile.fitted
+    x, h = fitted.rows.values[fitted.used_rows()].T
+    x = x - fitted.centre  # so that rows of both sides are such whatever their noise
     if noise is not None:
-        h = fitted_keys_of_profile.offset + profile.height(x) + fitted_keys_of_profile.noise * noise
-        if not fitted_keys_of_profile.tilt_fitted:  # which is found again from what is levelled
-            h = h + fitted_keys_of_profile.tilt * x
+        h = fitted.offset + profile.height(x) + fitted.noise * noise
+        if not fitted.tilt_fitted:  # which is found again from what is levelled
+            h = h + fitted.tilt * x
     request = FitRequest(
-        kind=fitted_keys_of_profile.kind,
-        noise=fitted_keys_of_profile.noise,
-        centre=None if fitted_keys_of_profile.centre_fitted else 0.0,
-        tilt=None if fitted_keys_of_profile.tilt_fitted else fitted_keys_of_profile.tilt,
-        weight=smoothing * fitted_keys_of_profile.weight,
+        kind=fitted.kind,
+        noise=fitted.noise,
+        centre=None if fitted.centre_fitted else 0.0,
+        tilt=None if fitted.tilt_fitted else fitted.tilt,
+        weight=smoothing * fitted.weight,
         guess=(0.0, getattr(profile, "flat_half_length", 0.0)),
     )
     with contextlib.suppress(RowError):
@@ -396,15 +421,15 @@ def _variance(x: Array, h: Array) -> float:
     """
     places = np.lib.stride_tricks.sliding_window_view(x, 4)
     heights = np.lib.stride_tricks.sliding_window_view(h, 4)
-    distinct = np.all(np.diff(places) > 0, axis=1)
-    if not np.any(distinct):
+    is_distinct = np.all(np.diff(places) > 0, axis=1)
+    if not np.any(is_distinct):
         return 0.0
     # Weights of a divided difference: 1 over the product of the distances to the other places, in
     # units of the widest.
-    places = places[distinct] / (places[distinct, -1] - places[distinct, 0])[:, None]
+    places = places[is_distinct] / (places[is_distinct, -1] - places[is_distinct, 0])[:, None]
     distances = places[:, :, None] - places[:, None, :] + np.eye(4)
     weights = 1 / np.prod(distances, axis=2)
-    differences = np.sum(weights * heights[distinct], axis=1) ** 2 / np.sum(weights**2, axis=1)
+    differences = np.sum(weights * heights[is_distinct], axis=1) ** 2 / np.sum(weights**2, axis=1)
     return float(np.median(differences)) / _MEDIAN
 
 
@@ -456,15 +481,16 @@ class _Rows:
                 return (s[:, None] ** [2, 4, 6, 8] / _TWICE) @ _BENDS.T
         # Sums of (s - t)^3 above knots t, the primitives of a corner of kappa; the first hat falls
         # from the middle on.
-        step = float(self.knots[1])
-        corner = np.maximum(s[:, None] - np.append(self.knots, self.knots[-1] + step), 0.0) ** 3 / (
-            6 * step
-        )
-        curvature_column = s[:, None] ** 2 / 2 - corner[:, :1] + corner[:, 1:2]
-        return np.hstack([curvature_column, np.diff(corner, 2, axis=1)])
+        knot_distance = float(self.knots[1])
+        corner_columns = np.maximum(
+            s[:, None] - np.append(self.knots, self.knots[-1] + knot_distance), 0.0
+        ) ** 3 / (6 * knot_distance)
+        curvature_column = s[:, None] ** 2 / 2 - corner_columns[:, :1] + corner_columns[:, 1:2]
+        return np.hstack([curvature_column, np.diff(corner_columns, 2, axis=1)])
 
     def at(self, z: Array, weight: float) -> _Fit:
-        """The fit with the least squares for z = (x0, b), as many of these as are fitted.
+        """The fit with the least squares for given z = (x0, b), middle and half-length of the flat,
+        as many of these as are fitted.
 
         The w >= 0 weigh the columns B_j; h0 is the offset; `weight` is that of the smoothing.
         """
@@ -473,32 +499,38 @@ class _Rows:
         centre = float(z[0]) if self.centred else 0.0
         flat_half_length = float(z[-1]) if self.kind == "flat_rounded" else 0.0
         columns = self.columns(np.abs(self.x - centre), flat_half_length)
-        mean = columns.mean(axis=0)
-        count, size = columns.shape
+        column_means = columns.mean(axis=0)
+        n_rows, n_columns = columns.shape
         x_from_mean = self.x - self.x.mean()
-        table = np.column_stack([columns - mean, self.h - self.h.mean()])
+        columns_and_heights = np.column_stack([columns - column_means, self.h - self.h.mean()])
         # The best tilt for any w is linear in w: put in, it leaves a problem for w alone.
-        tilts = np.zeros(size + 1)
+        tilts = np.zeros(n_columns + 1)
         if self.tilted:
-            tilts = x_from_mean @ table / (x_from_mean @ x_from_mean + self.tilt_weight)
-            level_table = table - np.outer(x_from_mean, tilts)
-            table = np.vstack([level_table, math.sqrt(self.tilt_weight) * tilts])
-        if count > size + 1:
-            table = np.asarray(np.linalg.qr(table, mode="r"))  # as many rows as columns are enough
-        steps_of_w = np.zeros((0, size + 1))
+            tilts = (
+                x_from_mean @ columns_and_heights / (x_from_mean @ x_from_mean + self.tilt_weight)
+            )
+            table_without_tilt = columns_and_heights - np.outer(x_from_mean, tilts)
+            columns_and_heights = np.vstack(
+                [table_without_tilt, math.sqrt(self.tilt_weight) * tilts]
+            )
+        if n_rows > n_columns + 1:
+            columns_and_heights = np.asarray(
+                np.linalg.qr(columns_and_heights, mode="r")
+            )  # as many rows as columns are enough
+        smoothing_rows = np.zeros((0, n_columns + 1))
         if weight:
-            steps_of_w = math.sqrt(weight) * np.diff(np.eye(size + 1)[:size], axis=0)
-        equations = np.vstack([table, steps_of_w])
+            smoothing_rows = math.sqrt(weight) * np.diff(np.eye(n_columns + 1)[:n_columns], axis=0)
+        equations = np.vstack([columns_and_heights, smoothing_rows])
         try:
-            w = nnls(equations[:, :-1], equations[:, -1], maxiter=50 * size)[0]
+            w = nnls(equations[:, :-1], equations[:, -1], maxiter=50 * n_columns)[0]
         except RuntimeError as reason:
             raise NotFoundError(f"no curve through the rows was found: {reason}") from reason
         tilt = float(tilts[-1] - tilts[:-1] @ w)
-        shape = columns @ w
-        offset = float(self.h.mean() - mean @ w + tilt * (centre - self.x.mean()))
-        curve = offset + tilt * (self.x - centre) + shape
+        shape_heights = columns @ w
+        offset = float(self.h.mean() - column_means @ w + tilt * (centre - self.x.mean()))
+        curve_heights = offset + tilt * (self.x - centre) + shape_heights
         tilt_residual = math.sqrt(self.tilt_weight) * tilt if self.tilted else 0.0
-        penalty_residuals = np.append(steps_of_w[:, :-1] @ w, tilt_residual)
+        penalty_residuals = np.append(smoothing_rows[:, :-1] @ w, tilt_residual)
         return _Fit(
             of=self,
             centre=centre,
@@ -506,11 +538,11 @@ class _Rows:
             w=w,
             offset=offset,
             tilt=tilt,
-            shape=shape,
-            curve=curve,
+            shape=shape_heights,
+            curve=curve_heights,
             numbers=1.0 + self.tilted + len(z) + np.count_nonzero(w),
             weight=weight,
-            rest=np.append(curve - self.h, penalty_residuals),
+            rest=np.append(curve_heights - self.h, penalty_residuals),
         )
 
     def best(self, start: Array, weight: float) -> _Fit:
@@ -538,43 +570,52 @@ class _Rows:
         """The best of all, for the spline with the weight of the least expected error; `half` is a
         guess of b, if there is one.
         """
-        z = np.zeros(int(self.centred))
+        no_shift = np.zeros(int(self.centred))
         if self.kind == "flat_rounded" and flat_half_length is not None:
-            return self.best(np.append(z, np.clip(flat_half_length, _STARTS[0], _STARTS[-1])), 0.0)
+            return self.best(
+                np.append(no_shift, np.clip(flat_half_length, _STARTS[0], _STARTS[-1])), 0.0
+            )
         if self.kind == "flat_rounded":
-            middles = _MIDDLES if self.centred and self.tilted else np.zeros(1)
-            starts = [
-                np.append(z + middle, flat_half_length)
-                for middle in middles
+            trial_middles = _MIDDLES if self.centred and self.tilted else np.zeros(1)
+            trial_starts = [
+                np.append(no_shift + middle, flat_half_length)
+                for middle in trial_middles
                 for flat_half_length in _STARTS
             ]
             return self.best(
-                min(starts, key=lambda start: float(np.sum(self.at(start, 0.0).rest ** 2))), 0.0
+                min(trial_starts, key=lambda start: float(np.sum(self.at(start, 0.0).rest ** 2))),
+                0.0,
             )
         if self.kind != "smoothing_spline":
-            return self.best(z, 0.0)
+            return self.best(no_shift, 0.0)
         fits = []
-        errors = []
+        expected_errors = []
         for smoothing in _WEIGHTS.tolist() if weight is None else [weight]:
-            candidate = self.best(z, smoothing)
+            candidate = self.best(no_shift, smoothing)
             columns = self.columns(np.abs(self.x - candidate.centre), 0.0)
-            square = (columns - columns.mean(axis=0)).T @ columns
-            steps = np.diff(np.eye(len(square)), axis=0)
-            numbers = (
+            normal_matrix = (columns - columns.mean(axis=0)).T @ columns
+            differences = np.diff(np.eye(len(normal_matrix)), axis=0)
+            effective_numbers = (
                 1
                 + self.centred
                 + self.tilted
-                + float(np.trace(np.linalg.solve(square + smoothing * steps.T @ steps, square)))
+                + float(
+                    np.trace(
+                        np.linalg.solve(
+                            normal_matrix + smoothing * differences.T @ differences, normal_matrix
+                        )
+                    )
+                )
             )
-            squares = float(np.sum((self.h - candidate.curve) ** 2))
-            count = len(self.x)
-            errors.append(
-                squares / noise**2 + 2 * numbers
+            sum_of_squares = float(np.sum((self.h - candidate.curve) ** 2))
+            n_rows = len(self.x)
+            expected_errors.append(
+                sum_of_squares / noise**2 + 2 * effective_numbers
                 if noise
-                else squares / max(count - numbers, 1e-3) ** 2
+                else sum_of_squares / max(n_rows - effective_numbers, 1e-3) ** 2
             )
-            fits.append(replace(candidate, numbers=min(numbers, count - 1.0)))
-        return fits[int(np.argmin(errors))]
+            fits.append(replace(candidate, numbers=min(effective_numbers, n_rows - 1.0)))
+        return fits[int(np.argmin(expected_errors))]
 
 
 @dataclass(frozen=True, eq=False)

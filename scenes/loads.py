@@ -672,24 +672,24 @@ class HarmonicLoad(CyclicLoad[WaveSum]):
         return self
 
     def path_of_loads(self) -> LoadPath:
-        mean = self.mean_tangential_load
-        tangential_load = self.tangential_harmonics
+        second_mean = self.mean_tangential_load
+        second_harmonics = self.tangential_harmonics
         if (displacement := self.tangential_displacement) is not None:
-            mean = displacement.mean
-            tangential_load = displacement.harmonics
-        mean_normal = self.mean_normal_load
-        normal_load = self.normal_harmonics
+            second_mean = displacement.mean
+            second_harmonics = displacement.harmonics
+        first_mean = self.mean_normal_load
+        first_harmonics = self.normal_harmonics
         if self.approach is not None:
-            mean_normal = self.approach.mean
-            normal_load = self.approach.harmonics
-        turn = HarmonicSegment(
+            first_mean = self.approach.mean
+            first_harmonics = self.approach.harmonics
+        revolution = HarmonicSegment(
             0.0,
             2 * math.pi,
-            (mean_normal, mean),
-            _in_radians(normal_load),
-            _in_radians(tangential_load),
+            (first_mean, second_mean),
+            _in_radians(first_harmonics),
+            _in_radians(second_harmonics),
         )
-        return LoadPath(straight_loading(self.initial_loading, turn, math.pi), (turn,))
+        return LoadPath(straight_loading(self.initial_loading, revolution, math.pi), (revolution,))
 
     def in_words(self, unit: str) -> str:
         return (
@@ -864,22 +864,24 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         """What may stand in the scene in place of the columns that a file lacks, where it has
         others.
         """
-        lacking = set(fault.columns)
-        if lacking == set(self.column_kinds):
+        missing_names = set(fault.columns)
+        if missing_names == set(self.column_kinds):
             return ""
-        shifts = {plain(alias) for alias in aliases_of("U")}
-        has_shift = any(plain(heading) in shifts for heading in fault.headings)
-        cures = []
-        if "time" in lacking:
-            cures.append("interval = 0.01, the time from row to row, where it has no times")
-        if "P" in lacking and not self.approach:
-            cures.append(
+        names_of_displacement = {plain(alias) for alias in aliases_of("U")}
+        has_displacement = any(
+            plain(heading) in names_of_displacement for heading in fault.headings
+        )
+        proposals = []
+        if "time" in missing_names:
+            proposals.append("interval = 0.01, the time from row to row, where it has no times")
+        if "P" in missing_names and not self.approach:
+            proposals.append(
                 "constant_normal_load = 100.0 (a force per thickness), where P was constant and"
                 " not recorded"
             )
-        if "Q" in lacking and has_shift:
-            cures.append("tangential_displacement = true, where the rig prescribed U")
-        return "".join(f"; or {cure}" for cure in cures)
+        if "Q" in missing_names and has_displacement:
+            proposals.append("tangential_displacement = true, where the rig prescribed U")
+        return "".join(f"; or {proposal}" for proposal in proposals)
 
     def _of_no_column(self) -> list[tuple[str, str]]:
         words: list[tuple[str, str]] = []
@@ -954,12 +956,13 @@ class TimeSeriesLoad(StraightLoad, FromFile):
                 f"start and end leave {max(row_beyond - first_row, 0)} rows: two at least are"
                 " needed",
             )
-        time = rows[:, 0]
-        words = ("stands there twice", "comes after a later one")
+        times = rows[:, 0]
+        faults_of_times = ("stands there twice", "comes after a later one")
         RowError.refuse(
-            np.diff(time[first_row:row_beyond]) <= 0,
+            np.diff(times[first_row:row_beyond]) <= 0,
             lambda k: (
-                f"time = {time[k]:.12g} {words[int(time[k] < time[k - 1])]}: the times must ascend"
+                f"time = {times[k]:.12g} {faults_of_times[int(times[k] < times[k - 1])]}: the times"
+                " must ascend"
                 f"{_CURE_OF_TIMES if self.file is not None else ''}"
             ),
             first_row + 1,
@@ -1016,15 +1019,15 @@ class TimeSeriesLoad(StraightLoad, FromFile):
                 if (first_row, row_beyond) == (0, len(self.rows))
                 else Table.of(self.rows.values[first_row:row_beyond])
             )
-        rows = self.rows.values[first_row:row_beyond].copy()
-        is_below_least = rows[:, 1] < self.least_normal_load
-        rows[is_below_least, 1] = np.maximum(rows[is_below_least, 1], 0.0)
-        rows[is_below_least, 2] = 0.0
+        rows_between = self.rows.values[first_row:row_beyond].copy()
+        is_below_least = rows_between[:, 1] < self.least_normal_load
+        rows_between[is_below_least, 1] = np.maximum(rows_between[is_below_least, 1], 0.0)
+        rows_between[is_below_least, 2] = 0.0
         first_loaded = int(np.argmin(is_below_least))  # the first that is not low
         if first_loaded > 0:
-            rows = rows[first_loaded - 1 :]
-            rows[0, 1] = self.least_normal_load
-        return Table.of(rows)
+            rows_between = rows_between[first_loaded - 1 :]
+            rows_between[0, 1] = self.least_normal_load
+        return Table.of(rows_between)
 
     def kept_rows(self) -> NDArray[np.float64]:
         """The rows (m, 3) that the path goes through, after means and reduction."""
@@ -1075,24 +1078,29 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         used_rows = self.used_rows().values
         least_values = np.min(used_rows, axis=0)
         largest_values = np.max(used_rows, axis=0)
-        repetition = ", again and again" if self.repeats else ""
-        rows = f"{len(self.rows)} rows of a record"
+        repetition_text = ", again and again" if self.repeats else ""
+        rows_text = f"{len(self.rows)} rows of a record"
         if len(used_rows) != len(self.rows):
-            rows = f"{len(used_rows)} of the {rows}"
+            rows_text = f"{len(used_rows)} of the {rows_text}"
         if self.average > 1 or self.reduce is not None:
-            rows = f"{len(self.kept_rows())} of the {rows}"
-        rows += f", means of {self.average} each" if self.average > 1 else ""
-        size = self.threshold or Threshold()
+            rows_text = f"{len(self.kept_rows())} of the {rows_text}"
+        rows_text += f", means of {self.average} each" if self.average > 1 else ""
+        threshold = self.threshold or Threshold()
         if self.reduce == "turning_points":
-            rows += f", turning points with swings above {size.P:.6g} in P or {size.Q:.6g} in Q"
+            rows_text += (
+                f", turning points with swings above {threshold.P:.6g} in P or"
+                f" {threshold.Q:.6g} in Q"
+            )
         elif self.reduce == "tolerance":
-            rows += f", which pass the others within {size.P:.6g} in P and {size.Q:.6g} in Q"
-        limits = (
+            rows_text += (
+                f", which pass the others within {threshold.P:.6g} in P and {threshold.Q:.6g} in Q"
+            )
+        limits_text = (
             f"P goes from {least_values[1]:.6g} to {largest_values[1]:.6g} and Q from"
             f" {least_values[2]:.6g} to {largest_values[2]:.6g}"
             f" {unit}"
         )
-        return f"the loads follow {rows}. {limits}{repetition}"
+        return f"the loads follow {rows_text}. {limits_text}{repetition_text}"
 
 
 class CallableLoad(BulkAndTilt[PythonFunction]):
@@ -1131,11 +1139,11 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
     @model_validator(mode="after")
     def _check(self) -> Self:
         segments = self._segments()
-        segments_after = [
+        next_segments = [
             *segments[1:],
             *([segments[0].shifted(self.duration)] if self.repeats else []),
         ]
-        for segment, next_segment in zip(segments, segments_after, strict=False):
+        for segment, next_segment in zip(segments, next_segments, strict=False):
             loads_before = segment.loads(segment.end)
             loads_after = next_segment.loads(next_segment.start)
             for name, value_before, value_after in zip(
@@ -1168,7 +1176,7 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
         scales = {
             name: float(np.max(np.abs(function(times)))) for name, function in functions.items()
         }
-        scale = scales["tangential_load"] = scales["normal_load"]
+        load_scale = scales["tangential_load"] = scales["normal_load"]
         for name, function in [*functions.items()] * 2:  # the edges of one are cuts of the other
             try:
                 edges = fit(function, edges, scales[name] or 1.0).edges
@@ -1178,9 +1186,10 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
                     f"{name} is too rough between time {fault.low:.6g} and {fault.high:.6g}:"
                     f" {cause}"
                 ) from fault
-        pair = [functions["normal_load"], functions["tangential_load"]]
+        load_functions = [functions["normal_load"], functions["tangential_load"]]
         return [
-            _chebyshev_piece(begin, end, pair, scale) for begin, end in pairwise(edges.tolist())
+            _chebyshev_piece(begin, end, load_functions, load_scale)
+            for begin, end in pairwise(edges.tolist())
         ]
 
     def path_of_loads(self) -> LoadPath:

@@ -374,14 +374,18 @@ def first_fall(coefficients: Array) -> float | None:
     """
     roots = polynomial.polyroots(np.trim_zeros(coefficients, "b"))
     # Double roots come as pairs a root of a rounding apart.
-    ends = np.sort(roots.real[(np.abs(roots.imag) <= 1e-7 * np.abs(roots)) & (roots.real > 0)])
-    marks = np.concatenate([[0.0], ends, [2 * ends[-1] if len(ends) else 1.0]])
-    middles = (marks[:-1] + marks[1:]) / 2
-    falls = middles[
+    positive_roots = np.sort(
+        roots.real[(np.abs(roots.imag) <= 1e-7 * np.abs(roots)) & (roots.real > 0)]
+    )
+    ends_of_stretches = np.concatenate(
+        [[0.0], positive_roots, [2 * positive_roots[-1] if len(positive_roots) else 1.0]]
+    )
+    middles = (ends_of_stretches[:-1] + ends_of_stretches[1:]) / 2
+    falling_places = middles[
         polynomial.polyval(middles, coefficients)
         < -1e-12 * polynomial.polyval(middles, np.abs(coefficients))
     ]
-    return float(falls[0]) if len(falls) else None
+    return float(falling_places[0]) if len(falling_places) else None
 
 
 class EvenPolynomial(MayBeFitted):
@@ -466,18 +470,19 @@ class CallableProfile(Gap):
             raise ValueError("either height_function or slope_function is needed, and not both")
         values_at = values_of(self.height_function or self.slope_function)
         sign = -1.0 if self.height_function is None else 1.0
-        x = self.extent * np.array([0.07, 0.31, 0.62, 0.97])
+        test_places = self.extent * np.array([0.07, 0.31, 0.62, 0.97])
         try:
-            right = values_at(x)
-            left = values_at(-x)
+            right_values = values_at(test_places)
+            left_values = values_at(-test_places)
         except (ArithmeticError, TypeError, ValueError) as reason:
             raise ValueError(
-                f"the function can't be evaluated at x = +-{x[0]:.6g}: {reason}"
+                f"the function can't be evaluated at x = +-{test_places[0]:.6g}: {reason}"
             ) from reason
-        differs = np.abs(right - sign * left) > 1e-9 * np.abs(right).max()
-        if np.any(differs):
+        is_unlike = np.abs(right_values - sign * left_values) > 1e-9 * np.abs(right_values).max()
+        if np.any(is_unlike):
             raise ValueError(
-                f"the profile is not symmetric: its sides differ at x = {x[differs][0]:.6g}"
+                "the profile is not symmetric: its sides differ at x ="
+                f" {test_places[is_unlike][0]:.6g}"
             )
         edges = np.union1d(
             self.extent * 0.5 ** np.arange(_OCTAVES, -1.0, -1.0),
@@ -487,45 +492,50 @@ class CallableProfile(Gap):
             slope_of: Callable[[Array], ArrayLike] = values_at
             self._rounding = Rounding(0.0, 0.0)
             if self.height_function is not None:
-                of_height = slope_of_height(values_at, edges)
-                edges = of_height.edges
-                slope_of = of_height.slope
-                self._rounding = of_height.rounding
+                slope_of_function = slope_of_height(values_at, edges)
+                edges = slope_of_function.edges
+                slope_of = slope_of_function.slope
+                self._rounding = slope_of_function.rounding
             self._slope = fit(slope_of, edges)
         except Unresolved as fault:
             raise ValueError(
                 f"the function is too rough between x = {fault.low:.6g} and {fault.high:.6g}: no"
                 " derivative can be had there"
             ) from fault
-        places = self._slope.edges[:-1, None] + np.diff(self._slope.edges)[:, None] * np.linspace(
-            0.02, 0.98, 25
-        )
-        slope = self._slope(places)
-        falls = slope < -1e-11 * np.max(np.abs(slope))
-        if np.any(falls):
+        places_of_pieces = self._slope.edges[:-1, None] + np.diff(self._slope.edges)[
+            :, None
+        ] * np.linspace(0.02, 0.98, 25)
+        slopes_at_places = self._slope(places_of_pieces)
+        is_falling = slopes_at_places < -1e-11 * np.max(np.abs(slopes_at_places))
+        if np.any(is_falling):
             raise ValueError(
-                f"the profile falls at x = {places[falls][0]:.6g}: it must rise for all x > 0"
+                f"the profile falls at x = {places_of_pieces[is_falling][0]:.6g}: it must rise for"
+                " all x > 0"
             )
-        if not np.any(slope > 0):
+        if not np.any(slopes_at_places > 0):
             raise ValueError("the profile is flat from end to end: it must rise somewhere")
         # of each piece
-        ends = np.array([chebyshev.chebval(side, self._slope.coefficients) for side in (-1.0, 1.0)])
-        jump = np.abs(ends[0, 1:] - ends[1, :-1]) > 1e-7 * (
-            np.abs(ends[0, 1:]) + np.abs(ends[1, :-1])
-        ) + 1e-14 * np.max(slope)
-        if np.any(jump):
-            corner = self._slope.edges[1:-1][jump][0]
+        end_slopes = np.array(
+            [chebyshev.chebval(side, self._slope.coefficients) for side in (-1.0, 1.0)]
+        )
+        is_jump = np.abs(end_slopes[0, 1:] - end_slopes[1, :-1]) > 1e-7 * (
+            np.abs(end_slopes[0, 1:]) + np.abs(end_slopes[1, :-1])
+        ) + 1e-14 * np.max(slopes_at_places)
+        if np.any(is_jump):
+            corner = self._slope.edges[1:-1][is_jump][0]
             raise ValueError(
                 f"the profile has no derivative at x = {corner:.6g}: its slope jumps there"
             )
         # The term of highest degree, which is rounding, is dropped.
-        primitive = (
+        height_coefficients = (
             chebyshev.chebint(self._slope.coefficients, lbnd=-1)[:-1]
             * np.diff(self._slope.edges)
             / 2
         )
-        primitive[0] += np.append(0.0, np.cumsum(chebyshev.chebval(1.0, primitive))[:-1])
-        self._height = Pieces(self._slope.edges, primitive)
+        height_coefficients[0] += np.append(
+            0.0, np.cumsum(chebyshev.chebval(1.0, height_coefficients))[:-1]
+        )
+        self._height = Pieces(self._slope.edges, height_coefficients)
         return self
 
     def __eq__(self, profile: object) -> bool:
@@ -585,13 +595,13 @@ class CallableProfile(Gap):
     def height(self, x: ArrayLike) -> Array:
         distance = np.abs(np.asarray(x, dtype=float))
         inner_distance = np.minimum(distance, self.extent)
-        outer_distance = (distance - inner_distance) * float(self.slope(self.extent))
+        height_beyond = (distance - inner_distance) * float(self.slope(self.extent))
         tip_distance = np.minimum(inner_distance, self._slope.edges[0])
         tip_height = tip_distance * self.slope(tip_distance) / (self.exponent + 1)
         return (
             tip_height
             + np.where(inner_distance > tip_distance, self._height(inner_distance), 0.0)
-            + outer_distance
+            + height_beyond
         )
 
 
@@ -665,14 +675,14 @@ class Tabulated(FromFile):
             return (one_sided(rows, self.asymmetry),)
         rows_of_left = rows[rows[:, 0] <= 0][::-1] * [-1.0, 1.0] if rows.shape[1] == 2 else rows
         try:
-            left = one_sided(rows_of_left, self.asymmetry)
+            left_side = one_sided(rows_of_left, self.asymmetry)
         except RowError as fault:
             raise RowError(
                 max(len(rows_of_left) - 1 - fault.row, 0),
                 f"left side, x counted to the left: {fault.rule}",
             ) from fault
         try:
-            return left, one_sided(rows[rows[:, 0] >= 0], self.asymmetry)
+            return left_side, one_sided(rows[rows[:, 0] >= 0], self.asymmetry)
         except RowError as fault:
             raise RowError(len(rows[rows[:, 0] < 0]) + fault.row, fault.rule) from fault
 
@@ -732,10 +742,10 @@ class Tabulated(FromFile):
         """The step in which h is written [length], where rises of neighbouring rows are few of
         these; None where it is finer.
         """
-        rise = np.abs(np.diff(self._sides()[-1][1]))
-        step = float(np.min(rise[rise > 0]))
-        is_whole = np.max(np.abs(rise / step - np.round(rise / step))) < _WHOLE
-        return step if is_whole and np.median(rise) < _COARSE * step else None
+        rises = np.abs(np.diff(self._sides()[-1][1]))
+        least_rise = float(np.min(rises[rises > 0]))
+        is_whole = np.max(np.abs(rises / least_rise - np.round(rises / least_rise))) < _WHOLE
+        return least_rise if is_whole and np.median(rises) < _COARSE * least_rise else None
 
     def height(self, x: ArrayLike) -> Array:
         """Gap h(x) >= 0 [length] of the untouched faces at x [length]; any shape."""
@@ -776,36 +786,42 @@ def one_sided(points: Array, asymmetry: float) -> tuple[Array, Array]:
     )
     if len(x[x >= 0]) < 3 or not np.any(x == 0):
         raise RowError(0, "a row with x = 0 and at least two with x > 0 are needed")
-    centre = int(np.flatnonzero(x == 0)[0])
-    right = x[centre:]
-    rise = h[centre:]
-    limit = asymmetry * float(np.ptp(h))
-    if centre:
-        left = -x[centre::-1]
-        if len(right) != len(left) or np.any(np.abs(right - left) > 1e-9 * x[-1]):
-            row = 0 if len(left) > len(right) else len(x) - 1
+    middle_row = int(np.flatnonzero(x == 0)[0])
+    right_x = x[middle_row:]
+    right_h = h[middle_row:]
+    largest_difference = asymmetry * float(np.ptp(h))
+    if middle_row:
+        left_x = -x[middle_row::-1]
+        if len(right_x) != len(left_x) or np.any(np.abs(right_x - left_x) > 1e-9 * x[-1]):
+            row = 0 if len(left_x) > len(right_x) else len(x) - 1
             raise RowError(
                 row,
                 f"x = {x[row]:.6g} has no partner on the other side: both sides, or x >= 0 alone",
             )
-        rule = f"the profile is not symmetric: the sides differ by more than {limit:.3g} there"
-        RowError.refuse(np.abs(rise - h[centre::-1]) > limit, lambda _: rule, centre)
-        rise = (rise + h[centre::-1]) / 2
+        rule = (
+            f"the profile is not symmetric: the sides differ by more than {largest_difference:.3g}"
+            " there"
+        )
+        RowError.refuse(
+            np.abs(right_h - h[middle_row::-1]) > largest_difference, lambda _: rule, middle_row
+        )
+        right_h = (right_h + h[middle_row::-1]) / 2
     rule = (
-        f"the profile has {len(right):,} rows of x >= 0, and at most {_MOST:,} are taken: leave out"
+        f"the profile has {len(right_x):,} rows of x >= 0, and at most {_MOST:,} are taken: leave"
+        " out"
         " all but every n-th"
     )
-    RowError.refuse(np.arange(len(right)) >= _MOST, lambda _: rule, centre)
+    RowError.refuse(np.arange(len(right_x)) >= _MOST, lambda _: rule, middle_row)
     RowError.refuse(
-        np.diff(rise) < 0,
+        np.diff(right_h) < 0,
         lambda row: f"h = {h[row]:.6g} falls: the profile must rise for x > 0",
-        centre + 1,
+        middle_row + 1,
     )
-    if rise[-1] == rise[0]:
+    if right_h[-1] == right_h[0]:
         raise RowError(
             len(points) - 1, "the profile is flat from end to end: it must rise somewhere"
         )
-    return right, rise - rise[0]
+    return right_x, right_h - right_h[0]
 
 
 def rising_spline(x: Array, h: Array) -> Spline:
@@ -815,42 +831,48 @@ def rising_spline(x: Array, h: Array) -> Spline:
     The slope is 0 in the middle of the profile and never beyond twice a secant. Where three rows
     lie on a line the spline follows it: any other slope at its ends would bend it back.
     """
-    step = np.diff(x)
-    secant = np.diff(h) / step
-    slope = np.zeros(len(x))
-    in_line = np.concatenate(
+    steps = np.diff(x)
+    secants = np.diff(h) / steps
+    slopes = np.zeros(len(x))
+    is_in_line = np.concatenate(
         [
             [False],
-            np.abs(np.diff(secant)) <= _IN_LINE * np.maximum(secant[:-1], secant[1:]),
+            np.abs(np.diff(secants)) <= _IN_LINE * np.maximum(secants[:-1], secants[1:]),
             [False],
         ]
     )
-    line_slopes = np.where(in_line[:-1] | in_line[1:], secant, np.inf)
-    line = np.minimum(line_slopes[:-1], line_slopes[1:])
-    parabola = (secant[:-1] * step[1:] + secant[1:] * step[:-1]) / (step[:-1] + step[1:])
-    slope[1:-1] = np.where(np.isfinite(line), line, parabola)
-    slope[-1] = np.clip(2 * secant[-1] - slope[-2], 0.0, 2 * secant[-1])
-    slope[1:-1] = np.minimum(slope[1:-1], 2 * np.minimum(secant[:-1], secant[1:]))
-    begin = slope[:-1] - secant
-    end = slope[1:] - secant
-    bent_intervals = np.flatnonzero(np.abs(begin + end) > _ALIKE * (slope[:-1] + slope[1:]))
+    line_slopes = np.where(is_in_line[:-1] | is_in_line[1:], secants, np.inf)
+    line_slope = np.minimum(line_slopes[:-1], line_slopes[1:])
+    parabola_slope = (secants[:-1] * steps[1:] + secants[1:] * steps[:-1]) / (
+        steps[:-1] + steps[1:]
+    )
+    slopes[1:-1] = np.where(np.isfinite(line_slope), line_slope, parabola_slope)
+    slopes[-1] = np.clip(2 * secants[-1] - slopes[-2], 0.0, 2 * secants[-1])
+    slopes[1:-1] = np.minimum(slopes[1:-1], 2 * np.minimum(secants[:-1], secants[1:]))
+    begin_excess = slopes[:-1] - secants
+    end_excess = slopes[1:] - secants
+    bent_intervals = np.flatnonzero(
+        np.abs(begin_excess + end_excess) > _ALIKE * (slopes[:-1] + slopes[1:])
+    )
     # Where the curvature changes within an interval: where both parts bend the same way, else, with
     # an inflection, in its middle.
-    turns = begin * end < 0
-    share = np.where(turns, end / np.where(turns, end - begin, 1.0), 0.5)[bent_intervals]
-    share = np.clip(share, _SHORTEST, 1 - _SHORTEST)
+    has_inflection = begin_excess * end_excess < 0
+    share_of_interval = np.where(
+        has_inflection, end_excess / np.where(has_inflection, end_excess - begin_excess, 1.0), 0.5
+    )[bent_intervals]
+    share_of_interval = np.clip(share_of_interval, _SHORTEST, 1 - _SHORTEST)
     slope_between = (
-        2 * secant[bent_intervals]
-        - share * slope[bent_intervals]
-        - (1 - share) * slope[bent_intervals + 1]
+        2 * secants[bent_intervals]
+        - share_of_interval * slopes[bent_intervals]
+        - (1 - share_of_interval) * slopes[bent_intervals + 1]
     )
     at = np.insert(
         x,
         bent_intervals + 1,
-        x[bent_intervals] + share * (x[bent_intervals + 1] - x[bent_intervals]),
+        x[bent_intervals] + share_of_interval * (x[bent_intervals + 1] - x[bent_intervals]),
     )
     tangent = np.maximum(
-        np.insert(slope, bent_intervals + 1, slope_between), 0.0
+        np.insert(slopes, bent_intervals + 1, slope_between), 0.0
     )  # below 0 by rounding alone
     rises = np.diff(at) * (tangent[:-1] + tangent[1:]) / 2
     return Spline(

@@ -278,8 +278,9 @@ class LoadSegment(abc.ABC):
     def _by_plain_newton(
         self, combination: Combination, change: Array, begin: float, end: float, guess: Array
     ) -> Array | None:
-        """The same from guesses (n,) by Newton's steps alone, at a third of the cost; None where
-        one leaves the range or is not half as long as the one before.
+        """Times (n,) at which a combination of the loads has changed by `change` since `begin`,
+        from guesses by Newton's steps alone, at a third of the cost; None where a step leaves the
+        range or is not half as long as the one before.
 
         A step leaves its square over the distance of a turning point, which is no nearer than an
         end: below rounding it is the last.
@@ -290,17 +291,19 @@ class LoadSegment(abc.ABC):
             change_so_far, rate = self._change_and_rate(combination, time, begin)
             with np.errstate(divide="ignore", invalid="ignore"):
                 step = (change - change_so_far) / rate
-            size = np.abs(step)
+            step_size = np.abs(step)
             time = time + step
             rounding = _ROUNDING_OF_TIME * np.abs(time)
-            is_shorter = size <= np.maximum(last_step / 2, rounding)
-            distance = np.minimum((time - begin) / (end - begin), (end - time) / (end - begin))
-            if not np.all(is_shorter & (distance >= 0)):
+            is_shorter = step_size <= np.maximum(last_step / 2, rounding)
+            share_to_end = np.minimum((time - begin) / (end - begin), (end - time) / (end - begin))
+            if not np.all(is_shorter & (share_to_end >= 0)):
                 return None
-            left = size * size / np.maximum(distance * abs(end - begin), rounding)
-            if np.all((_LEFT_OF_STEP * left <= rounding) | (size <= rounding)):
+            time_left = (
+                step_size * step_size / np.maximum(share_to_end * abs(end - begin), rounding)
+            )
+            if np.all((_LEFT_OF_STEP * time_left <= rounding) | (step_size <= rounding)):
                 return time
-            last_step = size
+            last_step = step_size
         return None
 
     def slope_and_bend(
@@ -659,10 +662,10 @@ class HarmonicSegment(LoadSegment):
         sign = -1.0 if half_turn % 2 else 1.0
         cosine = sign * (math.cos(begin + lead) + change / size)
         time = half_turn * math.pi - lead + np.arccos(np.minimum(np.maximum(cosine, -1), 1))
-        slope = self.rate_of(combination, time)
-        steep = np.abs(slope) > 1e-6 * abs(size)
-        fault = change - self.change_of(combination, time, begin)
-        return time + np.where(steep, fault / np.where(steep, slope, 1.0), 0.0)
+        rate_at_time = self.rate_of(combination, time)
+        is_steep = np.abs(rate_at_time) > 1e-6 * abs(size)
+        change_error = change - self.change_of(combination, time, begin)
+        return time + np.where(is_steep, change_error / np.where(is_steep, rate_at_time, 1.0), 0.0)
 
     def mirrored(self, combination: Combination, time: ArrayLike, near: float) -> Array | None:
         if not self.ellipse:
@@ -776,18 +779,20 @@ class ChebyshevSegment(LoadSegment):
         >>> segment.turning_points(NORMAL_LOAD)
         [2.0]
         """
-        _, slope = self._series_of(combination)
-        size = float(np.abs(combination) @ np.max(np.abs(self._series), axis=1))
-        significant_orders = np.flatnonzero(np.abs(slope) > _ROUNDING * size)
+        _, rate_series = self._series_of(combination)
+        series_size = float(np.abs(combination) @ np.max(np.abs(self._series), axis=1))
+        significant_orders = np.flatnonzero(np.abs(rate_series) > _ROUNDING * series_size)
         if not len(significant_orders) or significant_orders[-1] == 0:
             return []
-        slope = slope[: significant_orders[-1] + 1]
-        roots = chebyshev.chebroots(slope)
-        unit = np.clip(
+        rate_series = rate_series[: significant_orders[-1] + 1]
+        roots = chebyshev.chebroots(rate_series)
+        places_of_turns = np.clip(
             roots.real[(np.abs(roots.imag) < _DOUBLE) & (np.abs(roots.real) < 1 + _DOUBLE)], -1, 1
         )
         return _sharpened(
-            self, combination, (self.start + self.end) / 2 + (self.end - self.start) / 2 * unit
+            self,
+            combination,
+            (self.start + self.end) / 2 + (self.end - self.start) / 2 * places_of_turns,
         )
 
     @property
@@ -873,11 +878,13 @@ class LoadPath:
             raise ValueError(
                 f"time outside the load path, which runs from {legs[0].start} to {legs[-1].end}"
             )
-        ends = np.array([leg.end for leg in legs])
-        number = np.minimum(np.searchsorted(ends, path_time, side="left"), len(legs) - 1)
+        ends_of_legs = np.array([leg.end for leg in legs])
+        number_of_leg = np.minimum(
+            np.searchsorted(ends_of_legs, path_time, side="left"), len(legs) - 1
+        )
         loads = np.empty((2, *path_time.shape))
-        for k in np.unique(number):
-            loads[:, number == k] = legs[k].loads(path_time[number == k])
+        for k in np.unique(number_of_leg):
+            loads[:, number_of_leg == k] = legs[k].loads(path_time[number_of_leg == k])
         p, q = loads.reshape(2, *np.shape(time))
         return p, q
 

@@ -269,24 +269,25 @@ class ContactSolution:
         """Five lines: whose answer to what, how it ended, its size, its contact, its
         dissipation.
         """
-        force, length, _ = self.scene.unit_words
+        force_unit, length_unit, _ = self.scene.unit_words
         name = self.scene.name or self.scene.title or "a scene"
         half_width = np.nanmax(self.contact_half_width, initial=0.0)
-        span = "whole path" if self.scene.load.path().period is None else "last cycle"
+        span_text = "whole path" if self.scene.load.path().period is None else "last cycle"
         uncertainty = self.dissipation_uncertainty
-        bounds = "" if np.isnan(uncertainty) else f" ± {uncertainty:.2g}"
+        uncertainty_text = "" if np.isnan(uncertainty) else f" ± {uncertainty:.2g}"
         return "\n".join(
             (
                 f"{type(self).__name__} of {name!r} by {self.engine}",
                 f"  ended: {self.record.message}",
                 f"  {len(self.time)} instants, {len(self.x)} surface points",
                 (
-                    f"  largest half-width {half_width:.6g} {length}, permanent stick half-width "
-                    f"{self.permanent_stick_half_width:.6g} {length}"
+                    f"  largest half-width {half_width:.6g} {length_unit}, permanent stick"
+                    " half-width "
+                    f"{self.permanent_stick_half_width:.6g} {length_unit}"
                 ),
                 (
-                    f"  dissipation of the {span} {self.dissipation:.6g}{bounds}"
-                    f" {force}·{length}/{length}"
+                    f"  dissipation of the {span_text} {self.dissipation:.6g}{uncertainty_text}"
+                    f" {force_unit}·{length_unit}/{length_unit}"
                 ),
             )
         )
@@ -334,14 +335,16 @@ class ContactSolution:
         return cls._from_stored(StoredArrays(arrays, data.attrs))
 
     def _stored(self) -> StoredArrays:
-        """Arrays with their axes, units and words; numbers; scene, record and work as JSON."""
-        force, length, stress = self.scene.unit_words
+        """What is written of the solution: arrays with their axes, units and words; numbers; scene,
+        record and work as JSON.
+        """
+        force_unit, length_unit, stress_unit = self.scene.unit_words
         units = {
-            "length": length,
-            "stress": stress,
-            "load": f"{force}/{length}",
-            "force": force,
-            "energy": f"{force}·{length}/{length}",
+            "length": length_unit,
+            "stress": stress_unit,
+            "load": f"{force_unit}/{length_unit}",
+            "force": force_unit,
+            "energy": f"{force_unit}·{length_unit}/{length_unit}",
             "": "1",
         }
         arrays = {_SIDE: StoredArray((_SIDE,), np.array(["left", "right"]))}
@@ -393,24 +396,26 @@ class ContactSolution:
 
     @classmethod
     def _from_stored(cls, content: StoredArrays) -> ContactSolution:
-        """The solution that `_stored` gave."""
+        """The solution whose `_stored` content was read back from a file; arrays that a scene has
+        no use for are not in it.
+        """
         attributes = content.attributes
-        work = json.loads(attributes["work"])
-        record = json.loads(attributes["record"])
+        work_entries = json.loads(attributes["work"])
+        record_entries = json.loads(attributes["record"])
         arrays = {name: array.values for name, array in content.arrays.items()}
 
-        def starting_with(prefix: str) -> dict[str, Array]:
+        def arrays_named(prefix: str) -> dict[str, Array]:
             return {
                 name.removeprefix(prefix): freeze(values)
                 for name, values in arrays.items()
                 if name.startswith(prefix)
             }
 
-        present = [
+        names_present = [
             name for name in _ARRAYS if name != "iterations" and (name in _FORM or name in arrays)
         ]
         values: dict[str, Any] = {
-            name: freeze(arrays[name], arrays[name].dtype) for name in present
+            name: freeze(arrays[name], arrays[name].dtype) for name in names_present
         }
         # Uncertainties are not in files of earlier versions.
         uncertainties = json.loads(attributes.get("uncertainties", "{}"))
@@ -426,14 +431,14 @@ class ContactSolution:
             steady_from=None if attributes["steady_from"] < 0 else int(attributes["steady_from"]),
             record=Record(
                 iterations=freeze(arrays["iterations"], np.int64),
-                certificates=starting_with(_CERTIFICATE),
-                energy=starting_with(_ENERGY),
-                **(record | {"notes": tuple(record["notes"])}),
+                certificates=arrays_named(_CERTIFICATE),
+                energy=arrays_named(_ENERGY),
+                **(record_entries | {"notes": tuple(record_entries["notes"])}),
             ),
             work=Work(
-                work["counts"],
-                {k: (int(n), str(reason)) for k, (n, reason) in work["skipped"].items()},
-                work["seconds"],
+                work_entries["counts"],
+                {k: (int(n), str(reason)) for k, (n, reason) in work_entries["skipped"].items()},
+                work_entries["seconds"],
             ),
             settings=json.loads(attributes["settings"]),
             uncertainties={
@@ -534,15 +539,15 @@ def last_whole_cycle(
     ([0, 1, 2], True)
     """
     rounding = 1e-9 * period
-    cycles = np.floor((time[-1] - cycle_start + rounding) / period)
-    end_of_path = cycle_start + cycles * period
+    whole_cycles = np.floor((time[-1] - cycle_start + rounding) / period)
+    end_of_path = cycle_start + whole_cycles * period
     for end in (end_of_path, time[-1]):
-        first_step = _instant_at(time, end - period, rounding)
-        last_step = _instant_at(time, end, rounding)
-        if first_step is not None and last_step is not None and first_step < last_step:
-            begin = np.searchsorted(time, time[first_step] - rounding, side="left")
-            step_beyond = np.searchsorted(time, time[last_step] + rounding, side="right")
-            return np.arange(begin, step_beyond), True
+        begin_step = _instant_at(time, end - period, rounding)
+        end_step = _instant_at(time, end, rounding)
+        if begin_step is not None and end_step is not None and begin_step < end_step:
+            first_row = np.searchsorted(time, time[begin_step] - rounding, side="left")
+            row_beyond = np.searchsorted(time, time[end_step] + rounding, side="right")
+            return np.arange(first_row, row_beyond), True
     is_in_cycle = (time >= end_of_path - period - rounding) & (time <= end_of_path + rounding)
     return np.flatnonzero(is_in_cycle), False
 

@@ -37,16 +37,16 @@ def rows_that_stand_out(x: Array, h: Array, sigma: float) -> Rows:
     >>> rows_that_stand_out(x, h, 0.1).tolist()
     [12]
     """
-    kept = np.arange(len(x))
+    rows_left = np.arange(len(x))
     spikes: list[int] = []
-    while len(kept) > 2 * _NEIGHBOURS and len(spikes) <= _MOST * len(x):
-        differences = _differences(x[kept], h[kept]) / sigma
-        place = int(np.argmax(differences))
-        if differences[place] <= STANDS_OUT:
+    while len(rows_left) > 2 * _NEIGHBOURS and len(spikes) <= _MOST * len(x):
+        differences = _differences(x[rows_left], h[rows_left]) / sigma
+        place_of_largest = int(np.argmax(differences))
+        if differences[place_of_largest] <= STANDS_OUT:
             return np.array(sorted(spikes), dtype=np.int64)
-        places = _alike(place, len(kept))
-        spikes += kept[places].tolist()
-        kept = np.delete(kept, places)
+        places_of_spike = _alike(place_of_largest, len(rows_left))
+        spikes += rows_left[places_of_spike].tolist()
+        rows_left = np.delete(rows_left, places_of_spike)
     return np.array([], dtype=np.int64)
 
 
@@ -68,23 +68,23 @@ def _differences(x: Array, h: Array) -> Array:
     """Size of each row's difference (n,) from the cubic through its neighbours, over the standard
     deviation that noise of size 1 gives it; 0 where rows stand in one place.
     """
-    count = len(x)
-    half = _NEIGHBOURS // 2
-    first = np.clip(np.arange(count) - half, 0, count - _NEIGHBOURS - 1)
-    window = first[:, None] + np.arange(_NEIGHBOURS + 1)
-    is_itself = window == np.arange(count)[:, None]
-    neighbours = window[~is_itself].reshape(count, _NEIGHBOURS)
-    places = x[neighbours]
-    width = places[:, -1] - places[:, 0]
-    distinct = (np.min(np.diff(places, axis=1), axis=1) > 0) & (width > 0)
-    places = (places - x[:, None]) / np.where(width > 0, width, 1.0)[:, None]
+    n_rows = len(x)
+    n_before = _NEIGHBOURS // 2
+    first_row = np.clip(np.arange(n_rows) - n_before, 0, n_rows - _NEIGHBOURS - 1)
+    window_rows = first_row[:, None] + np.arange(_NEIGHBOURS + 1)
+    is_itself = window_rows == np.arange(n_rows)[:, None]
+    neighbours = window_rows[~is_itself].reshape(n_rows, _NEIGHBOURS)
+    relative_places = x[neighbours]
+    widths = relative_places[:, -1] - relative_places[:, 0]
+    is_distinct = (np.min(np.diff(relative_places, axis=1), axis=1) > 0) & (widths > 0)
+    relative_places = (relative_places - x[:, None]) / np.where(widths > 0, widths, 1.0)[:, None]
     # weights of Lagrange's cubic at the row itself, which is the origin
-    weights = np.ones_like(places)
+    weights = np.ones_like(relative_places)
     for k in range(_NEIGHBOURS):
         for other in range(_NEIGHBOURS):
             if other != k:
-                gaps = np.where(distinct, places[:, other] - places[:, k], 1.0)
-                weights[:, k] *= places[:, other] / gaps
+                gaps = np.where(is_distinct, relative_places[:, other] - relative_places[:, k], 1.0)
+                weights[:, k] *= relative_places[:, other] / gaps
     differences = h - np.sum(weights * h[neighbours], axis=1)
     sizes = np.abs(differences) / np.sqrt(1 + np.sum(weights**2, axis=1))
-    return np.asarray(np.where(distinct, sizes, 0.0))
+    return np.asarray(np.where(is_distinct, sizes, 0.0))
