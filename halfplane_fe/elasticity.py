@@ -148,20 +148,28 @@ def assemble(body: BodyMesh, material: Elastic) -> System:
             f"mesh: order = 1 with a Poisson ratio of {material.poisson_ratio:g} is refused: linear"
             f" elements lock above {_LARGEST_NU_LINEAR:g}; take order = 2"
         )
-    dofs = {name: _boundary_dofs(mesh, order, name) for name in ("contact", *supports)}
+    boundary_dofs = {name: _boundary_dofs(mesh, order, name) for name in ("contact", *supports)}
     half_plane_arcs = tuple(name for name, support in supports.items() if support == "half_plane")
-    ends = tuple(name for name, support in supports.items() if support == "pulled")
-    arc = np.hstack([np.empty((2, 0), dtype=np.int64), *(dofs[name] for name in half_plane_arcs)])
-    if ends and supports["base"] == "rollers":
-        arc = np.hstack([dofs[name][:1] for name in ends])
-    components = {"fixed": (0, 1), "rollers": (1,), "guided": (0,), "half_plane": (), "pulled": ()}
+    pulled_ends = tuple(name for name, support in supports.items() if support == "pulled")
+    arc_dofs = np.hstack(
+        [np.empty((2, 0), dtype=np.int64), *(boundary_dofs[name] for name in half_plane_arcs)]
+    )
+    if pulled_ends and supports["base"] == "rollers":
+        arc_dofs = np.hstack([boundary_dofs[name][:1] for name in pulled_ends])
+    components_held = {
+        "fixed": (0, 1),
+        "rollers": (1,),
+        "guided": (0,),
+        "half_plane": (),
+        "pulled": (),
+    }
     held_dofs = [np.empty(0, dtype=np.int64)]
     for name, support in supports.items():
-        held_dofs += [dofs[name][component] for component in components[support]]
+        held_dofs += [boundary_dofs[name][component] for component in components_held[support]]
         if support == "rollers" and "guided" not in supports.values():
             # Nothing else keeps the body from drifting along x. This support carries nothing: there
             # is no tangential load, or the ends hold it.
-            along_x = dofs[name][0]
+            along_x = boundary_dofs[name][0]
             middle = np.argmin(np.abs(mesh.p[0, along_x // 2]))
             held_dofs.append(along_x[[middle]])
     system = System(
@@ -169,13 +177,13 @@ def assemble(body: BodyMesh, material: Elastic) -> System:
         material=material,
         order=order,
         cells=cells_of(mesh, order),
-        contact=dofs["contact"],
+        contact=boundary_dofs["contact"],
         around=half_plane_arcs,
-        arc=arc,
+        arc=arc_dofs,
         held=np.unique(np.concatenate(held_dofs)),
         pull=np.empty(0),
     )
-    facets_of_ends = [facet for name in ends for facet in mesh.boundaries[name]]
+    facets_of_ends = [facet for name in pulled_ends for facet in mesh.boundaries[name]]
     return replace(system, pull=_pull(system, facets_of_ends))
 
 
@@ -346,22 +354,22 @@ def _modes(system: System) -> tuple[Indices, tuple[_Mode, ...]]:
     """
     mesh = system.mesh
     all_dofs = np.arange(len(system.node))
-    image = _mirror_images(system)
+    mirror_images = _mirror_images(system)
     right_elements = np.flatnonzero((mesh.p[0, mesh.t] >= 0).all(axis=0))
-    if image is None or 2 * len(right_elements) != mesh.nelements:
+    if mirror_images is None or 2 * len(right_elements) != mesh.nelements:
         return np.arange(mesh.nelements), (_Mode(all_dofs, all_dofs, np.ones(len(all_dofs))),)
     on_right = mesh.p[0, system.node] >= 0
     parity = np.ones(len(all_dofs))
     parity[: 2 * mesh.p.shape[1] : 2] = -1.0
     modes = []
-    for sign in (parity, -parity):
-        of_pairs = np.sqrt(0.5) * np.where(on_right, 1.0, sign)
-        factor = np.where(image == all_dofs, (1 + sign) / 2, of_pairs)
-        dofs = np.flatnonzero(on_right & (factor != 0))
-        column = np.zeros_like(all_dofs)
-        column[dofs] = np.arange(len(dofs))
-        column[image[dofs]] = np.arange(len(dofs))
-        modes.append(_Mode(dofs, column, factor))
+    for image_sign in (parity, -parity):
+        pair_factor = np.sqrt(0.5) * np.where(on_right, 1.0, image_sign)
+        factors = np.where(mirror_images == all_dofs, (1 + image_sign) / 2, pair_factor)
+        own_dofs = np.flatnonzero(on_right & (factors != 0))
+        columns = np.zeros_like(all_dofs)
+        columns[own_dofs] = np.arange(len(own_dofs))
+        columns[mirror_images[own_dofs]] = np.arange(len(own_dofs))
+        modes.append(_Mode(own_dofs, columns, factors))
     return right_elements, tuple(modes)
 
 
@@ -370,25 +378,27 @@ def _mirror_images(system: System) -> Indices | None:
     are not mirror images.
     """
     places = system.mesh.p
-    from_left = np.lexsort((places[1], places[0]))
-    from_right = np.lexsort((places[1], -places[0]))
-    if not np.array_equal(places[:, from_left] * [[-1.0], [1.0]], places[:, from_right]):
+    nodes_from_left = np.lexsort((places[1], places[0]))
+    nodes_from_right = np.lexsort((places[1], -places[0]))
+    if not np.array_equal(
+        places[:, nodes_from_left] * [[-1.0], [1.0]], places[:, nodes_from_right]
+    ):
         return None
-    of_nodes = np.empty_like(from_left)
-    of_nodes[from_left] = from_right
-    of_displacement = (2 * of_nodes[:, None] + [0, 1]).ravel()
-    of_pressure = 2 * len(of_nodes) + of_nodes
-    image = np.concatenate([of_displacement, of_pressure])[: len(system.node)]
+    images_of_nodes = np.empty_like(nodes_from_left)
+    images_of_nodes[nodes_from_left] = nodes_from_right
+    images_of_displacements = (2 * images_of_nodes[:, None] + [0, 1]).ravel()
+    images_of_pressures = 2 * len(images_of_nodes) + images_of_nodes
+    images = np.concatenate([images_of_displacements, images_of_pressures])[: len(system.node)]
 
-    def as_sets(table: Indices) -> Indices:
+    def sorted_columns(numbers: Indices) -> Indices:
         """The columns of a table, each sorted, in one order."""
-        rows = np.sort(table, axis=0)
+        rows = np.sort(numbers, axis=0)
         return rows[:, np.lexsort(rows)]
 
-    for table in (2 * system.cells.T, system.contact, system.arc, system.held[None]):
-        if not np.array_equal(as_sets(table), as_sets(image[table])):
+    for numbers in (2 * system.cells.T, system.contact, system.arc, system.held[None]):
+        if not np.array_equal(sorted_columns(numbers), sorted_columns(images[numbers])):
             return None
-    return image
+    return images
 
 
 def _elimination_ranks(system: System, stiffness: sparse.csr_matrix) -> Indices:
@@ -432,7 +442,11 @@ class _CondensedMode(NamedTuple):
 
 
 def _condensed_mode(
-    system: System, mode: _Mode, stiffness: sparse.csr_matrix, ranks: Indices, arc: ArcLoads
+    system: System,
+    mode: _Mode,
+    stiffness: sparse.csr_matrix,
+    ranks: Indices,
+    half_plane_loads: ArcLoads,
 ) -> _CondensedMode:
     """A mode condensed to the contact nodes.
 
@@ -446,7 +460,7 @@ def _condensed_mode(
     With B the loads on the arc the compliance is [B; 1]^T S^-1 [B; 1], and that of the half-plane
     around it is taken off.
     """
-    contact = np.flatnonzero(np.isin(mode.dofs, system.contact))
+    contact_dofs = np.flatnonzero(np.isin(mode.dofs, system.contact))
     arc_dofs = np.flatnonzero(np.isin(mode.dofs, system.arc))
     held_dofs = np.flatnonzero(np.isin(mode.dofs, system.held))
     if system.around:
@@ -454,52 +468,66 @@ def _condensed_mode(
         # motions changes nothing.
         held_dofs, arc_dofs = _held_on_arc(system, mode, arc_dofs)
     inner_dofs = np.delete(
-        np.arange(len(mode.dofs)), np.concatenate([held_dofs, arc_dofs, contact])
+        np.arange(len(mode.dofs)), np.concatenate([held_dofs, arc_dofs, contact_dofs])
     )
     inner_dofs = inner_dofs[np.argsort(ranks[mode.dofs[inner_dofs]], kind="stable")]
-    order = np.concatenate([inner_dofs, arc_dofs, contact])
-    n = len(inner_dofs)
-    m = len(arc_dofs)
-    last_rows = slice(n, None)
-    all_motions = mode.motions(np.arange(len(mode.column)), order)
+    elimination_order = np.concatenate([inner_dofs, arc_dofs, contact_dofs])
+    n_inner = len(inner_dofs)
+    n_arc = len(arc_dofs)
+    last_rows = slice(n_inner, None)
+    all_motions = mode.motions(np.arange(len(mode.column)), elimination_order)
     ordered_stiffness = (all_motions.T @ stiffness @ all_motions).tocsc()
-    units = sparse.eye_array(len(order), len(order) - n, k=-n, format="csc")
-    factors = factorise(sparse.hstack([ordered_stiffness[:, :n], units], format="csc"), "NATURAL")
-    eliminated_stiffness = _outer_product(factors.L[last_rows, :n], factors.U.diagonal()[:n])
-    root = cholesky(
+    unit_columns = sparse.eye_array(
+        len(elimination_order), len(elimination_order) - n_inner, k=-n_inner, format="csc"
+    )
+    factorisation = factorise(
+        sparse.hstack([ordered_stiffness[:, :n_inner], unit_columns], format="csc"), "NATURAL"
+    )
+    eliminated_stiffness = _outer_product(
+        factorisation.L[last_rows, :n_inner], factorisation.U.diagonal()[:n_inner]
+    )
+    root_of_schur = cholesky(
         ordered_stiffness[last_rows, last_rows].toarray() - eliminated_stiffness, lower=True
     )
-    triangle = np.tril(dpotri(root, lower=1)[0])
-    inverse = triangle + np.tril(triangle, -1).T
-    motions = mode.motions(system.contact.ravel(), contact)
-    arc_loads = mode.motions(system.arc.ravel(), arc_dofs).T @ (arc.by_nodes @ motions)
-    displacement_by_forces = inverse[:, :m] @ arc_loads + inverse[:, m:]
-    tractions = (arc.tractions @ motions).T
-    displacements = arc.displacements @ motions
+    lower_triangle = np.tril(dpotri(root_of_schur, lower=1)[0])
+    inverse_of_schur = lower_triangle + np.tril(lower_triangle, -1).T
+    motions = mode.motions(system.contact.ravel(), contact_dofs)
+    arc_loads = mode.motions(system.arc.ravel(), arc_dofs).T @ (half_plane_loads.by_nodes @ motions)
+    displacement_by_forces = inverse_of_schur[:, :n_arc] @ arc_loads + inverse_of_schur[:, n_arc:]
+    tractions_on_arc = (half_plane_loads.tractions @ motions).T
+    displacements_on_arc = half_plane_loads.displacements @ motions
     compliance = (
-        arc_loads.T @ displacement_by_forces[:m]
-        + displacement_by_forces[m:]
-        - tractions @ displacements
+        arc_loads.T @ displacement_by_forces[:n_arc]
+        + displacement_by_forces[n_arc:]
+        - tractions_on_arc @ displacements_on_arc
     )
     # The solution of the mesh under a random load, and under tension on the ends.
-    forces = np.random.default_rng(0).standard_normal(len(contact))
-    loads = np.zeros((len(order), 2))
-    loads[last_rows, 0] = np.concatenate([arc_loads @ forces, forces])
-    loads[:, 1] = all_motions.T @ system.pull
-    solutions = factors.solve(loads)  # of the last ones the load that is left to them
-    solutions[last_rows] = cho_solve((root, True), solutions[last_rows])
-    solutions[:n] -= factors.solve(ordered_stiffness[:, last_rows] @ solutions[last_rows])[:n]
+    random_forces = np.random.default_rng(0).standard_normal(len(contact_dofs))
+    test_loads = np.zeros((len(elimination_order), 2))
+    test_loads[last_rows, 0] = np.concatenate([arc_loads @ random_forces, random_forces])
+    test_loads[:, 1] = all_motions.T @ system.pull
+    test_solutions = factorisation.solve(
+        test_loads
+    )  # of the last ones the load that is left to them
+    test_solutions[last_rows] = cho_solve((root_of_schur, True), test_solutions[last_rows])
+    test_solutions[:n_inner] -= factorisation.solve(
+        ordered_stiffness[:, last_rows] @ test_solutions[last_rows]
+    )[:n_inner]
     displacement, displacement_by_stress = (
-        arc_loads.T @ solutions[n : n + m] + solutions[n + m :]
+        arc_loads.T @ test_solutions[n_inner : n_inner + n_arc] + test_solutions[n_inner + n_arc :]
     ).T
-    displacement = displacement - tractions @ (displacements @ forces)
-    largest_loads = np.maximum(np.abs(loads).max(axis=0), 1e-300)
-    residuals = np.abs(ordered_stiffness @ solutions - loads).max(axis=0) / largest_loads
-    error_of_compliance = np.abs(compliance @ forces - displacement).max()
+    displacement = displacement - tractions_on_arc @ (displacements_on_arc @ random_forces)
+    largest_loads = np.maximum(np.abs(test_loads).max(axis=0), 1e-300)
+    residuals = np.abs(ordered_stiffness @ test_solutions - test_loads).max(axis=0) / largest_loads
+    error_of_compliance = np.abs(compliance @ random_forces - displacement).max()
     # Betti's theorem: the load does the work in the displacement by tension that the tension does
     # in its own.
-    error_of_work = np.abs(forces @ displacement_by_stress - loads[:, 1] @ solutions[:, 0])
-    largest_work = max(np.linalg.norm(forces) * np.linalg.norm(displacement_by_stress), 1e-300)
+    error_of_work = np.abs(
+        random_forces @ displacement_by_stress - test_loads[:, 1] @ test_solutions[:, 0]
+    )
+    largest_work = max(
+        np.linalg.norm(random_forces) * np.linalg.norm(displacement_by_stress), 1e-300
+    )
     errors = [
         *residuals,
         error_of_compliance / np.abs(displacement).max(),
@@ -509,13 +537,17 @@ def _condensed_mode(
 
 
 def _held_on_arc(system: System, mode: _Mode, arc_dofs: Indices) -> tuple[Indices, Indices]:
-    """Of a mode's degrees of freedom on the arc: as many as the mode has rigid motions, which are
-    held, and the others.
+    """Degrees of freedom of a mode on the arc of a half-disc, in two sets: as many as the mode has
+    rigid motions, which are held, and the others, ascending.
     """
-    arc = system.arc.ravel()
-    rigid = mode.motions(arc, arc_dofs).T @ rigid_motions(system.mesh)[arc]
-    _, triangle, pivots = qr(rigid.T, mode="economic", pivoting=True)
-    n_rigid = np.count_nonzero(np.abs(triangle.diagonal()) > 1e-6 * np.abs(triangle[0, 0]))
+    all_arc_dofs = system.arc.ravel()
+    rigid_of_mode = (
+        mode.motions(all_arc_dofs, arc_dofs).T @ rigid_motions(system.mesh)[all_arc_dofs]
+    )
+    _, triangular_factor, pivots = qr(rigid_of_mode.T, mode="economic", pivoting=True)
+    n_rigid = np.count_nonzero(
+        np.abs(triangular_factor.diagonal()) > 1e-6 * np.abs(triangular_factor[0, 0])
+    )
     return arc_dofs[pivots[:n_rigid]], np.sort(arc_dofs[pivots[n_rigid:]])
 
 
@@ -527,19 +559,19 @@ _DENSE = 1 / 12
 def _outer_product(columns: sparse.csc_matrix, factor: Array) -> Array:
     """(k, k) columns @ diag(factor) @ columns.T of (k, n) columns."""
     n_rows = columns.shape[0]
-    total = np.zeros((n_rows, n_rows))
-    counts = np.diff(columns.indptr)
-    is_dense = counts > _DENSE * n_rows
-    is_sparse = ~is_dense & (counts > 0)
+    product = np.zeros((n_rows, n_rows))
+    column_counts = np.diff(columns.indptr)
+    is_dense = column_counts > _DENSE * n_rows
+    is_sparse = ~is_dense & (column_counts > 0)
     scaled_columns = columns.copy()
-    scaled_columns.data *= np.repeat(np.sqrt(np.abs(factor)), counts)
-    for sign in np.unique(np.sign(factor)):
-        has_sign = factor * sign > 0
+    scaled_columns.data *= np.repeat(np.sqrt(np.abs(factor)), column_counts)
+    for sign_of_factor in np.unique(np.sign(factor)):
+        has_sign = factor * sign_of_factor > 0
         sparse_columns = scaled_columns[:, has_sign & is_sparse]
         dense_columns = scaled_columns[:, has_sign & is_dense].toarray()
-        of_sparse = (sparse_columns @ sparse_columns.T).toarray()
-        total += sign * (of_sparse + dense_columns @ dense_columns.T)
-    return total
+        sparse_product = (sparse_columns @ sparse_columns.T).toarray()
+        product += sign_of_factor * (sparse_product + dense_columns @ dense_columns.T)
+    return product
 
 
 class ArcLoads(NamedTuple):
@@ -636,13 +668,15 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
     residual = 0.0
     try:
         for mode in modes:
-            motions, of_mode, by_stress_of_mode, error = _condensed_mode(
+            motions, mode_compliance, by_stress_of_mode, mode_error = _condensed_mode(
                 system, mode, stiffness, ranks, arc
             )
-            skew_part = float((of_mode - of_mode.T).max() / np.abs(of_mode).max())
+            skew_part = float(
+                (mode_compliance - mode_compliance.T).max() / np.abs(mode_compliance).max()
+            )
             asymmetry = max(asymmetry, skew_part)
-            residual = np.fmax(residual, error)
-            compliance += motions @ (motions @ ((of_mode + of_mode.T) / 2)).T
+            residual = np.fmax(residual, mode_error)
+            compliance += motions @ (motions @ ((mode_compliance + mode_compliance.T) / 2)).T
             by_stress += motions @ by_stress_of_mode
     except LinAlgError as reason:
         raise ConvergenceError(
@@ -655,8 +689,8 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
             " its elements are too thin"
         )
     places = system.mesh.p[:, system.node[system.contact[0]]]
-    shape = system.contact.shape
-    by_stress_at_nodes = by_stress.reshape(shape)
+    dof_shape = system.contact.shape
+    by_stress_at_nodes = by_stress.reshape(dof_shape)
     if system.around:
         by_stress_at_nodes = uniform_stretch(material, *places)
     nodes, shapes, _, tangents = line_elements(places, system.order, 3)
@@ -667,7 +701,7 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
         x=freeze(places[0]),
         y=freeze(places[1]),
         weights=freeze(weights),
-        compliance=freeze(compliance.reshape(*shape, *shape)),
+        compliance=freeze(compliance.reshape(*dof_shape, *dof_shape)),
         by_stress=freeze(by_stress_at_nodes),
         diagnostics={
             "asymmetry": asymmetry,
@@ -712,34 +746,36 @@ def displacement_fields(
         plain elements [stress]
     """
     system = assemble(condensed.body, condensed.material)
-    cases = forces.reshape(-1, forces.shape[-1])
-    load = np.zeros((system.stiffness.shape[0], forces.shape[-1]))
-    load[system.contact.ravel()] = cases
+    loads_on_contact = forces.reshape(-1, forces.shape[-1])
+    nodal_loads = np.zeros((system.stiffness.shape[0], forces.shape[-1]))
+    nodal_loads[system.contact.ravel()] = loads_on_contact
     arc = arc_loads(system, datum_length)
-    load[system.arc.ravel()] += arc.by_nodes @ cases
+    nodal_loads[system.arc.ravel()] += arc.by_nodes @ loads_on_contact
     if stresses is not None:
-        load += system.pull[:, None] * stresses
+        nodal_loads += system.pull[:, None] * stresses
     held = system.held
     if system.around:
         # The ends of the arc hold a half-disc without a force, since the loads balance.
         ends_of_arc = [system.arc[0, 0], system.arc[1, 0], system.arc[1, -1]]
         held = np.concatenate([held, ends_of_arc])
-    free_dofs = np.setdiff1d(np.arange(len(load)), held)
-    displacements = np.zeros_like(load)
+    free_dofs = np.setdiff1d(np.arange(len(nodal_loads)), held)
+    displacements = np.zeros_like(nodal_loads)
     displacements[free_dofs] = factorise(system.stiffness[free_dofs][:, free_dofs].tocsc()).solve(
-        load[free_dofs]
+        nodal_loads[free_dofs]
     )
-    n_u = system.basis.N
+    n_displacements = system.basis.N
     if system.arc.size:  # the rigid motion that the contact nodes lack
         motions = rigid_motions(system.mesh)
-        of_half_plane = arc.tractions.T @ (arc.displacements @ cases)
-        missing_displacement = arc.by_nodes.T @ displacements[system.arc.ravel()] - of_half_plane
-        on_contact = motions[system.contact.ravel()]
-        displacements[:n_u] += (
-            motions @ np.linalg.lstsq(on_contact, missing_displacement, rcond=None)[0]
+        work_in_half_plane = arc.tractions.T @ (arc.displacements @ loads_on_contact)
+        missing_displacement = (
+            arc.by_nodes.T @ displacements[system.arc.ravel()] - work_in_half_plane
+        )
+        motions_of_contact = motions[system.contact.ravel()]
+        displacements[:n_displacements] += (
+            motions @ np.linalg.lstsq(motions_of_contact, missing_displacement, rcond=None)[0]
         )
     tension = np.zeros((system.mesh.nvertices, forces.shape[-1]))
-    if len(displacements) > n_u:
+    if len(displacements) > n_displacements:
         shear_modulus = split_lame(condensed.material, condensed.order).shear_modulus
-        tension[:] = shear_modulus * displacements[n_u:]
-    return system.basis, displacements[:n_u], tension
+        tension[:] = shear_modulus * displacements[n_displacements:]
+    return system.basis, displacements[:n_displacements], tension

@@ -146,13 +146,18 @@ def couple(lower: CondensedBody, upper: CondensedBody) -> Interface:
 
 
 def _coupled_node_by_node(lower: CondensedBody, upper: CondensedBody) -> Interface:
+    """The interface of two bodies whose flat faces have nodes opposite each other: compliances add,
+    since the same forces act on both, along x in opposite directions.
+    """
     # compliance[i, :, j, :]: displacement i (0 along x, 1 outward) by force j; the upper body feels
     # -q along x and -p outward.
     lower_compliance = lower.compliance
     upper_compliance = upper.compliance
-    of_lower, of_upper, of_tilt = _imposed_displacements(lower, upper)
+    stretch_of_lower, stretch_of_upper, tilt_of_upper = _imposed_displacements(lower, upper)
     # gap by the displacement outward, slip by that along x: the order of `Interface.imposed`
-    imposed_displacement = np.stack([-of_lower, of_upper, of_tilt], axis=-1)[::-1]
+    imposed_displacement = np.stack([-stretch_of_lower, stretch_of_upper, tilt_of_upper], axis=-1)[
+        ::-1
+    ]
     coupling = lower_compliance[0, :, 1, :] - upper_compliance[0, :, 1, :]
     return Interface(
         x=freeze(lower.x),
@@ -167,34 +172,37 @@ def _coupled_node_by_node(lower: CondensedBody, upper: CondensedBody) -> Interfa
 
 
 def _coupled_by_mortar(lower: CondensedBody, upper: CondensedBody) -> Interface:
-    sides = _mortar(lower, upper)
+    """The interface of two bodies whose nodes are not opposite each other: their compliances are
+    carried to the nodes of the lower face by mortar operators on the middle line.
+    """
+    mortar_sides = _mortar(lower, upper)
     # next to nothing but zeros
-    by_lower = csr_array(_flattened(sides.lower))
-    by_upper = csr_array(_flattened(sides.upper))
-    total = (
-        by_lower @ _square(lower.compliance) @ by_lower.T
-        + by_upper @ _square(_turned(upper.compliance)) @ by_upper.T
+    operator_of_lower = csr_array(_flattened(mortar_sides.lower))
+    operator_of_upper = csr_array(_flattened(mortar_sides.upper))
+    compliance_of_both = (
+        operator_of_lower @ _square(lower.compliance) @ operator_of_lower.T
+        + operator_of_upper @ _square(_turned(upper.compliance)) @ operator_of_upper.T
     )
-    of_lower, of_upper, of_tilt = _imposed_displacements(lower, upper)
+    stretch_of_lower, stretch_of_upper, tilt_of_upper = _imposed_displacements(lower, upper)
     imposed_displacement = [
         np.einsum("dnim,im->dn", operator, displacement)
         for operator, displacement in (
-            (-sides.lower, of_lower),
-            (sides.upper, of_upper),
-            (sides.upper, of_tilt),
+            (-mortar_sides.lower, stretch_of_lower),
+            (mortar_sides.upper, stretch_of_upper),
+            (mortar_sides.upper, tilt_of_upper),
         )
     ]
-    n = len(lower.x)
-    coupling = total[n:, :n]
+    n_nodes = len(lower.x)
+    coupling = compliance_of_both[n_nodes:, :n_nodes]
     return Interface(
         x=freeze(lower.x),
-        weights=freeze(sides.weights),
-        normals=freeze(sides.normals),
-        gap=freeze(sides.gap),
-        normal=freeze(total[:n, :n]),
-        tangential=freeze(total[n:, n:]),
+        weights=freeze(mortar_sides.weights),
+        normals=freeze(mortar_sides.normals),
+        gap=freeze(mortar_sides.gap),
+        normal=freeze(compliance_of_both[:n_nodes, :n_nodes]),
+        tangential=freeze(compliance_of_both[n_nodes:, n_nodes:]),
         coupling=freeze(coupling) if coupling.any() else None,
-        nearest=sides.nearest,
+        nearest=mortar_sides.nearest,
         imposed=freeze(np.stack(imposed_displacement, axis=-1)),
     )
 
@@ -205,10 +213,10 @@ def _imposed_displacements(
     """(2, n) of the contact nodes in the common frame: of each body by a unit of its bulk stress,
     and of the upper one by a unit of tilt.
     """
-    of_lower = np.broadcast_to(lower.by_stress, (2, len(lower.x)))
-    of_upper = np.broadcast_to(upper.by_stress, (2, len(upper.x))) * _REFLECTED[:, None]
-    of_tilt = np.stack([upper.y, upper.x])  # (-y, x) of the common frame
-    return of_lower, of_upper, of_tilt
+    stretch_of_lower = np.broadcast_to(lower.by_stress, (2, len(lower.x)))
+    stretch_of_upper = np.broadcast_to(upper.by_stress, (2, len(upper.x))) * _REFLECTED[:, None]
+    tilt_of_upper = np.stack([upper.y, upper.x])  # (-y, x) of the common frame
+    return stretch_of_lower, stretch_of_upper, tilt_of_upper
 
 
 # Element sizes (distances of nodes) within which what only the mesh makes of N - T and K dies out,
@@ -263,25 +271,31 @@ def without_local_difference(faces: Interface, scene: Scene) -> Interface | None
     ):
         return None
     sizes_ahead = _sizes_ahead(faces.x)
-    in_band = np.abs(sizes_ahead) <= _LOCAL
-    difference = _smooth(faces.normal - faces.tangential, faces.x, np.abs(sizes_ahead))
-    symmetric = (difference + difference.T) / 2
-    tangential_compliance = np.where(in_band, faces.normal - symmetric, faces.tangential)
+    is_in_band = np.abs(sizes_ahead) <= _LOCAL
+    smooth_difference = _smooth(faces.normal - faces.tangential, faces.x, np.abs(sizes_ahead))
+    symmetric_difference = (smooth_difference + smooth_difference.T) / 2
+    tangential_compliance = np.where(
+        is_in_band, faces.normal - symmetric_difference, faces.tangential
+    )
     # What a uniform traction does stays: the correction, with its rows' sums spread over twice the
     # band, has none.
-    in_double_band = np.abs(sizes_ahead) <= 2 * _LOCAL
+    is_in_double_band = np.abs(sizes_ahead) <= 2 * _LOCAL
     weights = faces.weights
     sums_of_rows = (tangential_compliance - faces.tangential) @ weights
-    spread = solve(np.diag(in_double_band @ weights) + in_double_band * weights, sums_of_rows)
-    tangential_compliance -= np.where(in_double_band, np.add.outer(spread, spread), 0.0)
+    spread_of_sums = solve(
+        np.diag(is_in_double_band @ weights) + is_in_double_band * weights, sums_of_rows
+    )
+    tangential_compliance -= np.where(
+        is_in_double_band, np.add.outer(spread_of_sums, spread_of_sums), 0.0
+    )
     coupling = faces.coupling
     if coupling is not None:
         smooth_on_left = _smooth(coupling, faces.x, sizes_ahead)
         smooth_on_right = _smooth(coupling, faces.x, -sizes_ahead)
         smooth_part = np.where(sizes_ahead > 0, smooth_on_left, smooth_on_right)
-        mean = (smooth_on_left + smooth_on_right) / 2
-        smooth_part = np.where(sizes_ahead == 0, mean, smooth_part)
-        coupling = freeze(np.where(in_band, smooth_part, coupling))
+        mean_of_sides = (smooth_on_left + smooth_on_right) / 2
+        smooth_part = np.where(sizes_ahead == 0, mean_of_sides, smooth_part)
+        coupling = freeze(np.where(is_in_band, smooth_part, coupling))
     return replace(faces, tangential=freeze(tangential_compliance), coupling=coupling)
 
 
@@ -299,32 +313,39 @@ def _sizes_ahead(x: Array) -> Array:
     limit of `without_local_difference`: the last digits of x must not choose the side.
     """
     spacing = np.diff(x)
-    on_right = np.append(spacing, spacing[-1])
-    on_left = np.insert(spacing, 0, spacing[0])
+    size_on_right = np.append(spacing, spacing[-1])
+    size_on_left = np.insert(spacing, 0, spacing[0])
     distance = np.subtract.outer(x, x)
-    size = np.max(np.maximum(on_right, on_left) - np.abs(distance) / _LOCAL, axis=1)
-    return np.round(distance / np.maximum.outer(size, size), _DIGITS_OF_SIZES)
+    size_at_node = np.max(
+        np.maximum(size_on_right, size_on_left) - np.abs(distance) / _LOCAL, axis=1
+    )
+    return np.round(distance / np.maximum.outer(size_at_node, size_at_node), _DIGITS_OF_SIZES)
 
 
 def _smooth(matrix: Array, x: Array, sizes_ahead: Array) -> Array:
-    """(n, n) what is smooth in a matrix beyond `_LOCAL` sizes ahead, and the mean of the rest of
-    rows and columns behind that.
+    """(n, n) the smooth part of a matrix over pairs of nodes: a polynomial in both places, fitted
+    where `sizes_ahead`, the distance of the nodes in element sizes, is beyond the band, plus the
+    mean of what it leaves just beyond the band.
     """
-    u = 2 * (x - x[0]) / (x[-1] - x[0]) - 1
-    chebyshev = np.cos(np.pi * (np.arange(_SAMPLES) + 0.5) / _SAMPLES)
-    samples = np.searchsorted(u, chebyshev).clip(0, len(x) - 1)
+    unit_x = 2 * (x - x[0]) / (x[-1] - x[0]) - 1
+    chebyshev_places = np.cos(np.pi * (np.arange(_SAMPLES) + 0.5) / _SAMPLES)
+    sample_nodes = np.searchsorted(unit_x, chebyshev_places).clip(0, len(x) - 1)
     # with their images: faces that are their own mirror image stay so
-    samples = np.union1d(samples, len(x) - 1 - samples)
-    rows, columns = np.nonzero(sizes_ahead[np.ix_(samples, samples)] > _LOCAL)
-    i = samples[rows]
-    j = samples[columns]
+    sample_nodes = np.union1d(sample_nodes, len(x) - 1 - sample_nodes)
+    row_samples, column_samples = np.nonzero(
+        sizes_ahead[np.ix_(sample_nodes, sample_nodes)] > _LOCAL
+    )
+    row_nodes = sample_nodes[row_samples]
+    column_nodes = sample_nodes[column_samples]
     degree = min(_DEGREE, len(x) // _NODES_A_DEGREE)
-    legendre = np.polynomial.legendre.legvander(u, degree)
+    legendre = np.polynomial.legendre.legvander(unit_x, degree)
     exponents = [(k, m) for k in range(degree + 1) for m in range(degree + 1 - k)]
-    terms = np.stack([legendre[i, k] * legendre[j, m] for k, m in exponents], axis=1)
+    products = np.stack(
+        [legendre[row_nodes, k] * legendre[column_nodes, m] for k, m in exponents], axis=1
+    )
     coefficients = np.zeros((degree + 1, degree + 1))
-    fitted = np.linalg.lstsq(terms, matrix[i, j], rcond=1e-10)[0]
-    coefficients[tuple(np.transpose(exponents))] = fitted
+    fitted_coefficients = np.linalg.lstsq(products, matrix[row_nodes, column_nodes], rcond=1e-10)[0]
+    coefficients[tuple(np.transpose(exponents))] = fitted_coefficients
     polynomial = legendre @ coefficients @ legendre.T
     return polynomial + _plateau(matrix - polynomial, sizes_ahead)
 

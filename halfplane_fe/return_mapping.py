@@ -251,23 +251,25 @@ class _Iteration:
         chase each other. Where all are to slide, the one that is least beyond the Coulomb limit
         sticks: Q < f P.
         """
-        slides = mapped_tractions.states > STICK
-        sticks = (
-            slides
+        is_sliding = mapped_tractions.states > STICK
+        is_sticking_first = (
+            is_sliding
             & (self._latest_states > STICK)
             & (mapped_tractions.states != self._latest_states)
         )
-        none_left = not np.any((mapped_tractions.states == STICK) | sticks)
-        may_slide = self.faces.interface.guided or self.faces.actuators.tangential is not None
-        if self.faces.tangential and none_left and not may_slide:
-            beyond_limit = (
+        nothing_sticks = not np.any((mapped_tractions.states == STICK) | is_sticking_first)
+        may_slide_freely = (
+            self.faces.interface.guided or self.faces.actuators.tangential is not None
+        )
+        if self.faces.tangential and nothing_sticks and not may_slide_freely:
+            force_beyond_limit = (
                 np.abs(mapped_tractions.trial_shear)
                 - self.faces.friction * mapped_tractions.pressure
             )
-            sticks[np.argmin(np.where(slides, beyond_limit, np.inf))] = True
+            is_sticking_first[np.argmin(np.where(is_sliding, force_beyond_limit, np.inf))] = True
         return mapped_tractions._replace(
-            states=np.where(sticks, STICK, mapped_tractions.states).astype(np.int8),
-            shear=np.where(sticks, mapped_tractions.trial_shear, mapped_tractions.shear),
+            states=np.where(is_sticking_first, STICK, mapped_tractions.states).astype(np.int8),
+            shear=np.where(is_sticking_first, mapped_tractions.trial_shear, mapped_tractions.shear),
         )
 
     def _mapped(self) -> Tractions:
@@ -316,45 +318,49 @@ class _Iteration:
         gap_under_pressure = compliance.normal * (
             mapped_tractions.pressure - mapped_tractions.trial_pressure
         )
-        of_normal_rows = np.where(
+        changes_of_normal_rows = np.where(
             is_open, mapped_tractions.pressure - self._pressure, gap_under_pressure - self._gap
         )
-        of_tangential_rows = np.zeros_like(of_normal_rows)
-        cone = slip_sign(states) * self.faces.friction
+        changes_of_tangential_rows = np.zeros_like(changes_of_normal_rows)
+        signed_friction = slip_sign(states) * self.faces.friction
         if self.faces.tangential:
             slip_in_stick = self._slip_at_start + compliance.tangential * (
                 mapped_tractions.shear - mapped_tractions.trial_shear
             )
-            beyond_cone = mapped_tractions.shear - cone * mapped_tractions.pressure
-            of_tangential_rows = np.where(
+            shear_beyond_cone = mapped_tractions.shear - signed_friction * mapped_tractions.pressure
+            changes_of_tangential_rows = np.where(
                 states == STICK,
                 slip_in_stick - self._slip,
-                beyond_cone - (self._shear - cone * self._pressure),
+                shear_beyond_cone - (self._shear - signed_friction * self._pressure),
             )
-        changes = np.concatenate([of_normal_rows, of_tangential_rows])
-        *by_loads, by_changes = self.systems.corrections(states, len(change_of_loads), changes)
+        row_changes = np.concatenate([changes_of_normal_rows, changes_of_tangential_rows])
+        *values_by_loads, values_by_changes = self.systems.corrections(
+            states, len(change_of_loads), row_changes
+        )
         self.newton_steps += 1
-        self.values += by_changes
+        self.values += values_by_changes
         moment = self.start.moment
         if moment is None:
-            self.values += change_of_loads @ np.array(by_loads)
+            self.values += change_of_loads @ np.array(values_by_loads)
         else:
-            self.values += change_of_loads[:-1] @ np.array(by_loads[:-1])
-            self._turn(by_loads[-1], moment)
+            self.values += change_of_loads[:-1] @ np.array(values_by_loads[:-1])
+            self._turn(values_by_loads[-1], moment)
         # What the rows ask for is met to the last digit: the penalty would magnify its rounding.
         self._gap[~is_open] = gap_under_pressure[~is_open]
         self._pressure[is_open] = mapped_tractions.pressure[is_open]
         if self.faces.tangential:
-            sticks = states == STICK
-            self._slip[sticks] = slip_in_stick[sticks]
-            self._shear[:] = np.where(sticks, self._shear, cone * self._pressure + beyond_cone)
+            is_stuck = states == STICK
+            self._slip[is_stuck] = slip_in_stick[is_stuck]
+            self._shear[:] = np.where(
+                is_stuck, self._shear, signed_friction * self._pressure + shear_beyond_cone
+            )
 
-    def _turn(self, by_tilt: Array, moment: float) -> None:
+    def _turn(self, values_by_tilt: Array, moment: float) -> None:
         """Turn the upper body until the nodal forces have the moment."""
-        moment_by_tilt = self._moment(by_tilt)
+        moment_by_tilt = self._moment(values_by_tilt)
         if not moment_by_tilt < -1e-12:
             raise SingularSet("one node alone holds no moment")
-        self.values += (moment - self._moment(self.values)) / moment_by_tilt * by_tilt
+        self.values += (moment - self._moment(self.values)) / moment_by_tilt * values_by_tilt
 
     def _moment(self, values: Array) -> float:
         """Of the nodal forces in some values."""
@@ -393,12 +399,12 @@ class _Iteration:
         if self.faces.tangential:
             elastic_shear = mapped_tractions.trial_shear - self._shear
             shear_tolerance = tolerance * self.faces.shear_scale
-            at_cone = np.abs(np.abs(self._shear) - friction * self._pressure) <= shear_tolerance
-            at_cone &= np.abs(elastic_shear) <= shear_tolerance
-            at_cone &= ~was_open & (states != OPEN)
-            states = np.where(at_cone, self.start.states, states)
-            sticks = states == STICK
-            self._slip[sticks] = self._slip_at_start[sticks]
+            is_at_cone = np.abs(np.abs(self._shear) - friction * self._pressure) <= shear_tolerance
+            is_at_cone &= np.abs(elastic_shear) <= shear_tolerance
+            is_at_cone &= ~was_open & (states != OPEN)
+            states = np.where(is_at_cone, self.start.states, states)
+            is_stuck = states == STICK
+            self._slip[is_stuck] = self._slip_at_start[is_stuck]
         is_open = states == OPEN
         is_met = np.abs(self._gap) <= tolerance * compliance.normal
         self._gap[~is_open & is_met] = 0.0

@@ -148,11 +148,11 @@ def from_datum(scene: Scene, run: PathRun, ratio: float) -> PathRun:
     The energies of the record stay those of the datum that the run had.
     """
     modulus = contact_modulus(scene.material.lower, scene.material.upper)
-    by_load = compliance_beyond(scene, ratio) * modulus
+    displacement_per_load = compliance_beyond(scene, ratio) * modulus
     moved_states = [
         state.changed(
-            approach=state.approach + by_load * state.normal_load,
-            shift=state.shift + by_load * state.tangential_load,
+            approach=state.approach + displacement_per_load * state.normal_load,
+            shift=state.shift + displacement_per_load * state.tangential_load,
         )
         for state in run.states
     ]
@@ -211,31 +211,41 @@ def find_scales(scene: Scene, work: Counter[str]) -> Scales:
 
 
 def _load_of_approach(scene: Scene, work: Counter[str]) -> float:
-    """Load of the largest approach between half-planes whose datum is as far as the bodies are
-    deep.
+    """The load (over thickness) at which the actuator has its largest prescribed approach, between
+    half-planes whose datum is as far from the contact as the bodies are deep; found by a root of
+    the logarithm of the load.
     """
     approach = largest_load(scene)
     modulus = contact_modulus(scene.material.lower, scene.material.upper)
     depths = [body.least_depth for body in (scene.bodies.lower, scene.bodies.upper)]
-    lengths = [min(depth, scene.profile.datum_length) for depth in depths]
-    datum = scene.rig.datum_length or float(np.sqrt(lengths[0] * lengths[1]))
-    half_planes = on_half_planes(scene, datum)
-    pair = _CoarsePair(half_planes, 1.0, modulus, work)
+    reference_lengths = [min(depth, scene.profile.datum_length) for depth in depths]
+    datum_length = scene.rig.datum_length or float(
+        np.sqrt(reference_lengths[0] * reference_lengths[1])
+    )
+    half_planes = on_half_planes(scene, datum_length)
+    coarse_pair = _CoarsePair(half_planes, 1.0, modulus, work)
 
-    def excess(logarithm: float) -> float:
+    def excess_approach(logarithm: float) -> float:
         """Approach of the actuator at a load, beyond the one that is looked for."""
-        pair.load = float(np.exp(logarithm))
-        size = _fitting_size(pair)
-        pressed_state = _pressed(pair, size)[1]
+        coarse_pair.load = float(np.exp(logarithm))
+        size = _fitting_size(coarse_pair)
+        pressed_state = _pressed(coarse_pair, size)[1]
         compliance = actuators_of(half_planes, size).normal
         assert compliance is not None  # for the type checker: the approach is given
-        return (pressed_state.approach + compliance) * pair.load / modulus - approach
+        return (pressed_state.approach + compliance) * coarse_pair.load / modulus - approach
 
-    middle = float(np.log(modulus * approach))
-    for width in range(1, _MOST_WIDTHS):
-        if excess(middle - width) < 0 < excess(middle + width):
-            ends = (middle - width, middle + width)
-            return float(np.exp(scipy.optimize.brentq(excess, *ends, xtol=_LITTLE)))
+    first_logarithm = float(np.log(modulus * approach))
+    for half_width_of_bracket in range(1, _MOST_WIDTHS):
+        if (
+            excess_approach(first_logarithm - half_width_of_bracket)
+            < 0
+            < excess_approach(first_logarithm + half_width_of_bracket)
+        ):
+            bracket = (
+                first_logarithm - half_width_of_bracket,
+                first_logarithm + half_width_of_bracket,
+            )
+            return float(np.exp(scipy.optimize.brentq(excess_approach, *bracket, xtol=_LITTLE)))
     raise InputError(
         f"load.approach: no load presses the bodies together by {approach:.6g}; check profile and"
         " units"
@@ -250,7 +260,9 @@ def on_half_planes(scene: Scene, datum: float) -> Scene:
 
 
 def _scales_at(scene: Scene, load: float, work: Counter[str]) -> Scales:
-    """`find_scales` with loads over one of the size of the largest."""
+    """Scales of the scene by a run on a coarse mesh, whose loads are over `load`, the size of the
+    largest; the side of the bodies that may touch grows until it holds the contact.
+    """
     modulus = contact_modulus(scene.material.lower, scene.material.upper)
     pair = _CoarsePair(scene, load, modulus, work)
     size = _fitting_size(pair)
@@ -272,11 +284,15 @@ def _scales_at(scene: Scene, load: float, work: Counter[str]) -> Scales:
     return _scales_of_run(pair, size, problem, run)
 
 
-def _scales_of_run(pair: _CoarsePair, size: float, problem: ContactProblem, run: PathRun) -> Scales:
-    """What a run at this half-width of the side that may touch found; lengths of the run are over
-    `size`.
+def _scales_of_run(
+    pair: _CoarsePair, face_half_width: float, problem: ContactProblem, run: PathRun
+) -> Scales:
+    """Scales by a run whose lengths are over `face_half_width`, half the width of the side that may
+    touch: half-width and reach of the contact, innermost edge, largest pressure, friction work.
     """
-    scene, load, modulus = pair.scene, pair.load, pair.modulus
+    scene = pair.scene
+    load = pair.load
+    modulus = pair.modulus
     state_at_largest_load = max(run.states, key=lambda state: state.normal_load)
     half_width = float(
         np.nan_to_num(np.diff(_contact_edges(problem, [state_at_largest_load]))[0, 0] / 2)
@@ -287,30 +303,30 @@ def _scales_of_run(pair: _CoarsePair, size: float, problem: ContactProblem, run:
     innermost_edge = 0.0
     if path_of(scene).period is not None:
         # the first one too: the hook that it locks in stays
-        cycles = slice(run.cycle_starts[0] + 1, None)
-        surface_states = reported_states(problem, run.states, run.cycle_starts)[cycles]
+        rows_of_cycles = slice(run.cycle_starts[0] + 1, None)
+        surface_states = reported_states(problem, run.states, run.cycle_starts)[rows_of_cycles]
         innermost_edge = _innermost_edge(
-            problem, run.states[cycles], surface_states == STICK, anywhere=scene.unsymmetric
+            problem, run.states[rows_of_cycles], surface_states == STICK, anywhere=scene.unsymmetric
         )
     innermost_edge = np.floor(_ROUGH * innermost_edge / half_width) / _ROUGH * half_width
     # the pressure's slope is infinite there, a coarse mesh 0.1 % off
     first_kink = min(scene.profile.kinks, default=np.inf)
     return Scales(
-        half_width=size * half_width,
-        inner=min(size * innermost_edge, first_kink),
-        reach=size * max(reach, half_width),
+        half_width=face_half_width * half_width,
+        inner=min(face_half_width * innermost_edge, first_kink),
+        reach=face_half_width * max(reach, half_width),
         load=load * state_at_largest_load.normal_load if scene.load.states_approach else load,
         modulus=modulus,
         element=1 / (_ELEMENTS * half_width),
         dissipation=float(run.cycle_density[-1].sum()) * load**2 / modulus,
         largest_pressure=float(np.max(state_at_largest_load.pressure / problem.interface.weights))
         * load
-        / size,
+        / face_half_width,
         values=run_values(
-            from_datum(scene, run, scene.profile.datum_length / size),
+            from_datum(scene, run, scene.profile.datum_length / face_half_width),
             problem.interface.weights,
             displacement_unit=load / modulus,
-            stress_unit=load / size,
+            stress_unit=load / face_half_width,
         ),
     )
 
@@ -381,16 +397,16 @@ def _size_near_contact(pair: _CoarsePair) -> float:
     """Half-width of the side that may touch of which the contact at the largest load takes a good
     part, found from the contact on another such side.
     """
-    size = min(_size_on_half_planes(pair), pair.room)
+    face_half_width = min(_size_on_half_planes(pair), pair.room)
     for _ in range(_ENLARGEMENTS):
-        fraction = _contact_fraction(pair, size)
-        if fraction == 1 and size == pair.room:
+        contact_fraction = _contact_fraction(pair, face_half_width)
+        if contact_fraction == 1 and face_half_width == pair.room:
             raise _past_the_end(pair.scene)
-        if _FRACTION[0] / _FAR_ENLARGED <= fraction < 1:
+        if _FRACTION[0] / _FAR_ENLARGED <= contact_fraction < 1:
             break
-        size = min(fraction * size * _FAR_ENLARGED, pair.room)
+        face_half_width = min(contact_fraction * face_half_width * _FAR_ENLARGED, pair.room)
     # A contact that shear or tilt may bring to the end of the face is looked at there at once.
-    return size if size * _FAR_ENLARGED < pair.room else pair.room
+    return face_half_width if face_half_width * _FAR_ENLARGED < pair.room else pair.room
 
 
 def _with_extreme_rows(scene: Scene) -> Scene:
@@ -409,16 +425,18 @@ def _with_extreme_rows(scene: Scene) -> Scene:
         for name in load.further
         if isinstance(getattr(load, name), tuple)
     }
-    raised_load = np.maximum(rows[:, 1], _LEAST_OF_LOAD * rows[:, 1].max())
-    columns = [rows[:, 1], rows[:, 2], rows[:, 2] / raised_load, *further_columns.values()]
-    places = {0, len(rows) - 1}
+    safe_load = np.maximum(rows[:, 1], _LEAST_OF_LOAD * rows[:, 1].max())
+    columns = [rows[:, 1], rows[:, 2], rows[:, 2] / safe_load, *further_columns.values()]
+    row_numbers = {0, len(rows) - 1}
     for column in columns:
-        places |= {int(np.argmin(column)), int(np.argmax(column))}
-    kept_rows = sorted(places)
+        row_numbers |= {int(np.argmin(column)), int(np.argmax(column))}
+    sorted_numbers = sorted(row_numbers)
     short_load = TimeSeriesLoad(
-        rows=rows[kept_rows],
+        rows=rows[sorted_numbers],
         repeats=load.repeats,
-        **{name: tuple(column[kept_rows].tolist()) for name, column in further_columns.items()},
+        **{
+            name: tuple(column[sorted_numbers].tolist()) for name, column in further_columns.items()
+        },
         **{
             name: getattr(load, name)
             for name in load.further
@@ -443,15 +461,19 @@ class _CoarsePair:
         self.room = face_room(self.scene) * _OF_THE_FACE
         self._made: tuple[float, Interface] | None = None
 
-    def faces(self, size: float) -> Interface:
-        """In the scene's units of length, at a half-width `size` of the side that may touch."""
-        made_at = 1.0 if self.scene.bodies.half_planes else size
-        if self._made is None or self._made[0] != made_at:
-            bodies = meshed_pair(self.scene, _MESH, lambda ratio: _grading(made_at, ratio))
-            faces = couple(*condensed_pair(self.scene, bodies, made_at, self.work))
-            self._made = made_at, without_local_difference(faces, self.scene) or faces
+    def faces(self, half_width: float) -> Interface:
+        """The coupled faces in the scene's units of length; `half_width` of the side that may touch."""
+        size_of_mesh = 1.0 if self.scene.bodies.half_planes else half_width
+        if self._made is None or self._made[0] != size_of_mesh:
+            bodies = meshed_pair(self.scene, _MESH, lambda ratio: _grading(size_of_mesh, ratio))
+            faces = couple(*condensed_pair(self.scene, bodies, size_of_mesh, self.work))
+            self._made = size_of_mesh, without_local_difference(faces, self.scene) or faces
         interface = self._made[1]
-        return interface if made_at == size else interface.scaled(made_at / size, 1.0)
+        return (
+            interface
+            if size_of_mesh == half_width
+            else interface.scaled(size_of_mesh / half_width, 1.0)
+        )
 
     def problem(
         self,
@@ -491,16 +513,20 @@ def _touches_an_end(run: PathRun) -> bool:
 
 
 def _coarse_run(
-    pair: _CoarsePair, size: float, steps: int, cycles: int = COARSE_CYCLES
+    pair: _CoarsePair, face_half_width: float, steps: int, cycles: int = COARSE_CYCLES
 ) -> tuple[ContactProblem, PathRun]:
     """The load path on faces of this half-width, in so many increments a revolution."""
-    faces = pair.faces(size)
-    has_shear = needs_shear(pair.scene)
-    actuators = actuators_of(pair.scene, size)
-    problem = pair.problem(size, faces, has_shear, actuators)
-    halved = on_half(pair.scene, faces)
-    solved_problem = pair.problem(size, half(faces), has_shear, actuators) if halved else problem
-    pace = Pace(pair.load, steps, np.inf, size, pair.modulus)
+    faces = pair.faces(face_half_width)
+    needs_tangential = needs_shear(pair.scene)
+    actuators = actuators_of(pair.scene, face_half_width)
+    problem = pair.problem(face_half_width, faces, needs_tangential, actuators)
+    is_halved = on_half(pair.scene, faces)
+    solved_problem = (
+        pair.problem(face_half_width, half(faces), needs_tangential, actuators)
+        if is_halved
+        else problem
+    )
+    pace = Pace(pair.load, steps, np.inf, face_half_width, pair.modulus)
     # All states, for their edges decide about the mesh; there are few nodes.
     run = run_path(
         solved_problem,
@@ -512,7 +538,7 @@ def _coarse_run(
     )
     if run.failure is not None:
         raise run.failure
-    return problem, unfolded(run, faces) if halved else run
+    return problem, unfolded(run, faces) if is_halved else run
 
 
 def _fitting_size(pair: _CoarsePair) -> float:
@@ -521,22 +547,26 @@ def _fitting_size(pair: _CoarsePair) -> float:
     """
     too_small = 0.0
     too_large = np.inf
-    size = min(_size_on_half_planes(pair), pair.room)
+    face_half_width = min(_size_on_half_planes(pair), pair.room)
     for _ in range(400):  # a factor of 3 each, then halved: more than floating-point numbers have
-        fraction = _contact_fraction(pair, size)
-        if _FRACTION[0] <= fraction <= _FRACTION[1]:
-            return size
-        if fraction > _FRACTION[1]:
-            if size == pair.room and fraction < 1:
-                return size
-            if size == pair.room:
+        contact_fraction = _contact_fraction(pair, face_half_width)
+        if _FRACTION[0] <= contact_fraction <= _FRACTION[1]:
+            return face_half_width
+        if contact_fraction > _FRACTION[1]:
+            if face_half_width == pair.room and contact_fraction < 1:
+                return face_half_width
+            if face_half_width == pair.room:
                 raise _past_the_end(pair.scene)
-            too_small = size
-            larger_size = size * 3 if np.isinf(too_large) else np.sqrt(too_small * too_large)
-            size = min(larger_size, pair.room)
+            too_small = face_half_width
+            larger_size = (
+                face_half_width * 3 if np.isinf(too_large) else np.sqrt(too_small * too_large)
+            )
+            face_half_width = min(larger_size, pair.room)
         else:
-            too_large = size
-            size = size / 3 if too_small == 0 else np.sqrt(too_small * too_large)
+            too_large = face_half_width
+            face_half_width = (
+                face_half_width / 3 if too_small == 0 else np.sqrt(too_small * too_large)
+            )
     raise InputError(
         f"{pair.scene.name}: no size of the bodies was found that holds the contact; check profile"
         " and loads"
@@ -544,7 +574,10 @@ def _fitting_size(pair: _CoarsePair) -> float:
 
 
 def _size_on_half_planes(pair: _CoarsePair) -> float:
-    """The same of half-planes, which is near and cheap to find; a first guess if they are these."""
+    """Half-width of the side that may touch of which the contact at the largest load takes a good
+    part, if the bodies were half-planes: near that of the bodies and cheap to find; a first guess
+    if they are half-planes.
+    """
     if pair.scene.bodies.half_planes:
         return pair.scene.profile.datum_length
     half_planes = on_half_planes(pair.scene, pair.scene.profile.datum_length)
@@ -593,14 +626,18 @@ def _innermost_edge(
     Where the stick zone may be `anywhere`, the least distance of an edge from x = 0, and 0 where
     one is on the other side of it.
     """
-    contact = _contact_edges(problem, states)
+    contact_zones = _contact_edges(problem, states)
     is_closed = np.stack([state.closed for state in states])
-    about_middle = np.array([-1.0, 1.0])
+    signs_of_sides = np.array([-1.0, 1.0])
     if not anywhere:
-        contact = np.diff(contact) / 2 * about_middle
-    stick = stick_edges(problem.interface.x, sticks, is_closed, contact, anywhere=anywhere)
+        contact_zones = np.diff(contact_zones) / 2 * signs_of_sides
+    stick_zones = stick_edges(
+        problem.interface.x, sticks, is_closed, contact_zones, anywhere=anywhere
+    )
     if not anywhere:
-        half_width = np.where(sticks.any(axis=1, keepdims=True), np.diff(stick) / 2, 0.0)
-        stick = half_width * about_middle
-    outwards = np.concatenate([contact, stick]) * about_middle
-    return max(float(np.nan_to_num(outwards).min()), 0.0)
+        stick_half_width = np.where(
+            sticks.any(axis=1, keepdims=True), np.diff(stick_zones) / 2, 0.0
+        )
+        stick_zones = stick_half_width * signs_of_sides
+    outward_edges = np.concatenate([contact_zones, stick_zones]) * signs_of_sides
+    return max(float(np.nan_to_num(outward_edges).min()), 0.0)

@@ -173,7 +173,7 @@ def follow(
 def _up_to_turn(
     problem: ContactProblem, start: InterfaceState, loads_at: LoadsAt, end: float
 ) -> float:
-    """The instant up to `end` at which a stroke of slip ends, or `end`.
+    """The instant up to `end` at which a stroke of slip that begins at `start` ends, or `end`.
 
     Of given loads it is known beforehand (`path.turning_points`). Where movements are given it
     follows from what slides: there the slip of the sliding nodes, each weighted by its friction,
@@ -181,30 +181,30 @@ def _up_to_turn(
     """
     if not problem.actuators.are_there:
         return end
-    sense = slip_sign(start.state)
-    if not sense.any():
+    slip_directions = slip_sign(start.state)
+    if not slip_directions.any():
         return end
     try:
         slip_by_loads, _, _, _ = nodal(problem.rates(start.state, len(start.loads)))
     except SingularSet:
         return end
-    by_loads = slip_by_loads @ (sense * start.pressure)
+    progress_by_loads = slip_by_loads @ (slip_directions * start.pressure)
 
     def progress(time: float) -> float:
-        return float(np.subtract(loads_at(time), start.loads) @ by_loads)
+        return float(np.subtract(loads_at(time), start.loads) @ progress_by_loads)
 
     times = np.linspace(start.time, end, _LOOKED_AT)
-    values = [progress(time) for time in times.tolist()]
-    largest = int(np.argmax(values))
-    if largest in (0, _LOOKED_AT - 1):
+    progress_values = [progress(time) for time in times.tolist()]
+    number_of_largest = int(np.argmax(progress_values))
+    if number_of_largest in (0, _LOOKED_AT - 1):
         return end
-    found = scipy.optimize.minimize_scalar(
+    minimum = scipy.optimize.minimize_scalar(
         lambda time: -progress(time),
-        bounds=(times[largest - 1], times[largest + 1]),
+        bounds=(times[number_of_largest - 1], times[number_of_largest + 1]),
         method="bounded",
         options={"xatol": _TURN * (end - start.time)},
     )
-    return float(found.x)
+    return float(minimum.x)
 
 
 @dataclass
@@ -321,26 +321,28 @@ class _Trial:
         ConvergenceError
             If the active set does not converge.
         """
-        expected = self.start.state
+        expected_states = self.start.state
         if self.problem.interface.coupling is not None:
-            expected = _with_touching_nodes_sliding(self.start)
-        event, self.target = self._predicted(expected)
-        solved = self._equilibrium(self.target, expected)
+            expected_states = _with_touching_nodes_sliding(self.start)
+        event, self.target = self._predicted(expected_states)
+        solved_state = self._equilibrium(self.target, expected_states)
         for _ in range(_MOST_PREDICTIONS - 1):
-            if not _misses(self.problem, self.start, solved, event):
+            if not _misses(self.problem, self.start, solved_state, event):
                 break
-            changed = solved.closed != self.start.closed
-            expected = _on_its_side(self.start, solved, changed)
-            event, self.target = self._predicted(expected)
-            if self.target == solved.time:
+            has_changed_sides = solved_state.closed != self.start.closed
+            expected_states = _on_its_side(self.start, solved_state, has_changed_sides)
+            event, self.target = self._predicted(expected_states)
+            if self.target == solved_state.time:
                 break
-            solved = self._equilibrium(self.target, expected)
+            solved_state = self._equilibrium(self.target, expected_states)
             self.problem.work["events predicted again"] += 1
         if event != "regular":
-            time = _exact_time(self.problem, self.start, self.loads_at, solved, event, self.end)
+            time = _exact_time(
+                self.problem, self.start, self.loads_at, solved_state, event, self.end
+            )
             if time != self.target:
-                solved = self._equilibrium(time, up_to_event(self.start, solved))
-        return event, solved
+                solved_state = self._equilibrium(time, up_to_event(self.start, solved_state))
+        return event, solved_state
 
     def _predicted(self, states: States) -> tuple[Event, float]:
         return next_event(self.problem, self.start, self.loads_at, self.end, states)
@@ -382,39 +384,41 @@ def next_event(
         # foresees it
         return "regular", end
     _, pressure_at_end, _, gap_at_end = nodal(values_at_end)
-    share_to_touch, touching = _first_crossing(gap, gap_at_end, ~start.closed)
-    share_to_release, leaving = _first_crossing(pressure, pressure_at_end, start.closed)
+    share_to_touch, touching_node = _first_crossing(gap, gap_at_end, ~start.closed)
+    share_to_release, leaving_node = _first_crossing(pressure, pressure_at_end, start.closed)
     event: Event = "touch" if share_to_touch <= share_to_release else "release"
-    share = min(share_to_touch, share_to_release)
-    node = touching if event == "touch" else leaving
-    if share >= 1.0:
+    share_of_increment = min(share_to_touch, share_to_release)
+    event_node = touching_node if event == "touch" else leaving_node
+    if share_of_increment >= 1.0:
         return "regular", end
     if len(start.loads) == 2 and problem.interface.coupling is None:
         normal_load = start.loads[0]
         load_at_end = loads_at_end[0]
-        load_at_event = normal_load + share * (load_at_end - normal_load)
+        load_at_event = normal_load + share_of_increment * (load_at_end - normal_load)
         if not min(normal_load, load_at_end) < load_at_event < max(normal_load, load_at_end):
             return "regular", end
-        at_start = normal_load - load_at_event
+        distance_at_start = normal_load - load_at_event
 
-        def missing(time: float) -> float:
+        def distance_to_event(time: float) -> float:
             """What P is beyond that of the event."""
             return loads_at(time)[0] - load_at_event
 
     else:
         # by Q and by tilt nodes meet at constant P too: the gap or the force of the first of them,
         # as the loads go
-        at_start = float((gap if event == "touch" else pressure)[node])
+        distance_at_start = float((gap if event == "touch" else pressure)[event_node])
         _, pressure_rates, _, gap_rates = nodal(problem.rates(states, len(start.loads)))
-        rates = (gap_rates if event == "touch" else pressure_rates)[:, node]
+        rates_of_node = (gap_rates if event == "touch" else pressure_rates)[:, event_node]
         # what does not change must not add its rounding
-        rates = np.where(np.subtract(loads_at_end, start.loads) != 0, rates, 0.0)
+        rates_of_node = np.where(np.subtract(loads_at_end, start.loads) != 0, rates_of_node, 0.0)
 
-        def missing(time: float) -> float:
+        def distance_to_event(time: float) -> float:
             """The gap, or the force, of the node of the event."""
-            return at_start + float(np.subtract(loads_at(time), start.loads) @ rates)
+            return distance_at_start + float(
+                np.subtract(loads_at(time), start.loads) @ rates_of_node
+            )
 
-    time = _zero(missing, start.time, end, share, at_start)
+    time = _zero(distance_to_event, start.time, end, share_of_increment, distance_at_start)
     return (event, time) if start.time < time < end else ("regular", end)
 
 
@@ -437,16 +441,16 @@ def _with_touching_nodes_sliding(start: InterfaceState) -> States:
 def _misses(
     problem: ContactProblem, start: InterfaceState, solved: InterfaceState, event: Event
 ) -> bool:
-    """Whether a node of unlike bodies meets its event before the increment ends, or the increment
-    ends before its event.
+    """Whether an increment of unlike bodies to `solved` misses its event: another node meets one
+    before the increment ends, or no node meets the one that was predicted.
     """
     if problem.interface.coupling is None:
         return False
-    at_event = _marginal(solved)
-    too_far = ((solved.closed != start.closed) & ~at_event).any()
-    meets_event = at_event & (start.closed == (event == "release"))
-    too_short = event != "regular" and not meets_event.any()
-    return bool(too_far or too_short)
+    is_at_event = _marginal(solved)
+    is_too_far = ((solved.closed != start.closed) & ~is_at_event).any()
+    meets_expected = is_at_event & (start.closed == (event == "release"))
+    is_too_short = event != "regular" and not meets_expected.any()
+    return bool(is_too_far or is_too_short)
 
 
 def _exact_time(
@@ -461,31 +465,39 @@ def _exact_time(
     to slide bend the way to it.
     """
     meets_event = _marginal(solved) & (start.closed == (event == "release"))
-    missing = np.where(meets_event, np.where(solved.closed, solved.pressure, solved.gap), 0.0)
-    node = int(np.argmax(np.abs(missing)))
-    if abs(missing[node]) <= _MET:
+    distances_to_event = np.where(
+        meets_event, np.where(solved.closed, solved.pressure, solved.gap), 0.0
+    )
+    node = int(np.argmax(np.abs(distances_to_event)))
+    if abs(distances_to_event[node]) <= _MET:
         return solved.time
     _, pressure_rates, _, gap_rates = nodal(problem.rates(solved.state, len(solved.loads)))
-    rates = (pressure_rates if solved.closed[node] else gap_rates)[:, node]
+    rates_of_node = (pressure_rates if solved.closed[node] else gap_rates)[:, node]
 
-    def missing_at(time: float) -> float:
-        return float(missing[node] + np.subtract(loads_at(time), solved.loads) @ rates)
+    def distance_at(time: float) -> float:
+        return float(
+            distances_to_event[node] + np.subtract(loads_at(time), solved.loads) @ rates_of_node
+        )
 
     duration = solved.time - start.time
-    share = duration / (end - start.time)
-    time = _zero(missing_at, start.time, end, share, missing_at(start.time))
+    share_of_increment = duration / (end - start.time)
+    time = _zero(distance_at, start.time, end, share_of_increment, distance_at(start.time))
     return time if abs(time - solved.time) < _LARGEST_MOVE * duration else solved.time
 
 
 def _zero(
-    function: Callable[[float], float], low: float, high: float, share: float, at_low: float
+    function: Callable[[float], float],
+    begin: float,
+    end: float,
+    share: float,
+    value_at_begin: float,
 ) -> float:
-    """Where a function that is next to linear is zero, near that share of the way; by secants, and
-    bracketed where they miss.
+    """Where a function of time that is nearly linear is zero between `begin` and `end`, near a
+    `share` of the way; by secants, and by a bracket where these miss.
     """
-    time_before = low
-    value_before = at_low
-    time = low + share * (high - low)
+    time_before = begin
+    value_before = value_at_begin
+    time = begin + share * (end - begin)
     value = function(time)
     for _ in range(_MOST_SECANTS):
         if value in (0.0, value_before):
@@ -496,25 +508,27 @@ def _zero(
         time_before = time
         value_before = value
         time += step
-        if not low <= time <= high:
+        if not begin <= time <= end:
             break
         value = function(time)
-    if not at_low * function(high) < 0:
-        return high
+    if not value_at_begin * function(end) < 0:
+        return end
     # an attribute of scipy is loaded where it is first used
-    return float(scipy.optimize.brentq(function, low, high, xtol=1e-15, rtol=8.9e-16))
+    return float(scipy.optimize.brentq(function, begin, end, xtol=1e-15, rtol=8.9e-16))
 
 
-def _first_crossing(before: Array, after: Array, nodes: Mask) -> tuple[float, int]:
-    """Fraction of the increment at which the first of `nodes` goes from positive to negative,
-    linearly, and it; 1 if none does.
+def _first_crossing(values_before: Array, values_after: Array, nodes: Mask) -> tuple[float, int]:
+    """The share of an increment at which the first of `nodes` goes from a positive value to a
+    negative one, linearly, and that node; 1 and -1 if none does.
     """
-    falling = (nodes & (before > ROUNDING) & (after < -ROUNDING)).nonzero()[0]
-    if not len(falling):
+    falling_nodes = (nodes & (values_before > ROUNDING) & (values_after < -ROUNDING)).nonzero()[0]
+    if not len(falling_nodes):
         return 1.0, -1
-    shares = before[falling] / (before[falling] - after[falling])
-    first = int(shares.argmin())
-    return float(shares[first]), int(falling[first])
+    shares = values_before[falling_nodes] / (
+        values_before[falling_nodes] - values_after[falling_nodes]
+    )
+    number_of_first = int(shares.argmin())
+    return float(shares[number_of_first]), int(falling_nodes[number_of_first])
 
 
 def up_to_event(start: InterfaceState, solved: InterfaceState) -> States:
@@ -528,15 +542,15 @@ def up_to_event(start: InterfaceState, solved: InterfaceState) -> States:
     return _on_its_side(start, solved, changed) if changed.any() else solved.state
 
 
-def _on_its_side(start: InterfaceState, solved: InterfaceState, changed: Mask) -> States:
-    """(n,) solved states; those that `changed` sides on the one where they have been: open, stuck
-    or sliding as they have moved.
+def _on_its_side(start: InterfaceState, solved: InterfaceState, has_changed_sides: Mask) -> States:
+    """(n,) states of `solved`; nodes that have changed sides get the state that they had on the
+    way: open, stuck, or sliding as they have moved since `start`.
     """
     slip = solved.slip - start.slip
     sliding = np.where(slip > ROUNDING, SLIP_FORWARD, SLIP_REVERSE)
     closed_until_now = np.where(np.abs(slip) > ROUNDING, sliding, STICK)
-    until_now = np.where(start.closed, closed_until_now, OPEN)
-    return freeze(np.where(changed, until_now, solved.state), np.int8)
+    states_until_now = np.where(start.closed, closed_until_now, OPEN)
+    return freeze(np.where(has_changed_sides, states_until_now, solved.state), np.int8)
 
 
 def _marginal(state: InterfaceState) -> Mask:
