@@ -81,12 +81,16 @@ def surface_force_displacement(
     z_over_w = -y[:, None] / w
     logarithm = (1 + k) * (ln_w.real - np.log(datum_length))
     rotation = k * ln_w.imag
-    z_squared = z_over_w.real  # over r^2, as the next
-    x_z = -z_over_w.imag
-    along_x = np.stack([-c * (logarithm + z_squared), -c * (x_z + rotation)])
+    z_squared_over_r_squared = z_over_w.real
+    x_z_over_r_squared = -z_over_w.imag
+    by_force_x = np.stack(
+        [-c * (logarithm + z_squared_over_r_squared), -c * (x_z_over_r_squared + rotation)]
+    )
     # A force along +y is a force along -z, and u_y = -u_z.
-    along_y = np.stack([-c * (x_z - rotation), -c * (logarithm - z_squared)])
-    return np.stack([along_x, along_y], axis=2)
+    by_force_y = np.stack(
+        [-c * (x_z_over_r_squared - rotation), -c * (logarithm - z_squared_over_r_squared)]
+    )
+    return np.stack([by_force_x, by_force_y], axis=2)
 
 
 def surface_force_traction(x: Array, y: Array, normal: Array, force_at: Array) -> Array:
@@ -115,12 +119,12 @@ def surface_force_traction(x: Array, y: Array, normal: Array, force_at: Array) -
     >>> round(float(below[1, 0, 1, 0]) * np.pi, 12)  # a pull of 1 is held by 2/(pi r) below it
     -2.0
     """
-    along_x = x[:, None] - force_at
-    along_y = np.broadcast_to(y[:, None], along_x.shape)
-    radius = np.stack([along_x, along_y])
-    distance_to_cut = along_x * normal[0][:, None] + along_y * normal[1][:, None]
-    factor = -2 / np.pi * distance_to_cut / (along_x**2 + along_y**2) ** 2
-    return np.einsum("inm,jnm,nm->injm", radius, radius, factor)
+    x_from_force = x[:, None] - force_at
+    y_from_force = np.broadcast_to(y[:, None], x_from_force.shape)
+    radius_vector = np.stack([x_from_force, y_from_force])
+    radius_along_normal = x_from_force * normal[0][:, None] + y_from_force * normal[1][:, None]
+    factor = -2 / np.pi * radius_along_normal / (x_from_force**2 + y_from_force**2) ** 2
+    return np.einsum("inm,jnm,nm->injm", radius_vector, radius_vector, factor)
 
 
 class LineElements(NamedTuple):
@@ -153,17 +157,23 @@ def line_elements(line: Array, order: int, count: int) -> LineElements:
 
 
 def curve_elements(points: Array, nodes: Indices, count: int) -> LineElements:
-    """Elements with the nodes (e, k) among points (2, n), from one end of each to the other, with
-    `count` Gauss points on each; k = 2 or 3.
+    """Line elements with the nodes (e, k), k = 2 or 3, among points (2, n), with `count` Gauss
+    points on each: shape functions, places and tangents times weight at the Gauss points.
     """
-    t, weights = np.polynomial.legendre.leggauss(count)
+    gauss_points, weights = np.polynomial.legendre.leggauss(count)
     if nodes.shape[1] == 2:
-        half = np.full_like(t, 0.5)
-        shapes = np.array([(1 - t) / 2, (1 + t) / 2])
-        slopes = np.array([-half, half])
+        half_slopes = np.full_like(gauss_points, 0.5)
+        shapes = np.array([(1 - gauss_points) / 2, (1 + gauss_points) / 2])
+        slopes = np.array([-half_slopes, half_slopes])
     else:
-        shapes = np.array([t * (t - 1) / 2, 1 - t**2, t * (t + 1) / 2])
-        slopes = np.array([t - 0.5, -2 * t, t + 0.5])
+        shapes = np.array(
+            [
+                gauss_points * (gauss_points - 1) / 2,
+                1 - gauss_points**2,
+                gauss_points * (gauss_points + 1) / 2,
+            ]
+        )
+        slopes = np.array([gauss_points - 0.5, -2 * gauss_points, gauss_points + 0.5])
     return LineElements(
         nodes=nodes,
         shapes=shapes,
@@ -197,18 +207,20 @@ def arc_work(
     """
     elements = line_elements(arc, order, _POINTS)
     x, y = elements.places.reshape(2, -1)
-    along_x, along_y = elements.tangents
-    outward_normal = np.stack([along_y.ravel(), -along_x.ravel()])  # outward, times the length
-    forces = surface_force_traction(x, y, outward_normal, force_at).reshape(2, *along_x.shape, -1)
-    by_nodes = np.zeros((2, arc.shape[1], forces.shape[-1]))
-    for nodes, shape in zip(elements.nodes.T, elements.shapes, strict=True):
-        by_nodes[:, nodes] += np.einsum("g,degm->dem", shape, forces)
+    tangent_x, tangent_y = elements.tangents
+    scaled_normal = np.stack([tangent_y.ravel(), -tangent_x.ravel()])  # outward, times the length
+    traction_forces = surface_force_traction(x, y, scaled_normal, force_at).reshape(
+        2, *tangent_x.shape, -1
+    )
+    by_nodes = np.zeros((2, arc.shape[1], traction_forces.shape[-1]))
+    for nodes, shape_values in zip(elements.nodes.T, elements.shapes, strict=True):
+        by_nodes[:, nodes] += np.einsum("g,degm->dem", shape_values, traction_forces)
     displacement = surface_force_displacement(
         x, y, force_at, material.young_modulus, material.poisson_ratio, datum_length
     )
     n_points = 2 * len(x)
     return (
         by_nodes.reshape(2 * arc.shape[1], -1),
-        forces.reshape(n_points, -1),
+        traction_forces.reshape(n_points, -1),
         displacement.reshape(n_points, -1),
     )

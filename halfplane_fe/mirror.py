@@ -56,24 +56,27 @@ def mirrored(faces: Interface, sheared: bool) -> bool:
 
 
 def half(faces: Interface) -> Interface:
-    """The faces on x >= 0, forces being those of a node and its image together."""
-    right = slice(len(faces.x) // 2, None)
-    coupled = faces.coupling is not None
-    parity_of_shear = -1.0 if coupled else 1.0
+    """The interface on x >= 0 of faces whose answer is its own mirror image: nodal forces are those
+    of a node and its image together. Where normal and tangential forces are coupled, q is odd, so U
+    and Q are zero.
+    """
+    right_half = slice(len(faces.x) // 2, None)
+    is_coupled = faces.coupling is not None
+    parity_of_shear = -1.0 if is_coupled else 1.0
     tangential_compliance = _folded(faces.tangential, parity_of_shear, parity_of_shear)
-    if coupled:  # an odd q is zero in the middle
+    if is_coupled:  # an odd q is zero in the middle
         tangential_compliance[0, 0] = faces.tangential.diagonal().max()
     return replace(
         faces,
-        x=freeze(faces.x[right]),
+        x=freeze(faces.x[right_half]),
         weights=freeze(np.bincount(_images(faces).place, faces.weights)),
-        normals=freeze(faces.normals[:, right]),
-        gap=freeze(faces.gap[right]),
+        normals=freeze(faces.normals[:, right_half]),
+        gap=freeze(faces.gap[right_half]),
         imposed=None,
         normal=freeze(_folded(faces.normal, 1.0, 1.0)),
         tangential=freeze(tangential_compliance),
         coupling=freeze(_folded(faces.coupling, -1.0, 1.0)) if faces.coupling is not None else None,
-        guided=coupled,
+        guided=is_coupled,
     )
 
 
@@ -105,11 +108,17 @@ def _images(faces: Interface) -> _Images:
     )
 
 
-def _folded(matrix: Array, of_rows: float, of_columns: float) -> Array:
-    """S^T M S, rows and columns even (1) or odd (-1)."""
+def _folded(matrix: Array, parity_of_rows: float, parity_of_columns: float) -> Array:
+    """S^T M S, (m, m), of a matrix M (n, n) over nodes and their mirror images, with functions of
+    rows and of columns that are even, 1, or odd, -1, on the right half.
+    """
     middle = len(matrix) // 2
-    rows = (matrix[middle:] + of_rows * matrix[middle::-1]) / 2  # the middle is its own image
-    return np.asarray((rows[:, middle:] + of_columns * rows[:, middle::-1]) / 2)
+    folded_rows = (
+        matrix[middle:] + parity_of_rows * matrix[middle::-1]
+    ) / 2  # the middle is its own image
+    return np.asarray(
+        (folded_rows[:, middle:] + parity_of_columns * folded_rows[:, middle::-1]) / 2
+    )
 
 
 def unfolded(run: PathRun, faces: Interface) -> PathRun:
@@ -117,21 +126,21 @@ def unfolded(run: PathRun, faces: Interface) -> PathRun:
     images = _images(faces)
     n_half = len(faces.x) - len(faces.x) // 2
     # Of each value of a state its place in that of the half, and what it is there times.
-    of_nodes = [3 + images.place + number * n_half for number in range(4)]
-    source = np.concatenate([np.arange(3), *of_nodes])
-    of_slip = images.sign
-    of_shear = images.share * images.sign
-    factor = np.concatenate(
-        [np.ones(3), of_slip, images.share, of_shear, np.ones_like(images.share)]
+    numbers_in_half = [3 + images.place + number * n_half for number in range(4)]
+    number_in_half = np.concatenate([np.arange(3), *numbers_in_half])
+    sign_of_slip = images.sign
+    factor_of_shear = images.share * images.sign
+    factors = np.concatenate(
+        [np.ones(3), sign_of_slip, images.share, factor_of_shear, np.ones_like(images.share)]
     )
-    mirrored_state = np.array([OPEN, STICK, SLIP_REVERSE, SLIP_FORWARD], dtype=np.int8)
+    states_of_image = np.array([OPEN, STICK, SLIP_REVERSE, SLIP_FORWARD], dtype=np.int8)
 
     def unfolded_state(state: InterfaceState) -> InterfaceState:
-        size = len(source) if state.is_complete else 3 + len(images.place)
-        values = state.values[source[:size]] * factor[:size]
+        n_values = len(number_in_half) if state.is_complete else 3 + len(images.place)
+        values = state.values[number_in_half[:n_values]] * factors[:n_values]
         values.flags.writeable = False
         states = state.state[images.place]
-        states = np.where(images.sign < 0, mirrored_state[states], states)
+        states = np.where(images.sign < 0, states_of_image[states], states)
         return replace(state, values=values, state=freeze(states, np.int8))
 
     return replace(

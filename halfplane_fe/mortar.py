@@ -96,37 +96,39 @@ def mortar(lower: Side, upper: Side) -> Mortar:
     """
     # notation: k nodes of an element, s segments of the common refinement, m points of each,
     # psi_j dual function of node j of the lower side
-    span = lower.x[-1] - lower.x[0]
-    if max(abs(lower.x[0] - upper.x[0]), abs(lower.x[-1] - upper.x[-1])) > 1e-9 * span:
+    side_length = lower.x[-1] - lower.x[0]
+    if max(abs(lower.x[0] - upper.x[0]), abs(lower.x[-1] - upper.x[-1])) > 1e-9 * side_length:
         raise ValueError("the two contact sides do not begin and end together")
-    ends = np.union1d(lower.x[:: lower.order], upper.x[:: upper.order])
-    ends = ends[np.concatenate([[True], np.diff(ends) > 1e-12 * span])]
-    middle = (ends[1:] + ends[:-1])[:, None] / 2
-    half_length = np.diff(ends)[:, None] / 2
+    segment_ends = np.union1d(lower.x[:: lower.order], upper.x[:: upper.order])
+    segment_ends = segment_ends[
+        np.concatenate([[True], np.diff(segment_ends) > 1e-12 * side_length])
+    ]
+    middle = (segment_ends[1:] + segment_ends[:-1])[:, None] / 2
+    half_length = np.diff(segment_ends)[:, None] / 2
     x = middle + half_length * _POINTS
     lower_at_points = _at_points(lower, x)
     upper_at_points = _at_points(upper, x)
     # along the line half-way between the sides
     slope = (lower_at_points.slope + upper_at_points.slope) / 2
-    stretch = np.sqrt(1 + slope**2)
-    lengths = half_length * _WEIGHTS * stretch
-    normal = np.stack([-slope, np.ones_like(x)]) / stretch
-    tangent = np.stack([normal[1], -normal[0]])
-    distance = (upper_at_points.y - lower_at_points.y) * normal[1]
-    n = len(lower.x)
+    length_factor = np.sqrt(1 + slope**2)
+    lengths = half_length * _WEIGHTS * length_factor
+    unit_normal = np.stack([-slope, np.ones_like(x)]) / length_factor
+    unit_tangent = np.stack([unit_normal[1], -unit_normal[0]])
+    distance_along_normal = (upper_at_points.y - lower_at_points.y) * unit_normal[1]
+    n_multipliers = len(lower.x)
     dual_lengths = _dual_lengths(lower, lower_at_points, lengths)
 
-    def at_multipliers(values: Array) -> Array:
+    def integrals_at_multipliers(values: Array) -> Array:
         """(n,) integral of psi_j times values (s, m)."""
         integrals = np.einsum("skm,sm->sk", dual_lengths, values)
-        sums = np.bincount(lower_at_points.nodes.ravel(), integrals.ravel(), n)
+        sums = np.bincount(lower_at_points.nodes.ravel(), integrals.ravel(), n_multipliers)
         return np.asarray(sums, dtype=np.float64)
 
-    multiplier_integrals = at_multipliers(np.ones_like(x))
+    multiplier_integrals = integrals_at_multipliers(np.ones_like(x))
 
     def mean_displacement(side: Side, side_at_points: _SideAtPoints) -> Array:
-        operator = np.zeros((2, n, 2, len(side.x)))
-        for direction, vector in enumerate((normal, tangent)):
+        operator = np.zeros((2, n_multipliers, 2, len(side.x)))
+        for direction, vector in enumerate((unit_normal, unit_tangent)):
             for component, factor in enumerate(vector):
                 integrals = np.einsum(
                     "skm,sm,slm->skl", dual_lengths, factor, side_at_points.shapes
@@ -138,29 +140,30 @@ def mortar(lower: Side, upper: Side) -> Mortar:
                 )
         return operator
 
-    nearest_point = np.unravel_index(np.argmin(distance), distance.shape)
+    nearest_point = np.unravel_index(np.argmin(distance_along_normal), distance_along_normal.shape)
     return Mortar(
         weights=multiplier_integrals,
-        normals=np.stack([at_multipliers(component) for component in normal])
+        normals=np.stack([integrals_at_multipliers(component) for component in unit_normal])
         / multiplier_integrals,
-        gap=at_multipliers(distance) / multiplier_integrals,
-        nearest=(float(x[nearest_point]), float(distance[nearest_point])),
+        gap=integrals_at_multipliers(distance_along_normal) / multiplier_integrals,
+        nearest=(float(x[nearest_point]), float(distance_along_normal[nearest_point])),
         lower=mean_displacement(lower, lower_at_points),
         upper=mean_displacement(upper, upper_at_points),
     )
 
 
 def _dual_lengths(side: Side, side_at_points: _SideAtPoints, lengths: Array) -> Array:
-    """(s, k, m) psi = diag(int phi) (int phi phi^T)^-1 phi, element by element of the lower side,
-    times the lengths (s, m) of the points.
+    """(s, k, m) dual functions psi = diag(int phi) (int phi phi^T)^-1 phi of the k nodes of the
+    lower side's elements at m points of s segments, times the lengths (s, m) that the points stand
+    for.
     """
     phi = side_at_points.shapes
     element = side_at_points.nodes[:, 0] // side.order
     n_elements = (len(side.x) - 1) // side.order
-    mass = np.zeros((n_elements, side.order + 1, side.order + 1))
-    np.add.at(mass, element, np.einsum("skm,sm,slm->skl", phi, lengths, phi))
-    to_dual = mass.sum(axis=2)[:, :, None] * np.linalg.inv(mass)
-    return np.asarray(np.einsum("skl,slm,sm->skm", to_dual[element], phi, lengths))
+    mass_matrices = np.zeros((n_elements, side.order + 1, side.order + 1))
+    np.add.at(mass_matrices, element, np.einsum("skm,sm,slm->skl", phi, lengths, phi))
+    dual_matrices = mass_matrices.sum(axis=2)[:, :, None] * np.linalg.inv(mass_matrices)
+    return np.asarray(np.einsum("skl,slm,sm->skm", dual_matrices[element], phi, lengths))
 
 
 class _SideAtPoints(NamedTuple):
@@ -183,9 +186,11 @@ class _SideAtPoints(NamedTuple):
 
 
 def _at_points(side: Side, x: Array) -> _SideAtPoints:
-    """The side at the points `x` (s, m)."""
-    ends = side.x[:: side.order]
-    element = np.clip(np.searchsorted(ends, x.mean(axis=1)) - 1, 0, len(ends) - 2)
+    """One side at the points `x` (s, m) of the segments: the nodes of the element that holds each
+    segment, its shape functions, y and dy/dx.
+    """
+    element_ends = side.x[:: side.order]
+    element = np.clip(np.searchsorted(element_ends, x.mean(axis=1)) - 1, 0, len(element_ends) - 2)
     nodes = element[:, None] * side.order + np.arange(side.order + 1)
     x_of_nodes = side.x[nodes][:, :, None]
     shapes = np.ones((*nodes.shape, x.shape[1]))
@@ -197,5 +202,8 @@ def _at_points(side: Side, x: Array) -> _SideAtPoints:
             distance = x_of_nodes[:, j] - x_of_nodes[:, k]
             slopes[:, j] = (slopes[:, j] * (x - x_of_nodes[:, k]) + shapes[:, j]) / distance
             shapes[:, j] *= (x - x_of_nodes[:, k]) / distance
-    y, slope = (np.einsum("sk,skm->sm", side.y[nodes], functions) for functions in (shapes, slopes))
+    y, slope = (
+        np.einsum("sk,skm->sm", side.y[nodes], values_or_slopes)
+        for values_or_slopes in (shapes, slopes)
+    )
     return _SideAtPoints(nodes, shapes, y, slope)

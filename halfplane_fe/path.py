@@ -118,7 +118,9 @@ def scaled_loads(leg: LoadSegment, time: float, units: tuple[float, ...]) -> tup
 
 
 def turns(leg: LoadSegment, normal_weight: float, tangential_weight: float) -> set[float]:
-    """Instants inside a leg at which normal P + tangential Q turns round."""
+    """Instants inside a leg at which the combination of loads, normal_weight P + tangential_weight
+    Q, turns round: by signs of its rate at samples, refined by bracketing.
+    """
     times = sampled(leg, _SAMPLES)
 
     def rate(t: Array | float) -> Array:
@@ -128,31 +130,31 @@ def turns(leg: LoadSegment, normal_weight: float, tangential_weight: float) -> s
     rates = rate(times)
     rounding = 1e-12 * np.abs(rates).max(initial=0.0)
     rates[np.abs(rates) < rounding] = 0.0
-    changes_sign = np.flatnonzero(rates[:-1] * rates[1:] < 0)
+    sign_changes = np.flatnonzero(rates[:-1] * rates[1:] < 0)
     instants = {
         float(scipy.optimize.brentq(lambda t: float(rate(t)), times[k], times[k + 1], xtol=1e-14))
-        for k in changes_sign
+        for k in sign_changes
     }
-    starts_or_ends_to_rest = (rates[1:-1] == 0) & ((rates[:-2] != 0) | (rates[2:] != 0))
-    return instants | {float(times[k]) for k in 1 + np.flatnonzero(starts_or_ends_to_rest)}
+    is_end_of_rest = (rates[1:-1] == 0) & ((rates[:-2] != 0) | (rates[2:] != 0))
+    return instants | {float(times[k]) for k in 1 + np.flatnonzero(is_end_of_rest)}
 
 
 def turning_points(leg: LoadSegment, friction: float) -> list[float]:
     """Instants inside a leg at which P, Q - f P, Q + f P, a bulk stress, tilt or moment turn round,
     ascending.
     """
-    instants = turns(leg, 1.0, 0.0) | turns(leg, -friction, 1.0) | turns(leg, friction, 1.0)
+    all_times = turns(leg, 1.0, 0.0) | turns(leg, -friction, 1.0) | turns(leg, friction, 1.0)
     if leg.bulk is not None or leg.turning is not None:
         for segment, combination in _imposed(leg):
             if segment is not None:
-                instants |= turns(segment, *combination)
+                all_times |= turns(segment, *combination)
     rounding = 1e-9 * (leg.end - leg.start)
-    separate: list[float] = []
-    for time in sorted(instants):
-        time_before = separate[-1] if separate else leg.start
+    separate_times: list[float] = []
+    for time in sorted(all_times):
+        time_before = separate_times[-1] if separate_times else leg.start
         if min(time - time_before, leg.end - time) > rounding:
-            separate.append(time)
-    return separate
+            separate_times.append(time)
+    return separate_times
 
 
 def stretches(leg: LoadSegment, friction: float, increments: float) -> list[Stretch]:
@@ -162,9 +164,9 @@ def stretches(leg: LoadSegment, friction: float, increments: float) -> list[Stre
     pieces = []
     cuts = [leg.start, *turning_points(leg, friction), leg.end]
     for start, end in itertools.pairwise(cuts):
-        share = increments * (end - start) / (leg.end - leg.start)
-        n = max(2, int(np.ceil(share)))
-        pieces.append(Stretch(leg, start, tuple(np.linspace(start, end, n + 1)[1:])))
+        share_of_increments = increments * (end - start) / (leg.end - leg.start)
+        n_increments = max(2, int(np.ceil(share_of_increments)))
+        pieces.append(Stretch(leg, start, tuple(np.linspace(start, end, n_increments + 1)[1:])))
     return pieces
 
 
@@ -184,21 +186,21 @@ def enclosed(leg: LoadSegment, times: Array) -> Array | None:
     loads = _loads(leg)
     start = times[:-1, None]
     end = times[1:, None]
-    half = (end - start) / 2
-    instants = (start + end) / 2 + half * _POINTS
-    durations = _WEIGHTS * (end - start) / 2
+    half_duration = (end - start) / 2
+    instants = (start + end) / 2 + half_duration * _POINTS
+    weights = _WEIGHTS * (end - start) / 2
     areas = np.zeros((len(loads), len(loads), len(start)))
     for i, load in enumerate(loads):
         if load.segment is None:
             continue
-        since_start = load.segment.change_of(load.combination, instants, start)
-        in_all = load.segment.change_of(load.combination, end, start)
-        from_middle = since_start - in_all / 2
+        change_since_start = load.segment.change_of(load.combination, instants, start)
+        whole_change = load.segment.change_of(load.combination, end, start)
+        change_from_middle = change_since_start - whole_change / 2
         for j, earlier_load in enumerate(loads[:i]):
             if earlier_load.segment is None:
                 continue
             rate = earlier_load.segment.rate_of(earlier_load.combination, instants)
-            areas[i, j] = (durations * from_middle * rate).sum(axis=1)
+            areas[i, j] = (weights * change_from_middle * rate).sum(axis=1)
             areas[j, i] = -areas[i, j]
     return areas
 
@@ -223,8 +225,8 @@ def check_admissible(path: LoadPath, friction: float, *, is_driven: bool = False
         times = np.array([leg.start, *turning_points(leg, friction), leg.end])
         p, q = leg.loads(times)
         is_on_path = times > path.start
-        scale = float(np.abs(p).max())
-        is_separated = is_on_path & (p <= _LEAST_LOAD * scale)
+        largest_load = float(np.abs(p).max())
+        is_separated = is_on_path & (p <= _LEAST_LOAD * largest_load)
         if is_separated.any():
             worst_instant = int(np.argmin(np.where(is_separated, p, np.inf)))
             if is_driven:
@@ -235,21 +237,26 @@ def check_admissible(path: LoadPath, friction: float, *, is_driven: bool = False
                     " it above 0,"
                     " or take half-plane theory"
                 )
-            rule = _LITTLE_LOAD if p[worst_instant] > 0 else ""
-            if max(abs(p[worst_instant]), abs(q[worst_instant])) <= _ROUNDING_OF_LIMIT * scale:
-                rule = _UNLOADED
+            advice = _LITTLE_LOAD if p[worst_instant] > 0 else ""
+            if (
+                max(abs(p[worst_instant]), abs(q[worst_instant]))
+                <= _ROUNDING_OF_LIMIT * largest_load
+            ):
+                advice = _UNLOADED
             raise InadmissibleLoadError(
                 "separation",
                 LoadedInstant(times[worst_instant], p[worst_instant], q[worst_instant]),
                 friction=friction,
-                rule=rule,
+                rule=advice,
             )
         if is_driven:
             continue
-        excess = np.abs(q) - friction * p
-        is_sliding = is_on_path & (excess >= -_ROUNDING_OF_LIMIT * friction * scale) & (q != 0)
+        excess_force = np.abs(q) - friction * p
+        is_sliding = (
+            is_on_path & (excess_force >= -_ROUNDING_OF_LIMIT * friction * largest_load) & (q != 0)
+        )
         if is_sliding.any():
-            worst_instant = int(np.argmax(np.where(is_sliding, excess, -np.inf)))
+            worst_instant = int(np.argmax(np.where(is_sliding, excess_force, -np.inf)))
             raise InadmissibleLoadError(
                 "gross sliding",
                 LoadedInstant(times[worst_instant], p[worst_instant], q[worst_instant]),

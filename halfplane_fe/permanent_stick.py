@@ -73,24 +73,20 @@ class WorkingNodes(NamedTuple):
 
 
 def working_nodes(x: Array, density: Array, edges: Array) -> WorkingNodes:
-    """Those next to a zone between two edges.
-
-    Parameters
-    ----------
-    density
-        W(x) of the cycle in any unit
+    """The first node on either side of a zone between two `edges` (2,) that does friction work, by
+    `density` (n,), W(x) of the cycle in any unit; NaN where none is near the edge.
     """
-    works = density > _WORKS * np.max(density, initial=0.0)
+    does_work = density > _WORKS * np.max(density, initial=0.0)
     middle = np.mean(edges)
     places = np.full(2, np.nan)
     spacing = np.full(2, np.nan)
     for side, outwards in enumerate((-1, 1)):
-        nodes_beyond = np.flatnonzero(works & ((x - middle) * outwards > 0))
+        nodes_beyond = np.flatnonzero(does_work & ((x - middle) * outwards > 0))
         if not len(nodes_beyond):
             continue
         first_node = nodes_beyond[0] if outwards > 0 else nodes_beyond[-1]
-        distance = abs(x[first_node] - x[first_node - outwards])
-        if abs(x[first_node] - edges[side]) <= _SAME_EDGE * distance:
+        node_spacing = abs(x[first_node] - x[first_node - outwards])
+        if abs(x[first_node] - edges[side]) <= _SAME_EDGE * node_spacing:
             places[side] = x[first_node]
-            spacing[side] = distance
+            spacing[side] = node_spacing
     return WorkingNodes(places, spacing)

@@ -70,10 +70,16 @@ def tip_power(profile: Profile, distance: float) -> float:
     """
     powers = []
     for side in (-1.0, 1.0):
-        at_tip, at_distance, at_twice = profile.height(side * distance * np.arange(3)).tolist()
-        rises = at_distance > at_tip and at_twice > at_distance
-        ratio = (at_twice - at_tip) / (at_distance - at_tip) if rises else math.inf
-        powers.append(math.log2(ratio))
+        height_at_tip, height_at_distance, height_at_twice = profile.height(
+            side * distance * np.arange(3)
+        ).tolist()
+        is_rising = height_at_distance > height_at_tip and height_at_twice > height_at_distance
+        height_ratio = (
+            (height_at_twice - height_at_tip) / (height_at_distance - height_at_tip)
+            if is_rising
+            else math.inf
+        )
+        powers.append(math.log2(height_ratio))
     return round(min(powers), _DIGITS_OF_POWER)
 
 
@@ -191,7 +197,7 @@ def resolution_notes(
         its settings: what a note asks for is a finer one
     """
     expected_errors = _ExpectedErrors(_LINEAR if mesh.order == 1 else 1.0, revolution.sheared)
-    enough = expected_errors.enough_elements()
+    elements_enough = expected_errors.enough_elements()
     elements_in_least = revolution.least_contact() / element
     if expected_errors.matter(elements_in_least):
         yield (
@@ -199,7 +205,7 @@ def resolution_notes(
             " it is smallest"
             f" (loads above {_LOADED:g} of the largest), {element:.3g} each on the coarser side:"
             f" {expected_errors.words(elements_in_least)};"
-            f" {_finer(mesh, elements_in_least / enough)}"
+            f" {_finer(mesh, elements_in_least / elements_enough)}"
         )
     exponent = tip_power(profile, element / 2**_MOST_HALVINGS)
     if exponent < _SHARP:
@@ -214,7 +220,7 @@ def resolution_notes(
                 f"the contact ends {max(flank.width, 0.0):.2g} elements, {element:.3g} each, beyond"
                 f" x = {flank.kink:.6g}, where the pressure is steep: it is not resolved there,"
                 f" {expected_errors.words(flank.resolved_by)};"
-                f" {_finer(mesh, flank.resolved_by / enough)}"
+                f" {_finer(mesh, flank.resolved_by / elements_enough)}"
             )
     if revolution.sheared:
         yield from _slip_notes(revolution, element, mesh)
@@ -271,34 +277,37 @@ def _finer(mesh: MeshSettings, share: float) -> str:
     >>> _finer(MeshSettings(edge_element_size=0.01), 0.2469), _finer(MeshSettings(), 1e-9)
     ('use edge_element_size = 0.0024', 'no edge_element_size resolves it')
     """
-    size = mesh.edge_element_size * share
-    digit = 10.0 ** (math.floor(math.log10(size)) - 1) if size > 0 else 1.0
-    size = math.floor(size / digit) * digit
-    if size < MeshSettings.LEAST_SIZE:
+    element_size = mesh.edge_element_size * share
+    second_digit = 10.0 ** (math.floor(math.log10(element_size)) - 1) if element_size > 0 else 1.0
+    element_size = math.floor(element_size / second_digit) * second_digit
+    if element_size < MeshSettings.LEAST_SIZE:
         return "no edge_element_size resolves it"
-    return f"use edge_element_size = {size:.2g}"
+    return f"use edge_element_size = {element_size:.2g}"
 
 
 def _slip_notes(revolution: Revolution, element: float, mesh: MeshSettings) -> Iterator[str]:
     """Slip zones of few elements, and dissipation that the mesh alone may have made."""
     dissipation = revolution.dissipation
-    slip_zone = revolution.widest_slip_zone() / element
+    elements_in_slip = revolution.widest_slip_zone() / element
     largest_contact = float(np.max(revolution.contact, initial=element))
-    made_by_mesh = _FLOOR * (element / largest_contact) ** 2
+    dissipation_by_mesh = _FLOOR * (element / largest_contact) ** 2
     if not dissipation > 0:
         yield (
             f"no node slips: a slip zone narrower than an element, {element:.3g} at the edges,"
             " would not be seen, and its dissipation would be missing"
         )
-    elif slip_zone < _FEW:
-        error = "some per cent or more" if slip_zone > 1 else "a factor, up or down"
+    elif elements_in_slip < _FEW:
+        error_text = "some per cent or more" if elements_in_slip > 1 else "a factor, up or down"
         yield (
-            f"slip zones are {slip_zone:.2g} elements wide at most, {element:.3g} each: the error"
-            f" of the dissipation is {error}; {_finer(mesh, slip_zone / _ENOUGH_IN_SLIP)}"
+            f"slip zones are {elements_in_slip:.2g} elements wide at most, {element:.3g} each: the"
+            " error"
+            f" of the dissipation is {error_text};"
+            f" {_finer(mesh, elements_in_slip / _ENOUGH_IN_SLIP)}"
         )
-    elif made_by_mesh > _TOLD * dissipation:
+    elif dissipation_by_mesh > _TOLD * dissipation:
         yield (
             f"the dissipation is {dissipation:.2g} A f^2 P^2, and the mesh alone makes up to"
-            f" {made_by_mesh:.2g} of that unit where all of the contact is next to slipping, even"
+            f" {dissipation_by_mesh:.2g} of that unit where all of the contact is next to slipping,"
+            " even"
             " if nothing slips: take the figure for uncertain by that much"
         )

@@ -462,7 +462,9 @@ class _CoarsePair:
         self._made: tuple[float, Interface] | None = None
 
     def faces(self, half_width: float) -> Interface:
-        """The coupled faces in the scene's units of length; `half_width` of the side that may touch."""
+        """The coupled faces in the scene's units of length, where the side that may touch has this
+        half-width.
+        """
         size_of_mesh = 1.0 if self.scene.bodies.half_planes else half_width
         if self._made is None or self._made[0] != size_of_mesh:
             bodies = meshed_pair(self.scene, _MESH, lambda ratio: _grading(size_of_mesh, ratio))

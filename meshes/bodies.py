@@ -206,37 +206,39 @@ def body_nodes(grading: SurfaceGrading, growth: float, order: int) -> int:
     With size h + g d and dA = (pi d + L) dd the count is (4/sqrt 3) int_0^R (pi d + L)/(h + g d)^2
     dd, in closed form.
     """
-    count = 0.0
+    n_corners = 0.0
     g = growth
     for length, h in (
         (2 * (grading.outer - grading.inner), grading.edge_size),
         (2 * grading.inner, grading.size),
     ):
         if length > 0:
-            reach = g * min(grading.radius, _FAR * grading.outer) / h
-            count += (
+            scaled_radius = g * min(grading.radius, _FAR * grading.outer) / h
+            n_corners += (
                 4
                 / math.sqrt(3)
                 * (
-                    math.pi / g**2 * (math.log1p(reach) - reach / (1 + reach))
-                    + length / (g * h) * reach / (1 + reach)
+                    math.pi
+                    / g**2
+                    * (math.log1p(scaled_radius) - scaled_radius / (1 + scaled_radius))
+                    + length / (g * h) * scaled_radius / (1 + scaled_radius)
                 )
             )
-    return round(count * order**2 / 2)
+    return round(n_corners * order**2 / 2)
 
 
 def check_count(name: str, grading: SurfaceGrading, growth: float, order: int) -> None:
     """InputError where the mesh of body `name` would be too large, with the limit."""
-    words_of_cure = "make element_size and edge_element_size larger"
+    advice = "make element_size and edge_element_size larger"
     if (count := contact_nodes(grading, order)) > MOST_CONTACT_NODES:
         raise InputError(
             f"mesh: the {name} body would have some {count:,} nodes on its contact, and the limit"
-            f" is {MOST_CONTACT_NODES:,}; {words_of_cure}"
+            f" is {MOST_CONTACT_NODES:,}; {advice}"
         )
     if (count := body_nodes(grading, growth, order)) > MOST_NODES:
         raise InputError(
             f"mesh: the {name} body would have about {count:,} nodes, and the limit is"
-            f" {MOST_NODES:,}; {words_of_cure}, or growth"
+            f" {MOST_NODES:,}; {advice}, or growth"
         )
 
 
@@ -296,15 +298,15 @@ def size_formula(
     sharp_corners
         (x, y) of corners where the strain is infinite
     """
-    end = grading.outer
-    begin = grading.inner
+    outer = grading.outer
+    inner = grading.inner
     formula = (
-        f"{grading.edge_size!r} + {growth!r} * Sqrt(Max(Max(x - {end!r}, {begin!r} - x), 0)^2 +"
+        f"{grading.edge_size!r} + {growth!r} * Sqrt(Max(Max(x - {outer!r}, {inner!r} - x), 0)^2 +"
         " y^2)"
     )
-    if begin > 0:
+    if inner > 0:
         formula = (
-            f"Min({formula}, {grading.size!r} + {growth!r} * Sqrt(Max(x - {begin!r}, 0)^2 + y^2))"
+            f"Min({formula}, {grading.size!r} + {growth!r} * Sqrt(Max(x - {inner!r}, 0)^2 + y^2))"
         )
     if grading.halvings:
         # The elements of the surface are as long as they are far from the tip.
@@ -312,10 +314,11 @@ def size_formula(
             f"Min({formula}, {grading.tip_size!r} + {max(growth, _TIP_GROWTH)!r} * Sqrt(x^2 + y^2))"
         )
     for x, y in sharp_corners:
-        size_around_edges = grading.edge_size + growth * math.hypot(max(x - end, 0.0), y)
-        size = float(rounded(min(size_around_edges, x, -y) / _CORNER_SHARE))
+        size_around_edges = grading.edge_size + growth * math.hypot(max(x - outer, 0.0), y)
+        corner_size = float(rounded(min(size_around_edges, x, -y) / _CORNER_SHARE))
         formula = (
-            f"Min({formula}, {size!r} + {corner_growth(growth)!r} * Sqrt((x - {x!r})^2 + (y +"
+            f"Min({formula}, {corner_size!r} + {corner_growth(growth)!r} * Sqrt((x - {x!r})^2 + (y"
+            " +"
             f" {-y!r})^2))"
         )
     return formula

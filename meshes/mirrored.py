@@ -40,29 +40,29 @@ def mesh_quality(mesh: skfem.Mesh, exact_area: float) -> dict[str, float]:
         triangle or a square, 0 for a sliver; from the corners); area_error (relative,
         isoparametric); size_ratio (longest over shortest side in the mesh).
     """
-    triangles = mesh.refdom.nfacets == 3
+    is_triangular = mesh.refdom.nfacets == 3
     corners = mesh.p[:, mesh.t[: mesh.refdom.nfacets]]  # (2, corners, n_elements)
     side_ahead = np.roll(corners, -1, axis=1) - corners
-    back = np.roll(corners, 1, axis=1) - corners
-    sides = np.linalg.norm(side_ahead, axis=0)
-    cross = side_ahead[0] * back[1] - side_ahead[1] * back[0]
-    angles = np.arctan2(np.abs(cross), np.sum(side_ahead * back, axis=0))
-    shape = (
-        _triangle_shape(cross, sides)
-        if triangles
-        else _quadrilateral_shape(side_ahead, back, cross)
+    side_behind = np.roll(corners, 1, axis=1) - corners
+    side_lengths = np.linalg.norm(side_ahead, axis=0)
+    cross_products = side_ahead[0] * side_behind[1] - side_ahead[1] * side_behind[0]
+    angles = np.arctan2(np.abs(cross_products), np.sum(side_ahead * side_behind, axis=0))
+    shape_measures = (
+        _triangle_shape(cross_products, side_lengths)
+        if is_triangular
+        else _quadrilateral_shape(side_ahead, side_behind, cross_products)
     )
     points, weights = get_quadrature(mesh.refdom, 4)
     return {
         "elements": float(mesh.t.shape[1]),
         "nodes": float(mesh.p.shape[1]),
         "least_angle": float(np.degrees(angles.min())),
-        "worst_shape": float(shape.min()),
-        "mean_shape": float(shape.mean()),
+        "worst_shape": float(shape_measures.min()),
+        "mean_shape": float(shape_measures.mean()),
         "area_error": (
             float((np.abs(mesh.mapping().detDF(points)) @ weights).sum()) / exact_area - 1
         ),
-        "size_ratio": float(sides.max() / sides.min()),
+        "size_ratio": float(side_lengths.max() / side_lengths.min()),
     }
 
 
@@ -131,12 +131,14 @@ def mirrored_mesh(
     skfem.Mesh
         MeshTri, MeshTri2, MeshQuad or MeshQuad2 with the named boundaries.
     """
-    half = _mesh_of_half(draw, size, order, cells)
+    half_mesh = _mesh_of_half(draw, size, order, cells)
     if settle is not None:
-        half = _ReadMesh(
-            settle(half.points, half.boundary_points), half.elements, half.boundary_points
+        half_mesh = _ReadMesh(
+            settle(half_mesh.points, half_mesh.boundary_points),
+            half_mesh.elements,
+            half_mesh.boundary_points,
         )
-    whole_mesh = _corners_first(_reflect(half))
+    whole_mesh = _corners_first(_reflect(half_mesh))
     points = np.ascontiguousarray(whole_mesh.points.T)
     elements = np.ascontiguousarray(whole_mesh.elements.T)
     n_corners = int(elements[: whole_mesh.corners].max()) + 1
@@ -198,33 +200,45 @@ def _mesh_of_half(
 
 def _read(curves: Mapping[str, list[int]]) -> _ReadMesh:
     """Points, elements and boundary points of gmsh's current model."""
-    tags, coordinates, _ = gmsh.model.mesh.getNodes()
-    place = np.zeros(int(tags.max()) + 1, dtype=np.int64)
-    place[tags.astype(np.int64)] = np.arange(len(tags))
+    node_tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    number_of_tag = np.zeros(int(node_tags.max()) + 1, dtype=np.int64)
+    number_of_tag[node_tags.astype(np.int64)] = np.arange(len(node_tags))
     kinds, numbers, connectivity = gmsh.model.mesh.getElements(2)
     if len(kinds) != 1:
         raise ValueError("gmsh left elements of more than one kind")
-    elements = place[connectivity[0].astype(np.int64)].reshape(len(numbers[0]), -1)
+    elements = number_of_tag[connectivity[0].astype(np.int64)].reshape(len(numbers[0]), -1)
     boundary_points = {}
-    for name, lines in curves.items():
-        nodes = [gmsh.model.mesh.getNodes(1, line, includeBoundary=True)[0] for line in lines]
-        boundary_points[name] = np.unique(place[np.concatenate(nodes).astype(np.int64)])
+    for name, curve_tags in curves.items():
+        tags_of_curves = [
+            gmsh.model.mesh.getNodes(1, curve_tag, includeBoundary=True)[0]
+            for curve_tag in curve_tags
+        ]
+        boundary_points[name] = np.unique(
+            number_of_tag[np.concatenate(tags_of_curves).astype(np.int64)]
+        )
     return _ReadMesh(coordinates.reshape(-1, 3)[:, :2], elements, boundary_points)
 
 
-def _reflect(half: _ReadMesh) -> _ReadMesh:
-    """`half` (x >= 0) with its mirror image, points on x = 0 shared."""
-    points = half.points.copy()
-    on_axis = np.abs(points[:, 0]) < _ON_AXIS
-    points[on_axis, 0] = 0.0
-    image = np.empty(len(points), dtype=np.int64)
-    image[on_axis] = np.flatnonzero(on_axis)
-    image[~on_axis] = len(points) + np.arange(np.count_nonzero(~on_axis))
-    mirrored_elements = image[half.elements][:, _REFLECTED[half.elements.shape[1]]]
+def _reflect(half_mesh: _ReadMesh) -> _ReadMesh:
+    """The mesh of a half (x >= 0) together with its mirror image in x = 0; points on the axis are
+    shared.
+    """
+    points = half_mesh.points.copy()
+    is_on_axis = np.abs(points[:, 0]) < _ON_AXIS
+    points[is_on_axis, 0] = 0.0
+    image_of_point = np.empty(len(points), dtype=np.int64)
+    image_of_point[is_on_axis] = np.flatnonzero(is_on_axis)
+    image_of_point[~is_on_axis] = len(points) + np.arange(np.count_nonzero(~is_on_axis))
+    mirrored_elements = image_of_point[half_mesh.elements][
+        :, _REFLECTED[half_mesh.elements.shape[1]]
+    ]
     return _ReadMesh(
-        np.vstack([points, points[~on_axis] * [-1.0, 1.0]]),
-        np.vstack([half.elements, mirrored_elements]),
-        {name: np.union1d(nodes, image[nodes]) for name, nodes in half.boundary_points.items()},
+        np.vstack([points, points[~is_on_axis] * [-1.0, 1.0]]),
+        np.vstack([half_mesh.elements, mirrored_elements]),
+        {
+            name: np.union1d(nodes, image_of_point[nodes])
+            for name, nodes in half_mesh.boundary_points.items()
+        },
     )
 
 
@@ -235,11 +249,11 @@ def _corners_first(body: _ReadMesh) -> _ReadMesh:
     Points of no element are dropped: gmsh counts the centre of an arc.
     """
     corners = np.unique(body.elements[:, : body.corners])
-    order = np.concatenate([corners, np.setdiff1d(body.elements, corners)])
-    place = np.full(len(body.points), -1)
-    place[order] = np.arange(len(order))
-    boundary_points = {name: place[nodes] for name, nodes in body.boundary_points.items()}
-    return _ReadMesh(body.points[order], place[body.elements], boundary_points)
+    points_in_order = np.concatenate([corners, np.setdiff1d(body.elements, corners)])
+    new_number = np.full(len(body.points), -1)
+    new_number[points_in_order] = np.arange(len(points_in_order))
+    boundary_points = {name: new_number[nodes] for name, nodes in body.boundary_points.items()}
+    return _ReadMesh(body.points[points_in_order], new_number[body.elements], boundary_points)
 
 
 def _facets(mesh: skfem.Mesh, nodes: Indices) -> Indices:

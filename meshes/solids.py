@@ -69,18 +69,23 @@ def half_disc(
 
 
 def _quarter(grading: SurfaceGrading) -> dict[str, list[int]]:
-    """Draws the quarter x >= 0 of the half-disc."""
-    geo = gmsh.model.geo
-    surface = [geo.addPoint(float(x), 0, 0) for x in surface_points(grading)]
-    corner = geo.addPoint(grading.radius, 0, 0)
-    bottom = geo.addPoint(0, -grading.radius, 0)
-    contact = [geo.addLine(a, b) for a, b in itertools.pairwise(surface)]
-    free_line = geo.addLine(surface[-1], corner)
-    arc = geo.addCircleArc(corner, surface[0], bottom)
-    axis = geo.addLine(bottom, surface[0])
-    geo.addPlaneSurface([geo.addCurveLoop([*contact, free_line, arc, axis])])
+    """Draw the quarter x >= 0 of a half-disc into gmsh's current model, with one line for each
+    surface element; the tags of its curves by the name of the boundary.
+    """
+    geometry = gmsh.model.geo
+    surface = [geometry.addPoint(float(x), 0, 0) for x in surface_points(grading)]
+    end_of_surface = geometry.addPoint(grading.radius, 0, 0)
+    bottom = geometry.addPoint(0, -grading.radius, 0)
+    contact = [
+        geometry.addLine(first_point, second_point)
+        for first_point, second_point in itertools.pairwise(surface)
+    ]
+    free_line = geometry.addLine(surface[-1], end_of_surface)
+    arc = geometry.addCircleArc(end_of_surface, surface[0], bottom)
+    axis = geometry.addLine(bottom, surface[0])
+    geometry.addPlaneSurface([geometry.addCurveLoop([*contact, free_line, arc, axis])])
     for line in contact:
-        geo.mesh.setTransfiniteCurve(line, 2)
+        geometry.mesh.setTransfiniteCurve(line, 2)
     return {"contact": contact, "free": [free_line], "far_field": [arc]}
 
 
@@ -154,15 +159,15 @@ def _area(shape: Solid, face: Face) -> float:
     if isinstance(shape, Cylinder):
         return np.pi * shape.radius**2 / 2
     nodes, weights = np.polynomial.legendre.leggauss(20)
-    flat = min(face.arc[0], shape.width / 2) if face.arc is not None else 0.0
-    pieces = np.linspace(flat, shape.width / 2, 65)
-    half = (pieces[1] - pieces[0]) / 2
-    depth = face.depth(pieces[:-1, None] + half * (1 + nodes))
+    flat_half_length = min(face.arc[0], shape.width / 2) if face.arc is not None else 0.0
+    piece_begins = np.linspace(flat_half_length, shape.width / 2, 65)
+    half_piece = (piece_begins[1] - piece_begins[0]) / 2
+    depths = face.depth(piece_begins[:-1, None] + half_piece * (1 + nodes))
     area = shape.width * shape.height
     if isinstance(shape, TShape | ShoulderedPad):
         step = shape.step
         area = shape.width * step.depth + 2 * step.half_width * (shape.height - step.depth)
-    return float(area - 2 * half * np.sum(depth @ weights))
+    return float(area - 2 * half_piece * np.sum(depths @ weights))
 
 
 class _Outline:
@@ -175,16 +180,18 @@ class _Outline:
         height = (shape.radius if isinstance(shape, Cylinder) else shape.height) / length
         # The face's drop from the width as it is: at the end of an arc of 90 degrees it changes
         # with the root of the width.
-        drop = float(self._true_depth(np.array(half_width)))
-        self._half_width, self._height, self._drop = rounded([half_width, height, drop]).tolist()
+        face_drop = float(self._true_depth(np.array(half_width)))
+        self._half_width, self._height, self._drop = rounded(
+            [half_width, height, face_drop]
+        ).tolist()
         self._foot = (self._half_width, -self._height)
         supports = _supports(shape)
         self._is_sharp_at_base = supports["base"] == "fixed" and "sides" not in supports
         self._at_step: list[tuple[float, float]] = []  # from the face downwards
         if isinstance(shape, TShape | ShoulderedPad):
-            depth, depth_below = rounded(np.array(shape.step) / length).tolist()
-            self._at_step = [(self._half_width, -depth), (depth_below, -depth)]
-            self._foot = (depth_below, -self._height)
+            step_depth, half_width_below = rounded(np.array(shape.step) / length).tolist()
+            self._at_step = [(self._half_width, -step_depth), (half_width_below, -step_depth)]
+            self._foot = (half_width_below, -self._height)
 
     @property
     def sharp_corners(self) -> list[tuple[float, float]]:
@@ -201,30 +208,37 @@ class _Outline:
         return np.asarray(self._face.depth(np.asarray(x) * self._length)) / self._length
 
     def draw(self, grading: SurfaceGrading, growth: float) -> dict[str, list[int]]:
-        """Contact side, the rest of the face, side, base, axis."""
-        geo = gmsh.model.geo
-        places = surface_points(grading)
-        surface = [
-            geo.addPoint(float(x), -float(y), 0)
-            for x, y in zip(places, self._depth(places), strict=True)
+        """Draw the half x >= 0 of the body into gmsh's current model: contact side, the rest of the
+        face, side, base and axis; the tags of its curves by the name of the boundary.
+        """
+        geometry = gmsh.model.geo
+        surface_x = surface_points(grading)
+        surface_points_drawn = [
+            geometry.addPoint(float(x), -float(y), 0)
+            for x, y in zip(surface_x, self._depth(surface_x), strict=True)
         ]
-        contact = [geo.addLine(a, b) for a, b in itertools.pairwise(surface)]
+        contact = [
+            geometry.addLine(first_point, second_point)
+            for first_point, second_point in itertools.pairwise(surface_points_drawn)
+        ]
         for line in contact:
-            geo.mesh.setTransfiniteCurve(line, 2)
-        free_line, end = self._rest_of_face(
-            float(places[-1]), surface[-1], grading.edge_size, growth
+            geometry.mesh.setTransfiniteCurve(line, 2)
+        free_line, face_end = self._rest_of_face(
+            float(surface_x[-1]), surface_points_drawn[-1], grading.edge_size, growth
         )
-        axis_end = geo.addPoint(0, -self._height, 0)
+        axis_end = geometry.addPoint(0, -self._height, 0)
         sides = []
-        foot = end
+        last_point = face_end
         if self._drop < self._height * (1 - 1e-9):
             for x, y in (*self._at_step, self._foot):
-                corner = geo.addPoint(x, y, 0)
-                sides.append(geo.addLine(foot, corner))
-                foot = corner
-        base = geo.addLine(foot, axis_end)
-        axis = geo.addLine(axis_end, surface[0])
-        geo.addPlaneSurface([geo.addCurveLoop([*contact, *free_line, *sides, base, axis])])
+                corner_point = geometry.addPoint(x, y, 0)
+                sides.append(geometry.addLine(last_point, corner_point))
+                last_point = corner_point
+        base = geometry.addLine(last_point, axis_end)
+        axis = geometry.addLine(axis_end, surface_points_drawn[0])
+        geometry.addPlaneSurface(
+            [geometry.addCurveLoop([*contact, *free_line, *sides, base, axis])]
+        )
         return {"contact": contact, "free": free_line, "base": [base]} | (
             {"sides": sides} if sides else {}
         )
@@ -233,28 +247,36 @@ class _Outline:
         self, start: float, first_point: int, size: float, growth: float
     ) -> tuple[list[int], int]:
         """Curves from the contact side's end to the face's end, and the point there."""
-        geo = gmsh.model.geo
-        end = self._half_width
+        geometry = gmsh.model.geo
+        face_end = self._half_width
         if self._face.arc is not None:
-            begin, radius = rounded(np.array(self._face.arc) / self._length).tolist()
-            if start >= begin:
-                last_point = geo.addPoint(end, -self._drop, 0)
+            arc_begin, radius = rounded(np.array(self._face.arc) / self._length).tolist()
+            if start >= arc_begin:
+                last_point = geometry.addPoint(face_end, -self._drop, 0)
                 return [
-                    geo.addCircleArc(first_point, geo.addPoint(begin, -radius, 0), last_point)
+                    geometry.addCircleArc(
+                        first_point, geometry.addPoint(arc_begin, -radius, 0), last_point
+                    )
                 ], last_point
-        places = np.array([end]) if self._face.flat else self._places(start, end, size, growth)
-        points = [first_point] + [
-            geo.addPoint(float(x), -float(y), 0)
-            for x, y in zip(places, self._depth(places), strict=True)
+        face_x = (
+            np.array([face_end]) if self._face.flat else self._places(start, face_end, size, growth)
+        )
+        face_points = [first_point] + [
+            geometry.addPoint(float(x), -float(y), 0)
+            for x, y in zip(face_x, self._depth(face_x), strict=True)
         ]
-        return [geo.addLine(a, b) for a, b in itertools.pairwise(points)], points[-1]
+        return [
+            geometry.addLine(first, second) for first, second in itertools.pairwise(face_points)
+        ], face_points[-1]
 
     def _places(self, start: float, end: float, size: float, growth: float) -> Array:
         """Points up to the face's end, as far apart as the elements are large."""
         places = [start]
         while places[-1] < end:
-            away = float(np.hypot(places[-1] - start, self._depth(np.array(places[-1]))))
-            places.append(places[-1] + size + growth * away)
+            distance_from_start = float(
+                np.hypot(places[-1] - start, self._depth(np.array(places[-1])))
+            )
+            places.append(places[-1] + size + growth * distance_from_start)
         return start + (np.array(places[1:]) - start) * (end - start) / (places[-1] - start)
 
     def settle(self, points: Array, named_nodes: dict[str, Indices]) -> Array:

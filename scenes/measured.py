@@ -236,6 +236,10 @@ class FromFile(Frozen):
 
     @model_validator(mode="after")
     def _read(self, validation: ValidationInfo) -> Self:
+        """Read the rows from the file, where they are not stated: each column is turned into the
+        scene's units, and how that was done is noted in `read_as`. InputError for a file that is
+        not understood.
+        """
         if self.table in self.model_fields_set:
             return self
         if self.file is None:
@@ -250,23 +254,23 @@ class FromFile(Frozen):
         column_names = self._named(columns)
         kinds = self.column_kinds | {name: self.further[name] for name in column_names}
         table = self._table_of(path, tuple(kinds), columns)
-        read_as = layout_in_words(path, table)
+        reading_words = layout_in_words(path, table)
         is_converted = False
-        for k, (name, kind) in enumerate(kinds.items()):
-            reading = self._reading(path, table, k, name, kind, units)
-            is_converted = is_converted or (reading.unit_known and kind != "time")
+        for column, (name, kind) in enumerate(kinds.items()):
+            column_reading = self._reading(path, table, column, name, kind, units)
+            is_converted = is_converted or (column_reading.unit_known and kind != "time")
             # what is not finite is refused with its row
             with np.errstate(over="ignore", invalid="ignore"):
-                table.values[:, k] -= reading.zero
-                table.values[:, k] *= reading.factor
-            read_as.append((name, reading.words))
-        read_as += self._of_no_column()
+                table.values[:, column] -= column_reading.zero
+                table.values[:, column] *= column_reading.factor
+            reading_words.append((name, column_reading.words))
+        reading_words += self._of_no_column()
         if table.unused:
             headings = ", ".join(map(repr, table.unused[:_SHOWN]))
-            remainder = f" and {len(table.unused) - _SHOWN} more" * (len(table.unused) > _SHOWN)
-            read_as.append(("not read", f"{headings}{remainder}"))
+            rest_of_names = f" and {len(table.unused) - _SHOWN} more" * (len(table.unused) > _SHOWN)
+            reading_words.append(("not read", f"{headings}{rest_of_names}"))
         if is_converted:
-            read_as.append((SCENE_UNITS, units))
+            reading_words.append((SCENE_UNITS, units))
         stated_twice = [name for name in column_names if getattr(self, name) is not None]
         if stated_twice:
             raise InputError(
@@ -274,13 +278,13 @@ class FromFile(Frozen):
                 " leave one out"
             )
         values = Table.of(self._with_no_columns(table.values)).values
-        count = values.shape[1] - len(column_names)
+        n_columns = values.shape[1] - len(column_names)
         keys_read: dict[str, Any] = {
-            self.table: Table.of(values[:, :count]),
-            "read_as": tuple(read_as),
+            self.table: Table.of(values[:, :n_columns]),
+            "read_as": tuple(reading_words),
         }
-        for k, name in enumerate(column_names):
-            keys_read[name] = tuple(values[:, count + k].tolist())
+        for column, name in enumerate(column_names):
+            keys_read[name] = tuple(values[:, n_columns + column].tolist())
         for name, value in keys_read.items():
             object.__setattr__(self, name, value)
         self.model_fields_set.update(keys_read)
@@ -328,39 +332,41 @@ class FromFile(Frozen):
         if unit.fault and name in stated_units:
             raise InputError(f"units.{name}: {unit.fault}")
         if unit.fault and kind not in ("time", "moment") and name not in scales:
-            of_loads = ""
+            advice_for_loads = ""
             if kind == "load":
-                of_loads = ": to loads per unit thickness, or to forces beside the key thickness"
+                advice_for_loads = (
+                    ": to loads per unit thickness, or to forces beside the key thickness"
+                )
             raise InputError(
                 f"{path}: the heading {heading!r} of {name} has {unit.word!r} where a unit"
                 f" stands: {unit.fault}; state the unit of the numbers, such as units ="
-                f" {{{name} = {LIKELY_UNITS[kind]!r}}}, or their factor by scale{of_loads}"
+                f" {{{name} = {LIKELY_UNITS[kind]!r}}}, or their factor by scale{advice_for_loads}"
             )
         thickness = getattr(self, "thickness", None) if kind == "load" else None
         if unit.known and kind == "load" and unit.per_length == (thickness is not None):
-            rule = (
+            fault_text = (
                 "a force, and loads are per unit thickness: state the key thickness, the length of"
                 " the contact out of the plane, by which it is divided"
             )
             if unit.per_length:
-                rule = "per length already: leave out the key thickness"
-            raise InputError(f"{path}: {name} is in {unit.word} ({unit.source}), {rule}")
-        words = [repr(heading) if table.head else heading]
+                fault_text = "per length already: leave out the key thickness"
+            raise InputError(f"{path}: {name} is in {unit.word} ({unit.source}), {fault_text}")
+        phrases = [repr(heading) if table.head else heading]
         if table.clock_start and kind == "time":
-            words.append(f"times of day: seconds since {table.clock_start}")
+            phrases.append(f"times of day: seconds since {table.clock_start}")
         elif unit.words:
-            words.append(unit.words)
+            phrases.append(unit.words)
         if name in zeros:
-            words.append(f"zero at {zeros[name]:.9g} of the file")
+            phrases.append(f"zero at {zeros[name]:.9g} of the file")
         if name in scales:
-            words.append(f"times {scales[name]:.9g} (scale)")
+            phrases.append(f"times {scales[name]:.9g} (scale)")
         if thickness is not None:
-            words.append(f"over the thickness {thickness:.9g}")
+            phrases.append(f"over the thickness {thickness:.9g}")
         if signs.get(name, 1) < 0:
-            words.append("sign turned")
+            phrases.append("sign turned")
         # the quotient first: the order decides about the last digit
         factor = unit.factor * (scales.get(name, 1.0) * signs.get(name, 1) / (thickness or 1.0))
-        return _Reading(zeros.get(name, 0.0), factor, unit.known, ", ".join(words))
+        return _Reading(zeros.get(name, 0.0), factor, unit.known, ", ".join(phrases))
 
     @classmethod
     def _named(cls, columns: Frozen | None) -> list[str]:
@@ -469,11 +475,11 @@ def reduced(
     if reduction is None:
         kept_values = values
     elif reduction == "turning_points":
-        turns = (
-            turning_points(values[:, column], size)
-            for column, size in ((1, normal_threshold), (2, tangential_threshold))
+        rows_of_turns = (
+            turning_points(values[:, column], threshold)
+            for column, threshold in ((1, normal_threshold), (2, tangential_threshold))
         )
-        kept_values = values[np.unique(np.concatenate([[0, len(values) - 1], *turns]))]
+        kept_values = values[np.unique(np.concatenate([[0, len(values) - 1], *rows_of_turns]))]
     else:
         thresholds = np.array([normal_threshold, tangential_threshold])
         kept_values = values[within(values[:, 1:], thresholds)]
@@ -495,29 +501,29 @@ def turning_points(values: Array, threshold: float) -> Rows:
     """Rows (m,) at which `values` (n,) turn, but for swings of at most `threshold`: an extreme
     counts once they left it by more.
     """
-    step = np.diff(values)
-    moving_rows = np.flatnonzero(step)
+    steps = np.diff(values)
+    moving_rows = np.flatnonzero(steps)
     # the first row of a plateau that turns
-    turning_rows = moving_rows[:-1][step[moving_rows[:-1]] * step[moving_rows[1:]] < 0] + 1
+    turning_rows = moving_rows[:-1][steps[moving_rows[:-1]] * steps[moving_rows[1:]] < 0] + 1
     turns: list[int] = []
     direction = 0  # of the swing that is followed
-    low_row = 0  # its extreme rows so far
-    high_row = 0
+    row_of_least = 0  # its extreme rows so far
+    row_of_largest = 0
     for row, value in zip(
         (*turning_rows.tolist(), len(values) - 1),
         (*values[turning_rows].tolist(), float(values[-1])),
         strict=True,
     ):
-        high_row = row if value > values[high_row] else high_row
-        low_row = row if value < values[low_row] else low_row
-        if direction >= 0 and values[high_row] - value > threshold:
-            turns.append(high_row)
+        row_of_largest = row if value > values[row_of_largest] else row_of_largest
+        row_of_least = row if value < values[row_of_least] else row_of_least
+        if direction >= 0 and values[row_of_largest] - value > threshold:
+            turns.append(row_of_largest)
             direction = -1
-            low_row = row
-        elif direction <= 0 and value - values[low_row] > threshold:
-            turns.append(low_row)
+            row_of_least = row
+        elif direction <= 0 and value - values[row_of_least] > threshold:
+            turns.append(row_of_least)
             direction = 1
-            high_row = row
+            row_of_largest = row
     return np.array(turns, dtype=np.int64)
 
 
@@ -531,21 +537,25 @@ def within(path: Array, tolerance: Array) -> Rows:
     """
     slack = tolerance + _ROUNDING * np.max(np.abs(path), initial=0.0)
 
-    def fits(first_row: int, last_row: int) -> bool:
+    def line_fits(first_row: int, last_row: int) -> bool:
         start = path[first_row]
         change = path[last_row] - path[first_row]
         points_between = path[first_row + 1 : last_row] - start
         with np.errstate(divide="ignore", invalid="ignore"):
-            at_lower = (points_between - slack) / change
-            at_upper = (points_between + slack) / change
-        does_not_move = change == 0
-        if np.any(np.abs(points_between[:, does_not_move]) > slack[does_not_move]):
+            shares_at_lower = (points_between - slack) / change
+            shares_at_upper = (points_between + slack) / change
+        is_constant = change == 0
+        if np.any(np.abs(points_between[:, is_constant]) > slack[is_constant]):
             return False
         least_share = np.max(
-            np.where(does_not_move, 0.0, np.minimum(at_lower, at_upper)), axis=1, initial=0.0
+            np.where(is_constant, 0.0, np.minimum(shares_at_lower, shares_at_upper)),
+            axis=1,
+            initial=0.0,
         )
         largest_share = np.min(
-            np.where(does_not_move, 1.0, np.maximum(at_lower, at_upper)), axis=1, initial=1.0
+            np.where(is_constant, 1.0, np.maximum(shares_at_lower, shares_at_upper)),
+            axis=1,
+            initial=1.0,
         )
         return bool(np.all(np.maximum.accumulate(least_share) <= largest_share))
 
@@ -553,18 +563,20 @@ def within(path: Array, tolerance: Array) -> Rows:
     last_number = len(path) - 1
     while row_numbers[-1] < last_number:
         first_number = row_numbers[-1]
-        reach = 1
-        while first_number + 2 * reach <= last_number and fits(
-            first_number, first_number + 2 * reach
+        rows_reached = 1
+        while first_number + 2 * rows_reached <= last_number and line_fits(
+            first_number, first_number + 2 * rows_reached
         ):
-            reach *= 2
-        reach_limit = min(2 * reach, last_number - first_number + 1)
-        while reach_limit - reach > 1:  # `reach` fits, `far` does not or was not tried
-            middle = (reach + reach_limit) // 2
-            reach, reach_limit = (
-                (middle, reach_limit)
-                if fits(first_number, first_number + middle)
-                else (reach, middle)
+            rows_reached *= 2
+        rows_not_reached = min(2 * rows_reached, last_number - first_number + 1)
+        while (
+            rows_not_reached - rows_reached > 1
+        ):  # the former fit, the latter do not or were not tried
+            rows_tried = (rows_reached + rows_not_reached) // 2
+            rows_reached, rows_not_reached = (
+                (rows_tried, rows_not_reached)
+                if line_fits(first_number, first_number + rows_tried)
+                else (rows_reached, rows_tried)
             )
-        row_numbers.append(first_number + reach)
+        row_numbers.append(first_number + rows_reached)
     return np.array(row_numbers, dtype=np.int64)

@@ -58,38 +58,48 @@ _ROUNDING = 1e-9
 
 
 def _of_punches(x: Array, half_widths: Array, modulus: float) -> tuple[Array, Array]:
-    """r and w - C at points x (k,) of mu that is 1 at one half-width and straight to 0 at those
-    beside it, (k, m) each; the last of the m+1 half-widths has the mu of the one before.
+    """Shear r and slip w - C at points x (k,) by hat functions of the punch density mu: mu is 1 at
+    one half-width and straight to 0 at those beside it, (k, m) each; the last of the m+1
+    half-widths has the mu of the one before.
     """
-    place = x[:, None]
-    larger_width = np.maximum(half_widths, place)
-    smaller_width = np.minimum(half_widths, place)
-    root = np.sqrt((larger_width - smaller_width) * (larger_width + smaller_width))
+    x_column = x[:, None]
+    larger_width = np.maximum(half_widths, x_column)
+    smaller_width = np.minimum(half_widths, x_column)
+    root_of_squares = np.sqrt((larger_width - smaller_width) * (larger_width + smaller_width))
     with np.errstate(divide="ignore", invalid="ignore"):
-        arc = np.where(smaller_width > 0, np.arccosh(larger_width / smaller_width), 0.0)
-        turn = np.where(place > 0, np.arcsin(np.minimum(smaller_width / place, 1.0)), 0.0)
+        arccosh_term = np.where(smaller_width > 0, np.arccosh(larger_width / smaller_width), 0.0)
+        arcsine_term = np.where(
+            x_column > 0, np.arcsin(np.minimum(smaller_width / x_column, 1.0)), 0.0
+        )
     # Of a punch within x nothing counts for r.
-    is_beyond = half_widths > place
-    shear = np.where(is_beyond, root, 0.0)  # int c dc/sqrt(c^2 - x^2)
-    shear_moment = (larger_width * shear + np.where(is_beyond, place**2 * arc, 0.0)) / 2  # int c^2
+    is_beyond = half_widths > x_column
+    shear = np.where(is_beyond, root_of_squares, 0.0)  # int c dc/sqrt(c^2 - x^2)
+    shear_moment = (
+        larger_width * shear + np.where(is_beyond, x_column**2 * arccosh_term, 0.0)
+    ) / 2  # int c^2
     # Of a punch beyond x only its part within x counts for w.
-    root = np.where(is_beyond, 0.0, root)
-    arc = np.where(is_beyond, 0.0, arc)
-    slip = (smaller_width**2 * arc + place * (place - root)) / 2  # int c arccosh(x/c) dc
-    slip_moment = smaller_width**3 * arc / 3 + place * (place**2 * turn - smaller_width * root) / 6
+    root_of_squares = np.where(is_beyond, 0.0, root_of_squares)
+    arccosh_term = np.where(is_beyond, 0.0, arccosh_term)
+    slip = (
+        smaller_width**2 * arccosh_term + x_column * (x_column - root_of_squares)
+    ) / 2  # int c arccosh(x/c) dc
+    slip_moment = (
+        smaller_width**3 * arccosh_term / 3
+        + x_column * (x_column**2 * arcsine_term - smaller_width * root_of_squares) / 6
+    )
 
-    def hats(integral: Array, moment: Array) -> Array:
+    def hat_integrals(integral: Array, moment: Array) -> Array:
         begin = half_widths[:-1]
         length = np.diff(half_widths)
-        rise = np.diff(integral, axis=1)
-        upper_part = (np.diff(moment, axis=1) - begin * rise) / length
-        lower_part = rise - upper_part
-        of_hats = lower_part
-        of_hats[:, 1:] += upper_part[:, :-1]
-        of_hats[:, -1] += upper_part[:, -1]
-        return of_hats
+        integral_rise = np.diff(integral, axis=1)
+        upper_part = (np.diff(moment, axis=1) - begin * integral_rise) / length
+        lower_part = integral_rise - upper_part
+        integrals = lower_part
+        integrals[:, 1:] += upper_part[:, :-1]
+        integrals[:, -1] += upper_part[:, -1]
+        return integrals
 
-    return modulus / 2 * hats(shear, shear_moment), hats(slip, slip_moment)
+    return modulus / 2 * hat_integrals(shear, shear_moment), hat_integrals(slip, slip_moment)
 
 
 class SlipAtPoints(NamedTuple):
@@ -137,15 +147,15 @@ class InnerSlip:
 
     def at(self, x: Array) -> SlipAtPoints:
         """What slips further at distances x (k,) from the middle."""
-        of_shear, of_slip = _of_punches(x, self.half_widths, self.modulus)
+        shear_by_slopes, slip_by_slopes = _of_punches(x, self.half_widths, self.modulus)
         number = np.searchsorted(self.half_widths, x, side="right") - 1
         is_inside = number < len(self.zone)
-        next_slips = np.append(self.slips[1:], False)
-        slips = (self.slips & next_slips)[np.minimum(number, len(self.zone) - 1)]
+        slips_beyond = np.append(self.slips[1:], False)
+        slips_on_both_sides = (self.slips & slips_beyond)[np.minimum(number, len(self.zone) - 1)]
         return SlipAtPoints(
-            shear=of_shear @ self.slopes,
-            slip=self.shift + of_slip @ self.slopes,
-            slips=is_inside & slips,
+            shear=shear_by_slopes @ self.slopes,
+            slip=self.shift + slip_by_slopes @ self.slopes,
+            slips=is_inside & slips_on_both_sides,
             sense=self.sense,
         )
 
@@ -217,12 +227,12 @@ def inner_slip(
 
 def _divided(half_widths: Array, slips: NDArray[np.bool_], slip_ends: Array) -> Array:
     """The half-widths with more of them around the ends of the slip zone, and around others."""
-    ends = np.flatnonzero(slips[1:] != slips[:-1]) + 1
-    ends = np.union1d(ends, np.searchsorted(half_widths, slip_ends))
-    punches_around = (ends[:, None] + np.arange(-_AROUND_END, _AROUND_END)).ravel()
+    numbers_of_ends = np.flatnonzero(slips[1:] != slips[:-1]) + 1
+    numbers_of_ends = np.union1d(numbers_of_ends, np.searchsorted(half_widths, slip_ends))
+    punches_around = (numbers_of_ends[:, None] + np.arange(-_AROUND_END, _AROUND_END)).ravel()
     punches = np.unique(np.clip(punches_around, 0, len(slips) - 1))
-    share = np.arange(1, _PARTS) / _PARTS
-    new_widths = half_widths[punches, None] + np.diff(half_widths)[punches, None] * share
+    shares = np.arange(1, _PARTS) / _PARTS
+    new_widths = half_widths[punches, None] + np.diff(half_widths)[punches, None] * shares
     return np.union1d(half_widths, new_widths)
 
 
@@ -245,37 +255,43 @@ def _solved(
     end.
     """
     points = half_widths[:-1]
-    of_shear, of_slip = _of_punches(points, half_widths, step.modulus)
+    shear_by_slopes, slip_by_slopes = _of_punches(points, half_widths, step.modulus)
     shear, limit = step.tractions(points)
     excess = step.sense * shear - limit
-    excess_back = -step.sense * shear - limit
-    allowed_excess = _ROUNDING * float(np.max(excess))
-    at_edge = points >= step.edge_of_stick
-    count = len(points)
-    matrix = np.zeros((count + 1, count + 1))
-    matrix[count, :count] = _of_force(half_widths)
-    right = np.zeros(count + 1)
-    zone = np.where(excess > allowed_excess, _ON, _RESTS)
+    excess_of_reverse = -step.sense * shear - limit
+    excess_tolerance = _ROUNDING * float(np.max(excess))
+    is_at_edge = points >= step.edge_of_stick
+    n_points = len(points)
+    matrix = np.zeros((n_points + 1, n_points + 1))
+    matrix[n_points, :n_points] = _of_force(half_widths)
+    right_side = np.zeros(n_points + 1)
+    zone = np.where(excess > excess_tolerance, _ON, _RESTS)
     if coarser_solution is not None:
         zone = coarser_solution.zone[
             np.searchsorted(coarser_solution.half_widths, points, side="right") - 1
         ]
-    zone = np.where(at_edge, _BACK, zone)
+    zone = np.where(is_at_edge, _BACK, zone)
     for trial in range(_MOST_ZONES):
-        rests = zone == _RESTS
-        matrix[:count, :count] = np.where(rests[:, None], of_slip, of_shear)
-        matrix[:count, count] = rests
-        right[:count] = np.where(zone == _ON, -step.sense * excess, 0.0)
-        right[:count] += np.where((zone == _BACK) & ~at_edge, step.sense * excess_back, 0.0)
-        *slopes, shift = np.linalg.solve(matrix, right)
-        added_shear = step.sense * (of_shear @ slopes)
-        slip = step.sense * (of_slip @ slopes + shift)
+        is_resting = zone == _RESTS
+        matrix[:n_points, :n_points] = np.where(
+            is_resting[:, None], slip_by_slopes, shear_by_slopes
+        )
+        matrix[:n_points, n_points] = is_resting
+        right_side[:n_points] = np.where(zone == _ON, -step.sense * excess, 0.0)
+        right_side[:n_points] += np.where(
+            (zone == _BACK) & ~is_at_edge, step.sense * excess_of_reverse, 0.0
+        )
+        *slopes, shift = np.linalg.solve(matrix, right_side)
+        added_shear = step.sense * (shear_by_slopes @ slopes)
+        slip = step.sense * (slip_by_slopes @ slopes + shift)
         round_off = _ROUNDING * float(np.max(np.abs(slip)))
         turns_back = (zone == _ON) & (slip < -round_off)
-        turns_back |= (zone == _BACK) & (slip > round_off) & ~at_edge
+        turns_back |= (zone == _BACK) & (slip > round_off) & ~is_at_edge
         new_zone = np.where(turns_back, _RESTS, zone)
-        new_zone = np.where(rests & (excess + added_shear > allowed_excess), _ON, new_zone)
-        new_zone = np.where(rests & (excess_back - added_shear > allowed_excess), _BACK, new_zone)
+        new_zone = np.where(is_resting & (excess + added_shear > excess_tolerance), _ON, new_zone)
+        new_zone = np.where(
+            is_resting & (excess_of_reverse - added_shear > excess_tolerance), _BACK, new_zone
+        )
         if np.array_equal(new_zone, zone):
             return InnerSlip(
                 step.modulus, half_widths, np.array(slopes), float(shift), step.sense, zone

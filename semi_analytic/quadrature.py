@@ -123,18 +123,18 @@ def panels(begin: ArrayLike, end: ArrayLike, breaks: Iterable[ArrayLike] = ()) -
     begin_places, end_places = np.broadcast_arrays(
         np.asarray(begin, dtype=float), np.asarray(end, dtype=float)
     )
-    breaks_inside = [b for b in breaks if np.any((begin_places < b) & (b < end_places))]
-    marks = [
+    inner_breaks = [b for b in breaks if np.any((begin_places < b) & (b < end_places))]
+    panel_ends = [
         begin_places,
-        *(np.clip(b, begin_places, end_places) for b in breaks_inside),
+        *(np.clip(b, begin_places, end_places) for b in inner_breaks),
         end_places,
     ]
-    panel_begin = np.stack(marks[:-1], axis=-1)[..., None]
-    panel_end = np.stack(marks[1:], axis=-1)[..., None]
+    panel_begin = np.stack(panel_ends[:-1], axis=-1)[..., None]
+    panel_end = np.stack(panel_ends[1:], axis=-1)[..., None]
     length = panel_end - panel_begin
-    up = length * ROOTS.up
+    distance_to_begin = length * ROOTS.up
     distance_to_end = length * ROOTS.down
-    from_begin = (panel_begin - begin_places[..., None, None]) + up
+    from_begin = (panel_begin - begin_places[..., None, None]) + distance_to_begin
     from_end = (end_places[..., None, None] - panel_end) + distance_to_end
-    nodes = np.where(_IN_LOWER_HALF, panel_begin + up, panel_end - distance_to_end)
+    nodes = np.where(_IN_LOWER_HALF, panel_begin + distance_to_begin, panel_end - distance_to_end)
     return Nodes(nodes, from_begin, from_end, length * ROOTS.weight)

@@ -63,42 +63,50 @@ def left_over(stick_ratio: float, panels: int) -> LeftOver:
     panels
         on each side, finer at both ends
     """
-    angle = np.linspace(0.0, np.pi, panels + 1)
-    borders = stick_ratio + (1 - stick_ratio) * (1 - np.cos(angle)) / 2
-    inner_border, outer_border = borders[:-1], borders[1:]
+    angles = np.linspace(0.0, np.pi, panels + 1)
+    borders = stick_ratio + (1 - stick_ratio) * (1 - np.cos(angles)) / 2
+    inner_border = borders[:-1]
+    outer_border = borders[1:]
     # in the order in which panels come to rest
     panel_begin = np.concatenate([-outer_border[::-1], inner_border])
     panel_end = np.concatenate([-inner_border[::-1], outer_border])
     density = _density(stick_ratio, panel_begin, panel_end)
     even_density = (density[panels:] + density[:panels][::-1]) / 2
-    middle = (inner_border + outer_border) / 2
-    upper_root = np.sqrt(np.maximum(outer_border**2 - middle[:, None] ** 2, 0.0))
-    lower_root = np.sqrt(np.maximum(inner_border**2 - middle[:, None] ** 2, 0.0))
+    panel_middles = (inner_border + outer_border) / 2
+    upper_root = np.sqrt(np.maximum(outer_border**2 - panel_middles[:, None] ** 2, 0.0))
+    lower_root = np.sqrt(np.maximum(inner_border**2 - panel_middles[:, None] ** 2, 0.0))
     return LeftOver(
-        middle, outer_border - inner_border, 2 * (upper_root - lower_root) @ even_density
+        panel_middles, outer_border - inner_border, 2 * (upper_root - lower_root) @ even_density
     )
 
 
 def _density(stick_ratio: float, panel_begin: Array, panel_end: Array) -> Array:
-    """L^-T (y^2/z)/2 on panels, (n,) in the order in which they come to rest."""
-    x = (panel_begin + panel_end) / 2
+    """The density L^-T (y^2/z)/2 of the force that a stroke leaves, on panels (n,) in the order in
+    which they come to rest; L is the Cholesky factor of their influence matrix, y and z are L^-1
+    times a root and an arc of x.
+    """
+    panel_x = (panel_begin + panel_end) / 2
     width = panel_end - panel_begin
-    arc = np.arccosh(np.abs(x) / stick_ratio)
-    root = np.sign(x) * np.sqrt(x**2 - stick_ratio**2)
-    image = np.sign(x) * np.exp(-arc)
+    arccosh_of_x = np.arccosh(np.abs(panel_x) / stick_ratio)
+    signed_root = np.sign(panel_x) * np.sqrt(panel_x**2 - stick_ratio**2)
+    image_of_x = np.sign(panel_x) * np.exp(-arccosh_of_x)
     # ln |w - w'| - ln |x - xi| is smooth; dw/dx on the diagonal
-    spread = np.abs(image[:, None] - image)
-    distance = np.abs(x[:, None] - x)
-    np.fill_diagonal(spread, np.abs(image / root))
+    image_distance = np.abs(image_of_x[:, None] - image_of_x)
+    distance = np.abs(panel_x[:, None] - panel_x)
+    np.fill_diagonal(image_distance, np.abs(image_of_x / signed_root))
     np.fill_diagonal(distance, 1.0)
-    smooth_part = np.log1p(-np.outer(image, image)) - np.log(spread / distance)
-    of_panels = _log_primitive(x[:, None] - panel_begin) - _log_primitive(x[:, None] - panel_end)
-    influence = (smooth_part * width - of_panels) * width[:, None]
-    factor = scipy.linalg.cholesky((influence + influence.T) / 2, lower=True)
-    of_root = scipy.linalg.solve_triangular(factor, root * width, lower=True)
-    of_arc = scipy.linalg.solve_triangular(factor, arc * width, lower=True)
+    smooth_part = np.log1p(-np.outer(image_of_x, image_of_x)) - np.log(image_distance / distance)
+    log_integrals = _log_primitive(panel_x[:, None] - panel_begin) - _log_primitive(
+        panel_x[:, None] - panel_end
+    )
+    influence = (smooth_part * width - log_integrals) * width[:, None]
+    cholesky_factor = scipy.linalg.cholesky((influence + influence.T) / 2, lower=True)
+    solved_root = scipy.linalg.solve_triangular(cholesky_factor, signed_root * width, lower=True)
+    solved_arc = scipy.linalg.solve_triangular(cholesky_factor, arccosh_of_x * width, lower=True)
     return np.asarray(
-        scipy.linalg.solve_triangular(factor, of_root**2 / of_arc / 2, lower=True, trans="T")
+        scipy.linalg.solve_triangular(
+            cholesky_factor, solved_root**2 / solved_arc / 2, lower=True, trans="T"
+        )
     )
 
 

@@ -66,19 +66,21 @@ class FollowingLoads(PathLoads):
 
     def turns(self, leg: LoadSegment) -> list[float]:
         """The end of a leg and the turning points of P, Q, eps and alpha in it."""
-        turns = super().turns(leg)
+        different_times = super().turns(leg)
         effects = self.effects
-        for of_pressure, of_shear in (
+        for effect_of_pressure, effect_of_shear in (
             (effects.strain_under_pressure, effects.strain_under_shear),
             (effects.tilt_under_pressure, effects.tilt_under_shear),
         ):
-            if not (of_pressure.value and of_shear.value):
+            if not (effect_of_pressure.value and effect_of_shear.value):
                 continue  # turns where P or Q does
-            for time in leg.turning_points(Combination(of_pressure.value, of_shear.value)):
-                distance = min(abs(time - turn) for turn in turns)
+            for time in leg.turning_points(
+                Combination(effect_of_pressure.value, effect_of_shear.value)
+            ):
+                distance = min(abs(time - known_time) for known_time in different_times)
                 if distance > 1e-6 * (leg.end - leg.start):
-                    turns.append(time)
-        return turns
+                    different_times.append(time)
+        return different_times
 
 
 def change_by_tilt_and_strain(scene: Scene, effects: BodyEffects) -> Estimate:
@@ -137,7 +139,10 @@ def work_of_half_planes(scene: Scene) -> float:
 
 
 def _by_grids(scene: Scene, effects: BodyEffects) -> Estimate:
-    """The change on grids."""
+    """Relative change of the friction work of half-planes by the odd numbers of the effects, on
+    grids: the same path followed with them and without. InputError for a path of too many
+    segments.
+    """
     path = scene.load.path()
     segments = len(path.initial_loading) + len(path.cycle)
     if segments > _MOST_SEGMENTS:
@@ -147,29 +152,31 @@ def _by_grids(scene: Scene, effects: BodyEffects) -> Estimate:
         )
     path_loads, profile = leaning_profile(scene)
     zeros: dict[str, Any] = dict.fromkeys(ODD_NUMBERS, ZERO)
-    without = replace(effects, **zeros)
-    courses = []
-    for numbers in (effects, without):
-        of_path = {item.name: getattr(path_loads, item.name) for item in fields(path_loads)}
-        courses.append(FollowingLoads(**of_path, effects=numbers))
-    edges = np.concatenate([edges_along(course, profile) for course in courses])
+    effects_without = replace(effects, **zeros)
+    loads_of_courses = []
+    for odd_effects in (effects, effects_without):
+        fields_of_path = {item.name: getattr(path_loads, item.name) for item in fields(path_loads)}
+        loads_of_courses.append(FollowingLoads(**fields_of_path, effects=odd_effects))
+    edges = np.concatenate(
+        [edges_along(course_loads, profile) for course_loads in loads_of_courses]
+    )
     span = (float(np.min(edges)), float(np.max(edges)))
     works = [
         cycle_works(
-            course,
+            course_loads,
             span,
             scene.profile.height,
             scene.friction.coefficient,
             composite_modulus(scene.material),
             _REQUEST,
         )
-        for course in courses
+        for course_loads in loads_of_courses
     ]
     change = float(np.mean(works[0][:, -1]) / np.mean(works[1][:, -1])) - 1
-    relative = sum(
+    relative_uncertainty = sum(
         abs(getattr(effects, name).uncertainty / getattr(effects, name).value)
         for name in ODD_NUMBERS
         if getattr(effects, name).value
     )
     # The change is of second order in the numbers.
-    return Estimate(change, _of_grids(change) + 2 * relative * abs(change))
+    return Estimate(change, _of_grids(change) + 2 * relative_uncertainty * abs(change))
