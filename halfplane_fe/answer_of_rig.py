@@ -30,9 +30,9 @@ def scene_of_loads(scene: Scene, run: PathRun, load_unit: float) -> Scene:
     loading = tuple(points[1:])
     cycle: tuple[tuple[float, float], ...] = ()
     if run.cycle_density and run.cycle_starts:
-        begin = run.cycle_starts[-1]
-        loading = tuple(points[1 : begin + 1])
-        cycle = tuple(points[begin + 1 : -1])
+        first_of_cycle = run.cycle_starts[-1]
+        loading = tuple(points[1 : first_of_cycle + 1])
+        cycle = tuple(points[first_of_cycle + 1 : -1])
     times = tuple(state.time for state in states)
     polygon = PolygonLoad(initial_loading=loading, cycle=cycle, times=times)
     return scene.vary(load=polygon, rig=Rig(), cycles=1)
@@ -50,28 +50,31 @@ class _Slide(NamedTuple):
 
 
 def _slides_of(friction: float, states: list[InterfaceState]) -> list[_Slide]:
-    """The stretches in which every node slides that touches. The bodies slide by what the node
-    slips that slips least.
+    """The stretches of gross sliding along states that follow each other, scaled: those in which
+    every node that touches slides. The bodies slide by the slip of the node that slips least;
+    stretches in one direction that meet are joined.
     """
     slides: list[_Slide] = []
     for start, end in pairwise(states):
-        touching = start.closed & end.closed
-        if np.any(end.state == STICK) or not np.any(touching):
+        touches_throughout = start.closed & end.closed
+        if np.any(end.state == STICK) or not np.any(touches_throughout):
             continue
-        slip = (end.slip - start.slip)[touching]
-        way = float(slip[np.argmin(np.abs(slip))])
+        slip = (end.slip - start.slip)[touches_throughout]
+        slide_distance = float(slip[np.argmin(np.abs(slip))])
         mean_load = (start.normal_load + end.normal_load) / 2
-        part = _Slide(start.time, end.time, way, friction * mean_load * abs(way))
-        if slides and slides[-1].end == part.begin and slides[-1].way * way > 0:
-            first_of_slide = slides[-1]
+        slide = _Slide(
+            start.time, end.time, slide_distance, friction * mean_load * abs(slide_distance)
+        )
+        if slides and slides[-1].end == slide.begin and slides[-1].way * slide_distance > 0:
+            slide_before = slides[-1]
             slides[-1] = _Slide(
-                first_of_slide.begin,
-                part.end,
-                first_of_slide.way + way,
-                first_of_slide.work + part.work,
+                slide_before.begin,
+                slide.end,
+                slide_before.way + slide_distance,
+                slide_before.work + slide.work,
             )
         else:
-            slides.append(part)
+            slides.append(slide)
     return slides
 
 
@@ -79,47 +82,51 @@ def notes_of_rig(
     scene: Scene, problem: ContactProblem, run: PathRun, scales: Scales
 ) -> tuple[str, ...]:
     """How P and Q were found, and when the bodies slide as a whole and how far."""
-    _, length, _ = scene.unit_words
-    movement = scales.load / scales.modulus
-    loads = "P and Q are unknowns" if scene.load.states_approach else "Q is an unknown"
-    miss = _largest_miss(problem, run.states) * movement
-    displacement = "U here is that of the contact, U_act - Q/k_s"
+    _, length_unit, _ = scene.unit_words
+    displacement_unit = scales.load / scales.modulus
+    loads_text = "P and Q are unknowns" if scene.load.states_approach else "Q is an unknown"
+    largest_miss = _largest_miss(problem, run.states) * displacement_unit
+    displacement_text = "U here is that of the contact, U_act - Q/k_s"
     if scene.bodies.half_planes:
-        datum = f"{scene.profile.datum_length:.6g} {length}"
-        displacement = f"U and approach here count from {datum}, as in every answer"
-    found = (
-        f"rig: {loads} of each increment, at whose end the actuators are where the rig prescribes"
-        f" to {miss:.1g} {length}; {displacement}"
+        datum_text = f"{scene.profile.datum_length:.6g} {length_unit}"
+        displacement_text = f"U and approach here count from {datum_text}, as in every answer"
+    note = (
+        f"rig: {loads_text} of each increment, at whose end the actuators are where the rig"
+        " prescribes"
+        f" to {largest_miss:.1g} {length_unit}; {displacement_text}"
     )
-    return (found, *_notes_of_slides(scene, problem.friction, run, scales))
+    return (note, *_notes_of_slides(scene, problem.friction, run, scales))
 
 
 def _notes_of_slides(scene: Scene, friction: float, run: PathRun, scales: Scales) -> Iterator[str]:
     """When the bodies slide as a whole and how far, in the last cycle and before it, or on the
     path.
     """
-    force, length, _ = scene.unit_words
-    movement = scales.load / scales.modulus
+    force_unit, length_unit, _ = scene.unit_words
+    displacement_unit = scales.load / scales.modulus
     first_step = run.cycle_starts[-1] if run.cycle_starts else 0
-    what = "the last cycle" if run.cycle_starts else "the path"
+    span_text = "the last cycle" if run.cycle_starts else "the path"
     slides = _slides_of(friction, run.states[first_step:])
     if not slides:
-        yield f"gross sliding: none in {what}"
+        yield f"gross sliding: none in {span_text}"
     else:
-        way = sum(abs(slide.way) for slide in slides) * movement
-        work = sum(slide.work for slide in slides) * scales.load * movement
+        slide_distance = sum(abs(slide.way) for slide in slides) * displacement_unit
+        work = sum(slide.work for slide in slides) * scales.load * displacement_unit
         slides_in_words = "; ".join(
-            _in_words(slide, movement, length) for slide in slides[:_MOST_NAMED]
+            _in_words(slide, displacement_unit, length_unit) for slide in slides[:_MOST_NAMED]
         )
-        more = f"; and {len(slides) - _MOST_NAMED} more" if len(slides) > _MOST_NAMED else ""
+        rest_text = f"; and {len(slides) - _MOST_NAMED} more" if len(slides) > _MOST_NAMED else ""
         yield (
-            f"gross sliding: in {what} the bodies slide as a whole by {way:.6g} {length}, which"
-            f" takes {work:.6g} {force}·{length}/{length} of the dissipation:"
-            f" {slides_in_words}{more}"
+            f"gross sliding: in {span_text} the bodies slide as a whole by {slide_distance:.6g}"
+            f" {length_unit}, which"
+            f" takes {work:.6g} {force_unit}·{length_unit}/{length_unit} of the dissipation:"
+            f" {slides_in_words}{rest_text}"
         )
     slides_before = _slides_of(friction, run.states[: first_step + 1])
     if slides_before:
-        in_words = "; ".join(_in_words(slide, movement, length) for slide in slides_before[:2])
+        in_words = "; ".join(
+            _in_words(slide, displacement_unit, length_unit) for slide in slides_before[:2]
+        )
         yield f"gross sliding: before it {in_words}"
 
 

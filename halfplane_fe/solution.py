@@ -227,6 +227,9 @@ def _solve(
     *,
     by_kernels: bool,
 ) -> ContactSolution:
+    """Solve a scene: scales by a coarse run, meshes, condensed bodies, the coupled interface, the
+    load path, and the answer with its uncertainties; errors carry the part that was solved.
+    """
     watch = _Watch()
     check_loads(scene)
     if by_kernels:
@@ -240,23 +243,23 @@ def _solve(
     work: Counter[str] = Counter({f"coarse {name}": count for name, count in coarse_work.items()})
     # A datum inside the contact would lift the faces towards the load: no compliance that can be
     # factorised.
-    datum = max(scene.profile.datum_length, scales.reach)
-    meshed_scene = on_half_planes(scene, datum) if by_kernels else scene
+    datum_length = max(scene.profile.datum_length, scales.reach)
+    meshed_scene = on_half_planes(scene, datum_length) if by_kernels else scene
     grading = partial(surface_grading, mesh, scales, scene.profile)
     bodies = meshed_pair(meshed_scene, mesh, grading)
     watch.lap("mesh")
-    condensed = condensed_pair(meshed_scene, bodies, datum, work)
+    condensed = condensed_pair(meshed_scene, bodies, datum_length, work)
     watch.lap("condensation")
-    true_faces = couple(*condensed)
-    faces = _Faces(true_faces, without_local_difference(true_faces, meshed_scene))
+    meshed_interface = couple(*condensed)
+    interfaces = _Faces(meshed_interface, without_local_difference(meshed_interface, meshed_scene))
     if by_kernels:
-        kernels = kernel_pair(scene, float(np.abs(true_faces.x).max()), datum, work)
-        faces = faces.with_kernels(kernels)
+        kernels = kernel_pair(scene, float(np.abs(meshed_interface.x).max()), datum_length, work)
+        interfaces = interfaces.with_kernels(kernels)
         watch.lap("kernels")
-    problem, run = _solve_path(task, faces, datum, work, report)
+    problem, run = _solve_path(task, interfaces, datum_length, work, report)
     notes_on_rig = notes_of_rig(scene, problem, run, scales) if scene.load.is_driven else ()
-    if datum > scene.profile.datum_length:
-        run = from_datum(scene, run, scene.profile.datum_length / datum)
+    if datum_length > scene.profile.datum_length:
+        run = from_datum(scene, run, scene.profile.datum_length / datum_length)
     watch.lap("load path")
     if scene.load.is_driven:
         task = replace(task, scene=scene_of_loads(scene, run, scales.load))
@@ -296,12 +299,15 @@ def _of_last_cycle(answer: FiniteElementSolution, notes: tuple[str, ...]) -> Fin
     }
     if answer.scene.load.path().period is not None:
         first_step, *_, last_step = answer.last_cycle
-        gap = max(abs(float(load[last_step] - load[first_step])) for load in loads.values())
-        share = gap / float(np.max(answer.normal_load))
-        if share > _CLOSED:
+        load_difference = max(
+            abs(float(load[last_step] - load[first_step])) for load in loads.values()
+        )
+        share_of_load = load_difference / float(np.max(answer.normal_load))
+        if share_of_load > _CLOSED:
             notes = (
                 *notes,
-                f"rig: P and Q at the end of the cycle differ by {share:.1g} of the largest P from"
+                f"rig: P and Q at the end of the cycle differ by {share_of_load:.1g} of the largest"
+                " P from"
                 " those at its begin, which its last instant states",
             )
         for load in loads.values():
@@ -332,7 +338,7 @@ class _Faces(NamedTuple):
 
 
 def _solve_path(
-    task: Task, faces: _Faces, datum: float, work: Counter[str], report: Progress
+    task: Task, faces: _Faces, datum_length: float, work: Counter[str], report: Progress
 ) -> tuple[ContactProblem, PathRun]:
     """Follow the load path on faces without the mesh's part of N - T; on the faces as they are
     where there is none, or where the contact does not converge without it.
@@ -353,11 +359,11 @@ def _solve_path(
         of_kinks=task.steps_by_kinks,
     )
     candidates = (faces.true,) if faces.cured is None else (faces.cured, faces.true)
-    for candidate in candidates:
-        problem = _contact_problem(task, candidate, datum, work)
-        half_faces = on_half(scene, candidate)
+    for interface in candidates:
+        problem = _contact_problem(task, interface, datum_length, work)
+        is_half = on_half(scene, interface)
         solved_problem = (
-            _contact_problem(task, half(candidate), datum, work) if half_faces else problem
+            _contact_problem(task, half(interface), datum_length, work) if is_half else problem
         )
         run = run_path(
             solved_problem,
@@ -369,11 +375,11 @@ def _solve_path(
         )
         if not isinstance(run.failure, ConvergenceError):
             break
-    if candidate is faces.cured:
+    if interface is faces.cured:
         work[CURED] += 1
     elif faces.cured is not None:
         work[REPEATED] += 1
-    return problem, unfolded(run, candidate) if half_faces else run
+    return problem, unfolded(run, interface) if is_half else run
 
 
 class _Watch:
@@ -444,12 +450,14 @@ def _solution(
     run: PathRun,
     seconds: Mapping[str, float],
 ) -> FiniteElementSolution:
-    """The answer of a run, in the scene's units."""
+    """The answer of a run in the scene's units: fields, edges, friction work, their uncertainties,
+    the record with its notes, and what was done.
+    """
     scene = task.scene
     scales = task.scales
     arrays = answer_arrays(scene, problem, run, scales)
-    of_dissipation = dissipation_uncertainty(task, run, arrays)
-    of_values = value_uncertainties(task, problem, run, arrays)
+    work_uncertainty = dissipation_uncertainty(task, run, arrays)
+    uncertainties_of_values = value_uncertainties(task, problem, run, arrays)
     # After that of permanent stick, which ends where no edge jumps to.
     arrays["stick_edge_uncertainty"] = freeze(
         np.maximum(
@@ -463,7 +471,7 @@ def _solution(
     )
     states = tuple(run.states[index] for index in run.stored)
     audit = penalty_audit(scene, problem, states, arrays, scales)
-    notes = notes_of_answer(task, condensed, problem, run, arrays, of_dissipation)
+    notes = notes_of_answer(task, condensed, problem, run, arrays, work_uncertainty)
     grading = condensed[0].body.grading
     if not scene.unsymmetric:
         del arrays["permanent_stick_edges"]  # an attribute of unsymmetric scenes alone
@@ -471,8 +479,8 @@ def _solution(
         engine="halfplane_fe",
         scene=scene,
         record=record_of(run, scales, audit, notes),
-        dissipation_uncertainty=of_dissipation,
-        uncertainties=of_values,
+        dissipation_uncertainty=work_uncertainty,
+        uncertainties=uncertainties_of_values,
         work=work_done(scene, problem, run, condensed, seconds),
         settings={
             "mesh": asdict(task.mesh),

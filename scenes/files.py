@@ -79,8 +79,8 @@ def text_of(path: Path, role: str, most_bytes: int = TEXT, advice: str = "") -> 
 
 
 def check_size(path: Path, role: str, most_bytes: int, advice: str = "") -> None:
-    """InputError where `path` is no regular file, or one of more than `most` bytes; OSError where
-    it can't be looked at.
+    """InputError where `path`, whose `role` is named in the message, is no regular file, or one of
+    more than `most_bytes`; OSError where it can't be looked at.
     """
     status = path.stat()
     if stat.S_ISDIR(status.st_mode):
@@ -154,7 +154,7 @@ def keys_of(path: Path, role: str, advice: str = "") -> dict[str, Any]:
     Raises
     ------
     InputError
-        One sentence: for what `text_of` refuses (`what`, `advice` as there), for a fault with its
+        One sentence: for what `text_of` refuses (`role`, `advice` as there), for a fault with its
         line, for a list.
     """
     is_json = path.suffix == ".json"
@@ -168,18 +168,18 @@ def keys_of(path: Path, role: str, advice: str = "") -> dict[str, Any]:
         RecursionError,
     ) as reason:  # the parsers' own errors, numbers of thousands of digits
         cause = f"not valid TOML: {reason}"
-        place = re.search(r"\(at line (\d+), column \d+\)", str(reason))
+        place_in_message = re.search(r"\(at line (\d+), column \d+\)", str(reason))
         lines = text.split("\n")
         if is_json:
             cause = f"not valid JSON: {reason}"
-        elif place and 0 < int(place[1]) <= len(lines):
-            line = lines[int(place[1]) - 1].strip()
-            comma = (
+        elif place_in_message and 0 < int(place_in_message[1]) <= len(lines):
+            line = lines[int(place_in_message[1]) - 1].strip()
+            advice_on_comma = (
                 "; write a decimal point, not a comma"
                 if re.search(r"=\s*[-+]?\d+,\d", line)
                 else ""
             )
-            cause += f", in {shown(line)}{comma}"
+            cause += f", in {shown(line)}{advice_on_comma}"
         raise InputError(f"{path}: {cause}") from reason
     if not isinstance(keys, dict):
         raise InputError(f"{path}: {role} is a table of keys, not a {type(keys).__name__}")
@@ -195,7 +195,7 @@ def _whole_number(digits: str) -> int:
 
 @contextmanager
 def within_memory(path: Path, most_bytes: int) -> Generator[None, None, None]:
-    """While a foreign file is unpacked by a library, the process may grow by `most` bytes and no
+    """While a foreign file is unpacked by a library, the process may grow by `most_bytes` and no
     more (POSIX only).
 
     What compresses a terabyte into a megabyte shows its size only while it is unpacked: then the
@@ -209,16 +209,20 @@ def within_memory(path: Path, most_bytes: int) -> Generator[None, None, None]:
     if resource is None:
         yield
         return
-    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+    soft_limit, hard_limit = resource.getrlimit(resource.RLIMIT_AS)
     try:  # the address space of this process
         used_bytes = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0]) * int(
             resource.getpagesize()
         )
     except OSError:
         used_bytes = int(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss) * 1024
-    room = used_bytes + most_bytes
-    limits = [limit for limit in (soft, hard, room) if limit != resource.RLIM_INFINITY]
-    resource.setrlimit(resource.RLIMIT_AS, (min(limits), hard))
+    bytes_allowed = used_bytes + most_bytes
+    limits = [
+        limit
+        for limit in (soft_limit, hard_limit, bytes_allowed)
+        if limit != resource.RLIM_INFINITY
+    ]
+    resource.setrlimit(resource.RLIMIT_AS, (min(limits), hard_limit))
     try:
         yield
     except MemoryError as reason:
@@ -227,7 +231,7 @@ def within_memory(path: Path, most_bytes: int) -> Generator[None, None, None]:
             " limit; write the contact surface alone"
         ) from reason
     finally:
-        resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
+        resource.setrlimit(resource.RLIMIT_AS, (soft_limit, hard_limit))
 
 
 def write_keys(path: Path, keys: Mapping[str, Any]) -> None:

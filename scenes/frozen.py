@@ -88,8 +88,12 @@ def refusal(faults: ValidationError, keys: Any, model: type[Frozen]) -> str:
 
     Parameters
     ----------
-    data
-        the keys as they stand in the file, tables as dicts and lists
+    faults
+        what pydantic found
+    keys
+        as they stand in the file, tables as dicts and lists
+    model
+        the table that they are of
     """
     place_of_keys = model.keys_listed
     # Unknown keys first: a misspelt key is a missing one too. Then the deepest: of a union's
@@ -99,41 +103,47 @@ def refusal(faults: ValidationError, keys: Any, model: type[Frozen]) -> str:
     )
     fault = errors[0]
     key = _key(fault, keys)
-    value = fault["input"]
+    faulty_value = fault["input"]
     faulty_keys = dict.fromkeys(_key(error, keys) for error in errors)
-    other_faults = _also([name for name in faulty_keys if name not in (key, "")])
+    other_faults_text = _also([name for name in faulty_keys if name not in (key, "")])
     rule = RULES.get(fault["type"]) or fault["msg"].removeprefix("Value error, ").removeprefix(
         "Input "
     )
     match fault["type"]:
         case "extra_forbidden":
-            word = str(fault["loc"][-1])
+            unknown_key = str(fault["loc"][-1])
             # What is unknown here may be known in another table.
             hint = (
-                neglected(word)
-                or f"{did_you_mean(word, keys_of_all_tables(model) - {word})}"
+                neglected(unknown_key)
+                or f"{did_you_mean(unknown_key, keys_of_all_tables(model) - {unknown_key})}"
                 f" {place_of_keys} lists the keys"
             )
-            return f"unknown key {key} = {shown(value)};{hint}{other_faults}"
-        case "missing" if isinstance(value, dict):
-            return f"the key {key} is missing; {place_of_keys} lists the keys{other_faults}"
+            return f"unknown key {key} = {shown(faulty_value)};{hint}{other_faults_text}"
+        case "missing" if isinstance(faulty_value, dict):
+            return f"the key {key} is missing; {place_of_keys} lists the keys{other_faults_text}"
         case "key_missing":
             return (
                 f"the key {key}{'.' if key else ''}{fault['ctx']['key']} is missing;"
-                f" {place_of_keys} lists the keys{other_faults}"
+                f" {place_of_keys} lists the keys{other_faults_text}"
             )
         case "union_tag_not_found":
-            return f"the key {key}.kind is missing; {place_of_keys} lists the kinds{other_faults}"
+            return (
+                f"the key {key}.kind is missing; {place_of_keys} lists the kinds{other_faults_text}"
+            )
         case "union_tag_invalid":
             kinds = fault["ctx"]["expected_tags"].replace(", ", " or ")
             key = f"{key}.kind"
-            value = fault["ctx"]["tag"]
+            faulty_value = fault["ctx"]["tag"]
             rule = f"should be {kinds}"
         case "too_long":
             rule = f"should have at most {fault['ctx']['max_length']} entries"
         case "value_error":
-            return f"{key} is refused: {rule}{other_faults}" if key else f"{rule}{other_faults}"
-    return f"{key} = {shown(value)} is refused: {rule}{other_faults}"
+            return (
+                f"{key} is refused: {rule}{other_faults_text}"
+                if key
+                else f"{rule}{other_faults_text}"
+            )
+    return f"{key} = {shown(faulty_value)} is refused: {rule}{other_faults_text}"
 
 
 @cache
@@ -191,18 +201,18 @@ def did_you_mean(word: str, known_words: Iterable[str]) -> str:
     """
     words = sorted(known_words, key=len)
     # A key cut short, or with a unit behind it, is nearer than one with as many letters in common.
-    with_same_start = [
+    words_of_same_start = [
         key
         for key in words
         if min(len(key), len(word)) > 2 and (key.startswith(word) or word.startswith(key))
     ]
-    candidates = with_same_start or difflib.get_close_matches(word, words, n=1)
+    candidates = words_of_same_start or difflib.get_close_matches(word, words, n=1)
     return f" did you mean {candidates[0]}?" if candidates else ""
 
 
 def _key(fault: ErrorDetails, keys: Any) -> str:
-    """The key as it stands in the file: pydantic's location less the parts that only its unions
-    know.
+    """The key that a fault is about, as it stands in the file: pydantic's location without the
+    parts that only its unions know.
     """
     path: list[str] = []
     level: Any = keys
@@ -404,13 +414,13 @@ M = TypeVar("M", bound=Frozen)
 
 
 def validated(table: M, model: type[Frozen]) -> M:
-    """`given` as its own check leaves it: the door of every function that takes a scene or a part
-    of one.
+    """`table`, of a `model` such as Scene, as its own check leaves it: the door of every function
+    that takes a scene or a part of one.
 
     Raises
     ------
     InputError
-        One sentence: for what is none of `wanted`, and for what was made past the checks
+        One sentence: for what is no `model`, and for what was made past the checks
         (`model_construct`) and does not pass.
 
     Examples
@@ -434,7 +444,7 @@ def validated(table: M, model: type[Frozen]) -> M:
 def checked(
     model: type[M], keys: Any, where: str = "", *, of_file: bool = False, folder: Path = Path()
 ) -> M:
-    """What the check of `model` makes of `data`: the one way from keys to a table of them.
+    """The table of `model` that its check makes of `keys`: the one way from keys to a table.
 
     Parameters
     ----------

@@ -70,8 +70,8 @@ def netcdf_of(content: StoredArrays) -> memoryview:
     import h5netcdf
     import h5py
 
-    target = io.BytesIO()
-    with h5netcdf.File(target, "w") as file:
+    buffer = io.BytesIO()
+    with h5netcdf.File(buffer, "w") as file:
         for name, stored_array in content.arrays.items():
             values = np.asarray(stored_array.values)
             for dimension, size in zip(stored_array.dimensions, values.shape, strict=True):
@@ -88,11 +88,11 @@ def netcdf_of(content: StoredArrays) -> memoryview:
                 data=values.astype(object) if is_words else values,
                 fillvalue=fill_value,
             )
-            for key, words in stored_array.attributes.items():
-                variable.attrs[key] = words
+            for key, text in stored_array.attributes.items():
+                variable.attrs[key] = text
         for key, value in content.attributes.items():
             file.attrs[key] = value
-    return target.getbuffer()
+    return buffer.getbuffer()
 
 
 def read_netcdf(path: Path, form: Mapping[str, tuple[str, ...]], newest: str) -> StoredArrays:
@@ -173,14 +173,14 @@ def _require_format(path: Path, attributes: Mapping[str, Any], newest: str) -> N
 
 def _require_form(path: Path, file: Any, form: Mapping[str, tuple[str, ...]]) -> None:
     """InputError where an array is missing, has other axes, or holds no real numbers."""
-    for name, dimensions in form.items():
+    for name, axes in form.items():
         if name not in file.variables:
             raise InputError(f"{path}: {_WHAT} can't be read: {name} is missing")
         variable = file.variables[name]
-        if variable.dimensions != dimensions or variable.dtype.kind not in "fiu":
+        if variable.dimensions != axes or variable.dtype.kind not in "fiu":
             raise InputError(
                 f"{path}: {_WHAT} can't be read: {name} should be numbers over"
-                f" {' and '.join(dimensions)}, and is {variable.dtype} over"
+                f" {' and '.join(axes)}, and is {variable.dtype} over"
                 f" {' and '.join(map(str, variable.dimensions)) or 'nothing'}"
             )
     for name, variable in file.variables.items():

@@ -380,30 +380,30 @@ def _layout(request: _Request, lines: list[Line]) -> _Layout:
     path = request.path
     columns = request.columns
     lines_without_remarks = [line for line in lines if not line[1].startswith(_REMARKS)]
-    words_needed = "a line of names and rows of numbers"
+    needed_text = "a line of names and rows of numbers"
     if columns:
-        words_needed = f"{len(columns)} columns {', '.join(columns)}"
+        needed_text = f"{len(columns)} columns {', '.join(columns)}"
     if not lines_without_remarks:
-        raise InputError(f"{path}: the file is empty; {words_needed} are needed")
+        raise InputError(f"{path}: the file is empty; {needed_text} are needed")
     if _MARKUP.match(lines_without_remarks[0][1]):
         raise InputError(
-            f"{path}: this is JSON, XML or HTML and no table: write {words_needed}, separated"
+            f"{path}: this is JSON, XML or HTML and no table: write {needed_text}, separated"
             " by commas"
         )
     fewest_known_headings = (0,) if columns else (2, 0)
     for fewest_known in fewest_known_headings:
-        uneven_layouts: list[_Layout] = []
+        layouts_with_uneven_rows: list[_Layout] = []
         for index in range(len(lines)):
             if _is_row(lines[index][1], max(len(columns), 1)):
                 break
             for layout, has_even_rows in _layouts_below(request, lines, index, fewest_known):
                 if has_even_rows:
                     return layout
-                uneven_layouts.append(layout)
+                layouts_with_uneven_rows.append(layout)
         # Rows without a cell for each heading: a fault of theirs, if nothing else fits. A line of
         # text that is cut by another mark than the rows has no headings of theirs.
         _, mark_of_rows, cells_of_row = _first_row(lines_without_remarks, max(len(columns), 2))
-        for layout in uneven_layouts:
+        for layout in layouts_with_uneven_rows:
             if not cells_of_row or layout.separator == mark_of_rows:
                 return layout
     return _plain_layout(request, lines_without_remarks)
@@ -440,16 +440,23 @@ def _layouts_below(
                     continue
             if used_columns is None or request.by_number:
                 continue
-            may_skip = bool(request.columns) or fewest_known > 0
-            below = _below_headings(lines_below, mark, used_columns, len(names), may_skip)
+            may_skip_lines = bool(request.columns) or fewest_known > 0
+            below_headings = _below_headings(
+                lines_below, mark, used_columns, len(names), may_skip_lines
+            )
             units = [
                 unit_below or unit_in(name)[1] or unit_above
                 for unit_below, name, unit_above in zip(
-                    below.units, names, _labelled_units(lines_above, mark, len(names)), strict=True
+                    below_headings.units,
+                    names,
+                    _labelled_units(lines_above, mark, len(names)),
+                    strict=True,
                 )
             ]
-            first_row = below.rows[0][1] if below.rows else None
-            start = below.rows[0][0] if below.rows else line_number + 1
+            first_row = below_headings.rows[0][1] if below_headings.rows else None
+            number_of_first_row = (
+                below_headings.rows[0][0] if below_headings.rows else line_number + 1
+            )
             has_even_rows = first_row is None or (
                 _fits(first_row, mark, used_columns, len(names))
                 and _has_number(first_row, mark, used_columns)
@@ -464,9 +471,9 @@ def _layouts_below(
                 units=tuple(units),
                 used=used_columns,
                 head=line_number,
-                first=start,
+                first=number_of_first_row,
                 skipped=len(lines_above),
-                between=below.between,
+                between=below_headings.between,
                 clock=_place_of_time(request, names, used_columns),
             )
             yield layout, has_even_rows
@@ -483,27 +490,34 @@ class _Below(NamedTuple):
 
 
 def _below_headings(
-    lines: list[Line], mark: str | None, used: Sequence[int], count: int, may_skip: bool
+    lines: list[Line],
+    mark: str | None,
+    columns_read: Sequence[int],
+    n_headings: int,
+    may_skip: bool,
 ) -> _Below:
-    """Units and rows in the lines below `count` headings. `may_skip` is whether lines that hold
+    """Units and rows in the lines below `n_headings` headings, `columns_read` of which are read.
+    `may_skip` is whether lines that hold
     neither units nor numbers may stand between; a row has a number in a column that is read.
     """
-    units = [""] * count
-    between: list[int] = []
-    for place, (number, text) in enumerate(lines):
+    units = [""] * n_headings
+    skipped_lines: list[int] = []
+    for index, (number, text) in enumerate(lines):
         cells = _cells(text, mark)
-        if _has_number(text, mark, used):
-            return _Below(units, tuple(between), lines[place:])
+        if _has_number(text, mark, columns_read):
+            return _Below(units, tuple(skipped_lines), lines[index:])
         unit_cells = [cell.strip("[](){}<> ").strip("-") for cell in cells]
-        is_of_headings = len(cells) == count or (mark is not None and len(cells) < count)
-        if is_of_headings and not any(units) and _are_units(cells):
-            units = unit_cells + [""] * (count - len(cells))
+        has_cell_for_headings = len(cells) == n_headings or (
+            mark is not None and len(cells) < n_headings
+        )
+        if has_cell_for_headings and not any(units) and _are_units(cells):
+            units = unit_cells + [""] * (n_headings - len(cells))
         elif may_skip:
-            between.append(number)
+            skipped_lines.append(number)
         else:
-            return _Below(units, (), lines[place:])
+            return _Below(units, (), lines[index:])
     # no row of numbers: what stands below is at fault
-    return _Below([""] * count, (), lines)
+    return _Below([""] * n_headings, (), lines)
 
 
 def _labelled_units(lines: list[Line], mark: str | None, count: int) -> list[str]:
@@ -583,20 +597,20 @@ def _used(request: _Request, line_number: int, headings: Sequence[str]) -> tuple
     InputError
         Where several headings could be that of one column.
     """
-    places_of_all = [
+    places_of_columns = [
         _places_of(column, request.stated.get(column), headings) for column in request.columns
     ]
-    if not all(places_of_all):
+    if not all(places_of_columns):
         return None
     used_columns: list[int] = []
-    for column, places in zip(request.columns, places_of_all, strict=True):
-        if len(places) > 1:
-            candidates = ", ".join(repr(headings[k]) for k in places)
+    for column, places_of_column in zip(request.columns, places_of_columns, strict=True):
+        if len(places_of_column) > 1:
+            candidates = ", ".join(repr(headings[k]) for k in places_of_column)
             raise InputError(
                 f"{request.path}, line {line_number}: {candidates} could each be {column}; say"
                 f" which by columns = {{{column} = ...}}"
             )
-        used_columns += places
+        used_columns += places_of_column
     return tuple(used_columns) if len(set(used_columns)) == len(used_columns) else None
 
 
@@ -607,14 +621,18 @@ def _places_of(column: str, stated: str | int | None, headings: Sequence[str]) -
     if stated is not None:
         word = stated.strip()
         return [k for k, name in enumerate(headings) if word in (name, unit_in(name)[0])]
-    readings = []  # of each heading, with and without what may be its unit
+    names_of_headings = []  # of each heading, with and without what may be its unit
     for name in headings:
         texts = (name, unit_in(name)[0], name_without_unit(name))
-        readings.append({plain(text).lower() for text in texts})
+        names_of_headings.append({plain(text).lower() for text in texts})
     for alias in aliases_of(column):
-        places = [k for k, reading in enumerate(readings) if plain(alias).lower() in reading]
-        if places:
-            return places
+        found_places = [
+            k
+            for k, names_of_heading in enumerate(names_of_headings)
+            if plain(alias).lower() in names_of_heading
+        ]
+        if found_places:
+            return found_places
     return []
 
 
@@ -630,72 +648,80 @@ def _plain_layout(request: _Request, lines: list[Line]) -> _Layout:
     columns = request.columns
     number, text = lines[0]
     begins_with_rows = any(
-        len(_cells(text, mark)) > 1 and _numeric(text, mark) for mark in SEPARATORS
+        len(_cells(text, separator)) > 1 and _numeric(text, separator) for separator in SEPARATORS
     )
     if not columns:
         fault = f"it is {shown(text)}"
         if begins_with_rows or _numeric(text, None):
             fault = "it has numbers only"
-        keys = request.kind.keys_by_number
-        cure = f"; or take them by number: {keys}" if keys and begins_with_rows else ""
+        keys_of_columns = request.kind.keys_by_number
+        advice = (
+            f"; or take them by number: {keys_of_columns}"
+            if keys_of_columns and begins_with_rows
+            else ""
+        )
         raise InputError(
             f"{path}, line {number}: the first line must name the columns, such as"
-            f" {request.kind.example}; {fault}{cure}"
+            f" {request.kind.example}; {fault}{advice}"
         )
     list_of_columns = ", ".join(columns)
-    count = len(columns)
-    start, mark, cells = _first_row(lines, count)
+    n_columns = len(columns)
+    row_index, separator, cells_of_row = _first_row(lines, n_columns)
     if request.by_number:
-        places = [int(request.stated[name]) - 1 for name in columns]
-        start, mark, cells = _first_row_with_numbers(lines, places) or (start, mark, cells)
-    counts_alike = (
-        start == 0
-        and len(cells) == count
+        stated_places = [int(request.stated[name]) - 1 for name in columns]
+        row_index, separator, cells_of_row = _first_row_with_numbers(lines, stated_places) or (
+            row_index,
+            separator,
+            cells_of_row,
+        )
+    has_cell_for_column = (
+        row_index == 0
+        and len(cells_of_row) == n_columns
         and not any(isinstance(heading, str) for heading in request.stated.values())
     )
-    if cells and (request.by_number or counts_alike):
-        used_columns = tuple(range(count))
+    if cells_of_row and (request.by_number or has_cell_for_column):
+        used_columns = tuple(range(n_columns))
         if request.by_number:
             used_columns = tuple(int(request.stated[name]) - 1 for name in columns)
-        if max(used_columns) >= len(cells):
+        if max(used_columns) >= len(cells_of_row):
             raise InputError(
-                f"{path}, line {lines[start][0]}: there is no column {max(used_columns) + 1}:"
+                f"{path}, line {lines[row_index][0]}: there is no column {max(used_columns) + 1}:"
                 " the line has"
-                f" {len(cells)}"
+                f" {len(cells_of_row)}"
             )
         column_names = dict(zip(used_columns, columns, strict=True))
-        names = [column_names.get(k, f"column {k + 1}") for k in range(len(cells))]
-        head, headings, units = _above(lines[:start], mark, len(cells))
-        labelled_units = _labelled_units(lines, mark, len(cells))
-        units = units or ("",) * len(cells)
+        names = [column_names.get(k, f"column {k + 1}") for k in range(len(cells_of_row))]
+        heading_line, headings, units = _above(lines[:row_index], separator, len(cells_of_row))
+        labelled_units = _labelled_units(lines, separator, len(cells_of_row))
+        units = units or ("",) * len(cells_of_row)
         units = tuple(
             unit or labelled for unit, labelled in zip(units, labelled_units, strict=True)
         )
-        n_skipped = start
-        if head:
-            n_skipped = sum(line[0] < head for line in lines)
+        n_skipped = row_index
+        if heading_line:
+            n_skipped = sum(line[0] < heading_line for line in lines)
         return _Layout(
-            mark,
+            separator,
             headings or tuple(names),
             units,
             used_columns,
-            head,
-            lines[start][0],
+            heading_line,
+            lines[row_index][0],
             n_skipped,
             clock=_place_of_time(request, names, used_columns),
         )
     if begins_with_rows:
-        cure = ""
-        if len(cells) == 2 * count:
-            cure = "; semicolons between the columns where commas stand in the numbers"
+        advice = ""
+        if len(cells_of_row) == 2 * n_columns:
+            advice = "; semicolons between the columns where commas stand in the numbers"
         raise InputError(
-            f"{path}, line {number}: {count} numbers ({list_of_columns}) are needed, not"
-            f" {shown(text)}{cure}; or say which by columns ="
+            f"{path}, line {number}: {n_columns} numbers ({list_of_columns}) are needed, not"
+            f" {shown(text)}{advice}; or say which by columns ="
             f" {{{', '.join(f'{name} = {k}' for k, name in enumerate(columns, 1))}}}"
         )
     (number, text), names = _likeliest_headings(request, lines)
     lacking_columns = [name for name in columns if not _is_among(request, name, names)]
-    if not lacking_columns and len(names) >= count:
+    if not lacking_columns and len(names) >= n_columns:
         raise InputError(
             f"{path}, line {number}: columns: {list_of_columns} must be of different columns of"
             f" {shown(text)}"
@@ -726,18 +752,23 @@ def _likeliest_headings(request: _Request, lines: list[Line]) -> tuple[Line, lis
     the line above the first row of numbers, or above the units, else the first.
     """
     for fewest_cells in (len(request.columns), 2, 1):
-        start, mark, cells = _first_row(lines, fewest_cells)
+        row_index, mark, cells = _first_row(lines, fewest_cells)
         if cells:
             break
     separators = (mark,) if cells else tuple(SEPARATORS)
-    best_line = lines[max(start - 1, 0)]
-    if start > 1 and _are_units(_cells(best_line[1], mark)):
-        best_line = lines[start - 2]
+    best_line = lines[max(row_index - 1, 0)]
+    if row_index > 1 and _are_units(_cells(best_line[1], mark)):
+        best_line = lines[row_index - 2]
     best_names = max(
-        (way for separator in separators for way in _headings(best_line[1], separator)), key=len
+        (
+            cells_of_line
+            for separator in separators
+            for cells_of_line in _headings(best_line[1], separator)
+        ),
+        key=len,
     )
     most_found = 0
-    for line in lines[:start]:
+    for line in lines[:row_index]:
         for separator in separators:
             for names in _headings(line[1], separator):
                 n_found = sum(_is_among(request, column, names) for column in request.columns)
@@ -785,24 +816,24 @@ def _first_row_with_numbers(
 
 
 def _above(
-    lines: list[Line], mark: str | None, count: int
+    lines: list[Line], mark: str | None, n_columns: int
 ) -> tuple[int, tuple[str, ...], tuple[str, ...]]:
     """Line, headings and units (count,) of columns that were named by number, from the last lines
     above the rows; 0 and none.
     """
-    rows = [
-        (number, way)
+    lines_of_headings = [
+        (number, cells_of_line)
         for number, text in lines
-        for way in _headings(text, mark)
-        if len(way) == count
+        for cells_of_line in _headings(text, mark)
+        if len(cells_of_line) == n_columns
     ]
-    units = [""] * count
-    if len(rows) > 1 and _are_units(rows[-1][1]):
-        units = [cell.strip("[](){}<> ") for cell in rows[-1][1]]
-        rows.pop()
-    if not rows or rows[-1][0] < lines[-1][0] - 1:
+    units = [""] * n_columns
+    if len(lines_of_headings) > 1 and _are_units(lines_of_headings[-1][1]):
+        units = [cell.strip("[](){}<> ") for cell in lines_of_headings[-1][1]]
+        lines_of_headings.pop()
+    if not lines_of_headings or lines_of_headings[-1][0] < lines[-1][0] - 1:
         return 0, (), ()
-    number, names = rows[-1]
+    number, names = lines_of_headings[-1]
     units_of_names = [unit or unit_in(name)[1] for unit, name in zip(units, names, strict=True)]
     return number, tuple(names), tuple(units_of_names)
 
@@ -820,11 +851,11 @@ def _has_decimal_comma(lines: Iterator[Line], layout: _Layout) -> bool:
         cells = _cells(text, layout.separator)
         used_cells = [cells[k] for k in layout.used if k < len(cells)]
         used_cells = [cell for cell in used_cells if not is_clock_time(cell)]
-        points = any("." in cell for cell in used_cells)
-        commas = any("," in cell for cell in used_cells)
-        if points or commas:
-            return commas and (
-                not points or any(0 <= cell.find(".") < cell.rfind(",") for cell in used_cells)
+        has_point = any("." in cell for cell in used_cells)
+        has_comma = any("," in cell for cell in used_cells)
+        if has_point or has_comma:
+            return has_comma and (
+                not has_point or any(0 <= cell.find(".") < cell.rfind(",") for cell in used_cells)
             )
     return False
 
@@ -842,9 +873,9 @@ class _Rows:
 
 
 def _numbers(
-    request: _Request, lines: Callable[[], Iterator[Line]], layout: _Layout, comma: bool
+    request: _Request, lines: Callable[[], Iterator[Line]], layout: _Layout, has_decimal_comma: bool
 ) -> _Rows:
-    """The rows of numbers; `comma` is whether that is the decimal sign.
+    """The rows of numbers; `has_decimal_comma` is whether that is the decimal sign.
 
     All rows are read at once; where that fails, cell by cell up to the fault.
     """
@@ -855,7 +886,7 @@ def _numbers(
     remarks_in_rows = bool(request.columns)
     line_numbers = array("q")
 
-    def rows() -> Iterator[Line]:
+    def lines_of_rows() -> Iterator[Line]:
         del line_numbers[:]
         for number, text in lines():
             if number < layout.first or text.startswith(_REMARKS):
@@ -872,19 +903,19 @@ def _numbers(
                 yield number, text
 
     def even_rows() -> Iterator[str]:
-        for _, text in rows():
+        for _, text in lines_of_rows():
             # empty cells at the end are none
             row = text if mark is None else text.rstrip(f"{mark} ")
             separator_count = len(row.split()) - 1 if mark is None else row.count(mark)
             is_even = fewest_separators <= separator_count <= most_separators
-            if not is_even or (comma and "." in row):
+            if not is_even or (has_decimal_comma and "." in row):
                 raise ValueError
-            yield row.replace(",", ".") if comma else row
+            yield row.replace(",", ".") if has_decimal_comma else row
 
-    if next(rows(), None) is None:
+    if next(lines_of_rows(), None) is None:
         headings = ", ".join(layout.names[k] for k in layout.used[:6])
-        remainder = ", ..." if len(layout.used) > 6 else ""
-        raise InputError(f"{path}: no row of numbers below the names {headings}{remainder}")
+        rest_text = ", ..." if len(layout.used) > 6 else ""
+        raise InputError(f"{path}: no row of numbers below the names {headings}{rest_text}")
     try:
         values = np.loadtxt(
             even_rows(), delimiter=mark, comments=None, ndmin=2, usecols=layout.used
@@ -895,7 +926,7 @@ def _numbers(
         values = np.array([[np.nan]])
     if (np.abs(values) <= LARGEST).all():
         return _Rows(values, np.array(line_numbers, dtype=np.int64))
-    return _numbers_cell_by_cell(path, rows(), layout, comma)
+    return _numbers_cell_by_cell(path, lines_of_rows(), layout, has_decimal_comma)
 
 
 def _numbers_cell_by_cell(path: Path, rows: Iterator[Line], layout: _Layout, comma: bool) -> _Rows:

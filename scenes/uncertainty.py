@@ -364,9 +364,9 @@ def _words_of(key: str) -> str:
     """
     if key in _WORDS:
         return _WORDS[key]
-    table, *middle, name = key.split(".")
-    thing = _WORDS.get(f"{table}.{name}", f"the {name.replace('_', ' ')}")
-    return f"{thing} of the {middle[0]} body" if middle else thing
+    table, *body_of_table, name = key.split(".")
+    quantity = _WORDS.get(f"{table}.{name}", f"the {name.replace('_', ' ')}")
+    return f"{quantity} of the {body_of_table[0]} body" if body_of_table else quantity
 
 
 class _Friction(Protocol):
@@ -418,16 +418,19 @@ def inputs_of(scene: HasInputs) -> tuple[Input, ...]:
         value = _value_of(scene, key)
         if isinstance(uncertainty_words, str):
             standard = _share_of(key, uncertainty_words, value, scene.units)
-            words = uncertainty_words
+            stated_text = uncertainty_words
         else:
             standard = uncertainty_words
-            words = f"{uncertainty_words:.4g}°"
-        inputs.append(Input(key, _words_of(key), words, value, standard))
+            stated_text = f"{uncertainty_words:.4g}°"
+        inputs.append(Input(key, _words_of(key), stated_text, value, standard))
     return tuple(inputs)
 
 
 def _share_of(key: str, uncertainty_words: str, value: float | None, units: str) -> float:
-    """Standard uncertainty over the value."""
+    """Standard uncertainty of an input over its value, from its text: "5 %", or an amount with a
+    unit such as "0.1 mm", of a scene in `units`. ValueError for a unit that is not known, and for
+    more than half of the value.
+    """
     amount = _parsed(uncertainty_words)
     assert amount is not None  # the table was checked
     if amount.unit == "%":
@@ -436,19 +439,19 @@ def _share_of(key: str, uncertainty_words: str, value: float | None, units: str)
     try:
         factor, _ = unit_factor(amount.unit, kind, units)
     except ValueError as reason:
-        sentence = str(reason).removesuffix("; use scale")
+        reason_text = str(reason).removesuffix("; use scale")
         raise ValueError(
-            f"uncertainty.{key} = {shown(uncertainty_words)} is refused: {sentence}; write a"
+            f"uncertainty.{key} = {shown(uncertainty_words)} is refused: {reason_text}; write a"
             " share, such as"
             ' "1 %"'
         ) from reason
     assert value is not None  # only scales have none, and they are shares
-    share = amount.number * factor / value
+    share_of_value = amount.number * factor / value
     try:
-        _require_small(share, uncertainty_words)
+        _require_small(share_of_value, uncertainty_words)
     except ValueError as reason:
         raise ValueError(f"uncertainty.{key} is refused: {reason}") from reason
-    return share
+    return share_of_value
 
 
 def _value_of(scene: HasInputs, key: str) -> float | None:
@@ -457,23 +460,23 @@ def _value_of(scene: HasInputs, key: str) -> float | None:
     """
     if "." not in key:
         return _value_of_load(scene, key)
-    table, *middle, name = key.split(".")
+    table, *body_of_table, name = key.split(".")
     reason = ""
-    source: Any = getattr(scene, table)
+    part_of_scene: Any = getattr(scene, table)
     if table == "material":
         are_alike = scene.material.alike
-        if not middle and not are_alike:
+        if not body_of_table and not are_alike:
             reason = "the bodies are of two materials; state it under upper and lower"
-        elif middle and are_alike:
+        elif body_of_table and are_alike:
             reason = "both bodies are of one material; state it without upper and lower"
-        source = getattr(source, middle[0] if middle else "upper")
-    elif middle:
-        source = getattr(source, middle[0])
+        part_of_scene = getattr(part_of_scene, body_of_table[0] if body_of_table else "upper")
+    elif body_of_table:
+        part_of_scene = getattr(part_of_scene, body_of_table[0])
     if table == "profile" and scene.bodies.relative_radius() is not None:
         reason = "the profile follows from the cylinders; state the radius of the bodies"
-    value = getattr(source, name, None)
+    value = getattr(part_of_scene, name, None)
     if not reason and value is None:
-        kind = getattr(source, "kind", "")
+        kind = getattr(part_of_scene, "kind", "")
         reason = f"{table}{f' of kind {kind!r}' if kind else ''} has no {name} here; leave it out"
     if reason:
         raise ValueError(f"uncertainty.{key} is refused: {reason}")
@@ -482,7 +485,9 @@ def _value_of(scene: HasInputs, key: str) -> float | None:
 
 
 def _value_of_load(scene: HasInputs, key: str) -> float | None:
-    """Of friction and the keys of loads."""
+    """The value of friction, or of a key of the loads, None of a scale; ValueError where the scene
+    has no such input.
+    """
     load = scene.load
     reason = ""
     value: float | None = None
@@ -533,34 +538,34 @@ def moved(scene: S, changes: Mapping[str, float]) -> S:
     >>> round(scene.friction.coefficient, 12), scene.load.phase_degrees
     (1.1, 93.0)
     """
-    varied: dict[str, Any] = {"uncertainty": None, "expected": ()}
-    of_load: dict[str, float] = {}
+    changed_tables: dict[str, Any] = {"uncertainty": None, "expected": ()}
+    changes_of_load: dict[str, float] = {}
     for key, change in changes.items():
         if key == "friction":
-            varied["friction"] = scene.friction.coefficient * (1 + change)
+            changed_tables["friction"] = scene.friction.coefficient * (1 + change)
         elif "." not in key:
-            of_load[key] = change
+            changes_of_load[key] = change
         else:
             table, keys = _moved_table(scene, key, change)
-            varied[table] = _merged(varied.get(table, {}), keys)
-    if of_load:
-        varied["load"] = _moved_load(scene, of_load)
-    if _moves_a_cylinder(scene, varied):
-        bodies = scene.bodies.vary(**varied["bodies"])
-        varied["profile"] = {"radius": bodies.relative_radius()}
-    return scene.vary(**varied)
+            changed_tables[table] = _merged(changed_tables.get(table, {}), keys)
+    if changes_of_load:
+        changed_tables["load"] = _moved_load(scene, changes_of_load)
+    if _moves_a_cylinder(scene, changed_tables):
+        bodies = scene.bodies.vary(**changed_tables["bodies"])
+        changed_tables["profile"] = {"radius": bodies.relative_radius()}
+    return scene.vary(**changed_tables)
 
 
 def _moved_table(scene: HasInputs, key: str, change: float) -> tuple[str, dict[str, Any]]:
     """Name of a table of the scene, and what is to change in it."""
-    table, *middle, name = key.split(".")
-    source: Any = getattr(scene, table)
-    if table == "material" and not middle:
-        source = source.upper
-    for place in middle:
-        source = getattr(source, place)
-    keys: dict[str, Any] = {name: getattr(source, name) * (1 + change)}
-    for place in middle:
+    table, *body_of_table, name = key.split(".")
+    part_of_scene: Any = getattr(scene, table)
+    if table == "material" and not body_of_table:
+        part_of_scene = part_of_scene.upper
+    for place in body_of_table:
+        part_of_scene = getattr(part_of_scene, place)
+    keys: dict[str, Any] = {name: getattr(part_of_scene, name) * (1 + change)}
+    for place in body_of_table:
         keys = {place: keys}
     return table, keys
 
@@ -585,40 +590,47 @@ def _moves_a_cylinder(scene: HasInputs, varied: Mapping[str, Any]) -> bool:
 
 
 def _moved_load(scene: HasInputs, changes: Mapping[str, float]) -> Any:
-    """The load with scales of P and Q, or of what is prescribed in their place, and the lag."""
+    """The load of a scene with P, or the approach, and Q, or the displacement, scaled by 1 + the
+    changes of their keys, and with the lag of Q behind P moved by degrees: a table of its keys.
+    """
     load = scene.load
     normal_factor = 1 + changes.get("normal_load", changes.get("approach", 0.0))
-    displaced = changes.get("tangential_displacement", 0.0)
-    tangential_factor = 1 + changes.get("tangential_load", displaced)
+    displacement_change = changes.get("tangential_displacement", 0.0)
+    tangential_factor = 1 + changes.get("tangential_load", displacement_change)
     lag = changes.get("phase_degrees", 0.0)
-    initial = getattr(load, "initial_loading", ())
-    if isinstance(initial, tuple):
-        initial = [
+    initial_points = getattr(load, "initial_loading", ())
+    if isinstance(initial_points, tuple):
+        initial_points = [
             (normal_factor * normal_load, tangential_factor * tangential_load)
-            for normal_load, tangential_load in initial
+            for normal_load, tangential_load in initial_points
         ]
     if isinstance(load, EllipseLoad):
         return _moved_ellipse(load, normal_factor, tangential_factor, lag) | {
-            "initial_loading": initial
+            "initial_loading": initial_points
         }
     if isinstance(load, HarmonicLoad):
         return _moved_harmonics(load, normal_factor, tangential_factor, lag) | {
-            "initial_loading": initial
+            "initial_loading": initial_points
         }
     if isinstance(load, PolygonLoad):
         cycle = [
             (normal_factor * normal_load, tangential_factor * tangential_load)
             for normal_load, tangential_load in load.cycle
         ]
-        return {"initial_loading": initial, "cycle": cycle}
+        return {"initial_loading": initial_points, "cycle": cycle}
     if isinstance(load, TimeSeriesLoad):
         return _moved_record(load, normal_factor, tangential_factor)
-    return _moved_functions(load, normal_factor, tangential_factor) | {"initial_loading": initial}
+    return _moved_functions(load, normal_factor, tangential_factor) | {
+        "initial_loading": initial_points
+    }
 
 
 def _moved_ellipse(
     load: EllipseLoad, normal_factor: float, tangential_factor: float, lag: float
 ) -> dict[str, Any]:
+    """Keys of an ellipse of loads whose P and Q are scaled by factors, Q lagging by `lag` degrees
+    more.
+    """
     keys: dict[str, Any] = {}
     if load.approach is not None:
         keys["approach"] = {
@@ -655,8 +667,11 @@ def _turned(degrees: float) -> float:
 def _moved_harmonics(
     load: HarmonicLoad, normal_factor: float, tangential_factor: float, lag: float
 ) -> dict[str, Any]:
-    given = load.normal_harmonics if load.approach is None else load.approach.harmonics
-    normal_harmonics = [(normal_factor * amplitude, phase) for amplitude, phase in given]
+    """Keys of loads by harmonics whose P and Q are scaled by factors, the k-th harmonic of Q
+    lagging by k times `lag` degrees more.
+    """
+    first_harmonics = load.normal_harmonics if load.approach is None else load.approach.harmonics
+    normal_harmonics = [(normal_factor * amplitude, phase) for amplitude, phase in first_harmonics]
     keys: dict[str, Any] = {
         "mean_normal_load": normal_factor * load.mean_normal_load,
         "normal_harmonics": normal_harmonics,
@@ -666,11 +681,11 @@ def _moved_harmonics(
             "approach": {"mean": normal_factor * load.approach.mean, "harmonics": normal_harmonics}
         }
     wave = load.tangential_displacement
-    harmonics = load.tangential_harmonics if wave is None else wave.harmonics
+    second_harmonics = load.tangential_harmonics if wave is None else wave.harmonics
     # the k-th harmonic lags by k times as much
     tangential_harmonics = [
         (tangential_factor * amplitude, phase + number * lag)
-        for number, (amplitude, phase) in enumerate(harmonics, 1)
+        for number, (amplitude, phase) in enumerate(second_harmonics, 1)
     ]
     if wave is not None:
         keys["tangential_displacement"] = {
@@ -678,8 +693,11 @@ def _moved_harmonics(
             "harmonics": tangential_harmonics,
         }
         return keys
-    mean = tangential_factor * load.mean_tangential_load
-    return keys | {"mean_tangential_load": mean, "tangential_harmonics": tangential_harmonics}
+    second_mean = tangential_factor * load.mean_tangential_load
+    return keys | {
+        "mean_tangential_load": second_mean,
+        "tangential_harmonics": tangential_harmonics,
+    }
 
 
 def _moved_record(

@@ -118,16 +118,18 @@ def inconsistent(units: str) -> str:
         return (
             "write force, length and stress in this order with commas between, such as 'N, mm, MPa'"
         )
-    force, length, stress = words
-    stress_size = UNITS["force"][force] / UNITS["length"][length] ** 2
-    right = [
+    force_word, length_word, stress_word = words
+    stress_size = UNITS["force"][force_word] / UNITS["length"][length_word] ** 2
+    right_words = [
         word for word, size in UNITS["stress"].items() if abs(size / stress_size - 1) < _ROUNDING
     ]
-    if stress in right:
+    if stress_word in right_words:
         return ""
-    fault = f"{force}/{length}^2 is {f'{right[0]}, ' if right else ''}not {stress}"
+    unit_of_stress = f"{right_words[0]}, " if right_words else ""
+    fault_text = f"{force_word}/{length_word}^2 is {unit_of_stress}not {stress_word}"
     return (
-        f"{fault}: one set of units is needed, such as 'N, mm, MPa', with every number of the scene"
+        f"{fault_text}: one set of units is needed, such as 'N, mm, MPa', with every number of the"
+        " scene"
         " in it"
     )
 
@@ -157,16 +159,16 @@ def unit_in(heading: str) -> tuple[str, str]:
     """
     text = heading.strip()
     for bracket in re.finditer(r"[\[({<]([^][(){}<>]*)[\])}>]", text):
-        bracketed = bracket[1].strip().removeprefix("in ").strip()
+        bracketed_word = bracket[1].strip().removeprefix("in ").strip()
         is_last = bracket.end() == len(text)
-        if is_unit(bracketed) or is_last:
-            return text[: bracket.start()].rstrip(" _,;:-"), "" if bracketed in (
+        if is_unit(bracketed_word) or is_last:
+            return text[: bracket.start()].rstrip(" _,;:-"), "" if bracketed_word in (
                 "-",
                 "1",
-            ) else bracketed
-    quotient = re.match(r"(.*?\S)(?:\s*/\s*|\s+in\s+)(\S+)$", text)
-    if quotient and is_unit(quotient[2]):
-        return quotient[1], quotient[2]
+            ) else bracketed_word
+    name_and_unit = re.match(r"(.*?\S)(?:\s*/\s*|\s+in\s+)(\S+)$", text)
+    if name_and_unit and is_unit(name_and_unit[2]):
+        return name_and_unit[1], name_and_unit[2]
     name, word = _last_word(text)
     return (name, word) if is_unit(word) and word not in _SHORT else (text, "")
 
@@ -213,8 +215,8 @@ def is_unit(word: str) -> bool:
 
 
 def _size(unit: str, kind: str) -> tuple[float, bool] | None:
-    """Its size in N, m, Pa, rad, s or N/m, and whether it is per length; None for no unit of this
-    kind.
+    """Size of a unit of this kind in N, m, Pa, rad, s or, per length, N/m, and whether it is per
+    length; None where the word is no unit of the kind.
     """
     numerator, slash, denominator = (
         unit.replace(" ", "").partition("/") if kind == "load" else (unit, "", "")
@@ -263,24 +265,25 @@ def unit_factor(unit: str, kind: Kind, units: str) -> tuple[float, bool]:
     ... )
     ((1000.0, False), (1.0, True), (0.001, False))
     """
-    size = _size(unit, kind)
-    if size is None:
+    size_and_form = _size(unit, kind)
+    if size_and_form is None:
         quantity = "force, or of force per length," if kind == "load" else kind
         raise ValueError(
             f"{unit!r} is no unit of {quantity} that is known; known are"
             f" {', '.join(_OF_FILES[kind]) or 'none'}"
         )
-    value, per_length = size
-    words = [*re.split(r"[,\s]+", units), "", "", ""]
-    force, length, stress = (
-        known_units.get(word, 0.0) for word, known_units in zip(words, UNITS.values(), strict=False)
+    unit_size, per_length = size_and_form
+    words_of_scene = [*re.split(r"[,\s]+", units), "", "", ""]
+    force_size, length_size, stress_size = (
+        known_units.get(word, 0.0)
+        for word, known_units in zip(words_of_scene, UNITS.values(), strict=False)
     )
     if kind in ("time", "angle"):
-        return value, False
+        return unit_size, False
     scene_size = {
-        "length": length,
-        "load": force / ((length or math.inf) if per_length else 1.0),
-        "stress": stress,
+        "length": length_size,
+        "load": force_size / ((length_size or math.inf) if per_length else 1.0),
+        "stress": stress_size,
     }[kind]
     if not scene_size:
         raise ValueError(
@@ -288,4 +291,4 @@ def unit_factor(unit: str, kind: Kind, units: str) -> tuple[float, bool]:
             " words; use scale"
         )
     # 1e3/1e3 is 1, whatever the quotients' rounding
-    return float(f"{value / scene_size:.12g}"), per_length
+    return float(f"{unit_size / scene_size:.12g}"), per_length
