@@ -47,7 +47,10 @@ def notes_of_answer(
     arrays: Mapping[str, Any],
     dissipation_uncertainty: float,
 ) -> list[str]:
-    """Every sentence of an answer but that of a penalty layer; fewer where the run failed."""
+    """Notes of a finite-element answer, sentences on what limits it: repeated steps, bulk stress,
+    drift, creep, mesh, uncertainty of the dissipation. A run that failed has fewer; a penalty layer
+    adds its own elsewhere.
+    """
     scene = task.scene
     scales = task.scales
     notes = []
@@ -59,9 +62,9 @@ def notes_of_answer(
         notes += _drift_notes(run, scales)
         notes += _thinned_notes(run)
         notes += _creep_notes(scene, arrays)
-        element = task.element * scales.half_width
+        element_size = task.element * scales.half_width
         revolution = revolution_of(task, run, arrays)
-        notes += resolution_notes(scene.profile, revolution, element, task.mesh)
+        notes += resolution_notes(scene.profile, revolution, element_size, task.mesh)
     notes += uncertainty_note(
         arrays["dissipation"], dissipation_uncertainty, scene.tolerances, scales.dissipation
     )
@@ -93,10 +96,8 @@ def _creep_notes(scene: Scene, arrays: Mapping[str, Any]) -> Iterator[str]:
     creep_share = largest_creep / max(float(slip_range.max()), 1e-300)
     yield (
         f"the permanent stick zone, {zone_ends[0]:.6g} to {zone_ends[1]:.6g}, reaches beyond the"
-        " stick edges"
-        f" of {n_narrower} of {len(outward_edges)} instants. What slips between them counts as"
-        " stuck: it"
-        f" slips by {creep_share:.1e} of the largest slip at most"
+        f" stick edges of {n_narrower} of {len(outward_edges)} instants. What slips between them"
+        f" counts as stuck: it slips by {creep_share:.1e} of the largest slip at most"
     )
 
 
@@ -106,10 +107,9 @@ def _thinned_notes(run: PathRun) -> Iterator[str]:
     if n_dropped:
         yield (
             f"{n_dropped} of {len(run.states)} instants of this long path are left out of the"
-            " answer,"
-            f" its files and figures (at most {MOST_INSTANTS} are kept, the rows of the record"
-            " first). The worst instant of a metric is one that was kept. W, W(x), the closed"
-            " integral of Q dU, the permanent stick zone and the checks are of all of them"
+            f" answer, its files and figures (at most {MOST_INSTANTS} are kept, the rows of the"
+            " record first). The worst instant of a metric is one that was kept. W, W(x), the"
+            " closed integral of Q dU, the permanent stick zone and the checks are of all of them"
         )
 
 
@@ -134,8 +134,7 @@ def _drift_notes(run: PathRun, scales: Scales) -> Iterator[str]:
         yield (
             f"shakedown: W of the revolutions tends to {trend_of_work.limit * work_unit:.6g}"
             f" ({trend_of_work.kind} trend). That of revolution {len(works)} still differs from it"
-            " by"
-            f" {abs(trend_of_work.left) / last_work:.1e} of W, which is in the uncertainty"
+            f" by {abs(trend_of_work.left) / last_work:.1e} of W, which is in the uncertainty"
         )
     elif run.steady_from is not None and trend_of_work.left and last_work > 0:
         yield (
@@ -148,8 +147,7 @@ def _drift_notes(run: PathRun, scales: Scales) -> Iterator[str]:
         distance = shift_of_cycle * scales.load / scales.modulus
         yield (
             f"ratcheting: each revolution moves the upper body by {distance:.3g} along x; the"
-            " closed"
-            " integral of Q dU holds the work of the mean Q on that way"
+            " closed integral of Q dU holds the work of the mean Q on that way"
         )
 
 

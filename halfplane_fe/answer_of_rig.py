@@ -92,8 +92,7 @@ def notes_of_rig(
         displacement_text = f"U and approach here count from {datum_text}, as in every answer"
     note = (
         f"rig: {loads_text} of each increment, at whose end the actuators are where the rig"
-        " prescribes"
-        f" to {largest_miss:.1g} {length_unit}; {displacement_text}"
+        f" prescribes to {largest_miss:.1g} {length_unit}; {displacement_text}"
     )
     return (note, *_notes_of_slides(scene, problem.friction, run, scales))
 
@@ -118,9 +117,8 @@ def _notes_of_slides(scene: Scene, friction: float, run: PathRun, scales: Scales
         rest_text = f"; and {len(slides) - _MOST_NAMED} more" if len(slides) > _MOST_NAMED else ""
         yield (
             f"gross sliding: in {span_text} the bodies slide as a whole by {slide_distance:.6g}"
-            f" {length_unit}, which"
-            f" takes {work:.6g} {force_unit}·{length_unit}/{length_unit} of the dissipation:"
-            f" {slides_in_words}{rest_text}"
+            f" {length_unit}, which takes {work:.6g} {force_unit}·{length_unit}/{length_unit} of"
+            f" the dissipation: {slides_in_words}{rest_text}"
         )
     slides_before = _slides_of(friction, run.states[: first_step + 1])
     if slides_before:

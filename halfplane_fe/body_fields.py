@@ -573,8 +573,7 @@ def stress(
     if np.any(y_places > 0):
         raise InputError(
             f"stress: y = {sign * float(y_places.max()):.6g} is outside the {body} body; y points"
-            " out"
-            " of the lower one"
+            " out of the lower one"
         )
     bulk_stress = _bulk_stress(solution, steps, number)
     series_of_steps = [tractions_with_uncertainty(_nodal(solution, step)).series for step in steps]

@@ -515,7 +515,12 @@ def _form(nodal: Nodal) -> Callable[[Array], Array]:
     kinks = nodal.kinks[np.abs(nodal.kinks[:, 0] - middle) < half_width]
 
     def of_kinks(x: Array) -> Array:
-        """p over the root by the jumps."""
+        """Pressure over the root sqrt(1 - u^2) by jumps of the curvature of the initial gap inside
+        the contact.
+
+        x: places (n,), (n,) returned; `kinks` are rows of place and jump of curvature; u is the
+        distance from the middle in half-widths.
+        """
         # notation: u, t, b places over the half-width from the middle; b > 0
         u = ((x - middle) / half_width).clip(-1 + _AT_EDGE, 1 - _AT_EDGE)
         root = np.sqrt(1 - u**2)
@@ -529,8 +534,8 @@ def _form(nodal: Nodal) -> Callable[[Array], Array]:
             distance_from_jump = np.where(t == b, 1.0, t - b)
             logarithm = np.log(np.abs((1 - b * t + root * root_at_b) / distance_from_jump))
             logarithm[t == b] = 0.0
-            by_curvature = math.acos(b) + (t - b) * logarithm / root
-            over_root += side * jump / (2 * math.pi) * by_curvature
+            pressure_of_unit_jump = math.acos(b) + (t - b) * logarithm / root
+            over_root += side * jump / (2 * math.pi) * pressure_of_unit_jump
         return over_root
 
     smooth_part = 0.0

@@ -493,12 +493,15 @@ def initial_gap(scene: Scene, interface: Interface) -> Array:
 def bulk_stress_notes(
     scene: Scene, condensed: tuple[CondensedBody, CondensedBody], tangential_load: float
 ) -> Iterator[str]:
-    """What the bulk stress of a block is: where its ends hold Q, the jump Q/H; where its base does,
-    the share at the face.
+    """Notes on where the stated bulk stress of a block acts, from the largest |Q| of the path.
+
+    With ends on rollers the ends carry Q, and the stress jumps by Q/H across the contact (H:
+    height); with a fixed base, the share that reaches the middle of the face, by the condensed
+    body.
     """
     if not has_bulk_stress(path_of(scene)):
         return
-    for name, compliant in zip(("lower", "upper"), condensed, strict=True):
+    for name, condensed_body in zip(("lower", "upper"), condensed, strict=True):
         body = getattr(scene.bodies, name)
         if not (isinstance(body, Block) and has_ends(body)):
             continue
@@ -509,14 +512,16 @@ def bulk_stress_notes(
                 f" {tangential_load / body.height:.3g} at the largest Q"
             )
         elif body.base == "fixed":
-            middle = np.abs(compliant.x) <= np.abs(compliant.x).max() / 2
-            displacement = compliant.by_stress[0, middle]
-            strain_by_stress = np.polyfit(compliant.x[middle], displacement, 1)[0]
-            material = compliant.material
+            is_in_middle = np.abs(condensed_body.x) <= np.abs(condensed_body.x).max() / 2
+            displacement_in_middle = condensed_body.by_stress[0, is_in_middle]
+            strain_by_stress = np.polyfit(
+                condensed_body.x[is_in_middle], displacement_in_middle, 1
+            )[0]
+            material = condensed_body.material
             modulus = material.young_modulus / (1 - material.poisson_ratio**2)
-            share = strain_by_stress * modulus
+            share_at_face = strain_by_stress * modulus
             yield (
                 f"the bulk stress of the {name} body is that at its ends: its fixed base holds back"
-                f" a part, and {share:.0%} of the stress is at the middle of the face; base ="
-                " 'rollers' is a specimen cut at its middle plane"
+                f" a part, and {share_at_face:.0%} of the stress is at the middle of the face; base"
+                " = 'rollers' is a specimen cut at its middle plane"
             )

@@ -232,10 +232,8 @@ def check_admissible(path: LoadPath, friction: float, *, is_driven: bool = False
             if is_driven:
                 raise InputError(
                     f"load: the bodies part at time {times[worst_instant]:.6g}, where P or the"
-                    " approach is"
-                    f" {p[worst_instant]:.6g}; finite elements follow bodies that touch: keep"
-                    " it above 0,"
-                    " or take half-plane theory"
+                    f" approach is {p[worst_instant]:.6g}; finite elements follow bodies that"
+                    " touch: keep it above 0, or take half-plane theory"
                 )
             advice = _LITTLE_LOAD if p[worst_instant] > 0 else ""
             if (

@@ -201,10 +201,9 @@ def resolution_notes(
     elements_in_least = revolution.least_contact() / element
     if expected_errors.matter(elements_in_least):
         yield (
-            f"the contact is {elements_in_least:.2g} elements from its middle to its edge where"
-            " it is smallest"
-            f" (loads above {_LOADED:g} of the largest), {element:.3g} each on the coarser side:"
-            f" {expected_errors.words(elements_in_least)};"
+            f"the contact is {elements_in_least:.2g} elements from its middle to its edge where it"
+            f" is smallest (loads above {_LOADED:g} of the largest), {element:.3g} each on the"
+            f" coarser side: {expected_errors.words(elements_in_least)};"
             f" {_finer(mesh, elements_in_least / elements_enough)}"
         )
     exponent = tip_power(profile, element / 2**_MOST_HALVINGS)
@@ -300,14 +299,12 @@ def _slip_notes(revolution: Revolution, element: float, mesh: MeshSettings) -> I
         error_text = "some per cent or more" if elements_in_slip > 1 else "a factor, up or down"
         yield (
             f"slip zones are {elements_in_slip:.2g} elements wide at most, {element:.3g} each: the"
-            " error"
-            f" of the dissipation is {error_text};"
+            f" error of the dissipation is {error_text};"
             f" {_finer(mesh, elements_in_slip / _ENOUGH_IN_SLIP)}"
         )
     elif dissipation_by_mesh > _TOLD * dissipation:
         yield (
             f"the dissipation is {dissipation:.2g} A f^2 P^2, and the mesh alone makes up to"
             f" {dissipation_by_mesh:.2g} of that unit where all of the contact is next to slipping,"
-            " even"
-            " if nothing slips: take the figure for uncertain by that much"
+            " even if nothing slips: take the figure for uncertain by that much"
         )

@@ -60,6 +60,7 @@ class MeshSettings:
     cells: Cells = "triangles"
 
     def __post_init__(self) -> None:
+        """InputError for a size or ratio outside its range."""
         for name in ("element_size", "edge_element_size"):
             if not self.LEAST_SIZE <= getattr(self, name) <= 0.25:
                 raise InputError(
@@ -318,8 +319,7 @@ def size_formula(
         corner_size = float(rounded(min(size_around_edges, x, -y) / _CORNER_SHARE))
         formula = (
             f"Min({formula}, {corner_size!r} + {corner_growth(growth)!r} * Sqrt((x - {x!r})^2 + (y"
-            " +"
-            f" {-y!r})^2))"
+            f" + {-y!r})^2))"
         )
     return formula
 

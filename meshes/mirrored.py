@@ -154,18 +154,22 @@ def mirrored_mesh(
 
 @contextmanager
 def _gmsh_model(cells: Cells) -> Iterator[None]:
-    # gmsh is one global state: entered here, left here, whatever happens.
-    pipe = signal.getsignal(signal.SIGPIPE) if hasattr(signal, "SIGPIPE") else None
+    """An empty model in gmsh, set to mesh with triangles or quadrilaterals without messages; gmsh,
+    which has one global state, is closed on leaving, whatever happens.
+    """
+    handler_of_broken_pipe = (
+        signal.getsignal(signal.SIGPIPE) if hasattr(signal, "SIGPIPE") else None
+    )
     gmsh.initialize(["-noenv"], readConfigFiles=False, interruptible=False)
     # gmsh lets a broken pipe end the whole process; in Python it is an error that can be reported.
     # Only the main thread may say so.
-    if pipe is not None and threading.current_thread() is threading.main_thread():
-        signal.signal(signal.SIGPIPE, pipe)
+    if handler_of_broken_pipe is not None and threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGPIPE, handler_of_broken_pipe)
     try:
         gmsh.option.setNumber("General.Terminal", 0)
         gmsh.option.setNumber("General.AbortOnError", 2)
-        for rule in ("ExtendFromBoundary", "FromPoints", "FromCurvature"):
-            gmsh.option.setNumber(f"Mesh.MeshSize{rule}", 0)
+        for size_rule in ("ExtendFromBoundary", "FromPoints", "FromCurvature"):
+            gmsh.option.setNumber(f"Mesh.MeshSize{size_rule}", 0)
         gmsh.option.setNumber("Mesh.Algorithm", 6)
         gmsh.option.setNumber("Mesh.RandomSeed", 1)
         if cells == "quadrilaterals":

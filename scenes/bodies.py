@@ -275,24 +275,28 @@ class Bodies(Frozen):
 
     @model_validator(mode="after")
     def _fit_together(self) -> Self:
-        kinds = (self.lower.kind, self.upper.kind)
-        true_faces = [kind for kind in kinds if kind in (*_PADS, "cylinder")]
-        if len(true_faces) == 2 and true_faces != ["cylinder", "cylinder"]:
+        """ValueError for two bodies whose faces cannot meet: two of which each would give the
+        profile, or a pad wider than what it faces.
+        """
+        kinds_of_bodies = (self.lower.kind, self.upper.kind)
+        kinds_with_a_profile = [kind for kind in kinds_of_bodies if kind in (*_PADS, "cylinder")]
+        if len(kinds_with_a_profile) == 2 and kinds_with_a_profile != ["cylinder", "cylinder"]:
             raise ValueError(
-                f"a {kinds[1]} on a {kinds[0]}: a pad faces a half_plane, a block or a t_shape, for"
-                " the profile is its own alone"
+                f"a {kinds_of_bodies[1]} on a {kinds_of_bodies[0]}: a pad faces a half_plane, a"
+                " block or a t_shape, for the profile is its own alone"
             )
-        for pad, name, facing in (
+        for pad, name, body_it_faces in (
             (self.upper, "upper", self.lower),
             (self.lower, "lower", self.upper),
         ):
             if not isinstance(pad, Pad | ShoulderedPad):
                 continue
-            if pad.face_half_width > facing.face_half_width:
+            if pad.face_half_width > body_it_faces.face_half_width:
                 raise ValueError(
                     f"the {name} body, a pad of width {pad.width:g}, is wider than the"
-                    f" {facing.kind} that it faces, of width {2 * facing.face_half_width:g}: make"
-                    f" the pad narrower or the {facing.kind} wider"
+                    f" {body_it_faces.kind} that it faces, of width"
+                    f" {2 * body_it_faces.face_half_width:g}: make the pad narrower or the"
+                    f" {body_it_faces.kind} wider"
                 )
         return self
 

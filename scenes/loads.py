@@ -63,16 +63,18 @@ InitialLoading = Literal["straight"] | tuple[Point, ...]
 def straight_loading(
     initial_loading: InitialLoading, first_leg: LoadSegment, duration: float
 ) -> tuple[StraightSegment, ...]:
-    """From (0, 0) through the points of `initial_loading` to the start of the segment `first_leg`,
-    `duration` a line.
+    """Straight segments from P = Q = 0 through the points of `initial_loading` to the loads at
+    which `first_leg` starts, each lasting `duration`; the last ends when `first_leg` starts.
     """
     points = [
         (0.0, 0.0),
         *(() if initial_loading == "straight" else initial_loading),
         tuple(float(load) for load in first_leg.loads(first_leg.start)),
     ]
-    start = first_leg.start - (len(points) - 1) * duration
-    return straight_segments([(start + k * duration, *point) for k, point in enumerate(points)])
+    start_time = first_leg.start - (len(points) - 1) * duration
+    return straight_segments(
+        [(start_time + k * duration, *point) for k, point in enumerate(points)]
+    )
 
 
 Harmonic = tuple[
@@ -536,6 +538,9 @@ class PolygonLoad(StraightLoad):
 
     @model_validator(mode="after")
     def _moves(self) -> Self:
+        """ValueError where two points of the path in a row have the same loads, bulk stresses and
+        tilt, so that nothing happens between them; with stated times such rests are allowed.
+        """
         _require_displacement_beside_approach(self)
         if self.times is not None:
             self._check_times(self.times)
@@ -913,6 +918,9 @@ class TimeSeriesLoad(StraightLoad, FromFile):
 
     @model_validator(mode="after")
     def _threshold_has_a_use(self) -> Self:
+        """ValueError where threshold, average, least_normal_load or reduce are stated together with
+        keys of the record that they do not go with.
+        """
         if self.threshold is not None and self.reduce is None:
             raise ValueError(
                 'threshold has a use with reduce = "turning_points" or reduce = "tolerance" only:'
@@ -928,9 +936,10 @@ class TimeSeriesLoad(StraightLoad, FromFile):
                 "least_normal_load goes with records of P and Q alone that do not repeat: leave it"
                 " out, and cut the noise by start and end"
             )
-        if self.average > 1 and (count := len(self.used_rows())) < 2 * self.average:
+        if self.average > 1 and (used_row_count := len(self.used_rows())) < 2 * self.average:
             raise ValueError(
-                f"average = {self.average} leaves one of {count} rows: two at least are needed"
+                f"average = {self.average} leaves one of {used_row_count} rows: two at least are"
+                " needed"
             )
         if self.has_bulk_or_tilt and (self.average > 1 or self.reduce is not None):
             raise ValueError(
@@ -962,8 +971,7 @@ class TimeSeriesLoad(StraightLoad, FromFile):
             np.diff(times[first_row:row_beyond]) <= 0,
             lambda k: (
                 f"time = {times[k]:.12g} {faults_of_times[int(times[k] < times[k - 1])]}: the times"
-                " must ascend"
-                f"{_CURE_OF_TIMES if self.file is not None else ''}"
+                f" must ascend{_CURE_OF_TIMES if self.file is not None else ''}"
             ),
             first_row + 1,
         )

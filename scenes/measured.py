@@ -158,31 +158,36 @@ class ColumnUnit:
 def unit_of_column(
     table: TextTable, column: int, kind: Kind, units: str, stated: str | None = None
 ) -> ColumnUnit:
-    """The unit of a column by number: the stated one, else that in the file.
+    """The unit of a column of a table, with its factor to the units of the scene.
+
+    It is the `stated` one, else the one in the line of units or in the heading of the column.
+    Without one, or with an unknown one, the factor is 1 and a sentence of the answer says so.
 
     Parameters
     ----------
+    column
+        its number, from 0
     kind
-        what the column must be
+        what the column must be, such as a length
     units
         those of the scene, such as "N, mm, MPa"
     """
-    word = stated or table.units[column] or short_unit_in(table.headings[column], kind)
+    unit_name = stated or table.units[column] or short_unit_in(table.headings[column], kind)
     source = "in its heading"
     if stated:
         source = "stated"
-    elif word and word not in table.headings[column]:
+    elif unit_name and unit_name not in table.headings[column]:
         source = "in the line of units"
-    if not word:
-        words = "no unit stated: taken to be in that of the scene"
-        return ColumnUnit("", source, 1.0, False, "", "" if kind == "time" else words)
+    if not unit_name:
+        remark = "no unit stated: taken to be in that of the scene"
+        return ColumnUnit("", source, 1.0, False, "", "" if kind == "time" else remark)
     try:
-        factor, per_length = unit_factor(word, kind, units)
+        factor, per_length = unit_factor(unit_name, kind, units)
     except ValueError as reason:
-        words = f"{word!r} {source} is no unit that is known: taken as it stands"
-        return ColumnUnit(word, source, 1.0, False, str(reason), words)
-    words = f"{word} ({source}), times {factor:.9g}"
-    return ColumnUnit(word, source, factor, per_length, "", words)
+        remark = f"{unit_name!r} {source} is no unit that is known: taken as it stands"
+        return ColumnUnit(unit_name, source, 1.0, False, str(reason), remark)
+    remark = f"{unit_name} ({source}), times {factor:.9g}"
+    return ColumnUnit(unit_name, source, factor, per_length, "", remark)
 
 
 def layout_in_words(path: Path, table: TextTable) -> list[tuple[str, str]]:
@@ -538,6 +543,10 @@ def within(path: Array, tolerance: Array) -> Rows:
     slack = tolerance + _ROUNDING * np.max(np.abs(path), initial=0.0)
 
     def line_fits(first_row: int, last_row: int) -> bool:
+        """Whether one straight line between the two rows stays within `slack` of all rows between
+        them, and passes them in order: a share of the line for each, none less than the share
+        before.
+        """
         start = path[first_row]
         change = path[last_row] - path[first_row]
         points_between = path[first_row + 1 : last_row] - start

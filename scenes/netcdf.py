@@ -166,8 +166,7 @@ def _require_format(path: Path, attributes: Mapping[str, Any], newest: str) -> N
     if stated_kind == kind and number.isdecimal() and int(number) > int(known_version):
         raise InputError(
             f"{path}: format is '{stated_format}', of a later version, and this one reads"
-            f" '{newest}';"
-            " update halfplane, or solve the scene again"
+            f" '{newest}'; update halfplane, or solve the scene again"
         )
 
 

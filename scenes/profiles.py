@@ -808,8 +808,7 @@ def one_sided(points: Array, asymmetry: float) -> tuple[Array, Array]:
         right_h = (right_h + h[middle_row::-1]) / 2
     rule = (
         f"the profile has {len(right_x):,} rows of x >= 0, and at most {_MOST:,} are taken: leave"
-        " out"
-        " all but every n-th"
+        " out all but every n-th"
     )
     RowError.refuse(np.arange(len(right_x)) >= _MOST, lambda _: rule, middle_row)
     RowError.refuse(

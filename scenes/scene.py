@@ -256,23 +256,28 @@ class Scene(Frozen):
 
     @model_validator(mode="after")
     def _parts_fit_together(self) -> Self:
-        for name, table in (("load", self.load), ("profile", self.profile)):
+        """ValueError where two tables of the scene contradict each other.
+
+        Checked are units of columns, rig, length of the profile, radii of cylinders and the width
+        of pads against the arcs of the profile; then what the scene's uncertainties name.
+        """
+        for table_name, table in (("load", self.load), ("profile", self.profile)):
             reading = dict(getattr(table, "read_as", None) or ())
             units_of_columns = reading.get(SCENE_UNITS, self.units)
             if units_of_columns != self.units:
                 raise ValueError(
-                    f"units = {self.units!r}, and the columns of {name}.file were turned into"
+                    f"units = {self.units!r}, and the columns of {table_name}.file were turned into"
                     f" {units_of_columns!r}: give file and units together in a scene file, or to"
                     " Scene.vary"
                 )
         self._check_rig()
-        length = self.profile.datum_length
+        datum_length = self.profile.datum_length
         radius = self.bodies.relative_radius()
         arcs = self.profile.arc  # half the flat, and the radius of the arcs beside it
-        if not 1 / LARGEST <= length <= LARGEST:
+        if not 1 / LARGEST <= datum_length <= LARGEST:
             raise ValueError(
-                f"profile has a length of {length:g}, which is not between {1 / LARGEST:g} and"
-                f" {LARGEST:g}, and its square would overflow or vanish: choose other units"
+                f"profile has a length of {datum_length:g}, which is not between {1 / LARGEST:g}"
+                f" and {LARGEST:g}, and its square would overflow or vanish: choose other units"
             )
         if radius is not None and not (
             self.profile.kind == "hertz" and arcs and abs(arcs[1] / radius - 1) <= 1e-9
@@ -281,11 +286,11 @@ class Scene(Frozen):
                 "profile is not that of the cylinders: it is kind = 'hertz' with radius ="
                 f" {radius:.12g} (1/R is the sum of 1/radius over the cylinders)"
             )
-        for name, body in (("lower", self.bodies.lower), ("upper", self.bodies.upper)):
+        for body_name, body in (("lower", self.bodies.lower), ("upper", self.bodies.upper)):
             if isinstance(body, Pad | ShoulderedPad) and arcs and body.width / 2 >= sum(arcs):
                 raise ValueError(
-                    f"bodies.{name}.width = {body.width:g} goes past the end of the pad's arcs, at"
-                    f" {2 * sum(arcs):g}: make it less"
+                    f"bodies.{body_name}.width = {body.width:g} goes past the end of the pad's"
+                    f" arcs, at {2 * sum(arcs):g}: make it less"
                 )
         inputs_of(self)
         return self

@@ -495,13 +495,16 @@ class HarmonicSegment(LoadSegment):
         mean_normal, mean_tangential = self.mean
         if self.ellipse:
             t = _float_or_array(time)
-            (p, origin), (q, lag) = self._first
-            return mean_normal + p * np.cos(t - origin), mean_tangential + q * np.cos(t - lag)
+            (normal_amplitude, normal_lag), (tangential_amplitude, tangential_lag) = self._first
+            return (
+                mean_normal + normal_amplitude * np.cos(t - normal_lag),
+                mean_tangential + tangential_amplitude * np.cos(t - tangential_lag),
+            )
         t = np.atleast_1d(np.asarray(time, dtype=float))
-        z = np.exp(1j * t)
-        of_normal, of_tangential = self._wave_terms
-        normal_load = mean_normal + _wave_sum_at(of_normal, z, t)
-        tangential_load = mean_tangential + _wave_sum_at(of_tangential, z, t)
+        unit_rotation = np.exp(1j * t)
+        normal_terms, tangential_terms = self._wave_terms
+        normal_load = mean_normal + _wave_sum_at(normal_terms, unit_rotation, t)
+        tangential_load = mean_tangential + _wave_sum_at(tangential_terms, unit_rotation, t)
         shape = np.shape(time)
         return normal_load.reshape(shape), tangential_load.reshape(shape)
 
@@ -680,11 +683,12 @@ class HarmonicSegment(LoadSegment):
 
         def later(waves: Waves) -> Waves:
             """Harmonics whose phases grow by k times the delay."""
-            angles = [
+            phase_changes = [
                 math.remainder(k * delay_angle, 2 * math.pi) for k in range(1, len(waves) + 1)
             ]
             return tuple(
-                (size, phase + turn) for (size, phase), turn in zip(waves, angles, strict=True)
+                (size, phase + turn)
+                for (size, phase), turn in zip(waves, phase_changes, strict=True)
             )
 
         return replace(

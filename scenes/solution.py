@@ -282,8 +282,7 @@ class ContactSolution:
                 f"  {len(self.time)} instants, {len(self.x)} surface points",
                 (
                     f"  largest half-width {half_width:.6g} {length_unit}, permanent stick"
-                    " half-width "
-                    f"{self.permanent_stick_half_width:.6g} {length_unit}"
+                    f" half-width {self.permanent_stick_half_width:.6g} {length_unit}"
                 ),
                 (
                     f"  dissipation of the {span_text} {self.dissipation:.6g}{uncertainty_text}"
@@ -396,8 +395,8 @@ class ContactSolution:
 
     @classmethod
     def _from_stored(cls, content: StoredArrays) -> ContactSolution:
-        """The solution whose `_stored` content was read back from a file; arrays that a scene has
-        no use for are not in it.
+        """The solution whose `_stored` content was read back from a file; arrays that do not
+        apply to its scene are not in it.
         """
         attributes = content.attributes
         work_entries = json.loads(attributes["work"])

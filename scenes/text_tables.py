@@ -686,8 +686,7 @@ def _plain_layout(request: _Request, lines: list[Line]) -> _Layout:
         if max(used_columns) >= len(cells_of_row):
             raise InputError(
                 f"{path}, line {lines[row_index][0]}: there is no column {max(used_columns) + 1}:"
-                " the line has"
-                f" {len(cells_of_row)}"
+                f" the line has {len(cells_of_row)}"
             )
         column_names = dict(zip(used_columns, columns, strict=True))
         names = [column_names.get(k, f"column {k + 1}") for k in range(len(cells_of_row))]
@@ -735,9 +734,9 @@ def _plain_layout(request: _Request, lines: list[Line]) -> _Layout:
     raise MissingColumnError(
         lacking_columns or columns,
         names,
-        f"{path}, line {number}: the columns are {list_of_columns}, not {shown(text)}:"
-        f" {reason}; say which"
-        f" by columns = {{{(lacking_columns or columns)[0]} = ...}}, by its heading or its"
+        f"{path}, line {number}: the columns are {list_of_columns}, not {shown(text)}: {reason};"
+        f" say which by columns = {{{(lacking_columns or columns)[0]} = ...}}, by its heading or"
+        " its"
         " number from 1 on",
     )
 
@@ -984,50 +983,53 @@ def _is_text(cells: Sequence[str], layout: _Layout, comma: bool) -> bool:
 
 
 def _row(
-    path: Path, line: int, text: str, layout: _Layout, comma: bool, clock: ClockColumn
+    path: Path, line: int, line_text: str, layout: _Layout, comma: bool, clock: ClockColumn
 ) -> list[float]:
-    """The numbers of one row, its time of day in seconds since the first row.
+    """Numbers of the used columns in one line of a table; a time of day as seconds since the first
+    row.
+
+    `comma`: whether the decimal sign is a comma.
 
     Raises
     ------
     InputError
-        For another count of cells, or a cell that is no number.
+        For another count of cells than of columns, or a cell that is no number.
     """
-    cells = _cells(text, layout.separator)
-    if not _fits(text, layout.separator, layout.used, len(layout.names)):
+    cells = _cells(line_text, layout.separator)
+    if not _fits(line_text, layout.separator, layout.used, len(layout.names)):
         list_of_names = ", ".join(layout.names[:6]) + (", ..." if len(layout.names) > 6 else "")
-        cure = ""
+        advice = ""
         if layout.separator == "," and len(cells) > len(layout.names):
-            cure = (
+            advice = (
                 "; commas between the columns leave points for the numbers, without marks between"
                 " thousands"
             )
         raise InputError(
             f"{path}, line {line}: {len(layout.names)} numbers ({list_of_names}) are needed, not"
-            f" {shown(text)}{cure}"
+            f" {shown(line_text)}{advice}"
         )
     numbers: list[float] = []
-    for k in layout.used:
-        number = _number(cells[k], comma)
-        cure = ""
-        if number is None and k == layout.clock:
+    for column in layout.used:
+        number = _number(cells[column], comma)
+        advice = ""
+        if number is None and column == layout.clock:
             try:
-                number = clock.seconds(cells[k])
+                number = clock.seconds(cells[column])
             except ValueError as reason:
-                cure = f": {reason}"
+                advice = f": {reason}"
         if number is None or not abs(number) <= LARGEST:
-            if _GROUPED.match(cells[k]):
-                cure = (
+            if _GROUPED.match(cells[column]):
+                advice = (
                     f"; the decimal sign of this file is a {'comma' if comma else 'point'}: write"
                     " no marks between thousands"
                 )
-            elif not cells[k]:
-                cure = ": fill it in, or take out the line"
-            elif k == layout.clock and not cure:
-                cure = f", nor a time such as {WORDS}"
+            elif not cells[column]:
+                advice = ": fill it in, or take out the line"
+            elif column == layout.clock and not advice:
+                advice = f", nor a time such as {WORDS}"
             raise InputError(
-                f"{path}, line {line}: {layout.names[k]} = {shown(cells[k])} is not a finite number"
-                f" of at most {LARGEST:g}{cure}"
+                f"{path}, line {line}: {layout.names[column]} = {shown(cells[column])} is not a"
+                f" finite number of at most {LARGEST:g}{advice}"
             )
         numbers.append(number)
     return numbers

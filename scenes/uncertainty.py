@@ -255,26 +255,29 @@ class Uncertainty(Frozen):
 
     @model_validator(mode="after")
     def _correlates_what_is_stated(self) -> Uncertainty:
-        keys = [key for key, _ in self.stated()]
-        pairs = set()
+        """ValueError for a correlation of a key without standard uncertainty, of one with itself,
+        stated twice, or that no random inputs can have.
+        """
+        uncertain_keys = [key for key, _ in self.stated()]
+        pairs_so_far = set()
         for first_key, second_key, _ in self.correlations:
             for key in (first_key, second_key):
-                if key not in keys:
+                if key not in uncertain_keys:
                     raise ValueError(
                         f"correlations: {shown(key)} has no standard uncertainty here; stated are"
-                        f" {', '.join(keys) or 'none'}"
+                        f" {', '.join(uncertain_keys) or 'none'}"
                     )
             if first_key == second_key:
                 raise ValueError(
                     f"correlations: {first_key} stands there twice in one entry: name two inputs"
                 )
             pair = frozenset((first_key, second_key))
-            if pair in pairs:
+            if pair in pairs_so_far:
                 raise ValueError(
                     f"correlations: {first_key} and {second_key} have two entries: leave one out"
                 )
-            pairs.add(pair)
-        if np.linalg.eigvalsh(self.correlation_matrix())[0] < -_ROUNDING if keys else False:
+            pairs_so_far.add(pair)
+        if uncertain_keys and np.linalg.eigvalsh(self.correlation_matrix())[0] < -_ROUNDING:
             raise ValueError(
                 "correlations: no inputs can have these together (their matrix has a negative"
                 " eigenvalue); state smaller ones"

@@ -129,8 +129,7 @@ def inconsistent(units: str) -> str:
     fault_text = f"{force_word}/{length_word}^2 is {unit_of_stress}not {stress_word}"
     return (
         f"{fault_text}: one set of units is needed, such as 'N, mm, MPa', with every number of the"
-        " scene"
-        " in it"
+        " scene in it"
     )
 
 

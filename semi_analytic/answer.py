@@ -189,8 +189,10 @@ class Findings:
 
 
 def solution_of(question: Question, findings: Findings) -> ContactSolution:
-    """The answer with its record, its arrays read-only; fields that were not asked for are among
-    what was skipped.
+    """The read-only answer of half-plane theory from what was found.
+
+    Fields that the question did not ask for, and whatever the findings name as skipped, stand in
+    `work.skipped` with the reason.
     """
     arrays: dict[str, Any] = {"time": findings.time, "x": findings.x} | dict(findings.values)
     for name, values in arrays.items():

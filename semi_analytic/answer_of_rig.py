@@ -488,28 +488,29 @@ def steady_cycle(driven: Driven) -> int | None:
 
 
 def _rows_of(driven: Driven, scene: Scene, steady_from: int | None) -> tuple[slice, PathRows]:
-    """The rows of the last cycle that is answered, and those up to its end; of a path without a
-    steady cycle all rows.
+    """Which rows of a driven path are answered, as a slice, and the loads over time up to its end.
+
+    Answered is the steady cycle, number `steady_from` from 0; of a path without one, all rows.
     """
     period = scene.load.path_of_actuators().period
     followed = driven.followed
-    begin = 0
-    end = len(driven.time) - 1
-    ends: tuple[int, ...] = (end,)
+    first_row = 0
+    last_row = len(driven.time) - 1
+    cycle_ends: tuple[int, ...] = (last_row,)
     if steady_from is None:
         period = None
     else:
-        begin = driven.ends[steady_from]
-        end = driven.ends[steady_from + 1]
-        ends = (begin, end)
+        first_row = driven.ends[steady_from]
+        last_row = driven.ends[steady_from + 1]
+        cycle_ends = (first_row, last_row)
     rows = PathRows(
-        driven.time[: end + 1],
-        followed.normal_load[: end + 1],
-        followed.tangential_load[: end + 1],
-        ends,
+        driven.time[: last_row + 1],
+        followed.normal_load[: last_row + 1],
+        followed.tangential_load[: last_row + 1],
+        cycle_ends,
         period,
     )
-    return slice(begin, end + 1), rows
+    return slice(first_row, last_row + 1), rows
 
 
 def _scene_of_loads(scene: Scene, rows: PathRows, last_cycle: slice) -> Scene:
@@ -573,8 +574,7 @@ def _notes(
         yield (
             "rig: the displacements are prescribed at half-planes, in the distance"
             f" {rig.effects.datum_length:.6g} {length_unit} from the contact; U and approach here"
-            " count"
-            f" from {scene.profile.datum_length:.6g} {length_unit}, as in every answer"
+            f" count from {scene.profile.datum_length:.6g} {length_unit}, as in every answer"
         )
     else:
         yield (
@@ -592,15 +592,13 @@ def _notes(
         contact_range = float(np.ptp(driven.displacement[last_cycle]))
         yield (
             f"rig: of the range {actuator_range:.6g} {length_unit} of the actuator the contact"
-            " takes"
-            f" {contact_range:.6g}, the spring the rest"
+            f" takes {contact_range:.6g}, the spring the rest"
         )
     largest_force = float(np.max(np.abs(driven.followed.tangential_load)))
     yield (
         "rig: P and Q follow from the displacements, at constant P without an error of the steps;"
         f" here Q is uncertain by {errors.get('tangential_load', 0.0) * largest_force:.2g} of at"
-        " most"
-        f" {largest_force:.6g} {force_unit}/{length_unit}"
+        f" most {largest_force:.6g} {force_unit}/{length_unit}"
     )
     yield from notes_of_slides(scene, driven, last_cycle)
     if np.any(driven.followed.normal_load[1:] <= 0):
@@ -626,8 +624,7 @@ def _note_of_next_order(rig: Rigged, driven: Driven, last_cycle: slice) -> str:
         half_widths.append(half_width)
     return (
         f"effects: the next order of the bodies, N_4, T_4, N_22 and T_22, is {place_text}, and in"
-        " no"
-        f" other value: of the largest pressure it would make"
+        " no other value: of the largest pressure it would make"
         f" {100 * (pressures[0] / pressures[1] - 1):+.2g} %, of the largest half-width"
         f" {100 * (half_widths[0] / half_widths[1] - 1):+.2g} %"
     )
@@ -651,8 +648,8 @@ def notes_of_slides(scene: Scene, driven: Driven, last_cycle: slice) -> Iterator
         rest_text = f"; and {len(slides) - _MOST_NAMED} more" if len(slides) > _MOST_NAMED else ""
         yield (
             f"gross sliding: in {span_text} the bodies slide as a whole by {slide_distance:.6g}"
-            f" {length_unit}, which"
-            f" takes {work:.6g} {energy_unit} of the dissipation: {named_slides}{rest_text}"
+            f" {length_unit}, which takes {work:.6g} {energy_unit} of the dissipation:"
+            f" {named_slides}{rest_text}"
         )
     if slides_before:
         yield (

@@ -71,8 +71,11 @@ class GridAnswer:
         )
 
     def findings(self, steady_cycle: Findings | None) -> Findings:
-        """What is found; W, W(x) and permanent stick are those of `steady_cycle` where it is
-        known.
+        """Fields, estimated errors, notes and the reason of the end of a path followed on grids.
+
+        W, W(x) and permanent stick are those of `steady_cycle`, the same cycle found without the
+        initial loading, where it is known. A cycle that is not steady gets a note of how far its W
+        may be from the steady one.
         """
         question = self.question
         followed = self.followed
@@ -80,22 +83,22 @@ class GridAnswer:
         is_steady = followed.steady_from is not None
         values = self._values()
         all_errors = dict(followed.errors)
-        last_work = float(followed.works[-1])
-        if is_steady and last_work > 0:
-            all_errors["dissipation"] += abs(followed.loop / last_work - 1)
+        work_of_last_cycle = float(followed.works[-1])
+        if is_steady and work_of_last_cycle > 0:
+            all_errors["dissipation"] += abs(followed.loop / work_of_last_cycle - 1)
         errors = {name: error for name, error in all_errors.items() if name in question.fields}
         if steady_cycle is not None:
-            works = values["cycle_dissipation"]
-            is_before_steady = np.arange(len(works)) < (followed.steady_from or 0)
+            cycle_works = values["cycle_dissipation"]
+            is_before_steady = np.arange(len(cycle_works)) < (followed.steady_from or 0)
             steady_work = steady_cycle.values["dissipation"]
-            values["cycle_dissipation"] = np.where(is_before_steady, works, steady_work)
+            values["cycle_dissipation"] = np.where(is_before_steady, cycle_works, steady_work)
             for name in _OF_STEADY_CYCLE:
                 values[name] = steady_cycle.values.get(name)
             errors |= dict.fromkeys(question.fields & OF_WORK, 0.0)
             errors |= dict(steady_cycle.errors)
         notes = [*neglected_coupling(question.scene.material), self._note(steady_cycle)]
         if path.period is not None and not is_steady:
-            remainder_share = followed.remainder / last_work
+            remainder_share = followed.remainder / work_of_last_cycle
             notes.append(
                 f"the last cycle, number {len(followed.works)}, is not steady: by the trend its"
                 f" dissipation is within {remainder_share:.1e} of the steady one"

@@ -27,8 +27,12 @@ NUMBERS = (
 
 
 def checked_effects(effects: BodyEffects | None) -> BodyEffects | None:
-    """The effects, None where they add nothing; InputError for what is no `BodyEffects` of finite
-    numbers.
+    """The stated effects of finite bodies, or None where all of their numbers are 0.
+
+    Raises
+    ------
+    InputError
+        For what is no `BodyEffects` of finite numbers, or has no datum length above 0.
     """
     if effects is None:
         return None
@@ -37,15 +41,15 @@ def checked_effects(effects: BodyEffects | None) -> BodyEffects | None:
             f"effects: a BodyEffects is needed, as halfplane_fe.body_effects(scene) makes it, not"
             f" {type(effects).__name__}"
         )
-    for item in fields(effects):
-        number = getattr(effects, item.name)
+    for field in fields(effects):
+        number = getattr(effects, field.name)
         if not isinstance(number, Estimate):
             continue
         value = np.asarray(number.value)
         is_number = value.ndim == 0 and np.issubdtype(value.dtype, np.number)
         if not (is_number and abs(float(value.real)) <= LARGEST):
             raise InputError(
-                f"effects.{item.name}: a finite number is needed, not {number.value!r}"
+                f"effects.{field.name}: a finite number is needed, not {number.value!r}"
             )
     if not 0 < effects.datum_length <= LARGEST:
         raise InputError(

@@ -241,9 +241,8 @@ def notes_of_effects(
         method = "in the second order" if odd.on_grids is None else "on grids"
         yield (
             f"effects: tilt and bulk strain of the bodies, {odd_values_text}, add"
-            f" {added_work.value:.3g}"
-            f" ± {added_work.uncertainty:.1g} to the dissipation, {method}, and"
-            f" {in_answer.covered}"
+            f" {added_work.value:.3g} ± {added_work.uncertainty:.1g} to the dissipation, {method},"
+            f" and {in_answer.covered}"
         )
         return
     consequence = "which change the dissipation in the second order"

@@ -337,10 +337,9 @@ def loads_of_approach(
     largest_fall = float(np.max(np.maximum.accumulate(sampled_approach) - sampled_approach))
     if largest_fall > _ERROR_OF_TABLE * np.ptp(sampled_approach):
         raise InputError(
-            "load.approach: with the datum length"
-            f" {compliance.datum_length:.6g} the approach falls while P grows, so that no P follows"
-            " from it: state a longer rig.datum_length, of some heights of the bodies, or the"
-            " bodies themselves"
+            f"load.approach: with the datum length {compliance.datum_length:.6g} the approach falls"
+            " while P grows, so that no P follows from it: state a longer rig.datum_length, of some"
+            " heights of the bodies, or the bodies themselves"
         )
     begin_s = np.zeros(len(approach))
     end_s = np.full(len(approach), table.last)

@@ -145,23 +145,33 @@ def event(scene: Scene, letter: str) -> Event:
 
 
 def _named(history: History) -> Iterator[Event]:
-    """Events without letters, several at one instant perhaps."""
-    states = {0: "full stick", 1: "forward slip", -1: "reverse slip"}
-    groups = [(f"cycle {number}", cycle) for number, cycle in enumerate(history.cycles, 1)]
-    for label, spans in [("initial loading", history.loading), *groups]:
+    """Events of a history that bear no letter of the paper, in order of the spans.
+
+    Starts and ends of slip states, fronts that pass a piece of the memory curve, extremes of the
+    loads, and the end; several may fall on one instant. A span is a stretch of time with one state
+    and one active piece of the curve.
+    """
+    state_names = {0: "full stick", 1: "forward slip", -1: "reverse slip"}
+    spans_of_cycles = [(f"cycle {number}", cycle) for number, cycle in enumerate(history.cycles, 1)]
+    for label, spans in [("initial loading", history.loading), *spans_of_cycles]:
         span_before: Span | None = None
         for span in spans:
             if span_before is None:
-                name = f"{label} starts"
+                event_name = f"{label} starts"
             elif span_before.direction != span.direction:
-                name = f"{states[span_before.direction]} ends, {states[span.direction]} starts"
+                event_name = (
+                    f"{state_names[span_before.direction]} ends, {state_names[span.direction]}"
+                    " starts"
+                )
             elif span.direction and not _same_piece(span_before.active, span.active):
-                name = f"the front of {states[span.direction]} passes a piece of the memory"
+                event_name = (
+                    f"the front of {state_names[span.direction]} passes a piece of the memory"
+                )
             else:
-                name = states[span.direction] + _ON
-            yield _at(span, span.begin.time, name)
+                event_name = state_names[span.direction] + _ON
+            yield _at(span, span.begin.time, event_name)
             if span_before is not None:
-                yield _at(span_before, span_before.end.time, name)
+                yield _at(span_before, span_before.end.time, event_name)
             yield from _extremes(span)
             span_before = span
     last_span = history.spans[-1]
@@ -221,8 +231,11 @@ def _at(span: Span, time: float, name: str) -> Event:
 
 
 def _letter_times(history: History) -> dict[str, float]:
-    """When the paper's letters are, for an ellipse with an area; C and D fall together, as K and L
-    do, only on a line.
+    """Times of the paper's letters A to M on the steady ellipse of loads; {} where there is none.
+
+    Each letter is where u = Q - f P, v = Q + f P (by the sense of turning), P or Q is largest or
+    least; its time is the first such one after the letters before it. None for loads on a line,
+    where C and D fall together, as do K and L.
     """
     if history.loop is None or history.steady_from is None:
         return {}
@@ -255,10 +268,10 @@ def _letter_times(history: History) -> dict[str, float]:
         "M": "u+",
     }
     times = {"A": history.loop.start}
-    for letter, extreme in extremes.items():
-        time = ellipse.largest_at(combinations[extreme[:-1]])
-        if extreme.endswith("-"):
+    for letter, sought_extreme in extremes.items():
+        time = ellipse.largest_at(combinations[sought_extreme[:-1]])
+        if sought_extreme.endswith("-"):
             time += math.pi
-        turns = math.ceil((max(times.values()) - time) / revolution - 1e-12)
-        times[letter] = time + revolution * turns
+        revolutions_needed = math.ceil((max(times.values()) - time) / revolution - 1e-12)
+        times[letter] = time + revolution * revolutions_needed
     return times | {"J": 2 * times["I"] - times["G"]}

@@ -231,7 +231,11 @@ class Grid:
         modulus: float = 1.0,
         dundurs: float = 0.0,
     ) -> None:
-        """`extent` is (2,) the ends of one grid, or (g, 2) those of grids of one length."""
+        """Grids of `cells` cells that nothing touches yet, on the initial gap `height(x)`.
+
+        `extent` is (2,) the ends of one grid, or (g, 2) those of grids of one length; `modulus` is
+        E*, `dundurs` the second constant of Dundurs, by which pressure shears the faces apart.
+        """
         ends_of_grids = np.atleast_2d(np.asarray(extent, dtype=float))
         self.alone = np.ndim(extent) == 1
         self.cells = cells

@@ -135,20 +135,25 @@ def extremes(answer: ContactSolution, names: Sequence[str] = SEARCHED) -> Extrem
 
 
 def _extremes(answer: ContactSolution, names: tuple[str, ...]) -> Extremes:
-    """`extremes`: of theory of the answer's scene, by the way that its memory has."""
+    """The largest values of half-plane theory for the answer's scene through the last cycle;
+    `names` are those of `SEARCHED` that are wanted.
+
+    Of one memory curve they are found on it; of other scenes they are the largest at the default
+    points.
+    """
     scene = answer.scene
     contact = _contact(scene)
     if contact is None:
         return _of_default_points(scene)
-    rows = answer.last_cycle
-    has_cycle = "whole_cycle" not in answer.work.skipped and len(rows) > 1
+    rows_of_cycle = answer.last_cycle
+    has_cycle = "whole_cycle" not in answer.work.skipped and len(rows_of_cycle) > 1
     if not has_cycle or answer.settings.get("straight_steps"):
         return _Search(answer, contact, has_cycle).extremes(names)
     path = scene.load.path()
     # A path that does not repeat begins unloaded, wherever the first increment of a solver ends.
-    start = float(path.start if path.period is None else answer.time[rows[0]])
-    end = float(answer.time[rows[-1]])
-    return _of_cycle(scene, start, end, names)
+    start_time = float(path.start if path.period is None else answer.time[rows_of_cycle[0]])
+    end_time = float(answer.time[rows_of_cycle[-1]])
+    return _of_cycle(scene, start_time, end_time, names)
 
 
 @lru_cache(maxsize=32)

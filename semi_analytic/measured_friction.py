@@ -293,33 +293,37 @@ def _of_ellipses(
 
 
 def _of_path(target: ArrayLike, scene: Scene) -> FrictionBatch:
-    """The coefficients of a scene whose load is no ellipse: W by `solve` for each coefficient."""
+    """Friction coefficients at which the work of a steady cycle of the scene is `target`, for loads
+    that are no ellipse: W by `solve` at each coefficient that is tried.
+
+    The search begins at the least coefficient without gross sliding, the largest |Q|/P of the path.
+    """
 
     def work_at(friction: float) -> float:
         scene_at = scene.vary(friction=friction)
         return solve(scene_at, x=0.0, fields="dissipation", cycles="steady").dissipation
 
     path = scene.load.path()
-    loads = [leg.loads(sampled(leg, 513)) for leg in (*path.initial_loading, *path.cycle)]
+    loads_of_legs = [leg.loads(sampled(leg, 513)) for leg in (*path.initial_loading, *path.cycle)]
     with np.errstate(divide="ignore", invalid="ignore"):
         least_friction = max(
             float(np.nanmax(np.abs(tangential_load) / normal_load))
-            for normal_load, tangential_load in loads
+            for normal_load, tangential_load in loads_of_legs
         )
     # Between the samples of a curved path |Q|/P may be a little larger.
-    for excess in (0.0, *10.0 ** np.arange(-12, -3)):
+    for relative_excess in (0.0, *10.0 ** np.arange(-12, -3)):
         try:
-            work_at(least_friction * (1 + excess))
+            work_at(least_friction * (1 + relative_excess))
         except InadmissibleLoadError:
             continue
-        least_friction *= 1 + float(excess)
+        least_friction *= 1 + float(relative_excess)
         break
     else:
         least_friction = math.inf
-    normal_load = np.concatenate([part[0] for part in loads])
-    tangential_load = np.concatenate([part[1] for part in loads])
-    varies = float(np.ptp(normal_load)) > 1e-9 * float(np.max(np.abs(normal_load)))
-    no_slip = float(np.ptp(tangential_load) / np.ptp(normal_load)) if varies else 0.0
+    normal_load = np.concatenate([loads_of_leg[0] for loads_of_leg in loads_of_legs])
+    tangential_load = np.concatenate([loads_of_leg[1] for loads_of_leg in loads_of_legs])
+    load_varies = float(np.ptp(normal_load)) > 1e-9 * float(np.max(np.abs(normal_load)))
+    no_slip = float(np.ptp(tangential_load) / np.ptp(normal_load)) if load_varies else 0.0
 
     def work(friction: Array, _member: NDArray[np.intp]) -> Array:
         return np.array([work_at(coefficient) for coefficient in friction.tolist()])

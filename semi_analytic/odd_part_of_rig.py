@@ -96,24 +96,28 @@ def _turning_points(load: Array, force: Array) -> PolygonLoad:
     return PolygonLoad(initial_loading=(points[0],), cycle=tuple(points[1:]))
 
 
-def _harmonics(time: Array, load: Array, force: Array) -> HarmonicLoad:
-    """The cycle by harmonics of P and Q."""
+def _harmonics(time: Array, normal_load: Array, tangential_load: Array) -> HarmonicLoad:
+    """One period of P and Q over time as a harmonic load: means, amplitudes and phases of the first
+    harmonics by Fourier's transform; waves too small to matter have amplitude 0.
+    """
     instants = time[0] + (time[-1] - time[0]) * np.arange(_INSTANTS) / _INSTANTS
 
     def waves(values: Array) -> tuple[float, tuple[tuple[float, float], ...]]:
         """Mean, amplitudes and phases in degrees."""
-        series = np.fft.rfft(np.interp(instants, time, values)) / _INSTANTS
-        amplitudes = 2 * np.abs(series[1 : _HARMONICS + 1])
-        phases = -np.degrees(np.angle(series[1 : _HARMONICS + 1]))
+        fourier_terms = np.fft.rfft(np.interp(instants, time, values)) / _INSTANTS
+        amplitudes = 2 * np.abs(fourier_terms[1 : _HARMONICS + 1])
+        phases = -np.degrees(np.angle(fourier_terms[1 : _HARMONICS + 1]))
         amplitudes[amplitudes < _NO_WAVE * np.max(amplitudes)] = 0.0
-        return float(series[0].real), tuple(zip(amplitudes.tolist(), phases.tolist(), strict=True))
+        return float(fourier_terms[0].real), tuple(
+            zip(amplitudes.tolist(), phases.tolist(), strict=True)
+        )
 
-    mean_load, normal = waves(load)
-    mean_force, tangential = waves(force)
+    mean_normal_load, normal = waves(normal_load)
+    mean_tangential_load, tangential = waves(tangential_load)
     return HarmonicLoad(
-        mean_normal_load=mean_load,
+        mean_normal_load=mean_normal_load,
         normal_harmonics=normal,
-        mean_tangential_load=mean_force,
+        mean_tangential_load=mean_tangential_load,
         tangential_harmonics=tangential,
     )
 

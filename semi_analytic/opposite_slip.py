@@ -245,41 +245,54 @@ class OppositeSlip(TiltedProfile):
     def _to_the_top(
         self, x: ArrayLike, load: ArrayLike, kernel: Literal["inverse_root", "arccosh_ratio"]
     ) -> Array:
-        """Integral of a kernel from `load` to P, of slip over loads at which x is open, of shear
-        where x sticks.
+        """Integral over eta of a kernel K(x, eta) from `load` to the largest load P, at places x.
 
-        From load to load: close to P_x by the rule for singular ends, else by Gauss' rule.
+        "inverse_root" (shear) is integrated over the loads at which x is inside the contact, eta >
+        P_x; "arccosh_ratio" (slip) over those at which it is open, eta < P_x; P_x is the load that
+        brings the edge to x. The stretches between neighbouring loads are integrated one by one and
+        summed from P down: those close to P_x by the rule for singular ends, the others by Gauss'
+        rule.
         """
         largest_load = self.intervals.most
         least_load = largest_load - self._deepest
         places, loads = np.broadcast_arrays(
             np.asarray(x, dtype=float), np.clip(load, least_load, largest_load)
         )
-        points, column = np.unique(places, return_inverse=True)
-        stops, row = np.unique(loads, return_inverse=True)
-        load_below = stops[:, None]
-        load_above = np.append(stops[1:], largest_load)[:, None]
-        edge = self.load(points)
-        begin = load_below + 0 * edge
+        different_places, column_of_place = np.unique(places, return_inverse=True)
+        different_loads, row_of_load = np.unique(loads, return_inverse=True)
+        load_below = different_loads[:, None]
+        load_above = np.append(different_loads[1:], largest_load)[:, None]
+        edge_load = self.load(different_places)
+        begin_loads = load_below + 0 * edge_load
         if kernel == "inverse_root":
-            end = load_above + 0 * edge
-            to_edge = load_below - np.maximum(edge, least_load)
-            is_inside = (load_below >= edge) & (load_above > load_below)
+            end_loads = load_above + 0 * edge_load
+            distance_to_edge_load = load_below - np.maximum(edge_load, least_load)
+            is_integrated = (load_below >= edge_load) & (load_above > load_below)
         else:
-            end = np.minimum(load_above, edge)
-            to_edge = np.minimum(edge, largest_load) - end
-            is_inside = end > begin
-        cells = np.zeros(is_inside.shape)
-        is_near = to_edge < 3 * (load_above - load_below)
-        for selected, rule in ((is_inside & is_near, graded), (is_inside & ~is_near, _by_gauss)):
-            cell, point = np.nonzero(selected)
-            for k in range(0, len(cell), _MEMBERS):
-                block = (cell[k : k + _MEMBERS], point[k : k + _MEMBERS])
-                eta, weight = rule(begin[block], end[block])
-                at_nodes = getattr(self, kernel)(points[block[1], None], 0.0, eta)
-                cells[block] = np.sum(weight * at_nodes, axis=-1)
-        total = np.cumsum(cells[::-1], axis=0)[::-1]
-        return np.asarray(total[row.ravel(), column.ravel()].reshape(places.shape))
+            end_loads = np.minimum(load_above, edge_load)
+            distance_to_edge_load = np.minimum(edge_load, largest_load) - end_loads
+            is_integrated = end_loads > begin_loads
+        stretch_integrals = np.zeros(is_integrated.shape)
+        is_near = distance_to_edge_load < 3 * (load_above - load_below)
+        for members_of_rule, rule in (
+            (is_integrated & is_near, graded),
+            (is_integrated & ~is_near, _by_gauss),
+        ):
+            stretch, point_number = np.nonzero(members_of_rule)
+            for first_member in range(0, len(stretch), _MEMBERS):
+                members = (
+                    stretch[first_member : first_member + _MEMBERS],
+                    point_number[first_member : first_member + _MEMBERS],
+                )
+                eta, weight = rule(begin_loads[members], end_loads[members])
+                kernel_at_nodes = getattr(self, kernel)(
+                    different_places[members[1], None], 0.0, eta
+                )
+                stretch_integrals[members] = np.sum(weight * kernel_at_nodes, axis=-1)
+        integrals = np.cumsum(stretch_integrals[::-1], axis=0)[::-1]
+        return np.asarray(
+            integrals[row_of_load.ravel(), column_of_place.ravel()].reshape(places.shape)
+        )
 
     def pressure_rise(self, x: ArrayLike, load: ArrayLike) -> Array:
         """Integral of dp/d eta up to a load, less that up to P: -q/f after Q = f (P - eta)."""

@@ -308,6 +308,10 @@ def inverse_of(
         return _log_table(load, stiffness, unit, corner, extent)
 
     def advance(loads: Array) -> Array:
+        """Advance d of the edge at which the load is `loads`, 0 where they are not above 0:
+        Newton's rule in logarithms of both, bisected where it leaves the bracket [least_d,
+        largest_d].
+        """
         positive_loads = np.where(loads > 0, loads, 1.0)
         d, least_d, largest_d = table().start(np.log(positive_loads))
         for _ in range(60):
@@ -433,9 +437,8 @@ def even_polynomial(modulus: float, length: float, rises: tuple[float, ...]) -> 
     if squared_ratio_at_fall is not None:
         half_width = length * float(np.sqrt(squared_ratio_at_fall))
         raise InputError(
-            f"profile: the contact would split near a half-width of {half_width:.6g};"
-            " half-plane theory"
-            " here needs one contact"
+            f"profile: the contact would split near a half-width of {half_width:.6g}; half-plane"
+            " theory here needs one contact"
         )
     first_term = int(np.flatnonzero(loads_of_terms > 0)[0])
 
@@ -626,13 +629,16 @@ def tabulated(modulus: float, profile: Tabulated) -> ContactLaw:
     def series_or_first_piece(
         d: Array, values: Powers, law_of_first_piece: Callable[[Array], Array]
     ) -> Array:
+        """Values at advances d of the edge: by the series in the half-width, `values`, from the
+        first row that has one; before it by the closed law of the first piece.
+        """
         if not len(row_series.begin):
             return law_of_first_piece(d)
-        a = d + least_width
-        number = np.searchsorted(row_series.edges, a, side="right") - 1
-        u = np.sqrt(np.maximum(a - row_series.begin[number], 0.0))
-        values_at_widths = row_series.on(np.maximum(number, 0), u, values)
-        is_in_first_piece = number < 0
+        half_widths = d + least_width
+        piece_number = np.searchsorted(row_series.edges, half_widths, side="right") - 1
+        root_distances = np.sqrt(np.maximum(half_widths - row_series.begin[piece_number], 0.0))
+        values_at_widths = row_series.on(np.maximum(piece_number, 0), root_distances, values)
+        is_in_first_piece = piece_number < 0
         if np.any(is_in_first_piece):
             # of d itself, which keeps its digits beside a flat
             values_at_widths[is_in_first_piece] = law_of_first_piece(d[is_in_first_piece])
@@ -975,6 +981,10 @@ def _stretch(
         edges_of_pieces = edges_of_pieces[edges_of_pieces > 1e-5 * np.sqrt(begin)]
 
     def integral(distance: Array, order: int) -> Array:
+        """Load (order 0: E* int of slope) or stiffness (order 1: its derivative by the half-width)
+        of the contact, by quadrature over the angle of x = a cos(angle), split at the corners b < a
+        of `cuts`.
+        """
         # x = a cos(angle); the angle at a corner from the distance to it, which is known.
         distance_behind_begin = distance**2 if is_rooted else distance
         half_width = begin + distance_behind_begin

@@ -112,35 +112,35 @@ def fretting_map(
     shape = factors[0].shape
     regimes = np.empty(shape, dtype=np.int8)
     dissipation = np.empty(shape)
-    slide = np.empty(shape)
-    largest = np.empty(shape)
-    for member in np.ndindex(shape):
-        of_stroke, of_load = (float(values[member]) for values in factors)
-        member_rows = rows._replace(
-            normal=of_load * rows.normal, displacement=of_stroke * rows.displacement
+    ways_of_sliding = np.empty(shape)
+    largest_forces = np.empty(shape)
+    for index_in_map in np.ndindex(shape):
+        stroke_factor, load_factor = (float(values[index_in_map]) for values in factors)
+        scaled_rows = rows._replace(
+            normal=load_factor * rows.normal, displacement=stroke_factor * rows.displacement
         )
-        driven = rig.follow_rows(member_rows)
+        driven = rig.follow_rows(scaled_rows)
         steady_from = steady_cycle(driven)
         if steady_from is None:
             raise InputError(
                 f"fretting_map: no steady cycle among the first {cycles} with stroke ="
-                f" {of_stroke:.6g}, normal_load = {of_load:.6g}: raise cycles of the scene"
+                f" {stroke_factor:.6g}, normal_load = {load_factor:.6g}: raise cycles of the scene"
             )
-        begin = driven.ends[steady_from]
-        cycle = slice(begin, driven.ends[steady_from + 1] + 1)
-        slides = slides_of(driven, cycle)
+        first_row = driven.ends[steady_from]
+        cycle = slice(first_row, driven.ends[steady_from + 1] + 1)
+        slides_of_cycle = slides_of(driven, cycle)
         regime = Regime.PARTIAL
-        if slides:
+        if slides_of_cycle:
             regime = Regime.GROSS
-        elif slides_of(driven, slice(0, begin + 1)):
+        elif slides_of(driven, slice(0, first_row + 1)):
             regime = Regime.MIXED
-        regimes[member] = regime
-        dissipation[member] = driven.work(cycle)
-        slide[member] = sum(abs(part.way) for part in slides)
-        largest[member] = np.max(np.abs(driven.followed.tangential_load[cycle]))
+        regimes[index_in_map] = regime
+        dissipation[index_in_map] = driven.work(cycle)
+        ways_of_sliding[index_in_map] = sum(abs(one_slide.way) for one_slide in slides_of_cycle)
+        largest_forces[index_in_map] = np.max(np.abs(driven.followed.tangential_load[cycle]))
     return FrettingMap(
         freeze(regimes, np.int8),
         freeze(dissipation, float),
-        freeze(slide, float),
-        freeze(largest, float),
+        freeze(ways_of_sliding, float),
+        freeze(largest_forces, float),
     )

@@ -119,7 +119,11 @@ def solve(
 
 
 def _findings(question: Question) -> Findings:
-    """The answer by one memory curve, or else by the ways that do without."""
+    """What half-plane theory finds for a question: each scene by the cheapest method that holds for
+    it.
+
+    In this order: rigs; finite bodies; one memory curve; the steady cycle alone; grids.
+    """
     scene = question.scene
     if scene.load.is_driven:
         from semi_analytic.answer_of_rig import of_rig  # noqa: PLC0415 - for rigs alone
@@ -161,26 +165,26 @@ def _on_grids(question: Question) -> Findings:
 
 
 def _steady_alone(question: Question) -> Findings | None:
-    """The steady cycle where it does not take its initial loading: of one memory curve, or of loads
-    in phase; None of others.
+    """The steady cycle found without the initial loading, for scenes with one memory curve in that
+    cycle, or with loads in phase; None for others.
     """
     scene = question.scene
-    family = steady_curve(scene)
-    if family is not None:
-        way = "one memory curve"
-        findings = by_memory(question, family)
+    memory_family = steady_curve(scene)
+    if memory_family is not None:
+        method_name = "one memory curve"
+        findings = by_memory(question, memory_family)
     else:
-        ways = ways_in_phase(scene)
-        if ways is None:
+        ways_of_loads = ways_in_phase(scene)
+        if ways_of_loads is None:
             return None
-        way = "quadratures of loads in phase"
-        findings = in_phase(question, ways)
+        method_name = "quadratures of loads in phase"
+        findings = in_phase(question, ways_of_loads)
     note = (
-        f"the steady cycle by {way}; the initial loading has another memory and was not followed:"
-        " the number of cycles until then and the moment of the shear are not known,"
+        f"the steady cycle by {method_name}; the initial loading has another memory and was not"
+        " followed: the number of cycles until then and the moment of the shear are not known,"
         ' `cycles="all"` finds them on grids'
     )
-    loading = len(scene.load.path().initial_loading)
+    loading_leg_count = len(scene.load.path().initial_loading)
     unknown_values = np.full(len(findings.time), np.nan)
     return replace(
         findings,
@@ -190,7 +194,7 @@ def _steady_alone(question: Question) -> Findings | None:
         notes=(*findings.notes, note),
         skipped={
             **findings.skipped,
-            "initial loading": (loading, "the steady cycle does not depend on it"),
+            "initial loading": (loading_leg_count, "the steady cycle does not depend on it"),
         },
     )
 

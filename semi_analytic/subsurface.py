@@ -140,8 +140,7 @@ def stress(
     if np.any(side * y_places > 0):
         raise InputError(
             f"y: {side * float(np.max(side * y_places)):.6g} is outside the {body} body; y points"
-            " out"
-            " of the lower one"
+            " out of the lower one"
         )
     depth = side * y_places
     poisson_ratio = getattr(scene.material, body).poisson_ratio

@@ -1142,7 +1142,12 @@ class TiltedProfile:
         return displacement_rate
 
     def log_distance(self, load: ArrayLike) -> Array:
-        """int_0^P of `log_ratio`."""
+        """Integral over loads from 0 to `load` of `log_ratio`, the rate that `rigid` names, in
+        closed form.
+
+        It is the moment, or the approach since the first contact plus load times logarithm of the
+        half-width, or ("loop") that and `lean` times the moment.
+        """
         load = np.asarray(load, dtype=float)
         m, c = self.intervals.at(load)
         tilt = self.intervals.tilt + self.intervals.slope * load
