@@ -293,12 +293,29 @@ def _permanent_stick(
         return permanent
     is_closed = surface_states[in_cycle] != OPEN
     slip = np.array([run.states[k].slip for k in np.flatnonzero(in_cycle)])
-    creeps = _creeping(slip, is_closed, _CREEP if scene.unsymmetric else _CREEP_OF_COUPLED)
-    if not creeps.any():
-        return permanent
-    ever_closed = np.any(is_closed, axis=0)
-    left_end, right_end = _zones_by_nodes(x, creeps[None], ever_closed[None], anywhere)[0]
+    left_end, right_end = creeping_zone(scene, x, slip, is_closed)
     return np.array([np.fmin(permanent[0], left_end), np.fmax(permanent[1], right_end)])
+
+
+def creeping_zone(
+    scene: Scene, x: Array, slip: Array, is_closed: Mask, times: float = 1.0
+) -> Array:
+    """(2,) ends of what sticks all through a cycle or only creeps; NaN if there is nothing.
+
+    Parameters
+    ----------
+    slip, is_closed
+        (m, n) of the instants of the cycle
+    times
+        how many times the usual range of slip still counts as creep
+    """
+    share = times * (_CREEP if scene.unsymmetric else _CREEP_OF_COUPLED)
+    creeps = _creeping(slip, is_closed, share)
+    if not creeps.any():
+        return np.full(2, np.nan)
+    ever_closed = np.any(is_closed, axis=0)
+    zones = _zones_by_nodes(x, creeps[None], ever_closed[None], scene.unsymmetric)
+    return np.asarray(zones[0])
 
 
 def _zones_by_nodes(x: Array, stick: Mask, is_closed: Mask, anywhere: bool) -> Array:

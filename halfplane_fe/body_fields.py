@@ -8,13 +8,14 @@ in blocks.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
 import numpy as np
 import skfem
 from numpy.typing import ArrayLike
+from scipy.interpolate import CubicSpline
 from skfem.helpers import sym_grad
 
 from halfplane_fe.elasticity import (
@@ -67,6 +68,9 @@ _TOUCHES = 1e-9
 _STEP_AT_KINK = 1e-3
 # Instants at which what the size of a body adds is found for a whole cycle.
 _SAMPLED = 12
+# The same where the instants of the largest tension are looked for. Of an ellipse a spline through
+# six is 2 % of the amplitude off.
+_SAMPLED_FOR_SEARCH = 6
 # Instants of a cycle among which the largest tension is looked for.
 _CANDIDATES = 40
 # Of a tension: two ways to sum one series differ by less.
@@ -669,9 +673,9 @@ def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
 
 def _steps_of_large_tension(solution: ContactSolution) -> list[int]:
     """The steps of the last cycle among which the largest tension is looked for, in order: those of
-    the largest tension of half-planes.
+    the largest tension by single nodes and what bodies and bulk stress add to it.
 
-    Between half-planes that is all of the tension but the bulk stress: there the largest is among
+    Between half-planes without bulk stress that is all of the tension: there the largest is among
     those that are alike but for round-off. Edges are fitted in the order of the tension by nodal
     values alone, until what is left cannot be among the largest.
     """
@@ -685,21 +689,41 @@ def _steps_of_large_tension(solution: ContactSolution) -> list[int]:
     has_bulk_stress = any(_bulk_stress(solution, cycle, body).any() for body in (0, 1))
     largest_alone = solution.scene.bodies.half_planes and not has_bulk_stress
     n_candidates = 1 if largest_alone else _CANDIDATES
+    if len(of_nodes) <= n_candidates:
+        return list(of_nodes)
+    by_bodies = dict.fromkeys(of_nodes, np.zeros((2, 2)))
+    if not largest_alone:
+        by_bodies = _between_sampled(solution, {step: nodal_values[step] for step in of_nodes})
+    at_most = {
+        step: _NODES_TOO_LOW * of_nodes[step] + float(by_bodies[step].max()) for step in of_nodes
+    }
     tension: dict[int, float] = {}
-    for step in sorted(of_nodes, key=lambda step: -of_nodes[step]):
+    for step in sorted(at_most, key=lambda step: -at_most[step]):
         highest_tensions = sorted(tension.values(), reverse=True)[:n_candidates]
-        if (
-            len(highest_tensions) == n_candidates
-            and _NODES_TOO_LOW * of_nodes[step] < highest_tensions[-1]
-        ):
+        if len(highest_tensions) == n_candidates and at_most[step] < highest_tensions[-1]:
             break
-        tension[step] = float(np.abs(sampled_tractions(nodal_values[step]).edge_tension()).max())
+        at_edges = sampled_tractions(nodal_values[step]).edge_tension()
+        of_bodies = np.outer([1.0, -1.0], at_edges) + by_bodies[step]
+        tension[step] = float(of_bodies.max())
     highest_tensions = sorted(tension.values(), reverse=True)[:n_candidates]
-    if not highest_tensions:
-        return []
     # instants that are alike but for round-off are all among them, or none
     least_tension = highest_tensions[-1] * (1 - _ROUND_OFF)
     return [step for step in cycle if tension.get(step, -math.inf) >= least_tension]
+
+
+def _between_sampled(
+    solution: ContactSolution, nodal_values: Mapping[int, Nodal]
+) -> dict[int, Array]:
+    """About what bodies and bulk stress add to the tension of each step, (2, 2) by body and edge:
+    found at a few instants, by a cubic spline between them; 0 where it is not known [stress].
+    """
+    steps = list(nodal_values)
+    evenly = np.linspace(0, len(steps) - 1, _SAMPLED_FOR_SEARCH).round().astype(int)
+    sampled = [steps[k] for k in evenly]
+    series = [tractions(nodal_values[step]) for step in sampled]
+    at_sampled, _ = _tension_by_bodies(solution, sampled, series)
+    spline = CubicSpline(solution.time[sampled], np.nan_to_num(at_sampled))
+    return dict(zip(steps, spline(solution.time[steps]), strict=True))
 
 
 def _bulk_stress(solution: ContactSolution, steps: Sequence[int], number: int) -> Array:

@@ -20,24 +20,31 @@ from scenes.array_types import Array, Indices, Mask, States
 
 # Shares of the distance of two nodes by which an edge between them is uncertain whatever else is
 # known: the shape functions of quadratic elements know no square root. Fitted to random
-# half-planes, seeds 62 and 64 of benchmarks/covered.py values, both presets. Contact edges by their
-# form err by 0.26 at most on hertz-paper, cattaneo-mindlin and flat-rounded-paper:
+# half-planes, seed 230 of benchmarks/covered.py values, both presets. Contact edges by their form
+# err by 0.31 at most with twenty nodes and more in contact,
 _SHARE = 0.3
+# and by this share of the distance from the zero of p^2 with fewer:
+_BY_ZERO = 0.75
 # those by p^2: a share that is left, and what a parabola lacks of p^2 the more the fewer nodes are
 # in contact, n: 0.04 + 2/n + 800/n^2.
 _SHARE_BY_SQUARES = 0.04
 _NODES_BY_SQUARES = 2.0
 _SQUARED_NODES_BY_SQUARES = 800.0
-# They are so many times as large where the curvature of the profile jumps, and on a tabulated one,
-# where it bends at every row.
-_OF_KINKS = 2.0
-_OF_TABLE = 5.0
+# They are so many times as large where the curvature of the profile jumps, on a tabulated one,
+# where it bends at every row,
+_OF_KINKS = 1.5
+_OF_TABLE = 3.5
+# and where the first open node touches without pressure: it has just opened or is about to close.
+_OF_TOUCHING_NODE = 2.0
+# Distance from that node, over that of the two nodes, within which the edge is at it.
+_AT_NODE = 0.02
 # Share of the distance from the edge by its form.
-_BY_FORM = 0.35
-# Fitted stick edges, whose straight line is a chord:
-_FITTED_SHARE = 0.3
-# and their share of the distance between the two fits.
-_BY_OTHER_FIT = 2.0
+_BY_FORM = 0.5
+# Fitted stick edges: a share that is left,
+_FITTED_SHARE = 0.15
+# and how far the squares stand off the straight line, as a distance of its zero. Where an older
+# stick edge or a kink of the profile is near, they do: two fits may agree there by chance.
+_BY_MISFIT = 6.0
 # Distances of nodes by which an edge by the states of the nodes may differ from the fitted one
 # without telling anything.
 _BY_STATES = 0.75
@@ -365,10 +372,11 @@ def contact_uncertainty(
 ) -> Array:
     """How far each contact edge may be from the true one, by the mesh.
 
-    A share of the distance of the nodes around it, and how far the edge is from another estimate:
-    the zero of a straight line through the squares of the pressure at the five nodes before the
-    last. With fewer nodes than that, the width of the contact. Of a fitted edge the other estimate
-    is that of `contact_edges`, and counts in part.
+    A share of the distance of the nodes around it, and in part how far the edge is from another
+    estimate: the zero of a straight line through the squares of the pressure at the five nodes
+    before the last. With fewer nodes than that, the width of the contact. Of a fitted edge the
+    other estimate is that of `contact_edges`: the fit is at most as uncertain as that one and their
+    distance.
 
     Parameters
     ----------
@@ -396,13 +404,21 @@ def contact_uncertainty(
         edge = side.sign * contact[row, side.column]
         edge_by_form = side.sign * form[row, side.column]
         farthest = side.x[last_node - _EXTRAPOLATED]
-        zero = _zero_of_squares(side.x, p, last_node, _EXTRAPOLATED)
+        zero = _line_through_squares(side.x, p, last_node, _EXTRAPOLATED).zero
         zero = np.where(np.isnan(zero), farthest, zero)
         to_zero = np.minimum(np.abs(zero - edge), np.abs(farthest - edge))
         spacing = _spacing(side.x, last_node)
-        by_squares = share_by_squares * spacing + _BY_FORM * np.abs(edge - edge_by_form)
-        by_form = _SHARE * spacing + to_zero
-        uncertainty[row, side.column] = np.where(edge == edge_by_form, by_form, by_squares)
+        next_node = np.minimum(last_node + 1, len(x) - 1)
+        to_open_node = side.x[next_node] - edge_by_form
+        touches = to_open_node <= _AT_NODE * (side.x[next_node] - side.x[last_node])
+        share = share_by_squares * np.where(touches, _OF_TOUCHING_NODE, 1.0)
+        to_form = np.abs(edge - edge_by_form)
+        by_squares = share * spacing + _BY_FORM * to_form
+        at_most = _SHARE * spacing + to_form
+        by_form = _SHARE * spacing + _BY_ZERO * to_zero
+        uncertainty[row, side.column] = np.where(
+            edge == edge_by_form, by_form, np.minimum(by_squares, at_most)
+        )
     return uncertainty
 
 
@@ -426,12 +442,12 @@ class StickEdges(NamedTuple):
     ----------
     places
         (k, 2) left and right; NaN where nothing sticks [length]
-    fits_apart
-        (k, 2) distance of the two fits of each; 0 where it is not fitted [length]
+    misfit
+        (k, 2) of the fit of each, `_Line.misfit`; 0 where it is not fitted [length]
     """
 
     places: Array
-    fits_apart: Array
+    misfit: Array
 
 
 def fitted_stick_edges(
@@ -466,7 +482,7 @@ def fitted_stick_edges(
         its own middle is the middle
     """
     edges = np.empty((len(closed), 2))
-    fits_apart = np.zeros((len(closed), 2))
+    misfit = np.zeros((len(closed), 2))
     nothing_sticks = np.zeros(len(closed), dtype=bool)
     for side in _sides(x):
         sticks, in_contact = side.outwards(stick, closed)
@@ -485,10 +501,10 @@ def fitted_stick_edges(
             # nothing sticks beyond the contact: a fit gone wrong
             is_accepted = fit.agrees & (fit.edge <= contact_edge[row])
             edge[row[is_accepted]] = fit.edge[is_accepted]
-            fits_apart[row[is_accepted], side.column] = fit.apart[is_accepted]
+            misfit[row[is_accepted], side.column] = fit.misfit[is_accepted]
         edges[:, side.column] = side.sign * np.where(n_stick == n_half, contact_edge, edge)
     edges[nothing_sticks] = np.nan
-    return StickEdges(edges, fits_apart)
+    return StickEdges(edges, misfit)
 
 
 def stick_edges(
@@ -512,11 +528,11 @@ def stick_uncertainty(
     """How far each stick edge may be from the true one, by the mesh; NaN where nothing sticks.
 
     The distance of the nodes around the edge, and how far it is from where it would be if creeping
-    nodes counted as sliding. Of a fitted edge shares of the former and of the distance of the two
-    fits, and what other readings of the states differ by beyond what is usual. A slip zone of a few
-    nodes may be none at all: there, unless it is fitted, at least the distance to the contact edge,
-    and its uncertainty. Where all of the contact sticks, a slip zone narrower than an element of
-    two nodes may be there unseen, unless there can be none.
+    nodes counted as sliding. Of a fitted edge a share of the former, how far the squares stand off
+    the straight line, and what other readings of the states differ by beyond what is usual. A slip
+    zone of a few nodes may be none at all: there, unless it is fitted, at least the distance to the
+    contact edge, and its uncertainty. Where all of the contact sticks, a slip zone narrower than an
+    element of two nodes may be there unseen, unless there can be none.
 
     Parameters
     ----------
@@ -553,7 +569,7 @@ def stick_uncertainty(
         is_narrow, np.maximum(by_status_alone, of_narrow_slip_zone), by_status_alone
     )
     of_states = np.maximum(by_states - _BY_STATES * spacing, 0.0)
-    of_fit = _FITTED_SHARE * spacing + _BY_OTHER_FIT * stick.fits_apart + of_states
+    of_fit = _FITTED_SHARE * spacing + _BY_MISFIT * stick.misfit + of_states
     uncertainty = np.where(edges == by_status, of_no_fit, of_fit)
     is_full = edges == contact.places
     of_full_stick = np.where(
@@ -562,28 +578,60 @@ def stick_uncertainty(
     return np.where(is_full, of_full_stick, uncertainty)
 
 
-def uncertainty_at_jumps(edges: Array, step_index: Indices, spacing: float) -> Array:
+def uncertainty_at_jumps(
+    edges: Array, contact: Array, step_index: Indices, spacing: float
+) -> Array:
     """(k, 2) by how much an edge may be wrong because an increment is wrong about when it jumps.
 
-    Where a slip zone reaches an older edge of stick, the edge jumps. The mesh may see that one
-    increment too early or too late: so the edge of an instant may be that of the instant before or
-    after it. Moves of a few nodes are none.
+    Where a slip zone reaches an older edge of stick, the edge jumps. The mesh may see that too
+    early or too late: by an increment, or by as long as neither edge moves by a node. So the edge
+    of an instant around the jump may be that of the other side of it. Moves of a few nodes are
+    none. A stick zone that vanishes or appears ends in its middle.
 
     Parameters
     ----------
-    edges
-        (k, 2) stick edges; NaN where nothing sticks
+    edges, contact
+        (k, 2) stick edges, NaN where nothing sticks, and contact edges
     step_index
         (k,) index of the instants in the run: of instants between which others were dropped nothing
         is known
     spacing
         of the nodes at the edges of contact [length]
     """
-    moves = np.abs(np.diff(edges, axis=0))
-    is_jump = (np.diff(step_index) == 1)[:, None] & (moves > _JUMP * spacing)
-    jumps = np.where(is_jump, moves, 0.0)
-    no_jumps = np.zeros((1, 2))
-    return np.maximum(np.concatenate([no_jumps, jumps]), np.concatenate([jumps, no_jumps]))
+    uncertainty = np.zeros(edges.shape)
+    follows = np.diff(step_index) == 1
+    middle = _middle_of_zone(edges)
+    for column in range(2):
+        places = np.where(np.isnan(edges[:, column]), middle, edges[:, column])
+        moves = np.where(follows, np.abs(np.diff(places)), 0.0)
+        both = np.stack([places, contact[:, column]])
+        for last_before in np.flatnonzero(moves > _JUMP * spacing):
+            before = _hardly_moving(both[:, last_before::-1], follows[:last_before][::-1], spacing)
+            after = _hardly_moving(both[:, last_before + 1 :], follows[last_before + 1 :], spacing)
+            around = slice(last_before + 1 - before, last_before + 1 + after)
+            uncertainty[around, column] = np.maximum(
+                uncertainty[around, column], moves[last_before]
+            )
+    return uncertainty
+
+
+def _middle_of_zone(edges: Array) -> Array:
+    """(k,) middle of the stick zone; where there is none, that of the nearest instant before, or
+    else after it, that has one.
+    """
+    middle = edges.mean(axis=1)
+    sticks = np.flatnonzero(np.isfinite(middle))
+    if not len(sticks):
+        return middle
+    nearest = np.searchsorted(sticks, np.arange(len(middle)), side="right") - 1
+    return np.asarray(middle[sticks[np.maximum(nearest, 0)]])
+
+
+def _hardly_moving(places: Array, follows: Mask, spacing: float) -> int:
+    """How many instants from the first on have all places (m, k) within a distance of the first."""
+    is_near = np.all(np.abs(places - places[:, :1]) < spacing, axis=0)
+    is_near[1:] &= follows
+    return len(is_near) if is_near.all() else int(np.argmin(is_near))
 
 
 class _Side(NamedTuple):
@@ -667,18 +715,35 @@ def _spacing(x: Array, node: Indices) -> Array:
     return np.maximum(distances[node], distances[node + 1])
 
 
-def _zero_of_squares(x_out: Array, values: Array, last_node: Indices, count: int) -> Array:
-    """(k,) zero of the straight line through the squares of `values` at `count` nodes before the
-    last; NaN unless it falls.
+class _Line(NamedTuple):
+    """Straight lines through the squares of values.
+
+    Attributes
+    ----------
+    zero
+        (k,) their zeros, NaN unless they fall [length]
+    misfit
+        (k,) root mean square by which the squares stand off, over the slope [length]
     """
+
+    zero: Array
+    misfit: Array
+
+
+def _line_through_squares(x_out: Array, values: Array, last_node: Indices, count: int) -> _Line:
+    """The straight lines through the squares of `values` at `count` nodes before the last."""
     nodes = last_node[:, None] - np.arange(1, count + 1)
     distance = x_out[nodes] - x_out[last_node][:, None]
     squares = np.take_along_axis(values, nodes, axis=1) ** 2
     mean_distance = distance.mean(axis=1, keepdims=True)
+    mean_square = squares.mean(axis=1, keepdims=True)
     from_mean = distance - mean_distance
     slope = (from_mean * squares).sum(axis=1) / (from_mean**2).sum(axis=1)
     falling_slope = np.where(slope < 0, slope, np.nan)
-    return x_out[last_node] + mean_distance[:, 0] - squares.mean(axis=1) / falling_slope
+    zero = x_out[last_node] + mean_distance[:, 0] - mean_square[:, 0] / falling_slope
+    residual = squares - mean_square - slope[:, None] * from_mean
+    misfit = np.sqrt(np.mean(residual**2, axis=1)) / -falling_slope
+    return _Line(zero, misfit)
 
 
 class _StickFit(NamedTuple):
@@ -686,18 +751,16 @@ class _StickFit(NamedTuple):
 
     Attributes
     ----------
-    edge
-        (k,) [length]
-    apart
-        (k,) distance of the edge that four nodes farther in give [length]
+    edge, misfit
+        (k,) zero of the straight line, and its misfit [length]
     agrees
-        (k,) whether it is one: False where the squares do not fall towards the edge, where the
-        other four say something else (an older stick edge is near), or where the zero is not near
+        (k,) whether it is one: False where the squares do not fall towards the edge, where four of
+        the nodes say something else (an older stick edge is near), or where the zero is not near
         the last node
     """
 
     edge: Array
-    apart: Array
+    misfit: Array
     agrees: Mask
 
 
@@ -713,9 +776,9 @@ def _fitted_stick_edge(x_out: Array, to_limit: Array, last_node: Indices) -> _St
         (k,) last node of the stick zone by its status, at least seven nodes before it
     """
     element = x_out[last_node] - x_out[last_node - 2]
-    edge, edge_further_in = (
-        _zero_of_squares(x_out, to_limit, last_node, count) for count in _FITTED
+    line, line_of_fewer = (
+        _line_through_squares(x_out, to_limit, last_node, count) for count in _FITTED
     )
-    fits_apart = np.abs(edge - edge_further_in)
-    is_near = np.abs(edge - x_out[last_node]) <= element
-    return _StickFit(edge, fits_apart, (fits_apart <= _AGREE * element) & is_near)
+    agrees = np.abs(line.zero - line_of_fewer.zero) <= _AGREE * element
+    is_near = np.abs(line.zero - x_out[last_node]) <= element
+    return _StickFit(line.zero, line.misfit, agrees & is_near)

@@ -464,6 +464,7 @@ def _solution(
             arrays["stick_edge_uncertainty"],
             uncertainty_at_jumps(
                 arrays["stick_edges"],
+                arrays["contact_edges"],
                 np.asarray(run.stored),
                 spacing=task.element * scales.half_width / task.mesh.order,
             ),

@@ -701,7 +701,11 @@ def test_a_known_stick_edge_is_fitted_to_a_twentieth_of_an_element() -> None:
     # the squares are not quite straight
     spacing = x[1] - x[0]
     np.testing.assert_allclose(fit.places, pair(edge), atol=0.05 * 2 * spacing)
-    assert np.all((fit.fits_apart > 0) & (fit.fits_apart < 0.05 * 2 * spacing))
+    assert np.all((fit.misfit > 0) & (fit.misfit < 0.02 * spacing))
+    # An older stick edge within the nodes of the fit, as shear that steps there, shows.
+    with_older_edge = shear - 0.01 * (np.abs(x) < edge - 4 * spacing)
+    misfit = fitted_stick_edges(x, stick, closed, contact, limit, with_older_edge).misfit
+    assert np.all(misfit > 5 * fit.misfit)
     by_status = stick_edges(x, stick, closed, contact)
     np.testing.assert_allclose(by_status, pair(0.6025), atol=1e-12)
     # rises outwards

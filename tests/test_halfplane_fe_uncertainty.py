@@ -121,12 +121,36 @@ def test_meshes_that_agree_by_chance_are_no_proof() -> None:
     assert math.isnan(rule.uncertainty(7.0, 0.0, 1.3, 0.25))
 
 
+WIDE = np.tile([-1.0, 1.0], (5, 1))
+
+
 def test_an_edge_next_to_a_jump_may_be_that_of_the_next_instant() -> None:
     """Of instants between which others were dropped nothing is known."""
-    edges = np.array([[-0.9, 0.9], [-0.89, 0.89], [-0.5, 0.5], [-0.49, 0.49], [-0.2, math.nan]])
-    at_jumps = uncertainty_at_jumps(edges, np.array([0, 1, 2, 3, 7]), spacing=0.01)
-    expected = [[0, 0], [0.39, 0.39], [0.39, 0.39], [0, 0], [0, 0]]
+    edges = np.array([[-0.9, 0.9], [-0.88, 0.88], [-0.5, 0.5], [-0.48, 0.48], [-0.2, 0.2]])
+    at_jumps = uncertainty_at_jumps(edges, WIDE, np.array([0, 1, 2, 3, 7]), spacing=0.01)
+    expected = [[0, 0], [0.38, 0.38], [0.38, 0.38], [0, 0], [0, 0]]
     np.testing.assert_allclose(at_jumps, expected, atol=1e-12)
+
+
+def test_a_jump_may_be_early_or_late_by_as_long_as_no_edge_moves_by_a_node() -> None:
+    """The right edge jumps; the contact edge moves on at the last instant."""
+    edges = np.array([[-0.9, 0.9], [-0.9, 0.895], [-0.9, 0.5], [-0.9, 0.5], [-0.9, 0.5]])
+    contact = WIDE.copy()
+    contact[4] += 0.02
+    at_jumps = uncertainty_at_jumps(edges, contact, np.arange(5), spacing=0.01)
+    np.testing.assert_allclose(at_jumps[:, 0], 0)
+    np.testing.assert_allclose(at_jumps[:, 1], [0.395, 0.395, 0.395, 0.395, 0], atol=1e-12)
+
+
+def test_a_stick_zone_that_vanishes_ends_in_its_middle() -> None:
+    edges = np.array([[-0.24, 0.34], [-0.2, 0.3], [math.nan, math.nan], [-1, 1], [-0.98, 0.98]])
+    at_jumps = uncertainty_at_jumps(edges, WIDE, np.arange(5), spacing=0.01)
+    to_middle = [0.25, 0.25]
+    from_middle = [1.05, 0.95]
+    expected = [[0, 0], to_middle, from_middle, from_middle, [0, 0]]
+    np.testing.assert_allclose(at_jumps, expected, atol=1e-12)
+    nothing = np.full((5, 2), math.nan)
+    assert not uncertainty_at_jumps(nothing, WIDE, np.arange(5), spacing=0.01).any()
 
 
 def random_scene(changes: Mapping[str, Any]) -> Scene:
