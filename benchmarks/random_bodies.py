@@ -3,7 +3,8 @@ their true errors.
 
 No theory knows the answers. The reference is the same scene on a mesh of half the elements' size.
 Its own error is that of the first order, by a mesh between the two. A value where that is more than
-a fifth of what is stated judges nothing, and is counted.
+a fifth of what is stated judges nothing, and is counted, unless it is less than a fifth of how far
+the value is from the reference: a statement that is too small must not hide behind its size.
 
 `python benchmarks/covered.py bodies` prints the table.
 
@@ -36,7 +37,7 @@ _LEFT = 1 / (_FINER[0] / _FINER[1] - 1)
 # Growth of the elements of the references, and error of their steps over that of the judged run.
 _GROWTH_OF_REFERENCE = 0.1
 _STEPS_OF_REFERENCE = 0.1
-# Share of the stated uncertainty that the reference may be wrong by.
+# Share of the stated uncertainty, or of the error, that the reference may be wrong by.
 _LEAST_RESOLVED = 0.2
 # Decimals of the time at which two instants are the same.
 _DECIMALS = 9
@@ -238,8 +239,8 @@ def errors_of_bodies(answer: FiniteElementSolution, mesh: MeshSettings) -> Judge
 def _judged(
     answer: FiniteElementSolution, second: FiniteElementSolution, finest: FiniteElementSolution
 ) -> Judged:
-    """Errors against the finest mesh where its own is at most a fifth of what is stated; a value
-    without an estimate needs no reference.
+    """Errors against the finest mesh where its own is at most a fifth of what is stated, or of the
+    error; a value without an estimate needs no reference.
     """
     times = common_times([answer, second, finest])
     judged = Judged()
@@ -251,9 +252,8 @@ def _judged(
         error = np.abs(value - true)
         without_value = ~np.isfinite(value)
         stated_of_value = np.where(without_value, np.nan, stated)
-        is_known = np.isfinite(true) & (
-            ~np.isfinite(stated_of_value) | (left <= _LEAST_RESOLVED * stated_of_value)
-        )
+        is_resolved = left <= _LEAST_RESOLVED * np.maximum(stated_of_value, error)
+        is_known = np.isfinite(true) & (~np.isfinite(stated_of_value) | is_resolved)
         if is_known.any():
             error_of_known = np.where(without_value, 0.0, error)[is_known]
             judged.errors[name] = Errors(error_of_known, stated_of_value[is_known])

@@ -41,6 +41,7 @@ from halfplane_fe.face_stress import (
 from halfplane_fe.interface import body_forces
 from halfplane_fe.scales import contact_modulus
 from halfplane_fe.solution import FiniteElementSolution, KernelSolution
+from halfplane_fe.supports import shapes_alike
 from scenes import ContactSolution, Elastic, HalfPlane, InputError, Scene, Tabulated
 from scenes.array_types import Array, Indices
 from scenes.bodies import Shape, face_of
@@ -763,6 +764,7 @@ def _nodal(solution: ContactSolution, step: int) -> Nodal:
         growing=rise_of_p > 0 and abs(rise_of_q) <= friction * rise_of_p and solution.tilt is None,
         kinks=profile_kinks(solution.scene),
         tabulated=isinstance(solution.scene.profile, Tabulated),
+        coupled=not shapes_alike(solution.scene),
     )
 
 

@@ -32,7 +32,7 @@ _NODES_BY_SQUARES = 2.0
 _SQUARED_NODES_BY_SQUARES = 800.0
 # They are so many times as large where the curvature of the profile jumps, on a tabulated one,
 # where it bends at every row,
-_OF_KINKS = 1.5
+_OF_KINKS = 1.75
 _OF_TABLE = 3.5
 # and where the first open node touches without pressure: it has just opened or is about to close.
 _OF_TOUCHING_NODE = 2.0

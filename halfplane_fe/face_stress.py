@@ -123,6 +123,11 @@ _BY_OTHERS_OF_TABLE = 2.8
 _UNSEEN = 0.7
 # Share of the tension, times the nodes in contact, where these are too few to find the edges.
 _BY_FEW_NODES = 2.0
+# Share of the tension, times (spacing of the nodes over the half-width)^(3/2), that the meshes of
+# coupled bodies leave: their part of the coupling of p and q bends q at the edges. On coarse meshes
+# of blocks and pads, seed 240 of benchmarks/covered.py bodies, 3e-3 to 5e-3 of the tension; on a
+# block of four half-widths 1e-3 at a/64, 5e-4 at a/91.
+_BY_COUPLING = 2.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -252,6 +257,8 @@ class Nodal:
         right [length, stress/length]
     tabulated
         whether the profile is a curve through points
+    coupled
+        whether p and q act on each other: bodies of two shapes or materials
     """
 
     x: Array
@@ -264,6 +271,7 @@ class Nodal:
     growing: bool
     kinks: Array = field(default_factory=lambda: np.empty((0, 2)))
     tabulated: bool = False
+    coupled: bool = False
 
     def slips(self, nodes: int) -> bool:
         """Whether slip zones at both edges, of so many nodes at least, enclose a stick zone."""
@@ -436,11 +444,12 @@ def tractions_with_uncertainty(nodal: Nodal) -> TractionsAndUncertainty:
     """Sine series of p and q across the contact, and the uncertainty of the tension s_xx at both
     its edges.
 
-    The uncertainty is the largest of what three changes make, and what was put at the stick edges.
-    The changes: a multiple of what other rims, fewer nodes or a higher degree change; all nodes,
-    where fewer were fitted because p^2 is rough; q/p that stays as it is at the outermost node.
-    Beside it stands, where the load has turned but no node shows it yet, what slip as narrow as the
-    rim changes: it changes q by 2 f p with p = K sqrt(d), hence s_xx by (8/pi) f K sqrt(width).
+    The uncertainty is the largest of what three changes make, what was put at the stick edges, and
+    what the meshes of coupled bodies leave. The changes: a multiple of what other rims, fewer nodes
+    or a higher degree change; all nodes, where fewer were fitted because p^2 is rough; q/p that
+    stays as it is at the outermost node. Beside it stands, where the load has turned but no node
+    shows it yet, what slip as narrow as the rim changes: it changes q by 2 f p with p = K sqrt(d),
+    hence s_xx by (8/pi) f K sqrt(width).
     """
     if len(nodal.x) < FEWEST:
         return TractionsAndUncertainty(None, np.zeros(2), np.zeros(2))
@@ -464,6 +473,8 @@ def tractions_with_uncertainty(nodal: Nodal) -> TractionsAndUncertainty:
     level_tractions = sampled_tractions(nodal, level=True)
     difference = np.abs(level_tractions.edge_tension() - tension)
     uncertainty = np.maximum(uncertainty, difference)
+    if nodal.coupled:
+        uncertainty += _BY_COUPLING * spacing_ratio**1.5 * float(np.max(np.abs(tension)))
     of_unseen_slip = np.zeros(2)
     if not (nodal.growing or nodal.slips(RIM + 1)) and math.isfinite(nodal.stick[0]):
         # p at a depth d into the contact is sum k A_k sqrt(2 d/h) there: p^2/d at the nodes of the
