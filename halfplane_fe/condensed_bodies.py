@@ -47,21 +47,23 @@ class CondensedBodies:
     def condensed(
         self, body: BodyMesh, material: Elastic, datum_length: float, work: Counter[str]
     ) -> CondensedBody:
-        """The body condensed (`condense`), now or before; `work` counts which."""
+        """The body condensed to its face, from the cache of bodies where it is there; `work` counts
+        whether it was there, or how many condensations and factorisations it took.
+        """
         key = _digest(body, material, datum_length)
         with self._lock:
-            cached = self._cached.get(key)
-            if cached is not None:
+            cached_fields = self._cached.get(key)
+            if cached_fields is not None:
                 self._cached.move_to_end(key)
-        if cached is not None:
+        if cached_fields is not None:
             work[CACHED] += 1
-            return CondensedBody(body=body, **cached)
+            return CondensedBody(body=body, **cached_fields)
         condensed = condense(body, material, datum_length)
         work["condensations"] += 1
         work["sparse factorisations"] += int(condensed.diagnostics["sparse_factorisations"])
         # Without the mesh, which is larger than what was made of it.
-        names = [field.name for field in fields(condensed) if field.name != "body"]
-        self._add(key, {name: getattr(condensed, name) for name in names})
+        stored_names = [field.name for field in fields(condensed) if field.name != "body"]
+        self._add(key, {name: getattr(condensed, name) for name in stored_names})
         return condensed
 
     def _add(self, key: bytes, values: dict[str, Any]) -> None:

@@ -258,11 +258,13 @@ class ContactProblem:
 
     @cached_property
     def _return_mapping(self) -> ReturnMapping:
-        """Both loops of the augmented Lagrangian, or the one of the penalty method."""
+        """The return mapping of these faces: with multipliers and a penalty of the trial tractions
+        for the augmented Lagrangian, or none for the penalty method, whose layer is the penalty.
+        """
         penalty = None
         if self.method == "augmented_lagrangian":
-            one = np.ones_like(self.height)
-            penalty = (self.augmentation[0] * one, self.augmentation[1] * one)
+            ones = np.ones_like(self.height)
+            penalty = (self.augmentation[0] * ones, self.augmentation[1] * ones)
         return ReturnMapping(
             self.interface,
             self.friction,
@@ -382,7 +384,14 @@ class ContactProblem:
     def _mapped_equilibrium(
         self, start: InterfaceState, time: float, loads: tuple[float, ...]
     ) -> tuple[InterfaceState, int]:
-        """`equilibrium` by return mapping of the tractions."""
+        """State of the interface under the loads P, Q and perhaps tilt or moment at a time, and the
+        number of Newton steps, by return mapping of the tractions from the state `start`.
+
+        Raises
+        ------
+        ConvergenceError
+            Where no penalty, however soft, lets it converge.
+        """
         moment = None
         if self.moment_given and len(loads) > 2:
             moment = loads[_TILT_OR_MOMENT]

@@ -303,14 +303,16 @@ class KernelPair:
     faces: tuple[Face, Face] = (_FLAT, _FLAT)
 
     def added_to(self, faces: Interface) -> Interface:
-        """The faces of half-planes with what the bodies add."""
-        normal, tangential, coupling = self.sums(faces.x, "fine")
+        """The interface of half-planes with the compliance that the finite bodies add to it; the
+        nodes lie on the line midway between the faces where one of them is curved.
+        """
+        added_normal, added_tangential, coupling = self.sums(faces.x, "fine")
         if faces.coupling is not None:
             coupling = coupling + faces.coupling
         with_bodies = replace(
             faces,
-            normal=freeze(faces.normal + normal),
-            tangential=freeze(faces.tangential + tangential),
+            normal=freeze(faces.normal + added_normal),
+            tangential=freeze(faces.tangential + added_tangential),
             coupling=freeze(coupling) if coupling.any() else None,
         )
         if self.faces[0].flat and self.faces[1].flat:

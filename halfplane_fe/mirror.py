@@ -29,8 +29,10 @@ _ALIKE = 1e-9
 
 
 def mirrored(faces: Interface, sheared: bool) -> bool:
-    """Whether the answer is its own mirror image in x = 0, and a node lies there; `sheared`:
-    whether there is a tangential load.
+    """Whether a node lies on x = 0, and the answer on these faces is its own mirror image in it.
+
+    `sheared`: there is a tangential load. Coupled faces under shear have no mirror image; uncoupled
+    ones need flat faces.
     """
     if len(faces.x) % 2 == 0:
         return False

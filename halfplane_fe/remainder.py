@@ -531,7 +531,12 @@ def _numbers_in(scene: Scene, name: Literal["lower", "upper"]) -> BodyNumbers:
 
 
 def require_flat(name: str, shape: Shape, scene: Scene) -> None:
-    """InputError where the numbers are not derived for this body or its loads."""
+    """InputError for a body, or loads on it, for which the effects of finite bodies are not
+    derived.
+
+    They are for flat faces that hold a tangential load, without bulk stress. `name` is lower or
+    upper.
+    """
     if not isinstance(shape, Block | TShape):
         raise InputError(
             f"bodies.{name}: body effects are known for flat faces, and that of a {shape.kind} is"

@@ -230,16 +230,18 @@ class _Iteration:
         return False
 
     def _inner_loop(self, most_steps: int) -> Tractions | None:
-        """Newton's method at constant multipliers; None where its sets of states repeat."""
+        """Tractions at which Newton's method, at constant multipliers, has converged; None where
+        the sets of states repeat, or after `most_steps`.
+        """
         sets_met: set[bytes] = set()
         for _ in range(most_steps):
             mapped_tractions = self._mapped()
             if mapped_tractions.error <= 1.0:
                 return mapped_tractions
-            key = mapped_tractions.states.tobytes()
-            if key in sets_met:
+            states_as_bytes = mapped_tractions.states.tobytes()
+            if states_as_bytes in sets_met:
                 return None
-            sets_met.add(key)
+            sets_met.add(states_as_bytes)
             mapped_tractions = self._with_sticking(mapped_tractions)
             self._newton_step(mapped_tractions, np.zeros_like(self.start.change_of_loads))
         return None
@@ -273,7 +275,10 @@ class _Iteration:
         )
 
     def _mapped(self) -> Tractions:
-        """The return mapping of the trial tractions."""
+        """Trial tractions from pressure, shear, gap and slip of the present state, and what the
+        return mapping makes of them: pressure at least 0, shear within friction, states of the
+        nodes.
+        """
         compliance = self.systems.layer
         trial_pressure = self._pressure - self._gap / compliance.normal
         trial_shear = self._shear

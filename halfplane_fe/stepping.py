@@ -229,7 +229,11 @@ class _ErrorControl:
     jumps: bool = False
 
     def accepts(self, increment: Increment, start: InterfaceState) -> bool:
-        """Whether the increment from the state `start` is accepted; if not, it is to be halved.
+        """Whether the increment of a path, from the state `start`, is accepted; if not, it is to be
+        halved.
+
+        Its error is that of the work, over the time that it takes. Rejected ones are remembered: a
+        half whose error is still that of the whole is a jump.
 
         Raises
         ------
@@ -237,21 +241,23 @@ class _ErrorControl:
             Where the interface jumps too often.
         """
         duration = increment.state.time - start.time
-        allowed = self.tolerance.rate * duration
-        error = increment.step_error
-        if not error > allowed:
+        allowed_error = self.tolerance.rate * duration
+        work_error = increment.step_error
+        if not work_error > allowed_error:
             return True
         if self.tolerance.of_kinks:
-            error = min(error, bent_work(self.problem, start, increment.state, increment.solved))
-            if not error > allowed:
+            work_error = min(
+                work_error, bent_work(self.problem, start, increment.state, increment.solved)
+            )
+            if not work_error > allowed_error:
                 return True
         # Like bodies have one solution. All their kinks can be in one half.
-        elif self.refused_start == start.time and error > _JUMP * self.refused_error:
+        elif self.refused_start == start.time and work_error > _JUMP * self.refused_error:
             self._count_jump(start.time)
         work = self.problem.work
         if duration > self.shortest and not self.jumps:
             self.refused_start = start.time
-            self.refused_error = error
+            self.refused_error = work_error
             work["increments halved, step error"] += 1
             return False
         work["increments above the step tolerance"] += 1

@@ -310,22 +310,25 @@ def toml_text(keys: Mapping[str, Any]) -> str:
 
 
 def _lines(keys: Mapping[str, Any], outer_key: str) -> Iterator[str]:
-    tables = {
+    """Lines of a TOML file for a table: its own keys first, then the tables in it, each under a
+    heading that begins with `outer_key`, the name of the table with a point, "" at the top.
+    """
+    tables_of_keys = {
         key: value if isinstance(value, list) else [value]
         for key, value in keys.items()
         if _is_table(value)
     }
     for key in keys:
-        if key not in tables:
+        if key not in tables_of_keys:
             # Words, numbers and lists of JSON are those of TOML, but for one control character.
             yield f"{key} = {json.dumps(keys[key], ensure_ascii=False)}".replace("\x7f", "\\u007f")
-    for key, inner_table in tables.items():
-        for table in inner_table:
+    for key, tables_of_key in tables_of_keys.items():
+        for inner_table in tables_of_key:
             if isinstance(keys[key], list):
                 yield from ("", f"[[{outer_key}{key}]]")
-            elif not table or not all(map(_is_table, table.values())):
+            elif not inner_table or not all(map(_is_table, inner_table.values())):
                 yield from ("", f"[{outer_key}{key}]")
-            yield from _lines(table, f"{outer_key}{key}.")
+            yield from _lines(inner_table, f"{outer_key}{key}.")
 
 
 def _is_table(value: Any) -> bool:

@@ -405,6 +405,7 @@ class EvenPolynomial(MayBeFitted):
 
     @model_validator(mode="after")
     def _rises(self) -> Self:
+        """ValueError for a polynomial profile that is flat, or that falls somewhere on x > 0."""
         # h' / (2 x) as a polynomial in (x/length)^2.
         slope = np.array(self.rises) * np.arange(1.0, len(self.rises) + 1)
         if not np.any(slope):

@@ -474,16 +474,21 @@ class HarmonicSegment(LoadSegment):
         return {}
 
     def _sum_of_waves(self, combination: Combination) -> tuple[float, float]:
-        """`wave`, not remembered yet."""
+        """Size and lead of the wave that a combination of P and Q makes, size cos(t + lead), for
+        one harmonic of each: the sum of their phasors.
+        """
         # notation: Z = size exp(i lead), the phasor; one load alone keeps the last digit of its own
         # phase
-        (p, origin), (q, lag) = self._first
+        (normal_amplitude, normal_lag), (tangential_amplitude, tangential_lag) = self._first
         if combination[0] == 0 or combination[1] == 0:
             return (
-                (combination[0] * p, -origin) if combination[1] == 0 else (combination[1] * q, -lag)
+                (combination[0] * normal_amplitude, -normal_lag)
+                if combination[1] == 0
+                else (combination[1] * tangential_amplitude, -tangential_lag)
             )
         return cmath.polar(
-            combination[0] * cmath.rect(p, -origin) + combination[1] * cmath.rect(q, -lag)
+            combination[0] * cmath.rect(normal_amplitude, -normal_lag)
+            + combination[1] * cmath.rect(tangential_amplitude, -tangential_lag)
         )
 
     @property

@@ -253,7 +253,12 @@ def _path_of(scene: Scene, time: Array | None) -> LoadSeries | History:
 def _request_of(
     question: Question, family: OneCurve | None, path: LoadSeries | History, time: Array
 ) -> Request:
-    """What is to be evaluated at instants (n,), with points chosen where none are asked for."""
+    """What memory curves are evaluated for: contact, instants (n,), fields, and points, chosen
+    where the question has none.
+
+    `family` is the tilted or bulk-stressed contact with one memory curve, None for an untilted one,
+    whose points are folded to one side of its middle.
+    """
     scene = question.scene
     contact = family.contact if family is not None else contact_of(scene.profile, scene.material)
     x = question.x
@@ -261,11 +266,13 @@ def _request_of(
         needs_points = question.wants_pointwise or question.wants("dissipation_density")
         x = _points_of(contact, path.largest) if needs_points or not path.long else np.zeros(1)
     if family is None:
-        distance, fold = folded(x)
+        different_points, row_of_point = folded(x)
     else:
-        distance, fold = np.unique(x, return_inverse=True)
+        different_points, row_of_point = np.unique(x, return_inverse=True)
     modulus = composite_modulus(scene.material)
-    return Request(contact, modulus, time, x, distance, fold, question.fields, family)
+    return Request(
+        contact, modulus, time, x, different_points, row_of_point, question.fields, family
+    )
 
 
 def folded(x: Array) -> tuple[Array, Indices]:
@@ -302,9 +309,9 @@ def memory_at(scene: Scene, time: Array) -> tuple[SymmetricContact, Snapshot]:
     path = _path_of(scene, time)
     if isinstance(path, History):
         return contact, path.snapshot(time)
-    point, fold = folded(np.zeros(1))
+    middle, row_of_point = folded(np.zeros(1))
     modulus = composite_modulus(scene.material)
-    request = Request(contact, modulus, time, point, point, fold, frozenset({"shear"}))
+    request = Request(contact, modulus, time, middle, middle, row_of_point, frozenset({"shear"}))
     return contact, path_result(path, request).snapshot
 
 

@@ -128,12 +128,15 @@ class Rigged:
 
 
 def rigged(scene: Scene, effects: BodyEffects | None) -> Rigged:
-    """The scene with the compliance of its contact and its rig.
+    """The scene with its normal contact and the compliance of contact, bodies and springs of its
+    rig.
+
+    Half-planes without `effects` get those of the rig's datum length alone.
 
     Raises
     ------
     InputError
-        For real bodies without their effects.
+        For finite bodies without their effects.
     """
     rig = scene.rig
     if effects is None:
@@ -357,18 +360,25 @@ def _odd_part(
     steady_from: int | None,
     same_loads: _SameLoads,
 ) -> OddPart:
-    """What tilt and bulk strain of the bodies make of the dissipation of the steady cycle."""
+    """What tilt and bulk strain of the bodies add to the dissipation of the steady cycle, driven by
+    a rig.
+
+    Nothing where the bodies have none; left out where no cycle is steady; on grids where there is
+    no memory curve of it.
+    """
     if not any(getattr(rig.effects, name).value for name in ODD_NUMBERS):
         return OddPart()
     if steady_from is None:
         return OddPart(left_out="no cycle is steady")
     try:
-        odd = OddPart(odd_part_of_rig(rig.scene, rig.effects, driven, last_cycle))
+        odd_part = OddPart(odd_part_of_rig(rig.scene, rig.effects, driven, last_cycle))
     except Declined as reason:
-        odd = _odd_part_on_grids(rig, driven, last_cycle, str(reason))
+        odd_part = _odd_part_on_grids(rig, driven, last_cycle, str(reason))
     half_width = float(rig.contact.half_width(np.max(driven.followed.normal_load)))
-    ratio = ratio_of_next_order(rig.effects, half_width)
-    return odd._replace(left=left_of_tilt_and_strain(same_loads.of_curvatures, ratio))
+    ratio_of_orders = ratio_of_next_order(rig.effects, half_width)
+    return odd_part._replace(
+        left=left_of_tilt_and_strain(same_loads.of_curvatures, ratio_of_orders)
+    )
 
 
 def _odd_part_on_grids(rig: Rigged, driven: Driven, last_cycle: slice, reason: str) -> OddPart:

@@ -510,17 +510,24 @@ class PathLoads:
         return next((leg for leg in legs if time - delay <= leg.end), legs[-1]), delay
 
     def values(self, time: Array) -> Array:
-        """P, Q, eps and alpha at times within one leg, (4, n)."""
+        """P, Q, bulk strain eps and tilt alpha at times (n,) within one leg of the path, as rows of
+        (4, n).
+
+        eps is the tangential strain that the bulk stresses make the bodies differ by; a tilt that
+        is not stated follows from the moment.
+        """
         leg, delay = self._place(float(np.mean(time)))
-        leg_time = time - delay
-        p, q = leg.loads(leg_time)
-        stress_of_lower, stress_of_upper = _companion_loads(leg.bulk, leg_time)
-        tilt, moment = _companion_loads(leg.turning, leg_time)
-        eps = self.strain[0] * stress_of_lower + self.strain[1] * stress_of_upper
-        p, q, eps, tilt, moment, _ = np.broadcast_arrays(p, q, eps, tilt, moment, time)
+        time_of_leg = time - delay
+        normal_load, tangential_load = leg.loads(time_of_leg)
+        stress_of_lower, stress_of_upper = _companion_loads(leg.bulk, time_of_leg)
+        tilt, moment = _companion_loads(leg.turning, time_of_leg)
+        strain = self.strain[0] * stress_of_lower + self.strain[1] * stress_of_upper
+        normal_load, tangential_load, strain, tilt, moment, _ = np.broadcast_arrays(
+            normal_load, tangential_load, strain, tilt, moment, time
+        )
         if self.path.moment_given:
-            tilt = self.contact.tilt_under(p, moment)
-        return np.stack([p, q, eps, tilt])
+            tilt = self.contact.tilt_under(normal_load, moment)
+        return np.stack([normal_load, tangential_load, strain, tilt])
 
     def stresses(self, time: Array) -> Array:
         """Bulk stress of the lower and of the upper body, (2, n), for any times."""
@@ -604,7 +611,11 @@ def _slope_of(load: Array, values: Array, rounding: float = 0.0) -> float:
 
 
 def leaning_profile(scene: Scene) -> tuple[PathLoads, TiltedProfile]:
-    """P, Q, eps and alpha of a scene that theory takes, and its profile under any tilt."""
+    """Loads of a scene over time, with bulk strain and tilt, and its profile tilted as they ask
+    for.
+
+    The profile reaches to the largest normal load of the path.
+    """
     shape = convex_profile(scene.profile)
     path = scene.load.path()
     largest_load = -math.inf

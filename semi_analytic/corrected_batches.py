@@ -117,7 +117,13 @@ class Bounds(NamedTuple):
 
 
 def bounds_of(loads: EllipseOfLoads, bends: BendColumns, eta: Array, parabola: Array) -> Bounds:
-    """The bounds of punches whose loads are eta and G, (m, k)."""
+    """Waves of load that bound what punches (m, k) do: forward slip, reverse slip, and the load
+    carried beyond them.
+
+    A punch of half-width c carries eta, `eta`, of the profile, and G = (pi E*/4) c^2, `parabola`,
+    of a parabola of curvature 1; `bends` has the curvatures by which bodies change gap and faces
+    under P and Q.
+    """
     f = loads.friction
     gap_by_normal = parabola * bends.normal
     gap_by_shear = parabola * bends.normal_under_shear

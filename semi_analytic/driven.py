@@ -142,17 +142,20 @@ class Compliance(NamedTuple):
         return np.asarray(half_plane_rate + body_rate + self.tangential_spring - tilt_rate)
 
     def require_unique(self, largest_half_width: float, largest_load: float) -> None:
-        """InputError where Q does not follow from U."""
-        half_width = largest_half_width * np.arange(1, _PLACES + 1) / _PLACES
-        rate = self.rate(half_width, largest_load)
-        if np.all(rate > 0):
+        """InputError where the prescribed displacement U does not determine Q: where U falls while
+        Q grows, for some half-width that sticks up to `largest_half_width` at the load
+        `largest_load`.
+        """
+        stick_half_width = largest_half_width * np.arange(1, _PLACES + 1) / _PLACES
+        slope_of_displacement = self.rate(stick_half_width, largest_load)
+        if np.all(slope_of_displacement > 0):
             return
-        worst = float(half_width[np.argmin(rate)])
+        worst_half_width = float(stick_half_width[np.argmin(slope_of_displacement)])
         raise InputError(
-            "load.tangential_displacement: with the datum length"
-            f" {self.datum_length:.6g} and the half-width {worst:.4g} that sticks U falls while Q"
-            " grows, so that no Q follows from U: state a longer rig.datum_length, of some heights"
-            " of the bodies, or the bodies themselves"
+            f"load.tangential_displacement: with the datum length {self.datum_length:.6g} and the"
+            f" half-width {worst_half_width:.4g} that sticks U falls while Q grows, so that no Q"
+            " follows from U: state a longer rig.datum_length, of some heights of the bodies, or"
+            " the bodies themselves"
         )
 
 

@@ -263,6 +263,9 @@ class _Search:
             return 0.0, 0.0
 
         def slip_ranges(x: Array) -> Array:
+            """Range of the slip over the cycle of each place x while it is in contact, at the turns
+            and the passings of the edge.
+            """
             time = np.unique(np.concatenate([self.turns, self._passings(x)]))
             answer = self._solved(x, time, ("slip",))
             cycle_rows = (

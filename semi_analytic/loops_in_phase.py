@@ -158,8 +158,9 @@ class Way:
         return work
 
     def locked(self, u: Array) -> Array:
-        """How U and m_q have changed since the way began, (2, n): by normal approach and moment of
-        contact and stick zone.
+        """Change of the tangential displacement U and of the moment m_q since the stroke began, (2,
+        n), at shares u of the stroke: by normal approach and moment of the whole contact less twice
+        those of what sticks.
         """
 
         def carried(load: Array, tilt: Array) -> Array:
@@ -169,8 +170,8 @@ class Way:
             )
             return np.stack([approach, self.shape.moment(m, c, tilt) / self.compliance])
 
-        at_begin = carried(*self.pressed(np.zeros(1)))
-        change = carried(*self.pressed(u)) - 2 * carried(*self.stuck(u)) + at_begin
+        values_at_begin = carried(*self.pressed(np.zeros(1)))
+        change = carried(*self.pressed(u)) - 2 * carried(*self.stuck(u)) + values_at_begin
         return self.direction * self.friction * change
 
     def density(self, x: Array, count: int = WAY_NODES) -> Array:

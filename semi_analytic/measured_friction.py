@@ -271,6 +271,9 @@ def _of_ellipses(
         return np.broadcast_to(real_numbers(value, name), shape).flat[members]
 
     def work(friction: Array, members: NDArray[np.intp]) -> Array:
+        """Work per cycle of members of the batch, numbers (n,), each with its own coefficient
+        (n,).
+        """
         loads_of_members = {name: of_members(name, value, members) for name, value in loads.items()}
         profile_of_members = profile
         if isinstance(profile, Mapping):

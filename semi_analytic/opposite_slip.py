@@ -211,21 +211,32 @@ class OppositeSlip(TiltedProfile):
         return bool(np.all(np.diff(ends[:, 0]) >= -slack) and np.all(np.diff(ends[:, 1]) <= slack))
 
     def load(self, half_width: ArrayLike) -> Array:
-        """P_x: above P out of contact, 0 where nothing slips up to the largest Q."""
+        """The load P_x that brings the edge of the contact to each place x = `half_width`, by
+        bisection.
+
+        Above the largest load P, in proportion to the distance, out of contact; 0 where nothing
+        slips up to the largest Q.
+        """
         largest_load, middle, contact_half_width = self._contact
-        place = (np.asarray(half_width, dtype=float) - middle) / contact_half_width
-        load_below = np.zeros(place.shape)
-        load_above = np.full(place.shape, self._deepest)
+        relative_place = (np.asarray(half_width, dtype=float) - middle) / contact_half_width
+        least_unloading = np.zeros(relative_place.shape)
+        largest_unloading = np.full(relative_place.shape, self._deepest)
         left, right = self._zones
         for _ in range(60):
-            v = (load_below + load_above) / 2
-            is_outside = np.where(place < 0, place < left(v), place > right(v))
-            load_below = np.where(is_outside, load_below, v)
-            load_above = np.where(is_outside, v, load_above)
-        deepest_load = np.array(self._deepest)
-        never_slips = (place >= left(deepest_load)) & (place <= right(deepest_load))
-        loads = np.where(never_slips, 0.0, largest_load - (load_below + load_above) / 2)
-        beyond_edge = np.abs(place) - 1
+            unloading = (least_unloading + largest_unloading) / 2
+            is_outside = np.where(
+                relative_place < 0,
+                relative_place < left(unloading),
+                relative_place > right(unloading),
+            )
+            least_unloading = np.where(is_outside, least_unloading, unloading)
+            largest_unloading = np.where(is_outside, unloading, largest_unloading)
+        deepest_unloading = np.array(self._deepest)
+        never_slips = (relative_place >= left(deepest_unloading)) & (
+            relative_place <= right(deepest_unloading)
+        )
+        loads = np.where(never_slips, 0.0, largest_load - (least_unloading + largest_unloading) / 2)
+        beyond_edge = np.abs(relative_place) - 1
         return np.where(beyond_edge > 0, largest_load * (1 + beyond_edge), loads)
 
     def sense(self, x: ArrayLike) -> Array:

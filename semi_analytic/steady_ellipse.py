@@ -1057,26 +1057,28 @@ def _square_of_imaginary(least_load: Array, load_size: Array) -> Array:
     return np.square(4 * np.arcsinh(np.sqrt(least_load / np.maximum(load_size, _TINY))))
 
 
-def _rows(e: Ellipses, least_share: float) -> Array:
-    """What `phase_integrals` takes, (9, m): h, g, P_T, P_min, u, v, alpha, beta, k; no load below a
-    share `least` of P0.
+def _rows(ellipses: Ellipses, least_share: float) -> Array:
+    """The rows (9, m) that `phase_integrals` takes for m ellipses: h, g, P_T, P_min, u, v, alpha,
+    beta, k of its notation.
+
+    No load counts as less than `least_share` of the mean load.
     """
-    rows = np.empty((9, len(e.mean)))
-    rows[0] = e.turn / 2
-    rows[1] = (math.pi - e.turn) / 2
+    phase_rows = np.empty((9, len(ellipses.mean)))
+    phase_rows[0] = ellipses.turn / 2
+    phase_rows[1] = (math.pi - ellipses.turn) / 2
     # A permanent or least load of 0 as the smallest load there is: the logarithm of 0 is never
     # asked for.
-    np.maximum(e.permanent, least_share * e.mean, out=rows[2])
-    np.maximum(e.mean - e.amplitude, least_share * e.mean, out=rows[3])
-    rows[4] = e.u
-    rows[5] = e.v
-    larger_axis = np.sqrt(e.amplitude * (1 + np.abs(e.cosine)))
-    smaller_axis = e.amplitude * e.sine / np.where(larger_axis > 0, larger_axis, 1.0)
-    cosine_is_negative = e.cosine < 0
-    rows[6] = np.where(cosine_is_negative, larger_axis, smaller_axis)
-    rows[7] = np.where(cosine_is_negative, smaller_axis, larger_axis)
-    rows[8] = 4 * e.amplitude * e.sine
-    return rows
+    np.maximum(ellipses.permanent, least_share * ellipses.mean, out=phase_rows[2])
+    np.maximum(ellipses.mean - ellipses.amplitude, least_share * ellipses.mean, out=phase_rows[3])
+    phase_rows[4] = ellipses.u
+    phase_rows[5] = ellipses.v
+    larger_axis = np.sqrt(ellipses.amplitude * (1 + np.abs(ellipses.cosine)))
+    smaller_axis = ellipses.amplitude * ellipses.sine / np.where(larger_axis > 0, larger_axis, 1.0)
+    cosine_is_negative = ellipses.cosine < 0
+    phase_rows[6] = np.where(cosine_is_negative, larger_axis, smaller_axis)
+    phase_rows[7] = np.where(cosine_is_negative, smaller_axis, larger_axis)
+    phase_rows[8] = 4 * ellipses.amplitude * ellipses.sine
+    return phase_rows
 
 
 def phase_integrals(

@@ -161,20 +161,22 @@ class ConvexProfile(abc.ABC):
     def _in_parts(
         self, function: Callable[[Array, Array, Array], Array], *arguments: Array
     ) -> Array:
-        """Of so many rows at a time that their knots or nodes fit into memory."""
+        """Values of `function` of arrays that broadcast, evaluated a block of rows at a time, so
+        that the knots or nodes that it needs for each row fit into memory.
+        """
         shape = np.broadcast_shapes(*(np.shape(argument) for argument in arguments))
-        columns = []
+        arrays = []
         for argument in arguments:
             new_axes = (1,) * (len(shape) - np.ndim(argument))
-            columns.append(np.reshape(argument, new_axes + np.shape(argument)))
+            arrays.append(np.reshape(argument, new_axes + np.shape(argument)))
         if not shape:
-            return np.array(function(*columns))
+            return np.array(function(*arrays))
         rows_at_once = max(_VALUES // max(self._width * math.prod(shape[1:]), 1), 1)
         values = np.empty(shape)
-        for k in range(0, shape[0], rows_at_once):
-            rows = slice(k, k + rows_at_once)
-            parts = [column[rows] if len(column) > 1 else column for column in columns]
-            values[rows] = function(*parts)
+        for first_row in range(0, shape[0], rows_at_once):
+            rows = slice(first_row, first_row + rows_at_once)
+            array_rows = [array[rows] if len(array) > 1 else array for array in arrays]
+            values[rows] = function(*array_rows)
         return values
 
     def contact(self, load_product: ArrayLike, tilt: ArrayLike) -> tuple[Array, Array]:
