@@ -345,28 +345,34 @@ class _EdgeTension(NamedTuple):
 
 
 def _edge_tension(solution: ContactSolution, steps: Sequence[int]) -> _EdgeTension:
-    """`edge_tension`, with its uncertainty in two parts."""
+    """Stress along each face just outside each edge of contact, at stored steps, with its
+    uncertainty.
+
+    The faces of half-planes by the tractions, plus what the bodies add. NaN where a pressed contact
+    has no series of its tractions; 0 where P = 0. `of_unseen_slip` is what slip that no node shows
+    may change.
+    """
     values = np.zeros((len(steps), 2, 2))
     uncertainties = np.zeros((len(steps), 2, 2))
     of_unseen_slip = np.zeros((len(steps), 2, 2))
-    in_contact: dict[int, Tractions] = {}
-    for k, step in enumerate(steps):
-        at_step = tractions_with_uncertainty(_nodal(solution, step))
-        if at_step.series is not None:
-            in_contact[k] = at_step.series
-            values[k] = np.outer([1.0, -1.0], at_step.series.edge_tension())
-            uncertainties[k] = at_step.tension_uncertainty
-            of_unseen_slip[k] = at_step.of_unseen_slip
+    series_of_rows: dict[int, Tractions] = {}
+    for row, step in enumerate(steps):
+        tractions_of_step = tractions_with_uncertainty(_nodal(solution, step))
+        if tractions_of_step.series is not None:
+            series_of_rows[row] = tractions_of_step.series
+            values[row] = np.outer([1.0, -1.0], tractions_of_step.series.edge_tension())
+            uncertainties[row] = tractions_of_step.tension_uncertainty
+            of_unseen_slip[row] = tractions_of_step.of_unseen_slip
         elif solution.normal_load[step] > 0:
-            values[k] = math.nan
-            uncertainties[k] = math.nan
-    if in_contact:
-        rows = list(in_contact)
-        by_bodies, uncertainty = _tension_by_bodies(
-            solution, [steps[k] for k in rows], list(in_contact.values())
+            values[row] = math.nan
+            uncertainties[row] = math.nan
+    if series_of_rows:
+        rows_with_series = list(series_of_rows)
+        tension_by_bodies, uncertainty_by_bodies = _tension_by_bodies(
+            solution, [steps[row] for row in rows_with_series], list(series_of_rows.values())
         )
-        values[rows] += by_bodies
-        uncertainties[rows] += uncertainty[:, None]
+        values[rows_with_series] += tension_by_bodies
+        uncertainties[rows_with_series] += uncertainty_by_bodies[:, None]
     return _EdgeTension(values, uncertainties, of_unseen_slip)
 
 
@@ -811,16 +817,18 @@ class _NodalFields:
 
 
 def _nodal_fields(
-    solution: FiniteElementSolution, number: int, steps: Sequence[int], bulk: Array
+    solution: FiniteElementSolution, body_number: int, steps: Sequence[int], bulk_stress: Array
 ) -> _NodalFields:
-    """Of the lower (0) or the upper (1) body, with its bulk stress (k,)."""
-    condensed = solution.condensed[number]
+    """Displacements and nodal stresses of the lower (0) or upper (1) body at stored steps, with its
+    bulk stress (k,) at each step.
+    """
+    condensed = solution.condensed[body_number]
     states = [solution.states[step] for step in steps]
     pressure = np.stack([state.pressure for state in states], axis=1) * solution.scales.load
     shear = np.stack([state.shear for state in states], axis=1) * solution.scales.load
-    forces = body_forces(*solution.condensed, pressure, shear)[_BODIES[number]]
+    forces = body_forces(*solution.condensed, pressure, shear)[_BODIES[body_number]]
     basis, displacements, tensions = displacement_fields(
-        condensed, forces, solution.scene.profile.datum_length, bulk
+        condensed, forces, solution.scene.profile.datum_length, bulk_stress
     )
     stresses = []
     for displacement, tension in zip(displacements.T, tensions.T, strict=True):

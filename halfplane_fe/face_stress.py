@@ -172,34 +172,44 @@ class Tractions:
         )
 
     def moments(self) -> Array:
-        """int p t^k dt and int q t^k dt for k = 0, 1, 2, from the origin, (6,)."""
-        m = self.middle
-        h = self.half_width
-        moments: list[float] = []
+        """Moments int p t^k dt and int q t^k dt for k = 0, 1, 2 over the contact, t from the
+        origin, (6,).
+
+        By the first three coefficients of the sine series of p and q, about the middle m, moved to
+        the origin.
+        """
+        middle = self.middle
+        half_width = self.half_width
+        moments_of_both: list[float] = []
         for series in (self.pressure, self.shear):
             # about the middle
-            total = math.pi / 2 * h * series[0]
-            first_moment = -math.pi / 4 * h**2 * series[1]
-            second_moment = math.pi / 8 * h**3 * (series[0] + series[2])
-            moments += [
+            total = math.pi / 2 * half_width * series[0]
+            first_moment = -math.pi / 4 * half_width**2 * series[1]
+            second_moment = math.pi / 8 * half_width**3 * (series[0] + series[2])
+            moments_of_both += [
                 total,
-                m * total + first_moment,
-                m**2 * total + 2 * m * first_moment + second_moment,
+                middle * total + first_moment,
+                middle**2 * total + 2 * middle * first_moment + second_moment,
             ]
-        return np.array(moments)
+        return np.array(moments_of_both)
 
     def stress(self, x: Array, y: Array) -> Array:
-        """(n, 3) s_xx, s_yy, s_xy of the half-plane y <= 0 at (n,) places [stress]."""
+        """(n, 3) s_xx, s_yy, s_xy [stress] of the half-plane y <= 0 at (n,) places x, y under these
+        p and q.
+
+        By complex potentials A of the pressure and B of the shear, series in w = v - sqrt(v^2 - 1)
+        with v = (m - x + i |y|)/h, m the middle and h the half-width of the contact.
+        """
         v = (self.middle - x + 0j) / self.half_width
         v.imag = np.abs(y) / self.half_width
         # From above the cut of the root, so that the face counts as inside the body; |w| <= 1.
         root = np.sqrt(v - 1) * np.sqrt(v + 1)
         w = v - root
-        A, B, *by_order = _sums(np.stack([self.pressure, self.shear]), w)
+        A, B, *slope_sums = _sums(np.stack([self.pressure, self.shear]), w)
         with np.errstate(divide="ignore", invalid="ignore"):
             # y A', y B'; dw/dz = w/(h root)
             slope_A, slope_B = np.where(
-                y == 0, 0.0, y * np.array(by_order) / (self.half_width * root)
+                y == 0, 0.0, y * np.array(slope_sums) / (self.half_width * root)
             )
         with_depth = slope_A.real - slope_B.imag
         s_xx = A.imag + 2 * B.real + with_depth

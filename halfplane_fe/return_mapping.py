@@ -157,7 +157,9 @@ class ReturnMapping:
             yield Layer(stiffest.normal * factor, stiffest.tangential * factor)
 
     def _systems_with(self, number: int, softness: Layer) -> Systems:
-        """The linear systems with the layer and this softness on top."""
+        """The linear systems of faces with the compliance of the layer and `softness` on top, kept
+        under `number`, that of the softness.
+        """
         systems = self._systems.get(number)
         if systems is None:
             compliance = Layer(
@@ -204,7 +206,9 @@ class _Iteration:
         self._latest_states = self.start.states
 
     def converges(self, most_steps: int) -> bool:
-        """Whether both loops end; the first step keeps the states of the start.
+        """Whether the return mapping converges: the inner loop, Newton's method at constant
+        multipliers, and the outer loop that updates these; `most_steps` Newton steps in each inner
+        loop.
 
         Raises
         ------
@@ -213,8 +217,8 @@ class _Iteration:
         """
         pressure = self._pressure.copy()
         shear = self._shear.copy()
-        at_start = Tractions(pressure, shear, pressure, shear, self.start.states, np.inf)
-        self._newton_step(at_start, self.start.change_of_loads)
+        tractions_at_start = Tractions(pressure, shear, pressure, shear, self.start.states, np.inf)
+        self._newton_step(tractions_at_start, self.start.change_of_loads)
         multipliers = self.start.values[3:].reshape(4, -1)[1:3].copy()
         without_multipliers = not (self.softness.normal.any() or self.softness.tangential.any())
         while self.updates < _MOST_UPDATES:
@@ -224,8 +228,8 @@ class _Iteration:
             if without_multipliers:
                 return True
             self.updates += 1
-            change = self._updated(multipliers, mapped_tractions)
-            if change <= 1.0 and self._mapped().error <= 1.0:
+            change_of_multipliers = self._updated(multipliers, mapped_tractions)
+            if change_of_multipliers <= 1.0 and self._mapped().error <= 1.0:
                 return True
         return False
 

@@ -397,16 +397,22 @@ class _Watch:
 
 
 def _contact_problem(
-    task: Task, faces: Interface, datum: float, work: Counter[str]
+    task: Task, unscaled_faces: Interface, datum: float, work: Counter[str]
 ) -> ContactProblem:
-    """The contact problem of these faces, scaled, of half-planes with a datum length."""
+    """The scaled problem of the contact for these faces: gap, friction, layer and stiffnesses of
+    the method.
+
+    `datum` is the length from which half-planes count displacements; `work` counts what is done.
+    Penalty: an elastic layer on the faces; other methods: no layer, and stiffnesses for the trial
+    tractions.
+    """
     scene = task.scene
     scales = task.scales
     settings = task.settings
-    interface = faces.scaled(scales.half_width, 1 / scales.modulus)
+    scaled_faces = unscaled_faces.scaled(scales.half_width, 1 / scales.modulus)
     # A stiffness of k E*/h per area is, node by node and scaled, k w/h: that of the layer, the
     # penalty, or the weight of the trial tractions.
-    weights = interface.weights
+    weights = scaled_faces.weights
     normal_factor, tangential_factor = settings.stiffnesses
     normal_stiffness = normal_factor * weights / task.mesh.edge_element_size
     tangential_stiffness = tangential_factor * weights / task.mesh.edge_element_size
@@ -417,9 +423,9 @@ def _contact_problem(
     else:
         layer = Layer(np.zeros_like(weights), np.zeros_like(weights))
         augmentation = (normal_stiffness, tangential_stiffness)
-    height = initial_gap(scene, faces) * scales.modulus / scales.load
+    height = initial_gap(scene, unscaled_faces) * scales.modulus / scales.load
     return ContactProblem(
-        interface,
+        scaled_faces,
         height,
         scene.friction.coefficient,
         layer,

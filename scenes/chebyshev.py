@@ -338,6 +338,9 @@ def values_of(function: Any) -> Callable[[Array], Array]:
     """The function over arrays, called point by point if it can't take them."""
 
     def over(x: Array) -> Array:
+        """Values of the function at all x, in one call or, where it can't take an array, one by
+        one.
+        """
         try:
             values = np.asarray(function(x), dtype=float)
         except (TypeError, ValueError):

@@ -216,11 +216,14 @@ class BulkAndTilt(Frozen, Generic[V]):
 
     @model_validator(mode="after")
     def _can_be_followed(self) -> Self:
-        ways = [
+        """ValueError for tilt stated twice, or bulk stress or tilt beside a prescribed
+        displacement, or that no path can be made of.
+        """
+        tilt_keys = [
             key for key in ("tilt", "moment", "line_of_action") if getattr(self, key) is not None
         ]
-        if len(ways) > 1:
-            raise ValueError(f"{' and '.join(ways)} say the same thing: state one of them")
+        if len(tilt_keys) > 1:
+            raise ValueError(f"{' and '.join(tilt_keys)} say the same thing: state one of them")
         if self.has_bulk_or_tilt and self.is_driven:
             key = next(key for key in KEYS if getattr(self, key) is not None)
             raise ValueError(
@@ -1243,15 +1246,21 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
 def _chebyshev_piece(
     begin: float, end: float, functions: Sequence[Callable[[Any], Any]], scale: float = 0.0
 ) -> ChebyshevSegment:
-    """Two functions of time between two edges as series, without what is rounding at their ends."""
+    """A segment from `begin` to `end` whose two loads are Chebyshev series of the given functions
+    of time; terms at the end of a series that are below rounding of `scale` are left out.
+    """
     coefficients = [
         series(function(begin + (end - begin) * (1 + NODES) / 2)) for function in functions
     ]
     degrees = [
-        int(np.max(np.flatnonzero(np.abs(row) > 1e-16 * scale), initial=0)) for row in coefficients
+        int(np.max(np.flatnonzero(np.abs(coefficients_of_load) > 1e-16 * scale), initial=0))
+        for coefficients_of_load in coefficients
     ]
     return ChebyshevSegment(
         begin,
         end,
-        *(tuple(row[: n + 1].tolist()) for row, n in zip(coefficients, degrees, strict=True)),
+        *(
+            tuple(coefficients_of_load[: degree + 1].tolist())
+            for coefficients_of_load, degree in zip(coefficients, degrees, strict=True)
+        ),
     )

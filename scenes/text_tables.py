@@ -929,40 +929,44 @@ def _numbers(
 
 
 def _numbers_cell_by_cell(path: Path, rows: Iterator[Line], layout: _Layout, comma: bool) -> _Rows:
-    """The rows of numbers, with times of day; the headings once more, and text behind the last row,
-    are left out.
+    """Numbers of a table row by row, times of day as seconds; lines that repeat the headings, and
+    text behind the last row, are left out and named in `left_out`.
 
     Raises
     ------
     InputError
-        For the first row with a fault.
+        For the first row with a fault: another count of cells, or a cell that is no number.
     """
     clock = ClockColumn()
     values = array("d")
     line_numbers = array("q")
-    text_lines: list[Line] = []  # since the last row
-    repeated_columns: list[int] = []
+    text_since_last_row: list[Line] = []  # since the last row
+    lines_with_headings: list[int] = []
     for line, text in rows:
         cells = _cells(text, layout.separator)
         if cells == [name.strip() for name in layout.names]:
-            repeated_columns.append(line)
+            lines_with_headings.append(line)
             continue
         if _is_text(cells, layout, comma):
-            text_lines.append((line, text))
+            text_since_last_row.append((line, text))
             continue
-        if text_lines:  # they are not behind the last row
-            _row(path, *text_lines[0], layout, comma, clock)
+        if text_since_last_row:  # they are not behind the last row
+            _row(path, *text_since_last_row[0], layout, comma, clock)
         values.extend(_row(path, line, text, layout, comma, clock))
         line_numbers.append(line)
     if not line_numbers:
-        _row(path, *text_lines[0], layout, comma, clock)
+        _row(path, *text_since_last_row[0], layout, comma, clock)
     left_out = []
-    if repeated_columns:
-        left_out.append(f"line {', '.join(map(str, repeated_columns[:5]))}: the headings once more")
-    if text_lines:
-        line, text = text_lines[0]
-        count = "1 line" if len(text_lines) == 1 else f"{len(text_lines)} lines"
-        left_out.append(f"{count} behind the rows, from line {line} on: {shown(text)}")
+    if lines_with_headings:
+        left_out.append(
+            f"line {', '.join(map(str, lines_with_headings[:5]))}: the headings once more"
+        )
+    if text_since_last_row:
+        line, text = text_since_last_row[0]
+        line_count = (
+            "1 line" if len(text_since_last_row) == 1 else f"{len(text_since_last_row)} lines"
+        )
+        left_out.append(f"{line_count} behind the rows, from line {line} on: {shown(text)}")
     return _Rows(
         np.array(values).reshape(-1, len(layout.used)),
         np.array(line_numbers, dtype=np.int64),

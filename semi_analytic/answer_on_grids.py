@@ -124,7 +124,9 @@ class GridAnswer:
         )
 
     def _note(self, steady_cycle: Findings | None) -> str:
-        """How the grids were, and to what W is known by them."""
+        """The note on an answer by grids: number of cells and increments, and to what W and the
+        edges of stick are known; with `steady_cycle`, that W does not come from grids.
+        """
         followed = self.followed
         cells = followed.counts["cells"]
         zones = followed.counts["pieces"]

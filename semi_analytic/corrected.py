@@ -368,7 +368,11 @@ class _Route:
         return PathRows(instants, positive_load, tangential_load, rows_of_ends, self.period)
 
     def first_rows(self, time: Array | None) -> PathRows:
-        """Rows at theory's own instants, in both cycles, and at those that are asked for."""
+        """Rows of P and Q at theory's own instants and at those asked for, `time`.
+
+        Of a path that repeats, the instants of the last cycle that theory solved stand in the first
+        two cycles.
+        """
         instants = self.instants
         marks = self.marks
         if self.period is not None:
@@ -1530,24 +1534,32 @@ def _notes_of(paths: _Paths, odd: OddPart) -> Iterator[str]:
 def certificates_of(
     bodies: PathSeries, grids: Mapping[str, NDArray[Any]], numbers: Indices
 ) -> dict[str, Array]:
-    """|M(a) - Q| over f max P, and the largest |q| - f p over f max p where both are known."""
+    """Checks of a path followed with bodies, at rows of it given by `numbers`:
+    `tangential_balance`, |M(a) - Q| over f times the largest P, M(a) the shear that the memory
+    carries up to the edge; and `cone`, the largest |q| - f p over f times the largest p, where both
+    are known.
+
+    `grids` holds pressure and shear at points (n, k).
+    """
     followed = bodies.followed
     friction = followed.friction
-    largest = max(friction * float(np.max(followed.normal_load)), np.finfo(float).tiny)
-    force = followed.pieces.force[followed.curve[numbers]]
+    largest_friction_force = max(
+        friction * float(np.max(followed.normal_load)), np.finfo(float).tiny
+    )
+    force_of_curve = followed.pieces.force[followed.curve[numbers]]
     edge_parabola = followed.table.parabola(followed.edge[numbers])
-    carried = force + followed.tangential_curvature[numbers] * edge_parabola
+    carried = force_of_curve + followed.tangential_curvature[numbers] * edge_parabola
     edge_fourth = followed.table.fourth(followed.edge[numbers])
     carried = carried + followed.tangential_fourth[numbers] * edge_fourth
     is_pressed = followed.normal_load[numbers] > 0
     balance = np.where(is_pressed, np.abs(carried - followed.tangential_load[numbers]), 0.0)
-    checks = {"tangential_balance": balance / largest}
+    checks = {"tangential_balance": balance / largest_friction_force}
     pressure = grids["pressure"]
     shear = grids["shear"]
     if np.any(np.isfinite(pressure)) and np.any(np.isfinite(shear)):
         with np.errstate(invalid="ignore"):
-            excess = np.abs(shear) - friction * pressure
+            excess_of_shear = np.abs(shear) - friction * pressure
         limit = friction * float(np.max(pressure, where=np.isfinite(pressure), initial=0.0))
-        excess_of_instant = np.fmax.reduce(excess, axis=1, initial=0.0)
+        excess_of_instant = np.fmax.reduce(excess_of_shear, axis=1, initial=0.0)
         checks["cone"] = excess_of_instant / max(limit, np.finfo(float).tiny)
     return checks

@@ -255,7 +255,11 @@ def _step(
     friction: float,
     recorder: Recorder,
 ) -> Knot | None:
-    """The curve after a straight step, which it takes as `sides_of` says."""
+    """Memory curve after a straight step between two points of P and Q.
+
+    `side`: slip forward, 1, or in reverse, -1; full stick, 0; or `_UNLOADS`, unloading with |dQ| <=
+    f |dP|. Each stretch of the step is handed to `recorder`.
+    """
     if side == _UNLOADS:
         return _unload(curve, begin_station, end_station, friction, recorder)
     if side:

@@ -916,13 +916,13 @@ def slope_function(modulus: float, profile: CallableProfile) -> ContactLaw:
         half_width = least_width + d
         values = np.zeros(d.shape)
         begins = [stretch.begin for stretch in stretches]
-        number = np.maximum(np.searchsorted(begins, half_width, side="right") - 1, 0)
+        stretch_number = np.maximum(np.searchsorted(begins, half_width, side="right") - 1, 0)
         for k, stretch in enumerate(stretches):
-            in_stretch = number == k
+            in_stretch = stretch_number == k
             if np.any(in_stretch):
                 distance = (d if k == 0 else half_width - stretch.begin)[in_stretch]
-                u = np.sqrt(distance) if stretch.rooted else distance
-                values[in_stretch] = stretch.at(u, order)
+                series_argument = np.sqrt(distance) if stretch.rooted else distance
+                values[in_stretch] = stretch.at(series_argument, order)
         return values
 
     inverse = inverse_of(

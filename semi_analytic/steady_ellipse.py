@@ -872,8 +872,11 @@ class LogHalfWidth:
     """
 
     def __init__(self, contact: SymmetricContact, first_load: int, last_load: int) -> None:
-        """From the load 2^first to 2^last, or to where the profile ends; below 2^first L is that of
-        2^first.
+        """Series of L = ln(half-width) from the load 2^first_load to 2^last_load, or to where the
+        profile ends; below, L is that of 2^first_load.
+
+        All corners share one axis of places: on it the root v = sqrt(P - P_b) of each corner P_b
+        begins where that of the corner before ends.
         """
         corners = contact.break_loads
         largest_load = 2.0**last_load
@@ -881,7 +884,6 @@ class LogHalfWidth:
             largest_load = min(largest_load, float(contact.load(contact.extent)))
         corners_inside = corners[(corners > 2.0**first_load) & (corners < largest_load)]
         corner_loads = np.array([0.0, *corners_inside, largest_load])
-        # places on one axis on which the v of each corner begins where that of the one before ends
         corner_places = np.append(0.0, np.cumsum(np.sqrt(np.diff(corner_loads))))
         log = _log_of(contact)
         octaves = max(math.ceil(math.log2(corner_places[1]) - first_load / 2), 1)
@@ -899,14 +901,14 @@ class LogHalfWidth:
         corner = np.searchsorted(corner_places[1:-1], series.edges[:-1], side="right")
         self._begin = corner_loads[corner]
         self._log = Powers(series.coefficients)
-        self._low = series.edges[:-1] - corner_places[corner]
-        self._high = series.edges[1:] - corner_places[corner]
-        self.edges = (self._begin + np.square(self._low))[1:]
+        self._first_roots = series.edges[:-1] - corner_places[corner]
+        self._last_roots = series.edges[1:] - corner_places[corner]
+        self.edges = (self._begin + np.square(self._first_roots))[1:]
 
     def _at(self, piece: Indices, v: Array) -> Array:
         """L by these series at v."""
-        low = self._low[piece]
-        place = (v - low) * (2 / (self._high[piece] - low)) - 1
+        first_root = self._first_roots[piece]
+        place = (v - first_root) * (2 / (self._last_roots[piece] - first_root)) - 1
         return self._log(np.broadcast_to(piece, v.shape), np.clip(place, -1.0, 1.0))
 
     def __call__(self, load: Array) -> Array:
@@ -928,7 +930,7 @@ class LogHalfWidth:
         integral = np.zeros(load.shape)
         load_to_go = slipped
         for _ in range(int(np.max(last_piece - piece, initial=0)) + 1):
-            to_end_of_piece = np.square(self._high[piece]) - v * v
+            to_end_of_piece = np.square(self._last_roots[piece]) - v * v
             load_rise = np.clip(
                 np.where(piece < last_piece, to_end_of_piece, np.inf), 0.0, load_to_go
             )
@@ -940,7 +942,7 @@ class LogHalfWidth:
             integral += step_of_v * np.sum(weights * 2 * v_at_nodes * log_excess_at_nodes, axis=-1)
             load_to_go = load_to_go - load_rise
             piece = np.minimum(piece + 1, last_piece)
-            v = np.where(load_to_go > 0, self._low[piece], v)
+            v = np.where(load_to_go > 0, self._first_roots[piece], v)
         return integral
 
 
@@ -1189,8 +1191,8 @@ class LamTable:
     """
 
     def __init__(self, contact: Contact, first_load: int, last_load: int) -> None:
-        """From 2^first to 2^(last + 1); a load beyond them is refused, never read from another
-        cell.
+        """Polynomials of J and L = dJ/dP, and of L' for loads close together, on each cell of the
+        loads from 2^first_load to 2^(last_load + 1).
         """
         self._first = (1023 + first_load) << _CELL_BITS
         octave, cell = (grid.ravel() for grid in np.mgrid[first_load : last_load + 1, :_CELLS])
