@@ -50,7 +50,9 @@ def path_of(scene: Scene) -> LoadPath:
 
 
 def actuators_of(scene: Scene, datum: float) -> Actuators:
-    """What a scene prescribes, at bodies whose half-planes are condensed with a datum length."""
+    """What the actuators of a scene prescribe of its scaled contact, and how far each rig yields;
+    none prescribed under given loads. `datum` is the datum length of the condensed half-planes.
+    """
     load = scene.load
     if not load.is_driven:
         return LOADS_ARE_GIVEN

@@ -83,8 +83,8 @@ class Excess(NamedTuple):
 
 
 def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
-    """What edges between nodes add to the dissipation of a revolution with these states, the one
-    before it the first.
+    """What edges of stick and contact between nodes add to the dissipation of a cycle; first of
+    `states` is the one before the cycle.
 
     An edge counts if its zones have three nodes or more, and if the elements around it are
     quadratic and of one size.
@@ -97,28 +97,28 @@ def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
     slip_range = np.ptp(slip, axis=0)
     is_closed = np.stack([state.closed for state in states])
     largest_range = np.max(slip_range, where=is_closed.any(axis=0), initial=0.0)
-    sticks = is_closed.all(axis=0) & (slip_range <= _STUCK * largest_range)
-    stick_zone = np.flatnonzero(sticks)
+    sticks_all_along = is_closed.all(axis=0) & (slip_range <= _STUCK * largest_range)
+    stick_zone = np.flatnonzero(sticks_all_along)
     if len(stick_zone) < _ZONE or np.diff(stick_zone).max() > 1:
         return no_excess
     at_stick_edges: list[_EdgeWork] = []
     at_contact_edges: list[_EdgeWork] = []
     for side in (1, -1):
-        at_stick_edge = _at_stick_edge(problem, states, slip, sticks, side)
+        at_stick_edge = _at_stick_edge(problem, states, slip, sticks_all_along, side)
         if at_stick_edge is None:
             continue
         at_stick_edges.append(at_stick_edge)
         at_contact_edge = _at_contact_edge(problem, states, slip, side)
         if at_contact_edge is not None:
             at_contact_edges.append(at_contact_edge)
-    edges = at_stick_edges + at_contact_edges
-    problem.work[TAKEN_OFF] = len(edges)
+    all_edges = at_stick_edges + at_contact_edges
+    problem.work[TAKEN_OFF] = len(all_edges)
     # the two edges of a zone mostly stand alike in their elements: their scatters add up
-    scatter = math.hypot(
+    scatter_of_all = math.hypot(
         sum(edge.scatter for edge in at_stick_edges),
         sum(edge.scatter for edge in at_contact_edges),
     )
-    return Excess(sum(edge.work for edge in edges), scatter, len(edges))
+    return Excess(sum(edge.work for edge in all_edges), scatter_of_all, len(all_edges))
 
 
 class _EdgeWork(NamedTuple):

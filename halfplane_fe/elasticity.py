@@ -593,17 +593,23 @@ class ArcLoads(NamedTuple):
 
 
 def arc_loads(system: System, datum_length: float) -> ArcLoads:
-    """Those of the body; `datum_length` as of `condense` [length]."""
-    contact = system.mesh.p[0, system.node[system.contact[0]]]
-    arc = system.mesh.p[:, system.node[system.arc[0]]]
+    """Tractions of the half-plane on the outer arc of its mesh by unit forces on the contact nodes;
+    for a body without an arc no tractions, and half of each force along x on each of its ends.
+
+    `datum_length` as of `condense` [length].
+    """
+    contact_places = system.mesh.p[0, system.node[system.contact[0]]]
+    arc_places = system.mesh.p[:, system.node[system.arc[0]]]
     if system.around:
-        return ArcLoads(*arc_work(arc, system.order, contact, system.material, datum_length))
-    by_nodes = np.zeros((system.arc.size, system.contact.size))
+        return ArcLoads(
+            *arc_work(arc_places, system.order, contact_places, system.material, datum_length)
+        )
+    loads_by_nodes = np.zeros((system.arc.size, system.contact.size))
     if system.arc.size:  # each end holds half of a force along x
-        ends = np.abs(system.pull[system.arc.ravel()])
-        by_nodes[:, : len(contact)] = -(ends / ends.sum())[:, None]
+        end_shares = np.abs(system.pull[system.arc.ravel()])
+        loads_by_nodes[:, : len(contact_places)] = -(end_shares / end_shares.sum())[:, None]
     no_points = np.zeros((0, system.contact.size))
-    return ArcLoads(by_nodes, no_points, no_points)
+    return ArcLoads(loads_by_nodes, no_points, no_points)
 
 
 def rigid_motions(mesh: skfem.Mesh) -> Array:

@@ -118,12 +118,13 @@ class ReturnMapping:
     _systems: dict[int, Systems] = field(default_factory=dict, init=False)
 
     def equilibrium(self, start: Start, most_steps: int) -> Equilibrium | None:
-        """What follows the start of an increment; None where no penalty converges.
+        """State of the faces at the end of an increment, by the stiffest penalty with which the
+        loops converge; None where none does.
 
         Parameters
         ----------
         start
-            of the increment
+            values, states and change of loads of the increment
         most_steps
             of Newton in one inner loop
         """
@@ -144,7 +145,9 @@ class ReturnMapping:
         return None
 
     def _softnesses(self) -> Iterator[Layer]:
-        """The compliances c of the multipliers, each ten times as soft as the one before."""
+        """Compliances of the trial tractions, one after the other as they are tried: that of the
+        penalty, or none for the penalty method; then each ten times as soft as the one before.
+        """
         if self.penalty is None:
             yield Layer(np.zeros_like(self.layer.normal), np.zeros_like(self.layer.tangential))
             stiffest = self.layer

@@ -274,7 +274,8 @@ class _ErrorControl:
 def _attempt(
     problem: ContactProblem, start: InterfaceState, loads_at: LoadsAt, end: float, shortest: float
 ) -> Increment | NotConverged:
-    """The increment from the state `start` to the first event, or to the instant `end`.
+    """An increment from the state `start` to the first event on the way to the instant `end`, or
+    `NotConverged`, to be tried with less; `loads_at` gives the loads at an instant.
 
     Raises
     ------
@@ -290,12 +291,12 @@ def _attempt(
         problem.work["increments halved, not converged"] += 1
         return NotConverged(trial.target)
     states = up_to_event(start, solved)
-    error = 0.0
+    step_error = 0.0
     if not np.array_equal(states, start.state):
         slip, pressure, _, _ = nodal(solved.values - start.values)
-        error = float(step_errors(problem.friction, pressure, slip, start.state, states))
+        step_error = float(step_errors(problem.friction, pressure, slip, start.state, states))
     state = landed(replace(solved, state=states), event)
-    return Increment(state, states, error, trial.iterations, event)
+    return Increment(state, states, step_error, trial.iterations, event)
 
 
 @dataclass

@@ -188,15 +188,15 @@ def _gmsh_model(cells: Cells) -> Iterator[None]:
 def _mesh_of_half(
     draw: Callable[[], Mapping[str, list[int]]], size: str, order: int, cells: Cells
 ) -> _ReadMesh:
-    """gmsh's mesh of what `draw` puts into its model; `size` is the element size, a formula of x
-    and y.
+    """Nodes and elements of gmsh's mesh of half a body that `draw` puts into gmsh's model; the
+    element size is the formula `size` of x and y.
     """
     with interrupts_wait(), _gmsh_model(cells):
         curves_by_name = draw()
         gmsh.model.geo.synchronize()
-        field = gmsh.model.mesh.field.add("MathEval")
-        gmsh.model.mesh.field.setString(field, "F", size)
-        gmsh.model.mesh.field.setAsBackgroundMesh(field)
+        size_field = gmsh.model.mesh.field.add("MathEval")
+        gmsh.model.mesh.field.setString(size_field, "F", size)
+        gmsh.model.mesh.field.setAsBackgroundMesh(size_field)
         gmsh.model.mesh.generate(2)
         gmsh.model.mesh.setOrder(order)
         return _read(curves_by_name)

@@ -402,6 +402,9 @@ class FromFile(Frozen):
 
     @model_validator(mode="after")
     def _check(self, validation: ValidationInfo) -> Self:
+        """ValueError for rows that break a rule of the table, with the line of the file that they
+        come from; for keys of reading without a file.
+        """
         try:
             self.check_rows()
         except RowError as fault:

@@ -428,8 +428,8 @@ class Scene(Frozen):
         )
 
     def _loads_at_turns(self) -> tuple[list[float], list[float]]:
-        """P and Q at the ends and turning points of all load segments, or what actuators
-        prescribe in their place.
+        """P and Q, two lists, at the ends and turning points of all load segments; of prescribed
+        displacements those in their place.
         """
         if isinstance(self.load, TimeSeriesLoad) and not self.load.is_driven:
             rows = self.load.series()

@@ -577,16 +577,16 @@ class HarmonicSegment(LoadSegment):
         # (p(z) - p(z_0))/(z - z_0) by Horner's scheme, and z - z_0 = 2i sin((t - t_0)/2) exp(i (t +
         # t_0)/2).
         z = centre * side
-        z_0 = centre * side.conjugate()
+        z_before = centre * side.conjugate()
         coefficients, _ = self._series_of(combination)
-        *lower_terms, highest = coefficients
+        *lower_terms, highest_term = coefficients
         if not lower_terms:
             return np.zeros(z.shape)
-        quotient: Any = highest
-        value: Any = highest * z_0 + lower_terms[-1]
+        quotient: Any = highest_term
+        value: Any = highest_term * z_before + lower_terms[-1]
         for coefficient in reversed(lower_terms[:-1]):
             quotient = quotient * z + value
-            value = value * z_0 + coefficient
+            value = value * z_before + coefficient
         change: Array = (quotient * centre * (2j * side.imag)).real
         return change
 
@@ -602,6 +602,9 @@ class HarmonicSegment(LoadSegment):
         return change, _wave_sum_at(rate_terms, centre * side, time)
 
     def companion_of(self, combination: Combination) -> HarmonicSegment:
+        """The segment whose second load is the combination of these two, with the same waves; its
+        first is 0.
+        """
         waves = tuple(
             (abs(coefficient), -cmath.phase(coefficient))
             for coefficient in (np.array(combination) @ self._coefficients)[1:].tolist()
@@ -931,11 +934,11 @@ def _wave_sum_at(terms: WaveTerms, z: NDArray[np.complex128], time: Array) -> Ar
     return sums
 
 
-def _sharpened(segment: LoadSegment, combination: Combination, guess: Array) -> list[float]:
-    """Turning points of a combination in the segment, ascending, after two of Newton's steps, as
-    long as they are small.
+def _sharpened(segment: LoadSegment, combination: Combination, guessed_times: Array) -> list[float]:
+    """Times within the segment at which a combination of P and Q turns round, ascending: guesses
+    after two of Newton's steps, each taken if it is small.
     """
-    times = guess
+    times = guessed_times
     step = 1e-6 * (segment.end - segment.start)
     longest_step = _DOUBLE * (segment.end - segment.start) / 2
     for _ in range(2):

@@ -226,7 +226,14 @@ def by_memory(question: Question, family: OneCurve | None) -> Findings:
 
 
 def path_of_question(question: Question, family: OneCurve | None) -> LoadSeries | History:
-    """The path that is to be answered, followed."""
+    """Load path of a question, followed: by straight steps between its times where it asks for
+    them, else as a history of the scene, tilted or with bulk stress by `family`.
+
+    Raises
+    ------
+    InputError
+        For straight steps without times.
+    """
     scene = question.scene
     friction = scene.friction.coefficient
     if question.straight_steps:
@@ -1072,7 +1079,9 @@ def _ending_of(path: LoadSeries | History) -> tuple[str, str]:
 def _skipped_of(
     scene: Scene, path: LoadSeries | History, answer: PathResult
 ) -> dict[str, tuple[int, str]]:
-    """What was not done, how often, and why."""
+    """What was not computed, with how often and why: copies of a steady cycle, quadratures under
+    full stick.
+    """
     skipped_work = {}
     copies = max(scene.cycles, len(path.covered)) - len(path.cycles)
     if path.repeats and path.steady_from is not None and copies > 0:

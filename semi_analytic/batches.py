@@ -346,13 +346,17 @@ class _Vertex(NamedTuple):
 
 
 def _parabola(x: Array, w: Array) -> _Vertex:
-    """Of three points, (3, n); W rises at most up to the chord of the other two, drawn on."""
-    length = np.diff(x, axis=0)
-    length_before, length_after = length
-    slope_before, slope_after = np.diff(w, axis=0) / np.where(length > 0, length, np.inf)
-    span = np.where(length_before + length_after > 0, length_before + length_after, np.inf)
-    bend = (slope_after - slope_before) / span
-    slope = (slope_before * length_after + slope_after * length_before) / span
+    """Top of the parabola through three points (x, W) of each of n members, (3, n), and `rise`, the
+    most W can rise above the middle point: up to the chord of the other two, drawn on.
+    """
+    lengths = np.diff(x, axis=0)
+    length_before, length_after = lengths
+    slope_before, slope_after = np.diff(w, axis=0) / np.where(lengths > 0, lengths, np.inf)
+    length_of_both = np.where(
+        length_before + length_after > 0, length_before + length_after, np.inf
+    )
+    bend = (slope_after - slope_before) / length_of_both
+    slope = (slope_before * length_after + slope_after * length_before) / length_of_both
     shift = np.where(bend < 0, slope / np.where(bend < 0, -2 * bend, 1.0), 0.0)
     return _Vertex(
         work=w[1] + slope * shift / 2,
@@ -943,8 +947,11 @@ def _beyond_units(
 def _reasons(
     e: Ellipses, force: Array, tangential_load: Array, friction: Array
 ) -> NDArray[np.int8]:
-    """Reason of each valid member (m,): separation, gross sliding; |Q| = f P is admitted, to
-    rounding. `force`: Q0 as turned.
+    """Reason why each of m ellipses of loads (m,) is inadmissible, or none: separation or gross
+    sliding.
+
+    Q| = f P is admitted, to rounding. `force` is the mean Q, its sign turned where the ellipse was
+    mirrored; `tangential_load` the amplitude of Q.
     """
     limit = friction * e.mean
     slack = 4e-16 * (np.abs(force) + tangential_load + limit + friction * e.amplitude)

@@ -131,7 +131,7 @@ _AT_ONCE = 2000
 
 # ------------------------------------------------------------------------------------- the effects
 def curvatures_of(effects: BodyEffects) -> Curvatures:
-    """What the bodies add to the curvature of gap and faces, per load."""
+    """Values of the curvatures that bodies add to gap and faces, per load, without their errors."""
     return Curvatures(
         normal=effects.normal_curvature.value,
         normal_under_shear=effects.normal_curvature_under_shear.value,

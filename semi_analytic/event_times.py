@@ -182,38 +182,43 @@ def _named(history: History) -> Iterator[Event]:
     )
 
 
-def _same_piece(first_curve: Curve, second_curve: Curve) -> bool:
-    """Whether two pieces of memory curves are parts of one piece."""
-    if first_curve is None or second_curve is None:
-        return first_curve is second_curve
+def _same_piece(first_piece: Curve, second_piece: Curve) -> bool:
+    """Whether two pieces of memory curves are parts of one: on one leg of an ellipse, or of one
+    line with the same anchor and slope.
+    """
+    if first_piece is None or second_piece is None:
+        return first_piece is second_piece
     if (
-        first_curve.arc is not None
-        and second_curve.arc is not None
-        and first_curve.anchor.leg is second_curve.anchor.leg
+        first_piece.arc is not None
+        and second_piece.arc is not None
+        and first_piece.anchor.leg is second_piece.anchor.leg
     ):
         return True  # an arc that a cycle starts in comes in two pieces
     return (
-        first_curve.anchor[1:] == second_curve.anchor[1:]
-        and first_curve.slope == second_curve.slope
+        first_piece.anchor[1:] == second_piece.anchor[1:]
+        and first_piece.slope == second_piece.slope
     )
 
 
 def _extremes(span: Span) -> Iterator[Event]:
-    """Extreme loads at the beginning of a span or inside it, also at the ends of an ellipse, which
-    is smooth beyond.
+    """Events of P and Q that are largest or least at the beginning of a span or inside it.
+
+    An ellipse is looked at a little beyond its ends too, since the loads turn smoothly there.
     """
     leg = span.leg
     step = 1e-3 * (leg.end - leg.start)
     wider_leg = leg
     if is_plain_ellipse(leg):
         wider_leg = replace(leg, start=leg.start - 0.1, end=leg.end + 0.1)
-    for load, word in ((NORMAL_LOAD, "P"), (TANGENTIAL_LOAD, "Q")):
+    for load, load_name in ((NORMAL_LOAD, "P"), (TANGENTIAL_LOAD, "Q")):
         for time in wider_leg.turning_points(load):
             if span.begin.time - _SAME <= time < span.end.time - _SAME:
                 change_after = float(leg.change_of(load, time + step, time))
                 change_before = float(leg.change_of(load, time - step, time))
-                bend = change_after + change_before
-                yield _at(span, time, f"{word} {'largest' if bend < 0 else 'least'}")
+                change_of_slope = change_after + change_before
+                yield _at(
+                    span, time, f"{load_name} {'largest' if change_of_slope < 0 else 'least'}"
+                )
 
 
 def _at(span: Span, time: float, name: str) -> Event:

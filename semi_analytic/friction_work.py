@@ -415,8 +415,8 @@ def _share_of_way(parts: Records, corners: Array) -> Array:
 
 
 def _split(contact: Contact, records: Records) -> Records:
-    """The records in parts between which neither P nor P_c passes a load at which a(P) is not
-    smooth.
+    """Records of slip cut into parts between which neither the load P nor the load P_c at the stick
+    edge passes one at which the half-width a(P) is not smooth.
 
     `row` of a part is the number of its record, `until` its share of it. Loads are those of corners
     and, where P may hardly grow anywhere, of half-widths so close that a(P) is smooth in between.
@@ -429,12 +429,14 @@ def _split(contact: Contact, records: Records) -> Records:
     stick_edge_load = records.load - records.slipped
     stick_edge_load_after = records.load_after - records.slipped_after
     shares_at_breaks = [np.zeros((len(records.row), 1))]
-    for begin, end in (
+    for load_at_begin, load_at_end in (
         (records.load, records.load_after),
         (stick_edge_load, stick_edge_load_after),
     ):
-        growth = np.where(end != begin, end - begin, np.inf)[:, None]
-        shares_at_breaks.append(np.clip((break_loads - begin[:, None]) / growth, 0.0, 1.0))
+        growth = np.where(load_at_end != load_at_begin, load_at_end - load_at_begin, np.inf)[
+            :, None
+        ]
+        shares_at_breaks.append(np.clip((break_loads - load_at_begin[:, None]) / growth, 0.0, 1.0))
     share_at_begin = np.concatenate(shares_at_breaks, axis=1)
     share_at_begin.sort(axis=1)
     share_at_end = np.append(share_at_begin[:, 1:], np.ones((len(share_at_begin), 1)), axis=1)
@@ -468,8 +470,11 @@ def slip_work(contact: Contact, records: Records) -> tuple[Array, int]:
 
 
 def work_error(contact: Contact, records: Records) -> float:
-    """Error of the sum of `slip_work` from above, by a sample of records; 0 for closed forms
-    [force^2 per thickness^2].
+    """Estimated error of the dissipation summed by `slip_work` over records [force^2 per
+    thickness^2].
+
+    The largest error of kernel and rule in a sample of records, times the rise of all; 0 for
+    contacts with closed forms.
     """
     if contact.closed_form or not len(records.row):
         return 0.0
@@ -479,12 +484,12 @@ def work_error(contact: Contact, records: Records) -> float:
     slipped = np.append(sample.slipped, sample.slipped_after)
     error_of_kernel = contact.quadrature_error("dissipation_kernel", load, slipped)
     error_of_rule = _RULE * contact.dissipation_kernel(load, slipped)
-    error = error_of_kernel + error_of_rule
-    if not np.all(np.isfinite(error)):
+    error_of_row = error_of_kernel + error_of_rule
+    if not np.all(np.isfinite(error_of_row)):
         raise NotFoundError(
             "the error of a slip area is not a number: neither is the dissipation of these rows"
         )
-    return float(np.max(error, initial=0.0) * np.sum(records.rise))
+    return float(np.max(error_of_row, initial=0.0) * np.sum(records.rise))
 
 
 def density_of_records(contact: Contact, records: Records, x: Array) -> Array:

@@ -767,7 +767,9 @@ class _Answers:
 
     @classmethod
     def empty(cls, grids: int, instants: int, points: int, every: int) -> _Answers:
-        """Before anything is followed."""
+        """Zeros in the arrays of the answers before anything is followed, stick edges NaN; of each
+        grid every `every`-th instant is kept.
+        """
         of_each = (grids, -(-instants // every), points)
         return cls(
             share=np.zeros((instants, points)),
@@ -1276,12 +1278,13 @@ def cycle_works(
 
 
 def _default_times(path: LoadPath, cycles: int, increments: int, last_alone: bool) -> Array:
-    """Every second increment of the last of so many cycles, or of all of them; fewer of the initial
+    """Times at which an answer on grids is given where none are asked for: every second increment
+    of the last of `cycles` cycles (`last_alone`), or of all of them; fewer of the initial
     loading.
     """
     if last_alone and path.period is not None:
-        begin = path.cycle_start + (cycles - 1) * path.period
-        return np.linspace(begin, begin + path.period, increments // 2 + 1)[1:]
+        begin_of_last = path.cycle_start + (cycles - 1) * path.period
+        return np.linspace(begin_of_last, begin_of_last + path.period, increments // 2 + 1)[1:]
     times = [np.linspace(leg.start, leg.end, increments // 16 + 1) for leg in path.initial_loading]
     if path.period is not None:
         end = path.cycle_start + cycles * path.period

@@ -465,7 +465,9 @@ def _unload_part(
     friction: float,
     recorder: Recorder,
 ) -> Knot | None:
-    """Unload on one side of the curve, which slips, or along it."""
+    """Memory curve after a part of an unloading step on one side of it: the step slips, where
+    `side` is 1 or -1, or goes back along the curve, where it is 0.
+    """
     if side:
         return _slip(curve, side, begin_station, end_station, friction, recorder)
     return _retrace(curve, begin_station, end_station, recorder)

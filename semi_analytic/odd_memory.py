@@ -219,7 +219,9 @@ def odd_answer(scene: Scene, effects: BodyEffects) -> OddAnswer:
 
 
 def _cycles(history: History) -> Iterator[tuple[tuple[Span, ...], Span | None, Span | None]]:
-    """The spans of each cycle, or of the path, with the spans before and after them."""
+    """Of each cycle, or of the path where it does not repeat: its spans, the span before them and
+    the span after them, None where there is none. The steady cycle follows itself.
+    """
     earlier_spans = history.loading
     for number, spans in enumerate(history.cycles):
         span_before = earlier_spans[-1] if earlier_spans else None
@@ -409,7 +411,10 @@ def _set_loads(piece: Piece, friction: float, eta: Array) -> tuple[Array, Array]
 
 
 def _slope_rate(piece: Piece, eta: Array) -> Array:
-    """d sigma/d eta at loads (n,) of a piece, (n,)."""
+    """d sigma/d eta, the change of the slope sigma = dQ/dP of the memory with the load, at loads
+    eta (n,) of a piece of the memory curve: constant on a parabola, by differences of rates on an
+    arc of a load path.
+    """
     if piece.arc is None:
         return np.full(np.shape(eta), 2 * piece.bend)
     leg = piece.anchor.leg

@@ -113,13 +113,15 @@ def _depths(loads: Array) -> Array:
 
 
 def _newton_step(depth: Array, fault: Array) -> Array:
-    """The change of both depths (2, n) that a fault of both loads (2, n) asks for."""
+    """Newton's change of the slip depths at both ends of the contact, (2, n), for faults (2, n) of
+    the loads e and Q/(f P) that the depths give; derivatives by central differences.
+    """
     rates = []
-    for row in (0, 1):
-        width = _WIDTH * depth * (np.arange(2) == row)[:, None]
-        loads_after = np.stack(loads_of(*(depth + width)))
-        loads_before = np.stack(loads_of(*(depth - width)))
-        rates.append((loads_after - loads_before) / (2 * width[row]))
+    for end_number in (0, 1):
+        difference = _WIDTH * depth * (np.arange(2) == end_number)[:, None]
+        loads_after = np.stack(loads_of(*(depth + difference)))
+        loads_before = np.stack(loads_of(*(depth - difference)))
+        rates.append((loads_after - loads_before) / (2 * difference[end_number]))
     (e_by_left, force_by_left), (e_by_right, force_by_right) = rates
     fault_of_e, fault_of_force = fault
     determinant = e_by_left * force_by_right - e_by_right * force_by_left

@@ -333,15 +333,19 @@ def _with_tractions(
 def _rows_with_tractions(
     answer: ContactSolution, times: Array
 ) -> dict[float, tuple[ContactSolution, int]]:
-    """The instants at which an answer has p and q at places enough, with its rows."""
+    """Rows of an answer for those of the instants `times` at which it holds p and q at enough
+    places.
+
+    Empty where it has no tractions.
+    """
     if not (np.isfinite(answer.pressure).all() and np.isfinite(answer.shear).all()):
         return {}
     rows = np.argmin(np.abs(answer.time[:, None] - times), axis=0)
     places_in_contact = np.sum(answer.pressure[rows] > 0, axis=1)
     is_enough = (places_in_contact >= _ENOUGH) | (answer.normal_load[rows] <= 0)
     is_held = np.abs(answer.time[rows] - times) <= 1e-9 * np.abs(times)
-    numbers = np.flatnonzero(is_enough & is_held)
-    return {float(times[k]): (answer, int(rows[k])) for k in numbers}
+    time_numbers = np.flatnonzero(is_enough & is_held)
+    return {float(times[k]): (answer, int(rows[k])) for k in time_numbers}
 
 
 def _places_in(edges: Array) -> Array:

@@ -780,19 +780,27 @@ class NestedIntervals:
             _side_by_side(half_width_series, places),
         )
 
-    def _series_between(self, low: float, high: float) -> tuple[Pieces, Pieces]:
-        """m and c over v = sqrt(eta - low) between two loads next to each other."""
-        ends = np.array([0.0, math.sqrt(high - low)])
+    def _series_between(self, lower_load: float, upper_load: float) -> tuple[Pieces, Pieces]:
+        """Series of the middle m and the half-width c of the contact over v = sqrt(eta -
+        lower_load), between two loads eta next to each other.
+
+        Raises
+        ------
+        NotFoundError
+            Where no series resolves them.
+        """
+        ends = np.array([0.0, math.sqrt(upper_load - lower_load)])
         # Over 4e-15: beside a flat the last digits of a contact are noise.
         floor = 0.1 * self.shape.noise / 4e-15 * self.scale
         try:
             return (
-                halved(lambda v: self.exactly(low + v * v)[0], ends, floor),
-                halved(lambda v: self.exactly(low + v * v)[1], ends, floor),
+                halved(lambda v: self.exactly(lower_load + v * v)[0], ends, floor),
+                halved(lambda v: self.exactly(lower_load + v * v)[1], ends, floor),
             )
         except Unresolved as fault:
             raise NotFoundError(
-                f"no contact was found under the tilt {self.tilt:.6g} and loads of about {low:.6g}"
+                f"no contact was found under the tilt {self.tilt:.6g} and loads of about"
+                f" {lower_load:.6g}"
             ) from fault
 
     def at(self, load: ArrayLike) -> tuple[Array, Array]:
