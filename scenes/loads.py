@@ -292,22 +292,8 @@ class BulkAndTilt(Frozen, Generic[V]):
             ]
         for name, (first_key, second_key) in _PAIRS.items():
             pair = getattr(self, first_key), getattr(self, second_key)
-            if pair == (None, None):
-                continue
-            curved = self.curved(path, pair)
-            straight_legs = legs[: len(legs) - len(curved)]
-            ends: Pair = curved[0].loads(curved[0].start) if curved else (0.0, 0.0)
-            normal_loads = np.array([0.0, *(float(leg.loads(leg.end)[0]) for leg in straight_legs)])
-            columns = [
-                self.at_corners(value, normal_loads, float(end)).tolist()
-                for value, end in zip(pair, ends, strict=True)
-            ]
-            corners = pairwise(zip(*columns, strict=True))
-            lines = (
-                StraightSegment(leg.start, leg.end, first_corner, last_corner)
-                for leg, (first_corner, last_corner) in zip(straight_legs, corners, strict=True)
-            )
-            further_segments[name] = [*lines, *curved]
+            if pair != (None, None):
+                further_segments[name] = self._segments_of_pair(path, legs, pair)
         legs_with_companions = [
             replace(leg, **dict(zip(further_segments, parts, strict=True)))
             for leg, *parts in zip(legs, *further_segments.values(), strict=True)
@@ -332,6 +318,30 @@ class BulkAndTilt(Frozen, Generic[V]):
         before, they are straight.
         """
         return ()
+
+    def _segments_of_pair(
+        self, path: LoadPath, legs: Sequence[LoadSegment], pair: Pair
+    ) -> list[LoadSegment]:
+        """The values over time of a pair of keys, such as both bulk stresses: one segment for each
+        leg of the path.
+
+        Legs that follow formulas are curved; those before them are straight between the values at
+        their ends, the last of which is that where the first curved one starts.
+        """
+        curved = self.curved(path, pair)
+        straight_legs = legs[: len(legs) - len(curved)]
+        ends: Pair = curved[0].loads(curved[0].start) if curved else (0.0, 0.0)
+        normal_loads = np.array([0.0, *(float(leg.loads(leg.end)[0]) for leg in straight_legs)])
+        columns = [
+            self.at_corners(value, normal_loads, float(end)).tolist()
+            for value, end in zip(pair, ends, strict=True)
+        ]
+        corners = pairwise(zip(*columns, strict=True))
+        lines = (
+            StraightSegment(leg.start, leg.end, first_corner, last_corner)
+            for leg, (first_corner, last_corner) in zip(straight_legs, corners, strict=True)
+        )
+        return [*lines, *curved]
 
     def at_corners(
         self, value: Any, normal_loads: NDArray[np.float64], last_load: float
