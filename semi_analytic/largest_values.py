@@ -21,6 +21,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -44,8 +45,9 @@ _AROUND = 11
 _MOST_CANDIDATES = 3
 _NEARLY = 0.97
 # Rounds at most, each six times closer, and the change of the largest value at which two rounds in
-# a row end the search. A smooth maximum has an error of the square of the spacing: two rounds that
-# change it by less than 1e-12 leave less than 1e-10.
+# a row end the search. A smooth maximum is met by the vertex of a parabola, with an error of the
+# fourth power of the spacing, any other by the places themselves: two rounds that change it by less
+# than 1e-12 leave less than 1e-10.
 _ROUNDS = 16
 _SETTLED = 1e-12
 # The same on hundreds of straight steps: with a kink at each there is no square of the spacing.
@@ -394,13 +396,13 @@ def _largest(
     number_of_largest = int(np.argmax(first_values))
     largest_value = float(first_values[number_of_largest])
     place = float(first_places[number_of_largest])
-    brackets = _brackets(first_places, first_values)
+    peaks = _peaks(first_places, first_values)
     quiet_rounds = 0
     for _ in range(_ROUNDS):
         if not np.isfinite(largest_value) or quiet_rounds == 2:
             break
-        places_by_bracket = [np.linspace(begin, end, _AROUND + 2)[1:-1] for begin, end in brackets]
-        all_places = np.unique(np.concatenate(places_by_bracket))
+        places_by_peak = [peak.places_around() for peak in peaks]
+        all_places = np.unique(np.concatenate(places_by_peak))
         new_values = values(all_places)
         number_of_largest = int(np.argmax(new_values))
         value_change = float(new_values[number_of_largest]) - largest_value
@@ -408,9 +410,9 @@ def _largest(
             largest_value = float(new_values[number_of_largest])
             place = float(all_places[number_of_largest])
         quiet_rounds = quiet_rounds + 1 if value_change <= settled_share * abs(largest_value) else 0
-        brackets = [
-            _closer(bracket, first_places, new_values[np.searchsorted(all_places, first_places)])
-            for bracket, first_places in zip(brackets, places_by_bracket, strict=True)
+        peaks = [
+            peak.closer(places, new_values[np.searchsorted(all_places, places)])
+            for peak, places in zip(peaks, places_by_peak, strict=True)
         ]
     return largest_value, place
 
@@ -428,24 +430,55 @@ def _between(marks: Array, count: int) -> Array:
     return np.unique([np.linspace(begin, end, steps + 1) for begin, end in pairwise(marks)])
 
 
-def _brackets(places: Array, values: Array) -> list[tuple[float, float]]:
-    """The neighbours of each local maximum that is nearly the largest."""
+class _Peak(NamedTuple):
+    """A local maximum between its neighbours: three places, ascending, and their values, (3,) each;
+    at the rim the maximum is its own neighbour.
+    """
+
+    places: Array
+    values: Array
+
+    def vertex(self) -> float:
+        """Where the parabola through the three points is largest; the middle place where there is
+        none.
+
+        >>> _Peak(np.array([0.0, 1.0, 3.0]), np.array([0.0, 3.0, 3.0])).vertex()  # x (4 - x)
+        2.0
+        """
+        first, middle, last = self.places.tolist()
+        if not first < middle < last or not np.isfinite(self.values).all():
+            return middle
+        rise, fall = (np.diff(self.values) / np.diff(self.places)).tolist()
+        if not rise > fall:
+            return middle
+        # the slope falls from `rise` to `fall` between the middles of both intervals
+        vertex = (first + middle) / 2 + rise / (rise - fall) * (last - first) / 2
+        return min(max(vertex, first), last)
+
+    def places_around(self) -> Array:
+        """Equally spaced places between the neighbours, and that of the vertex."""
+        between = np.linspace(self.places[0], self.places[-1], _AROUND + 2)[1:-1]
+        return np.unique(np.append(between, self.vertex()))
+
+    def closer(self, places: Array, values: Array) -> _Peak:
+        """The largest of the values at some places between the neighbours, and its neighbours."""
+        all_places = np.concatenate([self.places[:1], places, self.places[-1:]])
+        all_values = np.concatenate([self.values[:1], values, self.values[-1:]])
+        best_place = int(np.argmax(values)) + 1
+        three_places = slice(best_place - 1, best_place + 2)
+        return _Peak(all_places[three_places], all_values[three_places])
+
+
+def _peaks(places: Array, values: Array) -> list[_Peak]:
+    """The local maxima that are nearly the largest value."""
     rim = np.array([-np.inf])
     rises = values >= np.concatenate([rim, values[:-1]])
     falls = values >= np.concatenate([values[1:], rim])
     peaks = np.flatnonzero(rises & falls & (values >= _NEARLY * np.max(values)))
     highest_peaks = peaks[np.argsort(-values[peaks], kind="stable")][:_MOST_CANDIDATES]
     last_place = len(places) - 1
-    return [
-        (float(places[max(k - 1, 0)]), float(places[min(k + 1, last_place)])) for k in highest_peaks
-    ]
-
-
-def _closer(bracket: tuple[float, float], places: Array, values: Array) -> tuple[float, float]:
-    """The neighbours of that place within a bracket at which the value is largest."""
-    marks = np.concatenate([bracket[:1], places, bracket[1:]])
-    best_place = int(np.argmax(values)) + 1
-    return float(marks[best_place - 1]), float(marks[best_place + 1])
+    neighbours = [np.clip([k - 1, k, k + 1], 0, last_place) for k in highest_peaks.tolist()]
+    return [_Peak(places[three_places], values[three_places]) for three_places in neighbours]
 
 
 # ------------------------------------------------------------------------------ no one memory curve

@@ -255,3 +255,16 @@ def test_on_many_straight_steps_the_largest_values_are_those_about_the_place_on_
     assert min(looked_at) < 30
     assert nearby.dissipation_density == pytest.approx(everywhere.dissipation_density, rel=1e-9)
     assert nearby.slip == pytest.approx(everywhere.slip, rel=1e-9)
+
+
+@pytest.mark.parametrize("name", ["hertz-paper", "time-series", "compound-curvature"])
+def test_no_value_next_to_the_largest_is_above_it(name: str) -> None:
+    """Rounds that happen to find nothing larger end no search: a parabola's vertex is in each."""
+    steady = semi_analytic.solve(name, x=0.0, fields=())
+    found = semi_analytic.extremes(steady, ("dissipation_density",))
+    widths = found.half_width * np.geomspace(1e-6, 1e-2, 60)
+    places = found.dissipation_density_place + np.concatenate([-widths[::-1], widths])
+    beside = semi_analytic.solve(
+        name, x=places, time=steady.time[steady.last_cycle[[0, -1]]], fields="dissipation_density"
+    )
+    assert beside.dissipation_density.max() <= found.dissipation_density * (1 + 1e-11)
