@@ -52,7 +52,7 @@ Factors = tuple[Array, NDArray[np.int32]]
 _BYTES = 80_000_000
 _LEAST_BASES = 4
 # Rows in which a set may differ from its base: beyond that the set becomes a base itself.
-_MOST_ROWS = 80
+_MOST_ROWS = 110
 # Bits of `_kinds` by state: OPEN, STICK, SLIP_FORWARD, SLIP_REVERSE.
 _NORMAL_KINDS = np.array([1, 2, 2, 2], dtype=np.int8)
 _TANGENTIAL_KINDS = np.array([2 + 4, 1, 2, 4], dtype=np.int8)
@@ -64,7 +64,9 @@ _MOST_ROWS_APART = 300
 _FACTORISED = 8
 # Rows on either side of one that is needed whose answers are found along with it: edges of contact
 # and stick travel from node to node.
-_NEIGHBOURS = 24
+_NEIGHBOURS = 16
+# Rows that are multiplied with a matrix one by one: faster up to as many as P, Q and changes have.
+_FEW_ROWS = 3
 # Rows of a triangle that are multiplied at once: read from memory once for both products, and not
 # beyond the diagonal.
 _ROWS = 256
@@ -83,6 +85,15 @@ def _lu(matrix: Array) -> Factors:
 
 def _lu_solve(factors: Factors, right: Array) -> Array:
     return np.asarray(dgetrs(*factors, right)[0])
+
+
+def _few_rows_times(rows: Array, matrix: Array) -> Array:
+    """(k, n) product of k rows (k, m) and a matrix (m, n): row by row if they are few, for the
+    product of two matrices begins with a copy of both.
+    """
+    if len(rows) > _FEW_ROWS:
+        return np.asarray(rows @ matrix)
+    return np.stack([row @ matrix for row in rows])
 
 
 @dataclass(frozen=True, eq=False)
@@ -479,7 +490,7 @@ class Systems:
             small_system = by_units[n_units:].T
             right = np.concatenate([-by_units[:n_units], given])
             factors = _lu_solve(_lu(small_system), right.T).T
-            unknowns += factors @ columns[n_units:]
+            unknowns += _few_rows_times(factors, columns[n_units:])
             givens[:, updated] = factors
         values = in_base.take(base.places, axis=1)
         _, pressure, shear, _ = values[:, 3:].reshape(-1, 4, n).transpose(1, 0, 2)
