@@ -17,7 +17,7 @@ The number m follows from the last ratio, d_k being about (k - 1/2)^-(m+1): r = 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -195,7 +195,7 @@ class PathRun:
         whether states may be dropped
     blocks
         energies (but for those of each node) and checks by name, (k,) of k increments of a
-        stretch
+        curved leg, or of straight ones
     iterations
         (n_steps), of each increment
     density
@@ -268,16 +268,18 @@ class PathRun:
         self,
         problem: ContactProblem,
         increments: Sequence[Increment],
-        leg: LoadSegment,
+        leg: LoadSegment | None,
         units: tuple[float, ...],
     ) -> None:
-        """Add some increments of a stretch with their energies and checks; all of them or, where
-        Ctrl-C comes in between, none.
+        """Add some increments of a curved leg, or of straight ones, with their energies and checks;
+        all of them or, where Ctrl-C comes in between, none.
         """
         if not increments:
             return
         states = [self.states[-1], *(increment.state for increment in increments)]
-        area = enclosed(leg, np.array([state.time for state in states]))
+        area = None
+        if leg is not None:
+            area = enclosed(leg, np.array([state.time for state in states]))
         if area is not None:
             load_units = units[: len(area)]
             area = area / np.multiply.outer(load_units, load_units)[:, :, None]
@@ -293,12 +295,14 @@ class PathRun:
             density=self.density + dissipation.sum(axis=0),
         )
 
-    def end_stretch(self) -> None:
-        """End a stretch: of a long path states of it, or earlier ones, are dropped."""
-        last_state = len(self.states) - 1
-        if self.bounded and last_state > self._first_of_stretch:
-            self._thin(self._first_of_stretch)
-        self._first_of_stretch = last_state
+    def end_stretches(self, last_states: list[int]) -> None:
+        """End stretches with the states of these indices: of a long path states of them, or earlier
+        ones, are dropped.
+        """
+        for last_state in last_states:
+            if self.bounded and last_state > self._first_of_stretch:
+                self._thin(self._first_of_stretch, last_state)
+            self._first_of_stretch = last_state
 
     def close_cycle(self, edge_excess: Excess) -> None:
         """End a revolution and take off what edges between nodes add to its dissipation, of
@@ -318,14 +322,13 @@ class PathRun:
         self.cycle_density.append(self.density * factor)
         self.excess.append(edge_excess)
 
-    def _thin(self, before: int) -> None:
-        """Drop states from that index on, or earlier ones, where too many are stored; the last one
-        stays: the next increment starts from it.
+    def _thin(self, first_state: int, last_state: int) -> None:
+        """Drop states of a stretch, or earlier ones, where too many are stored; its last one stays:
+        the next increment starts from it.
         """
         thinning = self._thinning
-        last_state = len(self.states) - 1
         thinning.ends[last_state] = len(thinning.ends)
-        for index in range(before, last_state):
+        for index in range(first_state, last_state):
             if self.states[index].normal_load > self.states[thinning.largest].normal_load:
                 thinning.largest = index
             if self._drop(index):
@@ -501,24 +504,52 @@ def _follow_legs(
         words = f"{text}, {steps_done} steps, {iterations} contact iterations"
         progress(n_pieces, len(pieces), words)
 
-    for number, piece in enumerate(pieces):
-        report(number)
-        increments = follow(problem, run.states[-1], piece, units, tolerance)
-        try:
-            _take_all(problem, run, increments, piece, units)
-        finally:
-            run.end_stretch()
+    def followed(alike: Iterable[tuple[int, Stretch]], ends: list[int]) -> Iterator[Increment]:
+        """Increments of some stretches; `ends` gets the index of the state at the end of each."""
+        state = run.states[-1]
+        n_states = len(run.states)
+        for number, stretch in alike:
+            report(number)
+            try:
+                for increment in follow(problem, state, stretch, units, tolerance):
+                    state = increment.state
+                    n_states += 1
+                    yield increment
+            finally:
+                ends.append(n_states - 1)
+
+    for curved_leg, alike in itertools.groupby(enumerate(pieces), _curved_leg):
+        ends: list[int] = []
+        _take_all(problem, run, followed(alike, ends), ends, curved_leg, units)
     report(len(pieces))
+
+
+def _curved_leg(numbered: tuple[int, Stretch]) -> LoadSegment | None:
+    """The leg of a stretch; None of straight ones, which are alike: loads enclose no area with
+    their chords.
+    """
+    _, stretch = numbered
+    return None if straight(stretch.leg) else stretch.leg
 
 
 def _take_all(
     problem: ContactProblem,
     run: PathRun,
     followed: Iterator[Increment],
-    stretch: Stretch,
+    ends: list[int],
+    leg: LoadSegment | None,
     units: tuple[float, ...],
 ) -> None:
-    """Add the increments of a stretch to a run, `_AT_ONCE` of them at a time."""
+    """Add the increments of a curved leg, or of straight ones, to a run, `_AT_ONCE` of them at a
+    time.
+
+    Parameters
+    ----------
+    ends
+        indices of the states at which stretches end, as far as `followed` has come
+    leg
+        None of straight ones
+    """
     ended = False
     while not ended:
         increments: list[Increment] = []
@@ -526,7 +557,9 @@ def _take_all(
             increments += itertools.islice(followed, _AT_ONCE)
         finally:
             ended = len(increments) < _AT_ONCE
-            run.take(problem, increments, stretch.leg, units)
+            run.take(problem, increments, leg, units)
+            run.end_stretches(ends)
+            ends.clear()
 
 
 def _reference_dissipation(run: PathRun, pace: Pace, friction: float) -> float:
