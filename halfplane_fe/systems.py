@@ -47,8 +47,8 @@ from scenes.array_types import Array, Indices, Mask, States
 Factors = tuple[Array, NDArray[np.int32]]
 
 # Bytes of bases, and so many at least: a cycle meets the same sets again and again. A record of
-# 2,000 rows on a pad makes 28 bases then, as with any number of bytes beyond; with 40 MB it makes
-# 58.
+# 2,000 rows on a pad makes 22 bases then, as with any number of bytes beyond; with 40 MB it makes
+# 136.
 _BYTES = 80_000_000
 _LEAST_BASES = 4
 # Rows in which a set may differ from its base: beyond that the set becomes a base itself.
