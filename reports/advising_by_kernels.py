@@ -64,32 +64,33 @@ class KernelAdvice:
 
 
 def advise_by_kernels(scene: Scene, limit: float, instead_of: str) -> KernelAdvice:
-    """How far the bodies of a scene are from half-plane theory, by their kernel solve.
+    """How far the bodies of a scene are from half-plane theory, by finite elements of half-planes
+    to which the compliance of the bodies is added as kernels.
 
     Parameters
     ----------
     limit
-        share of the dissipation
+        |change of the dissipation| up to which theory may be used
     instead_of
-        why not by the numbers of the bodies
+        why corrected theory, with the numbers of the bodies, does not answer; for the sentence
 
     Raises
     ------
     InputError
         For bodies that have no kernels; where theory dissipates nothing.
     ConvergenceError, InadmissibleLoadError
-        As the solve.
+        As `halfplane_fe.solve`.
     """
     import halfplane_fe
 
     theory = _dissipating_theory(scene)  # before anything is solved
     changes = changes_of(halfplane_fe.solve(scene, bodies="kernel"), theory)
-    for key, change in changes.items():
-        estimate = change.change
-        left = _LEFT_OF_FLAT_PAD if _is_at_flank(scene, key) else _LEFT
-        changes[key] = change._replace(
-            change=Estimate(estimate.value, estimate.uncertainty + left * (1 + estimate.value))
-        )
+    for quantity, compared in changes.items():
+        estimate = compared.change
+        error_of_kernels = _LEFT_OF_FLAT_PAD if _is_at_flank(scene, quantity) else _LEFT
+        # It is a share of the value with bodies, which is 1 + change of theory's.
+        uncertainty = estimate.uncertainty + error_of_kernels * (1 + estimate.value)
+        changes[quantity] = compared._replace(change=Estimate(estimate.value, uncertainty))
     return KernelAdvice(scene, changes, instead_of, limit)
 
 

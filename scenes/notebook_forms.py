@@ -48,12 +48,12 @@ def registered_forms() -> NotebookForms | None:
 
 
 def forms_for(method: str) -> NotebookForms:
-    """The same for a method that needs them.
+    """The functions that draw scenes and solutions, for a method that cannot do without.
 
     Raises
     ------
     InputError
-        Where none are registered, with the import that does it.
+        Where none are registered; its sentence has the import that registers them.
     """
     forms = registered_forms()
     if forms is None:

@@ -916,26 +916,27 @@ def _pressure_moment(at_edge: PunchMoments, curvature: Array, fourth: Array) -> 
 def _rows(
     table: PunchTable, normal_load: Array, tangential_load: Array, curvatures: Curvatures
 ) -> Array:
-    """For each row of a path with loads P and Q (n,): the columns of a `Row`, (10, n), which are
-    the loads, the curvatures kn and kt that the bodies add, and s, eta, G, G_4 of the edge of
-    contact.
+    """For each row of a path with loads P and Q (n,) the ten columns of a `Row`, (10, n): P, Q; kn
+    and kt, factors of x^2/2 that the bodies add to gap and faces; the same of x^4/24; of the edge
+    of contact its place s in the table, and the loads eta, G, G_4 of the punches up to it, of
+    profile, x^2/2 and x^4/24.
 
     kn follows from the second moment of pressure, p_2, and p_2 from the edge: they are iterated. kt
     is without what the second moment of shear, q_2, adds.
     """
     curvature_without_p2 = curvatures.of_gap(normal_load, tangential_load)
     tangential_curvature = curvatures.of_faces(normal_load, tangential_load)
-    normal_fourth = curvatures.normal_fourth * normal_load
-    tangential_fourth = curvatures.tangential_fourth * tangential_load
+    gap_fourth_order = curvatures.normal_fourth * normal_load
+    faces_fourth_order = curvatures.tangential_fourth * tangential_load
     normal_curvature = curvature_without_p2
-    edge = table.contact(normal_load, normal_curvature, normal_fourth)
+    edge = table.contact(normal_load, normal_curvature, gap_fourth_order)
     if curvatures.normal_mixed:
         for _ in range(_ROUNDS_OF_MOMENT):
             moments_at_edge = table.second_moments(edge)
-            pressure_second = _pressure_moment(moments_at_edge, normal_curvature, normal_fourth)
+            second_moment = _pressure_moment(moments_at_edge, normal_curvature, gap_fourth_order)
             curvature_before = normal_curvature
-            normal_curvature = curvature_without_p2 + 2 * curvatures.normal_mixed * pressure_second
-            edge = table.contact(normal_load, normal_curvature, normal_fourth, edge)
+            normal_curvature = curvature_without_p2 + 2 * curvatures.normal_mixed * second_moment
+            edge = table.contact(normal_load, normal_curvature, gap_fourth_order, edge)
             load_change = np.max(np.abs(normal_curvature - curvature_before) * table.parabola(edge))
             if load_change <= _LEFT_OF_MOMENT * np.max(normal_load):
                 break
@@ -944,8 +945,8 @@ def _rows(
         tangential_load,
         normal_curvature,
         tangential_curvature,
-        normal_fourth,
-        tangential_fourth,
+        gap_fourth_order,
+        faces_fourth_order,
         edge,
         table.load(edge),
         table.parabola(edge),

@@ -518,9 +518,9 @@ class _Stepper:
         # Trials of a step have one P, and where N_Q is 0 one edge.
         self._contact_at = lru_cache(maxsize=_EDGES)(memory.table.contact_at)
         # Sums over each memory curve of what its pieces add, with those of the tops.
-        self._tops = [self._table.sums_at(0.0, compliance.datum_length)]
-        self._logarithm = [0.0]
-        self._second = [0.0]
+        self._sums_at_tops = [self._table.sums_at(0.0, compliance.datum_length)]
+        self._logarithm_integrals = [0.0]
+        self._second_moments = [0.0]
 
     def row(self, load: float, force: float) -> Row:
         """P and Q with the edge of contact."""
@@ -637,8 +637,10 @@ class _Stepper:
         sums_at_edge = self._table.sums_at(row.edge, compliance.datum_length)
         curve = step.state.curve
         face_curvature = row.tangential_curvature
-        logarithm = self._logarithm[curve] + face_curvature * sums_at_edge.parabola_logarithm
-        second_moment = self._second[curve] + face_curvature * sums_at_edge.parabola_second
+        logarithm = (
+            self._logarithm_integrals[curve] + face_curvature * sums_at_edge.parabola_logarithm
+        )
+        second_moment = self._second_moments[curve] + face_curvature * sums_at_edge.parabola_second
         pressure_second = sums_at_edge.second + row.normal_curvature * sums_at_edge.parabola_second
         displacement = compliance.unit * logarithm
         added_compliance = compliance.tangential + compliance.tangential_spring
@@ -661,28 +663,33 @@ class _Stepper:
         return self._contact_at(load, gap_bend)
 
     def _add_up(self) -> None:
-        """Add the sums up to the tops of the pieces that are new: the integrals of ln(2 L/c) and of
-        c^2/2 over dM along the memory curve of each.
+        """Integrate along the memory curve M up to the top of each piece that is new.
+
+        A piece goes on from its parent, with dM = slope d(load of the profile) + parabola_slope
+        d(load of a parabola). The integrals are of ln(2 L/c), L the datum length, and of c^2/2, c
+        the half-width, over dM.
         """
         pieces = self._memory.pieces
-        for piece in pieces[len(self._tops) :]:
+        for piece in pieces[len(self._sums_at_tops) :]:
             sums_at_top = self._table.sums_at(piece.top, self._compliance.datum_length)
-            sums_below = self._tops[piece.parent]
-            logarithm = piece.slope * (sums_at_top.logarithm - sums_below.logarithm)
-            logarithm += piece.parabola_slope * (
+            sums_below = self._sums_at_tops[piece.parent]
+            logarithm_integral = piece.slope * (sums_at_top.logarithm - sums_below.logarithm)
+            logarithm_integral += piece.parabola_slope * (
                 sums_at_top.parabola_logarithm - sums_below.parabola_logarithm
             )
             second_moment = piece.slope * (sums_at_top.second - sums_below.second)
             second_moment += piece.parabola_slope * (
                 sums_at_top.parabola_second - sums_below.parabola_second
             )
-            self._tops.append(sums_at_top)
-            self._logarithm.append(self._logarithm[piece.parent] + logarithm)
-            self._second.append(self._second[piece.parent] + second_moment)
+            integral_below = self._logarithm_integrals[piece.parent]
+            moment_below = self._second_moments[piece.parent]
+            self._sums_at_tops.append(sums_at_top)
+            self._logarithm_integrals.append(integral_below + logarithm_integral)
+            self._second_moments.append(moment_below + second_moment)
 
     def _forget(self, count: int) -> None:
         """Take back the pieces of a trial."""
         self._memory.pieces.forget_beyond(count)
-        del self._tops[count:]
-        del self._logarithm[count:]
-        del self._second[count:]
+        del self._sums_at_tops[count:]
+        del self._logarithm_integrals[count:]
+        del self._second_moments[count:]

@@ -322,13 +322,11 @@ def _halving(samples: Array, values: Array) -> float:
     if len(samples) < 4 or largest_value == 0.0:
         return 0.0
     worst_error = 0.0
-    for first_left_out in (1, 2):
-        rows_left_out = np.arange(first_left_out, len(samples) - 1, 2)
-        coarse_samples = np.delete(np.arange(len(samples)), rows_left_out)
-        interpolated = _linear(
-            samples[rows_left_out], samples[coarse_samples], values[coarse_samples]
-        )
-        difference = np.abs(interpolated - values[rows_left_out])
+    for first_row_left_out in (1, 2):
+        rows_left_out = np.arange(first_row_left_out, len(samples) - 1, 2)
+        rows_kept = np.delete(np.arange(len(samples)), rows_left_out)
+        interpolated_values = _linear(samples[rows_left_out], samples[rows_kept], values[rows_kept])
+        difference = np.abs(interpolated_values - values[rows_left_out])
         worst_error = max(worst_error, float(np.nanmax(difference, initial=0.0)))
     return worst_error / largest_value
 

@@ -290,26 +290,27 @@ def _tractions(
     return np.array([solution.pressure[rows_of_times], solution.shear[rows_of_times]])
 
 
-def _steps(scene: Scene, time: Array) -> tuple[Array, NDArray[np.intp]]:
+def _steps(scene: Scene, instants: Array) -> tuple[Array, NDArray[np.intp]]:
     """Loads P and Q (n, 2) of fine steps along the path, up to its second cycle, and the rows (k,)
-    of the instants among them.
+    of `instants` among them. Instants of a cycle are those of the second one, which is steady.
     """
     path = scene.load.path()
     if path.period is None:
-        times_of_instants = time
-        times = np.linspace(path.start, time.max(), 2 * _STEPS_A_CYCLE)
+        times_of_instants = instants
+        step_times = np.linspace(path.start, instants.max(), 2 * _STEPS_A_CYCLE)
     else:
         times_of_instants = path.cycle_start + path.period * (
-            1 + np.mod((time - path.cycle_start) / path.period, 1.0)
+            1 + np.mod((instants - path.cycle_start) / path.period, 1.0)
         )
-        times = np.concatenate(
+        step_times = np.concatenate(
             [
                 np.linspace(path.start, path.cycle_start, _STEPS_A_CYCLE // 3 + 1),
                 path.cycle_start + path.period * np.linspace(0, 2, 2 * _STEPS_A_CYCLE + 1),
             ]
         )
-    times = np.unique(np.concatenate([times[times > path.start], times_of_instants]))
-    return np.transpose(path.at(times)), np.searchsorted(times, times_of_instants)
+    loaded_times = step_times[step_times > path.start]  # at the start nothing touches
+    step_times = np.unique(np.concatenate([loaded_times, times_of_instants]))
+    return np.transpose(path.at(step_times)), np.searchsorted(step_times, times_of_instants)
 
 
 def _of_blocks(discrepancy: Discrepancy, scene: Scene, share: float) -> BodyEffects:
@@ -330,7 +331,7 @@ def _without_memory(scene: Scene, x: Array, time: Array) -> Tractions:
     Raises
     ------
     InputError
-        Where the loads slide.
+        Where the contact slides as a whole.
     """
     f = scene.friction.coefficient
     normal_load, tangential_load = (

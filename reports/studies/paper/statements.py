@@ -327,12 +327,24 @@ def loads(paper: Paper) -> dict[str, Found]:
     force, initial loading, profile. Name of a statement -> (verdict, numbers).
     """
     case = paper.hertz
-    rounded = paper.rounded
-    frictions = np.array(FRICTIONS)
+    return {
+        "friction delays slip": friction_delays_slip(case),
+        "coefficients of figure 4b": sliding_coefficients(case),
+        "mean shear force": no_effect_of_mean_shear(case),
+        "initial loading": forgotten_loading(case),
+        **bands_of_slip(case, paper.rounded),
+    }
+
+
+def friction_delays_slip(case: Case) -> Found:
+    """Statement that the more friction there is, the later both slips begin (E, I) and the one of
+    unloading ends (G).
+    """
     cases = [case.about_no_shear(f) for f in sorted(FRICTIONS)]
-    times = {}
-    for letter in "EGI":
-        times[letter] = np.array([case_of_friction.time(letter) for case_of_friction in cases])
+    times = {
+        letter: np.array([case_of_friction.time(letter) for case_of_friction in cases])
+        for letter in "EGI"
+    }
     is_later = {letter: bool(np.all(np.diff(row) > 0)) for letter, row in times.items()}
     shifts = {
         f"shift of {letter} in degrees": math.degrees(row[-1] - row[0])
@@ -340,76 +352,80 @@ def loads(paper: Paper) -> dict[str, Found]:
     }
     shifts["G earlier in degrees"] = -shifts["shift of G in degrees"]
     is_onset_later = is_later["E"] and is_later["I"]
+    return judge(is_onset_later and is_later["G"], nearly=is_onset_later), shifts
 
-    mean = case.load.mean_tangential_load
+
+def sliding_coefficients(case: Case) -> Found:
+    """Whether the contact slides as a whole at a coefficient of figure 4b, with the mean shear
+    force of the cycle and without any.
+    """
+    frictions = np.array(FRICTIONS)
+    mean_shear = case.load.mean_tangential_load
     arguments = case.batch(
-        friction_coefficient=frictions, mean_tangential_load=mean * np.array([[1.0], [0.0]])
+        friction_coefficient=frictions, mean_tangential_load=mean_shear * np.array([[1.0], [0.0]])
     )
-    slides = semi_analytic.dissipation(**arguments).reason == semi_analytic.Reason.SLIDING
-    counts = {
-        "sliding with Q0": int(slides[0].sum()),
-        "sliding with Q0 = 0": int(slides[1].sum()),
-        "Q0": mean / case.unit,
+    reasons = semi_analytic.dissipation(**arguments).reason
+    slides_with_mean, slides_without = reasons == semi_analytic.Reason.SLIDING
+    numbers = {
+        "sliding with Q0": int(slides_with_mean.sum()),
+        "sliding with Q0 = 0": int(slides_without.sum()),
+        "Q0": mean_shear / case.unit,
+        "which slide": ", ".join(f"{f:g}" for f in frictions[slides_with_mean]),
     }
-    sliding_words = {"which slide": ", ".join(f"{f:g}" for f in frictions[slides[0]])}
+    return judge(not slides_with_mean.any(), nearly=not slides_without.any()), numbers
 
-    cases_by_mean = [
-        case.with_load(mean_tangential_load=q * case.unit, initial_loading="straight")
-        for q in (-1.0, 0.0, 0.5)
+
+def no_effect_of_mean_shear(case: Case) -> Found:
+    """Statement that neither stick zone nor dissipation depends on the mean shear force."""
+    cases = [
+        case.with_load(mean_tangential_load=force * case.unit, initial_loading="straight")
+        for force in (-1.0, 0.0, 0.5)
     ]
-    polygon_loading = tuple((p * case.unit, q * case.unit) for p, q in ((1.0, 0.5), (2.0, -0.5)))
-    cases_by_loading = [
-        case.with_load(initial_loading=loading_case)
-        for loading_case in ("straight", polygon_loading)
-    ]
-    change_by_mean = _changes(case, cases_by_mean)
-    change_by_loading = _changes(case, cases_by_loading)
+    changes = _changes(case, cases)
+    return judge(max(changes.values()) <= _ROUNDING), changes
+
+
+def forgotten_loading(case: Case) -> Found:
+    """Statement that the steady cycle forgets the initial loading but for the shear inside the
+    permanent stick zone.
+    """
+    corners = tuple((p * case.unit, q * case.unit) for p, q in ((1.0, 0.5), (2.0, -0.5)))
+    cases = [case.with_load(initial_loading=loading) for loading in ("straight", corners)]
+    changes = _changes(case, cases)
 
     def shear(chosen_case: Case, x: Array) -> Array:
-        return (
-            chosen_case.solve(
-                time=[chosen_case.time("M") + 2 * math.pi], x=x, fields=("shear",)
-            ).shear
-            * case.length
-            / case.unit
-        )
+        """Shear a cycle after the end M of forward slip, over the unit of load and length."""
+        time = [chosen_case.time("M") + 2 * math.pi]
+        solution = chosen_case.solve(time=time, x=x, fields=("shear",))
+        return np.asarray(solution.shear * case.length / case.unit)
 
     def change_of_shear(x: Array) -> float:
         return max(
-            float(np.max(np.abs(shear(loading_case, x) - shear(case, x))))
-            for loading_case in cases_by_loading
+            float(np.max(np.abs(shear(loading_case, x) - shear(case, x)))) for loading_case in cases
         )
 
-    change_within = change_of_shear(np.linspace(0, case.stick_edge * 0.999, 50))
-    change_beyond = change_of_shear(np.linspace(case.stick_edge * 1.001, case.outer_edge, 50))
-    forgets = (
-        max(change_by_loading.values()) <= _ROUNDING and change_beyond <= _ROUNDING < change_within
-    )
-    edge_of_flat = float(rounded.width(0.0))
-    width_of_band = case.outer_edge - case.stick_edge
-    band_of_rounded = rounded.outer_edge - rounded.stick_edge
+    change_inside = change_of_shear(np.linspace(0, case.stick_edge * 0.999, 50))
+    change_outside = change_of_shear(np.linspace(case.stick_edge * 1.001, case.outer_edge, 50))
+    is_forgotten = max(changes.values()) <= _ROUNDING and change_outside <= _ROUNDING
+    changes_of_shear = {"change of q inside": change_inside, "change of q outside": change_outside}
+    return judge(is_forgotten and change_inside > _ROUNDING), changes | changes_of_shear
+
+
+def bands_of_slip(hertz: Case, rounded: Case) -> dict[str, Found]:
+    """Statements on the flat and rounded profile: it slips in its radii alone, and in narrower
+    bands than Hertz.
+    """
+    flat_half_width = float(rounded.width(0.0))
+    width_of_hertz = hertz.outer_edge - hertz.stick_edge
+    width_of_rounded = rounded.outer_edge - rounded.stick_edge
     return {
-        "friction delays slip": (
-            judge(is_onset_later and is_later["G"], nearly=is_onset_later),
-            shifts,
-        ),
-        "coefficients of figure 4b": (
-            judge(not slides[0].any(), nearly=not slides[1].any()),
-            counts | sliding_words,
-        ),
-        "mean shear force": (judge(max(change_by_mean.values()) <= _ROUNDING), change_by_mean),
-        "initial loading": (
-            judge(forgets),
-            change_by_loading
-            | {"change of q inside": change_within, "change of q outside": change_beyond},
-        ),
         "slip in the radii": (
-            judge(rounded.stick_edge > edge_of_flat),
-            {"a(P_T)/a0": rounded.stick_edge, "b/a0": edge_of_flat},
+            judge(rounded.stick_edge > flat_half_width),
+            {"a(P_T)/a0": rounded.stick_edge, "b/a0": flat_half_width},
         ),
         "narrow bands": (
-            judge(band_of_rounded < width_of_band),
-            {"hertz": width_of_band, "flat and rounded": band_of_rounded},
+            judge(width_of_rounded < width_of_hertz),
+            {"hertz": width_of_hertz, "flat and rounded": width_of_rounded},
         ),
     }
 

@@ -407,21 +407,25 @@ def _limits(deck: Deck) -> list[str]:
 
 
 def _values(scene: Scene) -> list[tuple[str, str, Callable[[ContactSolution], float]]]:
-    """Label, unit and function of the values that theory, finite elements and CalculiX all have."""
-    _, length, stress = units(scene)
-    part_of_path = stretch(scene)
-    words_of_largest = f"the largest of the {part_of_path}"
+    """Label, unit and function of the values that theory, finite elements and CalculiX all have:
+    each of the last cycle, or of the whole path where nothing repeats.
+    """
+    _, length_unit, stress_unit = units(scene)
+    part_of_path = stretch(scene)  # "last cycle" or "whole path"
+    largest_in_words = f"the largest of the {part_of_path}"
+
+    def largest_pressure(solution: ContactSolution) -> float:
+        return float(solution.pressure[solution.last_cycle].max())
+
+    def largest_shear(solution: ContactSolution) -> float:
+        return float(np.abs(solution.shear[solution.last_cycle]).max())
+
+    def largest_half_width(solution: ContactSolution) -> float:
+        return float(np.nanmax(solution.contact_half_width[solution.last_cycle]))
+
     return [
         (f"work of friction, {part_of_path}", energy_unit(scene), lambda s: s.dissipation),
-        (f"pressure, {words_of_largest}", stress, lambda s: float(s.pressure[s.last_cycle].max())),
-        (
-            f"shear, {words_of_largest}",
-            stress,
-            lambda s: float(np.abs(s.shear[s.last_cycle]).max()),
-        ),
-        (
-            f"contact half-width, {words_of_largest}",
-            length,
-            lambda s: float(np.nanmax(s.contact_half_width[s.last_cycle])),
-        ),
+        (f"pressure, {largest_in_words}", stress_unit, largest_pressure),
+        (f"shear, {largest_in_words}", stress_unit, largest_shear),
+        (f"contact half-width, {largest_in_words}", length_unit, largest_half_width),
     ]
