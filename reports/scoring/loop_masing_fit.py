@@ -47,9 +47,9 @@ _WIDEST = 40.0
 _SLIDES = (0.05, 0.2, 0.4, 0.6, 0.8)
 # Minima among the trials of each kind from which a fit begins.
 _MINIMA = 2
-# A gauge drifts by so much of the range of U over the record (standard deviation): what rows of one
-# cycle can't tell from f.
-_DRIFT = 0.02
+# A gauge drifts by up to 2 % of the range of U over the record, any part of it alike: a standard
+# deviation of 2 %/sqrt(3). Rows of one cycle can't tell it from f.
+_DRIFT = 0.0115
 # Least error of a turning point of U and Q together, each over its range: parabolas describe a
 # branch beside it no better.
 _ERROR_OF_TURN = 0.002
@@ -439,12 +439,16 @@ def _noise_of_rows(
         return float(np.sum(squares / variance + np.log(variance))) + prior
 
     common = math.log(max(math.sqrt(float(np.mean(squares))), 1e-12))
-    answer = minimize(unlikely, np.full(2, common), method="Nelder-Mead", options={"xatol": 1e-3})
-    factors = np.exp(answer.x)
-    return Weights(
-        max(float(factors[0]) * weights.shift, smallest.shift),
-        max(float(factors[1]) * weights.load, smallest.load),
+    least = np.log(np.array(smallest) / np.array(weights))
+    answer = minimize(
+        unlikely,
+        np.maximum(common, least),
+        method="Nelder-Mead",
+        bounds=[(float(end), math.inf) for end in least],
+        options={"xatol": 1e-3},
     )
+    factors = np.exp(np.maximum(answer.x, least))
+    return Weights(float(factors[0]) * weights.shift, float(factors[1]) * weights.load)
 
 
 def _better(fits: tuple[_Least, _Least]) -> _Least:
@@ -485,13 +489,48 @@ class BestLoop:
         U at the middle is left out: that it changes with time is drift.
         """
         free = _free_parameters(self.search.rows, gross=self.gross)
+        columns = self._columns
+        varying = np.isin(free, [ORIGIN, DRIFT_RATE], invert=True)
+        centred = when - np.mean(when)
+        return change_of(self.distances.value, columns, columns[:, varying] * centred[:, None])
+
+    def change_of_size_with(self, when: Array) -> Change:
+        """How much U and Q of the loop grow with `when` (n,), over themselves: two terms."""
+        centred = when - np.mean(when)
+        growth = self._columns_of_size * centred[:, None]
+        return change_of(self.distances.value, self._columns, growth)
+
+    def log_friction_at_end(self, growth: Array, when: Array) -> float:
+        """Of ln f, by how much it changes if U and Q (2,) grow so with `when` (n,), and all rows
+        are made as large as the last ones.
+        """
+        as_large_as_last = self._columns_of_size @ growth * (when - when[-1])
+        influence = _influence(self.search, self.values, self.gross)
+        return float(influence[LOG_F, : len(when)] @ as_large_as_last)
+
+    def rise_along_slide(self) -> tuple[float, Change]:
+        """By how much Q rises while the contact slides as a whole, over R; what it explains."""
+        along = np.mod(self.distances.place, 1.0)
+        side = np.where(self.distances.place > 1, -1.0, 1.0)
+        share_of_slide = np.clip(2 * along - 1, 0.0, 1.0)
+        of_load = self.values[RANGE] * side * share_of_slide
+        column = -self.distances.across[:, 1] * of_load / self.search.weights.load
+        change = change_of(self.distances.value, self._columns, column[:, None])
+        return float(change.terms[0]), change
+
+    @property
+    def _columns(self) -> Array:
+        """Derivatives (n, k) of the distances by the parameters that are fitted."""
+        free = _free_parameters(self.search.rows, gross=self.gross)
         columns = _columns_of_fit(self.search, self.values, self.distances.derivatives, self.gross)
-        return change_of(
-            self.distances.value,
-            columns[:, free],
-            when,
-            np.isin(free, [ORIGIN, DRIFT_RATE], invert=True),
-        )
+        return columns[:, free]
+
+    @property
+    def _columns_of_size(self) -> Array:
+        """Derivatives (n, 2) of the distances by the sizes of U and of Q, over themselves."""
+        loop = MasingLoop(self.search.curve, self.values)
+        at_rows = np.column_stack(loop.at_rows(self.distances.place))
+        return -self.distances.across * at_rows / np.array(self.search.weights)
 
 
 def _misfit(found: Distances, weights: Weights, smallest: Weights) -> Misfit:
@@ -557,7 +596,8 @@ def with_interval(best: BestLoop, error_of_theory: float) -> MasingFit:
     Parameters
     ----------
     error_of_theory
-        of a fitted f, of itself, by the samples of the curve
+        of a fitted f, of itself, by the samples of the curve; f of a gross loop is that of its
+        plateaus, without the curve
     """
     from scipy.stats import f as fisher
 
@@ -571,10 +611,12 @@ def with_interval(best: BestLoop, error_of_theory: float) -> MasingFit:
     friction = math.exp(best.values[LOG_F])
     down = search.interval_end(best.fits, -1.0, excess, step)
     up = search.interval_end(best.fits, 1.0, excess, step)
-    by_digits = 0.0
     if best.gross:
         by_digits = _digits_of_plateau(search.rows, search.curve, search.weights)
-    own = math.hypot(friction * error_of_theory, by_digits)
+        own = by_digits
+    else:
+        by_digits = 0.0
+        own = friction * error_of_theory
     low = 0.0
     if down is not None:
         low = friction - math.hypot(friction - math.exp(down[LOG_F]), own)

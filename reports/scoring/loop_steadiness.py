@@ -10,9 +10,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from reports.scoring.loop_branches import Branches, row_noise, sizes_of_cycles
 from scenes.array_types import Array
@@ -35,8 +35,14 @@ _FEWEST_PAIRS = 8
 _ALIKE = 0.03
 # Largest difference between sizes of a few cycles by noise, in standard deviations of one.
 _NOISE_OF_SIZES = 4.0
-# Sizes, half a cycle after each other, that part a period of two cycles from a trend.
-_SHOWS_A_PERIOD = 4
+# Steps from one size to the next, half a cycle later, that part a period of two cycles from a
+# trend.
+_SHOWS_A_PERIOD = 3
+# Standard error of a size by the places of its rows, times rows of a cycle.
+_OF_A_SIZE = 0.1
+# Standard errors from which on a trend is certain; below which two trends may be the same.
+_CERTAIN = 4.0
+_MAY_BE = 2.0
 
 
 @dataclass(frozen=True)
@@ -91,57 +97,50 @@ def misfit_of(distances: Array, shift_noise: float, least_deviations: float = BY
 
 @dataclass(frozen=True, eq=False)
 class Change:
-    """How a loop changes with a number of its rows, such as time.
+    """What more terms explain of the distances of rows, such as a change of the loop with time.
 
     Attributes
     ----------
     chance
         with which scatter alone explains as much
     rms
-        of the distances that the change explains, in sigma
-    rates
-        (k,) change of the parameters per unit of the number
+        of the distances that the terms explain, in sigma
+    terms
+        (k,) the terms; where they change with a number of the rows, per unit of it
     """
 
     chance: float
     rms: float
-    rates: Array
+    terms: Array
 
 
 NO_CHANGE = Change(1.0, 0.0, np.zeros(7))
 """Of rows of too few cycles to show one."""
 
 
-def change_of(
-    distances: Array, derivatives: Array, when: Array, varying: NDArray[np.bool_]
-) -> Change:
-    """Whether the parameters of a loop change with `when`: the F test of a fit in which each has a
-    part in proportion to it.
+def change_of(distances: Array, derivatives: Array, added: Array) -> Change:
+    """Whether a fit with more terms leaves less of the distances than scatter explains: the F test.
 
     Parameters
     ----------
     distances, derivatives
         of rows from their fit (n,), and by its parameters (n, k)
-    when
-        (n,) a number of each row, such as time
-    varying
-        (k,) which of the parameters may change
+    added
+        (n, j) derivatives by the terms that are added
 
     >>> random = np.random.default_rng(2)
     >>> rows = random.standard_normal((200, 2))
     >>> time = np.arange(200) / 200 - 0.5
+    >>> with_time = rows * time[:, None]
     >>> steady = random.standard_normal(200)
-    >>> both = np.array([True, True])
-    >>> change_of(steady, rows, time, both).chance > 0.05
+    >>> change_of(steady, rows, with_time).chance > 0.05
     True
-    >>> change_of(steady + 3 * time * rows[:, 0], rows, time, both).chance < 1e-6
+    >>> change_of(steady - 3 * with_time[:, 0], rows, with_time).chance < 1e-6
     True
     """
     from scipy.stats import f as fisher
 
-    centred = when - np.mean(when)
-    changes = derivatives[:, varying] * centred[:, None]
-    wider = np.column_stack([derivatives, changes])
+    wider = np.column_stack([derivatives, added])
     squares = []
     ranks = []
     for columns in (derivatives, wider):
@@ -149,15 +148,14 @@ def change_of(
         rest = distances - columns @ terms
         squares.append(float(rest @ rest))
         ranks.append(int(rank))
-    rates = np.zeros(len(varying))
-    rates[varying] = -terms[len(varying) :]  # a parameter moves against what it leaves
-    added = ranks[1] - ranks[0]
+    found = np.asarray(-terms[derivatives.shape[1] :])  # a parameter moves against what it leaves
+    more = ranks[1] - ranks[0]
     freedom = len(distances) - ranks[1]
-    if added < 1 or freedom < 1 or squares[1] == 0:
-        return Change(1.0, 0.0, rates)
+    if more < 1 or freedom < 1 or squares[1] == 0:
+        return Change(1.0, 0.0, found)
     gain = max(squares[0] - squares[1], 0.0)
-    chance = float(fisher.sf(gain / added / (squares[1] / freedom), added, freedom))
-    return Change(chance, math.sqrt(gain / len(distances)), rates)
+    chance = float(fisher.sf(gain / more / (squares[1] / freedom), more, freedom))
+    return Change(chance, math.sqrt(gain / len(distances)), found)
 
 
 def drift_of_shift(shift: Array, load: Array, time: Array, branches: Branches) -> float | None:
@@ -175,6 +173,74 @@ def drift_of_shift(shift: Array, load: Array, time: Array, branches: Branches) -
     moved = np.interp(later, phase, opened) - opened[chosen]
     passed = np.interp(later, phase, time) - time[chosen]
     return float(np.mean(moved) / np.mean(passed))
+
+
+@dataclass(frozen=True)
+class Trend:
+    """By how much the size of a cycle grows in each cycle, over the mean size, and its standard
+    error.
+    """
+
+    rate: float
+    error: float
+
+    @property
+    def is_certain(self) -> bool:
+        """Whether no scatter gives as much."""
+        return abs(self.rate) > _CERTAIN * self.error
+
+    def may_be(self, other: Trend) -> bool:
+        """Whether scatter explains the difference from another one."""
+        apart = abs(self.rate - other.rate)
+        return apart < _MAY_BE * math.hypot(self.error, other.error)
+
+
+def trend_of_sizes(values: Array, load: Array, time: Array, noise: float) -> Trend | None:
+    """Of the sizes of the cycles of values (n,), by a straight line through them; None of fewer
+    than two sizes.
+
+    Parameters
+    ----------
+    load, time, noise
+        Q (n,), its time, and its sigma
+
+    >>> cycles = np.arange(400) / 100
+    >>> wave = np.cos(2 * np.pi * cycles)
+    >>> growing = trend_of_sizes((1 + 0.1 * cycles) * wave, wave, cycles, 0.0)
+    >>> bool(0.07 < growing.rate < 0.1 and growing.is_certain)
+    True
+    >>> trend_of_sizes(wave, wave, cycles, 0.0).is_certain
+    False
+    """
+    sizes = sizes_of_cycles(values, load, time, noise)
+    if len(sizes) < 2:
+        return None
+    place = np.arange(len(sizes)) / 2
+    apart = place - np.mean(place)
+    lever = apart / float(apart @ apart)
+    middle = float(np.median(sizes))
+    rows_of_cycle = 2 * len(load) / (len(sizes) + 1)
+    by_noise = row_noise(values) / (middle * math.sqrt(rows_of_cycle))
+    error_of_size = math.hypot(by_noise, _OF_A_SIZE / rows_of_cycle)
+    # Half of the rows of a cycle are those of the next size.
+    variance = error_of_size**2 * float(lever @ lever + lever[1:] @ lever[:-1])
+    return Trend(float(lever @ sizes) / middle, math.sqrt(variance))
+
+
+def goes_on_growing(
+    shift: Array, load: Array, time: Array, first: int, noise: float
+) -> Literal["", "grow", "shrink"]:
+    """Whether the cycles of rows (n,) grow or shrink over all the rows, and may do so from the row
+    `first` on as well: then rows before it are no run-in.
+    """
+    for values in (load, shift):
+        of_all = trend_of_sizes(values, load, time, noise)
+        of_rest = trend_of_sizes(values[first:], load[first:], time[first:], noise)
+        if of_all is None or of_rest is None:
+            continue
+        if of_all.is_certain and of_rest.may_be(of_all):
+            return "grow" if of_all.rate > 0 else "shrink"
+    return ""
 
 
 def differences_of_cycles(shift: Array, load: Array, time: Array, noise: float) -> str:
@@ -198,8 +264,7 @@ def differences_of_cycles(shift: Array, load: Array, time: Array, noise: float) 
             return f"its cycles grow: {extent}"
         if np.all(steps < 0):
             return f"its cycles shrink: {extent}"
-        apart = changes - np.mean(changes)
-        if len(apart) > _SHOWS_A_PERIOD and float(apart[2:] @ apart[:-2]) < 0:
+        if len(steps) > _SHOWS_A_PERIOD and float(steps[2:] @ steps[:-2]) < 0:
             return f"its period is another, every second cycle is alike: {extent}"
         return f"its cycles differ: {extent}"
     return ""

@@ -32,6 +32,7 @@ from reports.scoring.loop_steadiness import (
     Misfit,
     differences_of_cycles,
     drift_of_shift,
+    goes_on_growing,
 )
 from reports.scoring.loop_theory import (
     FINE_SHARES,
@@ -71,11 +72,15 @@ _MANY_CYCLES = 3.0
 # Cycles that are left without a run-in, at least: fewer do not show whether they are alike.
 _FEWEST_ALIKE = 2.4
 # Half cycles behind the first turning point that are left out, one after the other.
-_RUN_IN = (0, 1, 2, 3, 4, 6, 8, 12, 16)
+_RUN_IN = (0, 1, 2, 3, 4, 5, 6, 8, 10, 12, 16)
 # Chance of scatter alone below which a half cycle more is left out: it costs little; and below
 # which the loop is said to change.
 _LEFT_OUT = 0.02
 _CHANGES = 1e-3
+# Chance below which the interval of f holds a change; behind a run-in it always does.
+_HELD = 0.05
+# Rise of Q along the slide of a gross loop, of its range, that is no plateau.
+_NO_PLATEAU = 0.02
 # Half cycles: a first row so near to a turning point lies on it, and a first half cycle that is
 # shorter goes with the next.
 _ON_A_TURN = 0.02
@@ -111,13 +116,24 @@ def fit_steady_rows(
         )
     curve = memory_curve(scene, least_friction(scene) / float(np.ptp(cycle_loads(scene)[1])))
     candidates = []
-    for part, sentence in _without_run_in(loop):
-        if _cycles_differ(part):
+    goes_on = ""
+    for shorter in _without_run_in(loop):
+        if _cycles_differ(shorter.rows):
             continue
-        candidate = _candidate(part, sentence, curve, rig_compliance)
+        goes_on_here = shorter.goes_on_growing
+        if goes_on_here:
+            goes_on = goes_on_here
+            continue
+        candidate = _candidate(shorter, curve, rig_compliance)
         candidates.append(candidate)
         if candidate.is_steady:
             break
+    if goes_on and not (candidates and candidates[-1].is_steady):
+        raise InputError(
+            f"{loop.source}: its rows are of no steady loop: its cycles {goes_on}, and its noise is"
+            " too large to tell whether the last ones still do; give the rows of cycles that are"
+            " alike"
+        )
     if not candidates:
         raise InputError(
             f"{loop.source}: its rows are of no steady loop: {_cycles_differ(loop)}; give the rows"
@@ -151,9 +167,15 @@ class _Candidate:
         part of the distances that is no scatter, over the loop's mean opening in U
     said
         what was left out, in words
+    had_run_in
+        whether more than the rows before the first turning point were left out
     with_time, of_first, by_turns
         how the loop changes with time [cycles], between its first half cycle and the others, and
         from one cycle to the next but one
+    of_size
+        how U and Q grow with time, over themselves
+    log_friction_at_end
+        by how much ln f at the end differs for it
     sigma_over_opening
         of U
     """
@@ -163,15 +185,19 @@ class _Candidate:
     branches: Branches
     best: BestLoop
     said: str
+    had_run_in: bool
     with_time: Change
     of_first: Change
     by_turns: Change
+    of_size: Change
+    log_friction_at_end: float
     sigma_over_opening: float
 
     @property
     def is_steady(self) -> bool:
         """Whether nothing shows that the loop changes; its form is judged once, on these rows."""
-        return min(self.with_time.chance, self.of_first.chance) > _LEFT_OUT
+        chances = (self.with_time.chance, self.of_first.chance, self.of_size.chance)
+        return min(chances) > _LEFT_OUT
 
     @property
     def unsteady_share(self) -> float:
@@ -181,27 +207,32 @@ class _Candidate:
         by_change = self.with_time.rms * self.sigma_over_opening
         return max(self.share, by_change)
 
+    @property
+    def rises_along_slide(self) -> float:
+        """By how much Q rises while the contact slides as a whole, of its range; 0 where it has a
+        plateau, or where scatter gives as much.
+        """
+        if not self.best.gross:
+            return 0.0
+        rise, change = self.best.rise_along_slide()
+        return rise if change.chance < _CHANGES and rise > _NO_PLATEAU else 0.0
+
     def shows(self, change: Change) -> bool:
         """Whether the loop changes so, and not by chance, by more than theory may miss."""
         size = change.rms * self.sigma_over_opening
         return change.chance < _CHANGES and size > _OF_THEORY_AT_ALL
 
-    @property
-    def change_of_log_friction(self) -> float:
-        """Of ln f over all the rows, 0 where chance alone explains it."""
-        if self.with_time.chance > _LEFT_OUT:
-            return 0.0
-        return float(self.with_time.rates[0]) * self.branches.cycles
-
 
 def _candidate(
-    part: MeasuredLoop, said: str, curve: MemoryCurve, rig_compliance: float | None
+    without_run_in: _WithoutRunIn, curve: MemoryCurve, rig_compliance: float | None
 ) -> _Candidate:
     """The fit of rows, and what it shows."""
+    part = without_run_in.rows
     branches = _branches_of_both(part)
     rows = MeasuredRows(part.shift, part.load, part.time, branches, rig_compliance, part.resolution)
     best = best_loop(rows, curve)
-    with_time = of_first = by_turns = NO_CHANGE
+    with_time = of_first = by_turns = of_size = NO_CHANGE
+    log_friction_at_end = 0.0
     if branches.cycles >= _FEWEST_ALIKE:
         phase = np.maximum.accumulate(branches.phase)
         first_turn = math.ceil(2 * phase[0] + _ON_A_TURN) / 2
@@ -211,6 +242,8 @@ def _candidate(
         of_first = best.change_with((phase < first_turn).astype(float))
         turns = [best.change_with(wave(np.pi * phase)) for wave in (np.cos, np.sin)]
         by_turns = min(turns, key=lambda change: change.chance)
+        of_size = best.change_of_size_with(phase)
+        log_friction_at_end = best.log_friction_at_end(of_size.terms, phase)
     share = _share_of_opening(part, best.misfit, branches.phase)
     sigma_over_opening = best.search.weights.shift / _opening(part, branches.phase)
     if share < _OF_NEAREST_POINTS * sigma_over_opening:
@@ -220,10 +253,13 @@ def _candidate(
         part=part,
         branches=branches,
         best=best,
-        said=said,
+        said=without_run_in.said,
+        had_run_in=without_run_in.half_cycles > 0,
         with_time=with_time,
         of_first=of_first,
         by_turns=by_turns,
+        of_size=of_size,
+        log_friction_at_end=log_friction_at_end,
         sigma_over_opening=sigma_over_opening,
     )
 
@@ -237,12 +273,17 @@ def _require_a_loop_of_theory(chosen: _Candidate, loop: MeasuredLoop, scene: Sce
     reason = ""
     if chosen.shows(chosen.by_turns):
         reason = "its period is another: every second cycle is alike"
-    elif chosen.shows(chosen.with_time):
-        change = chosen.change_of_log_friction
-        verb = "rose" if change > 0 else "fell"
+    elif chosen.shows(chosen.with_time) or chosen.shows(chosen.of_size):
+        growth = 100 * chosen.of_size.terms * chosen.branches.cycles
         reason = (
-            f"its cycles change to the end, as if f {verb} by {100 * math.expm1(abs(change)):.2g} %"
-            f" over {chosen.branches.cycles:.2g} cycles"
+            f"its cycles change to the end: U grows by {growth[0]:+.2g} % and Q by"
+            f" {growth[1]:+.2g} % over {chosen.branches.cycles:.2g} cycles"
+        )
+    elif chosen.rises_along_slide:
+        reason = (
+            f"its Q rises by {100 * chosen.rises_along_slide:.2g} % of its range while the contact"
+            " slides as a whole: it hardens (plastic flow, debris, or a pad that tilts), and has no"
+            " plateau at f P"
         )
     elif chosen.share > limit:
         reason = (
@@ -260,14 +301,14 @@ def _require_a_loop_of_theory(chosen: _Candidate, loop: MeasuredLoop, scene: Sce
 
 
 def _with_change(fit: FittedLoop, chosen: _Candidate) -> FittedLoop:
-    """The fit with an interval that holds a change of f over the rows that are left."""
-    change = chosen.change_of_log_friction
-    if chosen.with_time.chance > _CHANGES or not change:
+    """The fit with an interval that holds a change of f up to the last of the rows."""
+    change = chosen.log_friction_at_end
+    if chosen.of_size.chance > _HELD and not chosen.had_run_in:
         return fit
     by_change = fit.friction * math.expm1(min(abs(change), 1.0))
     sentence = (
-        f"The loop still changes over the rows that are left, f by {100 * math.expm1(change):+.2g}"
-        " %: the interval of f holds it"
+        "The loop still changes over the rows that are left, f by"
+        f" {100 * math.expm1(min(change, 1.0)):+.2g} % to the last one: the interval of f holds it"
     )
     low = fit.friction - math.hypot(fit.friction - fit.low, by_change)
     high = (
@@ -276,26 +317,56 @@ def _with_change(fit: FittedLoop, chosen: _Candidate) -> FittedLoop:
     return replace(fit, low=max(low, 0.0), high=high, said=(*fit.said, sentence))
 
 
-def _without_run_in(loop: MeasuredLoop) -> Iterator[tuple[MeasuredLoop, str]]:
-    """The loop, and the loop without its first rows; each with what was done."""
+@dataclass(frozen=True, eq=False)
+class _WithoutRunIn:
+    """Rows that may be of one steady loop: all from the row `first` of `every_row` on; what was
+    done, in words.
+    """
+
+    every_row: MeasuredLoop
+    first: int
+    half_cycles: int
+    said: str
+
+    @property
+    def rows(self) -> MeasuredLoop:
+        """Those that are left."""
+        loop = self.every_row
+        return replace(
+            loop,
+            shift=loop.shift[self.first :],
+            load=loop.load[self.first :],
+            time=loop.time[self.first :],
+        )
+
+    @property
+    def goes_on_growing(self) -> str:
+        """Whether what was left out is no run-in, since the rest may grow or shrink as all rows do;
+        in a word.
+        """
+        if not self.half_cycles:
+            return ""
+        loop = self.every_row
+        return goes_on_growing(loop.shift, loop.load, loop.time, self.first, _noise_of_load(loop))
+
+
+def _without_run_in(loop: MeasuredLoop) -> Iterator[_WithoutRunIn]:
+    """The loop, and the loop without its first rows."""
     phase = np.maximum.accumulate(_branches_of_both(loop).phase)
     if phase[-1] - phase[0] < _MANY_CYCLES:
-        yield loop, ""
+        yield _WithoutRunIn(loop, 0, 0, "")
     first_turn = math.ceil(2 * phase[0] + _ON_A_TURN) / 2
     for half_cycles in _RUN_IN:
         first = int(np.argmax(phase >= first_turn + half_cycles / 2))
         if phase[-1] - phase[first] < _FEWEST_ALIKE or not first:
             return
-        rest = replace(
-            loop, shift=loop.shift[first:], load=loop.load[first:], time=loop.time[first:]
-        )
         sentence = f"Rows 1 to {first} are left out: run-in, unlike the later cycles"
         if not half_cycles:
             sentence = (
                 f"Rows 1 to {first}, before the first turning point, are left out: they may be of"
                 " the initial loading"
             )
-        yield rest, sentence
+        yield _WithoutRunIn(loop, first, half_cycles, sentence)
 
 
 def _branches_of_both(loop: MeasuredLoop) -> Branches:
@@ -322,8 +393,12 @@ def _opening(loop: MeasuredLoop, phase: Array) -> float:
 
 def _cycles_differ(loop: MeasuredLoop) -> str:
     """How the cycles differ, in words; "" where they do not."""
-    noise = max(row_noise(loop.load), loop.resolution[1] / math.sqrt(12))
-    return differences_of_cycles(loop.shift, loop.load, loop.time, noise)
+    return differences_of_cycles(loop.shift, loop.load, loop.time, _noise_of_load(loop))
+
+
+def _noise_of_load(loop: MeasuredLoop) -> float:
+    """Sigma of Q, by neighbouring rows and by its digits."""
+    return max(row_noise(loop.load), loop.resolution[1] / math.sqrt(12))
 
 
 def _with_widening_said(fit: FittedLoop, share: float) -> FittedLoop:
