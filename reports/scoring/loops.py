@@ -26,11 +26,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
-from reports.scoring.loop_area import LoopArea, area_about_fit, polygon_area
+from reports.scoring.loop_area import area_about_fit, polygon_area
 from reports.scoring.loop_fitted import FittedLoop, against_rows
 from reports.scoring.loop_masing import MasingLoop
 from reports.scoring.loop_over_time import fit_over_time
@@ -223,75 +223,11 @@ def score_loop(
         loop, fit = fit_steady_rows(loop, scene, rig_compliance)
     else:
         fit = fit_over_time(loop, scene, rig_compliance)
-    scale = fit.scale
-    share = fit.share
-    least = least_friction(scene)
-    tangential = cycle_loads(scene)[1]
-    load_of_cycle = scale * tangential
-    said = list(fit.said)
-    area = _area(loop, fit)
-    slope_of_rows = _slope(loop.shift, np.interp(share, SHARES, load_of_cycle))
-    rows = [
-        LoopRow(
-            "measured",
-            None,
-            area.value,
-            area.uncertainty,
-            slope_of_rows,
-            math.nan,
-            area.by_distance,
-            area.by_noise,
-        ),
-    ]
-    way = "the area of the polygon of the rows"
-    if fit.model is not None:
-        way = "the area of the best fit, with what the rows enclose beside it,"
-    said.append(
-        f"W as measured is {way} over {area.cycles} {'cycle' if area.cycles == 1 else 'cycles'}:"
-        f" ± {area.by_distance:.2g} by what lies between rows,"
-        f" ± {area.by_noise:.2g} by their scatter (95 %)"
-    )
-    curves: list[tuple[str, Array, Array]] = []
-
-    def add(name: str, coefficient: float, shift: Array) -> None:
-        """A computed loop, U (n_instants,) of theory or finite elements at the scene's loads."""
-        _, compliance, origin = against_rows(
-            loop, shift, share, load_of_cycle, scale, rig_compliance
-        )
-        with_rig = scale * shift + compliance * load_of_cycle + origin
-        work = scale**2 * float(np.sum((tangential[1:] + tangential[:-1]) / 2 * np.diff(shift)))
-        slope, distance = _beside_rows(loop, share, with_rig, load_of_cycle)
-        rows.append(LoopRow(name, coefficient, work, 0.0, slope, distance))
-        curves.append((name, with_rig, load_of_cycle + fit.offset))
-
-    cases = {"best f": fit.friction / scale, OF_SCENE: scene.friction.coefficient / scale}
+    measured, sentence = _measured_row(loop, fit)
     if fit.gross and fit.model is not None:
-        cases = {}
-        for name, slid in _sliding_loops(fit.model, scene.friction.coefficient).items():
-            shift, loads = slid.closed(SHARES)
-            shift = shift + float(np.mean(loop.shift - np.interp(share, SHARES, shift)))
-            slope, distance = _beside_rows(loop, share, shift, loads)
-            rows.append(LoopRow(name, slid.friction, slid.area, 0.0, slope, distance))
-            middle = float(loop.load.max() + loop.load.min()) / 2
-            curves.append((name, shift, loads + middle))
-        if against == "fe":
-            said.append(
-                "Finite elements are left out: under given P and Q they can't slide as a whole"
-            )
-    for name, coefficient in cases.items():
-        if coefficient < least:
-            said.append(
-                f"With {name}, {scale * coefficient:.4g}, the measured loads slide grossly: there"
-                " is no such loop"
-            )
-            continue
-        add(f"theory, {name}", scale * coefficient, theory_shift(fit.scene, coefficient))
-        if against == "fe":
-            add(
-                f"finite elements, {name}",
-                scale * coefficient,
-                finite_element_shift(fit.scene, coefficient),
-            )
+        beside = _sliding_loops(loop, fit, fit.model, scene, against)
+    else:
+        beside = _partial_loops(loop, fit, scene, rig_compliance, against)
     return LoopScore(
         scene=fit.scene,
         source=loop.source,
@@ -300,17 +236,143 @@ def score_loop(
         high=fit.high,
         compliance=fit.compliance,
         compliance_fitted=rig_compliance is None,
-        scale=scale,
+        scale=fit.scale,
         cycles=fit.cycles,
         noise=fit.shift_noise,
-        rows=tuple(rows),
+        rows=(measured, *(computed.row for computed in beside.loops)),
         read_as=loop.read_as,
-        said=tuple(said),
-        tau=share,
+        said=(*fit.said, sentence, *beside.said),
+        tau=fit.share,
         shift=loop.shift,
         load=loop.load,
-        curves=tuple(curves),
+        curves=tuple(
+            (computed.row.name, computed.shift, computed.load) for computed in beside.loops
+        ),
     )
+
+
+# ------------------------------------------------------------------------------- the measured loop
+def _measured_row(loop: MeasuredLoop, fit: FittedLoop) -> tuple[LoopRow, str]:
+    """The measured loop, and how its W was found, in words."""
+    if fit.model is None or fit.masing is None:
+        area = polygon_area(loop.shift, loop.load, fit.phase, fit.shift_noise, fit.load_noise)
+        way = "the area of the polygon of the rows"
+    else:
+        area = area_about_fit(fit.model, fit.masing, float(fit.phase[-1] - fit.phase[0]))
+        way = "the area of the best fit, with what the rows enclose beside it,"
+    load_of_cycle = fit.scale * cycle_loads(fit.scene)[1]
+    row = LoopRow(
+        name="measured",
+        friction=None,
+        area=area.value,
+        area_uncertainty=area.uncertainty,
+        slope=_slope(loop.shift, np.interp(fit.share, SHARES, load_of_cycle)),
+        distance=math.nan,
+        by_distance=area.by_distance,
+        by_noise=area.by_noise,
+    )
+    sentence = (
+        f"W as measured is {way} over {area.cycles} {'cycle' if area.cycles == 1 else 'cycles'}:"
+        f" ± {area.by_distance:.2g} by what lies between rows,"
+        f" ± {area.by_noise:.2g} by their scatter (95 %)"
+    )
+    return row, sentence
+
+
+# ------------------------------------------------------------------------- computed loops beside it
+@dataclass(frozen=True, eq=False)
+class _ComputedLoop:
+    """A loop of an engine beside the measured one: U with the rig, and Q (n_instants,)."""
+
+    row: LoopRow
+    shift: Array
+    load: Array
+
+
+class _Beside(NamedTuple):
+    """The computed loops, and what was left out, in words."""
+
+    loops: list[_ComputedLoop]
+    said: list[str]
+
+
+def _partial_loops(
+    loop: MeasuredLoop,
+    fit: FittedLoop,
+    scene: Scene,
+    rig_compliance: float | None,
+    against: Against,
+) -> _Beside:
+    """Loops of the engines under the loads of the rows, with the best f and with the scene's."""
+    loops = []
+    said = []
+    for name, friction in (("best f", fit.friction), (OF_SCENE, scene.friction.coefficient)):
+        friction_of_scene = friction / fit.scale  # whose loads are smaller by that factor
+        if friction_of_scene < least_friction(scene):
+            said.append(
+                f"With {name}, {friction:.4g}, the measured loads slide grossly: there is no such"
+                " loop"
+            )
+            continue
+        shifts = {f"theory, {name}": theory_shift(fit.scene, friction_of_scene)}
+        if against == "fe":
+            shifts[f"finite elements, {name}"] = finite_element_shift(fit.scene, friction_of_scene)
+        loops += [
+            _with_rig(loop, fit, _LoopOfScene(name_of_loop, friction, shift), rig_compliance)
+            for name_of_loop, shift in shifts.items()
+        ]
+    return _Beside(loops, said)
+
+
+class _LoopOfScene(NamedTuple):
+    """U (n_instants,) of an engine at the loads of the scene, under a name; f at those of the
+    rows.
+    """
+
+    name: str
+    friction: float
+    shift: Array
+
+
+def _with_rig(
+    loop: MeasuredLoop, fit: FittedLoop, computed: _LoopOfScene, rig_compliance: float | None
+) -> _ComputedLoop:
+    """A loop at the loads of the rows, in the rig that brings it nearest to them."""
+    tangential = cycle_loads(fit.scene)[1]
+    load = fit.scale * tangential
+    _, compliance, origin = against_rows(
+        loop, computed.shift, fit.share, load, fit.scale, rig_compliance
+    )
+    shift = fit.scale * computed.shift + compliance * load + origin
+    mean_load = (tangential[1:] + tangential[:-1]) / 2
+    work = fit.scale**2 * float(np.sum(mean_load * np.diff(computed.shift)))
+    slope, distance = _beside_rows(loop, fit.share, shift, load)
+    row = LoopRow(computed.name, computed.friction, work, 0.0, slope, distance)
+    return _ComputedLoop(row, shift, load + fit.offset)
+
+
+def _sliding_loops(
+    loop: MeasuredLoop, fit: FittedLoop, fitted: MasingLoop, scene: Scene, against: Against
+) -> _Beside:
+    """The fitted loop that slides as a whole, and that of the scene's f with the same range of U,
+    where it slides too.
+    """
+    sliding = {"theory, best f": fitted}
+    other = fitted.with_friction(scene.friction.coefficient)
+    if other is not None:
+        sliding[f"theory, {OF_SCENE}"] = other
+    middle = float(loop.load.max() + loop.load.min()) / 2
+    loops = []
+    for name, slid in sliding.items():
+        shift, load = slid.closed(SHARES)
+        shift = shift + float(np.mean(loop.shift - np.interp(fit.share, SHARES, shift)))
+        slope, distance = _beside_rows(loop, fit.share, shift, load)
+        row = LoopRow(name, slid.friction, slid.area, 0.0, slope, distance)
+        loops.append(_ComputedLoop(row, shift, load + middle))
+    said = []
+    if against == "fe":
+        said.append("Finite elements are left out: under given P and Q they can't slide as a whole")
+    return _Beside(loops, said)
 
 
 def _beside_rows(
@@ -323,22 +385,6 @@ def _beside_rows(
     slope = _slope(shift_at_rows, np.interp(share, SHARES, load))
     _, distances = means_of_parts(share, loop.shift - shift_at_rows)
     return slope, math.sqrt(float(np.mean(distances**2)))
-
-
-def _area(loop: MeasuredLoop, fit: FittedLoop) -> LoopArea:
-    """W of the rows: about the fitted loop, and where there is none, of the polygon of the rows."""
-    if fit.model is None or fit.masing is None:
-        return polygon_area(loop.shift, loop.load, fit.phase, fit.shift_noise, fit.load_noise)
-    return area_about_fit(fit.model, fit.masing, float(fit.phase[-1] - fit.phase[0]))
-
-
-def _sliding_loops(fitted: MasingLoop, friction_of_scene: float) -> dict[str, MasingLoop]:
-    """The fitted loop, and that of the scene's f with the same range of U, where it slides too."""
-    loops = {"theory, best f": fitted}
-    other = fitted.with_friction(friction_of_scene)
-    if other is not None:
-        loops[f"theory, {OF_SCENE}"] = other
-    return loops
 
 
 def _slope(shift: Array, load: Array) -> float:
