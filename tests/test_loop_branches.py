@@ -354,6 +354,8 @@ def unsteady(name):
         force = np.where(passed < 0.6, passed, 0.6 + 0.2 * (passed - 0.6)) - 0.44
         sign = np.where(np.mod(cycle, 1.0) < 0.5, -1, 1)
         return sign * (passed - 1) * np.ptp(u) / 2, sign * force * np.ptp(q)
+    if name == "waves":
+        return u + 0.02 * np.ptp(u) * np.sin(6 * np.pi * cycle), q
     size = {
         "grows": 1 + 0.06 * cycle,
         "shrinks": 1 - 0.06 * cycle,
@@ -367,7 +369,8 @@ UNSTEADY = {
     "shrinks": "its cycles shrink: Q of one cycle",
     "every second cycle": "its period is another",
     "walks": r"U moves on by \+7.* % of its range in each cycle",
-    "hardens": "their form is not that of theory",
+    "hardens": "its Q rises by .* % of its range while the contact slides as a whole",
+    "waves": "their form is not that of theory",
 }
 
 
@@ -375,6 +378,28 @@ UNSTEADY = {
 def test_rows_of_no_steady_loop_are_refused_with_the_reason(name):
     with pytest.raises(InputError, match=UNSTEADY[name]):
         score_loop(loop_of(*with_noise(*unsteady(name), 0.002, seed=1)), SCENE)
+
+
+@pytest.mark.parametrize("change", [0.05, -0.04])
+def test_cycles_that_grow_in_noise_are_not_cut_until_they_seem_alike(change):
+    """Cycles that grow to the end have no run-in, however few are left in the end."""
+    u, q = rows_of("Q", "sine", 140, cycles=7)
+    size = 1 + change * 7 * np.arange(len(u)) / (len(u) - 1)
+    word = "grow" if change > 0 else "shrink"
+    with pytest.raises(InputError, match=f"its cycles {word}, and its noise is too large to tell"):
+        score_loop(loop_of(*with_noise(size * u, size * q, 0.05, seed=5)), SCENE)
+
+
+def test_a_run_in_that_fades_in_noise_is_held_by_the_interval():
+    """Half a per cent of f may be missing behind a run-in: too little to be seen."""
+    u, q = rows_of("U", "sine", 120, cycles=4.4, start=0.2)
+    cycle = 4.4 * np.arange(len(u)) / (len(u) - 1)
+    rising = q * (1 - 0.4 * np.exp(-cycle / 0.5))
+    rows = with_noise(u + RIG * (rising - q), rising, 0.005, seed=6)
+    score = score_loop(loop_of(*rows), SCENE)
+    assert any("are left out: run-in" in said for said in score.said)
+    assert any("the interval of f holds it" in said for said in score.said)
+    assert score.agrees
 
 
 def gross_rows(rows_of_branch, cycles=3):
@@ -403,8 +428,8 @@ def gross_rows(rows_of_branch, cycles=3):
 def test_a_loop_that_slides_as_a_whole_has_f_from_its_plateaus(rows_of_branch, noise):
     u, q, work = gross_rows(rows_of_branch)
     score = score_loop(loop_of(*with_noise(u, q, noise, seed=2)), GROSS)
-    assert score.low <= FRICTION <= score.high
-    assert score.friction == pytest.approx(FRICTION, rel=1e-5 + noise)
+    assert score.low <= NEARLY / LOAD <= score.high
+    assert score.friction == pytest.approx(NEARLY / LOAD, rel=1e-8 + noise)
     assert abs(score.rows[0].area - work) <= score.rows[0].area_uncertainty
     assert score.rows[1].area == pytest.approx(work, rel=1e-4 + noise)
     assert any("The contact slides as a whole" in said for said in score.said)
@@ -469,7 +494,7 @@ def test_a_record_of_little_more_than_a_cycle_closes_on_the_branch_it_began_on()
 def test_neighbours_on_one_side_of_the_fit_widen_the_interval():
     """A wave of U that no loop has: too small to be refused, too large for the scatter."""
     u, q = with_noise(*rows_of("Q", "sine", 240, cycles=4), 0.0001, seed=3)
-    wave = 0.0001 * np.ptp(u) * np.sin(2 * np.pi * 7.3 * np.arange(len(u)) / len(u))
+    wave = 0.0002 * np.ptp(u) * np.sin(2 * np.pi * 7.3 * np.arange(len(u)) / len(u))
     plain = score_loop(loop_of(u, q), SCENE)
     waving = score_loop(loop_of(u + wave, q), SCENE)
     assert waving.high - waving.low > 3 * (plain.high - plain.low)

@@ -25,6 +25,9 @@ _ROUNDING = 1e-9
 _GAP = 4.2
 # Error of the area of a fitted loop by the samples of its curve, of itself: 2e-9 was measured.
 _OF_SAMPLES = 1e-8
+# Of the scatter of W: the rows choose branches, sigma and run-in too. Fitted on 800 loops: 94.6 %
+# were covered without.
+_CHOSEN_BY_ROWS = 1.05
 
 
 @dataclass(frozen=True)
@@ -169,7 +172,7 @@ def area_about_fit(loop: MasingLoop, fit: MasingFit, cycles: float) -> LoopArea:
     # The scatter is at least what the digits of the rows leave: sigma is no smaller.
     variance = max(float(fit.distances.value @ fit.distances.value) / fit.freedom, 1.0)
     scatter = math.sqrt(variance * float(by_row @ by_row)) * max(fit.misfit.widening, 1.0)
-    by_scatter = float(student.ppf(0.975, fit.freedom)) * scatter
+    by_scatter = _CHOSEN_BY_ROWS * float(student.ppf(0.975, fit.freedom)) * scatter
     # W of a thin loop is no straight function of the rows: over the interval of f it changes more.
     # A loop without an upper limit of f may be a line.
     for end in fit.ends:

@@ -65,6 +65,9 @@ _OF_ROW_NOISE = 2.3
 # Noise of rows that show none, over their largest value: f is not known better than theory's
 # samples leave it.
 _LEAST_NOISE = 1e-9
+# Of an interval of f: the rows choose branches, sigma and run-in too, which the sum of squares does
+# not know. Fitted on 800 loops: 95.0 % were covered without.
+_CHOSEN_BY_ROWS = 1.03
 # Steps outwards to the end of an interval, and by which it is narrowed then.
 _STEPS = 30
 _NARROWED = 12
@@ -596,8 +599,7 @@ def with_interval(best: BestLoop, error_of_theory: float) -> MasingFit:
     Parameters
     ----------
     error_of_theory
-        of a fitted f, of itself, by the samples of the curve; f of a gross loop is that of its
-        plateaus, without the curve
+        of a fitted f, of itself, by the samples of the curve
     """
     from scipy.stats import f as fisher
 
@@ -606,17 +608,16 @@ def with_interval(best: BestLoop, error_of_theory: float) -> MasingFit:
     influence = _influence(search, best.values, best.gross)
     errors = np.sqrt(variance * np.sum(influence**2, axis=1))
     widening = best.misfit.widening
-    excess = float(fisher.ppf(0.95, 1, best.freedom)) * widening**2 * variance
+    excess = float(fisher.ppf(0.95, 1, best.freedom)) * variance
+    excess *= (widening * _CHOSEN_BY_ROWS) ** 2
     step = float(np.clip(2 * errors[LOG_F] * widening, 1e-9, 0.3))
     friction = math.exp(best.values[LOG_F])
     down = search.interval_end(best.fits, -1.0, excess, step)
     up = search.interval_end(best.fits, 1.0, excess, step)
+    by_digits = 0.0
     if best.gross:
         by_digits = _digits_of_plateau(search.rows, search.curve, search.weights)
-        own = by_digits
-    else:
-        by_digits = 0.0
-        own = friction * error_of_theory
+    own = math.hypot(friction * error_of_theory, by_digits)
     low = 0.0
     if down is not None:
         low = friction - math.hypot(friction - math.exp(down[LOG_F]), own)

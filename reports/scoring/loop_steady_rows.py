@@ -47,9 +47,10 @@ from scenes import InputError, Scene
 from scenes.array_types import Array
 
 # Error of a fitted f by theory at so many instants, straight between, of itself; and by samples of
-# the memory curve.
+# the memory curve. A loop that slides has f from its plateaus, but for round-off in f of sliding.
 _OF_THEORY = 1e-5
 _OF_MEMORY = 1e-6
+_OF_SLIDING = 2e-9
 # Part of the distances that is no scatter, over the mean opening of the loop in U, from which rows
 # under a varying P are said not to be examined.
 _STEADY = 0.02
@@ -431,7 +432,7 @@ def _fit_at_constant_load(
     """The chosen rows without their drift, and their fit with its interval."""
     loop = chosen.part
     branches = chosen.branches
-    fit = with_interval(chosen.best, _OF_MEMORY)
+    fit = with_interval(chosen.best, _OF_SLIDING if chosen.best.gross else _OF_MEMORY)
     passed = (loop.time - loop.time[0]) / float(np.ptp(loop.time))
     straight = replace(loop, shift=loop.shift - fit.drift * (passed - 0.5))
     tangential = cycle_loads(scene)[1]
