@@ -26,7 +26,7 @@ from scenes.arrays import LARGEST, real_numbers
 from scenes.errors import InputError, RowError, shown
 from scenes.frozen import Frozen
 from scenes.text_tables import TextTable, text_table
-from scenes.unit_words import Kind, short_unit_in, unit_factor
+from scenes.unit_words import Kind, short_unit_in, unit_factor, unit_in
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,7 +176,10 @@ def unit_of_column(
     source = "in its heading"
     if stated:
         source = "stated"
-    elif unit_name and unit_name not in table.headings[column]:
+    elif unit_name and unit_name not in (
+        unit_in(table.headings[column])[1],
+        short_unit_in(table.headings[column], kind),
+    ):
         source = "in the line of units"
     if not unit_name:
         remark = "no unit stated: taken to be in that of the scene"

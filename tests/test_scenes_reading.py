@@ -596,10 +596,10 @@ FORMS = {
         ("tab", "2 skipped", "times 0.001"),
     ),
     "units below": (
-        "time;P;Q\ns;kN;N\n0;1;0,5\n1;2;0,6\n",
-        "thickness = 2",
+        "time;P;Normalkraft\ns;kN;N\n0;1;0,5\n1;2;0,6\n",
+        'thickness = 2\ncolumns = {Q = "Normalkraft"}',
         [[0, 500, 0.25], [1, 1000, 0.3]],
-        ("kN", "over the thickness 2"),
+        ("kN", "over the thickness 2", "'Normalkraft', N (in the line of units)"),
     ),
     "numpy's headings": ("# time Q P\n0 1 2\n1 2 3\n", "", [[0, 2, 1], [1, 3, 2]], ("blanks",)),
     "decimal commas and blanks": (
