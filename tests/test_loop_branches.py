@@ -390,6 +390,16 @@ def test_cycles_that_grow_in_noise_are_not_cut_until_they_seem_alike(change):
         score_loop(loop_of(*with_noise(size * u, size * q, 0.05, seed=5)), SCENE)
 
 
+def test_cycles_that_grow_in_noise_are_refused_by_u_and_q_together():
+    """Neither U nor Q of so few rows is enough."""
+    u, q = rows_of("U", "triangle", 90, cycles=2.9)
+    size = 1 + 0.2 * np.arange(len(u)) / (len(u) - 1)
+    with pytest.raises(InputError, match=r"its cycles grow, by .* U and Q together show it"):
+        score_loop(loop_of(*with_noise(size * u, size * q, 0.05, seed=8)), SCENE)
+    score = score_loop(loop_of(*with_noise(u, q, 0.05, seed=8)), SCENE)
+    assert score.agrees
+
+
 def test_a_run_in_that_fades_in_noise_is_held_by_the_interval():
     """Half a per cent of f may be missing behind a run-in: too little to be seen."""
     u, q = rows_of("U", "sine", 120, cycles=4.4, start=0.2)

@@ -42,6 +42,8 @@ _SHOWS_A_PERIOD = 3
 _OF_A_SIZE = 0.1
 # Standard errors from which on a trend is certain; below which two trends may be the same.
 _CERTAIN = 4.0
+# Of the squares of two trends in their standard errors, of U and of Q: chance exceeds it in 0.4 %.
+_BOTH_CERTAIN = 11.0
 _MAY_BE = 2.0
 
 
@@ -267,4 +269,22 @@ def differences_of_cycles(shift: Array, load: Array, time: Array, noise: float) 
         if len(steps) > _SHOWS_A_PERIOD and float(steps[2:] @ steps[:-2]) < 0:
             return f"its period is another, every second cycle is alike: {extent}"
         return f"its cycles differ: {extent}"
-    return ""
+    return _growth_through_noise(shift, load, time, noise)
+
+
+def _growth_through_noise(shift: Array, load: Array, time: Array, noise: float) -> str:
+    """How the cycles of rows grow, where U and Q together show it; "" where they do not."""
+    trends = [trend_of_sizes(values, load, time, noise) for values in (load, shift)]
+    found = [trend for trend in trends if trend is not None]
+    if not found:
+        return ""
+    steepest = max(found, key=lambda trend: abs(trend.rate))
+    in_errors = sum((trend.rate / trend.error) ** 2 for trend in found)
+    cycles = len(sizes_of_cycles(load, load, time, noise)) / 2
+    if in_errors < _BOTH_CERTAIN or abs(steepest.rate) * cycles < _ALIKE:
+        return ""
+    verb = "grow" if steepest.rate > 0 else "shrink"
+    return (
+        f"its cycles {verb}, by {100 * abs(steepest.rate):.2g} % in each: U and Q together show it"
+        " through their noise"
+    )

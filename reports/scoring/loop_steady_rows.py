@@ -119,26 +119,26 @@ def fit_steady_rows(
     candidates = []
     goes_on = ""
     for shorter in _without_run_in(loop):
-        if _cycles_differ(shorter.rows):
-            continue
         goes_on_here = shorter.goes_on_growing
         if goes_on_here:
             goes_on = goes_on_here
+            continue
+        if _cycles_differ(shorter.rows):
             continue
         candidate = _candidate(shorter, curve, rig_compliance)
         candidates.append(candidate)
         if candidate.is_steady:
             break
-    if goes_on and not (candidates and candidates[-1].is_steady):
+    if not candidates or (goes_on and not candidates[-1].is_steady):
+        reason = _cycles_differ(loop)
+        if goes_on not in reason:
+            reason = (
+                f"its cycles {goes_on}, and its noise is too large to tell whether the last ones"
+                " still do"
+            )
         raise InputError(
-            f"{loop.source}: its rows are of no steady loop: its cycles {goes_on}, and its noise is"
-            " too large to tell whether the last ones still do; give the rows of cycles that are"
-            " alike"
-        )
-    if not candidates:
-        raise InputError(
-            f"{loop.source}: its rows are of no steady loop: {_cycles_differ(loop)}; give the rows"
-            " of cycles that are alike"
+            f"{loop.source}: its rows are of no steady loop: {reason}; give the rows of cycles that"
+            " are alike"
         )
     chosen = candidates[-1]
     if not chosen.is_steady:
