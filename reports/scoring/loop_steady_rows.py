@@ -118,19 +118,22 @@ def fit_steady_rows(
     curve = memory_curve(scene, least_friction(scene) / float(np.ptp(cycle_loads(scene)[1])))
     candidates = []
     goes_on = ""
+    differ = _cycles_differ(loop)
     for shorter in _without_run_in(loop):
         goes_on_here = shorter.goes_on_growing
         if goes_on_here:
             goes_on = goes_on_here
             continue
-        if _cycles_differ(shorter.rows):
+        differ_here = _cycles_differ(shorter.rows)
+        if differ_here:
+            differ = differ or differ_here
             continue
         candidate = _candidate(shorter, curve, rig_compliance)
         candidates.append(candidate)
         if candidate.is_steady:
             break
     if not candidates or (goes_on and not candidates[-1].is_steady):
-        reason = _cycles_differ(loop)
+        reason = differ
         if goes_on not in reason:
             reason = (
                 f"its cycles {goes_on}, and its noise is too large to tell whether the last ones"
