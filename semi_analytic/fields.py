@@ -598,8 +598,14 @@ class Integrals:
             slopes[instants] = piece.straight_slope
             bottoms[instants] = piece.bottom
         slope_of_slip = np.asarray(snapshot.direction * snapshot.friction, dtype=float)
-        integral_of_slip_line = self._line(slope_of_slip, edge_load, snapshot.load)
-        integrals = integral_of_slip_line + self._line(slopes, bottoms, edge_load)
+        # in one call: both lines meet at the loads of the edge, where moments are taken once
+        integrals_of_lines = self._line(
+            np.concatenate([slope_of_slip, slopes]),
+            np.concatenate([edge_load, bottoms]),
+            np.concatenate([snapshot.load, edge_load]),
+        )
+        integral_of_slip_line, integral_of_straight_part = np.split(integrals_of_lines, 2)
+        integrals = integral_of_slip_line + integral_of_straight_part
         self._remember([piece.below for piece, _ in groups])
         integrals_of_arcs = self._curved(
             [(piece, edge_load[instants]) for piece, instants in groups]
