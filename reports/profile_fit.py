@@ -97,23 +97,10 @@ def fit_uncertainty(scene: Scene, resamples: int = _RESAMPLES, seed: int = 0) ->
         )
     way_to_work = _way_to_work(scene)
     count = min(resamples, _MARCHES) if way_to_work is _Work.MARCHED else resamples
-    random = np.random.default_rng(seed)
     pattern = _pattern(scene)
     values_of_fit = _values(scene, way_to_work)
-    values_of_resamples = []
-    for _ in range(count):
-        noise = _noise(random, fit, pattern)
-        values = _values_of_another_fit(scene, fitted_again(scene.profile, noise), way_to_work)
-        if values is not None:
-            values_of_resamples.append(values)
-    if len(values_of_resamples) < max(2, count // 2):
-        raise InputError(
-            f"{scene.name}: of {count} other measurements with this noise only"
-            f" {len(values_of_resamples)} can carry the load: measure a wider stretch, or more"
-            " closely"
-        )
-
-    changes = np.array(values_of_resamples) - values_of_fit
+    values_of_resamples = _values_with_other_noise(scene, fit, pattern, way_to_work, count, seed)
+    changes = values_of_resamples - values_of_fit
     # The mean is what the fit itself errs by at this noise: a curve that may not bend down, or is
     # smoothed, has some.
     bias = np.abs(np.mean(changes, axis=0))
@@ -177,6 +164,35 @@ def _values_of_another_fit(
         return _values(scene.vary(profile={**profile_keys, "fitted": None}), way)
     except InputError:
         return None
+
+
+def _values_with_other_noise(
+    scene: Scene,
+    fit: Fitted,
+    pattern: NDArray[np.float64] | None,
+    way_to_work: _Work,
+    count: int,
+    seed: int,
+) -> NDArray[np.float64]:
+    """Dissipation, half-width and peak pressure, (n, 3), of fits to `count` other measurements:
+    the fitted curve with other noise, and a `pattern` of the residuals moved along x.
+
+    n is less than `count` where a fit can't carry the load; InputError where half of them can't.
+    """
+    random = np.random.default_rng(seed)
+    values_of_resamples = []
+    for _ in range(count):
+        noise = _noise(random, fit, pattern)
+        values = _values_of_another_fit(scene, fitted_again(scene.profile, noise), way_to_work)
+        if values is not None:
+            values_of_resamples.append(values)
+    if len(values_of_resamples) < max(2, count // 2):
+        raise InputError(
+            f"{scene.name}: of {count} other measurements with this noise only"
+            f" {len(values_of_resamples)} can carry the load: measure a wider stretch, or more"
+            " closely"
+        )
+    return np.array(values_of_resamples)
 
 
 def _pattern(scene: Scene) -> NDArray[np.float64] | None:

@@ -152,30 +152,15 @@ def _parts(
     """What the terminal shows of field output: a row for each instant with its largest nodal stress
     (of many instants the worst alone), notes, fatigue measures, what was written.
     """
-    from reports.comparison.words import with_uncertainty
     from reports.field_output.files import NO_PEAK
-    from reports.units import load_unit, number, units
+    from reports.units import load_unit, units
 
     _, length, stress = units(scene)
     load = load_unit(scene)
     instants_listed = instants
     if len(instants) > _ROWS:
         instants_listed = [max(instants, key=lambda row: row["largest_nodal_von_mises"]["value"])]
-    rows = []
-    for instant in instants_listed:
-        peak = instant["largest_nodal_von_mises"]
-        tension = instant["tension_at_edge"]
-        peak_in_words = f"{number(peak['value'])} at {_place(peak)}, {peak['body']}"
-        tension_in_words = "–"
-        if tension is not None:
-            tension_in_words = (
-                f"{with_uncertainty(tension['value'], tension['uncertainty'])} at"
-                f" {_rounded(tension['x'])}, {tension['body']}"
-            )
-        time_and_loads = [
-            number(instant[key]) for key in ("time", "normal_load", "tangential_load")
-        ]
-        rows.append((instant["label"], *time_and_loads, peak_in_words, tension_in_words))
+    rows = [_row_of_instant(instant) for instant in instants_listed]
     heads = (
         "instant",
         "time",
@@ -240,8 +225,27 @@ def _largest_measures(measures: Sequence[dict[str, Any]], stress: str) -> list[t
     return rows
 
 
-def _place(of: dict[str, Any]) -> str:
-    return f"({_rounded(of['x'])}, {_rounded(of['y'])})"
+def _place(value_at: dict[str, Any]) -> str:
+    """The place x, y of a value, in words."""
+    return f"({_rounded(value_at['x'])}, {_rounded(value_at['y'])})"
+
+
+def _row_of_instant(instant: dict[str, Any]) -> tuple[str, ...]:
+    """Cells of a written instant: label, time, P, Q, largest nodal stress and tension at the edge
+    of contact, both with their places.
+    """
+    from reports.comparison.words import with_uncertainty
+    from reports.units import number
+
+    peak = instant["largest_nodal_von_mises"]
+    peak_in_words = f"{number(peak['value'])} at {_place(peak)}, {peak['body']}"
+    tension = instant["tension_at_edge"]
+    tension_in_words = "–"
+    if tension is not None:
+        amount = with_uncertainty(tension["value"], tension["uncertainty"])
+        tension_in_words = f"{amount} at {_rounded(tension['x'])}, {tension['body']}"
+    time_and_loads = [number(instant[key]) for key in ("time", "normal_load", "tangential_load")]
+    return (instant["label"], *time_and_loads, peak_in_words, tension_in_words)
 
 
 def _rounded(place: float) -> str:

@@ -221,7 +221,8 @@ def climb(
     coarse_mesh, coarse_settings = coarser(mesh, settings, ratio**2)
     far_field_runs: tuple[Run, ...] = ()
     not_measured: dict[str, str] = {}
-    if "half_plane" in (comparison.scene.bodies.lower.kind, comparison.scene.bodies.upper.kind):
+    bodies = comparison.scene.bodies
+    if "half_plane" in (bodies.lower.kind, bodies.upper.kind):
         radius = mesh.far_radius
         if 4 <= radius <= 500:
             far_field_runs = _far_field_runs(solver, coarse_run, coarse_mesh, coarse_settings)

@@ -93,7 +93,6 @@ def contact_solution(
     surface, history, guesses = _placed_on_path(
         surface, mapping, theory, sure_of_times=sure_of_times
     )
-    missing_fields = _skipped(surface, history.time, _instants_of_cycle(scene, history.time))
     if history.guess:
         guesses = (*guesses, history.guess)
     if history.either_sign and mapping.signs.shear is None:  # nothing in the file can tell
@@ -105,15 +104,47 @@ def contact_solution(
                 " and Q, say it for certain)"
             ),
         )
+    missing_fields = _skipped(surface, history.time, _instants_of_cycle(scene, history.time))
+    has_work = "dissipation" not in missing_fields
+    solution_without_zones = _without_zones(surface, mapping, scene, history, missing_fields)
+    solution, method_in_words = _ruled(
+        solution_without_zones, has_slip=surface.slip is not None, has_work=has_work
+    )
+    notes = [*surface.notes, *history.notes, method_in_words]
+    if has_work:
+        steps = len(solution.last_cycle)
+        notes.append(
+            f"its dissipation is the sum of q ds of its own shear and slip over the {steps}"
+            " instants of a cycle"
+        )
+    if surface.normal_load is None or surface.tangential_load is None:
+        notes.append("P and Q are the scene's at its instants")
+    solution = replace(solution, record=replace(solution.record, notes=tuple(notes)))
+    return solution, (*guesses, *_oddities(surface, history.tangential_load, scene))
+
+
+def _without_zones(
+    surface: SurfaceResult,
+    mapping: Mapping,
+    scene: Scene,
+    history: History,
+    missing_fields: dict[str, tuple[int, str]],
+) -> ContactSolution:
+    """An external result as a solution with its tractions, slip, times and loads alone; states,
+    edges and all that follows from them are not known yet, and NaN.
+
+    Loads that the result does not state are the scene's at its instants (`history`).
+    """
     normal_load = surface.normal_load
     tangential_load = surface.tangential_load
     names_of_scene: list[str] = []
-    notes: list[str] = []
     if normal_load is None or tangential_load is None:
         normal_load = history.normal_load
         tangential_load = history.tangential_load
         names_of_scene = ["normal_load", "tangential_load"]
-        notes.append("P and Q are the scene's at its instants")
+    slip = surface.slip
+    if slip is None:
+        slip = freeze(np.full_like(surface.pressure, np.nan))
     count = len(history.time)
     no_edges = freeze(np.full((count, 2), np.nan))
     no_series = freeze(np.full(count, np.nan))
@@ -130,7 +161,7 @@ def contact_solution(
         settings["read_as"] = [list(pair) for pair in surface.read_as]
     if mapping.element_size:
         settings["element_size"] = mapping.element_size
-    solution_without_zones = ContactSolution(
+    return ContactSolution(
         engine=surface.code or Path(surface.source).name,
         scene=scene,
         time=freeze(history.time),
@@ -139,9 +170,7 @@ def contact_solution(
         x=surface.x,
         pressure=surface.pressure,
         shear=surface.shear,
-        slip=freeze(np.full_like(surface.pressure, np.nan))
-        if surface.slip is None
-        else surface.slip,
+        slip=slip,
         state=freeze(np.zeros(surface.pressure.shape), np.int8),
         **unknown_fields,
         dissipation_density=freeze(np.full(len(surface.x), np.nan)),
@@ -156,21 +185,6 @@ def contact_solution(
         **_imposed(scene, history.time),
         settings=settings,
     )
-    solution, method_in_words = _ruled(
-        solution_without_zones,
-        has_slip=surface.slip is not None,
-        has_work="dissipation" not in missing_fields,
-    )
-    if "dissipation" not in missing_fields:
-        steps = len(solution.last_cycle)
-        notes.insert(
-            0,
-            f"its dissipation is the sum of q ds of its own shear and slip over the {steps}"
-            " instants of a cycle",
-        )
-    all_notes = (*surface.notes, *history.notes, method_in_words, *notes)
-    solution = replace(solution, record=replace(solution.record, notes=all_notes))
-    return solution, (*guesses, *_oddities(surface, history.tangential_load, scene))
 
 
 def _placed_on_path(
@@ -557,50 +571,62 @@ def _guessed(
             f"{surface.source}: by signs.pressure = {mapping.signs.pressure!r} of the mapping no"
             " point is in compression: state the other sign, or leave it out"
         )
-    sentences: list[str] = []
-    if (
-        mapping.signs.pressure is None
-        and surface.pressure.max() <= TOUCHES * -surface.pressure.min()
-    ):
-        surface = replace(surface, pressure=freeze(0.0 - surface.pressure))
+    surface, sentences = _in_compression(surface, mapping)
+    for yardstick in _yardsticks(surface, theory):
+        surface, sentence = _scaled_by(yardstick, surface, mapping)
+        sentences.append(sentence)
+    surface, sentence = _centred(surface, mapping, theory)
+    sentences.append(sentence)
+    return surface, tuple(filter(None, sentences))
+
+
+def _in_compression(surface: SurfaceResult, mapping: Mapping) -> tuple[SurfaceResult, list[str]]:
+    """An external result with pressure and normal load positive in compression, and a sentence for
+    each that was negative throughout and was turned.
+    """
+    sentences = []
+    pressure = surface.pressure
+    if mapping.signs.pressure is None and pressure.max() <= TOUCHES * -pressure.min():
+        surface = replace(surface, pressure=freeze(0.0 - pressure))
         sentences.append(
             "the pressure is negative throughout: compression was taken to be negative"
             ' (signs.pressure = "compression negative")'
         )
-    if (
-        surface.normal_load is not None
-        and surface.normal_load.max() <= 1e-9 * -surface.normal_load.min()
-    ):
-        surface = replace(surface, normal_load=freeze(0.0 - surface.normal_load))
+    normal_load = surface.normal_load
+    if normal_load is not None and normal_load.max() <= 1e-9 * -normal_load.min():
+        surface = replace(surface, normal_load=freeze(0.0 - normal_load))
         sentences.append(
             "the normal load is negative throughout and was turned: here P > 0 presses"
         )
+    return surface, sentences
 
-    for yardstick in _yardsticks(surface, theory):
-        surface, sentence = _scaled_by(yardstick, surface, mapping)
-        if sentence:
-            sentences.append(sentence)
 
+def _centred(
+    surface: SurfaceResult, mapping: Mapping, theory: ContactSolution
+) -> tuple[SurfaceResult, str]:
+    """An external result with x counted from where theory has it, and a sentence that says so;
+    empty where it is so already, or the mapping states the offset.
+
+    The middle is that of the largest pressure's centroid; theory's is 0 without a tilt.
+    """
     left_end, right_end = _extent(surface)
     half_width = float(np.nanmax(theory.contact_half_width))
     edges = (np.nanmin(theory.contact_edges[:, 0]), np.nanmax(theory.contact_edges[:, 1]))
     centre = float(edges[0] + edges[1]) / 2 if theory.tilt is not None else 0.0
-    if (
-        not mapping.x_offset
-        and abs((left_end + right_end) / 2 - centre) > _OFF_CENTRE * half_width
-        and right_end - left_end <= 4 * half_width
-    ):
-        pressure = surface.pressure[int(np.argmax(surface.pressure.max(axis=1)))]
-        load = np.trapezoid(pressure, surface.x)
-        centroid = float(np.trapezoid(pressure * surface.x, surface.x) / load)
-        shift = centroid - centre
-        surface = replace(surface, x=freeze(surface.x - shift))
-        method_in_words = ", by the centroid" if centre else ", the centroid"
-        sentences.append(
-            f"x was counted from {shift:.6g}{method_in_words} of the largest pressure, where the"
-            " file has it from 0 (x_offset)"
-        )
-    return surface, tuple(sentences)
+    is_off_centre = abs((left_end + right_end) / 2 - centre) > _OFF_CENTRE * half_width
+    is_wide = right_end - left_end > 4 * half_width
+    if mapping.x_offset or not is_off_centre or is_wide:
+        return surface, ""
+    pressure = surface.pressure[int(np.argmax(surface.pressure.max(axis=1)))]
+    load = np.trapezoid(pressure, surface.x)
+    centroid = float(np.trapezoid(pressure * surface.x, surface.x) / load)
+    shift = centroid - centre
+    method_in_words = ", by the centroid" if centre else ", the centroid"
+    sentence = (
+        f"x was counted from {shift:.6g}{method_in_words} of the largest pressure, where the"
+        " file has it from 0 (x_offset)"
+    )
+    return replace(surface, x=freeze(surface.x - shift)), sentence
 
 
 @dataclass(frozen=True)

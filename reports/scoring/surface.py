@@ -135,18 +135,7 @@ def surface_result(
                 " instant"
             )
         _refuse_no_numbers(source, name, values)
-    for row in np.atleast_2d(np.sort(places)):
-        if len(row) < 3:
-            raise InputError(
-                f"{source}: {len(row)} points are no surface: three at least are needed"
-            )
-        equal_neighbours = np.flatnonzero(np.diff(row) <= 1e-12 * np.ptp(row))
-        if len(equal_neighbours):
-            raise InputError(
-                f"{source}: the point x = {row[equal_neighbours[0]]:.9g} stands there twice in one"
-                f" instant ({len(equal_neighbours)} such in all); leave one out, or name a column"
-                " that tells the instants apart (columns.time or columns.frame of a mapping)"
-            )
+    _require_distinct_points(source, places)
     if places.ndim == 2:
         places, sentence = _one_line(source, places)
         if sentence:
@@ -217,6 +206,24 @@ def _one_line(source: str, places: Array) -> tuple[Array, str]:
             " points' spacing; its mean was taken"
         ),
     )
+
+
+def _require_distinct_points(source: str, places: Array) -> None:
+    """InputError, naming `source`, for fewer than three points, or a point that stands there twice
+    in one instant; `places` are (n_points,) or (n_steps, n_points).
+    """
+    for row in np.atleast_2d(np.sort(places)):
+        if len(row) < 3:
+            raise InputError(
+                f"{source}: {len(row)} points are no surface: three at least are needed"
+            )
+        equal_neighbours = np.flatnonzero(np.diff(row) <= 1e-12 * np.ptp(row))
+        if len(equal_neighbours):
+            raise InputError(
+                f"{source}: the point x = {row[equal_neighbours[0]]:.9g} stands there twice in one"
+                f" instant ({len(equal_neighbours)} such in all); leave one out, or name a column"
+                " that tells the instants apart (columns.time or columns.frame of a mapping)"
+            )
 
 
 # ---------------------------------------------------------------------------- the surface of a mesh

@@ -590,42 +590,12 @@ def evaluate(question: Question, fe: ContactSolution | None, *, polygon: bool = 
     between them. Theory alone, and that of prescribed displacements, is solved on its own points
     and instants of the steady cycle.
     """
-    import semi_analytic
-
     evaluation = Evaluated()
-    metric_keys = set(question.figures) & METRICS.keys()
+    has_metrics = bool(set(question.figures) & METRICS.keys())
     if "exact" in question.engines:
-        fields: Sequence[str] = semi_analytic.FIELDS
-        if not metric_keys:
-            quantities = [QUANTITIES[name.partition(".")[2]] for name in question.figures]
-            fields = sorted({field for quantity in quantities for field in quantity.fields})
-        if fe is None or question.scene.load.is_driven:
-            evaluation.exact = semi_analytic.solve(
-                question.scene,
-                cycles="steady",
-                fields=fields,
-                effects=_effects_of_rig(question.scene),
-            )
-        else:
-            evaluation.exact = semi_analytic.solve(
-                question.scene, x=fe.x, time=fe.time, straight_steps=polygon, fields=fields
-            )
-    if metric_keys and evaluation.exact is not None and fe is not None:
-        from reports.comparison import compare
-        from reports.comparison.budget import theory_on_steps
-
-        theory_on_polygon = None
-        if not polygon and (
-            question.uncertainty == "budget"
-            or {"dissipation_polygon", "dissipation_step"} & metric_keys
-        ):
-            theory_on_polygon = theory_on_steps(fe)
-        effects = None
-        if metric_keys & _OF_DISPLACEMENTS:
-            effects = effects_between(evaluation.exact, fe)
-        evaluation.comparison = compare(
-            evaluation.exact, fe, polygon_reference=theory_on_polygon, effects=effects
-        )
+        evaluation.exact = _theory_for(question, fe, polygon=polygon)
+    if has_metrics and evaluation.exact is not None and fe is not None:
+        evaluation.comparison = _compared(question, evaluation.exact, fe, polygon=polygon)
     comparison = evaluation.comparison
     metrics_by_key = {metric.key: metric for metric in comparison.metrics} if comparison else {}
     for name in question.figures:
@@ -635,8 +605,8 @@ def evaluate(question: Question, fe: ContactSolution | None, *, polygon: bool = 
         if comparison is None or name not in METRICS:
             value, reason = _take(name, question.scene, fe, evaluation.exact)
             if fe is not None:
-                stated = _stated_by_edges(name, question.scene, fe, evaluation.exact)
-                evaluation.stated[name] = stated
+                stated_uncertainty = _stated_by_edges(name, question.scene, fe, evaluation.exact)
+                evaluation.stated[name] = stated_uncertainty
         elif name in metrics_by_key:
             metric = metrics_by_key[name]
             value = metric.value
@@ -646,6 +616,44 @@ def evaluate(question: Question, fe: ContactSolution | None, *, polygon: bool = 
         if value is None:
             evaluation.notes[name] = reason
     return evaluation
+
+
+def _theory_for(
+    question: Question, fe: ContactSolution | None, *, polygon: bool
+) -> ContactSolution:
+    """Half-plane theory with the fields that a question's figures need: on the points and instants
+    of `fe`, with `polygon` on straight lines between them; else on its own of the steady cycle.
+    """
+    import semi_analytic
+
+    fields: Sequence[str] = semi_analytic.FIELDS
+    if not set(question.figures) & METRICS.keys():
+        quantities = [QUANTITIES[name.partition(".")[2]] for name in question.figures]
+        fields = sorted({field for quantity in quantities for field in quantity.fields})
+    if fe is None or question.scene.load.is_driven:
+        effects = _effects_of_rig(question.scene)
+        return semi_analytic.solve(question.scene, cycles="steady", fields=fields, effects=effects)
+    return semi_analytic.solve(
+        question.scene, x=fe.x, time=fe.time, straight_steps=polygon, fields=fields
+    )
+
+
+def _compared(
+    question: Question, exact: ContactSolution, fe: ContactSolution, *, polygon: bool
+) -> Comparison:
+    """Finite elements compared with theory, for the metrics that a question asks for; with theory
+    on the straight lines between instants and effects of the bodies where a metric needs them.
+    """
+    from reports.comparison import compare
+    from reports.comparison.budget import theory_on_steps
+
+    metric_keys = set(question.figures) & METRICS.keys()
+    needs_polygon = question.uncertainty == "budget" or bool(
+        {"dissipation_polygon", "dissipation_step"} & metric_keys
+    )
+    theory_on_polygon = theory_on_steps(fe) if needs_polygon and not polygon else None
+    effects = effects_between(exact, fe) if metric_keys & _OF_DISPLACEMENTS else None
+    return compare(exact, fe, polygon_reference=theory_on_polygon, effects=effects)
 
 
 def _stated(metric: Metric, comparison: Comparison) -> float:
