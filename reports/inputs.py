@@ -1033,7 +1033,7 @@ def _input_effects(scene: Scene, effects: BodyEffects | None) -> InputEffects:
     """
     assert scene.uncertainty is not None
     correlation = scene.uncertainty.correlation_matrix()
-    notes = []
+    notes: list[str] = []
     quantities = OF_DRIVEN if scene.load.is_driven else QUANTITIES_OF_THEORY
 
     def effects_of(moved_scene: Scene) -> BodyEffects | None:
@@ -1049,11 +1049,7 @@ def _input_effects(scene: Scene, effects: BodyEffects | None) -> InputEffects:
         reason_for_draws = "a sixteenth of a standard uncertainty makes the loads slide"
     for key, value in values_at_inputs.items():
         values[key] = propagated(quantities[key], value, moves, key, correlation)
-    left_out_in_words = "the largest pressure, the slip and the edge tension are left out"
-    if _is_long(scene):
-        notes.append(f"of a record of more than {_LONG_RECORD:,} rows {left_out_in_words}")
-    elif _needs_grids(scene):
-        notes.append(f"where theory needs grids {left_out_in_words}")
+    notes += _notes_on_values(scene)
     sliding = None if scene.load.is_driven else sliding_of_loads(scene)
     if RATIO in values:
         ratio = propagated(
@@ -1068,13 +1064,7 @@ def _input_effects(scene: Scene, effects: BodyEffects | None) -> InputEffects:
         draws = draws_of_work(scene, reason_for_draws or second_order)
         if draws is None:
             notes.append(_no_draws(reason_for_draws, second_order, sliding))
-    difference: dict[str, Propagated] = {}
-    no_difference = _no_difference(scene)
-    if not no_difference:
-        try:
-            difference = _difference(scene, effects, correlation)
-        except InputError as fault:
-            no_difference = str(fault)
+    difference, no_difference = _difference_or_reason(scene, effects, correlation)
     return InputEffects(
         inputs=scene.inputs,
         correlations=scene.uncertainty.correlations,
@@ -1146,6 +1136,31 @@ def _difference(
             quantity = QUANTITIES_OF_THEORY[key]._replace(words=words, unit="share")
             differences[key] = propagated(quantity, value, moves, key, correlation)
     return differences
+
+
+def _difference_or_reason(
+    scene: Scene, effects: BodyEffects | None, correlation: Array
+) -> tuple[dict[str, Propagated], str]:
+    """The error of theory by value, with the uncertainty that the inputs give it, and ""; or
+    nothing, and why it is not known.
+    """
+    reason = _no_difference(scene)
+    if reason:
+        return {}, reason
+    try:
+        return _difference(scene, effects, correlation), ""
+    except InputError as fault:
+        return {}, str(fault)
+
+
+def _notes_on_values(scene: Scene) -> list[str]:
+    """A note where some values of theory are left out, since they take too long; else none."""
+    left_out_in_words = "the largest pressure, the slip and the edge tension are left out"
+    if _is_long(scene):
+        return [f"of a record of more than {_LONG_RECORD:,} rows {left_out_in_words}"]
+    if _needs_grids(scene):
+        return [f"where theory needs grids {left_out_in_words}"]
+    return []
 
 
 def _near_sliding(sliding: NearSliding | None) -> str:

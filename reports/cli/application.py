@@ -962,15 +962,12 @@ def _misspelt(fault: CycloptsError) -> str:
     """One sentence on what is wrong with a command line that can't be read: the nearest known word,
     and what to do.
     """
-    from scenes.frozen import did_you_mean
-
-    def nearest(word: str, known_words: Iterable[str]) -> str:
-        return f"{did_you_mean(word.lower(), known_words).strip()} ".lstrip()
-
     if isinstance(fault, UnknownCommandError):
         words = list(fault.unused_tokens or [""])
         is_option = words[0].startswith("-")
-        suggestion = nearest(words[0], [name for name in app if name.startswith("-") is is_option])
+        suggestion = _nearest_word(
+            words[0], [name for name in app if name.startswith("-") is is_option]
+        )
         return (
             f"there is no {'option' if is_option else 'command'} {words[0]!r};"
             f" {suggestion}`halfplane --help` lists them"
@@ -987,24 +984,12 @@ def _misspelt(fault: CycloptsError) -> str:
             if name.startswith("--")
         }
         return (
-            f"{command} has no option {word}; {nearest(word, options)}{help_of_command} lists them"
+            f"{command} has no option {word}; {_nearest_word(word, options)}{help_of_command}"
+            f" lists them"
         )
     if isinstance(fault, UnusedCliTokensError):
-        # `sweep` takes a misspelt command of its own for a study, and what follows is left over.
-        first_token = (fault.root_input_tokens or [])[len(chain) :][:1]
         words_left_over = " ".join(fault.unused_tokens or [])
-        suggestion = (
-            nearest(first_token[0], [name for name in fault.app or () if not name.startswith("-")])
-            if first_token
-            else ""
-        )
-        if (
-            first_token
-            and not suggestion
-            and words_left_over.endswith((".toml", ".json"))
-            and not first_token[0].endswith((".toml", ".json"))
-        ):
-            suggestion = f"write `halfplane {command} {words_left_over}`; "
+        suggestion = _suggestion_for_unused(fault, chain)
         return (
             f"{command}: unexpected argument {words_left_over!r}; {suggestion}{help_of_command}"
             f" shows what it takes"
@@ -1019,3 +1004,33 @@ def _misspelt(fault: CycloptsError) -> str:
         name = fault.argument.name.removeprefix("--").upper() if in_place else fault.argument.name
         return f"{command}: {name} is missing; {help_of_command} shows what it takes"
     return f"{' '.join(str(fault).split()).rstrip('.')}; {help_of_command} shows what it takes"
+
+
+def _suggestion_for_unused(fault: UnusedCliTokensError, chain: Sequence[str]) -> str:
+    """What was meant by words that a command does not take, with a blank behind it; "" where
+    nothing is near. `chain` is the command with its own commands.
+
+    `sweep` takes a misspelt command of its own for a study, and what follows is left over.
+    """
+    tokens_of_command = (fault.root_input_tokens or [])[len(chain) :]
+    if not tokens_of_command:
+        return ""
+    first_token = tokens_of_command[0]
+    commands = [name for name in fault.app or () if not name.startswith("-")]
+    if suggestion := _nearest_word(first_token, commands):
+        return suggestion
+    words_left_over = " ".join(fault.unused_tokens or [])
+    scene_endings = (".toml", ".json")
+    if words_left_over.endswith(scene_endings) and not first_token.endswith(scene_endings):
+        command = " ".join(chain) or "halfplane"
+        return f"write `halfplane {command} {words_left_over}`; "
+    return ""
+
+
+def _nearest_word(word: str, known_words: Iterable[str]) -> str:
+    """The question "did you mean ...?" with the known word nearest to a misspelt one, and a blank
+    behind it; "" where none is near.
+    """
+    from scenes.frozen import did_you_mean
+
+    return f"{did_you_mean(word.lower(), known_words).strip()} ".lstrip()

@@ -12,6 +12,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain, pairwise
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,6 +22,9 @@ from scenes.array_types import Array
 from scenes.column_names import plain
 from scenes.errors import shown
 from scenes.files import TEXT, check_size
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 _TITLE = "Field Output Report"
 _HEADER = re.compile(
@@ -128,9 +132,41 @@ def _columns(
     """Quantities of the report's blocks, one row for each frame and node that lies on the contact
     surface, in the scene's units and our signs; `notes` gets what was left out.
     """
+    frames = list(dict.fromkeys((block.step, block.frame) for block in blocks))
+    rows = _rows_of_nodes(path, blocks, mapping, frames)
+    is_in_first_frame = rows["frame"] == rows["frame"].iloc[0]
+    is_on_surface = _lies_on_surface(rows)
+    n_left_out = int(np.sum(~is_on_surface & is_in_first_frame))
+    if n_left_out:
+        notes.append(f"{n_left_out} nodes that do not lie on the contact surface were left out")
+    surface_quantities: tuple[Quantity, ...] = ("x", "pressure", "shear", "slip", "frame")
+    surface_columns = {
+        name: converted(mapping, name, rows[name][is_on_surface].to_numpy())
+        for name in surface_quantities
+        if name in rows
+    }
+    steps = {step for step, _ in frames}
+    matches = [_TIME.search(frame) for _, frame in frames]
+    if len(steps) == 1 and all(matches):
+        times = np.array([float(match["time"]) for match in matches if match])
+        frame_of_row = surface_columns["frame"].astype(int)
+        surface_columns["time"] = converted(mapping, "time", times)[frame_of_row]
+    elif len(frames) > 1:
+        notes.append(
+            f"its frames are of {len(steps)} steps, whose times start again: they were numbered in"
+            " the order of the report"
+        )
+    return surface_columns
+
+
+def _rows_of_nodes(
+    path: Path, blocks: Sequence[_Block], mapping: Mapping, frames: Sequence[tuple[str, str]]
+) -> pd.DataFrame:
+    """A row for each frame and node with a pressure, by the node's label: its tractions and place,
+    and the number of its frame among `frames`; InputError where a node has no place.
+    """
     import pandas as pd
 
-    frames = list(dict.fromkeys((block.step, block.frame) for block in blocks))
     tables = []
     for block in blocks:
         quantities: tuple[Quantity, ...] = ("x", "y", "pressure", "shear", "slip")
@@ -163,38 +199,24 @@ def _columns(
             f"{path}: node {nodes_without_place[0]:.0f} has a pressure and no place; report COORD"
             " for the same nodes"
         )
+    return rows
+
+
+def _lies_on_surface(rows: pd.DataFrame) -> pd.Series[bool]:
+    """Which rows are of nodes on the contact surface: those that carry pressure in any frame, and
+    all on the same flat face; all rows where no two nodes have one x.
+    """
     is_on_surface = (rows["pressure"] != 0).groupby(level=0).transform("any")
     is_in_first_frame = rows["frame"] == rows["frame"].iloc[0]
     if "y" in rows:
         tolerance = _ZERO + _FLAT * np.ptp(rows["x"])
         heights = rows["y"][is_on_surface]
         if np.ptp(heights) <= tolerance:  # a flat face: its nodes outside the contact too
-            is_on_surface = np.abs(rows["y"] - heights.median()) <= tolerance
+            return np.abs(rows["y"] - heights.median()) <= tolerance
     elif rows["x"][is_in_first_frame].is_unique:
         # no two nodes at one x: the surface alone was reported
-        is_on_surface = is_on_surface | True
-    n_left_out = int(np.sum(~is_on_surface & is_in_first_frame))
-    if n_left_out:
-        notes.append(f"{n_left_out} nodes that do not lie on the contact surface were left out")
-    surface_quantities: tuple[Quantity, ...] = ("x", "pressure", "shear", "slip", "frame")
-    surface_columns = {
-        name: converted(mapping, name, rows[name][is_on_surface].to_numpy())
-        for name in surface_quantities
-        if name in rows
-    }
-    steps = {step for step, _ in frames}
-    matches = [_TIME.search(frame) for _, frame in frames]
-    if len(steps) == 1 and all(matches):
-        times = np.array([float(match["time"]) for match in matches if match])
-        surface_columns["time"] = converted(mapping, "time", times)[
-            surface_columns["frame"].astype(int)
-        ]
-    elif len(frames) > 1:
-        notes.append(
-            f"its frames are of {len(steps)} steps, whose times start again: they were numbered in"
-            " the order of the report"
-        )
-    return surface_columns
+        return is_on_surface | True
+    return is_on_surface
 
 
 def _blocks(path: Path) -> Iterator[_Block]:

@@ -271,23 +271,16 @@ def read_printed(path: Path, mapping: Mapping) -> SurfaceResult:
             " pair (mapping's surface)"
         )
     place_keys = np.unique(np.concatenate([table.ids for table in filled_tables]), axis=0)
-    notes = []
-    if place_keys.shape[1] == 1:
-        node_rows = mesh.rows(place_keys[:, 0])
-        places = mesh.points[node_rows]
-        is_above = mesh.above[node_rows]
-    else:
-        faces = [mesh.face(int(element), int(face)) for element, face in place_keys]
-        places = np.array([middle for middle, _ in faces])
-        is_above = np.array([height for _, height in faces])
-        notes = [
+    places, material_heights = _printed_places(mesh, place_keys)
+    body = _body_of_face(path, material_heights)
+    rows, _, plane_notes = one_plane(places, np.arange(len(place_keys)))
+    notes = [f"contact values stand at the slave face, that of the {body} body"]
+    if place_keys.shape[1] > 1:
+        notes.append(
             "CalculiX prints integration points of faces without place or weight: the plain mean of"
             " each face stands at its middle"
-        ]
-    body = _body_of_face(path, is_above)
-    rows, _, plane_notes = one_plane(places, np.arange(len(place_keys)))
-    face_note = f"contact values stand at the slave face, that of the {body} body"
-    notes = [face_note, *notes, *plane_notes]
+        )
+    notes += plane_notes
 
     def column_of(tables: Sequence[DatTable], k: int, quantity: _Quantity) -> Array:
         """(n_times, n_points): the mean of the rows of each node or face; 0 where a table has
@@ -323,6 +316,20 @@ def _factor(mapping: Mapping, quantity: _Quantity, body: str) -> float:
     if has_sign or body == "upper":
         return factor
     return -factor
+
+
+def _printed_places(mesh: CalculixMesh, place_keys: Integers) -> tuple[Array, Array]:
+    """Places (n, 3) that printed values belong to, and how far the material lies above each, (n,).
+
+    A row of `place_keys` is a node's number, or an element's number and that of its face, whose
+    middle is the place.
+    """
+    if place_keys.shape[1] == 1:
+        node_rows = mesh.rows(place_keys[:, 0])
+        return mesh.points[node_rows], mesh.above[node_rows]
+    faces = [mesh.face(int(element), int(face)) for element, face in place_keys]
+    middles = np.array([middle for middle, _ in faces])
+    return middles, np.array([height for _, height in faces])
 
 
 def _one_block_a_time(
