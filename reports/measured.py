@@ -261,7 +261,7 @@ def _reduction_in_words(scene: Scene, load: TimeSeriesLoad, record: RecordCheck)
     if record.unreduced is None:
         text = (
             f"{rows_in_words}; {unreduced_in_words} have no solution, so the change of W is not"
-            f" known."
+            " known."
         )
         return Sentence(text, warns=True)
     relative_change = _change(record.dissipation, record.unreduced)

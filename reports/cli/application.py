@@ -985,14 +985,14 @@ def _misspelt(fault: CycloptsError) -> str:
         }
         return (
             f"{command} has no option {word}; {_nearest_word(word, options)}{help_of_command}"
-            f" lists them"
+            " lists them"
         )
     if isinstance(fault, UnusedCliTokensError):
         words_left_over = " ".join(fault.unused_tokens or [])
         suggestion = _suggestion_for_unused(fault, chain)
         return (
             f"{command}: unexpected argument {words_left_over!r}; {suggestion}{help_of_command}"
-            f" shows what it takes"
+            " shows what it takes"
         )
     if (
         isinstance(fault, MissingArgumentError)

@@ -40,7 +40,7 @@ def init(file: Path, options: Options) -> Answer:
         refused_option = "--bodies" if options.bodies else "--profile"
         raise InputError(
             f"{refused_option}: it goes with the commented example, not with --from; leave one of"
-            f" the two out"
+            " the two out"
         )
     if file.suffix != ".toml":
         raise InputError(f"{file}: a commented scene is written as .toml; name the file so")

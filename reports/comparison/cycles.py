@@ -342,19 +342,19 @@ class Event:
     label: str
 
 
-def events(cycle: Cycle, friction: float, first: int = 0) -> tuple[Event, ...]:
-    """Six instants of a cycle to be shown, in the order of time, none before the index `first`:
-    extremes of P, Q, Q − f P and Q + f P, then those furthest from all chosen.
+def events(cycle: Cycle, friction: float, first_index: int = 0) -> tuple[Event, ...]:
+    """Six instants of a cycle to be shown, in the order of time, none before the index
+    `first_index`: extremes of P, Q, Q − f P and Q + f P, then those furthest from all chosen.
 
     All where there are fewer. Without bulk stress and tilt Q − f P is largest where forward slip
     ends, Q + f P least where reverse slip ends.
     """
-    labels = _extremes(cycle, friction, first)
+    labels = _extremes(cycle, friction, first_index)
     if not labels:
-        labels[first] = "the only instant" if len(cycle.time) == 1 else "between"
+        labels[first_index] = "the only instant" if len(cycle.time) == 1 else "between"
     for _ in range(min(_EVENTS, len(cycle.time) - 1) - len(labels)):
         distance = _distance_in_time(cycle, labels)
-        distance[:first] = 0.0
+        distance[:first_index] = 0.0
         farthest_row = int(np.argmax(distance))
         # instants may share one time, where a result was placed on the path by its loads
         if distance[farthest_row] <= 0:
@@ -373,12 +373,12 @@ def first_row(cycle: Cycle, scene: Scene) -> int:
     return min(int(np.searchsorted(cycle.time, time)), len(cycle.time) - 1)
 
 
-def _extremes(cycle: Cycle, friction: float, first: int) -> dict[int, str]:
-    """Index -> label of the first instants from `first` on at which P, Q, Q − f P or Q + f P is
-    largest or least. None for a quantity that is constant.
+def _extremes(cycle: Cycle, friction: float, first_index: int) -> dict[int, str]:
+    """Index -> label of the first instants from `first_index` on at which P, Q, Q − f P or Q + f P
+    is largest or least. None for a quantity that is constant.
     """
-    normal_load = cycle.normal_load[first:]
-    tangential_load = cycle.tangential_load[first:]
+    normal_load = cycle.normal_load[first_index:]
+    tangential_load = cycle.tangential_load[first_index:]
     # With bulk stress or tilt each edge has a law of its own, and slip ends elsewhere.
     ends_slip = cycle.tilt is None and cycle.shear_moment is None
     quantities = {
@@ -397,7 +397,7 @@ def _extremes(cycle: Cycle, friction: float, first: int) -> dict[int, str]:
         if np.ptp(quantity) > 1e-9 * scale:
             # The first instant, to rounding: the end of a cycle repeats its start.
             is_largest = quantity >= np.max(quantity) - 1e-12 * scale
-            labels.setdefault(first + int(np.flatnonzero(is_largest)[0]), label)
+            labels.setdefault(first_index + int(np.flatnonzero(is_largest)[0]), label)
     return labels
 
 

@@ -466,7 +466,7 @@ def patterned_tolerances(texts: Sequence[str]) -> dict[str, float]:
         if not (key and value >= 0):
             raise InputError(
                 f"--tolerance {stated_text}: write KEY=VALUE, VALUE a number not below 0 (inf: not"
-                f" judged)"
+                " judged)"
             )
         tolerances[key] = value
     return tolerances

@@ -225,11 +225,11 @@ def _of_amounts(
 
 def _beside_extremum(
     extremum: float,
-    common: float,
+    value_on_points: float,
     value_of_result: float,
     scale: float,
     *,
-    external: bool,
+    is_external: bool,
     note: str = "",
 ) -> Measured:
     """An extreme value of the result, say its dissipation, minus the reference's own, over the
@@ -237,53 +237,59 @@ def _beside_extremum(
 
     Parameters
     ----------
-    extremum, common
+    extremum, value_on_points
         of the reference: its own, and by the rule, points and instants of the result
-    measured
-        of the result
+    value_of_result
+        the result's extreme value
     scale
         what the difference is over where the reference's own is 0
-    external
+    is_external
         whether the result has points and instants of its own choice. Then the difference is
-        that from `common`, so that their error drops out, and a note says so; where they miss
-        the reference's own by too much there is none
+        that from `value_on_points`, so that their error drops out, and a note says so; where they
+        miss the reference's own by too much there is none
     """
     amounts = (extremum, value_of_result)
     if math.isinf(extremum) and math.isfinite(value_of_result):
         return Measured(value=None, note="infinite in the reference", amounts=amounts)
-    if not external:
+    if not is_external:
         return _of_amounts(extremum, value_of_result, scale, note=note)
     size = abs(extremum) if abs(extremum) > _NOTHING * scale else scale
-    share_missed = abs(common - extremum) / size
+    share_missed = abs(value_on_points - extremum) / size
     if share_missed > _UNRESOLVED:
         reason_for_none = (
-            f"the result's points and instants are too few: on them the reference has {common:.4g}"
+            "the result's points and instants are too few: on them the reference has"
+            f" {value_on_points:.4g}"
             f" in place of {extremum:.4g}"
         )
         return Measured(value=None, note=reason_for_none, amounts=amounts)
     if share_missed > _SAME_DIGITS:
         note = (
             "the difference is that on the result's points and instants, where the reference has"
-            f" {common:.5g}"
+            f" {value_on_points:.5g}"
         )
-    return replace(_of_amounts(common, value_of_result, scale, note=note), amounts=amounts)
+    return replace(_of_amounts(value_on_points, value_of_result, scale, note=note), amounts=amounts)
 
 
-def _beside_theory(pair: Pair, name: str, common: float, measured: float, scale: float) -> Measured:
+def _beside_theory(
+    pair: Pair, name: str, value_on_points: float, value_of_result: float, scale: float
+) -> Measured:
     """The largest `name` of the result beside theory's own; of another reference, beside its value
     on common points.
     """
-    extremum = common
+    extremum = value_on_points
     note = ""
     if pair.largest is not None:
         extremum = getattr(pair.largest, name)
         note = pair.largest.sampled
-    external = pair.has_external_result
-    return _beside_extremum(extremum, common, measured, scale, external=external, note=note)
+    is_external = pair.has_external_result
+    return _beside_extremum(
+        extremum, value_on_points, value_of_result, scale, is_external=is_external, note=note
+    )
 
 
-def _with_stated(pair: Pair, measured: Measured, name: str, error: str = "") -> Measured:
-    """`measured` with the uncertainties that the reference and the result state of its two amounts.
+def _with_stated(pair: Pair, measurement: Measured, name: str, error: str = "") -> Measured:
+    """`measurement` with the uncertainties that the reference and the result state of its two
+    amounts.
 
     Parameters
     ----------
@@ -292,14 +298,14 @@ def _with_stated(pair: Pair, measured: Measured, name: str, error: str = "") -> 
     error
         of the error in the record of half-plane theory; "" of what is exact there
     """
-    if measured.amounts is None:
-        return measured
-    reference_value, result_value = measured.amounts
-    stated = (
+    if measurement.amounts is None:
+        return measurement
+    reference_value, result_value = measurement.amounts
+    stated_uncertainties = (
         _uncertainty_stated(pair.plain_reference, reference_value, name, error),
         _uncertainty_stated(pair.result, result_value, name, error),
     )
-    return replace(measured, stated=stated)
+    return replace(measurement, stated=stated_uncertainties)
 
 
 def _uncertainty_stated(
@@ -449,7 +455,7 @@ def dissipation(pair: Pair) -> Measured:
         pair.reference.dissipation,
         pair.result.dissipation,
         pair.scales.dissipation,
-        external=pair.plain_reference is not pair.reference,
+        is_external=pair.plain_reference is not pair.reference,
     )
     measurement = _with_stated(pair, measurement, "dissipation", "dissipation")
     if measurement.absolute:
@@ -462,10 +468,10 @@ def largest_dissipation_density(pair: Pair) -> Measured:
     """Largest w(x)."""
     reference_cycle = pair.expected
     result_cycle = pair.found
-    common = float(reference_cycle.dissipation_density.max())
+    value_on_points = float(reference_cycle.dissipation_density.max())
     largest_value = float(result_cycle.dissipation_density.max())
     measurement = _beside_theory(
-        pair, "dissipation_density", common, largest_value, pair.scales.density
+        pair, "dissipation_density", value_on_points, largest_value, pair.scales.density
     )
     measurement = _with_stated(
         pair, measurement, "largest_dissipation_density", "dissipation_density"

@@ -387,12 +387,14 @@ def _beside_the_forces(view: CycleView) -> Iterator[tuple[str, str, list[_Line]]
         yield "moment", f"moment M  [{force}]", [_Line("line-3 fine", "moment", cycle.moment)]
 
 
-def _events(panel: Panel, across: Array, up: Array, events: Sequence[Event]) -> Iterator[Mark]:
+def _events(
+    panel: Panel, x_values: Array, y_values: Array, events: Sequence[Event]
+) -> Iterator[Mark]:
     """Numbered dots on a loop at (across, up), (k,) each, at the chosen instants; the numbers stand
     outside the loop. A number that would stand on another one is left out.
     """
-    x = panel.frame.x.place(across)
-    y = panel.frame.y.place(up)
+    x = panel.frame.x.place(x_values)
+    y = panel.frame.y.place(y_values)
     number_places: list[Array] = []  # places of those that are drawn
     for event_number, event in enumerate(events, start=1):
         instant = event.index
@@ -400,12 +402,12 @@ def _events(panel: Panel, across: Array, up: Array, events: Sequence[Event]) -> 
         dot_place = np.array([x[instant], y[instant]])
         shift = _within(13 * _outward(x, y, instant), dot_place, panel.frame.box)
         place = dot_place + shift
-        yield Dot(float(across[instant]), float(up[instant]), "event", 3.4, data=event_data)
+        yield Dot(float(x_values[instant]), float(y_values[instant]), "event", 3.4, data=event_data)
         if all(np.hypot(*(place - number)) > 11 for number in number_places):
             number_places.append(place)
             yield Note(
-                float(across[instant]),
-                float(up[instant]),
+                float(x_values[instant]),
+                float(y_values[instant]),
                 str(event_number),
                 "number",
                 "middle",
@@ -449,10 +451,14 @@ def _within(shift: Array, at: Array, box: tuple[float, float, float, float]) -> 
     return np.asarray(np.clip(at + shift, lower_corner, upper_corner) - at)
 
 
-def _follower(x: str, across: float, up: float, css: str) -> Dot:
+def _follower(x: str, x_values: float, y_values: float, css: str) -> Dot:
     """A ring that the slider moves along Q over another series."""
     return Dot(
-        float(across), float(up), f"follow {css}", 6.5, data={"series_x": x, "series_y": "Q"}
+        float(x_values),
+        float(y_values),
+        f"follow {css}",
+        6.5,
+        data={"series_x": x, "series_y": "Q"},
     )
 
 

@@ -294,8 +294,8 @@ def _over_time(rig: RigMotion) -> Plate:
     ]
     time = Axis(float(rig.time[0]), float(rig.time[-1]), "time")
 
-    def panel_of(name: str, up: Axis, marks: Sequence[Mark], alt: str) -> Panel:
-        return Panel(name, time, up, marks, alt, _WIDTH, 300.0, css="broad", time="x")
+    def panel_of(name: str, y_axis: Axis, marks: Sequence[Mark], alt: str) -> Panel:
+        return Panel(name, time, y_axis, marks, alt, _WIDTH, 300.0, css="broad", time="x")
 
     panels = [
         panel_of("rig-force", Axis(*force_range, f"Q  [{load}]"), force_marks, "Q over time"),

@@ -118,28 +118,28 @@ class Search:
         self,
         causes: tuple[Cause, ...],
         channels: tuple[int, ...],
-        known: tuple[float, ...] = (),
+        known_sizes: tuple[float, ...] = (),
     ) -> Fit | None:
         """Fit the sizes of some causes (known faults) to the difference in these channels
         (pressure, shear), each fit done once.
 
-        `known` are sizes of the first causes, found before and kept. None where the file can't have
-        the causes, or theory has no solution for them.
+        `known_sizes` are sizes of the first causes, found before and kept. None where the file
+        can't have the causes, or theory has no solution for them.
         """
-        key = tuple(CAUSES.index(cause) for cause in causes), channels, known
+        key = tuple(CAUSES.index(cause) for cause in causes), channels, known_sizes
         if key not in self.done:
-            self.done[key] = self._fitted(causes, channels, known)
+            self.done[key] = self._fitted(causes, channels, known_sizes)
         return self.done[key]
 
     def _fitted(
-        self, causes: tuple[Cause, ...], channels: tuple[int, ...], known: tuple[float, ...]
+        self, causes: tuple[Cause, ...], channels: tuple[int, ...], known_sizes: tuple[float, ...]
     ) -> Fit | None:
         """The best fit of causes from all starting sizes: the best starts go on by least squares,
-        roughly first, and closely where that is worth it. `known` sizes of the first causes are
-        kept.
+        roughly first, and closely where that is worth it. `known_sizes` sizes of the first causes
+        are kept.
         """
-        searched_causes = causes[len(known) :]
-        starts_of_causes: list[tuple[float, ...]] = [(size,) for size in known]
+        searched_causes = causes[len(known_sizes) :]
+        starts_of_causes: list[tuple[float, ...]] = [(size,) for size in known_sizes]
         starts_of_causes += [
             self._starts(cause, searched_causes, channels) for cause in searched_causes
         ]
@@ -152,7 +152,7 @@ class Search:
             return None
         sizes = trial_sizes[order[0]]
         fitted_indices = [
-            place for place, cause in enumerate(causes) if cause.sized and place >= len(known)
+            place for place, cause in enumerate(causes) if cause.sized and place >= len(known_sizes)
         ]
         if fitted_indices:
             # Few points know of an edge of slip only when it passes them: a search may stop early.
@@ -280,37 +280,38 @@ class Search:
         )
 
 
-def share_left(fit: Fit, before: Fit, channels: Sequence[int]) -> float:
+def share_left(fit: Fit, fit_before: Fit, channels: Sequence[int]) -> float:
     """Norm of what a fit leaves over that of the difference before it, the noise set aside."""
-    return share_of_norm(fit.square(channels), before.square(channels), fit.noise(channels))
+    return share_of_norm(fit.square(channels), fit_before.square(channels), fit.noise(channels))
 
 
-def share_of_norm(left: float, before: float, noise: float) -> float:
-    """Share that is left of a difference, as a ratio of roots: mean squares `left` of `before`,
-    with the mean square of the noise taken from both; 1 where there is no difference.
+def share_of_norm(square_left: float, square_before: float, square_of_noise: float) -> float:
+    """Share that is left of a difference, as a ratio of roots: mean squares `square_left` of
+    `square_before`, with the mean square of the noise taken from both; 1 where there is no
+    difference.
     """
-    difference = before - noise
+    difference = square_before - square_of_noise
     if difference <= 0:
         return 1.0
-    return float(np.sqrt(max(left - noise, 0.0) / difference))
+    return float(np.sqrt(max(square_left - square_of_noise, 0.0) / difference))
 
 
-def by_chance(fit: Fit, before: Fit, channels: Sequence[int]) -> float:
+def by_chance(fit: Fit, fit_before: Fit, channels: Sequence[int]) -> float:
     """Probability that noise alone lets a fit gain so much."""
     return gain_by_chance(
         fit.square(channels),
-        before.square(channels),
+        fit_before.square(channels),
         fit.count(channels),
         sizes=fit.parameters,
-        sizes_before=before.parameters,
+        sizes_before=fit_before.parameters,
     )
 
 
 def gain_by_chance(
-    left: float, before: float, count: int, *, sizes: int, sizes_before: int = 0
+    square_left: float, square_before: float, count: int, *, sizes: int, sizes_before: int = 0
 ) -> float:
-    """Probability that noise alone brings the mean square of `count` values from `before` down to
-    `left`.
+    """Probability that noise alone brings the mean square of `count` values from `square_before`
+    down to `square_left`.
 
     Of `sizes` that were fitted (`sizes_before` of them earlier) by the F test. A prediction without
     a size leaves the share e of the squares of n values by chance with a probability of about
@@ -318,17 +319,17 @@ def gain_by_chance(
     """
     from scipy.stats import f as f_distribution
 
-    gain = before - left
+    gain = square_before - square_left
     if gain <= 0:
         return 1.0
-    left = max(left, 1e-300)
+    square_left = max(square_left, 1e-300)
     n_fitted = sizes - sizes_before
     if n_fitted < 1:
-        return float((left / before) ** (count / 2)) * _WITHOUT_SIZE
+        return float((square_left / square_before) ** (count / 2)) * _WITHOUT_SIZE
     freedom = count - sizes
     if freedom < 1:
         return 1.0
-    return float(f_distribution.sf(gain / n_fitted / (left / freedom), n_fitted, freedom))
+    return float(f_distribution.sf(gain / n_fitted / (square_left / freedom), n_fitted, freedom))
 
 
 def are_apart(left: float, least: float, count: int, *, is_noise: bool) -> bool:
@@ -345,12 +346,12 @@ def are_apart(left: float, least: float, count: int, *, is_noise: bool) -> bool:
 
 def explains(
     fit: Fit | None,
-    before: Fit,
+    fit_before: Fit,
     channels: Sequence[int],
 ) -> bool:
     """Whether a fit leaves less than a third of the difference, and not by chance."""
     return (
         fit is not None
-        and share_left(fit, before, channels) < MOST_LEFT
-        and by_chance(fit, before, channels) < CHANCE
+        and share_left(fit, fit_before, channels) < MOST_LEFT
+        and by_chance(fit, fit_before, channels) < CHANCE
     )

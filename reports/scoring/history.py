@@ -420,15 +420,15 @@ def _nearest(squares: Array) -> Places:
     return np.sort(minima[order[:_PLACES]])
 
 
-def _chords(across: Array, up: Array) -> tuple[Array, Array]:
+def _chords(p_difference: Array, q_difference: Array) -> tuple[Array, Array]:
     """For the chords between neighbouring samples at (across, up), (..., n): the point of each
     chord nearest to the origin, as a share of the chord, and its squared distance, (..., n - 1)
     each.
     """
-    start_x = across[..., :-1]
-    start_y = up[..., :-1]
-    chord_x = np.diff(across)
-    chord_y = np.diff(up)
+    start_x = p_difference[..., :-1]
+    start_y = q_difference[..., :-1]
+    chord_x = np.diff(p_difference)
+    chord_y = np.diff(q_difference)
     square_of_length = chord_x**2 + chord_y**2
     divisor = np.where(square_of_length > 0, square_of_length, 1.0)
     share_at_foot = np.clip(-(start_x * chord_x + start_y * chord_y) / divisor, 0.0, 1.0)
@@ -437,14 +437,14 @@ def _chords(across: Array, up: Array) -> tuple[Array, Array]:
     ) ** 2
 
 
-def _squares(across: Array, up: Array) -> Array:
+def _squares(p_difference: Array, q_difference: Array) -> Array:
     """Squared distance of the origin from the path at each of its samples (n,): from the nearer of
     the chords that meet there.
 
     From the samples themselves it would be their luck on which of two branches, to and fro on one
     line, an instant lies.
     """
-    _, of_chord = _chords(across, up)
+    _, of_chord = _chords(p_difference, q_difference)
     of_chord_before = np.insert(of_chord, 0, of_chord[0])
     of_chord_after = np.append(of_chord, of_chord[-1])
     return np.minimum(of_chord_after, of_chord_before)

@@ -171,7 +171,7 @@ class Judgement:
         """
         if not pressure_fit.causes:
             return []
-        fit = self.search.fit(pressure_fit.causes, self.channels, known=pressure_fit.sizes)
+        fit = self.search.fit(pressure_fit.causes, self.channels, known_sizes=pressure_fit.sizes)
         if fit is None:  # with these causes the contact slides: the shear has no theory
             return [pressure_fit]
         left = share_left(pressure_fit, self.no_cause, (PRESSURE,))
@@ -360,11 +360,11 @@ class Judgement:
         return explanations
 
     # ------------------------------------------------------------------------- what rows exclude
-    def _is_possible(self, fit: Fit, before: Fit, channels: Sequence[int]) -> bool:
+    def _is_possible(self, fit: Fit, fit_before: Fit, channels: Sequence[int]) -> bool:
         """Whether the rows do not speak against it, and its sizes are those of a fault."""
-        if _is_no_change(fit, before, channels):
+        if _is_no_change(fit, fit_before, channels):
             return False
-        if SHEAR_FACTOR in fit.causes and not self._is_factor_of_shear(fit, before):
+        if SHEAR_FACTOR in fit.causes and not self._is_factor_of_shear(fit, fit_before):
             return False
         return not self._contradicted(fit)
 
@@ -426,7 +426,7 @@ class Judgement:
         if not self.discrepancy.sheared:
             return [pressure_fit] if pressure_fit.causes else []
         fit_before = self.search.fit(
-            pressure_fit.causes, (PRESSURE, SHEAR), known=pressure_fit.sizes
+            pressure_fit.causes, (PRESSURE, SHEAR), known_sizes=pressure_fit.sizes
         )
         if fit_before is None:
             return []
@@ -480,7 +480,7 @@ class Judgement:
         if len(fit_before.causes) > 1:
             return None
         odd_fit = self.search.fit(
-            (*fit_before.causes, ODD_PART), self.channels, known=fit_before.sizes
+            (*fit_before.causes, ODD_PART), self.channels, known_sizes=fit_before.sizes
         )
         if odd_fit is None or share_left(odd_fit, fit_before, (SHEAR,)) > _MOST_LEFT_OF_ODD:
             return None
@@ -497,7 +497,7 @@ class Judgement:
         """
         explanations = []
         for causes in choices:
-            fit = self.search.fit(causes, (PRESSURE, SHEAR), known=fit_before.sizes)
+            fit = self.search.fit(causes, (PRESSURE, SHEAR), known_sizes=fit_before.sizes)
             if fit is None or not self._is_possible(fit, fit_before, (SHEAR,)):
                 continue
             keeps_pressure = (
@@ -563,7 +563,7 @@ def _may_meet(causes: tuple[Cause, ...]) -> bool:
     return len(set(groups)) == len(groups) and len(set(keys)) == len(keys)
 
 
-def _is_no_change(fit: Fit, before: Fit, channels: Sequence[int]) -> bool:
+def _is_no_change(fit: Fit, fit_before: Fit, channels: Sequence[int]) -> bool:
     """Whether a fitted size is next to none: what is left then is the error of a mesh, unless the
     fit leaves nothing of the difference.
     """
@@ -572,4 +572,4 @@ def _is_no_change(fit: Fit, before: Fit, channels: Sequence[int]) -> bool:
         for cause, size in zip(fit.causes, fit.sizes, strict=True)
         if cause.key not in ("other_times", "offset")
     )
-    return is_small and share_left(fit, before, channels) > _COMPLETE
+    return is_small and share_left(fit, fit_before, channels) > _COMPLETE

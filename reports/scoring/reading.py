@@ -190,7 +190,7 @@ def _rows(
             f"{source}: instant {first_odd + 1} (by {source_in_words}) has"
             f" {points_of_instants[first_odd]} points and the first has"
             f" {points_of_instants[0]}: every instant needs the same points, with zeros where"
-            f" nothing touches"
+            " nothing touches"
         )
     order = np.argsort(instants, kind="stable")
     value_grids: dict[str, Array] = {

@@ -317,8 +317,10 @@ class Formulas:
             (0.0, min(load, load_at_a), False),
             (load_at_a, max(load, load_at_a), True),
         )
-        for begin, end, is_on_ellipse in ranges_of_load:
-            p, weights = graded(np.clip(edge_load, begin, end), np.full(len(x), end))
+        for first_load, last_load, is_on_ellipse in ranges_of_load:
+            p, weights = graded(
+                np.clip(edge_load, first_load, last_load), np.full(len(x), last_load)
+            )
             curvature = np.full_like(p, 2 * beta)
             if is_on_ellipse:
                 _, curvature = slope_on_ellipse(p)
@@ -379,11 +381,11 @@ class Formulas:
         by_load = sign * load_rate * self.reach(x, load)
         return self.case.compliance * self.case.friction / math.pi * (by_slip - by_load)
 
-    def moved(self, x: float, begin: float, end: float) -> float:
+    def moved(self, x: float, start: float, end: float) -> float:
         """The engine's change of s at x between two times in which the steady cycle is marched
         along.
         """
-        solution = self.case.solve(time=[begin, end], x=[x / self.case.length], fields=("slip",))
+        solution = self.case.solve(time=[start, end], x=[x / self.case.length], fields=("slip",))
         slip_at_begin, slip_at_end = solution.slip[:, 0]
         return float(slip_at_end - slip_at_begin)
 
@@ -392,15 +394,15 @@ class Formulas:
         edge_load = np.asarray(self.case.contact.load(np.array([x])))
         sum_over_spans = 0.0
         for span in self.case.slipping[phase]:
-            begin, end = (float(time[0]) for time in slip_times(span, edge_load))
-            if end > begin:
-                sum_over_spans += integral(rate, begin + span.delay, end + span.delay)
+            start, end = (float(time[0]) for time in slip_times(span, edge_load))
+            if end > start:
+                sum_over_spans += integral(rate, start + span.delay, end + span.delay)
         return sum_over_spans
 
 
-def integral(rate: Callable[[Array], ArrayLike], begin: float, end: float) -> float:
+def integral(rate: Callable[[Array], ArrayLike], start: float, end: float) -> float:
     """Integral of a function that may have roots at both ends."""
-    t, weights = graded(begin, end)
+    t, weights = graded(start, end)
     return float(np.sum(np.asarray(rate(t)) * weights))
 
 

@@ -340,7 +340,7 @@ def _zones(case: Case, marks: Sequence[tuple[float, int]], count: int = 91) -> Z
     slip up to the next); `count` instants between two marks.
     """
     time = np.concatenate(
-        [np.linspace(begin, end, count) for (begin, _), (end, _) in pairwise(marks)]
+        [np.linspace(start, end, count) for (start, _), (end, _) in pairwise(marks)]
     )
     unique_times, rows_of_times = np.unique(time, return_inverse=True)
     solution = case.solve(time=unique_times)

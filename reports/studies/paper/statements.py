@@ -226,17 +226,17 @@ def course(case: Case) -> dict[str, Found]:
     }
 
 
-def _slip_depth(case: Case, begin: float, end: float) -> Array:
+def _slip_depth(case: Case, start_time: float, end_time: float) -> Array:
     """(a - c)/a0 at 201 instants between two."""
-    zone = case.solve(time=np.linspace(begin, end, 203)[1:-1])
+    zone = case.solve(time=np.linspace(start_time, end_time, 203)[1:-1])
     return np.asarray((zone.contact_half_width - zone.stick_half_width) / case.length)
 
 
-def _advance_of_slip(case: Case, begin: float, end: float) -> Found:
-    """Statement that the stick zone shrinks from B to E (times `begin` and `end`), while the
-    contact grows from B to C.
+def _advance_of_slip(case: Case, start_time: float, end_time: float) -> Found:
+    """Statement that the stick zone shrinks from B to E (times `start_time` and `end_time`), while
+    the contact grows from B to C.
     """
-    stick = case.solve(time=np.linspace(begin, end, 201)).stick_half_width / case.length
+    stick = case.solve(time=np.linspace(start_time, end_time, 201)).stick_half_width / case.length
     contact = case.width([case.events[letter].normal_load for letter in "BC"])
     least_fall = float(np.min(-np.diff(stick)))
     return judge(least_fall > 0 and contact[1] > contact[0]), {
@@ -257,14 +257,14 @@ def slip_speed(case: Case, x: float = POINTS[0]) -> Found:
     distance = np.zeros(2)
     duration = np.zeros(2)
     for span in chain.from_iterable(case.slipping.values()):
-        begin, end = (float(time[0]) for time in slip_times(span, edge_load))
-        if end > begin:
+        start_time, end_time = (float(time[0]) for time in slip_times(span, edge_load))
+        if end_time > start_time:
             sense = 0 if span.direction > 0 else 1
             slip = case.solve(
-                time=[begin + span.delay, end + span.delay], x=[x], fields=("slip",)
+                time=[start_time + span.delay, end_time + span.delay], x=[x], fields=("slip",)
             ).slip[:, 0]
             distance[sense] += abs(float(slip[1] - slip[0])) / (case.compliance * case.unit)
-            duration[sense] += end - begin
+            duration[sense] += end_time - start_time
     phases = np.array([case.time("M") - case.time("I"), case.time("G") - case.time("E")])
     ratio_in_slip = float(np.divide(*(distance / duration)))
     ratio_over_phases = float(np.divide(*(distance / phases)))

@@ -509,12 +509,12 @@ class _Sheet:
         return Cell((panel, scale), None)
 
 
-def bars(x: Array, low: Array, high: Array, look: str) -> Curve:
-    """Upright lines from `low` to `high` at each x."""
+def bars(x: Array, lower_ends: Array, upper_ends: Array, look: str) -> Curve:
+    """Upright lines from `lower_ends` to `upper_ends` at each x."""
     gap = np.full(len(x), np.nan)
     return Curve(
         np.column_stack([x, x, gap]).ravel(),
-        np.column_stack([low, high, gap]).ravel(),
+        np.column_stack([lower_ends, upper_ends, gap]).ravel(),
         f"{look} bar-line",
     )
 
@@ -524,7 +524,7 @@ def heat_map(
     places: tuple[Array, Array],
     share: Array,
     names: Sequence[str],
-    unresolved: Mask,
+    is_unresolved: Mask,
 ) -> list[Mark]:
     """Marks of a map: cells around places (n,) on both axes, coloured by `share` (n,) of the scale;
     hatched where unresolved, grey where NaN.
@@ -535,7 +535,7 @@ def heat_map(
     cells_up = _cells_of(y_axis, places[1])
     for row in np.flatnonzero(np.isfinite(share)).tolist():
         fill = shades([share[row]])[0]
-        is_hatched = bool(unresolved[row])
+        is_hatched = bool(is_unresolved[row])
         marks.append(Block(cells_across[row], cells_up[row], "", names[row], fill, is_hatched))
     return marks
 
