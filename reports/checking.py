@@ -282,25 +282,27 @@ _NO_THEORY_OF_CURVED_FACES = (
 class Engines:
     """Why each engine does not take a scene; "" for one that does."""
 
-    half_plane: str
-    finite_elements: str
+    refusal_of_theory: str
+    refusal_of_elements: str
     # how it was found out that bodies have room for the contact; "" where nothing was estimated
-    room: str = ""
+    size_in_words: str = ""
     # whether each engine finds loads of its own, under a displacement that is prescribed
     separate: bool = False
 
     @property
     def reasons(self) -> dict[str, str]:
-        """All but the last, by name."""
+        """The reasons for JSON, by engine: "" for one that takes the scene; and how the size of the
+        contact was estimated.
+        """
         return {
-            "half_plane": self.half_plane,
-            "finite_elements": self.finite_elements,
-            "room": self.room,
+            "half_plane": self.refusal_of_theory,
+            "finite_elements": self.refusal_of_elements,
+            "room": self.size_in_words,
         }
 
     def in_words(self, source: str) -> str:
-        """Which engine takes the scene, which does not and why, and the command that works for it;
-        "" where both take it. `source` is the scene's name in that command.
+        """Which engine takes the scene, which does not and why, and the command that works for it.
+        "" where both take it; `source` is the scene's name in that command.
         """
         if self.separate:
             return (
@@ -309,15 +311,15 @@ class Engines:
                 f" exact {source}` corrected theory alone, `halfplane fe {source}` finite elements,"
                 " where the bodies do not part"
             )
-        if self.half_plane:
+        if self.refusal_of_theory:
             return (
                 f"Finite elements alone take this scene, `halfplane fe {source}`; half-plane theory"
-                f" does not: {self.half_plane}"
+                f" does not: {self.refusal_of_theory}"
             )
-        if self.finite_elements:
+        if self.refusal_of_elements:
             return (
                 f"Half-plane theory alone takes this scene, `halfplane exact {source}`; finite"
-                f" elements do not: {self.finite_elements}"
+                f" elements do not: {self.refusal_of_elements}"
             )
         return ""
 

@@ -110,8 +110,8 @@ def test_each_engine_says_whether_it_takes_full_unloading():
     ):
         halfplane_fe.require_solvable(scene)
     engines = engines_for(scene, "unload.toml")
-    assert not engines.half_plane
-    assert "finite elements need P > 0" in engines.finite_elements
+    assert not engines.refusal_of_theory
+    assert "finite elements need P > 0" in engines.refusal_of_elements
 
 
 def test_a_contact_that_never_slips_states_no_error_of_slip():

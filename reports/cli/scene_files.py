@@ -197,7 +197,7 @@ def check(scene: str, options: Options) -> Answer:
     cells = rows_of_contact(scene_read, contact) if contact else []
     cells += rows_of_sliding(scene_read, nearest_instant)
     table = Sheet("By half-plane theory", ("", "value"), cells, (1,))
-    sizes = filter(None, [engines.room, bulk_in_words(bulk) if bulk else ""])
+    sizes = filter(None, [engines.size_in_words, bulk_in_words(bulk) if bulk else ""])
     content = {
         "passed": True,
         "sentence": verdict,
@@ -283,7 +283,7 @@ def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
         "profile_fit": None,
         "uncertainty_of_inputs": stated_content(scene),
     }
-    if engines.half_plane:
+    if engines.refusal_of_theory:
         last_sentence = (
             f"{source}: the scene is well formed. `halfplane fe {source}` finds its loads."
         )

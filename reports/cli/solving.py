@@ -290,7 +290,7 @@ def run(job: Job) -> Answer:
         complain(f"halfplane: {job.scene.name}: no comparison. {reason_for_none}")
         if job.scene.load.is_driven:
             return _answer_of_rig(job, engines, reason_for_none)
-        if engines.half_plane:  # the reason why theory does not take it
+        if engines.refusal_of_theory:
             solution = solve_finite_elements(job)
             command = "fe"
         else:
@@ -827,7 +827,7 @@ def _answer_of_rig(job: Job, engines: Engines, no_comparison: str) -> Answer:
     """
     from reports.comparison.words import summary_rows
 
-    if engines.half_plane:
+    if engines.refusal_of_theory:
         solution = solve_finite_elements(job)
         command = "fe"
     else:
@@ -837,7 +837,7 @@ def _answer_of_rig(job: Job, engines: Engines, no_comparison: str) -> Answer:
     answer = _answer_alone(job, solution, no_comparison, inputs)
     solution_of_elements = None
     content_of_elements: dict[str, Any] = {}
-    if not engines.half_plane:
+    if not engines.refusal_of_theory:
         solution_of_elements, content_of_elements = _elements_of_rig(job)
     with job.stages.stage("report"):
         from reports.page.rig import RigMotion, write

@@ -136,7 +136,9 @@ def _corrective_load(case: Case, friction: float = 0.5, share_of_limit: float = 
     shear = semi_analytic.solve(scene, x=x, time=[2.0], fields=("shear",)).shear[0]
 
     def error(corrective_load: float) -> float:
-        """Of f (p at P - p at that load), over the largest shear of the engine."""
+        """Largest difference of f (p at P − p at that load) from the engine's shear, over the
+        latter's largest value.
+        """
         pressure = case.contact.pressure(x, normal_load)
         if corrective_load > 0:
             pressure = pressure - case.contact.pressure(x, corrective_load)
