@@ -132,13 +132,7 @@ def check(scene: str, options: Options) -> Answer:
         rows_of_contact,
         rows_of_sliding,
     )
-    from reports.comparison.words import (
-        bodies_in_words,
-        idealisation,
-        question,
-        read_in_words,
-        unlike_materials,
-    )
+    from reports.comparison.words import read_in_words
     from reports.input_words import sliding_in_words, stated_content, stated_in_words
     from reports.inputs import not_stated, sliding_of_loads
     from reports.measured import check_record, read_in_pairs, record_in_words
@@ -160,35 +154,30 @@ def check(scene: str, options: Options) -> Answer:
     nearest_instant = nearest_to_sliding(scene_read)
     bulk = bulk_and_tilt(scene_read)
     contact = None
-    doubtful_points: list[str] = []
+    remarks_on_scene: list[str] = []
     with suppress(InputError):  # of theory, where finite elements alone take the scene
         contact = largest_contact(scene_read, scene)
-        doubtful_points += remarks(scene_read, contact)
+        remarks_on_scene += remarks(scene_read, contact)
     if refusals_in_words := engines.in_words(scene):
-        doubtful_points.append(f"{refusals_in_words}.")
+        remarks_on_scene.append(f"{refusals_in_words}.")
     elif rows > _MOST_ROWS:
-        doubtful_points.append(
+        remarks_on_scene.append(
             f"The record has {rows} rows, and finite elements take at least two increments a row."
             " Solve it by half-plane theory alone: `halfplane exact`."
         )
-    sentences_on_bodies = (
-        bodies_in_words(scene_read),
-        unlike_materials(scene_read),
-        idealisation(scene_read),
-    )
-    notes = [question(scene_read), *filter(None, sentences_on_bodies)]
+    notes = _question_in_words(scene_read)
     tables_read = read_in_pairs(scene_read) | loop_read
     notes += [read_in_words(name, pairs) for name, pairs in tables_read.items()]
     if record := check_record(scene_read):
         for sentence, is_warning in record_in_words(scene_read, record):
             if is_warning:
-                doubtful_points.append(sentence)
+                remarks_on_scene.append(sentence)
             else:
                 notes.append(sentence)
     sliding = sliding_in_words(sliding_of_loads(scene_read))
-    doubtful_points += filter(None, [sliding, not_stated(scene_read)])
-    doubtful_points += fit_warnings(scene_read, contact.half_width if contact else 0.0)
-    notes += [sentence for sentence in findings(scene_read)[0] if sentence not in doubtful_points]
+    remarks_on_scene += filter(None, [sliding, not_stated(scene_read)])
+    remarks_on_scene += fit_warnings(scene_read, contact.half_width if contact else 0.0)
+    notes += [sentence for sentence in findings(scene_read)[0] if sentence not in remarks_on_scene]
     notes += filter(None, [stated_in_words(scene_read)])
     verdict = (
         f"{scene}: the scene is well formed and its load path admissible. |Q|/(f P) is at most"
@@ -202,7 +191,7 @@ def check(scene: str, options: Options) -> Answer:
         "passed": True,
         "sentence": verdict,
         "notes": notes,
-        "remarks": doubtful_points,
+        "remarks": remarks_on_scene,
         "read_as": tables_read,
         "engines": engines.reasons,
         "largest_contact": vars(contact) if contact else None,
@@ -212,9 +201,22 @@ def check(scene: str, options: Options) -> Answer:
     }
     if bulk:
         content["bulk_and_tilt"] = vars(bulk)
-    marked_remarks = [f"Remark: {doubt}" for doubt in doubtful_points]
+    marked_remarks = [f"Remark: {remark}" for remark in remarks_on_scene]
     parts: list[Part] = [verdict, table, *marked_remarks, *sizes, *notes]
     return Answer(WITHIN, parts, lambda: content, scene_read.name)
+
+
+def _question_in_words(scene: Scene) -> list[str]:
+    """Sentences on what a scene asks: its question, its bodies, what theory leaves out of them."""
+    from reports.comparison.words import (
+        bodies_in_words,
+        idealisation,
+        question,
+        unlike_materials,
+    )
+
+    sentences = (bodies_in_words(scene), unlike_materials(scene), idealisation(scene))
+    return [question(scene), *filter(None, sentences)]
 
 
 def _draw_fit(scene: Scene, file: Path) -> None:

@@ -229,73 +229,24 @@ def _slip(case: Case) -> dict[str, Found]:
     out of contact, by the printed and the mended formula.
     """
     formulas = Formulas(case)
-    factor = case.compliance * case.friction / math.pi
-    loads = formulas.loads
-    rates = formulas.rates
-    reach = formulas.reach
-    front = formulas.front
-    t = {letter: case.time(letter) for letter in "EFGIJKM"}
-
-    # In contact from I to J: C dP or C dP_Y, and dQ/dP times or at P_Y.
-    x = 1.05 * case.length
-    moved_distance = formulas.moved(x, t["I"], t["J"])
-
-    def by_14(time: Array) -> Array:
-        """Rate of slip by equation (14) as printed, C dP."""
-        load_rate, _ = rates(time)
-        return factor * formulas.multiplier("IJ", time) * reach(x, front("IJ", time)) * load_rate
-
-    def by_18(unit: float | None) -> float:
-        """Slip with dQ/dP multiplied by the load P_Y in some unit; None: not multiplied."""
-
-        def rate(time: Array) -> Array:
-            load = front("IJ", time)
-            slope = case.friction * (formulas.multiplier("IJ", time) + 1)
-            if unit:
-                slope = slope * load / unit
-            multiplier = slope / case.friction - 1
-            return multiplier * factor * formulas.front_rate("IJ", time) * reach(x, load)
-
-        return formulas.rubbing("IJ", x, rate)
-
-    slip_right = by_18(None)
-    printed_value = formulas.rubbing("IJ", x, by_14)
-    ratio_after = integral(by_14, t["K"], t["J"]) / moved_distance
-    ratios_of_halves = {
-        "printed I-K": printed_value / moved_distance - ratio_after,
-        "printed K-J": ratio_after,
-    }
-    ratios_with_unit = {
-        "printed in N/mm": by_18(1.0) / moved_distance,
-        "printed in P0/3": by_18(case.unit) / moved_distance,
-    }
-    nearest_value = (
-        min(ratios_with_unit.values(), key=lambda ratio: abs(ratio - 1)) * moved_distance
-    )
-
-    # Out of contact from E to F; as printed: int_a^x dx / sqrt(x^2 - c^2).
-    x1 = case.length
-    phase = (t["E"], t["F"])
-
-    def by_16(time: Array) -> Array:
-        """Rate of slip by equation (16) as printed."""
-        inner_reach = reach(x1, front("EG", time))
-        reach_from_edge = inner_reach - reach(
-            case.contact.half_width(loads(time)[0]), front("EG", time)
-        )
-        return factor * (
-            2 * formulas.front_rate("EG", time) * inner_reach - rates(time)[0] * reach_from_edge
-        )
-
-    slip_mended = integral(lambda time: formulas.slip_rate("EG", x1, time), *phase)
-    second_proof = _proof(slip_mended, integral(by_16, *phase), formulas.moved(x1, *phase), {})
+    t = {letter: case.time(letter) for letter in "GIJM"}
+    proofs_in_contact = _slip_in_contact(case)
 
     # After J: P_K is a front; as a constant load it leaves what the open surface does.
+    x1 = case.length
     phase = t["J"], (t["J"] + t["M"]) / 2
+    factor = case.compliance * case.friction / math.pi
+
+    def open_surface(time: Array) -> Array:
+        """Rate of slip that is left where P_K is a constant load."""
+        load, _ = formulas.loads(time)
+        load_rate, _ = formulas.rates(time)
+        return factor * load_rate * formulas.reach(x1, load)
+
     slip_mended = integral(lambda time: formulas.slip_rate("JM", x1, time), *phase)
-    outer_value = integral(lambda time: factor * rates(time)[0] * reach(x1, loads(time)[0]), *phase)
+    outer_value = integral(open_surface, *phase)
     named_numbers = {
-        "front at M": float(front("JM", t["M"])) / case.unit,
+        "front at M": float(formulas.front("JM", t["M"])) / case.unit,
         "load at K": case.events["K"].normal_load / case.unit,
     }
 
@@ -305,22 +256,91 @@ def _slip(case: Case) -> dict[str, Found]:
     forward_slip = formulas.moved(x2, t["I"], t["M"])
     net_slip = formulas.moved(x2, t["G"], t["G"] + 2 * math.pi)
     return {
-        "(14), I–J": _proof(
-            slip_right,
-            printed_value,
-            moved_distance,
-            ratios_of_halves,
-            ratios_of_halves["printed I-K"] * ratio_after < 0,
-        ),
+        "(14), I–J": proofs_in_contact["(14), I–J"],
         "(15)": _gap_for_slope(case),
-        "(16), second line": second_proof,
+        "(16), second line": _slip_out_of_contact(case),
         "(17)": _stick_displacement(case),
-        "(18)": _proof(slip_right, nearest_value, moved_distance, ratios_with_unit),
+        "(18)": proofs_in_contact["(18)"],
         "P_K in (19)": _proof(slip_mended, outer_value, formulas.moved(x1, *phase), named_numbers),
         "reference before (23)": _proof(
             slip_by_15, net_slip, forward_slip, {"net over the slip": abs(net_slip / forward_slip)}
         ),
     }
+
+
+def _slip_in_contact(case: Case) -> dict[str, Found]:
+    """Proofs for equations (14) and (18): slip of a point in contact from I to J, with C dP as
+    printed or C dP_Y, and with dQ/dP times P_Y as printed or at P_Y.
+    """
+    formulas = Formulas(case)
+    factor = case.compliance * case.friction / math.pi
+    x = 1.05 * case.length
+    moved_distance = formulas.moved(x, case.time("I"), case.time("J"))
+
+    def by_14(time: Array) -> Array:
+        """Rate of slip by equation (14) as printed, C dP."""
+        load_rate, _ = formulas.rates(time)
+        reach = formulas.reach(x, formulas.front("IJ", time))
+        return factor * formulas.multiplier("IJ", time) * reach * load_rate
+
+    def by_18(unit: float | None) -> float:
+        """Slip with dQ/dP multiplied by the load P_Y in some unit; None: not multiplied."""
+
+        def rate(time: Array) -> Array:
+            load = formulas.front("IJ", time)
+            slope = case.friction * (formulas.multiplier("IJ", time) + 1)
+            if unit:
+                slope = slope * load / unit
+            multiplier = slope / case.friction - 1
+            front_rate = formulas.front_rate("IJ", time)
+            return multiplier * factor * front_rate * formulas.reach(x, load)
+
+        return formulas.rubbing("IJ", x, rate)
+
+    slip_right = by_18(None)
+    printed_value = formulas.rubbing("IJ", x, by_14)
+    ratio_after = integral(by_14, case.time("K"), case.time("J")) / moved_distance
+    ratios_of_halves = {
+        "printed I-K": printed_value / moved_distance - ratio_after,
+        "printed K-J": ratio_after,
+    }
+    ratios_with_unit = {
+        "printed in N/mm": by_18(1.0) / moved_distance,
+        "printed in P0/3": by_18(case.unit) / moved_distance,
+    }
+    nearest_ratio = min(ratios_with_unit.values(), key=lambda ratio: abs(ratio - 1))
+    have_other_signs = ratios_of_halves["printed I-K"] * ratio_after < 0
+    return {
+        "(14), I–J": _proof(
+            slip_right, printed_value, moved_distance, ratios_of_halves, have_other_signs
+        ),
+        "(18)": _proof(
+            slip_right, nearest_ratio * moved_distance, moved_distance, ratios_with_unit
+        ),
+    }
+
+
+def _slip_out_of_contact(case: Case) -> Found:
+    """Proof for the second line of equation (16): movement of a point out of contact from E to F.
+    As printed it has int_a^x dx / sqrt(x^2 - c^2).
+    """
+    formulas = Formulas(case)
+    factor = case.compliance * case.friction / math.pi
+    x = case.length
+    phase = (case.time("E"), case.time("F"))
+
+    def by_16(time: Array) -> Array:
+        """Rate of slip by equation (16) as printed."""
+        load, _ = formulas.loads(time)
+        load_rate, _ = formulas.rates(time)
+        front = formulas.front("EG", time)
+        reach_of_x = formulas.reach(x, front)
+        reach_from_edge = reach_of_x - formulas.reach(case.contact.half_width(load), front)
+        front_rate = formulas.front_rate("EG", time)
+        return factor * (2 * front_rate * reach_of_x - load_rate * reach_from_edge)
+
+    slip_mended = integral(lambda time: formulas.slip_rate("EG", x, time), *phase)
+    return _proof(slip_mended, integral(by_16, *phase), formulas.moved(x, *phase), {})
 
 
 def _gap_for_slope(case: Case) -> Found:
