@@ -612,7 +612,7 @@ def bulk_and_tilt(scene: Scene) -> _BulkAndTilt | None:
 
 
 def bulk_in_words(effect: _BulkAndTilt) -> str:
-    """What bulk stress and tilt do, in a sentence or two."""
+    """Sentences on what bulk stress and tilt do to the contact of a scene."""
     return in_template("bulk", effect)
 
 

@@ -513,7 +513,7 @@ class _ScalingLaws:
         return {key: heights[key] + radius[key] - of_force[key] for key in self.middle}
 
     def of_radius(self) -> _Values:
-        """Of a parabola."""
+        """x dV/dx of every value V for the radius x of a parabola, by a scaling law."""
         return {key: law / 2 for key, law in self._exponents("of_lengths").items()}
 
     def of_friction(self) -> _Values:

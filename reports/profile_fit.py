@@ -70,7 +70,7 @@ class FitUncertainty:
 
 
 def fit_of(scene: Scene) -> Fitted | None:
-    """What the scene's profile was fitted to, if it was."""
+    """The fit to measured rows that the scene's profile is from; None for another profile."""
     return getattr(scene.profile, "fitted", None)
 
 

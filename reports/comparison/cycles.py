@@ -78,7 +78,7 @@ class Cycle:
 
 
 def _stated_of_bulk(source: ContactSolution | Cycle) -> tuple[str, ...]:
-    """Those of `OF_BULK` that `source` states."""
+    """Names of the series on bulk stress, tilt and moment that a solution or a cycle states."""
     return tuple(name for name in OF_BULK if getattr(source, name) is not None)
 
 

@@ -415,7 +415,7 @@ def difference(
 
 
 def _group(key: str) -> str:
-    """What a figure belongs to, the comparison or an engine: the first word of its key."""
+    """The comparison or the engine that a value belongs to: the first word of its key."""
     return key.partition(".")[0]
 
 
@@ -431,7 +431,7 @@ def _refuse_different_scenes(a: Findings, b: Findings) -> None:
 
 
 def _differing_keys(of_a: Mapping[str, Any], of_b: Mapping[str, Any]) -> list[tuple[str, Any, Any]]:
-    """Keys whose values are not the same, with both."""
+    """(key, value in A, value in B) for every key whose values are not the same."""
     pairs = [(key, of_a.get(key, "absent"), of_b.get(key, "absent")) for key in {**of_a, **of_b}]
     return [(key, value_a, value_b) for key, value_a, value_b in pairs if value_a != value_b]
 

@@ -65,7 +65,7 @@ class Certificate(PythonNumbers):
 
     @property
     def label(self) -> str:
-        """Name and source: the same law may be seen in both."""
+        """The law with its source, "fields" or "record": one law may be seen in both."""
         return f"{self.name} ({self.source})"
 
     @property
@@ -203,7 +203,7 @@ def _when_largest(solution: ContactSolution) -> int:
 
 
 def _largest_half_width(solution: ContactSolution) -> float:
-    """Of the contact in the last cycle [length]."""
+    """Largest half-width of the contact in the last cycle [length]."""
     return float(np.nanmax(solution.contact_half_width[solution.last_cycle]))
 
 

@@ -144,7 +144,7 @@ class Pair:
 
     @property
     def unsymmetric(self) -> bool:
-        """Either of both."""
+        """Whether the scene states bulk stress, tilt, moment or unequal sides."""
         return self.pulled or self.turned
 
     @property

@@ -149,12 +149,12 @@ class Why(PythonNumbers):
 
     @property
     def left_in_percent(self) -> str:
-        """What is left, with its uncertainty."""
+        """The part of the difference that no cause explains, in per cent with its uncertainty."""
         return percent_of(self.left)
 
     @property
     def cause_in_percent(self) -> str:
-        """What the main cause makes of W, for a headline: without its uncertainty."""
+        """What the main cause makes of W, in per cent without its uncertainty, for a headline."""
         return percent_of(Estimate(self.parts[self.main_cause].value))
 
     @property

@@ -81,7 +81,7 @@ def of_stretch(text: str, scene: Scene) -> str:
 
 
 def question(scene: Scene) -> str:
-    """What is asked, in a sentence: bodies, material, friction, loads, with units."""
+    """A sentence on what a scene asks: bodies, material, friction, loads, with units."""
     return in_template("question", scene, *units(scene)[1:], load_unit(scene), bulk_and_tilt(scene))
 
 
@@ -395,7 +395,7 @@ def _count_of_judged(comparison: JudgedPair) -> int:
 
 
 def _names(comparison: JudgedPair) -> tuple[str, str]:
-    """Of the engines: of the reference, of the result."""
+    """Names of the engines of the reference and of the result."""
     return name_of(comparison.reference.engine), name_of(comparison.result.engine)
 
 

@@ -91,12 +91,12 @@ class RigMotion:
 
     @cached_property
     def elements(self) -> RigMotion | None:
-        """What the rig does by finite elements, beside theory."""
+        """What the rig does by finite elements, where they were solved beside theory; else None."""
         return RigMotion(self.scene, self.beside) if self.beside is not None else None
 
     @property
     def noun(self) -> str:
-        """What is shown."""
+        """Which part of the path is shown: the "last cycle" or the "path"."""
         return "path" if self.solution.scene.load.path().period is None else "last cycle"
 
     @cached_property

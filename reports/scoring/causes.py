@@ -211,7 +211,9 @@ def _of_body(discrepancy: Discrepancy) -> Sequence[float]:
 
 
 def _of_layer(discrepancy: Discrepancy) -> Sequence[float]:
-    """Of a contact that is wider than theory's, by both moments."""
+    """Sizes at which the search for a soft layer starts: none where the contact is not wider than
+    theory's.
+    """
     _, width_ratio, _ = _moments(discrepancy)
     return _LAYERS if width_ratio > 1 and not discrepancy.unsymmetric else ()
 

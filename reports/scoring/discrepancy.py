@@ -168,7 +168,7 @@ class Discrepancy:
         return Residual(scaled_difference, self.weight, self.in_contact(predicted))
 
     def residuals(self, predicted: Tractions) -> tuple[Residual, Residual]:
-        """Of pressure and shear."""
+        """What a prediction leaves of the result's pressure, and of its shear."""
         return self.residual(predicted, PRESSURE), self.residual(predicted, SHEAR)
 
     def errors(self) -> tuple[float, float]:

@@ -73,7 +73,7 @@ class Fit:
 
     @property
     def keys(self) -> frozenset[str]:
-        """Of the causes."""
+        """Keys of the causes that are fitted."""
         return frozenset(cause.key for cause in self.causes)
 
     @property

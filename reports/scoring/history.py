@@ -476,6 +476,8 @@ def _refined(times: Array, chosen_places: Places, path: LoadPath, loads: Loads) 
 
 
 def _distance(path: LoadPath, time: Array, loads: Loads) -> Array:
-    """Of the loads from the path at these times, (n_steps,) [force / thickness]."""
+    """Distance of the loads from those of the path at these times, (n_steps,) [force /
+    thickness].
+    """
     normal_load, tangential_load = path.at(time)
     return np.hypot(normal_load - loads[0], tangential_load - loads[1])

@@ -337,7 +337,7 @@ class Judgement:
         return [(cause, *_without_size(best_fit)) for cause in _OF_MODEL]
 
     def _near_the_best(self, fits: Sequence[Fit]) -> list[Fit]:
-        """Those that the pressure does not tell apart from the first."""
+        """Of fits with the best first, the few that the pressure does not tell apart from it."""
         near_fits = [fit for fit in fits if not self._told_apart(fit, fits[0], (PRESSURE,))]
         return near_fits[:_MOST_OF_PRESSURE]
 

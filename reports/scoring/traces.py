@@ -97,7 +97,7 @@ class Diagnosis:
 
     @property
     def name_and_size(self) -> str:
-        """The same, with its size."""
+        """The name of the finding with its size, as in a headline."""
         return f"{self.name} ({self.size})" if self.size else self.name
 
 

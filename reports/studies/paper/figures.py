@@ -510,7 +510,7 @@ def _figure_5(case: Case) -> Plate:
 
 
 def _grown(mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """With one instant more at either end, so that pieces of a curve meet."""
+    """A mask with one instant more at either end of each run, so that pieces of a curve meet."""
     return np.asarray(mask | np.roll(mask, 1) | np.roll(mask, -1))
 
 

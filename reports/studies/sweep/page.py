@@ -358,7 +358,7 @@ class _Sheet:
         return self.table[column].to_numpy(float)
 
     def title(self, row: int) -> str:
-        """What a reader sees of a value."""
+        """The text that a pointer shows at the value of a row: quantity, value, unit and remark."""
         remark = ", not resolved" if self.unresolved[row] else ""
         return f"{self.title_words}: {number(float(self.value[row]))} {self.unit}{remark}"
 

@@ -183,7 +183,9 @@ def is_error(name: str) -> bool:
 
 
 def shown_factor(name: str) -> float:
-    """What a figure of the table is multiplied by where it is shown: shares are in per cent."""
+    """Factor by which a figure of the table is multiplied where it is shown: shares are in per
+    cent.
+    """
     return 100.0 if is_error(name) else 1.0
 
 
@@ -337,7 +339,7 @@ class Question:
     share_condensations: bool
 
     def as_json(self) -> dict[str, Any]:
-        """As it travels to a worker, and as it is stored."""
+        """The question as JSON values, as it travels to a worker and as it is stored."""
         json_values = {
             name: getattr(self, name)
             for name in ("engines", "figures", "uncertainty", "share_condensations")

@@ -69,7 +69,7 @@ class Store:
         return sorted(path.name for path in paths if _ADDRESS.fullmatch(path.stem))
 
     def addresses(self) -> set[str]:
-        """Of all results, whole or not."""
+        """Addresses of all stored results, whether their files are whole or not."""
         return {name[:64] for name in self._result_names("*.json")}
 
     def damaged(self) -> list[str]:
@@ -259,5 +259,7 @@ def _without_unused_keys(study: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _without(keys: Mapping[str, Any], unused: Mapping[str, Any]) -> dict[str, Any]:
-    """All but the unused keys that have their unused value."""
+    """The keys of a stored study without those that are no longer used, where these have the value
+    that means nothing.
+    """
     return {key: value for key, value in keys.items() if key not in unused or value != unused[key]}

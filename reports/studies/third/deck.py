@@ -477,7 +477,7 @@ def deck_text(deck: Deck, command: str = "", versions: Mapping[str, str] | None 
 
 
 def one_line(text: str) -> str:
-    """What stands outside of our hands on one line: the next could begin a card."""
+    """A text of the user's on one line: another line could begin a card of the deck."""
     return " ".join(text.split())
 
 
