@@ -94,7 +94,7 @@ def sentences(
     all_sentences += [*_of_difference(effects, comparison), *_of_measurement(effects, comparison)]
     all_sentences += [_matters_most(effects)]
     if effects.draws is not None:
-        all_sentences.append(_drawn(effects.draws, scene))
+        all_sentences.append(_draws_in_words(effects.draws, scene))
     drawn_values = effects.draws.values if effects.draws is not None else {}
     names_of_drawn = {QUANTITIES_OF_THEORY[key].words for key in drawn_values}
     names_of_rough = [
@@ -216,7 +216,7 @@ def _matters_most(effects: InputEffects) -> str:
     return ""
 
 
-def _drawn(draws: Draws, scene: Scene) -> str:
+def _draws_in_words(draws: Draws, scene: Scene) -> str:
     """Sentences on the work W of random draws of the inputs: why they were drawn, mean and
     deviation, how many slide or are impossible.
     """

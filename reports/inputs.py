@@ -835,12 +835,12 @@ def draws_of_work(scene: Scene, reason: str) -> Draws | None:
         count=count,
         sliding=sliding_share,
         impossible=float(np.mean(~np.isfinite(values[WORK]))) - sliding_share,
-        values={key: _drawn(drawn_values) for key, drawn_values in values.items()},
+        values={key: _statistics_of(drawn_values) for key, drawn_values in values.items()},
         reason=reason,
     )
 
 
-def _drawn(values: Array) -> Drawn:
+def _statistics_of(values: Array) -> Drawn:
     """Mean, deviation and 95 % range of the values of random draws (n,); those without a value
     (NaN) are left out.
     """

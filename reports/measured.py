@@ -436,11 +436,11 @@ def _cycles_of_rows(rows: Array, *, repeats: bool) -> list[LoadCycle]:
     revolution.
     """
     if repeats:
-        return _counted_in_turn(rows)
+        return _cycles_of_repeating_rows(rows)
     return counted(rows[:, _TIME], rows[:, _TANGENTIAL])
 
 
-def _counted_in_turn(rows: Array) -> list[LoadCycle]:
+def _cycles_of_repeating_rows(rows: Array) -> list[LoadCycle]:
     """Load cycles of rows (n, 3: time, P, Q) that repeat, counted from the row of the largest Q to
     the same row one period later: all are closed.
     """
@@ -524,7 +524,11 @@ def counted(time: Array, force: Array) -> list[LoadCycle]:
 
     cycles = []
     for size, mean, count, first_row, last_row in extract_cycles(force.tolist()):
-        end = _back(time, force, first_row, last_row) if count == 1 else float(time[last_row])
+        end = (
+            _time_of_return(time, force, first_row, last_row)
+            if count == 1
+            else float(time[last_row])
+        )
         cycles.append(LoadCycle(count, size, mean, float(time[first_row]), end, 0.0))
     return sorted(cycles, key=lambda cycle: (cycle.end, -cycle.start))
 
@@ -545,7 +549,7 @@ def with_work(cycles: Sequence[LoadCycle], time: Array, work_so_far: Array) -> I
         yield replace(cycle, dissipation=work_outside)
 
 
-def _back(time: Array, force: Array, first_row: int, last_row: int) -> float:
+def _time_of_return(time: Array, force: Array, first_row: int, last_row: int) -> float:
     """Time at which the force (n,), after the row `last_row`, is again what it was at the row
     `first_row`; straight between rows. The end of the rows where it is never.
     """

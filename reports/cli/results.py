@@ -80,8 +80,8 @@ def score(result: str | None, options: Options) -> Answer:
     command = options.command("score", result, folder)
     try:
         if is_loop:
-            return _scored_loop(path, mapping, scene, options, folder, command)
-        return _scored(path, mapping, scene, options, tolerances, folder, command)
+            return _score_loop(path, mapping, scene, options, folder, command)
+        return _score_tractions(path, mapping, scene, options, tolerances, folder, command)
     except ConvergenceError as failure:
         sentence = f"the reference is not converged: {failure}"
         complain(f"halfplane: {scene.name}: {sentence}")
@@ -122,7 +122,7 @@ def _folder_of(path: Path, is_loop: bool) -> Path:
     return folder
 
 
-def _scored(
+def _score_tractions(
     path: Path,
     mapping: Mapping,
     scene: Scene,
@@ -185,7 +185,7 @@ def _with_inputs(report: Report, mapping: Mapping, stages: Stages) -> Report:
     return replace(report, validation=against_result(comparison, inputs, mapping.measured))
 
 
-def _scored_loop(
+def _score_loop(
     path: Path, mapping: Mapping, scene: Scene, options: Options, folder: Path, command: str
 ) -> Answer:
     """The answer on a measured loop of Q over U: which friction coefficient fits it, beside the
@@ -251,7 +251,7 @@ def _score_shown(report: Report, page: str) -> Iterator[Part]:
     if report.read_as:
         yield read_in_words(report.comparison.result.engine, report.read_as)
     yield from verdict_shown(report)
-    yield from _inputs_said(report)
+    yield from _inputs_shown(report)
     labels_on_points = [m.label for m in report.comparison.headlines if m.is_on_points_of_result]
     if labels_on_points:
         yield (
@@ -283,7 +283,7 @@ def _score_shown(report: Report, page: str) -> Iterator[Part]:
     yield page
 
 
-def _inputs_said(report: Report) -> Iterator[Part]:
+def _inputs_shown(report: Report) -> Iterator[Part]:
     """A paragraph on what the uncertain inputs do to theory, and how the result stands against it;
     nothing without these.
     """

@@ -299,7 +299,7 @@ def run(job: Job) -> Answer:
         return replace(_answer_alone(job, solution, reason_for_none), command=command)
     if options.third:
         _third_solver(options.third).require()
-    return _answer_of_both(job, _compared(job, tolerances))
+    return _answer_of_both(job, _compare_engines(job, tolerances))
 
 
 def _require_no_option_of_both(job: Job, no_comparison: str) -> None:
@@ -325,7 +325,7 @@ def _third_solver(name: str) -> Any:
     return import_module(_THIRD_SOLVERS[name])
 
 
-def _compared(job: Job, tolerances: dict[str, float]) -> Report:
+def _compare_engines(job: Job, tolerances: dict[str, float]) -> Report:
     """Solve by both engines, compare, measure the uncertainties and ask the third solver as
     requested, and write the page. The finite elements' solution is saved if anything after it
     fails.
@@ -348,7 +348,7 @@ def _compared(job: Job, tolerances: dict[str, float]) -> Report:
             if reason_for_none:
                 note = f"{reason_for_none[:1].upper()}{reason_for_none[1:]}."
                 comparison = replace(comparison, notes=(*comparison.notes, note))
-            report = _measured(job, comparison, seconds_before if wants_budget else None)
+            report = _report_with_budget(job, comparison, seconds_before if wants_budget else None)
             inputs = _effects_of_inputs(job, comparison.effects)
             report = replace(report, inputs=inputs)
             if job.options.third:
@@ -385,7 +385,7 @@ def _comparison_with_theory(
         )
 
 
-def _measured(job: Job, comparison: Comparison, seconds_before: float | None) -> Report:
+def _report_with_budget(job: Job, comparison: Comparison, seconds_before: float | None) -> Report:
     """The report on a comparison, with the budget of its errors if that is to be measured, and for
     real bodies the causes of the difference.
 
@@ -541,7 +541,7 @@ def _answer_of_both(job: Job, report: Report) -> Answer:
             times = [(stage, f"{seconds:.2f}") for stage, seconds in stages.seconds.items()]
             yield Sheet("Time", ("stage", "seconds"), times, (1,))
         else:
-            yield from _left_out(report, findings)
+            yield from _topics_left_out(report, findings)
         yield str(page)
 
     def json_content() -> dict[str, Any]:
@@ -600,7 +600,7 @@ def verdict_shown(report: Report, verbose: bool = True) -> Iterator[Part]:
         yield from filter(None, [rule_of_judging])
 
 
-def _left_out(report: Report, findings: Sequence[Finding]) -> Iterator[Part]:
+def _topics_left_out(report: Report, findings: Sequence[Finding]) -> Iterator[Part]:
     """For a terminal without --verbose: warnings about the record of loads, and a line on what the
     page says besides, by how each note begins.
     """

@@ -128,9 +128,11 @@ def without_steps(comparison: Comparison) -> dict[str, float | None]:
             " polygon_reference"
         )
     if comparison.polygon_reference is None:
-        return _values(compare(comparison.reference, comparison.result, effects=comparison.effects))
+        return _value_by_key(
+            compare(comparison.reference, comparison.result, effects=comparison.effects)
+        )
     result_on_polygon = on_straight_steps(comparison.result)
-    return _values(
+    return _value_by_key(
         compare(comparison.polygon_reference, result_on_polygon, effects=comparison.effects)
     )
 
@@ -144,7 +146,7 @@ def finer_steps(settings: SolverSettings) -> SolverSettings:
     )
 
 
-def _values(comparison: Comparison) -> dict[str, float | None]:
+def _value_by_key(comparison: Comparison) -> dict[str, float | None]:
     """Metric -> value."""
     return {metric.key: metric.value for metric in comparison.metrics}
 
@@ -300,7 +302,7 @@ class _RunSolver:
         if reference is None:
             return Run(label, size, {}, f"{label}: half-plane theory has no answer on its steps")
         compared_solution = on_straight_steps(solution) if self.on_polygon else solution
-        values = _values(compare(reference, compared_solution, effects=self.effects))
+        values = _value_by_key(compare(reference, compared_solution, effects=self.effects))
         return Run(label, size, values, "", len(solution.time), len(solution.x))
 
     def _theory(self, solution: ContactSolution) -> ContactSolution | None:
@@ -502,7 +504,7 @@ def _not_measured(name: str, runs: Iterable[Run] = (), why: str = "", before: st
     return Term(name, None, None, f"not measured: {before}{reason}")
 
 
-def _extrapolated(
+def _term_by_extrapolation(
     name: str, metric: Metric, refinements: Refinements, runs: tuple[Run, ...], formal_order: float
 ) -> Term:
     """The error of a metric by one kind of refinement: its value in the run itself (size 1) minus
@@ -530,7 +532,7 @@ def _mesh(metric: Metric, comparison: Comparison, refinements: Refinements) -> T
     better. They state both where the run states nothing, and where their curve ends outside of what
     it states.
     """
-    term = _extrapolated("mesh", metric, refinements, refinements.mesh, 2.0)
+    term = _term_by_extrapolation("mesh", metric, refinements, refinements.mesh, 2.0)
     if term.uncertainty is None:
         return term
     labels = ", ".join(run.label for run in refinements.mesh if not run.failure)
@@ -662,7 +664,7 @@ def _far_field(metric: Metric, comparison: Comparison, refinements: Refinements)
     """
     if "half_plane" not in (comparison.scene.bodies.lower.kind, comparison.scene.bodies.upper.kind):
         return Term("far field", None, 0.0, "none: the bodies have a size of their own", bound=True)
-    term = _extrapolated("far field", metric, refinements, refinements.far_field, 4.0)
+    term = _term_by_extrapolation("far field", metric, refinements, refinements.far_field, 4.0)
     if term.uncertainty is None:
         return term
     method = f"radius 2 L, L, L/2 on the mesh of {refinements.coarse}: {term.kind}"

@@ -98,27 +98,29 @@ def shear_by_coupling(
     displacement_by_pressure = slope * cell_width * (np.cumsum(pressure, axis=1) - pressure / 2)
     coulomb_limit = scene.friction.coefficient * pressure
     change = np.array(
-        _followed(matrix, cell_width, coulomb_limit, loads[:, 1], displacement_by_pressure)
+        _shear_history(matrix, cell_width, coulomb_limit, loads[:, 1], displacement_by_pressure)
     ) - np.array(
-        _followed(matrix, cell_width, coulomb_limit, loads[:, 1], 0 * displacement_by_pressure)
+        _shear_history(matrix, cell_width, coulomb_limit, loads[:, 1], 0 * displacement_by_pressure)
     )
     return np.array([np.interp(x, cell_centres, row, left=0.0, right=0.0) for row in change[rows]])
 
 
-def _followed(
+def _shear_history(
     matrix: Array, width: float, limit: Array, tangential_load: Array, pushed: Array
 ) -> list[Array]:
     """Shear after each step; `pushed` (n_steps, n) is the displacement by the pressure."""
     slip = np.zeros(len(matrix))
     shears = []
     for step, force in enumerate(tangential_load):
-        shear, shift = _sheared(matrix, width, limit[step], slip - pushed[step], float(force))
+        shear, shift = _shear_of_state(
+            matrix, width, limit[step], slip - pushed[step], float(force)
+        )
         slip = shift - matrix @ shear + pushed[step]
         shears.append(shear)
     return shears
 
 
-def _sheared(
+def _shear_of_state(
     matrix: Array, width: float, coulomb_limit: Array, held_shear: Array, force: float
 ) -> tuple[Array, float]:
     """Shear q of cells with |q| <= limit that adds up to `force`, and the relative tangential

@@ -63,12 +63,12 @@ def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
             return named_causes or tuple(_of_cone(discrepancy))
     judgement = Judgement(discrepancy, Search(discrepancy, Predictions(discrepancy)))
     verdict = judgement.verdict()
-    causes = list(_named(judgement, verdict, is_traced=bool(traces)))
+    causes = list(_findings_of_causes(judgement, verdict, is_traced=bool(traces)))
     turned_causes = [cause for cause in causes if cause.fault == SHEAR_SIGN.key]
     if turned_causes and not traces:
         traces_of_turned = list(elastic_slip(discrepancy, shear_sign=-1.0))
         if traces_of_turned:
-            causes_of_pressure = _named(judgement, verdict, is_traced=True)
+            causes_of_pressure = _findings_of_causes(judgement, verdict, is_traced=True)
             causes = [*causes_of_pressure, *turned_causes, *traces_of_turned]
     if not traces and not (verdict.fit is not None and judgement.is_whole(verdict.fit)):
         causes = list(other_problems(discrepancy, verdict.fit)) or causes
@@ -87,10 +87,12 @@ def _of_cone(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     judgement = Judgement(discrepancy, Search(discrepancy, Predictions(discrepancy)))
     fit = judgement.of_cone()
     if fit is not None:
-        yield from _named(judgement, Verdict(fit), is_traced=False)
+        yield from _findings_of_causes(judgement, Verdict(fit), is_traced=False)
 
 
-def _named(judgement: Judgement, verdict: Verdict, *, is_traced: bool) -> Iterator[Diagnosis]:
+def _findings_of_causes(
+    judgement: Judgement, verdict: Verdict, *, is_traced: bool
+) -> Iterator[Diagnosis]:
     """A finding for each cause of the verdict that all its rivals (explanations which the file does
     not tell apart) have too.
 

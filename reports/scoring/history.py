@@ -277,7 +277,7 @@ def _by_loads(
         )
     best_match: tuple[float, Array] | None = None
     for times in _windows(path, scene):
-        candidate = _in_order(times, path, scene, loads, largest_load)
+        candidate = _times_in_order(times, path, scene, loads, largest_load)
         misfit = float(np.max(_distance(path, candidate, loads))) / largest_load
         if best_match is None or misfit < best_match[0]:
             best_match = (misfit, candidate)
@@ -285,7 +285,7 @@ def _by_loads(
             break
     assert best_match is not None
     misfit, time = best_match
-    time = _closed(time, scene, loads, misfit * largest_load)
+    time = _with_closed_cycle(time, scene, loads, misfit * largest_load)
     normal_load, tangential_load = path.at(time)
     if misfit > limit:
         step = int(np.flatnonzero(_distance(path, time, loads) / largest_load > limit)[0])
@@ -317,7 +317,7 @@ def _by_loads(
     return History(time, normal_load, tangential_load, tuple(notes))
 
 
-def _closed(time: Array, scene: Scene, loads: Loads, distance: float) -> Array:
+def _with_closed_cycle(time: Array, scene: Scene, loads: Loads, distance: float) -> Array:
     """The times, the last one set to a whole period after an earlier one where its loads are the
     same.
 
@@ -363,7 +363,7 @@ def _samples(path: LoadPath, cycles: int) -> Array:
     return np.unique(np.concatenate([np.linspace(leg.start, leg.end, count) for leg in legs]))
 
 
-def _in_order(
+def _times_in_order(
     times: Array, path: LoadPath, scene: Scene, loads: Loads, largest_load: float
 ) -> Array:
     """Ascending times, (n_steps,), one for each pair of loads: among `times` (n,) those places on
@@ -403,7 +403,9 @@ def _in_order(
         best_from_end.append(int(predecessor[best_from_end[-1]]))
     best_places = reversed(best_from_end)
     chosen_places = np.array([place[k] for place, k in zip(places, best_places, strict=True)])
-    return np.maximum.accumulate(_snapped(_refined(times, chosen_places, path, loads), path, scene))
+    return np.maximum.accumulate(
+        _snapped(_refined_times(times, chosen_places, path, loads), path, scene)
+    )
 
 
 def _nearest(squares: Array) -> Places:
@@ -450,7 +452,7 @@ def _squares(p_difference: Array, q_difference: Array) -> Array:
     return np.minimum(of_chord_after, of_chord_before)
 
 
-def _refined(times: Array, chosen_places: Places, path: LoadPath, loads: Loads) -> Array:
+def _refined_times(times: Array, chosen_places: Places, path: LoadPath, loads: Loads) -> Array:
     """The times, near the samples `chosen_places`, at which the path is nearest to the loads: six
     times the nearest points on chords ten times shorter.
 

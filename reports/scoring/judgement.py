@@ -308,7 +308,7 @@ class Judgement:
         possible_fits = []
         for cause in causes:
             fit = self.search.fit((cause,), (PRESSURE,))
-            if fit is None or self._contradicted(fit):
+            if fit is None or self._is_contradicted(fit):
                 continue
             if share_left(fit, self.no_cause, (PRESSURE,)) < MOST_LEFT:
                 possible_fits.append(fit)
@@ -366,7 +366,7 @@ class Judgement:
             return False
         if SHEAR_FACTOR in fit.causes and not self._is_factor_of_shear(fit, fit_before):
             return False
-        return not self._contradicted(fit)
+        return not self._is_contradicted(fit)
 
     def _is_factor_of_shear(self, fit: Fit, fit_before: Fit) -> bool:
         """Whether the sums of the shear over x follow a factor of the file's shear, and next to
@@ -387,7 +387,7 @@ class Judgement:
         ratio = float(sums @ sums_predicted) / square_of_sums
         return abs(ratio - 1) <= _UNMOVED * abs(factor - 1)
 
-    def _contradicted(self, fit: Fit) -> bool:
+    def _is_contradicted(self, fit: Fit) -> bool:
         """Whether the sum of the pressures over x speaks against the factor of loads, tractions or
         x in a fit. The reason is noted in `excluded`.
         """
@@ -436,7 +436,7 @@ class Judgement:
         if self._is_shear_explained(explanations):
             return explanations
         if len(fit_before.causes) < 2:
-            coupled_fit = self._coupled(explanations[0] if explanations else fit_before)
+            coupled_fit = self._coupled_fit(explanations[0] if explanations else fit_before)
             if coupled_fit is not None:
                 return [coupled_fit]
         # Friction follows the pressure: where that has no cause, no pair is looked for.
@@ -471,7 +471,7 @@ class Judgement:
         ]
         return self._explanations_of_shear(filter(_may_meet, choices), fit_before)
 
-    def _coupled(self, fit_before: Fit) -> Fit | None:
+    def _coupled_fit(self, fit_before: Fit) -> Fit | None:
         """The fit in which unlike bodies couple shear and pressure, beside the causes of
         `fit_before`; None where less than most of what these leave is odd in x.
 

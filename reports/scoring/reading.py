@@ -99,23 +99,25 @@ def read_table(path: Path, mapping: Mapping) -> SurfaceResult:
     """
     source = str(path)
     if path.suffix.lower() == ".rpt" and path.is_file() and is_field_report(path):
-        return _rows(source, mapping, *read_field_report(path, mapping))
+        return _surface_of_rows(source, mapping, *read_field_report(path, mapping))
     table = text_table(
         path,
         kind=TableKind(
             role="the result",
             cure="write the contact surface alone, and fewer instants",
             is_known=lambda name: (
-                _head(name, mapping).quantity is not None or plain(name) in _OTHERS
+                _quantity_of_heading(name, mapping).quantity is not None or plain(name) in _OTHERS
             ),
         ),
     )
-    frames = _frames(source, table, mapping)
+    frames = _columns_of_frames(source, table, mapping)
     if frames is not None:
         columns, notes = frames
-        quantities = [_head(name, mapping).quantity for name in table.names]
-        surface = _rows(source, mapping, columns, notes)
-        return _placed(_described(surface, table, mapping, quantities), table, mapping)
+        quantities = [_quantity_of_heading(name, mapping).quantity for name in table.names]
+        surface = _surface_of_rows(source, mapping, columns, notes)
+        return _with_places_of_outliers(
+            _with_words_on_columns(surface, table, mapping, quantities), table, mapping
+        )
     columns = {}
     quantity_of: dict[str, Quantity] = {}
     for quantity in _ROWS:
@@ -125,12 +127,14 @@ def read_table(path: Path, mapping: Mapping) -> SurfaceResult:
         if name is not None:
             columns[quantity] = converted(mapping, quantity, table.column(name))
             quantity_of[name] = quantity
-    surface = _rows(source, mapping, columns, [])
+    surface = _surface_of_rows(source, mapping, columns, [])
     quantities = [quantity_of.get(name) for name in table.names]
-    return _placed(_described(surface, table, mapping, quantities), table, mapping)
+    return _with_places_of_outliers(
+        _with_words_on_columns(surface, table, mapping, quantities), table, mapping
+    )
 
 
-def _described(
+def _with_words_on_columns(
     surface: SurfaceResult,
     table: TextTable,
     mapping: Mapping,
@@ -146,7 +150,9 @@ def _described(
     return replace(surface, read_as=tuple(read_as))
 
 
-def _placed(surface: SurfaceResult, table: TextTable, mapping: Mapping) -> SurfaceResult:
+def _with_places_of_outliers(
+    surface: SurfaceResult, table: TextTable, mapping: Mapping
+) -> SurfaceResult:
     """The result with line, column and value in the file for each of its outliers, single values
     that stand out of all others.
     """
@@ -161,7 +167,7 @@ def _placed(surface: SurfaceResult, table: TextTable, mapping: Mapping) -> Surfa
         columns = [
             k
             for k, name in enumerate(table.names)
-            if _head(name, mapping).quantity == outlier.quantity
+            if _quantity_of_heading(name, mapping).quantity == outlier.quantity
         ]
         sizes_of_quantity = sizes_in_table[:, columns]
         factor = float(field.max() / sizes_of_quantity.max())
@@ -176,7 +182,7 @@ def _placed(surface: SurfaceResult, table: TextTable, mapping: Mapping) -> Surfa
     return replace(surface, outliers=tuple(outliers))
 
 
-def _rows(
+def _surface_of_rows(
     source: str, mapping: Mapping, columns: dict[Quantity, Array], notes: list[str]
 ) -> SurfaceResult:
     """An external result from columns with one row for each instant and point: grouped by instant,
@@ -250,7 +256,7 @@ class _Head(NamedTuple):
     is_time: bool  # whether that figure is a time
 
 
-def _head(name: str, mapping: Mapping) -> _Head:
+def _quantity_of_heading(name: str, mapping: Mapping) -> _Head:
     """What the name of a column says: the quantity, and the number after it, of a frame or its time
     ('pressure t=0.5').
     """
@@ -274,7 +280,7 @@ def _head(name: str, mapping: Mapping) -> _Head:
     return _Head(quantity, float(tag_match["figure"]), is_time)
 
 
-def _frames(
+def _columns_of_frames(
     source: str, table: TextTable, mapping: Mapping
 ) -> tuple[dict[Quantity, Array], list[str]] | None:
     """Columns of frames that stand beside each other in a table, put one below the other, and a
@@ -283,7 +289,7 @@ def _frames(
     Each frame has a pressure and perhaps a shear, a slip and places of its own; its number or time
     stands in the names, or the frames are taken in the order of the columns.
     """
-    heads = [_head(name, mapping) for name in table.names]
+    heads = [_quantity_of_heading(name, mapping) for name in table.names]
     values_of: dict[Quantity, dict[float, Array]] = {quantity: {} for quantity in _FIELDS}
     for number, head in enumerate(heads):
         if head.quantity is None:

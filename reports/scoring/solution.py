@@ -104,10 +104,10 @@ def contact_solution(
                 " and Q, say it for certain)"
             ),
         )
-    missing_fields = _skipped(surface, history.time, _instants_of_cycle(scene, history.time))
+    missing_fields = _missing_fields(surface, history.time, _instants_of_cycle(scene, history.time))
     has_work = "dissipation" not in missing_fields
     solution_without_zones = _without_zones(surface, mapping, scene, history, missing_fields)
-    solution, method_in_words = _ruled(
+    solution, method_in_words = _with_zones(
         solution_without_zones, has_slip=surface.slip is not None, has_work=has_work
     )
     notes = [*surface.notes, *history.notes, method_in_words]
@@ -182,7 +182,7 @@ def _without_zones(
             True, "end of path", f"read from {surface.source}", freeze(np.zeros(count), np.int64)
         ),
         work=Work({"instants": count, "points": len(surface.x)}, missing_fields),
-        **_imposed(scene, history.time),
+        **_bulk_and_tilt_at(scene, history.time),
         settings=settings,
     )
 
@@ -203,7 +203,7 @@ def _placed_on_path(
     for name, values in fields.items():
         smooth_fields[name] = without_spikes(values)
     smooth_surface = replace(surface, **smooth_fields)
-    converted_surface, guesses = _guessed(smooth_surface, mapping, theory)
+    converted_surface, guesses = _in_our_units(smooth_surface, mapping, theory)
     history = matched(converted_surface, theory.scene, sure_of_times=sure_of_times)
     if not surface.outliers:
         return converted_surface, history, guesses
@@ -224,7 +224,7 @@ def _placed_on_path(
     return replace(converted_surface, **frozen_fields), history, (*sentences, *guesses)
 
 
-def _ruled(
+def _with_zones(
     solution: ContactSolution, *, has_slip: bool, has_work: bool
 ) -> tuple[ContactSolution, str]:
     """A solution with states, edges, permanent stick zone and moments worked out from its own
@@ -295,7 +295,7 @@ def by_same_rule(
         return reference, ()
     missing_fields = missing(result)
     has_work = np.array_equal(reference.time, result.time) and "dissipation" not in missing_fields
-    reference_by_rule, _ = _ruled(
+    reference_by_rule, _ = _with_zones(
         reference, has_slip="slip" not in missing_fields, has_work=has_work
     )
     # Instants at which the rule finds the reference's own stick edges; all, where those are the
@@ -334,7 +334,7 @@ def by_same_rule(
     return replace(reference_by_rule, stick_edges=freeze(judged_edges)), tuple(sentences)
 
 
-def _imposed(scene: Scene, time: Array) -> dict[str, Any]:
+def _bulk_and_tilt_at(scene: Scene, time: Array) -> dict[str, Any]:
     """Bulk stresses and tilt of a scene at the times of a result, by name, (k,) each. A tilt that
     follows from a moment is left out: the tractions say nothing of it.
     """
@@ -371,7 +371,7 @@ def _instants_of_cycle(scene: Scene, time: Array) -> int:
     return len(steps) if is_complete else 0
 
 
-def _skipped(
+def _missing_fields(
     surface: SurfaceResult, time: Array, instants_of_cycle: int
 ) -> dict[str, tuple[int, str]]:
     """What an external result lacks: name -> (number of instants, reason). `instants_of_cycle` of
@@ -482,8 +482,8 @@ def zones(
     contact_edges = np.empty((len(pressure), 2))
     stick_edges = np.empty((len(pressure), 2))
     for k in range(len(pressure)):
-        contact_edges[k] = _ends(x, pressure[k] ** 2, is_touching[k], smooth=True)
-        stick_edges[k] = _ends(x, below_limit[k] ** 2, sticks[k])
+        contact_edges[k] = _ends_of_zone(x, pressure[k] ** 2, is_touching[k], smooth=True)
+        stick_edges[k] = _ends_of_zone(x, below_limit[k] ** 2, sticks[k])
         # where the outermost points of the contact stick, the stick zone ends with it
         touching_points = np.flatnonzero(is_touching[k])
         if len(touching_points) and sticks[k, touching_points[0]]:
@@ -494,7 +494,9 @@ def zones(
     return Zones(state, contact_edges, stick_edges, method_in_words)
 
 
-def _ends(x: Array, square: Array, inside: Mask, *, smooth: bool = False) -> tuple[float, float]:
+def _ends_of_zone(
+    x: Array, square: Array, inside: Mask, *, smooth: bool = False
+) -> tuple[float, float]:
     """Left and right end of the points `inside` (n,), where `square` (n,), the square of a
     traction, goes to 0: along a straight line, or a parabola if `smooth`. NaN where nothing is
     inside.
@@ -550,7 +552,7 @@ def whole_path(scene: Scene) -> ContactSolution:
     return semi_analytic.solve(scene, x=[0.0], fields=())
 
 
-def _guessed(
+def _in_our_units(
     surface: SurfaceResult, mapping: Mapping, theory: ContactSolution
 ) -> tuple[SurfaceResult, tuple[str, ...]]:
     """An external result in the scene's units and our signs, and a sentence for each guess that
@@ -573,7 +575,7 @@ def _guessed(
         )
     surface, sentences = _in_compression(surface, mapping)
     for yardstick in _yardsticks(surface, theory):
-        surface, sentence = _scaled_by(yardstick, surface, mapping)
+        surface, sentence = _in_unit_by(yardstick, surface, mapping)
         sentences.append(sentence)
     surface, sentence = _centred(surface, mapping, theory)
     sentences.append(sentence)
@@ -706,7 +708,7 @@ def _yardsticks(surface: SurfaceResult, theory: ContactSolution) -> tuple[_Yards
     )
 
 
-def _scaled_by(
+def _in_unit_by(
     yardstick: _Yardstick, surface: SurfaceResult, mapping: Mapping
 ) -> tuple[SurfaceResult, str]:
     """The result with the fields of a yardstick multiplied by the factor of its unit that was

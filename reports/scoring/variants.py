@@ -414,15 +414,21 @@ def wrong_loads(scene: Scene) -> dict[str, dict[str, Any]]:
             key: value for key in keys if (value := getattr(scene.load, key)) is not None
         }
         if stated_values:
-            changes[f"{name}_sign"] = {key: _turned(value) for key, value in stated_values.items()}
+            changes[f"{name}_sign"] = {
+                key: _of_other_sign(value) for key, value in stated_values.items()
+            }
             changes[f"{name}_left_out"] = dict.fromkeys(stated_values)
     return changes
 
 
-def _turned(value: Any) -> Any:
+def _of_other_sign(value: Any) -> Any:
     """A bulk stress, tilt or moment of the other sign, in the form that it was stated in.
 
-    >>> _turned(0.5), _turned((0.0, 2.0)), _turned(LineOfAction(x=1.0, height=3.0))
+    >>> (
+    ...     _of_other_sign(0.5),
+    ...     _of_other_sign((0.0, 2.0)),
+    ...     _of_other_sign(LineOfAction(x=1.0, height=3.0)),
+    ... )
     (-0.5, (-0.0, -2.0), LineOfAction(x=-1.0, height=-3.0))
     """
     match value:
@@ -431,12 +437,14 @@ def _turned(value: Any) -> Any:
             return value.vary(
                 mean=-value.mean,
                 phase_degrees=phase,
-                initial_loading=_turned(value.initial_loading),
+                initial_loading=_of_other_sign(value.initial_loading),
             )
         case WaveSum():
             waves = tuple((amplitude, phase + 180) for amplitude, phase in value.harmonics)
             return value.vary(
-                mean=-value.mean, harmonics=waves, initial_loading=_turned(value.initial_loading)
+                mean=-value.mean,
+                harmonics=waves,
+                initial_loading=_of_other_sign(value.initial_loading),
             )
         case LineOfAction():
             return value.vary(x=-value.x, height=-value.height)

@@ -39,13 +39,13 @@ def sheets(paper: Paper) -> tuple[Plate, ...]:
         _figure_4a(hertz),
         _figure_4b(hertz),
         _figure_5(hertz),
-        _pointwise("figure_06", paper, 0),
-        _swept("figure_07a", "work", sweep_of_hertz),
-        _swept("figure_07b", "peak", sweep_of_hertz),
+        _figure_of_density("figure_06", paper, 0),
+        _figure_of_sweep("figure_07a", "work", sweep_of_hertz),
+        _figure_of_sweep("figure_07b", "peak", sweep_of_hertz),
         _figure_8(rounded),
-        _pointwise("figure_09", paper, 1),
-        _swept("figure_10a", "work", sweep_of_rounded, sweep_of_hertz),
-        _swept("figure_10b", "peak", sweep_of_rounded, sweep_of_hertz),
+        _figure_of_density("figure_09", paper, 1),
+        _figure_of_sweep("figure_10a", "work", sweep_of_rounded, sweep_of_hertz),
+        _figure_of_sweep("figure_10b", "peak", sweep_of_rounded, sweep_of_hertz),
     )
 
 
@@ -56,7 +56,7 @@ def _line(x: ArrayLike, y: ArrayLike, label: str = "", look: str = "solid") -> C
     return Curve(np.asarray(x, dtype=float), np.asarray(y, dtype=float), look, label)
 
 
-def _named(
+def _text_at(
     x: float,
     y: float,
     text: str,
@@ -157,12 +157,12 @@ def _figure_1(case: Case) -> Plate:
             np.concatenate([height_of_foot, np.full(len(x), 1.1), height_of_foot[:1]]),
         ),
         Arrow((-2.5, 0.22), (-2.0, 0.22), "solid"),
-        *_named(-2.5, 0.22, "x, Q", (14.0, 9.0)),
+        *_text_at(-2.5, 0.22, "x, Q", (14.0, 9.0)),
         Arrow((-0.505, -0.2), (0.505, -0.2), "solid"),
         Arrow((0.505, -0.2), (-0.505, -0.2), "solid"),
-        *_named(0.0, -0.2, "flat face, 2 b", (0.0, -12.0)),
-        *_named(1.45, 0.55, "edges of\nradius R", (0.0, 7.0)),
-        *_named(0.0, -0.72, "half-plane"),
+        *_text_at(0.0, -0.2, "flat face, 2 b", (0.0, -12.0)),
+        *_text_at(1.45, 0.55, "edges of\nradius R", (0.0, 7.0)),
+        *_text_at(0.0, -0.72, "half-plane"),
         _line([-0.55, -0.4], heights_of_strut),
         _line([0.55, 0.4], heights_of_strut),
         _line(
@@ -171,14 +171,14 @@ def _figure_1(case: Case) -> Plate:
             look="bold",
         ),
         _line([axle[0], place_of_weight[0]], [axle[1], place_of_weight[1]], look="faint"),
-        *_named(*axle, "", dot=True),
+        *_text_at(*axle, "", dot=True),
         _line(
             place_of_weight[0] + 0.1 * np.cos(full_angle),
             place_of_weight[1] + 0.1 * np.sin(full_angle),
             look="c1 broad-line",
         ),
         Arrow(place_of_weight, tip_of_force, "c1"),
-        *_named(
+        *_text_at(
             *tip_of_force,
             "turning force: P₁ cos ωt down,\nQ₁ cos(ωt − φ) along x",
             (72.0, 14.0),
@@ -186,9 +186,9 @@ def _figure_1(case: Case) -> Plate:
         ),
         _line(turn_x, turn_y, look="faint"),
         Arrow((-0.5, 2.68), (float(turn_x[-1]), float(turn_y[-1]) - 0.06), "faint"),
-        *_named(-0.42, 2.95, "ω", (0.0, 4.0), css="tick"),
+        *_text_at(-0.42, 2.95, "ω", (0.0, 4.0), css="tick"),
         Arrow(axle, (0.0, 1.2), "c0"),
-        *_named(0.0, 1.3, "self-weight P₀", (-82.0, 1.0), "0"),
+        *_text_at(0.0, 1.3, "self-weight P₀", (-82.0, 1.0), "0"),
     ]
     panel = Panel(
         "figure_01",
@@ -232,8 +232,8 @@ def _figure_2(case: Case) -> Plate:
         _line([p_z, p_e], [q_z, q_e], "gradient f through E and G", "c0 solid fine"),
         _line([p_g, p_j], [q_g, q_j], "", "c0 solid fine"),
         _line([p_t, p_g], [q_t, q_g], "gradient −f through G", "c2 dot"),
-        *_named(p_z, q_z, "Z", (-8.0, 6.0), "0", dot=True),
-        *_named(p_t, q_t, "T", (-7.0, 7.0), "2", dot=True),
+        *_text_at(p_z, q_z, "Z", (-8.0, 6.0), "0", dot=True),
+        *_text_at(p_t, q_t, "T", (-7.0, 7.0), "2", dot=True),
         _line(*case.loads(case.round_times()), "ellipse, gone round anticlockwise", "bold"),
     ]
     # Letters outside the ellipse, those of one point together.
@@ -245,8 +245,8 @@ def _figure_2(case: Case) -> Plate:
         from_centre = np.array([p - 3.0, q - case.load.mean_tangential_load / case.unit])
         outward_direction = from_centre / np.hypot(*from_centre)
         shift = (14.0 * float(outward_direction[0]), 12.0 * float(outward_direction[1]))
-        marks += _named(p, q, ", ".join(letters), shift, dot=True)
-    marks += _named(0.0, 0.0, "O", (18.0, -9.0), dot=True)
+        marks += _text_at(p, q, ", ".join(letters), shift, dot=True)
+    marks += _text_at(0.0, 0.0, "O", (18.0, -9.0), dot=True)
     x_axis = Axis(0.0, 4.6, "normal load P / (P₀/3)")
     y_axis = Axis(-0.7, 2.8, "tangential load Q / (P₀/3)")
     panel = _panel("figure_02", x_axis, y_axis, marks, "Load path with its letters", (640.0, 480.0))
@@ -379,7 +379,7 @@ def _figure_4a(case: Case) -> Plate:
     }
     marks = list(zones.drawn(way_of_load))
     for letter, way_there in way_at_letter.items():
-        marks += _named(
+        marks += _text_at(
             way_there,
             float(case.width(case.events[letter].normal_load)),
             letter,
@@ -456,7 +456,7 @@ def _figure_5(case: Case) -> Plate:
         time = case.time(letter) + (2 * math.pi if case.time(letter) < start else 0.0)
         shift = {"M": (8.0, 9.0), "I": (0.0, -12.0), "J": (-6.0, -12.0)}.get(letter, (0.0, 9.0))
         height = float(case.width(case.events[letter].normal_load))
-        marks_above += _named(math.degrees(time - start), height, letter, shift, dot=True)
+        marks_above += _text_at(math.degrees(time - start), height, letter, shift, dot=True)
     angles = np.linspace(0.0, 360.0, 721)
     marks_below: list[Mark] = []
     solution = case.solve(time=start + np.radians(angles), x=POINTS, fields=("slip", "state"))
@@ -464,7 +464,7 @@ def _figure_5(case: Case) -> Plate:
     for x, look, y, state in zip(POINTS, "d435", displacement.T, solution.state.T, strict=True):
         css = look if look == "d" else f"c{look}"
         marks_above.append(_line([0.0, 360.0], [x, x], "", f"{css} dot"))
-        marks_above += _named(360.0, x, f"{x:.2f}", (-14.0, 5.0), look)
+        marks_above += _text_at(360.0, x, f"{x:.2f}", (-14.0, 5.0), look)
         for slip_state, direction in (
             (SurfaceState.SLIP_FORWARD, "forward"),
             (SurfaceState.SLIP_REVERSE, "reverse"),
@@ -477,7 +477,7 @@ def _figure_5(case: Case) -> Plate:
         marks_below.append(_line(angles, np.where(is_open, np.nan, y), "", css))
         marks_below.append(_line(angles, np.where(_grown(is_open), y, np.nan), "", f"{css} dot"))
         peak = int(np.argmin(y))
-        marks_below += _named(float(angles[peak]), float(y[peak]), f"{x:.2f}", (0.0, -10.0), look)
+        marks_below += _text_at(float(angles[peak]), float(y[peak]), f"{x:.2f}", (0.0, -10.0), look)
     least_displacement = float(displacement.min())
     largest_displacement = float(displacement.max())
     range_shown = largest_displacement - least_displacement
@@ -537,7 +537,7 @@ def _figure_8(case: Case) -> Plate:
 
 
 # --------------------------------------------------------------------------------------------- work
-def _pointwise(name: str, paper: Paper, number: int) -> Plate:
+def _figure_of_density(name: str, paper: Paper, number: int) -> Plate:
     """Figures 6 and 9: dissipation W(x) with the parts of the phases; `number` 0 for Hertz, 1 for
     the flat and rounded contact.
     """
@@ -563,17 +563,17 @@ def _pointwise(name: str, paper: Paper, number: int) -> Plate:
             _line([edge, edge], [0.0, 1.12 * peak_value], "", "faint dot fine")
             for edge in (inner_edge, outer_edge)
         ),
-        *_named(
+        *_text_at(
             inner_edge, 1.12 * peak_value, f"stick edge {inner_edge:.3f}", (42.0, 6.0), css="tick"
         ),
-        *_named(
+        *_text_at(
             outer_edge,
             1.12 * peak_value,
             f"edge of contact {outer_edge:.3f}",
             (-50.0, 6.0),
             css="tick",
         ),
-        *_named(peak_place, peak_value, f"{share:.1%} of the way", (0.0, 10.0), dot=True),
+        *_text_at(peak_place, peak_value, f"{share:.1%} of the way", (0.0, 10.0), dot=True),
     ]
     x_axis = Axis(0.95 * inner_edge, outer_edge + 0.05 * inner_edge, "x / a(P₀)")
     y_axis = Axis(0.0, 1.22 * peak_value, "W(x) · a(P₀) / (A f² P₀²)")
@@ -583,7 +583,9 @@ def _pointwise(name: str, paper: Paper, number: int) -> Plate:
     return _plate(name, [panel], table, fraction=share, place=peak_place)
 
 
-def _swept(name: str, quantity: str, sweep: Sweep, pale_sweep: Sweep | None = None) -> Plate:
+def _figure_of_sweep(
+    name: str, quantity: str, sweep: Sweep, pale_sweep: Sweep | None = None
+) -> Plate:
     """Figures 7 and 10: one quantity over P0/P1, a curve for each f; those of another sweep as pale
     lines beneath.
     """
@@ -600,7 +602,7 @@ def _swept(name: str, quantity: str, sweep: Sweep, pale_sweep: Sweep | None = No
         zip(sweep.frictions, sweep.ratio, values, strict=True)
     ):
         marks.append(_line(ratio, value, f"f = {f:g}", _FAMILY[number]))
-        marks += _named(float(ratio[0]), float(value[0]), "", look=f"{number}", dot=True)
+        marks += _text_at(float(ratio[0]), float(value[0]), "", look=f"{number}", dot=True)
     x_axis = Axis(1.0, float(sweep.ratio.max()), "P₀ / P₁")
     y_axis = Axis(0.0, 1.08 * largest_value, label)
     panel = _panel(name, x_axis, y_axis, marks, f"{label} over P₀/P₁", (620.0, 400.0))

@@ -264,7 +264,7 @@ def check_rig(scene: Scene, figures: Sequence[str]) -> None:
         )
 
 
-def _take(
+def _value_of_figure(
     name: str, scene: Scene, fe: ContactSolution | None, exact: ContactSolution | None
 ) -> tuple[float | None, str]:
     """A figure such as "fe.peak_pressure" or "error.stroke": its value and "", or None and the
@@ -597,7 +597,7 @@ def evaluate(question: Question, fe: ContactSolution | None, *, polygon: bool = 
     if "exact" in question.engines:
         evaluation.exact = _theory_for(question, fe, polygon=polygon)
     if has_metrics and evaluation.exact is not None and fe is not None:
-        evaluation.comparison = _compared(question, evaluation.exact, fe, polygon=polygon)
+        evaluation.comparison = _compared_for(question, evaluation.exact, fe, polygon=polygon)
     comparison = evaluation.comparison
     metrics_by_key = {metric.key: metric for metric in comparison.metrics} if comparison else {}
     for name in question.figures:
@@ -605,7 +605,7 @@ def evaluate(question: Question, fe: ContactSolution | None, *, polygon: bool = 
         value: float | None = None
         reason = "this scene has no such metric"
         if comparison is None or name not in METRICS:
-            value, reason = _take(name, question.scene, fe, evaluation.exact)
+            value, reason = _value_of_figure(name, question.scene, fe, evaluation.exact)
             if fe is not None:
                 stated_uncertainty = _stated_by_edges(name, question.scene, fe, evaluation.exact)
                 evaluation.stated[name] = stated_uncertainty
@@ -613,7 +613,7 @@ def evaluate(question: Question, fe: ContactSolution | None, *, polygon: bool = 
             metric = metrics_by_key[name]
             value = metric.value
             reason = metric.note or "there is nothing to compare"
-            evaluation.stated[name] = _stated(metric, comparison)
+            evaluation.stated[name] = _stated_uncertainty(metric, comparison)
         evaluation.values[name] = value
         if value is None:
             evaluation.notes[name] = reason
@@ -640,7 +640,7 @@ def _theory_for(
     )
 
 
-def _compared(
+def _compared_for(
     question: Question, exact: ContactSolution, fe: ContactSolution, *, polygon: bool
 ) -> Comparison:
     """Finite elements compared with theory, for the metrics that a question asks for; with theory
@@ -658,7 +658,7 @@ def _compared(
     return compare(exact, fe, polygon_reference=theory_on_polygon, effects=effects)
 
 
-def _stated(metric: Metric, comparison: Comparison) -> float:
+def _stated_uncertainty(metric: Metric, comparison: Comparison) -> float:
     """Uncertainty that the result states for a metric, or for the edges at the metric's instant
     over a_ref, whichever is larger; 0 where it states none.
     """

@@ -521,7 +521,7 @@ def amplitudes(deck: Deck) -> dict[str, Array]:
     }
 
 
-def _tied(deck: Deck, body: DeckBody) -> Iterator[list[tuple[int, int, float]]]:
+def _constraints(deck: Deck, body: DeckBody) -> Iterator[list[tuple[int, int, float]]]:
     """For each node and direction of a body's far side, by directions, the terms (node, direction,
     factor) that add up to 0 in its constraint.
 
@@ -557,7 +557,7 @@ def _tied(deck: Deck, body: DeckBody) -> Iterator[list[tuple[int, int, float]]]:
 
 def equations_of(deck: Deck, body: DeckBody) -> Iterator[str]:
     """Data lines of the equations of a far side, those of each direction together."""
-    tied = (terms for terms in _tied(deck, body) if len(terms) > 1)
+    tied = (terms for terms in _constraints(deck, body) if len(terms) > 1)
     for _, equations in groupby(tied, lambda terms: terms[0][1]):
         yield "\n".join(map(_data_lines, equations))
 
@@ -575,7 +575,7 @@ def held_of(deck: Deck) -> list[str]:
     of the nodes that carry bulk strain and tilt.
     """
     held_nodes = []
-    for terms in _tied(deck, deck.lower):
+    for terms in _constraints(deck, deck.lower):
         if len(terms) == 1:
             node, direction, _ = terms[0]
             held_nodes.append(f"{node}, {direction}")
