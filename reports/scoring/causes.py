@@ -64,11 +64,11 @@ class Cause:
         0 where the pressure shows it, 1 where the shear alone does
     group
         causes of one group are not told apart where two of them meet
-    sized
+    has_size
         whether its size is fitted
     resultant
         the factor by which it changes the sum of the pressures; None where it leaves it
-    largest
+    largest_size
         size that no search goes beyond
     """
 
@@ -77,9 +77,9 @@ class Cause:
     starts: Callable[[Discrepancy], Sequence[float]]
     channel: int = PRESSURE
     group: str = ""
-    sized: bool = True
+    has_size: bool = True
     resultant: Callable[[float], float] | None = None
-    largest: float = 3.5
+    largest_size: float = 3.5
 
 
 def _moments(discrepancy: Discrepancy) -> tuple[float, float, float]:
@@ -265,9 +265,9 @@ STIFFNESS = Cause(
 )
 LOADS = Cause("loads", _loaded, _of_factor, group="size", resultant=_factor)
 TRACTION_FACTOR = Cause(
-    "traction_factor", _scaled, _of_factor, group="size", resultant=_factor, largest=_UNITS
+    "traction_factor", _scaled, _of_factor, group="size", resultant=_factor, largest_size=_UNITS
 )
-UNITS = Cause("units", _scaled, _of_units, sized=False, resultant=_factor, largest=_UNITS)
+UNITS = Cause("units", _scaled, _of_units, has_size=False, resultant=_factor, largest_size=_UNITS)
 PRESSURE_FACTOR = Cause(
     "pressure_factor",
     lambda variant, k: replace(variant, pressure_factor=float(np.exp(k)) * variant.pressure_factor),
@@ -287,23 +287,23 @@ PRESSURE_SIGN = Cause(
     "pressure_sign",
     lambda variant, _: replace(variant, pressure_factor=-variant.pressure_factor),
     lambda _: (1.0,),
-    sized=False,
+    has_size=False,
 )
 SWAPPED = Cause(
     "swapped",
     lambda variant, _: replace(variant, swapped=True),
     _where_it_slips(1.0),
-    sized=False,
+    has_size=False,
 )
 COARSE_MESH = Cause(
-    "coarse_edge", lambda variant, _: replace(variant, on_mesh=True), _of_mesh, sized=False
+    "coarse_edge", lambda variant, _: replace(variant, on_mesh=True), _of_mesh, has_size=False
 )
 SMALL_BODY = Cause(
     "small_body",
     lambda variant, share: replace(variant, small_body=share),
     _of_body,
     group="size",
-    largest=_NEAREST_BODY,
+    largest_size=_NEAREST_BODY,
 )
 SOFT_NORMAL = Cause(
     "soft_normal",
@@ -316,14 +316,14 @@ COUPLING = Cause(
     lambda variant, beta: replace(variant, beta=beta),
     _of_coupling,
     channel=SHEAR,
-    largest=_LARGEST_BETA,
+    largest_size=_LARGEST_BETA,
 )
 ODD_PART = Cause(
     "coupling",
     lambda variant, _: replace(variant, odd=True),
     lambda discrepancy: (1.0,) if _of_coupling(discrepancy) else (),
     channel=SHEAR,
-    sized=False,
+    has_size=False,
 )
 OTHER_TIMES = Cause(
     "other_times", lambda variant, delay: replace(variant, delay=delay), _of_delay, group="history"
@@ -333,7 +333,7 @@ SHEAR_SIGN = Cause(
     lambda variant, _: replace(variant, shear_factor=-variant.shear_factor),
     _where_it_slips(1.0),
     channel=SHEAR,
-    sized=False,
+    has_size=False,
 )
 SHEAR_FACTOR = Cause(
     "shear_factor",
@@ -348,7 +348,7 @@ FRICTIONLESS = Cause(
     _where_it_slips(1.0),
     channel=SHEAR,
     group="history",
-    sized=False,
+    has_size=False,
 )
 FRICTION = Cause(
     "friction",
@@ -356,7 +356,7 @@ FRICTION = Cause(
     _where_it_slips(*_FRICTIONS),
     channel=SHEAR,
     group="friction",
-    largest=_BONDED,
+    largest_size=_BONDED,
 )
 FULL_STICK = Cause(
     "full_stick",
@@ -364,8 +364,8 @@ FULL_STICK = Cause(
     _where_it_slips(*_NO_SLIP),
     channel=SHEAR,
     group="friction",
-    sized=False,
-    largest=_BONDED,
+    has_size=False,
+    largest_size=_BONDED,
 )
 
 
@@ -377,7 +377,7 @@ def _of_history(key: str, history: str, starts: Callable[[Discrepancy], Sequence
         starts,
         channel=SHEAR,
         group="history",
-        sized=False,
+        has_size=False,
     )
 
 
@@ -388,7 +388,7 @@ def _of_load(key: str) -> Cause:
         lambda variant, _: replace(variant, wrong_load=key),
         _of_wrong_load(key),
         channel=PRESSURE if key.startswith("tilt") else SHEAR,
-        sized=False,
+        has_size=False,
     )
 
 

@@ -200,7 +200,7 @@ def _mesh_at_edges(judgement: Judgement) -> Iterator[Diagnosis]:
     values = np.array(
         [judgement.no_cause.residuals[channel].values for channel in judgement.channels]
     )
-    contact = judgement.no_cause.residuals[PRESSURE].inside
+    contact = judgement.no_cause.residuals[PRESSURE].is_inside
     values_near = values[:, contact & is_near].ravel()
     values_far = values[:, contact & ~is_near].ravel()
     ratio_of_squares = np.mean(values_near**2) / max(float(np.mean(values_far**2)), ROUND_OFF)
@@ -230,9 +230,9 @@ def _not_found(judgement: Judgement, verdict: Verdict) -> Diagnosis:
         choices = [verdict.fit, *verdict.rivals]
         words = " or ".join(_names_of(fit) for fit in choices)
         evidence_lines.insert(0, f"the file does not tell these apart: {words}")
-    if judgement.excluded:
+    if judgement.reason_by_cause:
         words = "; ".join(
-            f"{WORDS['names'][key]}: {reason}" for key, reason in judgement.excluded.items()
+            f"{WORDS['names'][key]}: {reason}" for key, reason in judgement.reason_by_cause.items()
         )
         evidence_lines.append(f"excluded: {words}")
     evidence_lines += _left_by_each(judgement)
@@ -249,7 +249,7 @@ def _left_by_each(judgement: Judgement) -> Iterator[str]:
     of those that gain more than chance would.
     """
     least_left: dict[str, float] = {}
-    for fit in judgement.search.done.values():
+    for fit in judgement.search.fit_by_question.values():
         if fit is None or len(fit.causes) != 1:
             continue
         (cause,) = fit.causes

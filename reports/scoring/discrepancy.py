@@ -203,27 +203,27 @@ class Residual:
         (k, n)
     weight
         (k, n) of the squares
-    inside
+    is_inside
         (k, n), the points in contact
     """
 
     values: Array
     weight: Array
-    inside: Mask
+    is_inside: Mask
 
     @property
     def count(self) -> int:
         """Points in contact, over all instants."""
-        return int(self.inside.sum())
+        return int(self.is_inside.sum())
 
     @property
     def square(self) -> float:
         """Weighted mean of the squares in contact; infinite where the prediction holds a NaN."""
-        weight = np.where(self.inside, self.weight, 0.0)
+        weight = np.where(self.is_inside, self.weight, 0.0)
         total = float(weight.sum())
         if not total:
             return 0.0
-        value = float(np.sum(weight * np.where(self.inside, self.values, 0.0) ** 2)) / total
+        value = float(np.sum(weight * np.where(self.is_inside, self.values, 0.0) ** 2)) / total
         return value if np.isfinite(value) else float("inf")
 
     @cached_property
@@ -243,7 +243,7 @@ class Residual:
         """Half the mean squared difference of neighbours in contact along an axis, and how many
         pairs there are; where there is none, the mean square itself and 0.
         """
-        is_inside = np.moveaxis(self.inside, axis, -1)
+        is_inside = np.moveaxis(self.is_inside, axis, -1)
         weight = np.moveaxis(self.weight, axis, -1)
         both_inside = is_inside[..., 1:] & is_inside[..., :-1]
         if not both_inside.any():
@@ -260,7 +260,7 @@ class Residual:
 
         It scatters by sqrt(1/n) for n pairs; three of these deviations are allowed for.
         """
-        if not self.inside.any():
+        if not self.is_inside.any():
             return False
         for axis in self._axes:
             noise, pairs = self._differences(axis)

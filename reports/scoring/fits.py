@@ -79,7 +79,7 @@ class Fit:
     @property
     def parameters(self) -> int:
         """Sizes that were fitted; an odd part takes half of the values as it finds them."""
-        sizes = sum(cause.sized for cause in self.causes)
+        sizes = sum(cause.has_size for cause in self.causes)
         return sizes + (self.count((SHEAR,)) // 2 if ODD_PART in self.causes else 0)
 
     def square(self, channels: Sequence[int]) -> float:
@@ -112,7 +112,7 @@ class Search:
 
     discrepancy: Discrepancy
     predictions: Predictions
-    done: dict[object, Fit | None] = field(default_factory=dict)
+    fit_by_question: dict[object, Fit | None] = field(default_factory=dict)
 
     def fit(
         self,
@@ -127,9 +127,9 @@ class Search:
         can't have the causes, or theory has no solution for them.
         """
         key = tuple(CAUSES.index(cause) for cause in causes), channels, known_sizes
-        if key not in self.done:
-            self.done[key] = self._fitted(causes, channels, known_sizes)
-        return self.done[key]
+        if key not in self.fit_by_question:
+            self.fit_by_question[key] = self._fitted(causes, channels, known_sizes)
+        return self.fit_by_question[key]
 
     def _fitted(
         self, causes: tuple[Cause, ...], channels: tuple[int, ...], known_sizes: tuple[float, ...]
@@ -152,7 +152,9 @@ class Search:
             return None
         sizes = trial_sizes[order[0]]
         fitted_indices = [
-            place for place, cause in enumerate(causes) if cause.sized and place >= len(known_sizes)
+            place
+            for place, cause in enumerate(causes)
+            if cause.has_size and place >= len(known_sizes)
         ]
         if fitted_indices:
             # Few points know of an edge of slip only when it passes them: a search may stop early.
@@ -172,7 +174,7 @@ class Search:
         self, causes: tuple[Cause, ...], sizes: tuple[float, ...], channels: tuple[int, ...]
     ) -> Fit | None:
         """All sizes fitted at once, from these on."""
-        fitted_places = [place for place, cause in enumerate(causes) if cause.sized]
+        fitted_places = [place for place, cause in enumerate(causes) if cause.has_size]
         if fitted_places:
             sizes = self._least_squares(causes, sizes, fitted_places, channels, _CLOSE)
         return self._fit_of(causes, sizes, channels)
@@ -184,7 +186,7 @@ class Search:
         was fitted alone is one of them.
         """
         starts = tuple(cause.starts(self.discrepancy))
-        if len(searched_causes) == 1 or not starts or not cause.sized:
+        if len(searched_causes) == 1 or not starts or not cause.has_size:
             return starts
         fit_alone = self.fit((cause,), channels)
         if fit_alone is None:
@@ -258,7 +260,7 @@ class Search:
         """
         variant = Variant()
         for cause, size in zip(causes, sizes, strict=True):
-            if abs(size) > cause.largest:
+            if abs(size) > cause.largest_size:
                 raise InputError("beyond the range of the search")
             variant = cause.change(variant, size)
         return self.predictions.of(variant, sheared=SHEAR in channels)

@@ -104,13 +104,13 @@ class Judgement:
         what is to be explained
     search
         the fits of causes to it
-    excluded
+    reason_by_cause
         key of a cause -> what in the rows excludes it, filled while causes are tried
     """
 
     discrepancy: Discrepancy
     search: Search
-    excluded: dict[str, str] = field(default_factory=dict)
+    reason_by_cause: dict[str, str] = field(default_factory=dict)
 
     @property
     def channels(self) -> tuple[int, ...]:
@@ -284,8 +284,8 @@ class Judgement:
             best_cause = min(helpful_causes, key=self._left_alone)
             pairs += [(best_cause, cause) for cause in quick_causes if cause not in helpful_causes]
         for fit in single_fits:
-            if not fit.causes[0].sized:
-                pairs += [(fit.causes[0], cause) for cause in quick_causes if cause.sized]
+            if not fit.causes[0].has_size:
+                pairs += [(fit.causes[0], cause) for cause in quick_causes if cause.has_size]
         return [pair for pair in dict.fromkeys(pairs) if _may_meet(pair)]
 
     def _helps(self, cause: Cause) -> bool:
@@ -389,7 +389,7 @@ class Judgement:
 
     def _is_contradicted(self, fit: Fit) -> bool:
         """Whether the sum of the pressures over x speaks against the factor of loads, tractions or
-        x in a fit. The reason is noted in `excluded`.
+        x in a fit. The reason is noted in `reason_by_cause`.
         """
         factors = [
             cause.resultant(size)
@@ -401,14 +401,14 @@ class Judgement:
         sum_over_load = self.discrepancy.resultant_ratio
         reason = f"the sum of the pressures is {sum_over_load:.4g} P"
         if "coarse_edge" in fit.keys and not factors and abs(sum_over_load - 1) > _SAME_RESULTANT:
-            self.excluded["coarse_edge"] = reason
+            self.reason_by_cause["coarse_edge"] = reason
             return True
         if len(factors) != 1 or not np.isfinite(sum_over_load):
             return False
         if abs(sum_over_load - 1) > _UNMOVED * abs(factors[0] - 1):
             return False
         if len(fit.causes) == 1:
-            self.excluded[fit.causes[0].key] = reason
+            self.reason_by_cause[fit.causes[0].key] = reason
         return True
 
     # --------------------------------------------------------------------------------- the shear
@@ -568,7 +568,7 @@ def _is_no_change(fit: Fit, fit_before: Fit, channels: Sequence[int]) -> bool:
     fit leaves nothing of the difference.
     """
     is_small = any(
-        cause.sized and abs(size) < _LEAST_SIZE
+        cause.has_size and abs(size) < _LEAST_SIZE
         for cause, size in zip(fit.causes, fit.sizes, strict=True)
         if cause.key not in ("other_times", "offset")
     )

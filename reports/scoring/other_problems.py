@@ -118,7 +118,7 @@ class OtherProblem:
         """What tractions leave of the result's, on the points on which the problem is judged."""
         residual_everywhere = discrepancy.residual(tractions, self.channel)
         return replace(
-            residual_everywhere, inside=problem_fit.judged_points & (discrepancy.weight > 0)
+            residual_everywhere, is_inside=problem_fit.judged_points & (discrepancy.weight > 0)
         )
 
 
@@ -546,7 +546,7 @@ def _law_of_friction(discrepancy: Discrepancy) -> ProblemFit | None:
         slips, slip_direction * coefficient_alone * pressure, discrepancy.reference_tractions[SHEAR]
     )
     residual = discrepancy.residual(_with(discrepancy, SHEAR, shear_by_law), SHEAR)
-    noise = min(replace(residual, inside=slips).noise * scale**2, square_left)
+    noise = min(replace(residual, is_inside=slips).noise * scale**2, square_left)
     if square_left - noise > _LEFT_OF_LAW**2 * (square_left_by_coefficient - noise):
         return None
     return ProblemFit(

@@ -643,7 +643,7 @@ class _Yardstick:
         of the result, that have this unit
     words
         for these fields
-    measured, expected
+    value_of_result, value_of_theory
         the value in the result, and theory's
     quantity
         what both are, in a sentence
@@ -652,22 +652,22 @@ class _Yardstick:
     key: str
     fields: tuple[str, ...]
     words: str
-    measured: float
-    expected: float
+    value_of_result: float
+    value_of_theory: float
     quantity: str
 
     @property
     def theory_in_words(self) -> str:
         """Theory's value in a sentence; of pressure it is the mean, so the least."""
         if self.key == "stress":
-            return f"at least the mean one, {self.expected:.4g},"
-        return f"{self.expected:.4g}"
+            return f"at least the mean one, {self.value_of_theory:.4g},"
+        return f"{self.value_of_theory:.4g}"
 
     @property
     def factor(self) -> float:
         """The first of the usual factors that brings the result near theory; 1 if none does."""
         for factor in (1.0, *_FACTORS):
-            if _LEAST <= self.measured / self.expected * factor <= _MOST:
+            if _LEAST <= self.value_of_result / self.value_of_theory * factor <= _MOST:
                 return factor
         return 1.0
 
@@ -718,14 +718,14 @@ def _in_unit_by(
     present_fields = {name: values for name, values in fields.items() if values is not None}
     is_stated = getattr(mapping.factors, yardstick.key) is not None
     factor = yardstick.factor
-    if is_stated or not present_fields or not yardstick.measured or factor == 1.0:
+    if is_stated or not present_fields or not yardstick.value_of_result or factor == 1.0:
         return surface, ""
     scaled_fields: dict[str, Any] = {
         name: freeze(values * factor) for name, values in present_fields.items()
     }
     sentence = (
         f"{yardstick.words} multiplied by {factor:g}, for {yardstick.quantity}"
-        f" {yardstick.measured:.4g} and theory has {yardstick.theory_in_words} "
+        f" {yardstick.value_of_result:.4g} and theory has {yardstick.theory_in_words} "
         f"(factors.{yardstick.key} = {factor:g} says it for certain)"
     )
     return replace(surface, **scaled_fields), sentence

@@ -64,7 +64,7 @@ class Level:
 
     name: str
     size: float
-    how: str
+    source_of_size: str
     comparison: Comparison
 
 
@@ -113,7 +113,9 @@ class Study:
     @property
     def sentences(self) -> tuple[str, ...]:
         """What the table of a mesh study shows, and what a reader must not miss."""
-        sizes = ", ".join(f"{level.name}: {level.size:.4g} ({level.how})" for level in self.levels)
+        sizes = ", ".join(
+            f"{level.name}: {level.size:.4g} ({level.source_of_size})" for level in self.levels
+        )
         return (
             f"Element sizes at the contact, in the scene's length: {sizes}.",
             (
@@ -130,7 +132,8 @@ class Study:
         """
         return {
             "levels": [
-                {"name": one.name, "element_size": one.size, "from": one.how} for one in self.levels
+                {"name": one.name, "element_size": one.size, "from": one.source_of_size}
+                for one in self.levels
             ],
             "metrics": {
                 line.metric.key: {
@@ -166,7 +169,7 @@ def study(levels: Sequence[Level], notes: Sequence[str] = ()) -> Study:
         if coarse_level.size < _DISTINCT * fine_level.size:
             raise InputError(
                 f"{fine_level.name} and {coarse_level.name} have the same element size,"
-                f" {fine_level.size:.4g} and {coarse_level.size:.4g} ({fine_level.how}): state"
+                f" {fine_level.size:.4g} and {coarse_level.size:.4g} ({fine_level.source_of_size}): state"
                 " sizes under [element_sizes] of a mapping, or leave one out"
             )
     lines = (_line(metric, levels_by_size) for metric in levels_by_size[0].comparison.metrics)

@@ -232,7 +232,7 @@ def alternating_nodes(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     where all does, and 1 for white noise, about which it scatters by 1/sqrt(n).
     """
     residual = discrepancy.residual(discrepancy.reference_tractions, PRESSURE)
-    is_inside = residual.inside
+    is_inside = residual.is_inside
     all_three_inside = is_inside[:, :-2] & is_inside[:, 1:-1] & is_inside[:, 2:]
     # Of one instant: a mesh errs alike at all.
     count = int(all_three_inside.sum(axis=1).max())

@@ -117,7 +117,7 @@ class Predictions:
     """Tractions of variants at the points and instants of a discrepancy, each solved once."""
 
     discrepancy: Discrepancy
-    solved: dict[tuple[Variant, bool], Tractions] = field(default_factory=dict)
+    tractions_by_variant: dict[tuple[Variant, bool], Tractions] = field(default_factory=dict)
 
     def of(self, variant: Variant, *, sheared: bool = True) -> Tractions:
         """Tractions (2, k, n), p and q, that a result with the faults of `variant` has at the
@@ -136,11 +136,11 @@ class Predictions:
             variant, pressure_factor=1.0, shear_factor=1.0, swapped=False, odd=False
         )
         needs_shear = sheared or variant.swapped
-        if (variant_solved, needs_shear) not in self.solved:
-            self.solved[variant_solved, needs_shear] = self._solved(
+        if (variant_solved, needs_shear) not in self.tractions_by_variant:
+            self.tractions_by_variant[variant_solved, needs_shear] = self._solved(
                 variant_solved, sheared=needs_shear
             )
-        tractions = self.solved[variant_solved, needs_shear]
+        tractions = self.tractions_by_variant[variant_solved, needs_shear]
         if variant.swapped:
             tractions = tractions[::-1]
         tractions = pair(variant.pressure_factor, variant.shear_factor) * tractions

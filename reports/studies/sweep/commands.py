@@ -81,7 +81,7 @@ def _announced(prepared: Prepared) -> Iterator[str]:
     """
     study = prepared.study
     n_points = len(prepared.points)
-    n_waiting = len(prepared.waiting)
+    n_waiting = len(prepared.waiting_points)
     yield (
         f"{study.title or study.scene.name}: {n_points} points, {' and '.join(study.engines)};"
         f" {', '.join(study.figures)}"

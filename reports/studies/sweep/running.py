@@ -291,7 +291,7 @@ class Prepared:
     study: Study
     points: tuple[Point, ...]
     store: Store
-    waiting: tuple[Point, ...]
+    waiting_points: tuple[Point, ...]
 
 
 def prepare(
@@ -328,7 +328,7 @@ def work(
     store.prepare()
     store.write_plan(json.loads(prepared.study.model_dump_json()), points)
     sweep = _Sweep(prepared, pool, report)
-    if prepared.waiting:
+    if prepared.waiting_points:
         try:
             # Ctrl-C amid the locks of a pool may leave one locked for ever: it waits for a round,
             # and until the workers are gone.
@@ -371,8 +371,11 @@ def tasks_of(prepared: Prepared, width: int) -> deque[Task]:
     have some until the end.
     """
     points_at_once = _FE_AT_ONCE if "fe" in prepared.study.engines else _EXACT_AT_ONCE
-    size = max(1, min(points_at_once, -(-len(prepared.waiting) // (4 * width))))
-    return deque([*prepared.waiting[k : k + size]] for k in range(0, len(prepared.waiting), size))
+    size = max(1, min(points_at_once, -(-len(prepared.waiting_points) // (4 * width))))
+    return deque(
+        [*prepared.waiting_points[k : k + size]]
+        for k in range(0, len(prepared.waiting_points), size)
+    )
 
 
 @dataclass
@@ -432,7 +435,9 @@ class _Sweep:
             progress_in_words = f"{self.failed} failed, {handed_out} handed out"
             if self.lost:
                 progress_in_words += f", {len(self.lost)} lost with a worker"
-            self.report(self.solved + self.failed, len(self.prepared.waiting), progress_in_words)
+            self.report(
+                self.solved + self.failed, len(self.prepared.waiting_points), progress_in_words
+            )
 
     def _submitted(self, task: str) -> Future[str]:
         """Give a task to the pool of workers, or to a new pool where that is broken; returns the

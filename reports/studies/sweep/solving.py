@@ -450,11 +450,11 @@ def _solve(question: Question) -> dict[str, Any]:
         fe, notes = _finite_elements(question)
     evaluation = evaluate(question, fe)
     values = dict(evaluation.values)
-    record = _record(evaluation.exact if fe is None else fe)
+    record = _record(evaluation.theory if fe is None else fe)
     notes |= evaluation.notes
     if fe is not None:
-        if evaluation.exact is not None:
-            notes_of_theory = evaluation.exact.record.notes
+        if evaluation.theory is not None:
+            notes_of_theory = evaluation.theory.record.notes
             record["notes"] += [f"half-plane theory: {note}" for note in notes_of_theory]
         if question.uncertainty == "cheap":
             values |= _cheap_uncertainty(question, fe, evaluation, notes)
@@ -567,11 +567,11 @@ class Evaluated:
     theory and comparison.
     """
 
-    exact: ContactSolution | None = None
+    theory: ContactSolution | None = None
     comparison: Comparison | None = None
     values: Values = field(default_factory=dict)
     notes: dict[str, str] = field(default_factory=dict)
-    stated: dict[str, float] = field(default_factory=dict)
+    stated_uncertainty: dict[str, float] = field(default_factory=dict)
 
 
 def _effects_of_rig(scene: Scene) -> BodyEffects | None:
@@ -595,25 +595,25 @@ def evaluate(question: Question, fe: ContactSolution | None, *, polygon: bool = 
     evaluation = Evaluated()
     has_metrics = bool(set(question.figures) & METRICS.keys())
     if "exact" in question.engines:
-        evaluation.exact = _theory_for(question, fe, polygon=polygon)
-    if has_metrics and evaluation.exact is not None and fe is not None:
-        evaluation.comparison = _compared_for(question, evaluation.exact, fe, polygon=polygon)
+        evaluation.theory = _theory_for(question, fe, polygon=polygon)
+    if has_metrics and evaluation.theory is not None and fe is not None:
+        evaluation.comparison = _compared_for(question, evaluation.theory, fe, polygon=polygon)
     comparison = evaluation.comparison
     metrics_by_key = {metric.key: metric for metric in comparison.metrics} if comparison else {}
     for name in question.figures:
-        evaluation.stated[name] = 0.0
+        evaluation.stated_uncertainty[name] = 0.0
         value: float | None = None
         reason = "this scene has no such metric"
         if comparison is None or name not in METRICS:
-            value, reason = _value_of_figure(name, question.scene, fe, evaluation.exact)
+            value, reason = _value_of_figure(name, question.scene, fe, evaluation.theory)
             if fe is not None:
-                stated_uncertainty = _stated_by_edges(name, question.scene, fe, evaluation.exact)
-                evaluation.stated[name] = stated_uncertainty
+                stated_uncertainty = _stated_by_edges(name, question.scene, fe, evaluation.theory)
+                evaluation.stated_uncertainty[name] = stated_uncertainty
         elif name in metrics_by_key:
             metric = metrics_by_key[name]
             value = metric.value
             reason = metric.note or "there is nothing to compare"
-            evaluation.stated[name] = _stated_uncertainty(metric, comparison)
+            evaluation.stated_uncertainty[name] = _stated_uncertainty(metric, comparison)
         evaluation.values[name] = value
         if value is None:
             evaluation.notes[name] = reason
@@ -722,7 +722,7 @@ def _cheap_uncertainty(
                 changes.append(factor * abs(value - changed_value))
         if len(changes) == len(comparisons):
             change_by_mesh, *further_changes = changes
-            stated_uncertainty = evaluation.stated[name]
+            stated_uncertainty = evaluation.stated_uncertainty[name]
             uncertainties[key] = max(change_by_mesh, stated_uncertainty) + sum(further_changes)
         else:
             uncertainties[key] = None

@@ -69,7 +69,7 @@ class ThirdSolver:
         its input, as a value and as written
     comparison
         its answer against half-plane theory; None where it failed
-    done
+    run_record
         how the run went; None where it failed
     failure
         the sentence, "" where it did not
@@ -81,7 +81,7 @@ class ThirdSolver:
     deck: Deck
     text: str
     comparison: Comparison | None = None
-    done: Done | None = None
+    run_record: Done | None = None
     failure: str = ""
     guesses: tuple[str, ...] = ()
 
@@ -128,7 +128,7 @@ class ThirdSolver:
             (
                 "time [s]",
                 *(f"{t:.2f}" if t else "–" for t in seconds),
-                f"{self.done.seconds:.1f}" if self.done else "–",
+                f"{self.run_record.seconds:.1f}" if self.run_record else "–",
             )
         )
         return table_rows
@@ -139,12 +139,13 @@ class ThirdSolver:
         limits.
         """
         size = f"{self.deck.reference} nodes, {len(self.deck.time) - 1} instants"
-        if self.done is None:
+        if self.run_record is None:
             first_sentence = f"{self.code} gave no answer ({size}): {self.failure}."
         else:
             first_sentence = (
-                f"{self.code} on the exported deck: {size}, {self.done.increments} increments,"
-                f" {self.done.iterations} iterations."
+                f"{self.code} on the exported deck: {size}, {self.run_record.increments}"
+                f" increments,"
+                f" {self.run_record.iterations} iterations."
             )
         return [first_sentence, *_limits(self.deck)]
 
@@ -193,7 +194,7 @@ class ThirdSolver:
                 "stiffness": deck.stiffness,
                 "stick_slope": deck.stick_slope,
             },
-            "run": asdict(self.done) if self.done else None,
+            "run": asdict(self.run_record) if self.run_record else None,
             "figures": figures,
             "metrics": {
                 metric.key: {"ours": metric.value, "third": third_metrics.get(metric.key)}
@@ -264,7 +265,10 @@ def solve_with_calculix(
         with stages.stage("reading CalculiX"):
             judged_answer = judged(folder / "third.frd", deck, code)
     return replace(
-        answer, comparison=judged_answer.comparison, guesses=judged_answer.guesses, done=run_record
+        answer,
+        comparison=judged_answer.comparison,
+        guesses=judged_answer.guesses,
+        run_record=run_record,
     )
 
 
