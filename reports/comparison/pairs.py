@@ -63,8 +63,10 @@ def are_half_planes(scene: Scene) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class Pair:
-    """Reference and result, the one put on the other's points and instants: see `Comparison` for
-    the names.
+    """Reference and result of a comparison, the one put on the other's points and instants.
+
+    `expected` is the last cycle of the reference, `found` that of the result; `plain_reference` is
+    the reference as it is, where `reference` follows a rule of the result. See `Comparison`.
     """
 
     reference: ContactSolution
