@@ -110,8 +110,6 @@ def _by_resultants(surface: SurfaceResult, scene: Scene) -> History:
     """Find the instants on the load path by the sums of the tractions over x. What the trapezoidal
     rule misses of theory at the instants so found is subtracted.
     """
-    import semi_analytic
-
     source_in_words = "the integrals of its pressure and shear over x"
     if not surface.sheared and not without_tangential_load(scene):
         raise InputError(
@@ -126,7 +124,7 @@ def _by_resultants(surface: SurfaceResult, scene: Scene) -> History:
     if surface.normal_load is not None:
         normal_force = surface.normal_load
 
-    def with_shear_times(shear_sign: float, corrected_in_words: str) -> History | None:
+    def with_shear_times(shear_sign: float, words: str) -> History | None:
         """The instants with the shear as it is (1) or turned (-1); None where they don't fit."""
         try:
             return _by_loads(
@@ -134,7 +132,7 @@ def _by_resultants(surface: SurfaceResult, scene: Scene) -> History:
                 scene,
                 (normal_force, shear_sign * tangential_force),
                 _INTEGRATED,
-                corrected_in_words,
+                words,
             )
         except InputError:
             return None
@@ -151,23 +149,32 @@ def _by_resultants(surface: SurfaceResult, scene: Scene) -> History:
         if turned_history is None:
             raise
         history = turned_history
+    corrected_in_words = f"{source_in_words}, less what that misses of theory"
     for _ in range(_CORRECTIONS):
-        theory = semi_analytic.solve(
-            scene, x=surface.x, time=history.time, fields=("pressure", "shear")
-        )
-        # what the trapezoidal rule makes of theory, beside the loads of theory
+        normal_error, tangential_error = _errors_of_rule(surface, scene, history)
         corrected_normal = normal_force
         if surface.normal_load is None:
-            integral = np.trapezoid(theory.pressure, surface.x, axis=1)
-            corrected_normal = normal_force - (integral - history.normal_load)
-        integral = np.trapezoid(theory.shear, surface.x, axis=1)
-        corrected_tangential = shear_sign * tangential_force - (integral - history.tangential_load)
+            corrected_normal = normal_force - normal_error
+        corrected_tangential = shear_sign * tangential_force - tangential_error
         loads = (corrected_normal, corrected_tangential)
-        corrected_in_words = f"{source_in_words}, less what that misses of theory"
         history = _by_loads(surface, scene, loads, _INTEGRATED, corrected_in_words)
     has_shear = float(np.max(np.abs(tangential_force))) > _INTEGRATED * float(np.max(normal_force))
     either_sign = has_shear and with_shear_times(-shear_sign, source_in_words) is not None
     return replace(history, either_sign=either_sign)
+
+
+def _errors_of_rule(surface: SurfaceResult, scene: Scene, history: History) -> tuple[Array, Array]:
+    """What the trapezoidal rule on the result's points makes of theory's tractions, minus theory's
+    loads, at the instants of `history`: (n_steps,) of P and of Q.
+    """
+    import semi_analytic
+
+    theory = semi_analytic.solve(
+        scene, x=surface.x, time=history.time, fields=("pressure", "shear")
+    )
+    normal_force = np.trapezoid(theory.pressure, surface.x, axis=1)
+    tangential_force = np.trapezoid(theory.shear, surface.x, axis=1)
+    return normal_force - history.normal_load, tangential_force - history.tangential_load
 
 
 def _by_time(surface: SurfaceResult, stated_time: Array, scene: Scene, *, sure: bool) -> History:

@@ -416,21 +416,9 @@ def _not_elastic(discrepancy: Discrepancy) -> ProblemFit | None:
     result_pressure = discrepancy.result_tractions[PRESSURE]
     even_pressure = (result_pressure + _mirrored(result_pressure, discrepancy.x)) / 2
     sums = np.trapezoid(result_pressure, discrepancy.x, axis=1)
-    reference_size = np.sqrt(np.mean(discrepancy.reference_tractions[PRESSURE] ** 2, axis=1))
-    largest_change = (0.0, 0, 0)
-    for i in range(len(result_pressure)):
-        for j in range(i + 1, len(result_pressure)):
-            has_same_load = (
-                abs(discrepancy.normal_load[i] / discrepancy.normal_load[j] - 1) < _SAME_LOAD
-            )
-            has_same_sum = abs(sums[i] / sums[j] - 1) < _SAME_LOAD
-            if discrepancy.loaded[i] and discrepancy.loaded[j] and has_same_load and has_same_sum:
-                change = float(np.sqrt(np.mean((even_pressure[i] - even_pressure[j]) ** 2)))
-                largest_change = max(largest_change, (change / float(reference_size[i]), i, j))
-    relative_change, i, j = largest_change
-    difference = (even_pressure[i] - even_pressure[j])[
-        None
-    ] / discrepancy.comparison.scales.pressure
+    relative_change, i, j = _most_changed_instants(discrepancy, even_pressure, sums)
+    difference = even_pressure[[i]] - even_pressure[[j]]
+    difference = difference / discrepancy.comparison.scales.pressure
     residual_between = Residual(
         difference, discrepancy.weight[[i]], (even_pressure[[i]] != 0) | (even_pressure[[j]] != 0)
     )
@@ -468,6 +456,26 @@ def _mirrored(rows: Array, x: Array) -> Array:
 
 
 # ---------------------------------------------------------------------------------------- the shear
+def _most_changed_instants(
+    discrepancy: Discrepancy, pressure: Array, sums: Array
+) -> tuple[float, int, int]:
+    """Of the pairs of loaded instants with the same P and the same sum of the pressures, (k,), that
+    whose `pressure` (k, n) differs most: the difference over the reference's size, and both
+    indices. (0, 0, 0) without such a pair.
+    """
+    load = discrepancy.normal_load
+    reference_size = np.sqrt(np.mean(discrepancy.reference_tractions[PRESSURE] ** 2, axis=1))
+    largest_change = (0.0, 0, 0)
+    for i in range(len(pressure)):
+        for j in range(i + 1, len(pressure)):
+            has_same_load = abs(load[i] / load[j] - 1) < _SAME_LOAD
+            has_same_sum = abs(sums[i] / sums[j] - 1) < _SAME_LOAD
+            if discrepancy.loaded[i] and discrepancy.loaded[j] and has_same_load and has_same_sum:
+                change = float(np.sqrt(np.mean((pressure[i] - pressure[j]) ** 2)))
+                largest_change = max(largest_change, (change / float(reference_size[i]), i, j))
+    return largest_change
+
+
 def _rolling(discrepancy: Discrepancy) -> ProblemFit | None:
     """Fit of tractive rolling, whose stick zone begins at the leading edge: q = f [p(x, P) - p(x -+
     (a - c), P - |Q|/f)] with the sign of Q (Carter 1926; Johnson 1985, 8.3). None without friction

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from reports.comparison import Comparison
 from reports.scoring.discrepancy import PRESSURE, SHEAR, Discrepancy, Tractions, pair
 from scenes import STICK
+from scenes.array_types import Array
 
 NOISE = "noise"
 UNKNOWN = "unknown"
@@ -159,34 +160,13 @@ def full_slip(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
 
 def elastic_slip(discrepancy: Discrepancy, *, shear_sign: float = 1.0) -> Iterator[Diagnosis]:
     """A finding where points that stick creep in proportion to the shear: a penalty of stiffness k
-    moves them by dq/k.
-
-    Points that stick from one instant to the next are those with |q| < 0.9 f p at both, in the
-    result and in the reference, whose slip rests in the reference. `shear_sign` is -1 where the
-    file is known to have a shear of the wrong sign.
+    moves them by dq/k. `shear_sign` is -1 where the file is known to have a shear of the wrong
+    sign.
     """
-    comparison = discrepancy.comparison
-    friction = discrepancy.comparison.scene.friction.coefficient
-    result_cycle = comparison.found
-    reference_cycle = comparison.expected
-    if not friction or not discrepancy.sheared or len(result_cycle.time) < 2:
+    changes = _changes_of_sticking(discrepancy, shear_sign)
+    if changes is None:
         return
-    if not (np.isfinite(result_cycle.slip).all() and np.isfinite(reference_cycle.slip).all()):
-        return
-    is_well_inside = comparison.judged[:, None] & ~comparison.isolated["shear"]
-    for cycle in (result_cycle, reference_cycle):
-        is_well_inside &= cycle.pressure > 0.01 * comparison.scales.pressure
-        is_well_inside &= np.abs(cycle.shear) < _STICKS * friction * cycle.pressure
-    slip_change = np.diff(result_cycle.slip, axis=0)
-    slip_change_of_reference = np.diff(reference_cycle.slip, axis=0)
-    shear_change = shear_sign * np.diff(result_cycle.shear, axis=0)
-    is_touching = (result_cycle.pressure[1:] > 0) & (result_cycle.pressure[:-1] > 0)
-    largest_change = float(np.max(np.abs(slip_change), where=is_touching, initial=0.0))
-    sticks = (
-        is_well_inside[1:]
-        & is_well_inside[:-1]
-        & (np.abs(slip_change_of_reference) <= _AT_REST * largest_change)
-    )
+    slip_change, shear_change, sticks, largest_change = changes
     creep = slip_change[sticks]
     shear_change_there = shear_change[sticks]
     if len(creep) < _FEWEST_CREEPING or not shear_change_there.any() or not creep.any():
@@ -194,9 +174,9 @@ def elastic_slip(discrepancy: Discrepancy, *, shear_sign: float = 1.0) -> Iterat
     compliance = float(creep @ shear_change_there / (shear_change_there @ shear_change_there))
     slip_left = slip_change - compliance * shear_change
     both_stick = sticks[:, 1:] & sticks[:, :-1]
-    noise = (
-        float(np.mean(np.diff(slip_left, axis=1)[both_stick] ** 2)) / 2 if both_stick.any() else 0.0
-    )
+    noise = 0.0
+    if both_stick.any():
+        noise = float(np.mean(np.diff(slip_left, axis=1)[both_stick] ** 2)) / 2
     mean_square = float(np.mean(creep**2))
     square_left = float(np.mean(slip_left[sticks] ** 2))
     noise = min(noise, square_left)
@@ -212,7 +192,7 @@ def elastic_slip(discrepancy: Discrepancy, *, shear_sign: float = 1.0) -> Iterat
         or gain_of_fit < _GAIN
     ):
         return
-    scales = comparison.scales
+    scales = discrepancy.comparison.scales
     stiffness = scales.compliance * scales.half_width / (2 * compliance)  # over E*/a, E* = 2/A
     evidence = (
         (
@@ -222,6 +202,38 @@ def elastic_slip(discrepancy: Discrepancy, *, shear_sign: float = 1.0) -> Iterat
         f"a tangential stiffness of {stiffness:.2g} E*/a_ref",
     )
     yield Diagnosis("elastic_slip", FAULTS["elastic_slip"], evidence, share_proportional)
+
+
+def _changes_of_sticking(
+    discrepancy: Discrepancy, shear_sign: float
+) -> tuple[Array, Array, NDArray[np.bool_], float] | None:
+    """Change of the result's slip and of its shear (times `shear_sign`) from instant to instant,
+    (k - 1, n); which of these are of points that stick; and the largest change of slip.
+
+    Points that stick from one instant to the next are those with |q| < 0.9 f p at both, in the
+    result and in the reference, whose slip rests in the reference. None without friction, shear or
+    slip.
+    """
+    comparison = discrepancy.comparison
+    friction = comparison.scene.friction.coefficient
+    result_cycle = comparison.found
+    reference_cycle = comparison.expected
+    if not friction or not discrepancy.sheared or len(result_cycle.time) < 2:
+        return None
+    if not (np.isfinite(result_cycle.slip).all() and np.isfinite(reference_cycle.slip).all()):
+        return None
+    is_well_inside = comparison.judged[:, None] & ~comparison.isolated["shear"]
+    for cycle in (result_cycle, reference_cycle):
+        is_well_inside &= cycle.pressure > 0.01 * comparison.scales.pressure
+        is_well_inside &= np.abs(cycle.shear) < _STICKS * friction * cycle.pressure
+    slip_change = np.diff(result_cycle.slip, axis=0)
+    slip_change_of_reference = np.diff(reference_cycle.slip, axis=0)
+    shear_change = shear_sign * np.diff(result_cycle.shear, axis=0)
+    is_touching = (result_cycle.pressure[1:] > 0) & (result_cycle.pressure[:-1] > 0)
+    largest_change = float(np.max(np.abs(slip_change), where=is_touching, initial=0.0))
+    rests_in_reference = np.abs(slip_change_of_reference) <= _AT_REST * largest_change
+    sticks = is_well_inside[1:] & is_well_inside[:-1] & rests_in_reference
+    return slip_change, shear_change, sticks, largest_change
 
 
 def alternating_nodes(discrepancy: Discrepancy) -> Iterator[Diagnosis]:

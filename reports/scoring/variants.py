@@ -186,30 +186,13 @@ class Predictions:
         `sheared`; before factors, swaps and offsets of the file are applied.
         """
         discrepancy = self.discrepancy
-        scene = discrepancy.scene
-        if variant.wrong_load:
-            scene = scene.vary(load=wrong_loads(scene)[variant.wrong_load])
-        if variant.stiffness != 1.0:
-            scene = stiffer(scene, variant.stiffness)
-        if variant.friction != 1.0:
-            scene = with_friction(scene, variant.friction * scene.friction.coefficient)
-        path = scene.load.path()
-        time = discrepancy.time
-        if variant.delay:
-            assert path.period is not None
-            fraction = np.mod(discrepancy.fraction - variant.delay, 1.0)
-            time = path.cycle_start + (_STEADY + fraction) * path.period
-        match variant.history:
-            case "first revolution":
-                assert path.period is not None
-                fraction_in_cycle = np.where(
-                    discrepancy.fraction > 1, discrepancy.fraction - 1, discrepancy.fraction
-                )
-                time = path.cycle_start + np.minimum(fraction_in_cycle, 1 - 1e-12) * path.period
-            case "no memory" if sheared:
-                return _without_memory(scene, x, time)
-            case "straight steps" | "end of steps" if sheared:
-                return _long_steps(discrepancy, scene, x, of_ends=variant.history == "end of steps")
+        scene = self._scene_of(variant)
+        time = self._times_of(variant, scene)
+        if variant.history == "no memory" and sheared:
+            return _without_memory(scene, x, time)
+        if variant.history in ("straight steps", "end of steps") and sheared:
+            of_ends = variant.history == "end of steps"
+            return _long_steps(discrepancy, scene, x, of_ends=of_ends)
         effects = None
         if variant.small_body < 0 or variant.soft_normal < 0:
             raise InputError("a body of negative height, a layer of negative compliance")
@@ -224,9 +207,8 @@ class Predictions:
             return self._pressure(scene, x, time, effects, layer_compliance)[None]
         if variant.soft_normal:
             pressure = self._theory(variant, x, sheared=False)[PRESSURE]
-            return np.array(
-                [pressure, self._theory(replace(variant, soft_normal=0.0), x, sheared=True)[SHEAR]]
-            )
+            without_layer = replace(variant, soft_normal=0.0)
+            return np.array([pressure, self._theory(without_layer, x, sheared=True)[SHEAR]])
         if scene.unsymmetric and one_curve(scene) is None:
             raise InputError("its memory of friction is no one curve: not looked for")
         tractions = _tractions(scene, x, time, effects=effects)
@@ -234,6 +216,35 @@ class Predictions:
             loads, rows = _steps(scene, time)
             tractions[SHEAR] += shear_by_coupling(scene, x, loads, rows, variant.beta)
         return tractions
+
+    def _scene_of(self, variant: Variant) -> Scene:
+        """The scene with the variant's wrong load, modulus and friction."""
+        scene = self.discrepancy.scene
+        if variant.wrong_load:
+            scene = scene.vary(load=wrong_loads(scene)[variant.wrong_load])
+        if variant.stiffness != 1.0:
+            scene = stiffer(scene, variant.stiffness)
+        if variant.friction != 1.0:
+            scene = with_friction(scene, variant.friction * scene.friction.coefficient)
+        return scene
+
+    def _times_of(self, variant: Variant, scene: Scene) -> Array:
+        """Times (k,) of the load path at which a result with the variant's faults is: later by its
+        delay, or in the first cycle in place of the steady one.
+        """
+        discrepancy = self.discrepancy
+        path = scene.load.path()
+        if variant.history == "first revolution":
+            assert path.period is not None
+            fraction_in_cycle = np.where(
+                discrepancy.fraction > 1, discrepancy.fraction - 1, discrepancy.fraction
+            )
+            return path.cycle_start + np.minimum(fraction_in_cycle, 1 - 1e-12) * path.period
+        if variant.delay:
+            assert path.period is not None
+            fraction = np.mod(discrepancy.fraction - variant.delay, 1.0)
+            return path.cycle_start + (_STEADY + fraction) * path.period
+        return discrepancy.time
 
     def _pressure(
         self, scene: Scene, x: Array, time: Array, effects: BodyEffects | None, layer: float
