@@ -169,8 +169,9 @@ def study(levels: Sequence[Level], notes: Sequence[str] = ()) -> Study:
         if coarse_level.size < _DISTINCT * fine_level.size:
             raise InputError(
                 f"{fine_level.name} and {coarse_level.name} have the same element size,"
-                f" {fine_level.size:.4g} and {coarse_level.size:.4g} ({fine_level.source_of_size}): state"
-                " sizes under [element_sizes] of a mapping, or leave one out"
+                f" {fine_level.size:.4g} and {coarse_level.size:.4g}"
+                f" ({fine_level.source_of_size}): state sizes under [element_sizes] of a mapping,"
+                " or leave one out"
             )
     lines = (_line(metric, levels_by_size) for metric in levels_by_size[0].comparison.metrics)
     all_notes = list(notes)
