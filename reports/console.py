@@ -150,9 +150,12 @@ class Stages:
             def report(count: int, total: int | None, text: str) -> None:
                 from rich.markup import escape
 
-                words = ", ".join(filter(None, (text, time_left.words(count, total))))
+                progress_in_words = ", ".join(filter(None, (text, time_left.words(count, total))))
                 progress.update(
-                    task, completed=count, total=total, description=escape(f"{name}: {words}")
+                    task,
+                    completed=count,
+                    total=total,
+                    description=escape(f"{name}: {progress_in_words}"),
                 )
 
             yield report

@@ -162,8 +162,8 @@ def _of_difference(effects: InputEffects, comparison: JudgedPair | None) -> Iter
     if WORK not in effects.difference:
         return
     term = effects.difference[WORK]
-    share, source = _difference_of_work(term, comparison)
-    amount = with_uncertainty(100 * share, 100 * term.uncertainty)
+    relative_difference, source = _difference_of_work(term, comparison)
+    amount = with_uncertainty(100 * relative_difference, 100 * term.uncertainty)
     yield f"With these inputs the difference of W{source} is {amount} %."
 
 
@@ -189,8 +189,8 @@ def _of_measurement(effects: InputEffects, comparison: JudgedPair | None) -> Ite
     if WORK not in effects.difference:
         yield f"{amount}."
         return
-    share, _ = _difference_of_work(effects.difference[WORK], comparison)
-    if abs(share) >= _SEEN * relative_uncertainty:
+    relative_difference, _ = _difference_of_work(effects.difference[WORK], comparison)
+    if abs(relative_difference) >= _SEEN * relative_uncertainty:
         yield f"{amount} and can see it, if it adds less of its own."
     else:
         yield f"{amount} and cannot see it."
@@ -204,14 +204,16 @@ def _matters_most(effects: InputEffects) -> str:
         value = effects.values.get(key)
         if value is None or not value.ranking:
             continue
-        words = {entry.key: entry.words for entry in effects.inputs}
+        input_in_words = {entry.key: entry.words for entry in effects.inputs}
         first_key, *other_keys = value.ranking
         sizes = {name: abs(change.value) for name, change in value.changes.items()}
-        first_words = f"{words[first_key][:1].upper()}{words[first_key][1:]} matters most"
+        first_words = (
+            f"{input_in_words[first_key][:1].upper()}{input_in_words[first_key][1:]} matters most"
+        )
         if key != WORK:
-            first_words = f"For {_SYMBOLS[key]} {words[first_key]} matters most"
+            first_words = f"For {_SYMBOLS[key]} {input_in_words[first_key]} matters most"
         if other_keys and sizes[other_keys[0]] >= _NAMED * sizes[first_key]:
-            first_words += f", then {words[other_keys[0]]}"
+            first_words += f", then {input_in_words[other_keys[0]]}"
         return f"{first_words}."
     return ""
 
@@ -254,13 +256,13 @@ def rows(effects: InputEffects, scene: Scene) -> list[tuple[str, ...]]:
     """Rows of the table of theory's values: value, standard uncertainty by the inputs, the same in
     per cent, and the three inputs that make most of it.
     """
-    words = {entry.key: entry.words for entry in effects.inputs}
+    input_in_words = {entry.key: entry.words for entry in effects.inputs}
     table: list[tuple[str, ...]] = []
     for value in effects.values.values():
         unit = _unit(value, scene)
         relative_uncertainty = value.relative
         shares = [
-            f"{words[key]} {_in_percent(value.changes[key], value.value)}"
+            f"{input_in_words[key]} {_in_percent(value.changes[key], value.value)}"
             for key in value.ranking[:3]
         ]
         table.append(
@@ -288,16 +290,20 @@ def rows_of_difference(effects: InputEffects) -> list[tuple[str, ...]]:
     """Rows of the table of differences of the two models: size in per cent, uncertainty by the
     inputs in points, and the three inputs that make most of it.
     """
-    words = {entry.key: entry.words for entry in effects.inputs}
+    input_in_words = {entry.key: entry.words for entry in effects.inputs}
     table: list[tuple[str, ...]] = []
     for value in effects.difference.values():
         parts_of_inputs = [
-            f"{words[key]} {significant(100 * abs(value.changes[key].value), 2)}"
+            f"{input_in_words[key]} {significant(100 * abs(value.changes[key].value), 2)}"
             for key in value.ranking[:3]
         ]
-        size = with_uncertainty(100 * value.value, 100 * value.uncertainty).partition(" ±")[0]
+        size_in_words = with_uncertainty(100 * value.value, 100 * value.uncertainty).partition(
+            " ±"
+        )[0]
         points_of_uncertainty = significant(100 * value.uncertainty, 2)
-        table.append((value.words, size, points_of_uncertainty, ", ".join(parts_of_inputs) or "–"))
+        table.append(
+            (value.words, size_in_words, points_of_uncertainty, ", ".join(parts_of_inputs) or "–")
+        )
     return table
 
 

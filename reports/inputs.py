@@ -386,16 +386,19 @@ def central_differences(
     InputError
         Where the smallest step slides.
     """
-    for share in _STEPS:
-        step = share * entry.standard
+    for share_of_uncertainty in _STEPS:
+        step = share_of_uncertainty * entry.standard
         try:
             values_above = values_at(scene.moved({entry.key: step}))
             values_below = values_at(scene.moved({entry.key: -step}))
         except InadmissibleLoadError:
-            if share == _STEPS[-1]:
+            if share_of_uncertainty == _STEPS[-1]:
                 raise
             continue
-        return _Move(entry.key, _differences(values_at_inputs, values_above, values_below, share))
+        return _Move(
+            entry.key,
+            _differences(values_at_inputs, values_above, values_below, share_of_uncertainty),
+        )
     raise AssertionError  # the last step returns or raises
 
 
@@ -1132,8 +1135,8 @@ def _difference(
     differences = {}
     for key, value in errors_at_inputs.items():
         if math.isfinite(value):
-            words = f"difference of the {QUANTITIES_OF_THEORY[key].words}"
-            quantity = QUANTITIES_OF_THEORY[key]._replace(words=words, unit="share")
+            difference_in_words = f"difference of the {QUANTITIES_OF_THEORY[key].words}"
+            quantity = QUANTITIES_OF_THEORY[key]._replace(words=difference_in_words, unit="share")
             differences[key] = propagated(quantity, value, moves, key, correlation)
     return differences
 

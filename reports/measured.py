@@ -211,9 +211,9 @@ def record_in_words(scene: Scene, record: RecordCheck) -> Iterator[Sentence]:
     if load.reduce is not None:
         yield _reduction_in_words(scene, load, record)
     if record.half_threshold is not None and record.dissipation:
-        share = _change(record.half_threshold, record.dissipation)
-        text = f"With half the threshold W changes by {_per_cent(share)}."
-        yield Sentence(text, abs(share) > _WARNED)
+        relative_change = _change(record.half_threshold, record.dissipation)
+        text = f"With half the threshold W changes by {_per_cent(relative_change)}."
+        yield Sentence(text, abs(relative_change) > _WARNED)
     if any(record.noise):
         yield _noise_in_words(scene, load, record)
 

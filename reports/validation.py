@@ -102,8 +102,8 @@ class AgainstMeasurement:
             percent_per_unit * self.error, percent_per_unit * self.uncertainty
         )
         parts_of_uncertainty = [
-            f"{name} {significant(percent_per_unit * size, 2)} %"
-            for name, size in (
+            f"{name} {significant(percent_per_unit * uncertainty, 2)} %"
+            for name, uncertainty in (
                 ("numerical", self.numerical),
                 ("inputs", self.inputs),
                 ("measurement", self.measurement),

@@ -88,11 +88,11 @@ def marked(text: object) -> Markup:
     p<sub>max</sub>; <code>--budget</code> gives it
     """
     markup = Markup("")
-    for k, words in enumerate(re.split("`([^`]+)`", str(text))):
+    for k, piece_of_text in enumerate(re.split("`([^`]+)`", str(text))):
         if k % 2:
-            markup += Markup("<code>{}</code>").format(words)
+            markup += Markup("<code>{}</code>").format(piece_of_text)
             continue
-        for part, is_subscript in pieces(words):
+        for part, is_subscript in pieces(piece_of_text):
             markup += Markup("<sub>{}</sub>").format(part) if is_subscript else part
     return markup
 

@@ -963,13 +963,13 @@ def _misspelt(fault: CycloptsError) -> str:
     and what to do.
     """
     if isinstance(fault, UnknownCommandError):
-        words = list(fault.unused_tokens or [""])
-        is_option = words[0].startswith("-")
+        unused_words = list(fault.unused_tokens or [""])
+        is_option = unused_words[0].startswith("-")
         suggestion = _nearest_word(
-            words[0], [name for name in app if name.startswith("-") is is_option]
+            unused_words[0], [name for name in app if name.startswith("-") is is_option]
         )
         return (
-            f"there is no {'option' if is_option else 'command'} {words[0]!r};"
+            f"there is no {'option' if is_option else 'command'} {unused_words[0]!r};"
             f" {suggestion}`halfplane --help` lists them"
         )
     chain = list(fault.command_chain or ())

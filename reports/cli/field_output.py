@@ -218,9 +218,15 @@ def _largest_measures(measures: Sequence[dict[str, Any]], stress: str) -> list[t
         elements = largest_row["finite_elements"]["value"]
         unit = "–" if name == "Fatemi-Socie" else stress
         difference = f"{100 * (elements / theory - 1):+.2f} %" if theory else "–"
-        place = f"{_place(largest_row['finite_elements'])}, {largest_row['body']}"
+        place_in_words = f"{_place(largest_row['finite_elements'])}, {largest_row['body']}"
         rows.append(
-            (f"{name} [{unit}]", f"{theory:.4g}", f"{elements:.4g}", minus(difference), place)
+            (
+                f"{name} [{unit}]",
+                f"{theory:.4g}",
+                f"{elements:.4g}",
+                minus(difference),
+                place_in_words,
+            )
         )
     return rows
 

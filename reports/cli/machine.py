@@ -96,11 +96,11 @@ def _packages() -> tuple[bool, str]:
     for name in _PACKAGES:
         with suppress(PackageNotFoundError):
             version_of[name] = version(name)
-    words = ", ".join(f"{name} {number}" for name, number in version_of.items())
+    packages_in_words = ", ".join(f"{name} {number}" for name, number in version_of.items())
     missing_packages = [name for name in _PACKAGES if name not in version_of]
     if missing_packages:
-        words += f"; missing: {', '.join(missing_packages)}"
-    return not missing_packages, words
+        packages_in_words += f"; missing: {', '.join(missing_packages)}"
+    return not missing_packages, packages_in_words
 
 
 def _run_apart(program: str, hint: str) -> tuple[bool, str]:

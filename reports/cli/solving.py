@@ -639,8 +639,8 @@ def _notes_shown(report: Report) -> Iterator[Part]:
     from reports.measured import check_record, record_in_words
 
     scene = report.comparison.scene
-    if words := uncertain_work(report.comparison):
-        yield words
+    if work_in_words := uncertain_work(report.comparison):
+        yield work_in_words
     for note in report.comparison.result.record.notes:
         yield f"Note: {note}."
     if record := check_record(scene):

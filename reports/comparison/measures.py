@@ -905,8 +905,8 @@ def drift(pair: Pair) -> Measured:
         if math.isnan(change):
             sentences.append(f"{name_of(solution.engine)}: not known")
         elif change:
-            size = minus(f"{change:+.1e}")
-            sentences.append(f"{name_of(solution.engine)}: {size} in its last cycle")
+            change_in_words = minus(f"{change:+.1e}")
+            sentences.append(f"{name_of(solution.engine)}: {change_in_words} in its last cycle")
     note = "; ".join(sentences)
     if math.isnan(reference_value) or math.isnan(result_value):
         return _nothing_to_compare(note)

@@ -45,11 +45,11 @@ def percent_of(change: Estimate) -> str:
     >>> percent_of(Estimate(-0.0200, 0.00021)), percent_of(Estimate(0.0004))
     ('−2.00 ± 0.02 %', '+0.04 %')
     """
-    words = in_percent(change.value)
+    percent_in_words = in_percent(change.value)
     if not change.uncertainty or math.isnan(change.uncertainty):
-        return f"{words} %"
+        return f"{percent_in_words} %"
     uncertainty = max(100 * change.uncertainty, 0.01)
-    return f"{words} ± {uncertainty:.2f} %"
+    return f"{percent_in_words} ± {uncertainty:.2f} %"
 
 
 class Step(NamedTuple):
@@ -173,8 +173,8 @@ class Why(PythonNumbers):
     def content(self) -> dict[str, Any]:
         """For comparison.json: the difference of W and its causes, as shares of theory's W."""
         steps = [
-            {"cause": words, "value": change.value, "uncertainty": change.uncertainty}
-            for words, change, _ in self.steps
+            {"cause": cause, "value": change.value, "uncertainty": change.uncertainty}
+            for cause, change, _ in self.steps
         ]
         return {
             "total": self.total.value,

@@ -493,10 +493,10 @@ def verdict_in_short(comparison: JudgedPair) -> str:
         return f"{first_words} {verdict(comparison)}".strip()
     # "Undecided." has its names in the next sentence.
     sentences = [] if standing(comparison) == "undecided" else [first_words]
-    for state, words in ((Verdict.OUTSIDE, "Outside"), (Verdict.UNDECIDED, "Undecided")):
+    for state, state_in_words in ((Verdict.OUTSIDE, "Outside"), (Verdict.UNDECIDED, "Undecided")):
         names = [_name(metric) for metric in comparison.metrics if metric.verdict is state]
         if names:
-            sentences.append(f"{words}: {'; '.join(names)}.")
+            sentences.append(f"{state_in_words}: {'; '.join(names)}.")
     sentences += ["Both answers obey the laws of contact.", not_scored(comparison)]
     return " ".join(filter(None, sentences))
 
@@ -554,8 +554,8 @@ def uncertain_work(comparison: JudgedPair) -> str:
         return ""
     share_in_words = ""
     if solution.dissipation:
-        share = solution.dissipation_uncertainty / solution.dissipation
-        share_in_words = _in_digits(share, plus=False)
+        relative_uncertainty = solution.dissipation_uncertainty / solution.dissipation
+        share_in_words = _in_digits(relative_uncertainty, plus=False)
     return in_template(
         "uncertain_work",
         name_of(solution.engine),

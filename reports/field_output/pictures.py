@@ -307,12 +307,12 @@ def scales_of(snapshots: Sequence[Snapshot]) -> tuple[float, float]:
     displacements of whole bodies are magnified.
     """
     bodies = [body for snapshot in snapshots for body in snapshot.bodies]
-    size = max(float(np.ptp(body.points, axis=0).max()) for body in bodies)
+    largest_extent = max(float(np.ptp(body.points, axis=0).max()) for body in bodies)
     displacement = max(float(np.linalg.norm(body.displacement, axis=1).max()) for body in bodies)
     largest_stress = max(float(body.von_mises.max()) for body in bodies)
     factor = 1.0
     if displacement:
-        factor = round_down(_LARGEST_DISPLACEMENT * size / displacement)
+        factor = round_down(_LARGEST_DISPLACEMENT * largest_extent / displacement)
     return largest_stress or 1.0, factor
 
 
@@ -376,14 +376,14 @@ def _whole_bodies(
     _, length_unit, stress_unit = units(solution.scene)
     least_stress = largest_stress * 10**-_DECADES
     limits = (float(np.log10(least_stress)), float(np.log10(largest_stress)))
-    size = max(float(np.ptp(body.points, axis=0).max()) for body in snapshot.bodies)
+    largest_extent = max(float(np.ptp(body.points, axis=0).max()) for body in snapshot.bodies)
     skins = []
     outlines = []  # (n, 2, 2) ends of the sides of each boundary
     for body_mesh, body in zip(solution.bodies, snapshot.bodies, strict=True):
         # Magnified displacements let the bodies overlap where the gap is not magnified with them;
         # hence they are drawn apart.
         side = 1.0 if body.name == "lower" else -1.0
-        offset = np.array([0.0, -side * (0.03 + _LARGEST_DISPLACEMENT) * size / 2])
+        offset = np.array([0.0, -side * (0.03 + _LARGEST_DISPLACEMENT) * largest_extent / 2])
         values = np.log10(np.maximum(body.von_mises, least_stress))
         deformed_points = body.points + factor * body.displacement + offset
         skins.append(Skin(deformed_points, body.cells, values, limits))
@@ -403,9 +403,9 @@ def _whole_bodies(
         f" {load_unit(solution.scene)}"
     )
     note = f"{loads}; displacements × {number(factor)}, drawn apart"
-    words = PanelWords(length_unit, f"t = {number(snapshot.time)}, {label}", note)
+    panel_words = PanelWords(length_unit, f"t = {number(snapshot.time)}, {label}", note)
     undeformed = Segments(np.concatenate(outlines), "curve undeformed")
-    panel = rendered(name, (left, right, bottom, top), skins, pixels, words, [undeformed])
+    panel = rendered(name, (left, right, bottom, top), skins, pixels, panel_words, [undeformed])
     colours = colour_scale(
         f"{name}-colours",
         (least_stress, largest_stress),
@@ -446,9 +446,9 @@ def _at_the_contact(
     note = minus(
         f"largest nodal value {peak_value['value']:.4g} {stress_unit}, {peak_value['body']} body"
     )
-    words = PanelWords(length_unit, "at the contact, to true scale", note)
+    panel_words = PanelWords(length_unit, "at the contact, to true scale", note)
     window = (-half_size, half_size, -half_size, half_size)
-    panel = rendered(f"{name}-contact", window, skins, pixels, words)
+    panel = rendered(f"{name}-contact", window, skins, pixels, panel_words)
     step = int(np.argmin(np.abs(solution.time - snapshot.time)))
     marks = [
         *state_blocks(solution, step, half_size, 0.0, 1.0),

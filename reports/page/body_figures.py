@@ -316,13 +316,13 @@ def _label(scene: Scene, name: str) -> str:
     shape = getattr(scene.bodies, name)
     material = getattr(scene.material, name)
     _, length, stress = units(scene)
-    size = ""
+    sizes_in_words = ""
     if isinstance(shape, Cylinder):
-        size = f" R = {number(shape.radius)} {length}"
+        sizes_in_words = f" R = {number(shape.radius)} {length}"
     elif not isinstance(shape, HalfPlane):
-        size = f" {number(shape.width)} × {number(shape.height)} {length}"
+        sizes_in_words = f" {number(shape.width)} × {number(shape.height)} {length}"
     elastic = f"E = {number(material.young_modulus)} {stress}, ν = {number(material.poisson_ratio)}"
-    return f"{name}: {shape.kind.replace('_', '-')}{size}, {elastic}"
+    return f"{name}: {shape.kind.replace('_', '-')}{sizes_in_words}, {elastic}"
 
 
 def _loads(frame: Frame, scene: Scene, outlines: dict[str, Array]) -> Iterator[Mark]:

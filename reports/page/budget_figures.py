@@ -67,9 +67,9 @@ def budget_bars(budget: ErrorBudget) -> Plate | None:
     )
     is_drawn = np.any([stack.shares != 0 for stack in stacks], axis=0)
     keys = [
-        Key(f"term-{place}", name, patch=True)
-        for place, name in enumerate(names)
-        if is_drawn[place]
+        Key(f"term-{index}", name, patch=True)
+        for index, name in enumerate(names)
+        if is_drawn[index]
     ]
     table = _budget_table(budgets, term_names, rest_name)
     return worded("budget", [panel], table, keys, columns=1, judged=is_judged)
@@ -198,17 +198,17 @@ def _blocks_of_bar(
     right_end = 0.0
     left_end = 0.0
     unit = "of the tolerance" if is_judged else "%"
-    for place, (share, name) in enumerate(zip(stack.shares.tolist(), names, strict=True)):
-        if share > 0:
+    for index, (length, name) in enumerate(zip(stack.shares.tolist(), names, strict=True)):
+        if length > 0:
             start = right_end
-            right_end += share
+            right_end += length
         else:
             start = left_end
-            left_end += share
-        if share:
-            label = minus(f"{name}: {share:+.3g} {unit}")
-            ends = (start, start + share)
-            yield Block(ends, (lower_edge + 0.14, lower_edge + 0.5), f"term-{place} edge", label)
+            left_end += length
+        if length:
+            label = minus(f"{name}: {length:+.3g} {unit}")
+            ends = (start, start + length)
+            yield Block(ends, (lower_edge + 0.14, lower_edge + 0.5), f"term-{index} edge", label)
 
 
 def _budget_table(budgets: Sequence[Budget], term_names: Sequence[str], rest_name: str) -> Table:
@@ -219,8 +219,8 @@ def _budget_table(budgets: Sequence[Budget], term_names: Sequence[str], rest_nam
         "tolerance": [row.metric.tolerance for row in budgets],
         "E": [row.total for row in budgets],
     }
-    for place, name in enumerate(term_names):
-        columns[name] = [row.terms[place].value for row in budgets]
+    for index, name in enumerate(term_names):
+        columns[name] = [row.terms[index].value for row in budgets]
     columns[rest_name] = [row.rest for row in budgets]
     columns["u"] = [row.uncertainty for row in budgets]
     table: dict[str, Any] = {"metric": [row.metric.key for row in budgets]}

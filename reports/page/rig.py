@@ -343,13 +343,13 @@ def rows_of(rig: RigMotion) -> list[tuple[str, str]]:
         (f"dissipation W of the {rig.noun} [{energy_unit(rig.scene)}]", f"{dissipation:.6g}"),
     ]
     for motion in Motion:
-        share = rig.share(motion)
-        if not share:
+        share_of_time = rig.share(motion)
+        if not share_of_time:
             continue
-        words = f"{100 * share:.3g} % of the time"
+        time_in_words = f"{100 * share_of_time:.3g} % of the time"
         if motion in (Motion.FORWARD, Motion.BACK):
-            words += f", over {rig.distance(motion):.6g} {unit_of_length}"
-        rows.append((_MOTIONS[motion][1], words))
+            time_in_words += f", over {rig.distance(motion):.6g} {unit_of_length}"
+        rows.append((_MOTIONS[motion][1], time_in_words))
     if rig.elements is not None:
         rows += _rows_of_elements(rig, rig.elements)
     return rows

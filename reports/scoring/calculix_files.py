@@ -244,12 +244,12 @@ class _Lines(Iterator[str]):
         for line, head, continuations in records:
             number = self.integer(head[:label_width], "an element's number", line)
             kind = self.integer(head[label_width:][:5], "its kind", line)
-            words = [
+            number_texts = [
                 text[k : k + label_width]
                 for text in continuations
                 for k in range(0, len(text), label_width)
             ]
-            nodes = tuple(self.integer(word, "a node's number", line + 1) for word in words)
+            nodes = tuple(self.integer(word, "a node's number", line + 1) for word in number_texts)
             if not nodes:
                 raise self.refusal(
                     f"nodes (-2) of every element, found none of element {number}", header_line
@@ -420,12 +420,12 @@ def _pair_force(
         """Six numbers on the line after next of a heading."""
         for number, line in enumerate(lines[title_line : title_line + 19], start=title_line + 1):
             if line.strip().startswith(heading) and number + 1 < len(lines):
-                words = lines[number + 1].split()
-                if len(words) != 6:
+                number_texts = lines[number + 1].split()
+                if len(number_texts) != 6:
                     raise file.refusal(
-                        f"6 numbers under {heading!r}, found {len(words)}", number + 2
+                        f"6 numbers under {heading!r}, found {len(number_texts)}", number + 2
                     )
-                return np.array([file.float(word, line=number + 2) for word in words])
+                return np.array([file.float(word, line=number + 2) for word in number_texts])
         raise file.refusal(f"{heading!r} below this title: the file breaks off", title_line)
 
     force_and_moment = numbers_below("total surface force")

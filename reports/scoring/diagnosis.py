@@ -228,13 +228,13 @@ def _not_found(judgement: Judgement, verdict: Verdict) -> Diagnosis:
     ]
     if verdict.fit is not None and verdict.rivals:
         choices = [verdict.fit, *verdict.rivals]
-        words = " or ".join(_names_of(fit) for fit in choices)
-        evidence_lines.insert(0, f"the file does not tell these apart: {words}")
+        names_in_words = " or ".join(_names_of(fit) for fit in choices)
+        evidence_lines.insert(0, f"the file does not tell these apart: {names_in_words}")
     if judgement.reason_by_cause:
-        words = "; ".join(
+        names_in_words = "; ".join(
             f"{WORDS['names'][key]}: {reason}" for key, reason in judgement.reason_by_cause.items()
         )
-        evidence_lines.append(f"excluded: {words}")
+        evidence_lines.append(f"excluded: {names_in_words}")
     evidence_lines += _left_by_each(judgement)
     return Diagnosis(UNKNOWN, WORDS["others"][UNKNOWN], tuple(evidence_lines), 0.0)
 
@@ -257,6 +257,9 @@ def _left_by_each(judgement: Judgement) -> Iterator[str]:
         if left < 1 and by_chance(fit, judgement.no_cause, (cause.channel,)) < CHANCE:
             least_left[cause.key] = min(left, least_left.get(cause.key, 1.0))
     ranked = sorted(least_left.items(), key=lambda item: item[1])
-    words = ", ".join(f"{WORDS['names'][key]} {left:.0%}" for key, left in ranked)
-    if words:
-        yield f"each alone leaves of the difference (pressure, or shear): {words}; all others all"
+    shares_in_words = ", ".join(f"{WORDS['names'][key]} {left:.0%}" for key, left in ranked)
+    if shares_in_words:
+        yield (
+            f"each alone leaves of the difference (pressure, or shear): {shares_in_words}; all"
+            f" others all"
+        )

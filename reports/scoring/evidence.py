@@ -88,10 +88,10 @@ def _equilibrium(discrepancy: Discrepancy) -> Iterator[str]:
     pressure = np.trapezoid(discrepancy.result_tractions[PRESSURE], x, axis=1)[is_loaded]
     normal_load = discrepancy.normal_load[is_loaded]
     ratio = discrepancy.resultant_ratio
-    words = f"the sum of p is {ratio:.4g} P ({_range(pressure / normal_load)} by instants)"
+    sum_in_words = f"the sum of p is {ratio:.4g} P ({_range(pressure / normal_load)} by instants)"
     if abs(ratio - 1) < _BALANCED:
-        words += ", so that no load, thickness or unit of it is wrong"
-    yield words
+        sum_in_words += ", so that no load, thickness or unit of it is wrong"
+    yield sum_in_words
     friction = discrepancy.comparison.scene.friction.coefficient
     if discrepancy.sheared and friction:
         shear = np.trapezoid(discrepancy.result_tractions[SHEAR], x, axis=1)[is_loaded]
@@ -139,10 +139,12 @@ def _resolution(discrepancy: Discrepancy) -> Iterator[str]:
         yield f"{_range(slips)} points in slip"
     residuals = discrepancy.residuals(discrepancy.reference_tractions)
     scatter = [_rounded(residual.noise**0.5) for residual in residuals]
-    words = f"p changes from point to point by {scatter[PRESSURE]:.1g} of p_ref beside theory"
+    scatter_in_words = (
+        f"p changes from point to point by {scatter[PRESSURE]:.1g} of p_ref beside theory"
+    )
     if discrepancy.sheared:
-        words += f", q by {scatter[SHEAR]:.1g} of f p_ref"
-    yield words
+        scatter_in_words += f", q by {scatter[SHEAR]:.1g} of f p_ref"
+    yield scatter_in_words
 
 
 def _laws(discrepancy: Discrepancy) -> Iterator[str]:
@@ -153,13 +155,15 @@ def _laws(discrepancy: Discrepancy) -> Iterator[str]:
     residuals = discrepancy.residuals(discrepancy.reference_tractions)
     scatter = float(sum(residual.noise for residual in residuals if residual.is_noise)) ** 0.5
     for check in discrepancy.comparison.result_certificates:
-        words = f"{names.get(check.name, check.name)} {check.value:.2g} (limit {check.limit:.1g})"
+        law_in_words = (
+            f"{names.get(check.name, check.name)} {check.value:.2g} (limit {check.limit:.1g})"
+        )
         if check.holds:
-            yield f"{words}: holds"
+            yield f"{law_in_words}: holds"
         elif check.value <= _BY_SCATTER * scatter:
-            yield f"{words}: no more than scatter makes"
+            yield f"{law_in_words}: no more than scatter makes"
         else:
-            yield f"{words}: violated"
+            yield f"{law_in_words}: violated"
 
 
 def _shape(discrepancy: Discrepancy) -> Iterator[str]:

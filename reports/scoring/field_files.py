@@ -185,7 +185,7 @@ def _read_apart(paths: Sequence[Path]) -> bytes:
     if process.returncode == 0:
         return process.stdout
     path, reason = _last(paths, process.stderr)
-    if any(words in process.stderr.decode(errors="replace") for words in _OUT_OF_MEMORY):
+    if any(phrase in process.stderr.decode(errors="replace") for phrase in _OUT_OF_MEMORY):
         raise InputError(
             f"{path}: unpacked it takes more than {in_words(UNPACKED)} of memory, which is the"
             " limit; write the contact surface alone"

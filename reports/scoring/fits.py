@@ -152,9 +152,9 @@ class Search:
             return None
         sizes = trial_sizes[order[0]]
         fitted_indices = [
-            place
-            for place, cause in enumerate(causes)
-            if cause.has_size and place >= len(known_sizes)
+            index
+            for index, cause in enumerate(causes)
+            if cause.has_size and index >= len(known_sizes)
         ]
         if fitted_indices:
             # Few points know of an edge of slip only when it passes them: a search may stop early.

@@ -400,7 +400,10 @@ def _missing_fields(
         "; it takes a whole cycle, or a whole path from the unloaded start": not instants_of_cycle,
         too_coarse: instants_of_cycle < _FEWEST,
     }
-    if reason := next((words for words, lacks in condition_by_reason.items() if lacks), ""):
+    if reason := next(
+        (condition_in_words for condition_in_words, lacks in condition_by_reason.items() if lacks),
+        "",
+    ):
         reason_by_name |= dict.fromkeys(("dissipation", "dissipation_density"), _LACKING + reason)
     return {name: (len(time), reason) for name, reason in reason_by_name.items()}
 

@@ -256,10 +256,11 @@ def one_plane(points: Array, chosen: Integers) -> tuple[Integers, float, list[st
     rows = rows[np.argsort(points[rows, 0], kind="stable")]
     if not plane_number.any():
         return rows, 0.0, []
-    place = float(depth[is_in_plane].min())
+    height_of_plane = float(depth[is_in_plane].min())
     thickness = float(np.ptp(depth))
     note = (
-        f"the model is {thickness:.6g} thick: the tractions are those of its plane z = {place:.6g},"
+        f"the model is {thickness:.6g} thick: the tractions are those of its plane z ="
+        f" {height_of_plane:.6g},"
         f" one of {plane_number.max() + 1}"
     )
     return rows, thickness, [note]

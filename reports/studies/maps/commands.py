@@ -182,9 +182,11 @@ def _sheet_of_changes(scene: Scene, changes: Mapping[str, Change], source_in_wor
         "edge_tension": stress,
     }
     rows = []
-    for name, (words, theory, change) in changes.items():
+    for name, (quantity_in_words, theory, change) in changes.items():
         change_in_words = "no estimate" if math.isnan(change.value) else _percent(change)
-        rows.append((words, f"{theory:.6g} {unit_of.get(name, length)}", change_in_words))
+        rows.append(
+            (quantity_in_words, f"{theory:.6g} {unit_of.get(name, length)}", change_in_words)
+        )
     heads = ("quantity", "half-plane theory", "bodies/theory − 1")
     return Sheet(f"{scene.title or scene.name}: by {source_in_words}", heads, rows)
 

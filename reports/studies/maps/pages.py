@@ -228,8 +228,8 @@ def figure(tables: Tables) -> Plate:
     for number, width in enumerate(kind.widths):
         for friction, style in zip(kind.frictions, ("", " dash"), strict=False):
             looks[width, friction] = (number, style)
-            words = f"{kind.width_words} {width:g}, f = {friction:g}"
-            keys.append(Key(f"c{number}{style}", words))
+            line_in_words = f"{kind.width_words} {width:g}, f = {friction:g}"
+            keys.append(Key(f"c{number}{style}", line_in_words))
     panels = [_panel(tables, quantity, looks) for quantity in _quantities(tables, "kernels")]
     return Plate(kind.name, kind.title, _CAPTION, _CAPTION, tuple(panels), {}, tuple(keys), 2)
 
@@ -282,13 +282,16 @@ def _marks_of_line(
     yield Curve(heights, np.where(is_hidden, np.nan, sizes), f"c{number}{style}")
     for row in rows_of_line:
         error = row.errors[quantity]
-        size = 100 * abs(error.value)
-        if row.way == "kernels" or not size >= _LEAST_DRAWN:
+        error_in_percent = 100 * abs(error.value)
+        if row.way == "kernels" or not error_in_percent >= _LEAST_DRAWN:
             continue
         if row.way == "numbers":
-            yield Dot(row.place.height, size, f"c{number} hollow", 2.6)
+            yield Dot(row.place.height, error_in_percent, f"c{number} hollow", 2.6)
             continue
         uncertainty = 100 * error.uncertainty
-        ends = np.array([max(size - uncertainty, _LEAST_DRAWN)]), np.array([size + uncertainty])
+        ends = (
+            np.array([max(error_in_percent - uncertainty, _LEAST_DRAWN)]),
+            np.array([error_in_percent + uncertainty]),
+        )
         yield bars(np.array([row.place.height]), *ends, f"c{number}")
-        yield Dot(row.place.height, size, f"p{number}", 3.4)
+        yield Dot(row.place.height, error_in_percent, f"p{number}", 3.4)

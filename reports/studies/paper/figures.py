@@ -93,7 +93,7 @@ def _plate(
     """A figure of the paper with its words from paper.toml, filled in with `values`, and the legend
     of its labelled curves and bands, each once.
     """
-    words = next(row for row in WORDS["figure"] if row["key"] == name)
+    figure_words = next(row for row in WORDS["figure"] if row["key"] == name)
     legend: dict[str, Key] = {}
     for panel in panels:
         for mark in panel.marks:
@@ -101,12 +101,12 @@ def _plate(
                 legend[mark.label] = Key(mark.css, mark.label, isinstance(mark, Band))
     for key in keys:
         legend[key.text] = key
-    caption = filled_in(words["text"], values)
+    caption = filled_in(figure_words["text"], values)
     return Plate(
         name,
-        words["title"],
+        figure_words["title"],
         caption,
-        words["alt"],
+        figure_words["alt"],
         tuple(panels),
         table,
         tuple(legend.values()),

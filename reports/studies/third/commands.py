@@ -49,7 +49,7 @@ def export(job: Job) -> Answer:
     file = deck_file(scene)
     with filled(job.folder, fresh=(file,)) as staging:
         (staging / file).write_text(text, encoding="utf-8")
-    size = {
+    deck_size = {
         "nodes": deck.reference,
         "elements": len(deck.lower.elements) + len(deck.upper.elements),
         "edge_element_size": deck.element_size,
@@ -60,16 +60,16 @@ def export(job: Job) -> Answer:
     _, length, stress = units(scene)
     layer = f"pressure per penetration, shear per elastic slip [{stress}/{length}]"
     rows = [
-        ("nodes, elements", f"{size['nodes']}, {size['elements']}"),
+        ("nodes, elements", f"{deck_size['nodes']}, {deck_size['elements']}"),
         (
             f"surface elements at the edges [{length}]",
             f"{deck.element_size:.6g} (a/{1 / deck.settings.edge_element_size:g})",
         ),
-        ("instants", f"{size['instants']}"),
+        ("instants", f"{deck_size['instants']}"),
         (layer, f"{deck.stiffness:.6g}, {deck.stick_slope:.6g}"),
     ]
     path = str(job.folder / file)
-    content = {"passed": True, **size, "file": path, "seconds": stages.seconds}
+    content = {"passed": True, **deck_size, "file": path, "seconds": stages.seconds}
     return Answer(
         WITHIN,
         [Sheet("Deck for CalculiX", ("what", "value"), rows), path],
