@@ -389,6 +389,12 @@ READ: dict[str, tuple[Make, dict[str, Any], float, list[str]]] = {
         -1.0,
         [],
     ),
+    "a slip beside a vector": (
+        file(partial(mesh, contact_traction=traction, glide=lambda points: points[:, 0])),
+        {"columns": {"slip": "glide"}},
+        1.0,
+        ["columns.slip = 'glide' is not read beside a vector: state columns.pressure"],
+    ),
     "a vector on the upper body": (file(upper_alone), {}, 1.0, ["taken to act on the upper body"]),
     "a vector said to be on the lower": (
         file(upper_alone),

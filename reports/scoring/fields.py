@@ -72,6 +72,11 @@ def read_fields(path: Path, mapping: Mapping) -> SurfaceResult:
         quantity: float(converted(mapping, quantity, np.ones(1))[0]) for quantity in components
     }
     if kind != "fields":
+        if mapping.columns.slip is not None:
+            notes_on_parts.append(
+                f"columns.slip = {mapping.columns.slip!r} is not read beside a {kind}: state"
+                " columns.pressure and columns.shear too"
+            )
         loaded_body = body
         if kind == "vector" and mapping.signs.shear:
             loaded_body = "upper" if mapping.signs.shear == "on upper" else "lower"
