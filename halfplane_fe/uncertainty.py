@@ -314,37 +314,40 @@ def run_values(
     stress_unit: float,
     cycle: int | None = None,
 ) -> RunValues:
-    """Those of a run.
+    """What a cycle of a run gave to compare with another mesh: times, U, approach, largest slip and
+    largest W(x), in the scene's units.
 
     Parameters
     ----------
     weights
-        (n,) of its nodes, scaled
+        (n,) length of surface that each node stands for, over the unit of length
     displacement_unit, stress_unit
-        of its states [length], [stress]
+        what displacements and stresses of the run are multiplied by [length], [stress]
     cycle
         number of the cycle, from 1; the last one by default
     """
     number = cycle or len(run.cycle_starts)
-    first_state = run.cycle_starts[number - 1] if number else 0
+    first_place = run.cycle_starts[number - 1] if number else 0
     has_next = number < len(run.cycle_starts)
-    states = run.states[first_state : run.cycle_starts[number] + 1 if has_next else None]
+    states = run.states[first_place : run.cycle_starts[number] + 1 if has_next else None]
     time = np.array([state.time for state in states])
     slip = np.array([state.slip for state in states])
     is_closed = np.array([state.closed for state in states])
     largest_slip = float(range_of_slip(slip, is_closed).max())
-    with_neighbours = float(range_of_slip(slip, _with_neighbours(is_closed)).max())
-    between_instants = with_neighbours - largest_slip
+    slip_with_neighbours = float(range_of_slip(slip, _with_neighbours(is_closed)).max())
+    slip_between_instants = slip_with_neighbours - largest_slip
     if largest_slip <= _ROUND_OFF * float(np.max(np.abs(slip))):
         largest_slip = 0.0
-    density = run.cycle_density[number - 1] if run.cycle_density else np.zeros_like(weights)
+    work_of_nodes = np.zeros_like(weights)
+    if run.cycle_density:
+        work_of_nodes = run.cycle_density[number - 1]
     return RunValues(
         since_start=time - time[0],
         tangential_displacement=np.array([state.shift for state in states]) * displacement_unit,
         normal_approach=np.array([state.approach for state in states]) * displacement_unit,
         largest_slip=largest_slip * displacement_unit,
-        slip_between_instants=between_instants * displacement_unit,
-        largest_dissipation_density=float(np.max(density / weights))
+        slip_between_instants=slip_between_instants * displacement_unit,
+        largest_dissipation_density=float(np.max(work_of_nodes / weights))
         * displacement_unit
         * stress_unit,
         number=number,

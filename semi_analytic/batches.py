@@ -797,14 +797,17 @@ def _columns(
     n_scaled: int,
 ) -> tuple[list[Array], NDArray[np.int8]]:
     """Results of each member of a batch, `n_results` arrays, NaN where there are none, and the
-    reason why; in the broadcast shape and read-only.
+    reason why, 0 where there are; all in the broadcast shape of the inputs and read-only.
 
     Parameters
     ----------
+    profile, material, loads
+        of all members; keys of the profile and loads may be arrays that broadcast
     results_of
-        results of some members, (count, m); the first one must be finite
-    scaled
-        how many of them, from the first on, are over 2 f^2/(pi E*)
+        results (n_results, m) of m members with admissible loads; a member whose first result is
+        not finite did not settle
+    n_scaled
+        how many results, from the first on, are given over 2 f^2/(pi E*)
 
     Raises
     ------
@@ -828,14 +831,15 @@ def _columns(
     for first_member in range(0, n_members, _BLOCK):
         member_beyond = min(first_member + _BLOCK, n_members)
         arrays_of_block = [_part(array, shape, first_member, member_beyond) for array in arguments]
-        reasons_of_block, good_numbers, members, friction = batch.members_of(
+        reasons_of_block, places_in_block, members, friction = batch.members_of(
             LoadArrays(*arrays_of_block[: len(loads)]), arrays_of_block[len(loads) :]
         )
-        if len(good_numbers):
+        if len(places_in_block):
             results_of_block = results_of(members)
             results_of_block[:n_scaled] *= 2 / (math.pi * batch.modulus) * friction**2
-            columns[:, first_member + good_numbers] = results_of_block
-            reasons_of_block[good_numbers[~np.isfinite(results_of_block[0])]] = Reason.UNSETTLED
+            columns[:, first_member + places_in_block] = results_of_block
+            unsettled_places = places_in_block[~np.isfinite(results_of_block[0])]
+            reasons_of_block[unsettled_places] = Reason.UNSETTLED
         reasons[first_member:member_beyond] = reasons_of_block
     columns.flags.writeable = False
     reasons.flags.writeable = False

@@ -79,23 +79,23 @@ def energy_scale(scene: Scene, load: float) -> float:
 
 
 def scales(reference: ContactSolution) -> Scales:
-    """The scales that make a comparison dimensionless: P_ref, the mean load of an ellipse or else
-    the largest one, the reference's half-width a(P_ref), linear in P between its instants, and what
-    follows from these.
+    """The scales that make a comparison dimensionless: P_ref, which is the mean load where P and Q
+    go round an ellipse and else the largest of the last cycle; the reference's half-width a(P_ref),
+    linear in P between its instants; p_ref = 2 P_ref/(pi a_ref); f, 1 of a frictionless scene; A.
     """
-    load = reference.scene.load
-    if isinstance(load, EllipseLoad):
-        normal_load = load.mean_normal_load
+    load_history = reference.scene.load
+    if isinstance(load_history, EllipseLoad):
+        reference_load = load_history.mean_normal_load
     else:
-        normal_load = float(np.max(reference.normal_load[reference.last_cycle]))
+        reference_load = float(np.max(reference.normal_load[reference.last_cycle]))
     order = np.argsort(reference.normal_load, kind="stable")
     half_width = float(
-        np.interp(normal_load, reference.normal_load[order], reference.contact_half_width[order])
+        np.interp(reference_load, reference.normal_load[order], reference.contact_half_width[order])
     )
     return Scales(
-        normal_load=normal_load,
+        normal_load=reference_load,
         half_width=half_width,
-        pressure=2 * normal_load / (np.pi * half_width),
+        pressure=2 * reference_load / (np.pi * half_width),
         friction=reference.scene.friction.coefficient or 1.0,
         compliance=compliance(reference.scene.material),
     )

@@ -350,11 +350,11 @@ def _instants(scene: Scene, settings: DeckSettings) -> Array:
 
 
 def _approach(scene: Scene, settings: DeckSettings, scales: Scales, load: float) -> float:
-    """Approach [length] at which bodies this deep carry about `load`: that of a line load on
-    half-planes, 2 P ln(4 L/a)/(pi E*).
+    """Approach [length] of the deck's first step, which carries about `load` P: that of a line load
+    on half-planes, 2 P ln(1 + 4 L/a)/(pi E*), with the depth L of the shallower body.
 
-    It need not be right: the touch is no instant of the answer, and all that counts is that the
-    faces meet.
+    It need not be right: no instant of the answer belongs to this step, and all that counts is that
+    the faces meet.
     """
 
     def depth(body: Shape) -> float:
