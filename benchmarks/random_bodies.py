@@ -4,7 +4,8 @@ their true errors.
 No theory knows the answers. The reference is the same scene on a mesh of half the elements' size.
 Its own error is that of the first order, by a mesh between the two. A value where that is more than
 a fifth of what is stated judges nothing, and is counted, unless it is less than a fifth of how far
-the value is from the reference: a statement that is too small must not hide behind its size.
+the value is from the reference: a statement that is too small must not hide behind its size. Nor
+does a reference judge that states a larger uncertainty than the value it is held against.
 
 `python benchmarks/covered.py bodies` prints the table.
 
@@ -253,6 +254,7 @@ def _judged(
         without_value = ~np.isfinite(value)
         stated_of_value = np.where(without_value, np.nan, stated)
         is_resolved = left <= _LEAST_RESOLVED * np.maximum(stated_of_value, error)
+        is_resolved &= of_finest[name].stated <= stated_of_value
         is_known = np.isfinite(true) & (~np.isfinite(stated_of_value) | is_resolved)
         if is_known.any():
             error_of_known = np.where(without_value, 0.0, error)[is_known]
