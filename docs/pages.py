@@ -218,7 +218,8 @@ def _coverage_table(runs: dict[str, list[dict[str, Any]]], group: str, words: st
     head = "quantity"
     for preset in runs:
         head += f" | covered, {preset} mesh | stated over true | true over stated"
-    yield f"{words} ({drawn}; the worst seed):"
+    has_several_seeds = any(len(of_preset) > 1 for of_preset in runs.values())
+    yield f"{words} ({drawn}{'; the worst seed' if has_several_seeds else ''}):"
     yield ""
     yield from table(head, _coverage_rows(runs, group))
 
@@ -227,7 +228,8 @@ def _drawn(preset: str, runs: list[dict[str, Any]], group: str) -> str:
     """Which scenes a preset was judged on."""
     scenes = ", ".join(str(run["groups"][group]["scenes"]) for run in runs)
     seeds = ", ".join(str(run["seed"]) for run in runs)
-    return f"{preset} mesh: {scenes} scenes of seeds {seeds}"
+    word = "seeds" if len(runs) > 1 else "seed"
+    return f"{preset} mesh: {scenes} scenes of {word} {seeds}"
 
 
 def _coverage_rows(runs: dict[str, list[dict[str, Any]]], group: str) -> Iterator[list[str]]:
