@@ -17,11 +17,20 @@ import pytest
 import halfplane_fe
 import semi_analytic
 from halfplane_fe import FiniteElementSolution, SolverSettings
+from halfplane_fe.answer import creeping_zone
 from halfplane_fe.edges import uncertainty_at_jumps
 from halfplane_fe.permanent_stick import working_nodes
 from halfplane_fe.scales import COARSE_CYCLES
-from halfplane_fe.uncertainty import RULES, Place, Rule, density_uncertainty
-from meshes import MeshSettings
+from halfplane_fe.uncertainty import (
+    RULES,
+    Peak,
+    Place,
+    Rule,
+    density_uncertainty,
+    peak_uncertainty,
+    scatter_of_nodes,
+)
+from meshes import MeshSettings, SurfaceGrading
 from reports import Comparison, compare
 from reports.comparison.words import first_rows, first_table
 from reports.page.content import whole_content
@@ -151,6 +160,47 @@ def test_a_stick_zone_that_vanishes_ends_in_its_middle() -> None:
     np.testing.assert_allclose(at_jumps, expected, atol=1e-12)
     nothing = np.full((5, 2), math.nan)
     assert not uncertainty_at_jumps(nothing, WIDE, np.arange(5), spacing=0.01).any()
+
+
+def test_nodes_that_stray_make_the_largest_pressure_less_certain() -> None:
+    x = np.linspace(-1.0, 1.0, 101)
+    smooth = 50 * np.sqrt(1 - x**2)
+    strays = smooth.copy()
+    strays[50] += 0.2
+    scatter = scatter_of_nodes(strays, node=50)
+    assert scatter_of_nodes(smooth, node=50) < 1e-3
+    assert scatter == pytest.approx(0.2, rel=1e-2)
+    peak = Peak(value=50.2, difference=0.0, half_width=1.0, to_edge=1.0)
+    profile = load_scene("hertz-paper").profile
+    grading = SurfaceGrading(inner=0.5, outer=1.2, size=0.05, edge_size=0.02)
+    of_smooth, of_straying = (
+        peak_uncertainty(
+            replace(peak, scatter=size),
+            profile,
+            coarse=0.1,
+            fine=grading,
+            mesh=COARSE,
+            depth=math.inf,
+            plain=False,
+        )
+        for size in (0.0, scatter)
+    )
+    assert of_straying - of_smooth == pytest.approx(0.6 * scatter, rel=1e-9)
+
+
+def test_what_a_mesh_lets_creep_may_belong_to_the_zone_of_permanent_stick() -> None:
+    """Nodes within 0.3 hardly move, those up to 0.5 by three times what counts as creep."""
+    scene = load_scene("blocks")
+    x = np.linspace(-1.0, 1.0, 201)
+    largest = np.where(np.abs(x) < 0.5, 1e-4, 1.0)
+    largest[np.abs(x) < 0.3] = 1e-6
+    slip = np.array([[0.0], [1.0]]) * largest
+    is_closed = np.ones(slip.shape, dtype=bool)
+    zone = creeping_zone(scene, x, slip, is_closed)
+    wider_zone = creeping_zone(scene, x, slip, is_closed, times=10.0)
+    np.testing.assert_allclose(zone, [-0.3, 0.3], atol=0.01)
+    np.testing.assert_allclose(wider_zone, [-0.5, 0.5], atol=0.01)
+    assert np.isnan(creeping_zone(scene, x, slip + np.ones(201), ~is_closed)).all()
 
 
 def random_scene(changes: Mapping[str, Any]) -> Scene:
