@@ -35,16 +35,10 @@ from semi_analytic import (
 )
 from semi_analytic.measured_friction import sliding_limit
 from semi_analytic.profiles import contact_of
-from semi_analytic.steady_ellipse import density_of, ellipses_of, works_over_time
+from semi_analytic.steady_ellipse import density_of, ellipses_of
 from semi_analytic_cases import EXTREMES, REFERENCE, UNIT, ellipse, make_scene
 
 MATERIAL = Materials(upper=UNIT, lower=UNIT)
-PAPER = {
-    "mean_normal_load": 3.0,
-    "normal_amplitude": 1.0,
-    "mean_tangential_load": 1.1,
-    "tangential_amplitude": 1.0,
-}
 
 
 # P0, P1, Q0, Q1, phase in degrees; E* = 1, R = 1: a runs through 0.9 to 1.6
@@ -319,42 +313,6 @@ def limit(ratio, phase, friction, both_senses):
     return friction * r, friction * (v - u) / 2
 
 
-@pytest.mark.parametrize("both_senses", [False, True])
-@pytest.mark.parametrize(
-    "profile",
-    [HERTZ, FLAT, *list(PROFILES.values())[:4]],
-    ids=lambda profile: profile.kind,
-)
-def test_at_the_very_limit_of_sliding_the_work_is_finite_and_the_limit(profile, both_senses):
-    """|Q| = f P reached in one sense or both; from 1 - 1e-9 of it the work differs by less than
-    1e-7.
-    """
-    rows = [
-        (ratio, phase)
-        for ratio in (0.0, 0.3)
-        for phase in (0.0, 1.0, math.pi / 2, math.pi, -math.pi / 2, -math.pi)
-    ]
-    ratio, phase = (np.array(column)[:, None] for column in zip(*rows, strict=True))
-    limits = np.array([limit(*row, 0.5, both_senses) for row in rows])
-    force = limits[:, :1]
-    mean = limits[:, 1:]
-    batch = dissipation(
-        profile=profile,
-        material=MATERIAL,
-        friction_coefficient=0.5,
-        mean_normal_load=1.0,
-        normal_amplitude=ratio,
-        mean_tangential_load=mean,
-        tangential_amplitude=force * [1.0, 1 - 1e-9],
-        phase_radians=phase,
-    )
-    assert np.all(batch.reason == Reason.NONE)
-    assert np.all(batch.value > 0)
-    np.testing.assert_allclose(batch.value[:, 0], batch.value[:, 1], rtol=1e-7)
-    if both_senses:
-        assert np.all(batch.permanent_stick_load[:, 0] <= 1e-15)
-
-
 LINES = [
     (0.3, 0.0, 0.1, 0.0),
     (0.2, 0.0, 0.1, 0.0),
@@ -506,35 +464,6 @@ def test_bad_members_get_a_reason_and_the_rest_their_values():
     assert not batch.value.flags.writeable
 
 
-@pytest.mark.parametrize("call", [dissipation, peak_dissipation])
-def test_every_member_has_a_value_or_a_reason(call):
-    """Nothing but numbers, each nan, negative, 0, subnormal or infinite in turn."""
-    strange = [math.nan, math.inf, -math.inf, -1.0, 0.0, 5e-324, 1e-200, 1.0]
-    good = {
-        "mean_normal_load": 1.0,
-        "normal_amplitude": 0.3,
-        "mean_tangential_load": 0.0,
-        "tangential_amplitude": 0.2,
-        "phase_radians": 1.0,
-    }
-    for name in (*good, "friction_coefficient", "radius"):
-        loads = {"friction_coefficient": 0.5} | good
-        keys = {"kind": "hertz", "radius": 1.0}
-        (keys if name == "radius" else loads)[name] = strange
-        batch = call(profile=keys, material=MATERIAL, **loads)
-        np.testing.assert_array_equal(np.isfinite(batch.value), batch.reason == Reason.NONE)
-        assert np.all(batch.reason[:3] == Reason.INVALID)
-        assert (
-            batch.reason[7]
-            == (
-                Reason.SLIDING
-                if name in ("tangential_amplitude", "mean_tangential_load")
-                else Reason.NONE
-            )
-            or name == "normal_amplitude"
-        )
-
-
 def test_bad_parameters_are_the_members_own():
     none = Reason.NONE
     bad = Reason.INVALID
@@ -565,23 +494,6 @@ def test_work_that_has_not_converged_has_a_reason(monkeypatch):
     batch = dissipation(profile=PROFILES["polynomial"], **question(LOADS[:1]))
     assert batch.reason.tolist() == [Reason.UNSETTLED]
     assert np.isnan(batch.value[0])
-
-
-@pytest.mark.parametrize("batch", [dissipation, peak_dissipation])
-def test_neglected_coupling_of_unlike_materials_is_noted_as_solve_does(batch):
-    soft = UNIT.vary(young_modulus=UNIT.young_modulus / 1e9, poisson_ratio=0.0)
-    unlike = Materials(upper=soft, lower=UNIT)  # beta = 0.5
-    scene = make_scene(ellipse(3.0, 1.0, 1.1, 1.0), 1.0)
-    noted = solve(scene.vary(material=unlike), x=[0.0], fields=()).record.notes
-    assert (
-        batch(profile=scene.profile, material=unlike, friction_coefficient=1.0, **PAPER).notes
-        == noted
-    )
-    assert noted[0].startswith("Dundurs' beta = 0.5: ")
-    assert (
-        batch(profile=scene.profile, material=MATERIAL, friction_coefficient=1.0, **PAPER).notes
-        == ()
-    )
 
 
 # ------------------------------------------------------------- friction from a measured dissipation
@@ -773,16 +685,6 @@ def over_decades(count, seed, decades):
     return mean, mean * ratio, np.zeros(count), mean * share * sliding, phase
 
 
-def some_members(profile, members):
-    """A profile's keys for some members of its arrays; a profile itself as it is."""
-    if not isinstance(profile, dict):
-        return profile
-    return {
-        key: value[members] if isinstance(value, np.ndarray) else value
-        for key, value in profile.items()
-    }
-
-
 LENGTHS = 10 ** np.random.default_rng(11).uniform(-6, 6, 36)
 OVER_DECADES = {
     "hertz": HERTZ,
@@ -802,33 +704,6 @@ OVER_DECADES = {
 }
 
 
-@pytest.mark.parametrize("name", OVER_DECADES)
-def test_work_of_a_member_is_that_of_the_member_alone_over_24_decades(name):
-    """Whole, permuted, split: where the largest load of a block set the table, small ones were 30 %
-    to 1e10 times wrong.
-    """
-    profile = OVER_DECADES[name]
-    loads = over_decades(36, 5, 24)
-    work = batch(loads, profile=profile)
-    assert np.all(work.reason == Reason.NONE)
-    assert np.all(work.value > 0)
-    order = np.random.default_rng(3).permutation(36)
-    permuted = batch([column[order] for column in loads], profile=some_members(profile, order))
-    np.testing.assert_allclose(permuted.value, work.value[order], rtol=1e-10, atol=0)
-    half = slice(0, 18)
-    np.testing.assert_allclose(
-        batch([column[half] for column in loads], profile=some_members(profile, half)).value,
-        work.value[half],
-        rtol=1e-10,
-        atol=0,
-    )
-    for k in range(0, 36, 3):
-        member = slice(k, k + 1)
-        alone = batch([column[member] for column in loads], profile=some_members(profile, member))
-        assert abs(alone.value[0] - work.value[k]) <= 1e-10 * alone.value[0]
-        assert alone.value_error[0] == pytest.approx(work.value_error[k], rel=1e-3)
-
-
 @pytest.mark.parametrize("name", ["compound", "polynomial"])
 def test_a_batch_by_series_is_its_members_by_the_kernel(name):
     """Members enough for tables of ln a, over ten decades; each within the sum of both stated
@@ -844,29 +719,6 @@ def test_a_batch_by_series_is_its_members_by_the_kernel(name):
         assert difference <= 1e-10 * max(alone.value[0], 2 / math.pi * loads[0][k] ** 2)
 
 
-@pytest.mark.parametrize("name", ["flats", "wedges", "powers"])
-def test_peak_of_a_member_is_that_of_the_member_alone_over_24_decades(name):
-    """Primitives looked up by the sum of a point's number and an advance took the panel of another
-    advance.
-    """
-    profile = OVER_DECADES[name]
-    loads = over_decades(36, 5, 24)
-    members = np.arange(0, 36, 4)
-    few_loads = [column[members] for column in loads]
-    few_profiles = some_members(profile, members)
-    peak = batch(few_loads, peak_dissipation, few_profiles)
-    for k in range(0, len(members), 4):
-        member = slice(k, k + 1)
-        alone = batch(
-            [column[member] for column in few_loads],
-            peak_dissipation,
-            some_members(few_profiles, member),
-        )
-        assert peak.value[k] == pytest.approx(
-            alone.value[0], rel=1e-9, abs=2 * alone.value_error[0]
-        )
-
-
 def test_a_load_outside_a_table_is_never_read():
     table = steady_ellipse.LamTable(
         contact_of(FlatRounded(radius=1.0, flat_half_length=1.0), MATERIAL), 0, 7
@@ -874,45 +726,6 @@ def test_a_load_outside_a_table_is_never_read():
     for load in (0.5, 256.0):
         with pytest.raises(AssertionError, match="outside the table"):
             table._place(np.array([2.0, load]))
-
-
-@pytest.mark.parametrize("call", [dissipation, peak_dissipation])
-@pytest.mark.parametrize(
-    ("key", "value"),
-    [
-        ("flat_half_length", 1e-160),
-        ("flat_half_length", 1e160),
-        ("radius", 1e-160),
-        ("loads", 3e200),
-        ("loads", 1e-200),
-    ],
-)
-def test_numbers_that_cannot_be_squared_have_a_reason(call, key, value):
-    """An IndexError, inf and NaN with the reason of a quadrature that does not converge stood
-    there; no warning either.
-    """
-    keys = {"kind": "flat_rounded", "radius": 1.0, "flat_half_length": 1.0}
-    size = value if key == "loads" else 1.0
-    loads = (3.0 * size, size, 0.0, size, math.pi / 2)
-    for profile in (
-        keys | ({key: value} if key != "loads" else {}),
-        *([HERTZ] if key == "loads" else []),
-    ):
-        answer = batch(loads, call, profile)
-        assert int(answer.reason) == Reason.INVALID
-        assert np.isnan(answer.value)
-
-
-@pytest.mark.parametrize("call", [dissipation, peak_dissipation])
-def test_what_is_masked_has_a_reason_and_no_value(call):
-    masked = np.ma.masked_array([3.0, 3.0], mask=[False, True])
-    for argument in ("mean", "radius"):
-        loads = (masked if argument == "mean" else 3.0, 1.0, 1.1, 1.0, math.pi / 2)
-        profile = {"kind": "hertz", "radius": masked if argument == "radius" else 1.0}
-        answer = batch(loads, call, profile)
-        assert answer.reason.tolist() == [Reason.NONE, Reason.INVALID]
-        assert np.isnan(answer.value[1])
-        assert answer.value[0] > 0
 
 
 @pytest.mark.parametrize(
@@ -983,25 +796,3 @@ def test_stated_error_of_the_work_covers_forty_digits():
         error = float(abs(mp.mpf(float(work.value[k])) - exact))
         assert error <= work.value_error[k]
         assert work.value_error[k] <= 1e-8 * float(exact) + 1e-15 * mean**2
-
-
-@pytest.mark.parametrize("name", [*PROFILES, "flat"])
-def test_stated_error_of_the_work_covers_the_graded_rule(name):
-    """Slips down to 1e-7; W below 1e-10 of A f^2 P0^2 had errors of 1.5e-8 of itself, and none was
-    stated.
-    """
-    profile = PROFILES.get(name, FLAT)
-    contact = contact_of(profile, MATERIAL)
-    rng = np.random.default_rng(31)
-    ratio = rng.uniform(0.0, 0.95, 20)
-    phase = rng.uniform(0.01, math.pi - 0.01, 20)
-    cosine = np.abs(np.cos(phase))
-    force = 10 ** rng.uniform(-7, -0.01, 20) * (
-        -ratio * cosine + np.sqrt(1 - ratio**2 * (1 - cosine**2))
-    )
-    loops = ellipses_of(np.ones(20), ratio, force, phase, np.ones(20))
-    work = batch((1.0, ratio, 0.0, force, phase), profile=profile)
-    exact = 2 / math.pi * sum(works_over_time(loops, contact))
-    assert np.all(np.abs(work.value - exact) <= work.value_error + 1e-13 * exact)
-    assert np.count_nonzero(work.value < 1e-10) > 3
-    assert np.median(work.value_error / exact) < 1e-8

@@ -492,21 +492,6 @@ def test_contact_under_a_tilt_against_adaptive_quadrature(name, load, tilt):
     )
 
 
-def test_the_pressure_at_points_next_to_nodes():
-    """Where a difference quotient would keep no digits; of a parabola that comes as a function, at
-    tilt 0.3.
-    """
-    shape = convex_profile(ALIKE["the function x"][0])
-    c = 1.2
-    xi, t, _ = shape._nodes(np.array(-0.3), np.array(c))
-    is_inside = np.abs(t) < 0.9 * c
-    for away in (0.0, 1e-14, 1e-12, 1e-9, 1e-7):
-        pressure = shape.pressure(xi[is_inside] + away, np.array(-0.3), np.array(c))
-        np.testing.assert_allclose(
-            pressure, np.pi * np.sqrt(c**2 - (t[is_inside] + away) ** 2), rtol=0, atol=2e-10
-        )
-
-
 # steps to both ends by turns without a line search
 SOFT = Compound(inner_radius=0.3, outer_radius=5.0, inner_half_length=0.01)
 # Steepest tilt that is tried, least load.
@@ -647,33 +632,6 @@ def test_a_moment_at_constant_load_is_a_fixed_tilt(profile, turning):
     assert stated.moment[-1] == pytest.approx(turning.get("moment", 0.4), abs=1e-14)
     assert stated.dissipation == pytest.approx(fixed.dissipation, rel=1e-11)
     assert stated.loop_work == pytest.approx(stated.dissipation, rel=1e-11)
-
-
-def test_the_path_by_straight_lines():
-    """Between the corners of a polygon, which is the same path."""
-    solution = solve(fretting(0.3))
-    straight = solve(fretting(0.3), x=solution.x, time=solution.time, straight_steps=True)
-    np.testing.assert_allclose(straight.shear, solution.shear, rtol=0, atol=1e-12)
-    assert (straight.loop_work, straight.dissipation) == pytest.approx(
-        (solution.dissipation, solution.dissipation), rel=1e-10
-    )
-
-
-def test_the_displacement_of_a_contact_beside_the_middle():
-    """x = 0 is never in contact: U of curved loads lacked all of the kernel, the loop was 0.58 of
-    W.
-    """
-    load = EllipseLoad(
-        mean_normal_load=1,
-        normal_amplitude=0.9,
-        tangential_amplitude=0.19,
-        phase_degrees=90,
-        tilt=0.1,
-        initial_loading=[(1, 0)],
-    )
-    pad = with_profile(make_scene(load), FlatRounded(radius=1.0, flat_half_length=10.0))
-    solution = solve(pad, fields="loop_work")
-    assert solution.loop_work == pytest.approx(solution.dissipation, rel=1e-9)
 
 
 @pytest.mark.slow
@@ -1240,20 +1198,6 @@ def test_the_stated_error_of_grids_covers_what_twice_the_order_changes(row):
         ), name
 
 
-def test_the_loads_of_a_polygon_with_bulk_stress_repeat_in_every_cycle():
-    scene = fretting(0.6)
-    path = scene.load.path()
-    loads, _ = leaning_profile(scene)
-    for leg in path.cycle:
-        time = np.linspace(leg.start, leg.end, 5)[1:-1]
-        eps = leg.bulk.loads(time)[0] / 2  # of the lower body alone, E' = 2
-        np.testing.assert_allclose(
-            loads.values(time), [*leg.loads(time), eps, 0 * eps], rtol=0, atol=1e-14
-        )
-        later = loads.values(time + 7 * path.period)
-        np.testing.assert_allclose(later, loads.values(time), rtol=0, atol=1e-13)
-
-
 @pytest.mark.slow
 def test_a_moment_on_a_flat_and_rounded_face_is_the_tilt_that_it_makes():
     """Constant P, so that one moment is one tilt; Q and bulk out of phase."""
@@ -1309,14 +1253,6 @@ def test_grids_have_the_frozen_values_within_the_errors_that_they_state(name):
         assert answer.permanent_stick_edges == pytest.approx(
             cases["permanent_stick_edges"].value, abs=cell
         )
-
-
-def test_increments_in_which_cells_start_without_early_slip_are_counted():
-    """Q is more than the cells in contact before carry at the new pressure, or a little."""
-    for force, counted in ((1.5, 1), (0.1, 0)):
-        grid = dense_grid.Grid(parabola, (-2.5, 2.5), 80, 1.0)
-        grid.follow(np.array([[0.1, 0.0, 0.0, 0.0], [3.0, force, 0.0, 0.0]]))
-        assert grid.without_early_slip == counted
 
 
 @pytest.mark.parametrize(

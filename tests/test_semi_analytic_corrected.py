@@ -42,7 +42,6 @@ from semi_analytic.profiles import contact_of
 LOAD = 90.62286500739786  # pi E* a^2/(4 R) with a = 1 mm: the mean load of all histories
 RADIUS = 1000.0
 UNIT = LOAD * RADIUS
-HALF_PLANES = {"lower": {"kind": "half_plane"}, "upper": {"kind": "half_plane"}}
 
 
 def effects_of(
@@ -231,48 +230,6 @@ def test_numbers_that_are_all_0_give_the_half_plane_answer_bit_for_bit() -> None
         assert solution.record.notes == plain.record.notes
 
 
-NEARLY_NOTHING = BodyEffects(datum_length=1000.0, tangential_curvature=Estimate(1e-30))
-
-
-@pytest.mark.parametrize(
-    "name",
-    [
-        "hertz-paper",
-        "cattaneo-mindlin",
-        "flat-rounded-paper",
-        pytest.param("compound-curvature", marks=pytest.mark.slow),
-        pytest.param("rounded-wedge", marks=pytest.mark.slow),
-        pytest.param("harmonics", marks=pytest.mark.slow),
-        "unload-reload",
-        "time-series",
-        pytest.param("motor", marks=pytest.mark.slow),
-        pytest.param("near-sliding", marks=pytest.mark.slow),
-        "hertz-normal",
-        "full-stick",
-    ],
-)
-def test_numbers_that_are_nearly_0_give_it_for_every_profile_and_history(name: str) -> None:
-    """The memory of corrected theory then is another route to the same fields."""
-    scene = load_scene(name)
-    if scene.unsymmetric or scene.friction.coefficient == 0:
-        pytest.skip("no effects are taken here")
-    x = np.linspace(-1.2, 1.2, 40)
-    plain = semi_analytic.solve(scene, x=x)
-    time = plain.time[:: max(len(plain.time) // 60, 1)]
-    plain = semi_analytic.solve(scene, x=x, time=time)
-    solution = semi_analytic.solve(scene, x=x, time=time, effects=NEARLY_NOTHING)
-    limit = scene.friction.coefficient * float(np.max(plain.pressure))
-    assert np.allclose(solution.pressure, plain.pressure, atol=1e-10 * limit, rtol=0)
-    # Chords of a curved path move the stick edge, next to which q goes like a root.
-    assert np.sqrt(np.mean((solution.shear - plain.shear) ** 2)) < 3e-4 * limit
-    largest_slip = float(np.max(np.abs(plain.slip), initial=1e-300))
-    assert np.max(np.abs(solution.slip - plain.slip)) < 3e-5 * largest_slip
-    assert np.allclose(solution.contact_half_width, plain.contact_half_width, rtol=1e-9)
-    assert np.mean(solution.state != plain.state) < 2e-3
-    assert solution.steady_from == plain.steady_from
-    assert np.allclose(solution.cycle_dissipation, plain.cycle_dissipation, rtol=1e-12)
-
-
 @pytest.mark.parametrize("history", ["cycle .3 .8", "cycle .6 .8", "cycle .9 .3"])
 def test_normal_curvature_moves_no_work_at_constant_load(history: str) -> None:
     assert change_of_work(history, effects_of(normal=0.1)) == pytest.approx(0.0, abs=1e-9)
@@ -344,26 +301,6 @@ def test_work_over_the_surface_is_the_work(name: str) -> None:
     assert over_surface == pytest.approx(solution.dissipation, rel=2e-3)
     plain = semi_analytic.solve(scene, cycles="steady", fields="dissipation")
     assert abs(solution.dissipation / plain.dissipation - 1) > 1e-2
-
-
-@pytest.mark.parametrize(
-    "name", ["hertz-paper", "flat-rounded-paper", pytest.param("motor", marks=pytest.mark.slow)]
-)
-def test_shear_has_the_resultant_and_stays_below_the_limit(name: str) -> None:
-    scene = load_scene(name)
-    largest = float(np.max(semi_analytic.solve(scene, fields=()).contact_half_width))
-    x = np.linspace(0.0, 1.05 * largest, 300)
-    time = scene.load.path().cycle_start + scene.load.path().period * np.linspace(1.0, 2.0, 40)
-    solution = semi_analytic.solve(
-        scene, x=x, time=time, fields=("pressure", "shear"), effects=ALL_BENDS
-    )
-    assert np.max(solution.record.certificates["tangential_balance"]) < 1e-10
-    # Where a stroke ends, the memory curve meets q = f p by its resultant only: second order, here
-    # 0.1^2. Points that slip further leave a thousandth of that.
-    assert np.max(solution.record.certificates["cone"]) < 1e-5
-    total = 2 * np.trapezoid(solution.shear, x, axis=1)
-    scale = scene.friction.coefficient * np.max(solution.normal_load)
-    assert np.allclose(total, solution.tangential_load, atol=3e-3 * scale)
 
 
 # Loads whose answers broke a law: |q| was beyond f p where a stroke ended, by up to 4e-5, and a
@@ -472,55 +409,7 @@ def test_compliances_are_added_to_both_movements() -> None:
     assert solution.dissipation == stiff.dissipation
 
 
-def test_movements_count_from_the_datum_of_the_effects() -> None:
-    scene = scene_of("paper")
-    near, far = (
-        semi_analytic.solve(scene, effects=replace(effects_of(0.05, 0.1), datum_length=length))
-        for length in (10.0, 1000.0)
-    )
-    compliance, _ = half_plane_contact(scene)
-    per_load = compliance / math.pi * math.log(100.0)
-    assert np.allclose(far.normal_approach - near.normal_approach, per_load * near.normal_load)
-    assert np.allclose(
-        far.tangential_displacement - near.tangential_displacement,
-        per_load * near.tangential_load,
-        atol=1e-12,
-    )
-
-
 # -------------------------------------------------------------------------------- cycles and record
-def test_cycles_and_instants_are_those_of_the_question() -> None:
-    scene = scene_of("paper")
-    bend = effects_of(0.05, 0.1)
-    everything = semi_analytic.solve(scene, effects=bend)
-    steady = semi_analytic.solve(scene, cycles="steady", effects=bend)
-    assert len(everything.cycle_dissipation) == 2
-    assert everything.steady_from == 1
-    assert steady.dissipation == everything.dissipation
-    assert steady.time[0] == pytest.approx(everything.time[-1] - 2 * math.pi)
-    late = everything.time[-1] + 2 * math.pi * 5 - 1.0
-    again = semi_analytic.solve(scene, time=[late, late - 2 * math.pi], x=0.5, effects=bend)
-    assert again.shear[0, 0] == pytest.approx(again.shear[1, 0], rel=1e-9)
-    assert len(again.cycle_dissipation) == 6
-    assert again.cycle_dissipation[1:] == pytest.approx([everything.dissipation] * 5, rel=1e-5)
-
-
-def test_a_straight_step_takes_the_work_of_its_parts() -> None:
-    """Also of punches that the contact leaves in the step: they are 1e-4 of this work."""
-    scene = scene_of("paper")
-    contact = contact_of(scene.profile, scene.material)
-    table = corrected_memory.PunchTable(contact, composite_modulus(scene.material), 1.3)
-    before = LOAD * np.array([[0.0, 0.0], [1.0, 0.0], [1.0, -0.6]])
-    unloads = LOAD * np.array([-0.02, -0.01])  # P falls while Q slips on
-    bends = corrected.curvatures_of(ALL_BENDS)
-
-    def work(parts: int) -> float:
-        share = np.arange(1, parts + 1)[:, None] / parts
-        rows = np.concatenate([before, before[-1] + share * unloads])
-        followed = corrected_memory.follow(table, 1.0, *rows.T, bends)
-        return float(np.sum(followed.step_work[len(before) :]))
-
-    assert work(1) == pytest.approx(work(16), rel=1e-6)
 
 
 def test_more_steps_change_the_work_by_less_than_is_stated() -> None:
@@ -629,14 +518,6 @@ def test_tilt_and_strain_of_which_one_side_slips_alone_are_added_by_grids() -> N
     assert math.isnan(solution.record.errors["dissipation"])
 
 
-def test_the_size_of_the_work_is_counted() -> None:
-    counts = semi_analytic.solve(
-        scene_of("paper"), fields="dissipation", effects=ALL_BENDS
-    ).work.counts
-    assert counts["rows"] < 1100
-    assert counts["pieces"] < 3 * counts["rows"]
-
-
 def test_the_path_of_half_planes_is_followed_once() -> None:
     """Theory's W and fields, that the steps are compared with, take the history that is there."""
     followed_path = histories._followed_path
@@ -695,30 +576,6 @@ def test_a_batch_gives_what_solve_gives(name: str, bend: str) -> None:
     contact = contact_of(scene.profile, scene.material)
     stick = float(contact.half_width(batch.permanent_stick_load))
     assert stick == pytest.approx(solution.permanent_stick_half_width, rel=1e-4)
-
-
-def test_a_batch_takes_arrays_of_loads_and_of_profiles() -> None:
-    scene = load_scene("flat-rounded-paper")
-    loads = np.array([0.95, 1.0, 1.3])[:, None] * scene.load.mean_normal_load
-    flats = np.array([0.3, 0.505])
-    profile = {"kind": "flat_rounded", "radius": RADIUS, "flat_half_length": flats}
-    batch = batch_of(scene, ALL_BENDS, profile=profile, mean_normal_load=loads)
-    assert batch.value.shape == (3, 2)
-    assert not np.any(batch.reason)
-    alone = batch_of(scene, ALL_BENDS, mean_normal_load=float(loads[0, 0]))
-    assert float(batch.value[0, 1]) == pytest.approx(float(alone.value), rel=1e-9)
-    plain = batch_of(scene, None, profile=profile, mean_normal_load=loads)
-    assert np.all(batch.value < 0.95 * plain.value)
-    assert [note for note in batch.notes if note.startswith("effects")]
-
-
-def test_a_batch_with_numbers_that_are_all_0_is_that_of_half_planes_bit_for_bit() -> None:
-    scene = scene_of("paper")
-    plain = batch_of(scene, None)
-    batch = batch_of(scene, BodyEffects(datum_length=3.0))
-    for name in ("value", "forward", "reverse", "permanent_stick_load", "value_error"):
-        assert getattr(batch, name) == getattr(plain, name)
-    assert batch.notes == plain.notes
 
 
 def test_members_of_a_batch_that_slide_or_would_split_have_a_reason() -> None:
@@ -856,15 +713,6 @@ def test_fields_of_layers_four_half_widths_high(history: str, kind: str) -> None
 def test_a_parabola_of_the_next_order_moves_no_work_at_constant_load() -> None:
     mixed = BodyEffects(datum_length=1000.0, normal_mixed=Estimate(0.1 / UNIT))
     assert change_of_work("cattaneo 0.6 0.8", mixed) == pytest.approx(0.0, abs=1e-4)
-
-
-def test_blocks_are_as_finite_elements_have_them_to_the_next_order() -> None:
-    """`halfplane run blocks` gives -2.732 %; the curvatures alone -2.748 %."""
-    scene = load_scene("blocks")
-    effects = halfplane_fe.body_effects(scene)
-    theory = semi_analytic.solve(scene, x=0.0, fields="dissipation").dissipation
-    corrected = semi_analytic.solve(scene, x=0.0, fields="dissipation", effects=effects)
-    assert corrected.dissipation / theory - 1 == pytest.approx(-0.02732, abs=3e-5)
 
 
 def test_a_planted_fault_of_the_next_order_is_seen() -> None:

@@ -16,7 +16,7 @@ import reports
 import semi_analytic
 from reports.comparison import compare
 from scenes import ContactSolution, Scene, load_scene
-from semi_analytic import history, largest_values
+from semi_analytic import largest_values
 
 FIRST_TABLE = (
     "largest_pressure",
@@ -79,20 +79,6 @@ def test_theory_has_the_same_largest_values_beside_any_mesh(name: str) -> None:
     beside_fine = theory_values(scene, np.linspace(-1.2, 1.23, 61), 24)
     assert beside_fine == pytest.approx(beside_coarse, rel=1e-9, abs=0.0)
     assert min(beside_fine.values()) > 0
-
-
-def test_difference_on_common_points_is_a_metric_of_its_own() -> None:
-    """The result is theory on few points: its slip does not differ there, but its points miss the
-    largest values.
-    """
-    scene = load_scene("hertz-paper")
-    points_answer = on_points(scene, np.linspace(-1.31, 1.27, 24), 16)
-    comparison = compare(
-        semi_analytic.solve(scene, x=points_answer.x, time=points_answer.time), points_answer
-    )
-    assert comparison.metric("largest_slip_common").value == pytest.approx(0.0, abs=1e-12)
-    for key in ("largest_pressure", "largest_slip", "dissipation_density_peak"):
-        assert comparison.metric(key).value < -1e-4
 
 
 def test_largest_slip_is_that_of_theorys_contact_where_every_point_sticks() -> None:
@@ -180,55 +166,6 @@ def test_straight_steps_have_largest_values_of_their_own() -> None:
     )
     of_path = extremes_of_the_paper()
     assert 0.9 < semi_analytic.extremes(coarse).slip / of_path.slip < 1.0
-
-
-@pytest.mark.parametrize("start", [1.3, 2.6])
-def test_a_steady_cycle_may_begin_anywhere(start: float) -> None:
-    scene = load_scene("hertz-paper")
-    path = scene.load.path()
-    times = path.cycle_start + path.period * np.linspace(start, start + 1, 9)
-    elsewhere = semi_analytic.extremes(semi_analytic.solve(scene, x=[0.1, 0.9], time=times))
-    steady = extremes_of_the_paper()
-    assert elsewhere.slip == pytest.approx(steady.slip, rel=1e-9)
-    assert elsewhere.dissipation_density == pytest.approx(steady.dissipation_density, rel=1e-9)
-    assert elsewhere.edge_tension == pytest.approx(steady.edge_tension, rel=1e-9)
-
-
-def test_first_increment_of_a_path_without_cycles_plays_no_part() -> None:
-    """Theory takes the whole path, wherever a solver's first increment ends."""
-    load = {"kind": "polygon", "initial_loading": [[30.0, 0.0], [60.0, 14.0], [50.0, 20.0]]}
-    scene = Scene.model_validate(THIN_LAYERS | {"load": load})
-    path = scene.load.path()
-    values = []
-    for first in (0.2, 1.3):
-        time = np.linspace(first, path.initial_loading[-1].end, 8)
-        values.append(semi_analytic.extremes(semi_analytic.solve(scene, x=[0.0, 1.0], time=time)))
-    assert values[0].slip > 0
-    assert dataclasses.astuple(values[0])[:-1] == pytest.approx(
-        dataclasses.astuple(values[1])[:-1], rel=1e-9
-    )
-
-
-def test_a_path_is_followed_once_while_extremes_are_looked_for_and_anew_afterwards(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """What outlived the search would hide a fault planted in the memory curve."""
-    followed: list[float] = []
-    follow = history.follow
-
-    def counted(loading: Any, turns: Any, friction: float) -> history.History:
-        followed.append(friction)
-        return follow(loading, turns, friction)
-
-    scene = load_scene("hertz-paper").vary(friction=1.1, expected=[])
-    solution = semi_analytic.solve(scene, x=[0.0])
-    monkeypatch.setattr(history, "follow", counted)
-    semi_analytic.extremes(solution)
-    assert 1 <= len(followed) <= 3
-    before = len(followed)
-    semi_analytic.solve(scene, x=[0.0])
-    semi_analytic.solve(scene, x=[0.0])
-    assert len(followed) == before + 2
 
 
 def test_on_many_straight_steps_the_largest_values_are_those_about_the_place_on_the_path(

@@ -18,7 +18,6 @@ from scenes import (
     Compound,
     EllipseLoad,
     EvenPolynomial,
-    FlatRounded,
     Hertz,
     InadmissibleLoadError,
     InputError,
@@ -43,7 +42,6 @@ from semi_analytic import (
     stress,
 )
 from semi_analytic.fields import Arc, Integrals
-from semi_analytic.friction_work import closed_integral
 from semi_analytic.hertz import HertzContact
 from semi_analytic.load_series import Knot
 from semi_analytic.memory import Piece
@@ -151,10 +149,6 @@ def test_named_problems_have_their_closed_forms(problem):
         problem.scene, x=half * np.linspace(-1.21, 1.21, 97), time=np.unique([problem.time, end])
     )
     assert max(errors(problem, answer).values()) < 1e-12
-
-
-P0 = 2 * 90.62286500739786 / math.pi  # a = 1 in the library's Hertz scenes
-X = np.array([-1.2, -1.0, -0.9, -0.3, 0.0, 0.3, 0.632, 0.633, 0.9, 0.999, 1.0, 1.2])
 
 
 # ----------------------------------------------------------------- laws, and faults planted in them
@@ -477,19 +471,6 @@ def test_straight_steps_converge_on_the_smooth_path_with_order_two():
     assert np.all((ratios > 3.5) & (ratios < 4.5)), errors
 
 
-def test_instants_in_any_order_and_far_ahead():
-    scene = load_scene("hertz-paper")
-    start = scene.load.path().cycle_start
-    time = np.array([9.0, 2.0, 30.0, start, 16.0])
-    mixed = solve(scene, x=X, time=time)
-    for k, instant in enumerate(time):
-        np.testing.assert_allclose(
-            solve(scene, x=X, time=[instant]).shear[0], mixed.shear[k], atol=1e-12 * P0
-        )
-    ahead = solve(scene, x=X, time=[16.0, 16.0 + 200 * np.pi])
-    np.testing.assert_allclose(ahead.shear[1], ahead.shear[0], atol=1e-10 * P0)
-
-
 # --------------------------------------------------------------- what is asked, done, kept, refused
 
 
@@ -522,55 +503,6 @@ def test_only_what_is_asked_for_is_computed(monkeypatch):
     for kernel in ("pressure", "slip_integral", "arccosh_ratio", "inverse_root"):
         monkeypatch.setattr(HertzContact, kernel, None)
     assert solve(scene, fields=("dissipation",)).dissipation == solution.dissipation
-
-
-def test_the_second_route_is_taken_where_it_is_asked_for_or_an_error_needs_it(monkeypatch):
-    scene = load_scene("hertz-paper")
-    both = solve(scene, x=[0.0], fields="loop_work")
-    assert both.loop_work == pytest.approx(both.dissipation, rel=1e-12)
-    calls = []
-
-    def counted(*arguments):
-        calls.append(arguments)
-        return closed_integral(*arguments)
-
-    monkeypatch.setattr("semi_analytic.answer_by_memory.closed_integral", counted)
-    alone = solve(scene, x=[0.0], fields="dissipation")
-    assert not calls
-    assert (alone.dissipation, alone.record.errors) == (both.dissipation, both.record.errors)
-    assert math.isnan(alone.loop_work)
-    assert alone.work.skipped["loop_work"][1] == "not asked for"
-    scene = scene.vary(profile=FlatRounded(radius=1000.0, flat_half_length=0.5))
-    by_quadrature = solve(scene, x=[0.0], fields="dissipation")
-    assert len(calls) == 1
-    assert math.isnan(by_quadrature.loop_work)
-    asked = solve(scene, x=[0.0], fields="loop_work")
-    assert by_quadrature.record.errors.get("dissipation") == asked.record.errors.get("dissipation")
-
-
-def test_transient_work_is_counted_by_cycle_and_later_cycles_are_copies():
-    scene = load_scene("hertz-paper")
-    fields = ("loop_work",)
-    start = scene.load.path().cycle_start
-    solution = solve(scene, fields=fields)
-    long = solve(
-        scene, x=[0.0], time=start + 2 * np.pi * np.array([0.5, 1.0, 40.25]), fields=fields
-    )
-    assert solution.record.message == "cycle 2 ends in the state it started from"
-    assert solution.cycle_dissipation.shape == (2,)
-    assert solution.cycle_dissipation[0] > 2 * solution.cycle_dissipation[1]
-    np.testing.assert_array_equal(
-        long.cycle_dissipation, [solution.cycle_dissipation[0], *[solution.dissipation] * 39]
-    )
-    assert (long.work.counts["cycles_solved"], long.work.skipped["cycles"][0]) == (2, 38)
-    assert (
-        solve(scene, x=[0.0], time=[start + 7.0], fields=fields).dissipation
-        == solution.cycle_dissipation[0]
-    )
-    for turns in (1.0, 1.5):  # the second knows of the steady cycle, but answers for the first
-        transient = solve(scene, x=[0.0], time=[start + turns * 2 * math.pi], fields=fields)
-        assert math.isnan(transient.loop_work)
-        assert "not steady" in transient.record.notes[0]
 
 
 def record(repeats, *last):
@@ -624,16 +556,6 @@ def test_inadmissible_paths_name_the_instant_and_the_loads(
             caught.value.normal_load,
             caught.value.tangential_load,
         ) == pytest.approx((time, normal, tangential), abs=1e-7)
-
-
-def test_sliding_just_reached_is_admitted():
-    """|Q| = f P: all of Hertz slips, of a flat face only the edges."""
-    load = polygon([(2.0, 0.0)], [(2.0, 1.0), (2.0, -1.0)])
-    hertz = solve(make_scene(load, 0.5), time=[2.0])
-    assert np.isnan(hertz.stick_half_width[0]) or hertz.stick_half_width[0] < 1e-7
-    np.testing.assert_allclose(hertz.shear, 0.5 * hertz.pressure, atol=1e-15)
-    flat = solve(make_scene(load, 0.5, flat=0.3), time=[2.0])
-    assert flat.stick_half_width[0] == pytest.approx(0.3)
 
 
 ROUND = Hertz(radius=1.0)

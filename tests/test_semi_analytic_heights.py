@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from scenes import CallableProfile, InputError
-from scenes.chebyshev import Unresolved, halved
+from scenes.chebyshev import Unresolved
 from semi_analytic import profiles, solve
 from semi_analytic.profiles import slope_function
 from semi_analytic_cases import ellipse, make_scene
@@ -81,20 +81,6 @@ def test_what_the_digits_of_an_arc_do_not_hold_is_stated(radius):
     assert min(solution.record.errors.values()) >= profile.rounding_of_height.stiffness
 
 
-def test_few_pieces_are_needed(monkeypatch):
-    """Each octave of a height has a noise floor: without one they were halved hundreds of times."""
-    pieces = []
-
-    def counted(function, edges, scale=None):
-        halves = halved(function, edges, scale)
-        pieces.append(len(halves.edges) / len(edges))
-        return halves
-
-    monkeypatch.setattr(profiles, "halved", counted)
-    slope_function(1.0, CallableProfile(height_function=SHAPES["|x|^1.5"][0], extent=3.0))
-    assert max(pieces) < 2
-
-
 def test_a_rough_function_is_refused_in_a_sentence(monkeypatch):
     def rough(function, edges, scale=None):
         raise Unresolved(0.5, 1.0)
@@ -117,10 +103,3 @@ def test_a_height_of_seven_digits_is_solved_and_says_so():
         np.abs(slope_function(1.0, profile).load(HALF_WIDTHS) / (np.pi / 4 * HALF_WIDTHS**2) - 1)
     )
     assert 1e-11 < error <= profile.rounding_of_height.load < 1e-7
-
-
-def test_halving_ends_at_noise():
-    """No piece gets shorter than 1e-14 of the first ones; that of pure noise is refused before."""
-    rng = np.random.default_rng(1)
-    with pytest.raises(Unresolved):
-        halved(lambda x: rng.normal(size=x.shape), np.array([0.0, 1.0]))

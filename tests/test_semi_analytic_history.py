@@ -4,25 +4,17 @@ other; long series.
 
 import math
 
-import mpmath as mp
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from scenes import CallableLoad, InputError, LoadPath, StraightSegment, TimeSeriesLoad, load_scene
-from semi_analytic import FIELDS, answer_by_memory, event, events, load_series, solve
+from scenes import InputError, LoadPath, StraightSegment, TimeSeriesLoad, load_scene
+from semi_analytic import FIELDS, answer_by_memory, event, events, solve
 from semi_analytic.history import Turn, follow, history_of
-from semi_analytic.load_series import knots_of
 from semi_analytic.memory import (
-    Instant,
-    instant,
-    load_in_stick,
     pieces,
     same,
-    slip_to,
-    slipped_load,
-    unload_to,
     values,
 )
 from semi_analytic_cases import LOADS, ellipse, extreme, make_scene, polygon
@@ -122,21 +114,6 @@ def test_initial_loading_does_not_matter_above_the_permanent_stick_load(
     for curve, permanent in ends[1:]:
         assert permanent == pytest.approx(ends[0][1], rel=1e-9, abs=1e-12)
         np.testing.assert_allclose(values(curve, eta), values(ends[0][0], eta), atol=1e-9)
-
-
-def test_curves_are_told_apart_and_unloading_follows_them():
-    curve = final_curve([(1.0, 0.3), (2.0, 0.4)])
-    assert same(unload_to(curve, 0.5), final_curve([(0.5, 0.15)]), FRICTION)
-    assert same(
-        final_curve([(1.0, 0.3), (2.0, 0.4), (1.0, 0.3)]), final_curve([(1.0, 0.3)]), FRICTION
-    )
-    assert unload_to(curve, 0.0) is None
-    assert same(
-        final_curve([(1.0, 0.6), (0.0, 0.0), (1.0, 0.1)]), final_curve([(1.0, 0.1)]), FRICTION
-    )
-    for points in ([(1.0, 0.3 + 1e-9)], [(0.5, 0.1), (1.0, 0.3)]):
-        assert not same(final_curve([(1.0, 0.3)]), final_curve(points), FRICTION)
-    assert not same(final_curve([(1.0, 0.3)]), None, FRICTION)
 
 
 # ---------------------------------------------------------- edges of slip and memory by brute force
@@ -288,77 +265,12 @@ def by_spans(scene, **options):
 
 
 X = np.linspace(0, 2.3, 12)
-POLYGON = [(2.0, 0.0), (2.0, 0.7), (1.2, -0.1), (2.5, -0.6), (2.0, 0.0)]
-
-
-def test_rows_and_functions_with_corners_are_the_polygon():
-    rows = [[float(k), *corner] for k, corner in enumerate(POLYGON)]
-    plain = make_scene(polygon(POLYGON[:1], POLYGON[1:-1]), 0.5)
-    series = make_scene(TimeSeriesLoad(rows=rows, repeats=True), 0.5)
-    normal_corners, tangential_corners = np.transpose(POLYGON)
-
-    def normal(t):
-        return np.interp(np.mod(t, 4), range(5), normal_corners)
-
-    def tangential(t):
-        return np.interp(np.mod(t, 4), range(5), tangential_corners)
-
-    function = make_scene(
-        CallableLoad(normal_load=normal, tangential_load=tangential, duration=4.0, repeats=True),
-        0.5,
-    )
-    x = np.linspace(0, 1.8, 7)
-    of_polygon = solve(plain, x=x, time=np.linspace(1.0, 9.0, 33))
-    of_rows = solve(series, x=x, time=np.linspace(0.0, 8.0, 33))
-    for name in ("shear", "slip"):
-        np.testing.assert_allclose(getattr(of_rows, name), getattr(of_polygon, name), atol=1e-14)
-    assert of_rows.dissipation == pytest.approx(of_polygon.dissipation, rel=1e-13, abs=0)
-    assert of_rows.steady_from == of_polygon.steady_from
-    assert solve(function, x=[0.0], fields=("dissipation",)).dissipation == pytest.approx(
-        of_polygon.dissipation, rel=1e-11, abs=0
-    )
-
-
-@pytest.mark.parametrize("share_of_step", [-3e-7, -2e-9, 2e-9, 3e-7])
-def test_loads_just_beside_a_row_are_those_of_their_instant(share_of_step: float) -> None:
-    """Of a record of 2,000 rows they were those of the row, and its loads counted as violated."""
-    count = np.arange(2000.0)
-    rows = np.column_stack([0.01 * count, 90 + 30 * np.cos(count), 10 * np.sin(2 * count)])
-    scene = make_scene(TimeSeriesLoad(rows=rows.tolist()), 0.7)
-    time = rows[1000, 0] + 0.01 * share_of_step
-    solution = solve(scene, x=[0.0], time=[time], fields=("pressure",))
-    normal_load, tangential_load = scene.load.path().at(time)[:2]
-    assert solution.normal_load == pytest.approx(normal_load, rel=3e-10, abs=0)
-    assert solution.tangential_load == pytest.approx(tangential_load, rel=0, abs=3e-9)
 
 
 # powers of the load that a field goes with
 SIZES = {"dissipation": 2, "cycle_dissipation": 2, "dissipation_density": 1}
-ROUNDING = {
-    # |Q| = f P is reached and P_c was a last digit below 0: W(x) on a flat face was no number.
-    "a front at no load": [
-        (1, 0.0),
-        (0.5, 0.0875),
-        (1, -0.7),
-        (0.25, 0.04375),
-        (0.75, 0.5249999999999999),
-        (0.5, 0.175),
-        (0.75, 0),
-    ],
-    "unloaded and loaded again": [(1, 0.6), (0, 0), (1, 0.1)],
-    # However far P goes: what counts is how deep the front of slip went, 1e-12 of P and less.
-    "hardly slips": [(0.92, 0.644e-12), (0.5, 0.0), (0.92, 0.644e-12)],
-    "hardly slips, four turns": [
-        *[
-            (0.5, 0.0),
-            (0.512062, 3.58e-10),
-            (1.0, -7e-13),
-            (0.05, 7e-18),
-            (0.73, -5.11e-13),
-            (0.5, 0.0),
-        ],
-    ],
-}
+
+
 SHARES = st.lists(
     st.tuples(st.floats(0.05, 1), st.floats(-0.97, 0.97)), min_size=2, max_size=25, unique=True
 )
@@ -402,59 +314,6 @@ def both_ways(loads, repeats, flat):
     return by_rows, by_curve
 
 
-@pytest.mark.parametrize("flat", [0.0, 0.5])
-@pytest.mark.parametrize("name", ROUNDING)
-def test_rows_at_the_ends_of_friction_are_followed_alike_by_both_ways(name, flat):
-    hardly = "hardly" in name
-    by_rows, by_curve = both_ways(ROUNDING[name], hardly, flat)
-    assert by_rows.steady_from == (1 if hardly else None)
-    if not hardly:  # which of them slips is rounding
-        np.testing.assert_array_equal(by_rows.state, by_curve.state)
-    for field in ("slip", "tangential_displacement", *SIZES):
-        np.testing.assert_allclose(
-            getattr(by_rows, field), getattr(by_curve, field), rtol=0, atol=1e-13, err_msg=field
-        )
-    assert by_rows.dissipation == pytest.approx(
-        by_curve.dissipation, rel=1e-3 if hardly else 1e-11, abs=0
-    )
-
-
-@pytest.mark.parametrize(
-    ("share", "steady"), [(0.3, False), (1e-4, True), (1e-9, False), (1e-9, True)]
-)
-def test_what_slips_is_that_of_sixty_digits(share, steady):
-    """P - P_c at the ends of 120 steps, to four last digits of P, or 1e-14 of itself at constant P;
-    0.3 of a digit measured.
-    """
-    t = 0.37 * np.arange(120)
-    normal = 2 + (0 if steady else 0.3) * np.cos(t)
-    rows = [
-        (0.0, 0.0),
-        (2.4, 0.24),
-        *np.column_stack([normal, 0.1 * normal + 0.35 * share * np.sin(1.7 * t)]).tolist(),
-    ]
-    sides = load_series.sides_of(np.array(rows), 0.5).tolist()
-    column = load_series.Records._fields.index("slipped_after") - load_series._NUMBERS
-    slipped_by_number = []
-    with mp.workdps(60):
-        for number in (float, mp.mpf):
-            curve = None
-            slipped = []
-            recorder = load_series.Recorder(curves=False)
-            first = (number(0), number(0), number(0))
-            for (p, q), side in zip(rows[1:], sides, strict=True):
-                last = (number(p), number(q), number(1))
-                curve = load_series._step(curve, side, first, last, number(0.5), recorder)
-                slipped.append(recorder.numbers[column])
-                first = (number(p), number(q), number(0))
-            slipped_by_number.append(np.array(slipped))
-    slipped_double, exact = slipped_by_number
-    assert np.max(exact) > 0.3 * share
-    np.testing.assert_allclose(
-        slipped_double, exact, rtol=0, atol=1e-14 * np.max(exact) if steady else 4 * 2.4 * 2.2e-16
-    )
-
-
 # -------------------------------------------------------------------------- long series, and effort
 
 
@@ -496,45 +355,4 @@ def test_a_long_series_answers_what_is_asked_and_nothing_else():
     assert any(f"{2201 - len(thinned.time)} were left out" in note for note in thinned.record.notes)
 
 
-def test_what_is_alive_stays_small_however_many_steps_went_before():
-    """A larger swing erases the smaller ones, every knot comes and goes once; dying swings stay
-    until one erases them.
-    """
-    rng = np.random.default_rng(3)
-    normal = rng.uniform(1.0, 3.0, 16000)
-    block = load_series.follow(
-        None, np.stack([normal, rng.uniform(-0.9, 0.9, 16000) * normal], axis=1), 1.0
-    )
-    assert (len(block.records.row) <= 2 * 16000, block.alive < 40) == (True, True)
-    swings = [(1.0, (-1) ** k * 0.6 * (1 - k / 1001)) for k in range(1000)]
-    for erased, low, high in ((False, 900, 1003), (True, 1, 3)):
-        loads = [*swings, *[(1.0, 0.65)] * erased]
-        curve = load_series.follow(None, np.array([(0.0, 0.0), (1.0, 0.0), *loads]), 1.0).curve
-        assert low <= len(knots_of(curve)[0]) <= high
-        assert low <= sum(1 for _ in pieces(final_curve(loads))) <= high
-
-
 # --------------------------------------------------------------------- memory at its own boundaries
-def test_memory_at_joints_tops_and_no_load():
-    """M at both ends of each piece, unloading exactly to a joint, slip that reaches exactly a joint
-    or all of the curve.
-    """
-    leg = StraightSegment(0.0, 1.0, (0.0, 0.0), (2.0, 1.0))
-    pressed = load_in_stick(None, leg, 0.0, Instant(leg, 1.0, 2.0, 1.0))
-    back = StraightSegment(1.0, 2.0, (2.0, 1.0), (2.0, 0.4))
-    end = instant(back, 2.0)
-    slipped = float(slipped_load(pressed, -1, 0.7, back, 2.0))  # 0.6/(0.7 + 0.5)
-    curve = slip_to(pressed, -1, 0.7, end, slipped)
-    assert slipped == pytest.approx(0.5)
-    np.testing.assert_allclose(values(curve, [0.0, 1.5, 2.0]), [0.0, 0.75, 0.4], rtol=1e-14)
-    assert len(list(pieces(curve))) == 2
-    at_joint = unload_to(curve, 1.5)
-    assert [piece.top for piece in pieces(at_joint)] == [1.5]
-    assert unload_to(curve, 2.0) is curve
-    assert unload_to(curve, 0.0) is None
-    # A front that has come to no load leaves slip alone.
-    alone = slip_to(pressed, -1, 0.7, end, 2.0)
-    assert [piece.top for piece in pieces(alone)] == [2.0]
-    assert alone.bottom == 0
-    # Slip that has no extent adds no piece.
-    assert slip_to(pressed, -1, 0.7, Instant(back, 1.0, 2.0, 1.0), 0.0) is pressed

@@ -438,27 +438,6 @@ def test_pressure_of_power_laws_to_the_very_middle(n):
 
 
 # ------------------------------------------------------------------------------------------- tables
-def test_many_knots_cost_no_digits():
-    """arccosh(|x|/c) with several knots between c and x was 1e-7 off; and rows of a circle come
-    closer with the step's square.
-    """
-    contact = contact_on(table(cosh_less_one, 1.2, 601), 100.0)
-    half = contact.half_width(40.0)
-    x = half * (1 + np.geomspace(1e-4, 1e-1, 200))
-    ratios = contact.arccosh_ratio(x, contact.load(x) - 40.0, contact.advance(40.0))
-    np.testing.assert_allclose(ratios, np.arccosh(x / half), rtol=1e-11)
-    half = np.linspace(0.3, 0.75, 40)
-
-    def circle(x):
-        return 1 - np.sqrt(1 - x * x)
-
-    fine = contact_on(table(circle, 0.8, 641)).load(half)
-    errors = [
-        np.max(np.abs(contact_on(table(circle, 0.8, count)).load(half) / fine - 1))
-        for count in (11, 41, 161)
-    ]
-    assert min(errors[0] / errors[1], errors[1] / errors[2]) > 12
-    assert errors[2] < 1e-5
 
 
 # ----------------------------------------------------------------------------------- quantised rows
@@ -689,56 +668,3 @@ def test_a_wedge_has_no_pressure_before_first_touch_and_an_infinite_one_after():
         wedge.pressure([0.0, 0.0, 0.1], [0.0, 1e-12, 0.0]), [0.0, np.inf, 0.0]
     )
     assert 0 < wedge.pressure(0.1, 1.0) < np.inf
-
-
-def test_a_tip_blunter_than_a_wedge_has_a_finite_pressure_at_any_load():
-    for exponent in (1.001, 2.0):
-        contact = contact_of(PowerLaw(exponent=exponent, length=1.0, rise=0.5), MATERIAL)
-        at_tip = contact.pressure([0.0, 0.0], [0.0, 1.0])
-        assert at_tip[0] == 0
-        assert 0 < at_tip[1] < np.inf
-
-
-@pytest.mark.parametrize(
-    "profile",
-    [FlatRounded(radius=1.0, flat_half_length=0.7), Wedge(tip_radius=1.0, tip_half_length=0.7)],
-)
-def test_the_very_edge_of_contact_and_no_load_have_no_pressure(profile):
-    """At |x| = a, at the corner itself while the edge is there, and at P = 0 on the flat."""
-    contact = contact_of(profile, MATERIAL)
-    load = contact.load(np.array([0.7, 0.9]))
-    edge = contact.half_width(load)
-    np.testing.assert_array_equal(contact.pressure(edge, load), [0.0, 0.0])
-    np.testing.assert_array_equal(contact.pressure([0.0, 0.3, 0.7], 0.0), [0.0, 0.0, 0.0])
-
-
-def test_kernels_at_no_load_and_at_no_slip():
-    """Lam = 0 where nothing has slipped; Lam = P ln(a/c) - ... is finite where the slip front has
-    reached no load.
-    """
-    for profile in (
-        PowerLaw(exponent=1.0, length=1.0, rise=0.5),
-        FlatRounded(radius=1.0, flat_half_length=0.7),
-    ):
-        contact = contact_of(profile, MATERIAL)
-        kernel = contact.dissipation_kernel([0.0, 1.0, 1.0], [0.0, 0.0, 1.0])
-        assert kernel[:2].tolist() == [0.0, 0.0]
-        assert 0 < kernel[2] < np.inf
-        assert contact.arccosh_ratio(1.0, contact.load(1.0), 0.0) >= 0
-        assert contact.inverse_root(1.0, 0.0, contact.advance(contact.load(1.0))) == 0
-        assert contact.advance(0.0) == 0
-
-
-def test_two_curvatures_and_flat_at_their_corners_are_continuous():
-    """P, dP/da and their inverse from both sides of b: 1e-9 of b apart they differ by 1e-3 at most
-    (roots), never jump.
-    """
-    for profile in (
-        Wedge(tip_radius=1.0, tip_half_length=0.7),
-        Compound(inner_radius=1.0, outer_radius=3.0, inner_half_length=0.7),
-    ):
-        contact = contact_of(profile, MATERIAL)
-        around = 0.7 * np.array([1 - 1e-9, 1.0, 1 + 1e-9])
-        np.testing.assert_allclose(contact.load(around), np.pi / 4 * 0.49, rtol=1e-8)
-        np.testing.assert_allclose(contact.stiffness(around), np.pi / 2 * 0.7, rtol=1e-3)
-        np.testing.assert_allclose(contact.half_width(contact.load(around)), around, rtol=1e-14)

@@ -30,8 +30,7 @@ from scenes import (
 )
 from scenes.body_effects import ZERO
 from semi_analytic import answer_of_rig, corrected
-from semi_analytic.answer_of_rig import rigged, steady_cycle
-from semi_analytic.corrected import curvatures_of
+from semi_analytic.answer_of_rig import rigged
 from semi_analytic.corrected_memory import PunchTable, area_of_loop
 from semi_analytic.driven import (
     ActuatorRows,
@@ -105,21 +104,6 @@ def test_work_of_a_gross_cycle_is_its_closed_form_and_has_no_spring_in_it(spring
     check_gross_cycle(spring)
 
 
-def test_a_spring_shears_the_loop_of_the_actuator_and_not_that_of_the_contact() -> None:
-    spring = 2.0
-    stiff = followed([(1.0, 0.0), (1.0, AT_LIMIT), (1.0, -AT_LIMIT), (1.0, AT_LIMIT)], steps=40)
-    moved = stiff.displacement + spring * stiff.followed.tangential_load
-    load = np.interp(stiff.time, [0, 1, 4], [0, 1, 1])
-    rows = ActuatorRows(stiff.time, load, moved, (len(moved) - 1,))
-    compliance = stiff.compliance._replace(tangential_spring=spring)
-    compliant = follow_actuator(stiff.followed.table, FRICTION, compliance, rows)
-    force = compliant.followed.tangential_load
-    assert force == pytest.approx(stiff.followed.tangential_load, abs=1e-12)
-    cycle = since(stiff, 2.0)
-    assert compliant.work(cycle) == pytest.approx(stiff.work(cycle), rel=1e-9)
-    assert np.ptp(compliant.actuator) > 1.3 * np.ptp(compliant.displacement)
-
-
 def test_first_loading_follows_cattaneo_and_mindlin() -> None:
     force = np.linspace(0.0, 0.99, 12)[1:] * FRICTION
     stick = np.sqrt(1 - force / FRICTION)
@@ -129,16 +113,6 @@ def test_first_loading_follows_cattaneo_and_mindlin() -> None:
     )
     result = followed([(1.0, 0.0), *((1.0, float(way)) for way in displacement)])
     assert result.followed.tangential_load[2:] == pytest.approx(force, abs=1e-11)
-
-
-def test_one_step_at_constant_normal_load_is_as_good_as_forty() -> None:
-    points = [(1.0, 0.0), (1.0, 0.9 * AT_LIMIT), (1.0, -0.7 * AT_LIMIT), (1.0, 0.9 * AT_LIMIT)]
-    one = followed(points)
-    forty = followed(points, steps=40)
-    force = one.followed.tangential_load
-    assert force == pytest.approx(forty.followed.tangential_load[::40], abs=1e-11)
-    works = [result.work(since(result, 2.0)) for result in (one, forty)]
-    assert works[0] == pytest.approx(works[1], rel=1e-9)
 
 
 # ------------------------------------------------------------------------------ what P does besides
@@ -285,32 +259,6 @@ def test_planted_faults_are_seen(name: str) -> None:
 
 
 # ------------------------------------------------------------------------------- the round trip
-def test_displacements_of_corrected_theory_give_its_loads_back() -> None:
-    scene = load_scene("hertz-paper")
-    given = semi_analytic.solve(
-        scene, x=[0.0], fields=("tangential_displacement", "normal_approach"), effects=EFFECTS
-    )
-    modulus = MODULUS_OF_STEEL
-    contact = HertzContact(modulus=modulus, radius=1000.0, datum_length=1000.0)
-    compliance = Compliance(
-        unit=2 / (math.pi * modulus),
-        datum_length=1000.0,
-        normal=3e-5,
-        tangential=-1.5e-5,
-        tangential_spring=2e-5,
-        curvatures=curvatures_of(EFFECTS),
-    )
-    moved = given.tangential_displacement + 2e-5 * given.tangential_load
-    load = loads_of_approach(contact, modulus, compliance, given.normal_approach)
-    assert load == pytest.approx(given.normal_load, rel=1e-10)
-    rows = ActuatorRows(given.time, given.normal_load, moved, (len(moved) - 1,))
-    table = PunchTable(contact, modulus, 1.2)
-    result = follow_actuator(table, scene.friction.coefficient, compliance, rows)
-    assert len(result.time) == len(given.time)
-    largest = float(np.max(np.abs(given.tangential_load)))
-    assert result.followed.tangential_load == pytest.approx(
-        given.tangential_load, abs=1e-9 * largest
-    )
 
 
 MODULUS_OF_STEEL = 210e3 / (2 * (1 - 0.3**2))
@@ -341,30 +289,6 @@ def test_half_plane_theory_has_the_same_work_under_the_loads_that_were_found() -
     assert 0 < error < 1e-3
     assert solution.dissipation == pytest.approx(exact.dissipation, rel=error)
     assert any("gross sliding: none" in note for note in solution.record.notes)
-
-
-def test_a_cycle_that_is_steady_by_one_of_two_steps_is_followed_by_another(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """A T-shape under harmonics of U left 3.6e-8 of f P after two cycles by the shorter steps, and
-    the whole path was answered in place of a cycle.
-    """
-    scene = rig_scene().vary(cycles=4)
-    expected = semi_analytic.solve(scene, x=[0.0], fields="dissipation")
-    rows_of_two_cycles: list[int] = []
-
-    def unsteady_at_first(driven: Driven) -> int | None:
-        if len(driven.ends) == 3:
-            rows_of_two_cycles.append(len(driven.time))
-        is_fine = len(driven.time) > rows_of_two_cycles[0]
-        return None if is_fine and len(driven.ends) == 3 else steady_cycle(driven)
-
-    monkeypatch.setattr(answer_of_rig, "steady_cycle", unsteady_at_first)
-    solution = semi_analytic.solve(scene, x=[0.0], fields="dissipation")
-    assert solution.steady_from == 0
-    error = solution.record.errors["dissipation"]
-    assert error < 1e-4
-    assert solution.dissipation == pytest.approx(expected.dissipation, rel=error)
 
 
 PRESSED_ELLIPSE = EllipseLoad(
@@ -493,24 +417,6 @@ def tilting(load: Any, rig: Rig) -> Scene:
         load=load,
         rig=rig,
     )
-
-
-def test_the_moment_of_a_tilted_pressure_moves_the_bodies() -> None:
-    """U = U(Q) - R alpha_Q^2 P Q: the displacement of Q without tilt, and this, give Q back."""
-    contact = HertzContact(modulus=MODULUS_OF_STEEL, radius=1000.0, datum_length=1000.0)
-    table = PunchTable(contact, MODULUS_OF_STEEL, 1.2)
-    stiff = Compliance(unit=2 / (math.pi * MODULUS_OF_STEEL), datum_length=1000.0)
-    time = np.arange(5.0)
-    load = np.array([0.0, 90.0, 90.0, 90.0, 90.0])
-    displacement = np.array([0.0, 0.0, 6e-4, -4e-4, 6e-4])
-    rows = ActuatorRows(time, load, displacement, (4,))
-    straight = follow_actuator(table, 0.5, stiff, rows)
-    force = straight.followed.tangential_load
-    by_tilt = -1000.0 * 1e-12 * load * force
-    tilted = stiff._replace(tilts=(0.0, 1000.0 * 1e-12))
-    again = follow_actuator(table, 0.5, tilted, rows._replace(displacement=displacement + by_tilt))
-    assert again.followed.tangential_load == pytest.approx(force, abs=1e-10 * 45.0)
-    assert np.max(np.abs(by_tilt)) > 1e-3 * 6e-4
 
 
 def test_the_moment_is_in_the_movements_under_given_loads() -> None:

@@ -101,19 +101,6 @@ SLOW = [
 ]
 
 
-@pytest.mark.parametrize("name", ["compound-curvature", "flat-rounded-paper"])
-def test_the_tension_of_an_instant_does_not_depend_on_the_others(name: str) -> None:
-    """The half-width at P, one digit more or less, would move it by 1e-8."""
-    scene = load_scene(name)
-    solution = semi_analytic.solve(scene, x=[0.0])
-    begin, end = solution.time[solution.last_cycle][[0, -1]]
-    time = np.linspace(begin, end, 150)
-    together = edge_tension(scene, time)[0]
-    alone = np.concatenate([edge_tension(scene, instant)[0] for instant in time[::10]])
-    largest = np.abs(together).max()
-    np.testing.assert_allclose(together[::10], alone, rtol=0, atol=1e-13 * largest)
-
-
 @pytest.mark.parametrize(
     ("profile", "load"), [*CASES, *(pytest.param(*case, marks=pytest.mark.slow) for case in SLOW)]
 )
@@ -173,15 +160,6 @@ def test_the_upper_body_is_the_mirror_image_with_opposite_shear():
     upper = stress(scene, -x, -y, [9.0, 11.0], body="upper")
     # Turned by half a circle the pair is itself again, loads included.
     np.testing.assert_allclose(upper, lower, atol=1e-12 * np.abs(lower).max())
-
-
-def test_out_of_contact_there_is_none_and_far_below_it_is_that_of_a_force():
-    scene = load_scene("cattaneo-mindlin")
-    load = scene.load.cycle[0][0]
-    assert not stress(scene, [0.0, 1.0], -1.0, 0.0).any()
-    assert not edge_tension(scene, 0.0)[0].any()
-    deep = stress(scene, 0.0, -1e4, 1.0)[0, 0]
-    assert deep[1] == pytest.approx(-2 * load / (math.pi * 1e4), rel=1e-7)
 
 
 @pytest.mark.parametrize(

@@ -114,14 +114,6 @@ def test_each_engine_says_whether_it_takes_full_unloading():
     assert "finite elements need P > 0" in engines.refusal_of_elements
 
 
-def test_a_contact_that_never_slips_states_no_error_of_slip():
-    """It stated 2e294 of the largest slip, which is 0."""
-    scene = make_scene(polygon([(2.0, 0.0)], [(1.0, 0.0), (0.0, 0.0)]), friction=0.5)
-    answer = solve(scene.vary(profile=PROFILES["|x|^3.5"]), x=[0.3, 0.7])
-    assert not np.any(answer.slip)
-    assert answer.record.errors.get("slip", 0.0) == 0.0
-
-
 @pytest.mark.parametrize("name", ["hertz", "short flat"])
 def test_where_the_path_starts_or_turns_unloaded_nothing_sticks_through_all_of_it(
     name: str,

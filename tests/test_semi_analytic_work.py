@@ -16,7 +16,6 @@ from scenes import (
     Compound,
     EllipseLoad,
     Estimate,
-    EvenPolynomial,
     InputError,
     Tabulated,
     Wedge,
@@ -28,7 +27,7 @@ from semi_analytic.elasticity import composite_modulus
 from semi_analytic.friction_work import CONVERGED, by_halving, pointwise_dissipation
 from semi_analytic.history import history_of
 from semi_analytic.profiles import contact_of
-from semi_analytic.quadrature import crowded, graded
+from semi_analytic.quadrature import graded
 from semi_analytic_cases import (
     LOADS,
     PROFILES,
@@ -335,71 +334,6 @@ def test_integrals_by_halving_and_what_they_say_of_themselves(width, settles):
     # see.
     assert abs(integral.value[0] - exact) <= integral.error[0] + 3e-11 * abs(exact)
     assert bool(integral.error[0] <= 1e-10 * abs(exact)) is settles
-
-
-def test_a_corner_next_to_an_end_does_not_pass_for_halving():
-    """A part cut off by the last digit changes nothing: W(x) at a knot of a table was 4e-9 off,
-    stated 2e-13.
-    """
-
-    def rough(_, low, high):
-        nodes, weights = crowded(low, high)
-        return np.sum(weights * np.sqrt(np.abs(nodes - 0.3)), axis=-1)
-
-    integral = by_halving(rough, [0.0], [1.0], CONVERGED, [1 - 1e-15])
-    assert integral.value[0] == pytest.approx((0.3**1.5 + 0.7**1.5) / 1.5, rel=1e-8)
-    cut = by_halving(rough, [0.0], [1.0], CONVERGED, [0.3, 1 - 1e-15])
-    assert cut.value[0] == pytest.approx((0.3**1.5 + 0.7**1.5) / 1.5, rel=1e-13)
-
-
-@pytest.mark.parametrize(("value", "end", "rounds"), [(1.0, 1.0 + 1e-13, 11), (np.nan, 2.0, 2)])
-def test_halving_ends(value, end, rounds):
-    """A range of 450 last digits was halved for ever: at so many parts at once it ends; and what is
-    not finite is not halved.
-    """
-    intervals = []
-
-    def rough(index, low, high):
-        intervals.append(len(index))
-        assert len(intervals) < 40, "a loop without end"
-        return np.full(len(index), value)
-
-    integral = by_halving(rough, [1.0], [end], CONVERGED)
-    assert len(intervals) == rounds
-    assert integral.error[0] > 0 or np.isnan(integral.value[0])
-
-
-@pytest.mark.parametrize(
-    ("lag", "work", "most"),
-    [
-        (3.1415926535897927, 1e-28, 1000),
-        pytest.param(1e-9, 1e-20, 20_000, marks=pytest.mark.slow),
-    ],
-)
-def test_rounding_ends_the_halving(monkeypatch, lag, work, most):
-    """A path that sticks slips by the last digits of its loads: halved to the end, that took
-    130,000 parts, and 8 GB. Of Q in phase but for 1e-9 nothing came for minutes.
-    """
-    parts = []
-    rule = friction_work.crowded
-
-    def counted(begin, end):
-        parts.append(np.size(begin))
-        assert sum(parts) < most
-        return rule(begin, end)
-
-    monkeypatch.setattr(friction_work, "crowded", counted)
-    load = CallableLoad(
-        normal_load=lambda t: 0.8 + 0.7 * math.cos(t),
-        tangential_load=lambda t: 0.03 * math.cos(t + lag),
-        duration=2 * math.pi,
-        repeats=True,
-    )
-    answer = solve(
-        make_scene(load, 0.4).vary(profile=EvenPolynomial(length=1.0, rises=(0.5, 0.4))), x=[0.0]
-    )
-    assert 0 <= answer.dissipation < work
-    assert parts
 
 
 # ---------------------------------------------------------------------------- stiffness and damping
