@@ -366,26 +366,6 @@ def moving_edges(elements, cured=True):
     return rms(errors)
 
 
-def test_the_last_digits_of_x_do_not_choose_what_is_smoothed() -> None:
-    """Nodes 17 elements apart were within the band or beyond it by rounding: W of one scene had
-    other digits from the sixth on.
-    """
-    scene = load_scene("hertz-paper")
-    sides = interface(32, 2)
-    digits = np.random.default_rng(0).integers(-4, 5, len(sides.x)) * np.spacing(
-        np.abs(sides.x).max()
-    )
-    faces, faces_moved = (
-        without_local_difference(replace(sides, x=x), scene) for x in (sides.x, sides.x + digits)
-    )
-    np.testing.assert_allclose(
-        faces_moved.tangential,
-        faces.tangential,
-        rtol=0,
-        atol=1e-12 * np.abs(faces.tangential).max(),
-    )
-
-
 def density_of(answer):
     return answer.dissipation_density
 
@@ -552,15 +532,6 @@ def test_far_end_of_the_ladder_is_half_plane_theory():
 # ------------------------------------------------------------------------------------------ Dundurs
 RUBBER = Elastic(young_modulus=7e3, poisson_ratio=0.45)
 CORK = Elastic(young_modulus=70e3, poisson_ratio=0.0)
-
-
-def test_like_bodies_have_none_and_exchanged_ones_the_opposite() -> None:
-    assert dundurs(Materials(upper=STEEL, lower=STEEL)) == (0.0, 0.0)
-    soft_above = dundurs(Materials(upper=RUBBER, lower=STEEL))
-    soft_below = dundurs(Materials(upper=STEEL, lower=RUBBER))
-    assert soft_above.alpha > 0
-    assert soft_above.beta > 0
-    assert soft_below == (-soft_above.alpha, -soft_above.beta)
 
 
 @pytest.mark.parametrize(("upper", "lower"), [(RUBBER, STEEL), (CORK, STEEL)])

@@ -193,25 +193,6 @@ def test_every_law_holds_along_any_path(pair, path):
         assert mirror_state.shift == pytest.approx(-state.shift, abs=1e-10)
 
 
-def test_a_node_that_pulls_by_a_thousand_millionth_of_the_largest_nodal_force_lets_go():
-    springs = np.eye(2)
-    none = np.zeros(2)
-    flat = Interface(
-        np.array([0.0, 1.0]),
-        np.ones(2),
-        np.array([[0.0, 0.0], [1.0, 1.0]]),
-        none,
-        springs,
-        springs,
-        None,
-    )
-    contact = ContactProblem(flat, np.array([0.0, 4e-3]), FRICTION, Layer(none, none))
-    pressed, _ = contact.equilibrium(contact.at_rest(), 1.0, (5e-3, 0.0))
-    lifted, _ = contact.equilibrium(pressed, 2.0, (4e-3 - 1e-11, 0.0))
-    assert pressed.closed.all()
-    assert certificates(contact, [pressed, lifted])["tension"] == 0
-
-
 @pytest.mark.parametrize("layer", [1e-1, 1e-3])
 def test_penalty_is_the_law_with_a_layer_between_the_faces(layer):
     """The inner faces keep the law exactly; the bodies overlap by layer times force, and creep by
@@ -351,29 +332,6 @@ def test_answers_of_a_base_are_updates_of_another_one_to_rounding(
     ]
 
 
-def test_sets_of_first_nodes_are_solved_to_rounding_and_none_is_factorised(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """Some nodes stick, the next ones slide, the others are open: one Cholesky factor holds the
-    inverses of all such sets.
-    """
-    monkeypatch.setattr(systems, "_ROWS", 8)
-    work: Counter[str] = Counter()
-    set_systems = random_systems("like", work=work)
-    for number in range(40):
-        touching, sticking = np.sort(RNG.integers(1, N + 1, 2))[::-1]
-        sliding = RNG.choice([FORWARD, REVERSE], touching - sticking)
-        states = np.concatenate(
-            [np.full(sticking, STICK), sliding, np.full(N - touching, OPEN)]
-        ).astype(np.int8)
-        rows = RNG.choice(2 * N, number % 5 * 12, replace=False)
-        assert (
-            residual(set_systems, states, (1.0, 0.3), rows, RNG.standard_normal(len(rows))) < 1e-11
-        )
-    assert work["linear solves"] == 40
-    assert not work["factorisations"]
-
-
 def test_bodies_that_nothing_holds_are_no_answer():
     set_systems = random_systems()
     slides = np.full(N, FORWARD, dtype=np.int8)
@@ -490,43 +448,3 @@ def test_faces_that_are_no_mirror_images_are_left_alone(spoil):
     interface = couple(*fe_run(load_scene("hertz-paper")).condensed)
     assert mirrored(interface, sheared=False)
     assert not mirrored(replace(interface, **spoil(interface)), sheared=False)
-
-
-def test_friction_work_of_an_increment_in_which_a_node_starts_to_slide_is_that_of_many():
-    """Three nodes on springs with cross terms, P and Q growing: one starts half-way; another slides
-    all along, and faster then.
-    """
-    springs = np.eye(3) + 0.3
-    faces = np.array([[0.0] * 3, [1.0] * 3])
-    flat = Interface(np.arange(3.0), np.ones(3), faces, np.zeros(3), springs, springs, None)
-    problem = ContactProblem(flat, np.array([0.0, 0.6, 1.2]), 0.5, Layer(np.zeros(3), np.zeros(3)))
-    history, _ = problem.equilibrium(problem.at_rest(), 1.0, (4.0, 0.0))
-    history, _ = problem.equilibrium(history, 2.0, (4.0, 1.5))
-
-    def work(steps):
-        states = [history]
-        for share in np.arange(1, steps + 1) / steps:
-            states.append(
-                problem.equilibrium(
-                    states[-1], 2.0 + share, (4.0 + 0.4 * share, 1.5 + 0.5 * share)
-                )[0]
-            )
-        energies = increment_energies(problem, states, [state.state for state in states[1:]])
-        return energies.dissipation.sum(axis=0), states
-
-    work_of_increment, states = work(1)
-    parts, _ = work(400)
-    before, after = (np.abs(slip_sign(state.state)) for state in states)
-    assert (before.sum(), after.sum()) == (1, 2)
-    np.testing.assert_allclose(work_of_increment, parts, rtol=1e-9)
-    slip, pressure, _, _ = nodal(np.stack([state.values for state in states]))
-    assert (
-        np.abs(
-            0.5
-            * pressure.mean(axis=0)
-            * np.abs(np.diff(slip, axis=0)[0])
-            / np.where(parts > 0, parts, 1.0)
-            - 1
-        )[parts > 0].max()
-        > 1e-3
-    )

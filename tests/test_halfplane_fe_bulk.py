@@ -8,7 +8,6 @@ lower body is the strain eps.
 from __future__ import annotations
 
 import functools
-import math
 from dataclasses import replace
 from typing import Any
 
@@ -20,7 +19,6 @@ import semi_analytic
 from halfplane_fe import SolverSettings, edge_tension, fields, stress
 from halfplane_fe.contact import ContactProblem
 from halfplane_fe.elasticity import assemble, condense, uniform_stretch
-from halfplane_fe.path import enclosed, loads_of, turning_points
 from meshes import BodyMesh, MeshSettings, SurfaceGrading, half_disc, solid
 from scenes import (
     Block,
@@ -182,24 +180,6 @@ def test_out_of_phase_the_loop_has_the_area_of_the_work_too() -> None:
     answer = solved(scene(MIXED).vary(cycles=4))
     assert answer.steady_from is not None
     assert answer.loop_work == pytest.approx(answer.dissipation, rel=5e-6)
-
-
-def test_contact_of_a_line_of_action_is_hertz_moved_there() -> None:
-    """P along x = 0.7: the parabola turns by -0.7/R and touches around 0.7; Q at a height h brings
-    the moment h Q.
-    """
-    load = PolygonLoad(initial_loading=[(3, 0)], line_of_action={"x": 0.7})
-    answer = solved(scene(load), ROUGH)
-    assert answer.tilt is not None
-    assert answer.tilt[-1] == pytest.approx(-0.7, abs=2e-3)
-    np.testing.assert_allclose(answer.contact_edges[-1], [0.7 - A0, 0.7 + A0], atol=1e-2)
-    # a path that does not repeat starts unloaded
-    assert np.isnan(answer.permanent_stick_half_width)
-    answer = solved(
-        scene(PolygonLoad(initial_loading=[(3, 0), (3, 1.2)], line_of_action={"height": 0.5}))
-    )
-    assert answer.moment is not None
-    np.testing.assert_allclose(answer.moment, 0.5 * answer.tangential_load, atol=1e-12)
 
 
 # -------------------------------------------------------------------------------------- invariances
@@ -425,27 +405,6 @@ def test_the_tilt_under_a_moment_is_found_without_newtons_iteration_too(
             getattr(halves, name), getattr(newton, name), rtol=0, atol=1e-9, err_msg=name
         )
     assert np.abs(newton.tilt).max() > 0.05
-
-
-def test_turning_points_of_five_loads_and_the_area_between_their_curve_and_its_chord() -> None:
-    """Against sums over 20,000 chords; skew, and none of a straight leg."""
-    leg = MIXED.path().cycle[0]
-    start = leg.start + 0.3
-    end = leg.start + 0.9
-    time = np.linspace(start, end, 20_001)
-    loads = np.array([loads_of(leg, t) for t in time.tolist()])
-    middle = (loads[1:] + loads[:-1]) / 2
-    rise = np.diff(loads, axis=0)
-    chord = np.outer((loads[0] + loads[-1]) / 2, loads[-1] - loads[0])
-    areas = enclosed(leg, np.array([start, end]))[:, :, 0]
-    bulk = math.radians(100)
-    tilt = math.radians(30)
-    for turn in (bulk, bulk + math.pi, tilt, tilt + math.pi):
-        inside = leg.start + np.mod(turn - leg.start, 2 * math.pi)
-        assert np.abs(np.array(turning_points(leg, 0.5)) - inside).min() < 1e-9
-    np.testing.assert_allclose(np.tril(areas, -1), np.tril(middle.T @ rise - chord, -1), atol=1e-9)
-    np.testing.assert_array_equal(areas, -areas.T)
-    assert enclosed(MIXED.path().initial_loading[0], np.array([leg.start - 1, leg.start])) is None
 
 
 # ------------------------------------------------------------------------------------------- bodies

@@ -97,25 +97,6 @@ def test_what_tests_share_is_made_once_and_again_while_anything_is_replaced(
     assert hits(scene) == [1, 1, 1]
 
 
-def test_a_cached_body_has_the_bits_of_a_condensed_one_and_the_mesh_that_was_given() -> None:
-    bodies = CondensedBodies(LARGE)
-    bodies.condensed(body(), STEEL, 7.0, Counter())
-    renamed = replace(
-        body(), name="upper", quality={"worst": 1.0}
-    )  # which no compliance depends on
-    cached = bodies.condensed(renamed, STEEL, 7.0, Counter())
-    assert cached.body is renamed
-    condensed_again = condense(renamed, STEEL, 7.0)
-    for field in fields(condensed_again):
-        value = getattr(cached, field.name)
-        expected = getattr(condensed_again, field.name)
-        if isinstance(expected, np.ndarray):
-            assert value.tobytes() == expected.tobytes()
-            assert not value.flags.writeable
-        else:
-            assert value == expected
-
-
 def with_mesh(**changes: object) -> BodyMesh:
     return replace(body(), mesh=replace(body().mesh, **changes))
 

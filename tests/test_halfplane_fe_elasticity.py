@@ -418,34 +418,3 @@ def test_stress_of_the_elements_far_from_the_contact_is_that_of_theory(poisson_r
     far = np.abs(np.hypot(*lower.points.T) / a - 4.2) < 0.8
     exact = semi_analytic.stress(scene, *lower.points[far].T, answer.time[step])[0]
     assert np.abs(lower.stress[far] - exact).max() < 5e-3 * p0
-
-
-@pytest.mark.parametrize(
-    "shape",
-    [
-        Block(width=8.0, height=10.0),
-        pytest.param(Block(width=16.0, height=8.0), marks=pytest.mark.slow),
-        pytest.param(Pad(width=10.0, height=8.0), marks=pytest.mark.slow),
-        pytest.param(Cylinder(radius=10.0), marks=pytest.mark.slow),
-    ],
-    ids=lambda shape: shape.kind,
-)
-def test_strain_at_the_corners_of_a_fixed_base_is_meshed_finely(shape) -> None:
-    """Displacement under a uniform shear, against elements a quarter as large everywhere."""
-    profile = Hertz(radius=getattr(shape, "radius", 1000.0))
-    material = Elastic(young_modulus=1.0, poisson_ratio=0.3)
-
-    def displacement(growth: float, size: float) -> tuple[float, float]:
-        """Mean displacement of the contact along x by a unit of shear force, and degrees of
-        freedom.
-        """
-        grading = SurfaceGrading(inner=0.0, outer=1.0, size=size, edge_size=size)
-        condensed = condense(solid("lower", shape, profile, grading, growth), material, 1.0)
-        uniform = condensed.weights / condensed.weights.sum()
-        by_shear = uniform @ condensed.compliance[0, :, 0] @ uniform
-        return float(by_shear), condensed.diagnostics["degrees_of_freedom"]
-
-    default, few_cells = displacement(0.2, 0.1)
-    fine, many_cells = displacement(0.05, 0.025)
-    assert default == pytest.approx(fine, rel=2e-4)
-    assert 8 * few_cells < many_cells

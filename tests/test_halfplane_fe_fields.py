@@ -16,19 +16,12 @@ from halfplane_fe import SolverSettings, edge_tension, fields, largest_edge_tens
 from halfplane_fe.body_fields import profile_kinks
 from halfplane_fe.contact import InterfaceState
 from halfplane_fe.edges import (
-    ContactEdges,
-    StickEdges,
-    contact_edges,
-    contact_uncertainty,
-    fitted_contact_edges,
     fitted_stick_edges,
     stick_edges,
-    stick_uncertainty,
     visible_states,
 )
 from halfplane_fe.face_stress import (
     Nodal,
-    SampledTractions,
     _form,
     fitted_size_effect,
     size_effect_basis,
@@ -603,88 +596,6 @@ def pair(half_width: float) -> np.ndarray:
     return np.array([[-half_width, half_width]])
 
 
-def test_the_form_that_every_smooth_edge_has_is_found_exactly():
-    """p = (E*/2) beta sqrt(d) inside, g = (2/3) beta d^(3/2) outside, from the two nodes around the
-    edge.
-    """
-    modulus = 3.0
-    beta = 0.7
-    spacing = 0.01
-    x = np.array([-1.0 - spacing, -1.0, 1.0, 1.0 + spacing])
-    shares = np.array([[1e-6, 0.98], [0.3, 0.77], [0.5, 0.02], [1.0, 0.0]])
-    pressure = modulus / 2 * beta * np.sqrt(shares * spacing)
-    gap = 2 / 3 * beta * ((1 - shares) * spacing) ** 1.5
-    none = 0 * shares
-    closed = np.tile([False, True, True, False], (len(shares), 1))
-    pressures, gaps = (
-        np.hstack([outer[:, :1], inner, outer[:, 1:]])
-        for outer, inner in ((none, pressure), (gap, none))
-    )
-    edges = contact_edges(x, pressures, gaps, closed, modulus)
-    np.testing.assert_allclose(edges, [-1.0, 1.0] * (1.0 + shares * spacing), rtol=0, atol=1e-15)
-    np.testing.assert_array_equal(
-        contact_edges(x, pressures, gaps, closed | True, modulus),
-        np.tile(x[[0, -1]], (len(shares), 1)),
-    )
-    assert np.isnan(contact_edges(x, pressures, gaps, closed & False, modulus)).all()
-
-
-def test_the_fitted_edge_is_better_than_its_form_whatever_the_outermost_nodes_say():
-    """Hertz, the outermost nodes 5 % off; an edge elsewhere leaves the form."""
-    x = np.linspace(-1.5, 1.5, 301)
-    a = np.linspace(0.9, 0.95, 23)[:, None]
-    closed = np.abs(x) < a
-    pressure = np.sqrt(np.maximum(a**2 - x**2, 0.0)) / 2
-    pressure = np.where(np.abs(x) > a - 0.025, 1.05 * pressure, pressure)
-    form = [-1, 1] * a + 0.003
-    assert np.abs(fitted_contact_edges(x, pressure, closed, form) - [-1, 1] * a).max() < 1e-5
-    np.testing.assert_array_equal(
-        fitted_contact_edges(x, pressure, closed, form + 0.01), form + 0.01
-    )
-
-
-def test_few_nodes_are_the_whole_contact_uncertain_and_nothing_sticks_nothing_is_said():
-    x = np.linspace(-1, 1, 41)
-    closed = np.abs(x)[None] < 0.11
-    wide = np.abs(x)[None] < 0.91
-    none = np.zeros((1, 41), dtype=bool)
-    assert contact_uncertainty(x, closed * 1.0, closed, pair(0.12)).tolist() == [[0.24, 0.24]]
-    contact = ContactEdges(pair(0.92), np.abs(pair(0.01)))
-    nothing = StickEdges(pair(np.nan), np.zeros((1, 2)))
-    can_slip = np.zeros(1, dtype=bool)
-    assert np.isnan(stick_uncertainty(x, (none, none), wide, contact, nothing, can_slip)).all()
-
-
-def test_creep_and_narrow_slip_zones_widen_the_uncertainty():
-    x = np.linspace(-1, 1, 81)
-    step = x[1] - x[0]
-    # Half-widths seen and by the law, and the uncertainty: the law has nodes sliding from 0.31 on;
-    # two nodes slide, perhaps none.
-    table = [
-        (0.51, 0.51, step),
-        (0.51, 0.31, step + 0.2),
-        (0.86, 0.86, 0.91 - 0.8625 + 0.004),
-        (0.91, 0.91, 2 * step),
-    ]
-    visible, law, expected = np.array(table).T[:, :, None]
-    contact, of_contact = (
-        np.tile(values, (len(table), 1)) for values in ((-0.91, 0.91), (0.004, 0.004))
-    )
-    closed = np.abs(x) < 0.91 + 0 * visible
-    visible = np.abs(x) < visible
-    law = np.abs(x) < law
-    edges = stick_edges(x, visible, closed, contact)
-    known = ContactEdges(contact, of_contact)
-    stick = StickEdges(edges, np.zeros_like(edges))
-    can_slip = np.zeros(len(table), dtype=bool)
-    uncertainties = stick_uncertainty(x, (visible, law), closed, known, stick, can_slip)
-    np.testing.assert_allclose(uncertainties, np.repeat(expected, 2, axis=1), atol=1e-15)
-    # Where theory has no slip zone, none is unseen.
-    growing = stick_uncertainty(x, (visible, law), closed, known, stick, ~can_slip)
-    np.testing.assert_allclose(growing[-1], of_contact[-1])
-    np.testing.assert_array_equal(growing[:-1], uncertainties[:-1])
-
-
 STICK = SurfaceState.STICK
 FORWARD = SurfaceState.SLIP_FORWARD
 REVERSE = SurfaceState.SLIP_REVERSE
@@ -747,28 +658,3 @@ def test_a_known_stick_edge_is_fitted_to_a_twentieth_of_an_element() -> None:
     )
     rolled = fitted_stick_edges(x, stick, closed, contact, limit, np.roll(shear, 9))
     np.testing.assert_array_equal(rolled.places[:, 0], by_status[:, 0])
-
-
-def test_stick_edge_by_status_forgives_single_nodes_at_the_rim() -> None:
-    x = np.linspace(-1, 1, 41)
-    closed = np.abs(x)[None] < 0.91
-    stick = np.abs(x)[None] < 0.41
-    contact = pair(0.92)
-    clean = stick_edges(x, stick, closed, contact)
-    stick[0, np.abs(np.abs(x) - 0.9) < 1e-9] = True  # just touched
-    stick[0, np.abs(np.abs(x) - 0.1) < 1e-9] = False
-    np.testing.assert_array_equal(stick_edges(x, stick, closed, contact), clean)
-    np.testing.assert_allclose(clean, pair(0.425), atol=1e-12)
-    assert np.isnan(stick_edges(x, stick & False, closed, contact)).all()
-
-
-def test_tension_of_samples_is_that_of_their_series() -> None:
-    """One weighted sum over angles, against the sums of the coefficients at both edges."""
-    theta = np.pi * (np.arange(64) + 0.5) / 64
-    shear = np.sin(theta) * (1 + 0.3 * np.cos(theta) + 0.2 * np.cos(5 * theta))
-    missing = 0.1 * np.sin(3 * theta)
-    sampled = SampledTractions((-1.0, 1.0), theta, np.sin(theta), shear, missing, rough=False)
-    series = sampled.series()
-    np.testing.assert_allclose(sampled.edge_tension(), series.edge_tension(), rtol=1e-12)
-    # q = sin(3 theta)/10 alone has B_3 = 0.1: +0.2 at the left edge, -0.2 at the right one.
-    assert sampled.placed() == pytest.approx(0.2, rel=1e-12)

@@ -436,12 +436,6 @@ def test_the_fit_is_the_kernels_of_the_mesh() -> None:
     np.testing.assert_allclose(of_fit, kernels.along_by_pressure, atol=2e-3 * largest)
 
 
-def test_half_planes_have_no_kernels() -> None:
-    pair = kernel_pair(load_scene("hertz-paper"), 1.3, 1000.0, Counter())
-    assert pair.lower is None
-    assert pair.upper is None
-
-
 # -------------------------------------------------------------------------------------- what is not
 def quartic_pad() -> Scene:
     """A pad that is a parabola and x^4."""

@@ -17,9 +17,8 @@ import pytest
 
 import halfplane_fe
 import semi_analytic
-from halfplane_fe import FiniteElementSolution, SolverSettings, answer_notes
+from halfplane_fe import FiniteElementSolution, SolverSettings
 from meshes import MeshSettings
-from refusals import require_facts
 from reports.cli import main
 from reports.comparison.words import summary_rows
 from scene_cases import scene_of
@@ -31,7 +30,6 @@ from scenes import (
     ConvergenceError,
     FlatRounded,
     Hertz,
-    InputError,
     PowerLaw,
     Scene,
     Tabulated,
@@ -166,59 +164,6 @@ def test_little_slip_is_covered_wherever_the_edges_stand_in_their_elements(eleme
     assert 0.2 < max(shares) <= 1
 
 
-def test_the_uncertainty_is_of_the_mesh_and_of_the_steps(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """The difference from the coarse run over the square of the refinement; shares of what edges
-    between nodes would add, of W (h/a)^2, of W for elements that grow away from the edges; and of
-    what kinks in increments add in the last cycle.
-    """
-    module = sys.modules["halfplane_fe.solution"]
-    runs = []
-    run_path = module.run_path
-    monkeypatch.setattr(
-        module,
-        "run_path",
-        lambda *arguments, **named: runs.append(run_path(*arguments, **named)) or runs[-1],
-    )
-    never_halved = replace(FEW, step_tolerance=np.inf)
-    solution = halfplane_fe.solve(
-        load_scene("hertz-paper"), replace(ROUGH, edge_element_size=1 / 32), never_halved
-    )
-    refinement = solution.scales.element * 32
-    difference = abs(solution.dissipation - solution.scales.dissipation)
-    unit = solution.scales.load**2 / solution.scales.modulus
-    work = solution.dissipation
-    steps = 0.2 * runs[-1].column("bent")[runs[-1].cycle_starts[-1] :].sum() * unit
-    assert steps > 1e-5 * work
-    scatter = runs[-1].excess[-1].scatter * unit
-    assert scatter > 1e-4 * work
-    of_mesh = (
-        difference / (refinement**2 - 1)
-        + 0.15 * scatter
-        + 0.1 * work / 32**2
-        + 0.01875 * ROUGH.growth**4 * work
-    )
-    assert solution.dissipation_uncertainty == pytest.approx(steps + of_mesh, rel=1e-9)
-    assert any(
-        f" ± {solution.dissipation_uncertainty:.2g} (" in value
-        for _, value in summary_rows(solution)
-    )
-    solution.save(tmp_path / "one.nc")
-    assert (
-        ContactSolution.load(tmp_path / "one.nc").dissipation_uncertainty
-        == solution.dissipation_uncertainty
-    )
-    peak = semi_analytic.solve(
-        load_scene("hertz-paper"), x=solution.x, time=solution.time
-    ).pressure.max()
-    assert (
-        abs(solution.pressure.max() - peak)
-        < solution.uncertainties["largest_pressure"]
-        < 1e-2 * peak
-    )
-
-
 TIPS = {
     **{
         f"x^{n:g}": PowerLaw(exponent=n, length=1.0, rise=5e-4)
@@ -282,18 +227,6 @@ def layers(height: float) -> Scene:
     )
 
 
-def test_elements_that_are_large_beside_a_thin_body_count_in_the_uncertainty_of_the_peak() -> None:
-    """0.003 (H/t)^2 of the peak, H the elements of the middle and t the body."""
-    mesh = MeshSettings(element_size=1 / 12, edge_element_size=1 / 80, growth=0.5)
-    height = 0.08
-    solution = halfplane_fe.solve(layers(height), mesh, FEW)
-    elements = mesh.element_size * solution.scales.half_width
-    assert (
-        solution.uncertainties["largest_pressure"]
-        > 0.003 * (elements / height) ** 2 * solution.pressure.max()
-    )
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("height", [0.08, 0.15, 0.4])
 def test_peak_pressure_of_thin_layers_is_covered(height: float) -> None:
@@ -349,21 +282,6 @@ def test_a_over_r_plays_no_part_in_the_tractions():
         np.testing.assert_allclose(
             getattr(answer, name), getattr(exact, name), rtol=0, atol=3e-3 * unit, err_msg=name
         )
-
-
-def test_failing_at_the_very_first_increment_is_told_as_such(monkeypatch):
-    """With an IndexError from the answer's bookkeeping, before."""
-
-    def fail(*_args):
-        raise ConvergenceError("the first increment is too much")
-
-    scene = make_scene(ellipse(3.0, 1.0, 0.2, 0.8, 70.0), 0.5, radius=100.0)
-    scales = halfplane_fe.solve(scene, ROUGH, FEW).scales
-    monkeypatch.setattr("halfplane_fe.stepping._attempt", fail)
-    with pytest.raises(ConvergenceError, match="too much") as caught:
-        halfplane_fe.solve(scene, COARSE, SHORT, scales=scales)
-    assert len(caught.value.partial.time) == 1
-    assert np.isnan(caught.value.partial.permanent_stick_half_width)
 
 
 @pytest.mark.slow
@@ -469,13 +387,6 @@ def test_what_a_mesh_dissipates_where_nothing_slips_is_told(edge):
     )
 
 
-def test_so_little_load_that_it_may_be_none_is_refused_as_that():
-    """P > 0, but not by more than rounding: before, the bodies were said to lift off."""
-    scene = make_scene(ellipse(1.0, 1 - 1e-13, 0.0, 1e-14, 90.0), 0.5)
-    with pytest.raises(InputError, match="finite elements can't tell from separation"):
-        halfplane_fe.solve(scene, COARSE, SHORT)
-
-
 def test_a_block_like_a_needle_is_refused_in_a_sentence():
     """4 a wide: a matrix that is not positive definite was LinAlgError, with a traceback, at 4e6 a.
 
@@ -503,22 +414,3 @@ def test_slivers_do_no_harm_or_are_refused_and_many_increments_move_nothing():
     with pytest.raises(ConvergenceError, match="rounding leaves a compliance"):
         stress.with_slivers(1e-10)
     assert max(stress.many_steps(2, 200).errors.values()) < 1e-9
-
-
-def test_creep_that_counts_as_stuck_is_said_where_it_is_more_than_the_edges_are_uncertain():
-    """Sticks from -0.5 to 0.5; at one of three instants the stick edge is 0.1 inside of that."""
-    arrays = {
-        "time": np.array([1.0, 2.0, 3.0, 4.0]),
-        "normal_load": np.ones(4),
-        "permanent_stick_edges": np.array([-0.5, 0.5]),
-        "stick_edges": np.array([[-0.1, 0.1], [-0.5, 0.5], [-0.5, 0.4], [-0.5, 0.5]]),
-        "stick_edge_uncertainty": np.full((4, 2), 0.01),
-        "x": np.linspace(-1, 1, 5),
-        "slip": np.array([[0, 0, 0, 0, 0], [0, 0, 0, 0, 0], [1, 0, 1e-5, 0, 1], [1, 0, 0, 0, 1]]),
-    }
-    scene = load_scene("cattaneo-mindlin")
-    arrays["time"] *= scene.load.path().period / 3
-    (note,) = answer_notes._creep_notes(scene, arrays)
-    require_facts(note, "-0.5 to 0.5", "1 of 3 instants", "1.0e-05 of the largest slip")
-    arrays["stick_edge_uncertainty"][:] = 0.2
-    assert not list(answer_notes._creep_notes(scene, arrays))

@@ -7,7 +7,6 @@ from __future__ import annotations
 import dataclasses
 import importlib
 import math
-from importlib import import_module
 from types import SimpleNamespace
 
 import numpy as np
@@ -16,29 +15,21 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import halfplane_fe
-import semi_analytic
 from halfplane_fe import check_admissible, scales
 from halfplane_fe.path import stretches, turning_points
 from halfplane_fe.scales import largest_load
 from meshes import MeshSettings, solids
 from refusals import require_facts
-from reports.checking import nearest_to_sliding, require_admissible
+from reports.checking import nearest_to_sliding
 from reports.cli import main
 from scenes import (
-    Elastic,
     EllipseLoad,
-    Friction,
     HarmonicLoad,
-    Hertz,
     InadmissibleLoadError,
     InputError,
-    Materials,
     PolygonLoad,
-    Scene,
-    StraightSegment,
     ellipse_segment,
     load_scene,
-    parabola_segment,
 )
 
 TURN = 2 * math.pi
@@ -75,15 +66,6 @@ def test_turning_points_of_an_ellipse(phase, friction, start):
     for time in turns:
         p, q = leg.rates(time)
         assert min(abs(p), abs(q - friction * p), abs(q + friction * p)) < 1e-9
-
-
-def test_straight_legs_do_not_turn_and_a_parabola_where_its_slope_is_f():
-    for last in ((3, -2), (2, 1), (3, 1)):  # P does not change at all; Q - f P does not
-        first = (2, 0) if last == (2, 1) else (1, 0)
-        assert turning_points(StraightSegment(0, 1, first, last), 0.5) == []
-    leg = parabola_segment(0.0, 1.0, (2.0, 1.0), 0.0)  # Q = P - P^2/4: slope 1/2 at P = 1
-    assert turning_points(leg, 0.5) == pytest.approx([0.5], abs=1e-12)
-    assert turning_points(leg, 2.0) == []
 
 
 def test_every_turn_of_a_high_harmonic_is_found():
@@ -235,56 +217,6 @@ def test_inadmissible_paths_are_named_with_instant_and_loads(name):
     assert "\n" not in str(refusal)
 
 
-@pytest.mark.parametrize(
-    ("friction", "force", "length"),
-    [(1e-15, 1, 1), (1e-12, 1e6, 1e-3), (0.3, 1e-6, 1e3), (1e3, 1, 1)],
-)
-def test_both_engines_admit_the_same_loads_at_the_limit(friction, force, length):
-    """'Just' is relative to f P: Q = f P (1 - 1e-9) is solved, to the same tangential displacement,
-    f P (1 + 1e-9) refused.
-    """
-    steel = Elastic(young_modulus=210e3 * force / length**2, poisson_ratio=0.3)
-    profile = Hertz(radius=1000 * length)
-    largest = 100 * force / length
-
-    def scene(share):
-        load = PolygonLoad(initial_loading=[(largest, 0), (largest, share * friction * largest)])
-        return Scene(
-            name="limit",
-            material=Materials(upper=steel, lower=steel),
-            profile=profile,
-            friction=Friction(coefficient=friction),
-            load=load,
-            cycles=1,
-        )
-
-    coarse = MeshSettings(element_size=1 / 4, edge_element_size=1 / 8, far_radius=6.0, growth=0.5)
-    exact = semi_analytic.solve(scene(1 - 1e-9), x=[0.0], fields=("tangential_displacement",))
-    fe = halfplane_fe.solve(scene(1 - 1e-9), mesh=coarse)
-    require_admissible(scene(1 - 1e-9), "mine")
-    assert fe.tangential_displacement[-1] == pytest.approx(
-        exact.tangential_displacement[-1], rel=1e-3
-    )
-    for share in (1 + 1e-9, -1 - 1e-9, 1.001):
-        with pytest.raises(InputError, match="gross sliding"):
-            require_admissible(scene(share), "mine")
-        with pytest.raises(InadmissibleLoadError, match="gross sliding"):
-            semi_analytic.solve(scene(share), x=[0.0], fields=())
-        with pytest.raises(InadmissibleLoadError, match="gross sliding"):
-            halfplane_fe.solve(scene(share), mesh=coarse)
-
-
-def test_solve_refuses_before_any_work(monkeypatch):
-    monkeypatch.setattr(
-        import_module("halfplane_fe.solution"),
-        "find_scales",
-        lambda scene: pytest.fail("work was done"),
-    )
-    scene = load_scene("cattaneo-mindlin").vary(load=REFUSED["sliding at a corner"][0])
-    with pytest.raises(InadmissibleLoadError, match="gross sliding"):
-        halfplane_fe.solve(scene)
-
-
 # ------------------------------------------------------------------------- named troubles of bodies
 
 
@@ -304,7 +236,8 @@ COARSE = (
     "8",
 )
 STEEL = "{ young_modulus = 210e3, poisson_ratio = 0.3 }"
-ALUMINIUM = "{ young_modulus = 70e3, poisson_ratio = 0.33 }"
+
+
 HERTZ = '{ kind = "hertz", radius = 50.0 }'
 BLOCK = '{ kind = "block", width = 12.0, height = 6.0 }'
 PAD = '{ kind = "pad", width = 6.0, height = 4.0 }'

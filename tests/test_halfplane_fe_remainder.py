@@ -17,7 +17,6 @@ import skfem
 from scipy.sparse.linalg import splu
 from skfem.models.elasticity import lame_parameters, linear_elasticity
 
-import halfplane_fe
 from halfplane_fe import remainder
 from halfplane_fe.far_field import surface_force_displacement, surface_force_traction
 from halfplane_fe.interface import Interface, condensed_pair, couple, meshed_pair
@@ -383,23 +382,6 @@ def test_tractions_left_out_are_caught(monkeypatch):
 
 
 # ------------------------------------------------------------------------------------- scenes' door
-def test_half_planes_add_nothing():
-    effects = body_effects("hertz-paper")
-    assert effects.unknowns == effects.factorisations == 0
-    for field in dataclasses.fields(effects):
-        value = getattr(effects, field.name)
-        if isinstance(value, Estimate):
-            assert value == (0.0, 0.0)
-
-
-def test_two_equal_blocks_are_solved_once_and_neither_tilt_nor_stretch():
-    effects = body_effects("blocks")
-    one = body_numbers("upper", Block(width=20.0, height=10.0), PROFILE, STEEL, 1000.0)
-    assert effects.factorisations == 2
-    assert effects.unknowns == one.unknowns < 15_000
-    assert effects.tilt_under_shear == effects.strain_under_pressure == (0.0, 0.0)
-    assert effects.normal_curvature.value == 2 * one.normal_curvature.value
-    assert effects.tangential_curvature.uncertainty == 2 * one.tangential_curvature.uncertainty
 
 
 def test_numbers_follow_units_and_datum():
@@ -422,14 +404,6 @@ def test_numbers_follow_units_and_datum():
         expected = value.value - (moved if power == 0 else 0.0)
         scaled = 10 * 1000.0**power * expected
         assert getattr(large, field.name).value == pytest.approx(scaled, rel=1e-7), field.name
-
-
-def test_unlike_bodies_state_their_beta(monkeypatch):
-    monkeypatch.setattr(remainder, "body_numbers", NUMBERS_ONCE)
-    assert body_effects(UNEQUAL).dundurs_beta == pytest.approx(
-        halfplane_fe.dundurs.dundurs(UNEQUAL.material).beta
-    )
-    assert body_effects("blocks").dundurs_beta == 0.0
 
 
 @pytest.mark.parametrize(

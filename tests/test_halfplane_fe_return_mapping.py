@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import halfplane_fe
-from halfplane_fe import FiniteElementSolution, SolverSettings, contact, law, return_mapping
+from halfplane_fe import FiniteElementSolution, SolverSettings, law, return_mapping
 from meshes import MeshSettings
 from scenes import SLIP_FORWARD, ConvergenceError, Elastic, Materials, Scene, load_scene
 
@@ -194,16 +194,6 @@ def test_wrong_tractions_of_the_return_mapping_are_seen(fault, method, monkeypat
     assert moved > limit
 
 
-@pytest.mark.parametrize("fault", [less_shear, more_shear_in_slip, less_pressure])
-def test_active_set_reads_the_states_alone(fault, monkeypatch) -> None:
-    """Wrong tractions move nothing of it beyond round-off: why the other route is kept."""
-    project = law.project
-    monkeypatch.setattr(contact, "project", lambda *trials: fault(*project(*trials)))
-    wrong = solved("hertz-paper")
-    right = by_active_set("hertz-paper").shear
-    np.testing.assert_allclose(wrong.shear, right, rtol=0, atol=1e-13 * np.abs(right).max())
-
-
 @pytest.mark.slow
 def test_a_penalty_that_cycles_is_softened_and_the_answer_stays(monkeypatch) -> None:
     reference = solved("hertz-paper", method="augmented_lagrangian")
@@ -225,9 +215,3 @@ def test_a_penalty_that_never_converges_raises(monkeypatch) -> None:
     monkeypatch.setattr(return_mapping._Iteration, "_inner_loop", lambda *_: None)
     with pytest.raises(ConvergenceError, match="however soft the penalty"):
         solved("hertz-paper", method="penalty")
-
-
-def test_the_name_that_changed_its_meaning_has_a_note() -> None:
-    notes = solved("hertz-normal", method="augmented_lagrangian").record.notes
-    assert any("active_set" in note for note in notes)
-    assert not any("active_set" in note for note in solved("hertz-normal").record.notes)

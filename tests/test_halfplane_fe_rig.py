@@ -506,18 +506,3 @@ def test_half_planes_move_along_their_faces_as_johnson_states() -> None:
     at_depth = np.interp(depth, depths[order], moved)
     # Both bodies move alike, and the middle of the contact sticks.
     assert 2 * (moved[0] - at_depth) == pytest.approx(prescribed, rel=5e-4)
-
-
-@pytest.mark.parametrize("name", ["rig-blocks", "rig-compliant"])
-def test_a_note_says_which_displacement_the_answer_has(name: str) -> None:
-    """U = U_act - Q/k_s of bodies; that of half-planes counts from the datum of every answer."""
-    scene = load_scene(name)
-    answer = halfplane_fe.solve(scene, MESH, SolverSettings(steps_per_cycle=12))
-    [note] = [note for note in answer.record.notes if "each increment" in note]
-    movement = scene.load.path_of_actuators().at(answer.time)[1]
-    stiffness = scene.rig.tangential_stiffness
-    assert stiffness is not None
-    gap = movement - answer.tangential_load / stiffness - answer.tangential_displacement
-    is_of_contact = np.abs(gap[1:-1]).max() < 1e-12
-    assert is_of_contact == ("U here is that of the contact, U_act - Q/k_s" in note)
-    assert is_of_contact != ("count from 1000 mm, as in every answer" in note)
