@@ -4,13 +4,10 @@ and page.
 
 from __future__ import annotations
 
-import json
 import math
 import re
-import runpy
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 
 import case_table
 import numpy as np
@@ -22,12 +19,9 @@ import halfplane_fe
 import layer_truth
 import semi_analytic
 from meshes import MeshSettings
-from reports.cli.scene_files import tagged
-from reports.comparison import compare, laws
+from reports.comparison import laws
 from reports.comparison.laws import certificates
-from reports.page.content import as_json
-from reports.report import Report
-from scene_cases import CASES, FOLDER, scene_of
+from scene_cases import CASES, scene_of
 from scenes import (
     ContactSolution,
     EllipseLoad,
@@ -38,12 +32,10 @@ from scenes import (
     Scene,
     load_scene,
     rig_names,
-    scene_companions,
     scene_names,
     tags,
 )
 
-ROOT = Path(__file__).parents[1]
 NAMES = scene_names()
 RIGS = rig_names()
 EVERY = (*NAMES, *CASES)  # of the library and of tests/scenes
@@ -130,12 +122,6 @@ def test_tags_say_what_the_scene_is_and_every_scene_expects_numbers_with_their_s
     assert all(len(number.source) > 10 for number in scene.expected)
     # Something in each scene is somebody else's number, whatever may be frozen beside it.
     assert [number for number in scene.expected if not number.source.startswith("our own")]
-
-
-def test_every_tag_but_those_of_profiles_to_come_finds_a_scene() -> None:
-    used = {tag for name in (*NAMES, *RIGS) for tag in load_scene(name).tags}
-    assert set(tags()) - used == {"profile"}
-    assert [scene.name for scene in tagged(("pad", "unlike"))] == ["flat-pad-on-block"]
 
 
 # -------------------------------------------------------------------------- met by the engine named
@@ -285,13 +271,6 @@ def test_beta_of_the_unlike_half_planes() -> None:
         assert abs(dundurs(scene_of(name).material).beta) == pytest.approx(beta, rel=1e-12)
 
 
-def test_the_flight_is_what_its_script_makes() -> None:
-    text = runpy.run_path(str(FOLDER / "flight.py"))["text"]()
-    assert text == (FOLDER / "flight.csv").read_text(encoding="utf-8")
-    assert text.startswith("# made by flight.py, not measured")
-    assert set(scene_companions("time-series")) == {"time-series.csv"}
-
-
 # ------------------------------------------------------------------------ the check is able to fail
 @pytest.fixture(scope="module")
 def mindlin() -> ContactSolution:
@@ -330,21 +309,3 @@ def test_what_is_right_is_met_and_what_is_off_or_not_there_is_missed(
     assert finding.difference == pytest.approx(difference(work), rel=1e-3, abs=1e-12, nan_ok=True)
     row = laws.expected_rows([finding])[0]
     assert (row[-1] == "no", row[3] == "none") == (not finding.met, "no " in name)
-
-
-def test_numbers_of_the_other_engine_are_left_out(mindlin: ContactSolution) -> None:
-    assert [
-        finding.expected.engine for finding in laws.expected_numbers(mindlin.scene, [mindlin])
-    ] == [THEORY] * 3
-    content = json.loads(as_json(Report(compare(mindlin, mindlin))))["expected"]
-    assert [finding["met"] for finding in content] == [True] * 3
-    assert {
-        "quantity",
-        "value",
-        "tolerance",
-        "engine",
-        "source",
-        "found",
-        "difference",
-        "met",
-    } == set(content[0])

@@ -38,7 +38,6 @@ from scenes import (
     ellipse_segment,
     load_scene,
     parabola_segment,
-    sampled,
 )
 from scenes.errors import NotFoundError
 from scenes.measured import turning_points, within
@@ -61,9 +60,6 @@ SEGMENTS = {
 }
 EVERY = pytest.mark.parametrize("segment", SEGMENTS.values(), ids=SEGMENTS)
 COMBINATIONS = (NORMAL_LOAD, TANGENTIAL_LOAD, Combination(-0.6, 1.0))
-WAVES = st.lists(
-    st.tuples(st.just(0.0) | st.floats(1e-3, 1), st.floats(-180, 180)), min_size=1, max_size=3
-)
 
 
 # ----------------------------------------------------------------------------------------- segments
@@ -238,21 +234,6 @@ def test_a_time_is_found_again_by_the_change_since_either_end(segment, combinati
     found_again(segment, combination, 1e-14 * max(1.0, size))  # 6e-15 of 40 waves
 
 
-@settings(max_examples=15)
-@example([(0.5, 0.0), (0.609375, -109.875), (0.34765625, 31.75)], [(1.0, -29.0)], -0.45)
-@given(WAVES, WAVES, st.floats(-1, 1))
-def test_times_on_harmonics_are_found_however_they_turn(normal, tangential, friction):
-    """Newton's method once gave up after three bisections without gain: a time was 0.02 late."""
-    normal_waves = tuple((size, math.radians(phase)) for size, phase in normal)
-    tangential_waves = tuple((size, math.radians(phase)) for size, phase in tangential)
-    scale = sum(abs(friction) * size for size, _ in normal) + sum(size for size, _ in tangential)
-    found_again(
-        HarmonicSegment(0.0, TURN, (3.0, 0.0), normal_waves, tangential_waves),
-        Combination(friction, 1.0),
-        2e-14 * scale + 1e-290,
-    )
-
-
 def test_a_change_that_rounding_puts_beyond_an_end_is_at_that_end_and_no_number_is_nowhere():
     segment = SEGMENTS["series"]
     for begin, end in ((0.5, 2.0), (2.0, 0.5)):
@@ -285,43 +266,6 @@ def test_one_wave_keeps_its_digits_next_to_an_extremum_and_has_a_mirrored_time()
         for segment in SEGMENTS.values()
         if segment.ellipse is None
     )
-
-
-def test_segments_state_what_they_are_and_keep_their_ends():
-    assert {name for name, segment in SEGMENTS.items() if segment.is_straight} == {
-        "straight",
-        "constant P",
-    }
-    assert {name for name, segment in SEGMENTS.items() if segment.ellipse} == {
-        "ellipse",
-        "ellipse from elsewhere",
-    }
-    assert {name for name, segment in SEGMENTS.items() if segment.slope_and_bend(segment.end)} == {
-        "straight",
-        "parabola",
-    }
-    assert ChebyshevSegment(0.0, 1.0, (3.0, 1.0), (0.0, 2.0)).is_straight
-    turned = SEGMENTS["ellipse from elsewhere"].ellipse
-    assert (turned.phase_radians, turned.origin) == (-3.5, 2.5)
-    assert replace(ELLIPSE, normal=((1.0, 0.0), (0.0, 3.0))).ellipse == ELLIPSE.ellipse
-    assert replace(ELLIPSE, normal=((1.0, 0.0), (1e-300, 0.0))).ellipse is None
-    assert replace(ELLIPSE.shifted(7 * TURN), start=ELLIPSE.start, end=ELLIPSE.end) == ELLIPSE
-    # Not the start, where Q turns too: the root of a polynomial lay a rounding inside the third
-    # turn, and instants moved with it.
-    turns = [
-        leg
-        for number in range(3)
-        for leg in load_scene("hertz-paper").load.path().cycle_legs(number)
-    ]
-    assert [len(leg.turning_points(TANGENTIAL_LOAD)) for leg in turns] == [1, 1, 1]
-    straight = StraightSegment(0.1, 0.7, (0.1, 0.3), (1.1, -0.7))
-    assert [float(v) for t in (0.1, 0.7) for v in straight.loads(t)] == [0.1, 0.3, 1.1, -0.7]
-    # A load that starts from nothing keeps its digits: 3 over a duration of 3.
-    parabola = SEGMENTS["parabola"]
-    step = 2.0**-50 * np.arange(1.0, 9.0)
-    p, q = parabola.loads(parabola.start + step)
-    np.testing.assert_allclose(p, step, rtol=1e-14)
-    np.testing.assert_allclose(q, (2 * 0.1 / 3 - 0.25) * step, rtol=1e-13)
 
 
 # -------------------------------------------------------------------------------------------- paths
@@ -381,27 +325,6 @@ def test_the_phase_of_an_ellipse_in_radians_has_a_name_that_says_so():
         assert load.phase == load.phase_radians
 
 
-@settings(max_examples=30)
-@given(phase=st.floats(-180, 180))
-@example(0.0)
-@example(180.0)
-@example(-180.0)
-def test_cycle_starts_where_q_is_farthest_from_its_mean_while_p_grows(phase):
-    path = EllipseLoad(**E, phase_degrees=phase).path()
-    p_rate, q_rate = (float(v) for v in path.cycle[0].rates(path.cycle_start))
-    assert abs(q_rate) < 1e-12
-    assert p_rate > -1e-12
-    assert path.period == pytest.approx(TURN, rel=1e-15)
-    # a negative phase is the mirrored history: the same points of the P-Q plane in the same order
-    if 0.5 < phase < 179.5:
-        mirrored = EllipseLoad(
-            **E | {"mean_tangential_load": -0.2}, phase_degrees=phase - 180
-        ).path()
-        along = np.linspace(0, TURN, 9)
-        p, q = path.at(path.cycle_start + along)
-        np.testing.assert_allclose(mirrored.at(mirrored.cycle_start + along), (p, -q), atol=1e-14)
-
-
 def test_ways_to_the_cycle():
     """The paper's parabola ends tangent to the ellipse: dQ/dP = 0 where |Q - Q0| is largest. Points
     are passed in equal times.
@@ -444,64 +367,6 @@ def test_a_path_that_just_ends():
 
 
 # ---------------------------------------------------------------------------------------- harmonics
-@pytest.mark.parametrize("order", [2, 700])
-def test_high_harmonics_are_what_they_say_however_many_times_are_asked_for(order):
-    """So many times and waves that they are worked out in parts, each time to the same last digit
-    as alone.
-    """
-    chance = np.random.default_rng(order)
-    waves = [
-        (float(a), float(phase)) for a, phase in chance.uniform((0, -180), (1, 180), (order, 2))
-    ]
-    (segment,) = (
-        HarmonicLoad(
-            mean_normal_load=3.0 * order, normal_harmonics=waves, tangential_harmonics=waves[:1]
-        )
-        .path()
-        .cycle
-    )
-    t = chance.uniform(0, TURN, (3, 1000))
-    p, q = segment.loads(t)
-    k = np.arange(1, order + 1)
-    a, phase = np.array(waves).T
-    expected = [3.0 * order + math.fsum(a * np.cos(k * x - np.radians(phase))) for x in t[1, ::50]]
-    np.testing.assert_allclose(p[1, ::50], expected, rtol=1e-14)
-    np.testing.assert_allclose(q, waves[0][0] * np.cos(t - math.radians(waves[0][1])), atol=1e-14)
-    alone = [(segment.loads(x)[0], segment.rates(x)[0]) for x in t[1, ::50]]
-    np.testing.assert_array_equal(alone, np.transpose([p[1, ::50], segment.rates(t)[0][1, ::50]]))
-    change = segment.change_of(NORMAL_LOAD, t, t[::-1])
-    np.testing.assert_allclose(change, p - p[::-1], atol=1e-11)
-    assert change[0, 3] == segment.change_of(NORMAL_LOAD, t[0, 3], t[2, 3])
-
-
-HIGH = (
-    HarmonicLoad(
-        mean_normal_load=90.0,
-        tangential_harmonics=[(10.0, 90.0), *[(0.0, 0.0)] * 298, (30.0, 90.0)],
-    )
-    .path()
-    .cycle[0]
-)
-LEGS = [
-    HARMONICS.path().cycle[0],
-    HARMONICS.path().cycle[0].shifted(1.3),
-    *FUNCTIONS.path().cycle[:2],
-    HIGH,
-    ELLIPSE,
-]
-
-
-@pytest.mark.parametrize("segment", LEGS, ids=lambda segment: type(segment).__name__)
-def test_a_segment_turns_no_more_often_than_it_says_and_samples_show_it(segment):
-    dense = segment.rates(np.linspace(segment.start, segment.end, 100_001)[1:-1])
-    sparse = segment.rates(sampled(segment, 25)[1:-1])
-    for normal, tangential in ((1, 0), (0, 1), (-0.5, 1), (0.5, 1)):
-        true_turns, sampled_turns = (
-            np.count_nonzero(np.diff(np.sign(normal * p + tangential * q)) != 0)
-            for p, q in (dense, sparse)
-        )
-        assert true_turns <= segment.most_turns
-        assert sampled_turns == true_turns or segment.most_turns < 30
 
 
 # ---------------------------------------------------------------------------- functions and records
@@ -565,18 +430,6 @@ REFUSED_LOADS = [
 def test_functions_and_rows_that_will_not_do_are_refused(keys, why):
     with np.errstate(all="ignore"), pytest.raises(InputError, match=why):
         make(keys)
-
-
-def test_a_series_starts_from_nothing():
-    rows = [[5, 2, 1], [6, 3, 1], [8, 2, 1]]
-    load = TimeSeriesLoad(rows=rows)
-    assert load.path().start == 3.5
-    assert load.series()[0].tolist() == [3.5, 0, 0]
-    assert TimeSeriesLoad(rows=[[5, 0, 0], [6, 3, 1]]).path().start == 5
-    cycle = TimeSeriesLoad(rows=rows, repeats=True).path()
-    assert (cycle.cycle_start, cycle.period) == (5.0, 3.0)
-    # A row that repeats the loads of the one before is a pause, not a fault.
-    assert len(TimeSeriesLoad(rows=[[0, 2, 1], [1, 2, 1], [2, 2, 0]]).path().initial_loading) == 3
 
 
 # ---------------------------------------------------------------------------------------- reduction
@@ -794,50 +647,6 @@ def test_a_number_grows_with_p_then_stays_and_a_line_of_action_makes_the_moment(
         )
 
 
-# Corners where P and Q stand still.
-STILL: dict[str, Any] = {"initial_loading": [(2, 0), (2, 0)], "cycle": [(2, 1), (2, 1), (2, -1)]}
-
-
-@pytest.mark.parametrize(
-    ("values", "counts"),
-    [((0, 1, 1, 3, -1), True), ((0.5, 1, 1, 1, 1), False), ((1, 1, 1, 3, 1), False), (None, False)],
-    ids=str,
-)
-@pytest.mark.parametrize("key", ["bulk_stress_lower", "bulk_stress_upper", "tilt", "moment"])
-def test_a_corner_counts_at_which_only_bulk_stress_or_tilt_changes(
-    key: str, values: tuple[float, ...] | None, counts: bool
-) -> None:
-    """As rows of a record that state the same; a point that stands twice with nothing else is
-    refused.
-    """
-    if not counts:
-        place = "2.0, 0.0" if values is None or values[0] == values[1] else "2.0, 1.0"
-        with_what = "" if values is None else " with the same bulk stress and tilt"
-        with pytest.raises(
-            ValueError,
-            match=rf"the point \[{place}\] stands twice in a row{with_what}: leave one out",
-        ):
-            PolygonLoad(**STILL, **{key: values})
-        return
-    path = PolygonLoad(**STILL, **{key: values}).path()
-    points = [*STILL["initial_loading"], *STILL["cycle"]]
-    rows = [[k + 1, *point] for k, point in enumerate(points)]
-    same = TimeSeriesLoad(rows=rows, **{key: values}).path()
-    assert path.moment_given == same.moment_given
-    for leg_of_points, leg_of_rows in zip(
-        (*path.initial_loading, *path.cycle), same.initial_loading, strict=False
-    ):
-        for part in (
-            lambda leg: leg,
-            lambda leg: leg.turning if key in ("tilt", "moment") else leg.bulk,
-        ):
-            ends = [
-                np.array(part(leg).loads(np.array([leg.start, leg.end])))
-                for leg in (leg_of_points, leg_of_rows)
-            ]
-            assert np.array_equal(*ends)
-
-
 REFUSED = {
     "two ways to turn": (
         {"tilt": 0.1, "moment": 2.0},
@@ -995,12 +804,3 @@ def test_start_and_end_cut_a_record_by_time_and_by_row():
 def test_a_cut_that_leaves_no_record_is_one_sentence(keys, sentence):
     with pytest.raises(InputError, match=sentence):
         record_scene(**keys)
-
-
-def test_a_fault_in_the_middle_of_a_record_names_its_row():
-    rows = noisy_record()
-    rows[45, 2] = 90.0
-    with refused_for(
-        "mine.toml", "row 46 of 60", "load.end = {row = 45} or load.start = {row = 47}"
-    ):
-        require_admissible(record_scene(rows=rows, least_normal_load=5.0), "mine.toml")

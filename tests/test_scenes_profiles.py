@@ -19,16 +19,12 @@ from reports.cli import scene_files
 from reports.page.body_figures import fit_residuals
 from reports.profile_fit import content, findings, fit_in_words, fit_uncertainty, fit_warnings
 from scenes import (
-    Block,
     CallableProfile,
     Compound,
-    Cylinder,
     EvenPolynomial,
     FlatRounded,
-    HalfPlane,
     Hertz,
     InputError,
-    Pad,
     PowerLaw,
     Scene,
     Tabulated,
@@ -36,9 +32,8 @@ from scenes import (
     fit_profile,
     load_scene,
 )
-from scenes.bodies import arc_depth, face_of
-from scenes.fitting import FitRequest, fitted_again, fitted_keys
-from scenes.measured import Table
+from scenes.bodies import arc_depth
+from scenes.fitting import fitted_again
 
 PROFILES = [
     Hertz(radius=2.0),
@@ -85,16 +80,6 @@ def test_heights_by_hand():
     )
 
 
-@pytest.mark.parametrize("count", [6, 25])
-def test_the_spline_rises_where_the_rows_do(count):
-    rng = np.random.default_rng(3)
-    x = np.concatenate([[0.0], np.cumsum(rng.uniform(0.2, 1.0, count))])
-    rising = np.concatenate([[0.0], np.cumsum(rng.uniform(0, 1, count) ** 4)])
-    profile = Tabulated(points=np.stack([x, rising], axis=1))
-    assert np.all(profile.spline().slope >= 0)
-    np.testing.assert_allclose(profile.height(x), rising, atol=1e-14 * rising[-1])
-
-
 # -------------------------------------------------------------------------------------------- faces
 @pytest.mark.parametrize("radius", [1e-3, 5.0, 1e6])
 def test_depth_of_an_arc_to_the_last_digit_and_beside_a_flat(radius):
@@ -114,41 +99,6 @@ def test_depth_of_an_arc_to_the_last_digit_and_beside_a_flat(radius):
     assert float(arc_depth(np.array(radius * (1 + 4e-16)), radius)) == pytest.approx(
         radius, rel=1e-15
     )
-
-
-PAD = Pad(width=6.0, height=4.0)
-FACES = [
-    (Cylinder(radius=5.0), Hertz(radius=20.0), (0.0, 5.0), False),
-    (PAD, Hertz(radius=20.0), (0.0, 20.0), False),
-    (PAD, FlatRounded(radius=4.0, flat_half_length=0.5), (0.5, 4.0), False),
-    (PAD, Wedge(tip_radius=5.0, tip_half_length=0.5), None, False),
-    (PAD, PowerLaw(exponent=4.0, length=2.0, rise=0.1), None, False),
-    (PAD, Compound(inner_radius=2.0, outer_radius=5.0, inner_half_length=0.5), None, False),
-    (PAD, Tabulated(points=[(x / 4, x * x / 320) for x in range(13)]), None, False),
-    (Block(width=8.0, height=5.0), Hertz(radius=20.0), None, True),
-    (HalfPlane(), Hertz(radius=20.0), None, True),
-]
-
-
-@pytest.mark.parametrize(("shape", "profile", "arc", "flat"), FACES)
-def test_faces(shape, profile, arc, flat):
-    """Mirror-symmetric, at the origin at x = 0, never falling outwards; the profile itself where
-    there is no arc.
-    """
-    face = face_of(shape, profile)
-    x = np.linspace(0, 2.5, 41)
-    depth = face.depth(x)
-    assert (face.arc, face.flat) == (arc, flat)
-    np.testing.assert_array_equal(face.depth(-x), depth)
-    assert depth[0] == 0
-    assert np.all(np.diff(depth) >= 0)
-    if arc:
-        start, radius = arc
-        np.testing.assert_allclose(
-            np.hypot(np.maximum(x - start, 0), radius - depth), radius, rtol=1e-15
-        )
-    else:
-        np.testing.assert_array_equal(depth, 0 * x if flat else profile.height(x))
 
 
 # ------------------------------------------------------------------------ curves through noisy rows
@@ -205,36 +155,6 @@ def test_exact_rows_give_the_truth_its_middle_and_its_offset(kind):
         )
 
 
-def test_a_parabola_is_that_of_least_squares():
-    rows = rows_of(TRUTHS["hertz"], noise=50e-6)
-    fit = fit_profile(rows, "hertz")
-    c, b, a = np.polynomial.polynomial.polyfit(*rows.T, 2)
-    assert fit.radius == pytest.approx(1 / (2 * a), rel=1e-9)
-    assert fit.fitted.centre == pytest.approx(-b / (2 * a), rel=1e-7)
-    assert fit.fitted.offset == pytest.approx(c - b * b / (4 * a), rel=1e-9)
-    rest = rows[:, 1] - np.polynomial.polynomial.polyval(rows[:, 0], (c, b, a))
-    assert fit.fitted.noise == pytest.approx(np.sqrt(rest @ rest / 98), rel=1e-6)
-    assert not fit.fitted.noise_stated
-
-
-def test_a_flat_with_rounded_edges_is_the_best_of_a_search_through_all_its_numbers():
-    rows = rows_of(TRUTHS["flat_rounded"], 61, noise=50e-6, seed=4)
-    fit = fit_profile(rows, "flat_rounded")
-
-    def misfit(middle, half):
-        beyond = np.maximum(np.abs(rows[:, 0] - middle) - half, 0.0) ** 2 / 2
-        columns = np.column_stack([np.ones(len(rows)), rows[:, 0], beyond])
-        left = rows[:, 1] - columns @ np.linalg.lstsq(columns, rows[:, 1], rcond=None)[0]
-        return float(left @ left)
-
-    best = misfit(fit.fitted.centre, fit.flat_half_length)
-    # a penalty on the tilt keeps it from the very best
-    assert best == pytest.approx(61 * fit.fitted.residual**2, rel=1e-3)
-    assert best <= min(
-        misfit(m, b) for m in np.linspace(-0.1, 0.3, 81) for b in np.linspace(0.2, 0.8, 61)
-    ) * (1 + 1e-9)
-
-
 @settings(max_examples=5, deadline=None)
 @given(
     st.integers(0, 2**32 - 1),
@@ -255,17 +175,6 @@ def test_a_fit_is_convex_or_one_sentence_whatever_the_noise(seed, kind, truth, n
     s = np.linspace(0, fit.fitted.extent, 400)
     assert np.all(np.diff(fit.height(s), 2) >= -1e-12 * float(fit.height(s[-1])))
     assert float(fit.height(s[-1])) > 0
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_units_and_a_shift_change_nothing(kind):
-    rows = rows_of(TRUTHS["flat_rounded"], 61, 20e-6)
-    unit = np.array([25.4, 7.0])
-    plain = fit_profile(rows, kind, noise=20e-6)
-    scaled = fit_profile(rows * unit + np.array([3.0, -9.0]), kind, noise=140e-6)
-    s = np.linspace(0, 1.3, 50)
-    np.testing.assert_allclose(scaled.height(25.4 * s), 7.0 * plain.height(s), rtol=1e-4, atol=7e-9)
-    assert scaled.fitted.centre == pytest.approx(25.4 * plain.fitted.centre + 3.0, abs=1e-4)
 
 
 @pytest.mark.parametrize(
@@ -347,42 +256,6 @@ def test_rows_that_can_not_be_fitted_are_one_sentence(change, sentence):
     rows = change(rows_of(TRUTHS["hertz"]))
     with pytest.raises(InputError, match=sentence):
         fit_profile(rows, "hertz", centre=0.0)
-
-
-@pytest.mark.parametrize("stated", [True, False])
-def test_a_spline_is_as_smooth_as_the_noise_asks(stated):
-    """The weight of least expected error follows the noise, and the curve is nearer to the truth
-    than one stiff or limp by far.
-    """
-    truth = EvenPolynomial(length=1.0, rises=(5e-4, 1e-4))
-    s = np.linspace(0, 1.2, 50)
-    weights = []
-    for noise in (1e-8, 2e-5):
-        rows = rows_of(truth, 301, noise)
-        request = {"kind": "smoothing_spline", "noise": noise if stated else None}
-        fits = [
-            fitted_keys(*rows.T, FitRequest(**request, weight=weight))
-            for weight in (None, 1e-9, 1e3)
-        ]
-        off = [
-            np.std(Tabulated(points=keys["points"]).height(s) - truth.height(s)) for keys in fits
-        ]
-        assert off[0] <= 1.02 * min(off[1:])
-        weights.append(fits[0]["fitted"]["weight"])
-    assert 100 * weights[0] <= weights[1]
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_rows_that_share_an_x_for_want_of_digits_are_fitted(kind):
-    rows = rows_of(TRUTHS[kind], 301, 1e-6)
-    coarse = np.column_stack(
-        [np.round(rows[:, 0], 2), 0.3 + TRUTHS[kind].height(np.round(rows[:, 0], 2) - 0.1)]
-    )
-    assert np.any(np.diff(coarse[:, 0]) == 0)
-    s = np.linspace(0, 1.3, 50)
-    np.testing.assert_allclose(
-        fit_profile(coarse, kind, noise=1e-9).height(s), TRUTHS[kind].height(s), atol=3e-7
-    )
 
 
 def test_extreme_numbers_are_fitted_or_one_sentence():
@@ -515,31 +388,6 @@ def test_a_tilt_that_the_rows_do_not_show_is_none():
     stated = fit_profile(traced(3e-3, 6e-5), "flat_rounded", tilt=3e-3)
     assert (stated.fitted.tilt, stated.fitted.tilt_fitted) == (3e-3, False)
     assert stated.flat_half_length == pytest.approx(1.2, abs=5e-3)
-
-
-def test_white_noise_is_called_a_pattern_by_chance_alone():
-    """In one case of 1,000 by each of two rules; a wave of the size of the noise is seen."""
-    random = np.random.default_rng(1)
-    calls = 0
-    scene = load_scene("hertz-paper").vary(
-        load=LOAD, profile=fit_profile(traced(0.0, 6e-5), "flat_rounded")
-    )
-    fitted = scene.profile.fitted
-    curve = fitted.rows.values - np.column_stack(
-        [np.zeros(len(TRACE)), fitted.residuals(scene.profile.height)]
-    )
-    wave = np.column_stack([np.zeros(len(TRACE)), 6e-5 * np.sin(4 * TRACE)])
-    for _ in range(100):
-        rows = curve + np.column_stack(
-            [np.zeros(len(TRACE)), 6e-5 * random.standard_normal(len(TRACE))]
-        )
-        for wave_added, is_pattern in ((0.0, False), (wave, True)):
-            refitted = fitted.model_copy(update={"rows": Table.of(rows + wave_added)})
-            profile = scene.profile.model_copy(update={"fitted": refitted})
-            calls += (
-                bool(fit_warnings(scene.model_copy(update={"profile": profile}), 0.0)) != is_pattern
-            )
-    assert calls <= 3
 
 
 def test_uncertainty_grows_with_the_noise_and_is_the_spread_of_other_measurements():

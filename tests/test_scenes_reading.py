@@ -5,7 +5,6 @@ file, key, value and rule.
 from __future__ import annotations
 
 import json
-import math
 import re
 import tomllib
 import tracemalloc
@@ -26,7 +25,6 @@ from reports.studies.sweep.study import expand, load_study, study_of
 from scenes import (
     Block,
     Bodies,
-    Cylinder,
     HalfPlane,
     InputError,
     Pad,
@@ -786,19 +784,6 @@ def test_a_profile_has_the_same_keys(tmp_path: Path) -> None:
     )
 
 
-def test_a_unit_is_said_to_stand_where_it_stands(tmp_path: Path) -> None:
-    (tmp_path / "table.csv").write_text(
-        "x;z [nm]\nµm;\n1000;20000,0\n1250;20500,0\n1500;22000,5\n", encoding="utf-8"
-    )
-    keys = "zero = {x = 1000, h = 20000}"
-    (tmp_path / "mine.toml").write_text(
-        PLAIN.replace(TRACE[0], f"{TRACE[1]}\n{keys}"), encoding="utf-8"
-    )
-    read = dict(load_scene(tmp_path / "mine.toml").profile.read_as)
-    assert read["x"].startswith("'x', µm (in the line of units), times 0.001")
-    assert read["h"].startswith("'z [nm]', nm (in its heading), times 1e-06")
-
-
 SPOILT = st.text("0123456789.,;\t -+eE\n#nan'\"", max_size=80)
 
 
@@ -1016,18 +1001,6 @@ def test_what_a_file_says_is_read_from_toml_and_json(name: str, tmp_path: Path) 
         scene.cycles = 3
 
 
-def test_what_a_body_is_to_the_contact() -> None:
-    assert Bodies(upper=Cylinder(radius=7.0)).relative_radius() == pytest.approx(7.0, rel=1e-15)
-    assert Bodies(upper=Pad(width=1.0, height=1.0)).relative_radius() is None
-    shapes = (
-        HalfPlane(),
-        Pad(width=8.0, height=5.0),
-        Block(width=8.0, height=2.0),
-        Cylinder(radius=3.0),
-    )
-    assert [shape.face_half_width for shape in shapes] == [math.inf, 4.0, 4.0, 3.0]
-
-
 def test_schema_has_the_rules_and_every_scene_of_the_library_is_valid_by_it() -> None:
     """Short forms and rows from files among them."""
     schema = scene_schema()
@@ -1061,37 +1034,6 @@ def test_schema_has_the_rules_and_every_scene_of_the_library_is_valid_by_it() ->
         ({"coeff": 1}, False),
     ):
         assert check.is_valid(keys | {"friction": value}) is right, value
-
-
-SIMPLE = st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5)
-TREES = st.recursive(
-    SIMPLE,
-    lambda inner: (
-        st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner, max_size=3)
-    ),
-)
-KEYS = st.sampled_from(
-    ["material", "profile", "friction", "load", "kind", "cycle", "initial_loading", "coefficient"]
-)
-
-
-@settings(max_examples=25)
-@given(place=st.lists(KEYS, max_size=2), value=TREES)
-def test_whatever_stands_in_a_file_is_a_scene_or_a_sentence(
-    place: list[str], value: Any, tmp_path_factory: pytest.TempPathFactory
-) -> None:
-    keys = tomllib.loads(PLAIN)
-    table = keys
-    for key in place[:-1]:
-        table = table[key] if isinstance(table.get(key), dict) else table
-    table[place[-1] if place else "extra"] = value
-    file = tmp_path_factory.getbasetemp() / "any.json"
-    file.write_text(json.dumps(keys), encoding="utf-8")
-    try:
-        answer: object = load_scene(file)
-    except InputError as sentence:
-        answer = str(sentence)
-    assert isinstance(answer, Scene) or str(answer).startswith(f"{file}: ")
 
 
 # ------------------------------------------------------------------------- units of measured tables
@@ -1141,19 +1083,6 @@ def test_a_unit_that_is_not_known_is_asked_for_in_one_sentence(tmp_path):
     assert trace_scene(
         tmp_path, "X (furlongs),h [mm]", 1.0, **stated
     ).profile.radius == pytest.approx(90.0, rel=1e-6)
-
-
-def test_loads_with_units_behind_a_blank_are_found_by_their_usual_names(tmp_path):
-    (tmp_path / "loads.csv").write_text("Time s;Normal force kN;Shear force N\n0;1;0\n1;1;200\n")
-    table = text_table(tmp_path / "loads.csv", ("time", "P", "Q"))
-    # one letter is a unit where the kind of the column says so
-    assert table.units == ("", "kN", "")
-    keys = json.loads(load_scene("hertz-paper").model_dump_json(exclude_none=True))
-    load = {"kind": "time_series", "file": "loads.csv", "thickness": 10.0}
-    (tmp_path / "scene.json").write_text(json.dumps(keys | {"load": load, "expected": []}))
-    np.testing.assert_allclose(
-        load_scene(tmp_path / "scene.json").load.rows.values, [[0, 100, 0], [1, 100, 20]]
-    )
 
 
 @pytest.mark.parametrize(

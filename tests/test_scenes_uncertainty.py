@@ -28,7 +28,6 @@ from scenes import (
     scene_text,
 )
 from scenes.loads import DrivenApproach
-from scenes.uncertainty import Uncertainty
 
 PAPER = scene_text("blocks").split("[[expected]]")[0]
 STATED = """
@@ -69,11 +68,6 @@ def test_shares_and_amounts_are_read_in_the_units_of_the_scene(tmp_path: Path) -
     matrix = scene.uncertainty.correlation_matrix() if scene.uncertainty else np.empty(0)
     assert matrix[1, 2] == matrix[2, 1] == 0.5
     assert np.trace(matrix) == len(shares)
-
-
-def test_none_stated_is_none_assumed() -> None:
-    assert load_scene("blocks").inputs == ()
-    assert load_scene("blocks").uncertainty is None
 
 
 # keys, what the sentence must name
@@ -226,14 +220,6 @@ def test_a_moved_approach_is_scaled_in_the_place_of_p(load: EllipseLoad | Harmon
     assert after.at(time)[1] == pytest.approx(before.at(time)[1])
 
 
-def test_both_bodies_of_one_material_move_together() -> None:
-    moved = load_scene("blocks").moved({"material.young_modulus": 0.1, "bodies.upper.width": 0.5})
-    assert moved.material.alike
-    assert moved.material.upper.young_modulus == pytest.approx(1.1 * 210e3)
-    assert moved.bodies.upper.width == 30.0
-    assert moved.bodies.lower.width == 20.0
-
-
 def test_uncertainties_are_left_out_where_the_scene_has_the_inputs_no_more() -> None:
     scene = load_scene("blocks").vary(uncertainty={"friction": "5 %", "phase_degrees": 3.0})
     polygon = PolygonLoad(initial_loading=((90.0, 0.0),))
@@ -247,11 +233,6 @@ def test_an_impossible_move_is_refused() -> None:
     with pytest.raises(InputError, match="mean_normal_load"):
         load_scene("blocks").moved({"normal_load": -1.5})
     assert isinstance(load_scene("cattaneo-mindlin").moved({"friction": 0.0}).load, PolygonLoad)
-
-
-def test_a_table_from_python() -> None:
-    table = Uncertainty(friction="5 %", phase_degrees=2.0)
-    assert [key for key, _ in table.stated()] == ["friction", "phase_degrees"]
 
 
 def test_check_states_what_was_read(tmp_path: Path) -> None:
