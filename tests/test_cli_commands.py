@@ -27,7 +27,6 @@ from command_line import (
     answer_of,
     answer_schema,
     everything,
-    forked,
     halfplane,
     json_of,
     raising,
@@ -37,7 +36,7 @@ from command_line import (
 from refusals import require_facts
 from reports.cli.application import FORMAT, app
 from reports.cli.machine import Finding, drawing
-from reports.console import Stages, TimeLeft, say, show_table
+from reports.console import Stages, TimeLeft, show_table
 from reports.folder import claim
 from reports.studies.paper.page import PaperReport
 from reports.studies.paper.tables import Misprint, Statement, Verdict
@@ -54,12 +53,6 @@ from score_results import exact, rows, written
 from test_reports_sweep import Bench
 from test_reports_synthetic import cattaneo_mindlin
 
-COMMANDS = {
-    "Solve": ["run", "exact", "fe", "fields", "sweep", "export"],
-    "Judge": ["score", "diff", "advise", "map", "paper"],
-    "Scenes": ["init", "check", "scenes", "schema"],
-    "Machine": ["doctor", "--help", "--version"],
-}
 NAMES = [name for name in app if not name.startswith("-")]
 ABAQUS = ROOT / "docs" / "examples" / "score" / "abaqus"
 GOOD = (
@@ -236,20 +229,6 @@ def test_what_is_refused_is_one_sentence_with_2_and_no_file(words: str, spoilt: 
 
 
 # --------------------------------------------------------------------------------------------- help
-def test_help_lists_commands_by_use_with_examples_and_exit_codes(tmp_path: Path) -> None:
-    printed = halfplane(tmp_path, "--help").stdout
-    groups: dict[str, list[str]] = {}
-    for line in printed.split("Examples:")[0].splitlines():
-        if line.startswith("╭─ "):
-            groups[line.split()[1]] = []
-        elif line.startswith("│ ") and line[2] != " ":
-            groups[list(groups)[-1]].append(line.split()[1])
-    assert groups == COMMANDS
-    assert "halfplane run hertz-paper" in printed
-    assert "130 interrupted" in printed
-    options = halfplane(tmp_path, "run", "--help").stdout
-    facts = ("--out", "--vtu", "--element-size", "--steps-per-cycle", "--method", "--quiet")
-    require_facts(options, *facts)
 
 
 # Modules that make what needs none of them fast: not one is imported. A time would depend on the
@@ -292,29 +271,6 @@ def test_help_and_engines_load_nothing_that_they_do_not_need(
         printed, _ = running.communicate()
     assert running.returncode == 0
     assert printed.splitlines()[-count:] == ["loaded:"] * count
-
-
-def test_verdicts_are_coloured_where_the_terminal_has_colours_and_nobody_minds(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    for variables, coloured in (
-        ({"FORCE_COLOR": "1"}, True),
-        ({"FORCE_COLOR": "1", "NO_COLOR": "1"}, False),
-        ({}, False),
-    ):
-        for name in ("NO_COLOR", "FORCE_COLOR", "TTY_COMPATIBLE"):
-            monkeypatch.delenv(name, raising=False)
-        for name, value in (variables | {"TERM": "xterm-256color"}).items():
-            monkeypatch.setenv(name, value)
-        show_table(
-            "Verdict",
-            ("metric", "accurate"),
-            (("shear", "within"), ("edge", "outside"), ("stick", "undecided")),
-        )
-        say("outside", "bold red")
-        printed = capsys.readouterr().out
-        assert ("\x1b[32mwithin" in printed) is ("\x1b[1;33mundecided" in printed) is coloured
-        assert printed.count("\x1b[1;31moutside") == 2 * coloured
 
 
 # ------------------------------------------------------------------------------------------- scenes
@@ -448,33 +404,6 @@ def test_a_run_outside_its_tolerances_is_1_with_page_files_log_and_one_document(
     assert "finite elements: " in outcome.stderr
 
 
-def test_a_run_is_judged_by_the_users_tolerances_and_says_how_to_repeat_that(
-    tmp_path: Path,
-) -> None:
-    """The same coarse mesh with wide tolerances: 0."""
-    words = (
-        "--tolerance 50% pressure=50% peak_pressure=50% --tolerance shear=0.5 contact_edge=100%"
-        " stick_edge=100%"
-    )
-    (tmp_path / "mine.toml").write_text(
-        scene_text("cattaneo-mindlin").split("[[expected]]")[0], encoding="utf-8"
-    )
-    outcome = halfplane(tmp_path, "run", "mine.toml", "--quiet", *COARSE, *words.split())
-    assert (outcome.returncode, outcome.stderr) == (0, "")
-    assert outcome.stdout.splitlines()[-1] == "out/mine/report.html"
-    stored = json_of(tmp_path / "out/mine/comparison.json")
-    assert (
-        stored["metrics"]["shear"]["tolerance"]
-        == stored["metrics"]["dissipation"]["tolerance"]
-        == 0.5
-    )
-    assert "within all 9 tolerances" in stored["verdict"]["sentence"]
-    assert (
-        "--tolerance 50% pressure=50% peak_pressure=50% shear=0.5 contact_edge=100% stick_edge=100%"
-        in stored["command"]
-    )
-
-
 def test_one_engine_alone_has_its_values_and_misses_what_so_coarse_a_mesh_misses(
     answer_to: Any, tmp_path: Path
 ) -> None:
@@ -501,16 +430,6 @@ def test_one_engine_alone_has_its_values_and_misses_what_so_coarse_a_mesh_misses
     assert {
         path.suffix for path in (tmp_path / "out/cattaneo-mindlin").glob("semi_analytic.*")
     } == {".nc", ".json", ".csv"}
-
-
-def test_check_states_the_nearest_to_sliding(answer_to: Any, tmp_path: Path) -> None:
-    _, answer = answer_to("check", "cattaneo-mindlin")
-    assert answer["nearest_to_sliding"]["ratio"] == pytest.approx(0.6)
-    printed = halfplane(tmp_path, "check", "cattaneo-mindlin").stdout
-    assert printed.startswith("cattaneo-mindlin: the scene is well formed")
-    assert "|Q|/(f P) is at most 0.6; gross sliding starts at 1." in printed
-    assert "2, in the cycle" in printed
-    assert halfplane(tmp_path, "check", "cattaneo-mindlin", "--quiet") == Done(0, "", "")
 
 
 @pytest.mark.slow
@@ -652,27 +571,6 @@ def score(tmp_path: Path) -> Callable[..., Done]:
         return halfplane(tmp_path, "score", "mine.csv", "--scene", "hertz-paper", "--quiet", *words)
 
     return run
-
-
-def test_a_result_in_metres_and_pascals_is_scored_with_its_page(
-    score: Callable[..., Done], tmp_path: Path
-) -> None:
-    factors = {"x": 1e-3, "slip": 1e-3, "pressure": 1e6, "shear": 1e6}
-    other_units = {name: factor * TABLE[name] for name, factor in factors.items()}
-    outcome = score(TABLE.assign(**other_units))
-    assert (outcome.returncode, outcome.stderr) == (0, "")
-    first, second, *_, last = outcome.stdout.splitlines()
-    assert first.startswith("Assumed: x multiplied by 1000")
-    assert second.startswith("Assumed: pressure and shear multiplied by 1e-06")
-    assert last == "out/score-mine/report.html"
-    assert "mine.csv agrees with half-plane theory" in outcome.stdout
-    page = (tmp_path / last).read_text(encoding="utf-8")
-    assert not [
-        words for words in ("Assumed of the result", "X multiplied by 1000") if words not in page
-    ]
-    stored = json_of(tmp_path / "out/score-mine/comparison.json")
-    assert (len(stored["guesses"]), stored["diagnoses"]) == (2, [])
-    assert stored["metrics"]["tangential_displacement"]["value"] is None
 
 
 def test_a_wrong_result_has_likely_causes_and_a_stated_tolerance_judges_first(
@@ -879,18 +777,6 @@ class TestInternalErrors:
         assert outcome.returncode == 70
         assert "Traceback (most recent call last):" in outcome.stderr
         assert outcome.stderr.splitlines()[-1] == PLANTED + "above: please report it"
-
-    def test_of_a_process(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-        """No traceback on the terminal, nothing on stdout; a message of many lines is one short
-        one.
-        """
-        monkeypatch.setattr("semi_analytic.solve", raising(KeyError("many\nlines " * 99)))
-        outcome = forked(tmp_path, "exact", "cattaneo-mindlin", "--quiet")
-        assert (outcome.returncode, outcome.stdout) == (70, "")
-        (line,) = outcome.stderr.splitlines()
-        assert len(line) < 400
-        assert "; the traceback is in out/cattaneo-mindlin/run.log: please report it" in line
-        assert "KeyError" in (tmp_path / "out/cattaneo-mindlin/run.log").read_text(encoding="utf-8")
 
 
 # ------------------------------------------------------------------------ tables, progress and cost

@@ -163,14 +163,6 @@ def test_killed_between_two_moves_every_file_is_whole_or_absent(
     assert listed(out) == files
 
 
-def test_half_a_file_is_seen(tmp_path: Path) -> None:
-    """The tester tested."""
-    (tmp_path / "out").mkdir()
-    for name in ("a.json", "b.html", "c.csv", "d.nc"):
-        (tmp_path / "out" / name).write_text('{"half": ')
-    assert len(half_files(tmp_path)) == 4
-
-
 def dying(folder: Path) -> None:
     fill(folder / "dead", "a.json", meanwhile=lambda: os.kill(os.getpid(), signal.SIGKILL))
 
@@ -289,32 +281,6 @@ def test_an_interrupt_within_a_stretch_keeps_the_steps_solved_so_far(
     solved = stop.value.partial
     assert len(solved.time) == 60
     np.testing.assert_array_equal(solved.shear, full_solution.shear[:60])
-
-
-@pytest.mark.parametrize("engine", ["fe", "theory"])
-def test_numpy_searches_no_member_of_an_enumeration(engine: str) -> None:
-    """numpy drops whatever is raised in that search, a Ctrl-C too: five of sixty were lost when
-    engines compared with members.
-    """
-    scene = load_scene("cattaneo-mindlin")
-    searched = []
-
-    def profile(frame: FrameType, event: str, _argument: object) -> None:
-        if (
-            event == "call"
-            and frame.f_code.co_name == "__getattr__"
-            and frame.f_code.co_filename.endswith("enum.py")
-        ):
-            searched.append(frame.f_back)
-
-    sys.setprofile(profile)
-    try:
-        halfplane_fe.solve(scene, MESH) if engine == "fe" else semi_analytic.solve(scene)
-    finally:
-        sys.setprofile(None)
-    assert not [
-        f"{place.f_code.co_filename}:{place.f_lineno}" for place in searched if place is not None
-    ]
 
 
 IGNORED = (
@@ -540,21 +506,6 @@ def test_whichever_move_fails_the_folder_is_as_before_and_what_is_new_is_kept(
     assert set(content(out)) == {"a.json", "new", "new/c.json", "report.html", MANIFEST}
 
 
-def test_a_solution_that_finds_no_room_leaves_the_old_file(tmp_path: Path) -> None:
-    path = tmp_path / "answer.nc"
-    cattaneo_mindlin().save(path)
-    before = content(tmp_path)
-
-    def save() -> None:
-        with pytest.raises(OSError, match="File too large"):
-            cattaneo_mindlin().save(path)
-
-    # HDF5 would take the tests with it
-    assert forked(tmp_path, act=save, file_size=10_000).returncode == 0
-    assert content(tmp_path) == before
-    assert ContactSolution.load(path).scene.name == "cattaneo-mindlin"
-
-
 # ---------------------------------------------------------- folders filled, lost, shared and locked
 @pytest.mark.parametrize(
     "fault",
@@ -646,57 +597,6 @@ def test_what_was_computed_is_kept_where_its_folder_is_lost(
     assert (Path(str(fault.value).rsplit("kept in ", 1)[1]) / "b.json").is_file()
     assert not (out / MANIFEST).exists()
     assert out.is_dir() or out.read_text() == "mine"
-
-
-def test_a_folder_that_was_replaced_is_locked_again(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """A lock on a folder that is there no more keeps nobody out."""
-    out = tmp_path / "out"
-    real = fcntl.flock
-    out.mkdir()
-
-    def flock(handle: int, how: int) -> None:
-        real(handle, how)
-        if not (tmp_path / "old").exists():
-            out.rename(tmp_path / "old")
-            out.mkdir()
-
-    monkeypatch.setattr(fcntl, "flock", flock)
-    with folders._alone_in(out, out):
-        handle = os.open(out, os.O_RDONLY)
-        with pytest.raises(BlockingIOError):
-            real(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    os.close(handle)
-
-
-@pytest.mark.parametrize("case", ["another disk", "somebody else's", "a link"])
-def test_a_folder_is_filled_whatever_is_above_it(
-    case: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """A mounted disk or a folder of somebody else's, where nothing can be renamed; a link
-    elsewhere, to memory if there is such.
-    """
-    memory = Path("/dev/shm")
-    out = tmp_path / "out"
-    if case == "a link":
-        above = memory if os.access(memory, os.W_OK) else tmp_path
-        home = above / f"halfplane-{os.getpid()}-{tmp_path.name}"
-        home.mkdir(exist_ok=True)
-        out.symlink_to(home)
-    else:
-        home = out
-        home.mkdir()
-        monkeypatch.setattr(
-            os, "rename", raising(no_room(errno.EXDEV if case == "another disk" else errno.EACCES))
-        )
-    try:
-        fill(out, "a.json")
-        assert listed(home) == {"a.json", MANIFEST}
-    finally:
-        for path in home.iterdir():
-            path.unlink()
-        home.rmdir()
 
 
 def test_many_at_once_on_one_folder_leave_one_whole_report(tmp_path: Path) -> None:

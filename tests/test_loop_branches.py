@@ -10,7 +10,7 @@ from scipy.interpolate import CubicSpline
 
 import semi_analytic
 from refusals import refused_for
-from reports.scoring import loop_area, loop_branches, loops
+from reports.scoring import loop_area
 from reports.scoring.loops import MeasuredLoop, read_loop, score_loop
 from reports.scoring.mapping import Mapping, load_mapping
 from scenes import InputError, load_scene
@@ -491,16 +491,6 @@ def test_half_cycles_are_left_out_until_f_no_longer_rises(noise):
     assert any("are left out: run-in" in said for said in score.said)
 
 
-def test_a_record_of_little_more_than_a_cycle_closes_on_the_branch_it_began_on():
-    """The other branch is nearer to the first row than a step along its own."""
-    u, q = rows_of("Q", "triangle", 32, cycles=1.3, start=0.87, closed=False)
-    branches = loop_branches.find_branches(u, q, np.arange(32.0), 0.0, "rig")
-    beside_turns = np.abs(np.gradient(q)) < 0.9 * np.max(np.gradient(q))
-    assert np.all((branches.rising == (np.gradient(q) > 0)) | beside_turns)
-    score = score_loop(loop_of(u, q), SCENE)
-    assert score.friction == pytest.approx(FRICTION, rel=2e-6)
-
-
 def test_neighbours_on_one_side_of_the_fit_widen_the_interval():
     """A wave of U that no loop has: too small to be refused, too large for the scatter."""
     u, q = with_noise(*rows_of("Q", "sine", 240, cycles=4), 0.0001, seed=3)
@@ -510,15 +500,6 @@ def test_neighbours_on_one_side_of_the_fit_widen_the_interval():
     assert waving.high - waving.low > 3 * (plain.high - plain.low)
     assert any("Neighbouring rows lie on the same side" in said for said in waving.said)
     assert not any("Neighbouring rows" in said for said in plain.said)
-
-
-def test_the_area_is_that_of_the_polygon():
-    shift = np.array([0.0, 1.0, 1.0, 0.0] * 10)
-    load = np.array([0.0, 0.0, 1.0, 1.0] * 10)
-    area = loop_area.polygon_area(shift, load, np.arange(40) / 4, 0.0, 0.0)
-    assert (area.value, area.cycles) == (pytest.approx(-1.0), 10)
-    noisy = loop_area.polygon_area(shift, load, np.arange(40) / 4, 0.1, 0.0)
-    assert noisy.by_noise > area.by_noise == 0
 
 
 # ---------------------------------------------------------------------------------- tables of loops
@@ -569,19 +550,6 @@ def test_a_unit_that_cannot_be_used_is_asked_for(tmp_path, head, words):
     )
 
 
-def test_a_column_without_a_unit_is_said_to_be_in_that_of_the_scene(tmp_path):
-    u, q = rows_of("Q", "triangle", 100)
-    written(tmp_path / "loop.csv", ["t,U,Q"], np.arange(len(u)), u)
-    lines = (tmp_path / "loop.csv").read_text().splitlines()
-    rows = [f"{line},{load:.7g}" for line, load in zip(lines[1:], q.tolist(), strict=True)]
-    (tmp_path / "loop.csv").write_text("\n".join([lines[0], *rows]))
-    read = dict(read_loop(tmp_path / "loop.csv", Mapping(), SCENE).read_as)
-    assert read["relative displacement U"] == (
-        "'U', no unit stated: taken to be in that of the scene"
-    )
-    assert read["time"] == "'t', as it stands: no result depends on its unit"
-
-
 def test_two_columns_without_names_are_taken_by_number(tmp_path):
     u, q = rows_of("Q", "triangle", 100)
     written(tmp_path / "loop.csv", [], u, q)
@@ -600,26 +568,3 @@ def test_two_columns_without_names_are_taken_by_number(tmp_path):
             Mapping.model_validate({"columns": {"slip": 1, "tangential_load": 1}}),
             SCENE,
         )
-
-
-def test_the_step_of_the_digits_is_that_of_the_file_in_the_units_of_the_scene(tmp_path):
-    u, q = rows_of("Q", "triangle", 100)
-    rows = [f"{a:.3f},{b:.1f}" for a, b in zip((1e3 * u).tolist(), (12 * q).tolist(), strict=True)]
-    (tmp_path / "loop.csv").write_text("\n".join(["U [um],Q [N]", *rows]), encoding="utf-8")
-    loop = read_loop(tmp_path / "loop.csv", Mapping(thickness=12.0), SCENE)
-    assert loop.resolution == pytest.approx((1e-6, 0.1 / 12))
-
-
-def test_settings_above_the_headings_and_empty_cells_behind_them(tmp_path):
-    u, q = rows_of("Q", "triangle", 100)
-    head = [
-        "Test Parameters",
-        "Mode,Standard",
-        'Tip,"r: 2 um"',
-        "Length,5000.0 um",
-        "U [mm],Q [N/mm],",
-    ]
-    written(tmp_path / "loop.csv", head, u, q, tail=",,")
-    loop = read_loop(tmp_path / "loop.csv", Mapping(), SCENE)
-    np.testing.assert_allclose(loop.load, q, rtol=1e-6, atol=1e-6 * LARGEST)
-    assert loops.score_loop(loop, SCENE).agrees

@@ -236,16 +236,6 @@ def test_of_unlike_bodies_a_size_is_stated_and_the_kernel_solve_is_named() -> No
     assert advise_by_numbers(unlike_blocks(), limit=0.9).verdict is Verdict.UNDECIDED
 
 
-def test_coupling_counts_the_more_the_larger_beta_is_and_the_smaller_friction() -> None:
-    def left_out(upper_modulus: float, friction: float) -> float:
-        material = {"upper": {"young_modulus": upper_modulus}}
-        return advise_by_numbers(
-            unlike_blocks().vary(material=material, friction=friction)
-        ).left_out
-
-    assert left_out(20e3, 1.0) > left_out(70e3, 1.0) > left_out(70e3, 1.5)
-
-
 @pytest.mark.slow
 def test_the_kernel_solve_of_unlike_bodies_is_within_the_size_that_is_stated() -> None:
     scene = unlike_blocks()
@@ -255,29 +245,10 @@ def test_the_kernel_solve_of_unlike_bodies_is_within_the_size_that_is_stated() -
     assert 0.1 * advice.work.uncertainty < abs(left) < advice.work.uncertainty
 
 
-def test_values_of_theory_are_its_own_and_not_those_at_points() -> None:
-    scene = load_scene("blocks")
-    largest = semi_analytic.extremes(semi_analytic.solve(scene, x=[0.5]))
-    changes = advise_by_numbers(scene).changes
-    assert changes["peak_pressure"].theory == pytest.approx(largest.pressure, rel=1e-9)
-    assert changes["half_width"].theory == pytest.approx(largest.half_width, rel=1e-9)
-
-
 def test_where_nothing_is_dissipated_no_error_is_stated() -> None:
     scene = load_scene("blocks").vary(expected=[], load={"tangential_amplitude": 0.0})
     with pytest.raises(InputError, match="dissipates nothing"):
         advise_by_numbers(scene)
-
-
-def test_at_constant_normal_load_the_curvature_under_it_moves_no_work() -> None:
-    load = load_scene("cattaneo-mindlin").load.model_dump(mode="json")
-    scene = load_scene("blocks").vary(expected=[], load=load)
-    advice = advise_by_numbers(scene)
-    parts = advice.parts
-    # the next order alone does: the contact is no parabola's any more
-    assert 1e-6 < abs(parts["curvature under P"].value) < 1e-4
-    assert "curvature under P 0.00," in sentence(advice)
-    assert parts["curvature under Q"].value < -1e-3
 
 
 def test_bulk_strain_and_tilt_of_one_block_are_a_part_of_the_change() -> None:

@@ -16,7 +16,6 @@ import semi_analytic
 from command_line import halfplane, raising
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings
-from reports.charts.templating import marked
 from reports.cli.solving import exit_code, verdict_shown
 from reports.comparison import Comparison, compare
 from reports.comparison import budget as budgets
@@ -35,7 +34,7 @@ from reports.comparison.budget import (
     observed_order,
 )
 from reports.comparison.budget_words import budget_table, negligible_terms, share
-from reports.comparison.words import how_judged, lead, verdict
+from reports.comparison.words import lead, verdict
 from reports.console import show
 from reports.page.content import as_json
 from reports.page.writing import render
@@ -262,22 +261,6 @@ def test_a_value_and_its_difference_are_equally_uncertain(paper, key, stated):
         assert line.uncertainty < 6e-3
 
 
-@pytest.mark.parametrize(("stated", "uncertainty"), [(5e-3, 5e-3), (1e-4, 1.25e-3)])
-def test_a_ladder_that_follows_a_curve_gives_the_share_of_the_mesh(paper, stated, uncertainty):
-    """1e-3 h on meshes of every size: its share is 1e-3, as uncertain as the run states; a run that
-    states less is wrong, and the ladder counts.
-    """
-    comparison, _ = paper
-    metric = comparison.metric("dissipation")
-    metric = replace(metric, stated=(0.0, stated * metric.denominator))
-    line = error_budget(
-        replace(comparison, metrics=(metric,)), invented(comparison, 1e-3, 1e-2), 1.0
-    ).budget("dissipation")
-    assert line.terms[0].value == pytest.approx(1e-3, rel=1e-6)
-    assert line.terms[0].uncertainty == pytest.approx(uncertainty, rel=1e-3)
-    assert ("states less" in line.terms[0].how) is (stated < 1e-3)
-
-
 def test_what_was_not_measured_is_not_zero_and_bounds_add_where_scatter_adds_by_squares(paper):
     comparison, refinements = paper
     fallen = tuple(
@@ -380,13 +363,6 @@ def test_where_theory_has_no_polygon_the_step_is_measured_by_halving_it(paper, m
         budgets.theory_on_steps(solution)
     pulled = replace(solution, scene=solution.scene.vary(load={"bulk_stress_lower": 1.0}))
     assert budgets.theory_on_steps(pulled) is None
-    theirs = replace(comparison.reference, scene=pulled.scene)
-    alone = compare(theirs, pulled)
-    assert any("error of the steps is not set apart" in note for note in alone.notes)
-    assert "dissipation_polygon" not in {measured_metric.key for measured_metric in alone.metrics}
-    assert budgets.without_steps(alone)["dissipation"] == alone.metric("dissipation").value
-    with pytest.raises(InputError, match="polygon"):
-        budgets.without_steps(compare(comparison.reference, solution))
 
 
 def test_rungs_need_no_coarse_run_of_their_own_and_keep_the_penalty_layer(paper):
@@ -537,26 +513,6 @@ def test_every_door_says_the_same_of_a_verdict(
     assert f"│ {state}" in streams.out
     last = "halfplane: hertz-paper: undecided: dissipation; this counts as outside: exit code 1"
     assert streams.err.splitlines() == ([last] if state == "undecided" else [])
-
-
-def test_what_no_uncertainty_is_known_for_is_said(paper):
-    """Without a budget, and where a term was not measured; nothing is said to be unknown where all
-    is known.
-    """
-    plain = Report(paper[0])
-    sentence = how_judged(plain.comparison, has_budget=False)
-    assert "No uncertainty was requested" in sentence
-    unknown = planted(paper, 0.9, None)
-    sentence_on_unknown = how_judged(unknown.comparison, has_budget=True)
-    assert sentence_on_unknown.startswith("No uncertainty is known for dissipation: ")
-    known = planted(paper, 0.9, 0.05)
-    sentence_on_known = how_judged(known.comparison, has_budget=True)
-    assert "No uncertainty" not in sentence_on_known
-    sentences = (sentence, sentence_on_unknown, sentence_on_known)
-    for report, expected in zip((plain, unknown, known), sentences, strict=True):
-        assert marked(expected) in render(report, (), "", {})
-        assert json.loads(as_json(report))["verdict"]["judged"] == expected
-    assert json.loads(as_json(plain))["metrics"]["dissipation"]["uncertainty"] is None
 
 
 def test_outside_and_a_violated_law_come_before_undecided(paper, capsys):

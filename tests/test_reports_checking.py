@@ -8,7 +8,6 @@ import json
 import math
 import re
 import shutil
-import tracemalloc
 from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
@@ -51,14 +50,12 @@ from reports.scoring.against import score_file
 from reports.scoring.loops import MeasuredLoop, score_loop
 from reports.scoring.mapping import Mapping
 from reports.scoring.reading import read
-from scene_cases import scene_of
 from scenes import (
     Block,
     Bodies,
     ContactSolution,
     EllipseLoad,
     EvenPolynomial,
-    FlatRounded,
     Hertz,
     InputError,
     Materials,
@@ -102,34 +99,6 @@ def test_the_library_is_admissible_has_room_and_is_remarked_on_where_it_is_odd(
         if remarks(scene, largest_contact(scene, name)):
             remarked.append(name)
     assert remarked == ["large-pad-steep", "layer"]
-
-
-@pytest.mark.parametrize(("share", "held"), [(1.001, True), (0.999, False)])
-def test_a_table_is_found_too_short_where_theory_finds_it_so(share: float, held: bool) -> None:
-    """Rows of a parabola of R = 1000 up to a share of the contact half-width a^2 = 4 P R/(pi E*) at
-    the largest load.
-    """
-    load = EllipseLoad(
-        mean_normal_load=90,
-        normal_amplitude=20,
-        mean_tangential_load=0,
-        tangential_amplitude=5,
-        phase_degrees=33,
-    )
-    modulus = 210e3 / (2 * (1 - 0.3**2))
-    end = share * math.sqrt(4 * 110 * 1000 / (math.pi * modulus))
-    table = Tabulated.model_validate(
-        {"points": [[end * k / 40, (end * k / 40) ** 2 / 2000] for k in range(41)]}
-    )
-    short = scene(load).vary(profile=table)
-    if held:
-        largest_contact(short, "mine.toml")
-        semi_analytic.solve(short, x=[0.0], fields=())
-        return
-    with pytest.raises(InputError, match="needs a contact wider than the table"):
-        semi_analytic.solve(short, x=[0.0], fields=())
-    with refused_for("mine.toml: ", "profile: ", "normal load 110", "wider than the table"):
-        largest_contact(short, "mine.toml")
 
 
 @pytest.mark.parametrize("sign", [1, -1])
@@ -253,26 +222,6 @@ def test_a_record_is_judged_as_the_legs_between_its_rows(
         if fault is not None:
             assert legs[outside[0]].start <= fault.time <= legs[outside[0]].end
         assert largest_normal_load(record) == p.max()
-
-
-def test_a_long_record_is_checked_without_a_leg_for_each_row(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """1.9e6 rows took 1 GB and minutes as legs of Python; block by block 0.2 GB and 3 s, most of it
-    the reading.
-    """
-    count = 200_000
-    time = np.arange(count) / 100
-    load = TimeSeriesLoad(rows=np.stack([time, 90 + 20 * np.cos(time), 10 * np.sin(time)], axis=1))
-    monkeypatch.setattr(TimeSeriesLoad, "path", lambda _: pytest.fail("a leg for each row"))
-    record = scene(PolygonLoad(initial_loading=[(100, 0)])).model_copy(update={"load": load})
-    tracemalloc.start()
-    try:
-        require_admissible(record, "my.toml")
-        assert largest_normal_load(record) == pytest.approx(110.0)
-        assert tracemalloc.get_traced_memory()[1] < 150 * count  # bytes; legs alone are 450 a row
-    finally:
-        tracemalloc.stop()
 
 
 # ------------------------------------------------------------------------------ the largest contact
@@ -544,7 +493,8 @@ CORNERS = {
     "cycle": [(90.0, 0.0), (90.0, -25.0), (90.0, 0.0)],
 }
 OUT_OF_PHASE = CORNERS | {"bulk_stress_lower": (0.0, 0.0, 20.0, 0.0, -20.0)}
-FLAT = FlatRounded(radius=1000.0, flat_half_length=0.5)
+
+
 DENTED = EvenPolynomial(length=1.0, rises=(5e-4, -2.4e-4, 5e-5))
 ALONE = {
     "a tilt of what bends down": (
@@ -708,18 +658,6 @@ def test_the_work_of_a_closed_cycle_is_that_of_the_cycle_alone() -> None:
     assert (inner.start, inner.end) == (3.0, pytest.approx(4 + 25 / 30))
 
 
-@pytest.mark.parametrize("name", ["time-series", "flight"])
-def test_the_work_of_all_cycles_adds_up(name: str) -> None:
-    solution = semi_analytic.solve(scene_of(name))
-    cycles = load_cycles(solution)
-    assert sum(cycle.dissipation for cycle in cycles.cycles) == pytest.approx(
-        solution.dissipation, rel=1e-12
-    )
-    assert min(cycle.dissipation for cycle in cycles.cycles) >= 0
-    assert cycles.per_cycle * cycles.counted == pytest.approx(solution.dissipation, rel=1e-12)
-    assert np.all(np.diff(cycles.cumulative) >= 0)
-
-
 def test_a_record_that_repeats_has_the_cycles_of_its_last_round() -> None:
     rows = [[0, 90, 0], [1, 90, 30], [2, 90, 10], [3, 90, 20], [4, 90, -30], [5, 90, 0]]
     solution = semi_analytic.solve(of_rows(rows, repeats=True))
@@ -802,14 +740,6 @@ def test_what_noise_makes_of_the_work_is_found_and_warned_of(size: float, warned
         )
 
 
-def test_noise_of_q_that_does_not_show_is_not_said_to_be_none() -> None:
-    rows = noisy(0.2)
-    rows[:, 2] = 20 * np.sin(2 * np.pi * rows[:, 0])
-    scene = of_rows(rows)
-    words = " ".join(text for text, _ in record_in_words(scene, check_record(scene)))
-    assert "of P; that of Q does not show beside its changes" in words
-
-
 def test_coarse_or_clean_rows_are_not_taken_for_noise() -> None:
     time = np.arange(400.0)
     for clean in (
@@ -868,15 +798,6 @@ def test_cycles_that_slide_as_a_whole_are_named_with_rows_and_cures() -> None:
     assert 600 <= end < start <= 701
     for cut in ({"end": {"row": end}}, {"start": {"row": start}}):
         require_admissible(scene.vary(load=cut), "mine")
-
-
-def test_tension_is_told_from_noise_of_a_sensor_without_a_load() -> None:
-    record = rig_record()
-    rows = record.rows.values * [1, -1, 1]
-    scene = load_scene("hertz-paper").vary(load=TimeSeriesLoad(rows=rows), friction=0.6)
-    assert largest_normal_load(scene) > 0
-    with refused_for("mine", "P is negative but for noise", "sign = {P = -1}"):
-        require_admissible(scene, "mine")
 
 
 def test_a_threshold_that_changes_the_work_is_warned_of() -> None:

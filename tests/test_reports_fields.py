@@ -3,10 +3,8 @@ command.
 """
 
 import json
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
-from unittest.mock import Mock
 from xml.etree import ElementTree as ET
 
 import matplotlib as mpl
@@ -20,27 +18,18 @@ from command_line import everything
 from halfplane_fe import FiniteElementSolution
 from meshes import MeshSettings
 from problems import COARSE, FEW_STEPS, fe_run
-from reports.charts.plate import Plate
 from reports.cli import main
-from reports.cli.application import Options
-from reports.cli.field_output import _draw
-from reports.cli.field_output import named as named_by
-from reports.comparison.dimensionless import scales
-from reports.console import Stages
 from reports.field_output import fatigue
 from reports.field_output.files import (
     NO_PEAK,
-    Instant,
     edge_tension,
-    instant_of,
-    instants_of,
     peak,
     series_of,
     tension,
     write_fields,
 )
-from reports.field_output.pictures import Skin, picture, scales_of, stress
-from scenes import InputError, Scene, load_scene, scene_text
+from reports.field_output.pictures import Skin, picture
+from scenes import Scene, load_scene, scene_text
 
 ROUGH = (
     "--order",
@@ -154,39 +143,6 @@ class TestFiles:
 
 
 class TestStress:
-    def test_peak_is_the_largest_of_both_bodies_and_the_figure_says_that_nodes_miss_it(
-        self,
-    ) -> None:
-        answer = answer_of("blocks")
-        (snapshot,) = halfplane_fe.fields(answer, [answer.time[-1]])
-        largest = peak(snapshot)
-        scales = scales_of([snapshot])
-        assert (
-            largest["value"] == max(body.von_mises.max() for body in snapshot.bodies) == scales[0]
-        )
-        body = snapshot.bodies[largest["body"] == "upper"]
-        assert (
-            body.von_mises[
-                np.argmin(np.linalg.norm(body.points - (largest["x"], largest["y"]), axis=1))
-            ]
-            == largest["value"]
-        )
-        xx, yy, xy, zz = snapshot.bodies[0].stress.T
-        zero = np.zeros_like(xx)
-        tensors = np.array([[xx, xy, zero], [xy, yy, zero], [zero, zero, zz]]).transpose(2, 0, 1)
-        principal = np.linalg.eigvalsh(tensors)[:, 2]
-        np.testing.assert_allclose(
-            tension(snapshot.bodies[0]), principal, atol=1e-12 * largest["value"]
-        )
-        assert (
-            peak(snapshot, tension)["value"]
-            == max(tension(body).max() for body in snapshot.bodies)
-            > 0
-        )
-        drawn = stress(answer, [snapshot], [Instant(2.0, "Q largest")], scales)
-        assert NO_PEAK in drawn.caption
-        assert "largest nodal value [MPa]" in drawn.csv().splitlines()[0]
-
     def test_what_is_stated_at_the_edge_is_the_tension_that_nodes_miss(self) -> None:
         """With its uncertainty, body and place; no node has as much."""
         answer = answer_of("triangles")
@@ -318,20 +274,6 @@ class TestFatigue:
 
 
 class TestInstants:
-    def test_they_are_times_of_the_path_or_events(self) -> None:
-        answer = answer_of("blocks")
-        chosen = instants_of(["0.5", "events"], answer, "--at")
-        assert [instant.time for instant in chosen] == sorted({instant.time for instant in chosen})
-        assert {"asked for 0.5", "Q largest", "Q least"} <= {instant.label for instant in chosen}
-        largest = next(instant for instant in chosen if instant.label == "Q largest")
-        loads = answer.tangential_load
-        assert np.interp(largest.time, answer.time, loads) == pytest.approx(
-            loads[answer.last_cycle].max()
-        )
-        for word in ("nan", "inf"):
-            with pytest.raises(InputError, match="outside the path"):
-                instant_of(word, "--at", 0, 1)
-
     def test_a_series_lies_evenly_in_the_last_cycle_whose_end_is_its_start(self) -> None:
         answer = answer_of("triangles")
         cycle = answer.time[answer.last_cycle]
@@ -350,15 +292,6 @@ class TestInstants:
         series, notes = series_of(answer, None, 1000)
         assert len({snapshot.time for snapshot in series}) == len(series) < len(cycle)
         assert f"{len(series)} instants instead of 1000" in notes[0]
-
-    def test_stills_are_drawn_only_where_instants_are_named(self) -> None:
-        cases: list[tuple[dict[str, Any], tuple[str, ...]]] = [
-            ({}, ("events",)),
-            ({"frames": 5}, ()),
-            ({"at": ("2",), "frames": 5}, ("2",)),
-        ]
-        for known, named in cases:
-            assert named_by(Options(**known)) == named
 
 
 class TestPictures:
@@ -382,13 +315,6 @@ class TestPictures:
         for row in (2, 20, 40, 61):
             colour = 255 * np.array(mpl.colormaps["viridis"](1 - (row + 0.5) / 64)[:3])
             assert np.abs(image[row, 32] - colour).max() < 8
-
-    def test_edges_are_seen_only_where_requested(self) -> None:
-        skins = [Skin(self.SQUARE, self.CELL, np.ones(4), edges=edges) for edges in (0.0, 1.0)]
-        plain, edged = (picture([skin], (-1, 2, -1, 2), 90).astype(int) for skin in skins)
-        darker = (edged < plain - 60).any(axis=2)  # a line of one pixel, half on each of two
-        assert 100 < darker.sum() < 400
-        assert not darker[40:50, 40:50].any()
 
 
 @pytest.fixture(scope="module")
@@ -457,48 +383,6 @@ class TestCommand:
         }
         assert any(text.startswith("von Mises stress") for text in words)
 
-    def test_a_second_run_leaves_no_file_of_the_first_but_those_of_other_commands(
-        self, folder: Path, capsys: pytest.CaptureFixture[str]
-    ) -> None:
-        out = folder / "out"
-        (out / "mine.txt").write_text("mine", encoding="utf-8")
-        assert (
-            main(
-                [
-                    "fields",
-                    str(folder / "pads.toml"),
-                    "--at",
-                    "2",
-                    "--no-pictures",
-                    "--out",
-                    str(out),
-                    "--quiet",
-                    *ROUGH,
-                ]
-            )
-            == 0
-        )
-        assert NO_PEAK in capsys.readouterr().out
-        names = {"fields.pvd", "fields.json", "lower_000.vtu", "upper_000.vtu", "contact_000.vtu"}
-        assert {path.name for path in (out / "fields").iterdir()} == names
-        assert (out / "mine.txt").is_file()
-        assert not (out / "pictures").exists()
-
-    def test_a_picture_that_fails_loses_no_field(
-        self, folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-    ) -> None:
-        monkeypatch.setattr("reports.cli.machine._SCREEN", "print('drawn')")
-        drawing = Mock(side_effect=InputError("no memory for a picture"))
-        monkeypatch.setattr("reports.cli.field_output._draw", drawing)
-        scene = str(folder / "pads.toml")
-        arguments = ["fields", scene, "--at", "2", "--out", str(tmp_path), "--quiet", *ROUGH]
-        assert main(arguments) == 2
-        record = json.loads((tmp_path / "fields" / "fields.json").read_text(encoding="utf-8"))
-        assert record["pictures"] == []
-        assert "fields/fields.pvd" in record["files"]
-        assert all((tmp_path / name).is_file() for name in record["files"])
-        assert not (tmp_path / "pictures").exists()
-
     def test_without_a_screen_nothing_is_solved(
         self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
     ) -> None:
@@ -507,26 +391,3 @@ class TestCommand:
         assert main(["fields", "cattaneo-mindlin", "--quiet"]) == 2
         assert "pictures can't be drawn here: no screen here" in capsys.readouterr().err
         assert everything(tmp_path) == set()
-
-
-def test_the_mesh_is_drawn_in_the_half_width_of_the_reference_load(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Axes say x / a_ref, which is a(P_ref) and not the largest half-width."""
-    drawn = []
-
-    def picture_of(plate: Plate, _: Path) -> str:
-        drawn.append(plate)
-        return ""
-
-    monkeypatch.setattr("reports.cli.field_output._write_picture", picture_of)
-    # there are no stills
-    monkeypatch.setattr("reports.field_output.pictures.scales_of", lambda _: ())
-    answer = answer_of("blocks")
-    widths = answer.contact_half_width.copy()
-    widths[0] = 3 * widths.max()  # at no load: not that of the reference load
-    _draw(replace(answer, contact_half_width=widths), [], tmp_path / "pictures", Stages(quiet=True))
-    (plate,) = drawn
-    half_width = scales(answer).half_width
-    outermost = max(float(np.max(np.abs(body.mesh.p))) for body in answer.bodies) / half_width
-    assert outermost < plate.panels[0].x.high - plate.panels[0].x.low < 2.5 * outermost

@@ -289,21 +289,6 @@ def test_the_scaling_laws_give_what_differences_give(name: str) -> None:
                 assert law.value == pytest.approx(difference.value, abs=room)
 
 
-def test_inputs_that_err_together_are_not_independent() -> None:
-    """P and Q of one cell scale W as their square: 2 x 2 %. Opposite ones make more of it."""
-    stated = {"normal_load": "2 %", "tangential_load": "2 %"}
-
-    def relative(coefficient: float) -> float:
-        correlations = [["normal_load", "tangential_load", coefficient]]
-        found = effects_of(MINDLIN, stated | {"correlations": correlations})
-        return found.values[WORK].relative
-
-    independent = effects_of(MINDLIN, stated).values[WORK].relative
-    assert relative(1.0) == pytest.approx(0.04, rel=1e-4)
-    assert relative(-1.0) > independent > relative(1.0)
-    assert relative(0.0) == independent
-
-
 # ------------------------------------------------------------------------------- the paper's cycle
 PAPERS = ALL | {"phase_degrees": "0.05 rad", "material": {"young_modulus": "1 %"}}
 
@@ -442,23 +427,6 @@ def test_a_rig_that_slides_two_uncertainties_away_is_told_from_one_that_does_not
     content = input_words.content(found, scene)
     assert content is not None
     assert content["sliding"]["in_reach"] == slides
-    assert effects_of(scene, {"friction": "0.5 %"}).sliding.is_in_reach is False
-
-
-def test_given_loads_that_may_slide_are_named_by_every_command(tmp_path: Path) -> None:
-    """Also where theory does not take the scene."""
-    load_scene("near-sliding").vary(uncertainty=NEAR).save(tmp_path / "near.toml")
-    for command in ("exact", "check"):
-        assert REACHED in " ".join(halfplane(tmp_path, command, "near.toml").stdout.split())
-    scene = load_scene("near-sliding").vary(uncertainty=NEAR)
-    with mock.patch.object(inputs, "values_of_theory", side_effect=InputError("no such contact")):
-        found = input_effects(scene)
-    assert found is not None
-    assert input_words.sentences(found, scene)[0].startswith(REACHED)
-    far = MINDLIN.vary(uncertainty=NEAR)
-    assert not any(
-        words.startswith(REACHED) for words in input_words.sentences(effects_of(MINDLIN, NEAR), far)
-    )
 
 
 def test_draws_that_slide_are_in_no_mean() -> None:
@@ -523,23 +491,6 @@ def test_a_draw_that_no_scene_can_have_is_counted_apart() -> None:
     assert draws.impossible > 0.005
     assert draws.sliding > 0.1
     assert math.isfinite(draws.values[WORK].mean)
-
-
-def test_far_from_sliding_derivatives_are_enough() -> None:
-    by_derivatives = paper_effects().values[WORK]
-    assert paper_effects().draws is None
-    scene = BLOCKS.vary(uncertainty=PAPERS)
-    draws = draws_of_work(scene, "asked for")
-    assert draws is not None
-    drawn = draws.values[WORK]
-    assert drawn.uncertainty == pytest.approx(by_derivatives.uncertainty, rel=0.02)
-    assert drawn.mean == pytest.approx(by_derivatives.value, rel=0.02)
-
-
-def test_where_the_second_order_is_large_it_is_said() -> None:
-    found = effects_of(load_scene("hertz-paper"), {"tangential_load": "10 %"})
-    assert found.draws is not None
-    assert "second order" in found.draws.reason or "sliding" in found.draws.reason
 
 
 # ------------------------------------------------------------------------- records and actuators
@@ -689,16 +640,6 @@ def test_page_terminal_and_json_say_it(tmp_path: Path) -> None:
     assert stored["values"][WORK]["ranking"] == ["tangential_load", "friction"]
     assert stored["difference"] == {}
     assert "half-planes" in stored["no_difference"]
-
-
-def test_exact_gives_it_as_json_and_nothing_where_none_is_stated(tmp_path: Path) -> None:
-    words = ("exact", "cattaneo-mindlin", "--out", "out", "--json")
-    assert answer_of(halfplane(tmp_path, *words), *words)[1]["inputs"] is None
-    MINDLIN.vary(uncertainty={"friction": "2 %"}).save(tmp_path / "scene.toml")
-    words = ("exact", "scene.toml", "--out", "out", "--json")
-    found = answer_of(halfplane(tmp_path, *words), *words)[1]["inputs"]
-    assert found["stated"][0]["key"] == "friction"
-    assert found["values"]["half_width"]["standard_uncertainty"] == 0.0
 
 
 # ----------------------------------------------------------------------------------------- effort

@@ -29,7 +29,7 @@ from reports.studies.maps.errors import (
     table_of,
     table_of_distances,
 )
-from reports.studies.maps.families import KINDS, Kind, Place, kind_named
+from reports.studies.maps.families import KINDS, Kind, Place
 from reports.studies.maps.pages import PUBLISHED, Tables
 from scenes import EllipseLoad, Estimate, FlatRounded, InputError
 
@@ -74,11 +74,6 @@ def test_half_width_at_the_mean_load_is_1_and_the_height_is_that_of_the_body(nam
     if kind.is_curved:
         assert scene.profile.radius == place.height
     assert isinstance(scene.profile, FlatRounded) is kind.is_flat_pad
-
-
-def test_a_kind_that_is_none_is_refused_with_those_that_there_are() -> None:
-    with pytest.raises(InputError, match="known: block, pair, layer, t-shape, pad, flat-pad, or"):
-        kind_named("atlantis")
 
 
 # ----------------------------------------------------------------------------- tables and distances

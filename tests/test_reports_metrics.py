@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import dataclasses
 import json
-import pickle
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -16,7 +15,6 @@ import numpy as np
 import pytest
 
 import semi_analytic
-from meshes import MeshSettings
 from problems import COARSE, FEW_STEPS, fe_run
 from reports import compare, write
 from reports.charts.plate import Plate
@@ -24,9 +22,6 @@ from reports.comparison import Comparison
 from reports.comparison.cycles import events, first_row, last_cycle, sample
 from reports.comparison.datum import effects_between
 from reports.comparison.metrics import METRICS, markdown
-from reports.comparison.words import unit_of
-from reports.page.content import as_json
-from reports.page.history_figures import _within
 from reports.page.writing import draw
 from reports.report import Report
 from scenes import (
@@ -206,7 +201,8 @@ PULLED = changed(
 BULK = float(
     0.3 * SCALES.normal_load * STRAIN * np.pi * np.sin(2 * np.pi / STEPS) / (2 * np.pi / STEPS)
 )
-LOOP = float(np.trapezoid(TRUTH.tangential_load, TRUTH.tangential_displacement))
+
+
 MOMENT = (
     float(np.abs(PULLED.moment).max() / SCALES.normal_load) if PULLED.moment is not None else 0.0
 )
@@ -502,35 +498,6 @@ def test_fault_is_seen_by_its_metrics_alone(name: str) -> None:
     assert all(metric.value is not None or metric.note for metric in comparison.metrics)
 
 
-def test_places_times_uncertainties_and_units_of_the_worst() -> None:
-    comparisons = {
-        name: compare(reference, plant()) for name, (plant, _, _, reference) in FAULTS.items()
-    }
-    metrics = {}
-    for name, comparison in comparisons.items():
-        metrics[name] = {metric.key: metric for metric in comparison.metrics}
-    assert metrics["pressure 1 % low at one instant"]["peak_pressure"].time == TIME[17]
-    assert metrics["energy balance not closed"]["energy_balance"].time == TIME[9]
-    assert compare(recorded(3e-4), TRUTH).metric("energy_balance").note == "the result records none"
-    wide = with_fields(edges("stick_edges", 0, 0.01), settings={"element_size": 0.02})
-    worst = compare(TRUTH, wide).metric("stick_edge")
-    assert worst.elements == pytest.approx(0.5)
-    assert unit_of(worst) == "of a_ref (+0.5 elements)"
-    assert compare(TRUTH, TRUTH).metric("stick_edge").elements is None
-    content = json.loads(as_json(Report(comparisons["right contact edge 0.02 a out"])))
-    stored = content["metrics"]["contact_edge"]
-    assert stored["value"] == pytest.approx(0.02)
-    assert (stored["unit"], stored["region"], stored["signed"]) == (
-        "of a_ref",
-        "judged instants",
-        True,
-    )
-    assert stored["why"] == METRICS["contact_edge"].why
-    steep = metrics["dissipation density 5 % high"]["dissipation_density"]
-    assert steep.place == pytest.approx(X[np.argmax(TRUTH.dissipation_density)])
-    assert len(stored["series"]) == STEPS + 1
-
-
 NAN = float("nan")
 NO_EDGES = changed(stick_edges=at(slice(40, 43), TRUTH.stick_edges, new=NAN))
 LARGEST_SLIP_ZONE = int(np.argmin(TRUTH.stick_half_width))
@@ -598,22 +565,6 @@ def test_what_one_of_them_lacks_is_said(case: str) -> None:
     assert metric.absolute is (case in ("no dissipation", "no slip"))
 
 
-@pytest.mark.parametrize("excess", [1 - 1e-12, 1.0, 1 + 1e-12])
-def test_of_differences_alike_but_for_rounding_the_first_counts(excess: float) -> None:
-    """A cycle that is its own mirror image has each twice, with both signs: which was named was
-    chance.
-    """
-    shift = TRUTH.tangential_displacement.copy()
-    shift[[20, 80]] += 0.03 * STROKE * np.array([1, -excess])
-    density = TRUTH.dissipation_density.copy()
-    density[[40, 60]] += 0.07 * density.max() * np.array([1, -excess])
-    comparison = compare(TRUTH, changed(tangential_displacement=shift, dissipation_density=density))
-    moved = comparison.metric("tangential_displacement")
-    assert (moved.value, moved.time) == pytest.approx((0.03, TIME[20]))
-    largest = comparison.metric("dissipation_density")
-    assert (largest.value, largest.place) == pytest.approx((0.07, X[40]))
-
-
 def test_maps_count_both_ways_and_a_stick_edge_that_is_never_there_fails() -> None:
     """Too little contact as too much of it, over what touches in either."""
     half = changed(state=np.where(X > 0, 0, TRUTH.state).astype(np.int8))
@@ -623,30 +574,6 @@ def test_maps_count_both_ways_and_a_stick_edge_that_is_never_there_fails() -> No
     assert lost == pytest.approx(0.5, abs=0.02)
     never = changed(stick_edges=np.full_like(TRUTH.stick_edges, NAN))
     assert compare(TRUTH, never).metric("stick_edge").accurate is False
-
-
-def test_step_error_stands_apart() -> None:
-    """The polygon's answer 3 % off the smooth one, the result 1 % off the polygon's."""
-    polygon = changed(dissipation=1.03 * W)
-    solution = changed(dissipation=1.03 * 1.01 * W)
-    comparison = compare(TRUTH, solution, polygon_reference=polygon)
-    values = [comparison.metric(f"dissipation{part}").value for part in ("_step", "_polygon", "")]
-    assert values == pytest.approx([0.03, 0.01, 0.0403])
-    assert "dissipation_polygon" not in {metric.key for metric in compare(TRUTH, solution).metrics}
-
-
-def test_peak_is_not_biased_by_where_the_points_lie() -> None:
-    """Points that miss the true peak by half a spacing: reference and result miss it alike."""
-    middle = {
-        name: (getattr(TRUTH, name)[:, 1:] + getattr(TRUTH, name)[:, :-1]) / 2
-        for name in ("pressure", "shear", "slip")
-    }
-    x = X[:-1] + np.diff(X) / 2
-    off = changed(
-        x=x, state=TRUTH.state[:, :-1], dissipation_density=TRUTH.dissipation_density[:-1], **middle
-    )
-    assert off.pressure.max() < TRUTH.pressure.max()
-    assert compare(TRUTH, off).metric("peak_pressure").value == pytest.approx(0.0, abs=ROUNDING)
 
 
 # --------------------------------------------------------------------------------------- resultants
@@ -829,28 +756,6 @@ def test_scales_and_frictionless_shear() -> None:
     assert any("Frictionless" in note for note in comparison.notes)
 
 
-def test_a_pickled_comparison_has_the_same_metrics() -> None:
-    """A sweep of somebody else sends it between processes, with the functions of the table."""
-    comparison = compare(cattaneo_mindlin(), cattaneo_mindlin())
-    stored = pickle.loads(pickle.dumps(comparison))
-    assert [(metric.key, metric.value) for metric in stored.metrics] == [
-        (metric.key, metric.value) for metric in comparison.metrics
-    ]
-    assert all(metric.measure is METRICS[metric.key].measure for metric in stored.metrics)
-
-
-def test_light_instants_are_shown_and_not_judged() -> None:
-    """An instant at 5 % of P_ref with half its pressure missing: in the series, not in the verdict,
-    and said so.
-    """
-    light = changed(normal_load=at(17, TRUTH.normal_load, 0.05))
-    comparison = compare(light, with_fields(light, pressure=at(17, TRUTH.pressure, 0.5)))
-    metric = comparison.metric("pressure")
-    assert metric.value == 0.0
-    assert metric.series[17] == pytest.approx(0.5)
-    assert any("1 of 121 instants carry less than 0.1 P_ref" in note for note in comparison.notes)
-
-
 OF_BODIES = {"displacement_amplitude", "approach_amplitude"}
 OF_BULK = {"stick_eccentricity", "bulk_work", "dissipation_drift", "moment", "tilt"}
 
@@ -952,43 +857,10 @@ def test_the_loop_on_the_page_says_what_half_planes_count_from() -> None:
         assert [note.rpartition(" ")[2] for note in notes] == loops_with_numbers
 
 
-def test_numbers_of_instants_stay_within_the_frame() -> None:
-    box = (70.0, 10.0, 400.0, 250.0)
-    for at, outward in (((398.0, 100.0), (13.0, 0.0)), ((72.0, 12.0), (-9.0, -9.0))):
-        place = np.array(at) + _within(np.array(outward), np.array(at), box)
-        assert 75 <= place[0] <= 395
-        assert 17 <= place[1] <= 243
-        assert np.hypot(*(place - at)) > 9
-    free = np.array([13.0, 0.0])
-    assert np.array_equal(_within(free, np.array([200.0, 100.0]), box), free)
-
-
 def test_bodies_whose_compliance_is_not_known_have_no_datum() -> None:
     scene = load_scene("two-cylinders")
     theory = semi_analytic.solve(scene, x=[0.0], time=[1.0])
     assert effects_between(theory, dataclasses.replace(theory, engine="halfplane_fe")) is None
-
-
-def test_tension_at_the_trailing_edge() -> None:
-    """Theory against finite elements on a coarse mesh, within the uncertainty; a hundredth more
-    traction is seen as such.
-    """
-    solution = fe_run(
-        load_scene("cattaneo-mindlin"), MeshSettings(edge_element_size=0.025), FEW_STEPS
-    )
-    exact = semi_analytic.solve(solution.scene, x=solution.x, time=solution.time)
-    metric = compare(exact, solution).metric("edge_tension")
-    assert abs(metric.value) <= metric.uncertainty < 0.01
-    assert metric.amounts[0] == pytest.approx(
-        semi_analytic.edge_tension(exact, exact.time)[0].max()
-    )
-    scaled = {
-        name: 1.01 * getattr(solution, name) for name in ("pressure", "shear", "tangential_load")
-    }
-    scaled_metric = compare(exact, dataclasses.replace(solution, **scaled)).metric("edge_tension")
-    assert scaled_metric.value == pytest.approx(1.01 * (1 + metric.value) - 1, abs=1e-6)
-    foreign = dataclasses.replace(exact, engine="somebody's code")
-    assert "not known of somebody's code" in compare(exact, foreign).metric("edge_tension").note
 
 
 # ---------------------------------------------------------------------------------- laws of contact

@@ -10,7 +10,6 @@ from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
-import numpy as np
 import pytest
 from matplotlib.font_manager import FontProperties
 from matplotlib.textpath import TextToPath
@@ -19,13 +18,12 @@ from reports.charts.plate import Band, Curve, Note, Panel, Plate
 from reports.cli import main
 from reports.console import Stages
 from reports.studies.paper import page as paper_page
-from reports.studies.paper.cases import FRICTIONS, LETTERS, Case, Paper, paper, sliding_limit
+from reports.studies.paper.cases import LETTERS, Case, Paper, paper
 from reports.studies.paper.figures import sheets
 from reports.studies.paper.page import PaperReport, tally
-from reports.studies.paper.statements import course, loads, one_way_slip, slip_speed
+from reports.studies.paper.statements import course, loads
 from reports.studies.paper.tables import APART, EXACT, judge_number, proves
 from scenes import InputError, load_scene
-from semi_analytic import Reason, dissipation
 
 FIGURES = [
     f"figure_{name}"
@@ -241,41 +239,6 @@ def test_other_friction_takes_the_numbers_away() -> None:
     assert edge["edge"] == pytest.approx(edge["largest a in E-G"], abs=1e-8)
     assert edge["edge"] != pytest.approx(0.874, abs=5e-4)
     assert numbers["coefficients of figure 4b"][0] == "refined"
-
-
-@pytest.mark.parametrize(
-    ("phase", "verdict"), [(60.0, "confirmed"), (90.0, "refined"), (120.0, "refined")]
-)
-def test_another_lag_changes_a_verdict(phase: float, verdict: str) -> None:
-    """Which way a particle slips faster depends on the lag: at 90 degrees both are equal, at 60 the
-    paper is right.
-    """
-    case = paper().hertz.with_load(
-        phase_degrees=phase, mean_tangential_load=0.0, initial_loading="straight"
-    )
-    changed_verdict, values = slip_speed(case)
-    assert changed_verdict == verdict
-    assert np.sign(round(values["speeds while the point slips"], 9) - 1) == np.sign(phase - 90.0)
-    edge = one_way_slip(case)[1]
-    assert edge["edge"] == pytest.approx(edge["largest a in E-G"], abs=1e-7)
-
-
-def test_sweeps_start_at_the_engines_limit_and_hold_the_examples() -> None:
-    """At f = 1 and P0/P1 = 3 the sweep is the example itself: interpolated on its grid, to the
-    grid's accuracy.
-    """
-    for case, sweep in zip((paper().hertz, paper().rounded), paper().sweeps, strict=True):
-        np.testing.assert_allclose(sweep.ratio[:, 0], sliding_limit(FRICTIONS), rtol=1e-8)
-        assert np.all(np.isfinite(sweep.work) & np.isfinite(sweep.peak))
-        assert np.all((sweep.place > 0) & (sweep.place < 1))
-        work_of_example = case.steady.dissipation / case.work_unit * 9
-        assert np.interp(3.0, sweep.ratio[0], sweep.work[0]) == pytest.approx(
-            work_of_example, rel=5e-3
-        )
-    ratio = sliding_limit(FRICTIONS) * np.array([[1 - 1e-9], [1 + 1e-9]])
-    reason = dissipation(**paper().hertz.circles(np.array(FRICTIONS), ratio)).reason
-    assert np.all(reason[0] == Reason.SLIDING)
-    assert np.all(reason[1] == Reason.NONE)
 
 
 def test_the_figures_are_about_an_ellipse_and_costly_parts_are_done_once() -> None:

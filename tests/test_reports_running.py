@@ -18,10 +18,8 @@ import halfplane_fe
 from command_line import halfplane, raising
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings
-from reports.comparison.budget import Budget, Extrapolation, Term
-from reports.comparison.metrics import METRICS
 from reports.page import writing
-from reports.python_numbers import PythonNumbers, python_number
+from reports.python_numbers import PythonNumbers
 from scenes import ContactSolution, load_scene, scene_names
 
 # As coarse as leaves room for the two coarser meshes of an uncertainty.
@@ -156,23 +154,6 @@ def test_records_that_leave_for_the_page_hold_numbers_of_python(module: str) -> 
             parts = value if isinstance(value, tuple) else (value,)
             types = {type(part) for part in parts}
             assert types <= {float, bool, int, str, type(None)}, (record.__name__, name, value)
-
-
-def test_a_budget_of_numpys_numbers_answers_with_a_bool() -> None:
-    """An uncertainty of numpy made |rest| > u a numpy.bool, which ended every default run of a flat
-    pad on a block.
-    """
-    metric = dataclasses.replace(METRICS["dissipation"], value=np.float64(0.1))
-    terms = tuple(
-        Term(name, np.float64(0.01), np.float64(0.02), "measured") for name in ("mesh", "step")
-    )
-    budget = Budget(metric, terms, half_planes=True)
-    assert budget.resolved is True
-    assert budget.honest is False
-    assert type(budget.judged.uncertainty) is float
-    assert type(budget.rest) is float
-    assert Extrapolation(np.float64(2.0), "monotone", np.float64(1.0), None, "").order == 2.0
-    assert type(python_number((np.int64(1), np.bool_(False)))[1]) is bool
 
 
 # -------------------------------------------------------------------------------- a page that fails

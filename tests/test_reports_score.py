@@ -9,7 +9,6 @@ import json
 import re
 import sys
 from collections.abc import Iterator
-from dataclasses import replace
 from functools import cache
 from itertools import product
 from pathlib import Path
@@ -23,25 +22,21 @@ from hypothesis import strategies as st
 import halfplane_fe
 import reports
 import semi_analytic
-from command_line import halfplane
 from meshes import MeshSettings
 from problems import COARSE, FEW_STEPS, fe_run
 from refusals import refused_for, require_facts
 from reports.cli import main
-from reports.cli.results import _score_shown
 from reports.comparison.metrics import missing
 from reports.console import Stages
 from reports.field_output.files import write_fields
-from reports.page.content import whole_content
 from reports.report import Report
-from reports.scoring import loop_page
 from reports.scoring.against import score_file, score_surface
 from reports.scoring.diagnosis import diagnose
 from reports.scoring.history import matched
-from reports.scoring.loops import MeasuredLoop, read_loop, score_loop
-from reports.scoring.mapping import Mapping, Signs, load_mapping
+from reports.scoring.loops import MeasuredLoop, score_loop
+from reports.scoring.mapping import Mapping
 from reports.scoring.mesh_folder import score_folder
-from reports.scoring.study import Level, UnscoredFile, element_size, results_in, study
+from reports.scoring.study import Level, element_size, results_in, study
 from reports.scoring.surface import SurfaceResult, surface_result
 from scene_cases import FOLDER, scene_of
 from scenes import Bodies, ContactSolution, InputError, Scene, load_scene
@@ -151,22 +146,6 @@ def test_instants_stay_on_their_branch_where_the_path_goes_to_and_fro(
     # Next to a turn of the loads, noise of 1e-3 moves an instant by some hundredths of the period;
     # a branch is a third or a half.
     assert np.max(np.abs(off)) < (0.1 if noise else 0.01) * path.period
-
-
-@pytest.mark.parametrize(
-    ("name", "cycles", "count", "within"),
-    [("cattaneo-mindlin", 3, 301, 1e-9), ("hertz-paper", 1, 25, 1e-6)],
-)
-def test_initial_loading_and_cycles_come_one_after_the_other(
-    name: str, cycles: int, count: int, within: float
-) -> None:
-    """Of an ellipse the square of a distance is flat to 1e-16, its place known to 1e-8 of a
-    cycle.
-    """
-    path = load_scene(name).load.path()
-    first = np.linspace(path.start, path.cycle_start, 20)[1:-1]
-    time = np.concatenate([first, path.cycle_start + np.linspace(0, cycles * path.period, count)])
-    np.testing.assert_allclose(_on_path(name, time), time, atol=within)
 
 
 def _table(
@@ -309,12 +288,6 @@ def test_a_solvers_own_times_are_given_up_for_the_loads_unless_the_mapping_vouch
         score_file(path, Mapping.model_validate({"columns": {"time": "time"}}), HERTZ.scene)
 
 
-def test_times_printed_to_six_digits_still_hold_a_whole_cycle() -> None:
-    printed = [float(f"{t:.6g}") for t in HERTZ.time]
-    assert printed[0] != HERTZ.time[0]
-    assert scored(time=printed, slip=HERTZ.slip).metric("dissipation").value is not None
-
-
 # ------------------------------------------------------------------------------ what a result lacks
 @pytest.mark.usefixtures("undiagnosed")
 def test_what_is_missing_is_neither_zero_nor_derived() -> None:
@@ -359,29 +332,6 @@ def test_dissipation_from_the_results_own_slip_is_that_of_its_shear() -> None:
     )
     assert any("Dissipation is compared by one rule" in note for note in report.comparison.notes)
     assert report.comparison.reference.dissipation == solution.dissipation
-
-
-@pytest.mark.usefixtures("undiagnosed")
-@pytest.mark.parametrize("name", SCENES[:3])
-# 0.0144 without, where slip has just turned
-@pytest.mark.parametrize(("with_slip", "off"), [(True, 0.01), (False, 0.02)])
-def test_states_and_edges_are_those_of_the_engine_within_what_is_stated(
-    name: str, with_slip: bool, off: float
-) -> None:
-    """In 49 instants and 105 points: edges to the stated few thousandths, states of all but some
-    points.
-    """
-    solution = exact(name, 49)
-    solution_scored = scored(
-        solution, time=solution.time, slip=solution.slip if with_slip else None
-    ).comparison.result
-    length = np.nanmax(solution.contact_half_width)
-    assert np.nanmax(np.abs(solution_scored.contact_edges - solution.contact_edges)) < 2e-3 * length
-    known = np.isfinite(solution_scored.stick_edges[:, 0]) & np.isfinite(solution.stick_edges[:, 0])
-    assert (
-        np.median(np.abs(solution_scored.stick_edges - solution.stick_edges)[known]) < 5e-3 * length
-    )
-    assert np.mean(solution_scored.state != solution.state) < off
 
 
 # ---------------------------------------------------------------------------------- what is guessed
@@ -680,16 +630,6 @@ def test_what_can_not_be_read_in_a_folder_is_listed_and_the_rest_is_scored(tmp_p
     require_facts(listed[0], "junk_h0.2.vtu")
     require_facts(listed[1], "spoilt_h0.1.csv", "line 2", "shear = 'oops'")
     assert [file.name for file in single.unscored] == ["junk_h0.2.vtu", "spoilt_h0.1.csv"]
-    # What is printed is picked by its type, whatever its words are.
-    unscored = (UnscoredFile("a.csv", "a.csv: it holds no pressure"),)
-    comparison = replace(single.comparison, notes=())
-    printed = _score_shown(replace(single, unscored=unscored, comparison=comparison), "page")
-    sentences = [part for part in printed if isinstance(part, str)]
-    assert "Not scored: a.csv: it holds no pressure." in sentences
-    # Theory's own largest slip lies between the rows: the table has it, the difference has not.
-    on_points = next(part for part in sentences if part.startswith("Differences at the points"))
-    require_facts(on_points, "Largest slip", "other values than its own")
-    assert "Peak pressure" not in on_points
     written(rows(exact(points=53)), tmp_path / "run_h0.04.csv")
     pair = score_folder(tmp_path, Mapping(), scene, stages)
     assert pair.study is not None
@@ -735,22 +675,6 @@ def test_an_example_scores_what_it_and_its_page_say(name: str) -> None:
     assert block is not None
     assert block[0] == measure.block_of(example_scored(name), stored)
     assert sum(file.stat().st_size for file in (EXAMPLE_FOLDER / name).iterdir()) < 1_000_000
-
-
-def test_report_and_table_of_the_path_score_alike_and_a_turned_shear_would_be_noticed() -> None:
-    folder = EXAMPLE_FOLDER / "abaqus"
-    scene = load_scene(measure.SCENE)
-    mapping = load_mapping(folder / "mapping.toml")
-    table, report = (
-        score_file(folder / f"path.{suffix}", mapping, scene) for suffix in ("csv", "rpt")
-    )
-    assert measure.numbers(table)["metrics"] == measure.numbers(report)["metrics"]
-    for key, value in SHIPPED["abaqus"]["metrics"].items():
-        assert table.metric(key).value == (
-            value if value is None else pytest.approx(value, rel=1e-6)
-        ), key
-    wrong = score_file(folder / "path.csv", mapping.vary(signs=Signs(shear="on upper")), scene)
-    assert wrong.metric("shear").value > 5 * table.metric("shear").value
 
 
 # ----------------------------------------------------------------- a measured loop as the reference
@@ -1019,71 +943,3 @@ def test_a_spoilt_file_is_a_score_or_one_sentence(seed, fault):
     )
     assert loop_score is None or loop_score.high is None or loop_score.friction <= loop_score.high
     assert loop_score is None or np.isfinite([row.area for row in loop_score.rows]).all()
-
-
-def test_units_of_the_headings_and_a_mapping_turn_a_loop_into_the_units_of_the_scene(tmp_path):
-    u, q, _ = rows_of(WIDE, 0.5, 200, 2.0)
-    loop_written(tmp_path / "loop.csv", 1e3 * u, q, "U [um],Q [kN/m]")
-    by_headings = read_loop(tmp_path / "loop.csv", Mapping(), WIDE)
-    assert dict(by_headings.read_as)["relative displacement U"] == (
-        "'U [um]', um (in its heading), times 0.001"
-    )
-    loop_written(tmp_path / "own.csv", 1e3 * u, 10 * q, "LVDT [um],Ft [N]")
-    columns = {"slip": "LVDT [um]", "tangential_load": "Ft [N]"}
-    factors = {
-        "length": 1e-3,
-        "load": 1.0,
-    }
-    mapped = read_loop(
-        tmp_path / "own.csv",
-        Mapping.model_validate({"columns": columns, "factors": factors, "thickness": 10.0}),
-        WIDE,
-    )
-    for loop in (by_headings, mapped):
-        np.testing.assert_allclose(loop.shift, u, rtol=1e-7, atol=1e-12)
-        np.testing.assert_allclose(loop.load, q, rtol=1e-7, atol=1e-6)
-    assert loop_page.content(score_loop(mapped, WIDE))["kind"] == "loop"
-
-
-@pytest.mark.usefixtures("undiagnosed")
-def test_a_table_of_another_program_says_what_became_of_each_column(tmp_path: Path) -> None:
-    """By `columns` of a mapping; in the terminal, on the page and in the JSON."""
-    table = tmp_path / "contact.csv"
-    names = ("place", "time", "contact stress", "traction", "temperature")
-    values = np.column_stack(
-        [X, np.full_like(X, HERTZ.time[1]), -HERTZ.pressure[1], HERTZ.shear[1], X * 0 + 20.0]
-    )
-    lines = [",".join(map(repr, row)) for row in values.tolist()]
-    table.write_text("\n".join([",".join(names), *lines]), encoding="utf-8")
-    mapping = Mapping.model_validate(
-        {
-            "columns": {"x": "place", "pressure": "contact stress", "shear": "traction"},
-            "signs": {"pressure": "compression negative"},
-        }
-    )
-    report = score_file(table, mapping, HERTZ.scene)
-    read_as = dict(report.read_as)
-    assert read_as["column contact stress"] == "pressure, sign turned"
-    assert read_as["column traction"] == "shear"
-    assert read_as["column time"] == "time"
-    assert read_as["column temperature"] == "not read"
-    assert next(iter(_score_shown(report, "page"))).startswith("contact.csv, as it was read:")
-    assert whole_content(report, "", {})["read_as"] == report.read_as
-
-
-def test_rows_without_a_value_in_either_are_named_below_the_table(tmp_path: Path) -> None:
-    """Tractions of a few instants have no work and no slip."""
-    exact = semi_analytic.solve("cattaneo-mindlin", x=np.linspace(-1.2, 1.2, 61))
-    rows = [
-        f"{time},{x},{p},{q}"
-        for time, pressure, shear in zip(exact.time, exact.pressure, exact.shear, strict=True)
-        for x, p, q in zip(exact.x, pressure, shear, strict=True)
-        if time in exact.time[-3:]
-    ]
-    (tmp_path / "rows.csv").write_text("\n".join(["time,x,p,q", *rows]), encoding="utf-8")
-    shown = halfplane(
-        tmp_path, "score", "rows.csv", "--scene", "cattaneo-mindlin", "--quiet", COLUMNS="200"
-    ).stdout
-    table, _, below = shown.partition("└")
-    assert "Largest slip" not in table
-    assert "Without a value in either: Permanent stick; Largest slip; Dissipation" in below

@@ -19,15 +19,13 @@ from meshes import MeshSettings
 from reports import compare
 from reports.comparison import Comparison
 from reports.scoring.against import score, score_surface
-from reports.scoring.causes import SHEAR_SIGN
 from reports.scoring.causes_in_words import coupling_sentence
 from reports.scoring.diagnosis import diagnose
-from reports.scoring.discrepancy import PRESSURE, SHEAR, discrepancy_of
-from reports.scoring.fits import Search
+from reports.scoring.discrepancy import discrepancy_of
 from reports.scoring.mapping import Mapping
 from reports.scoring.surface import surface_result
 from reports.scoring.traces import FAULTS, NOISE, UNKNOWN, Diagnosis, scatter
-from reports.scoring.variants import Predictions, stiffer, with_friction
+from reports.scoring.variants import stiffer, with_friction
 from scenes import Materials, Scene, load_scene
 from semi_analytic.elasticity import coupling_constant
 
@@ -366,17 +364,6 @@ def test_the_work_alone_tells_steps_too_long_where_tractions_hide_them(table: Mo
 
 
 # --------------------------------------------------------------------- what the hypotheses stand on
-def test_a_fit_of_the_fault_leaves_nothing_of_what_no_cause_leaves(table: ModuleType) -> None:
-    difference = discrepancy_of(planted(table, "shear_sign", "cattaneo-mindlin"))
-    assert difference is not None
-    search = Search(difference, Predictions(difference))
-    without, turned = (search.fit(causes, (PRESSURE, SHEAR)) for causes in ((), (SHEAR_SIGN,)))
-    assert without is not None
-    assert turned is not None
-    np.testing.assert_array_equal(without.predicted, difference.reference_tractions)
-    assert without.square((PRESSURE,)) == 0.0
-    assert without.square((SHEAR,)) > 0.01
-    assert turned.square((PRESSURE, SHEAR)) == 0.0
 
 
 def test_the_scenes_own_coupling_is_no_fault_of_the_result(table: ModuleType) -> None:

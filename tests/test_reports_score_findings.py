@@ -18,13 +18,11 @@ from reports.cli.results import _folder_of
 from reports.cli.solving import exit_code
 from reports.comparison import compare
 from reports.comparison.cycles import events
-from reports.comparison.isolated import spikes
 from reports.comparison.words import lead, verdict
-from reports.scoring.against import diagnosed, score, score_file, score_surface
+from reports.scoring.against import diagnosed, score, score_file
 from reports.scoring.causes_in_words import coupling_sentence
 from reports.scoring.discrepancy import discrepancy_of
 from reports.scoring.mapping import Mapping
-from reports.scoring.surface import surface_result
 from scenes import ContactSolution, InputError, Materials, Scene, load_scene
 from scenes.solution import last_whole_cycle
 
@@ -167,17 +165,6 @@ def test_a_pressure_alone_is_scored_where_the_scene_has_no_tangential_load(tmp_p
         score_file(table, Mapping(), CATTANEO)
 
 
-def test_german_headings_and_decimal_commas_are_read(tmp_path: Path) -> None:
-    solution = semi_analytic.solve(CATTANEO, x=np.linspace(-1.1, 1.1, 61), time=[4.5])
-    rows = zip(solution.x, solution.pressure[0], solution.shear[0], strict=True)
-    lines = [f"{x:.4f};{pressure:.4f};{shear:.4f}".replace(".", ",") for x, pressure, shear in rows]
-    lines.insert(0, "x [mm];Kontaktdruck [MPa];Schubspannung [MPa]")
-    path = tmp_path / "werte.csv"
-    path.write_text("\n".join(lines), encoding="utf-8")
-    report = score_file(path, Mapping(), CATTANEO)
-    assert abs(report.metric("shear").value) < 1e-3
-
-
 @pytest.mark.parametrize(
     "text",
     ['{"x": [0, 1], "p": [1, 2]}', '[{"x": 1, "p": 2}]', "[\n [1, 2]]", "<html><p>x</p></html>"],
@@ -228,62 +215,6 @@ def test_a_cell_that_stands_out_is_named_with_its_line_and_column_and_hides_noth
     (diagnosis,) = diagnosed(report).diagnoses
     assert diagnosis.fault == "outlier"
     assert "obey the laws" not in verdict(report.comparison)
-
-
-@pytest.mark.parametrize("factor", [2.0, 0.5, 0.0])
-def test_a_value_that_no_neighbour_supports_is_named_with_its_instant_and_place(
-    factor: float,
-) -> None:
-    """Twice the right value was "cause not found", beside "both answers obey the laws"."""
-    solution = cycle_from(0.0, steps=12)
-    pressure = solution.pressure.copy()
-    middle = len(solution.x) // 2
-    pressure[4, middle] *= factor
-    report = score(solution.x, pressure, solution.shear, scene=CATTANEO, time=solution.time)
-    (diagnosis,) = report.diagnoses
-    assert diagnosis.fault == "outlier"
-    assert f"instant 5 of the last cycle (time {solution.time[4]:.6g})" in diagnosis.sentence
-    assert f"x = {solution.x[middle]:.6g}" in diagnosis.sentence
-    assert "obey the laws" not in verdict(report.comparison)
-
-
-def test_noise_and_the_node_at_an_edge_support_each_other() -> None:
-    solution = cycle_from(0.0, steps=12)
-    random = np.random.default_rng(0)
-    noise = 0.05 * solution.pressure.max() * random.standard_normal(solution.pressure.shape)
-    noisy = np.where(solution.pressure > 0, solution.pressure + noise, 0.0)
-    at_edge = solution.pressure.copy()
-    at_edge[4, np.flatnonzero(at_edge[4])[0]] *= 3
-    for pressure in (noisy, at_edge):
-        fields = {"pressure": pressure, "shear": solution.shear}
-        surface = surface_result("arrays", "", solution.x, fields, {"time": solution.time})
-        comparison = score_surface(surface, Mapping(), CATTANEO).comparison
-        assert not any(mask.any() for mask in comparison.isolated.values())
-
-
-def test_frames_beside_each_other_name_the_column_of_the_cell(tmp_path: Path) -> None:
-    solution = cycle_from(0.0, steps=12)
-    columns = {"X": solution.x}
-    for k in range(len(solution.time)):
-        columns |= {f"CPRESS_{k + 1}": solution.pressure[k], f"CSHEAR1_{k + 1}": solution.shear[k]}
-    table = pd.DataFrame(columns)
-    table.loc[30, "CPRESS_3"] = 1e5
-    mapping = Mapping(times=tuple(solution.time.tolist()))
-    report = score_file(written(table, tmp_path / "wide.csv"), mapping, CATTANEO)
-    assert report.guesses[0].startswith("line 32, column 'CPRESS_3' (instant 3")
-
-
-def test_neither_an_edge_nor_a_contact_of_one_point_stands_out() -> None:
-    flat = semi_analytic.solve(
-        load_scene("flat-rounded-paper"),
-        x=np.linspace(-1.1, 1.1, 400),
-        fields=("pressure", "shear"),
-    )
-    assert not spikes(flat.pressure).any()
-    assert not spikes(flat.shear).any()
-    lonely = np.zeros((1, 11))
-    lonely[0, 5] = 900.0
-    assert not spikes(lonely).any()
 
 
 def test_instants_that_share_one_time_end_the_choice_of_events(tmp_path: Path) -> None:

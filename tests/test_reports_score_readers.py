@@ -502,31 +502,6 @@ def test_instants_come_in_the_order_of_time_and_mapping_shifts_and_scales(
     np.testing.assert_allclose(surface.x, 1e3 * X - 500.0)
 
 
-def test_a_pressure_at_the_points_of_a_face_needs_no_shear(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(field_files, "_read_apart", read_here)
-    full_mesh = mesh()
-    del full_mesh.point_data["CSHEAR1"]
-    surface = result(file(full_mesh)(tmp_path))
-    np.testing.assert_allclose(surface.pressure[-1], pressure_at(surface.x), rtol=1e-12, atol=1e-9)
-    assert not surface.sheared
-    assert "tractions are the fields CPRESS, without a shear" in surface.notes
-
-
-@pytest.mark.parametrize("suffix", [".vtu", ".vtk"])
-def test_a_file_that_breaks_off_anywhere_is_refused(tmp_path: Path, suffix: str) -> None:
-    path = file(mesh(), f"result{suffix}")(tmp_path)
-    content = path.read_bytes()
-    for end in np.linspace(0, len(content) - 30, 3).astype(int):
-        path.write_bytes(content[:end])
-        with pytest.raises(
-            InputError,
-            match=rf"can't be read as a {suffix} file: it is broken off or of another form \(.+\)",
-        ):
-            result(path)
-
-
 # What the process of the reader does -> words of the refusal.
 ENDS = {
     "import os, signal; os.kill(os.getpid(), signal.SIGSEGV)": (
@@ -608,39 +583,6 @@ def test_equilibrium_holds_every_sign_of_calculix(name: str) -> None:
         np.testing.assert_allclose(surface.normal_load, [P, P], rtol=1e-4)
         np.testing.assert_allclose(surface.tangential_load, [0.0, Q], atol=1e-4 * Q)
         require_facts("\n".join(surface.notes), "in surface-to-surface.dat", "thickness, 1")
-
-
-def test_either_body_as_slave_gives_the_same_tractions_those_of_hertz() -> None:
-    lower, upper, flat = (
-        result(f"{name}.frd") for name in ("node-to-surface", "mortar", "surface-to-surface")
-    )
-    inside = np.abs(lower.x) < 0.45
-    for of in ("pressure", "shear"):
-        interpolated = np.array([np.interp(lower.x, upper.x, row) for row in getattr(upper, of)])
-        # Measured 4.2 % of the peak for p, at x = 0 where node-to-surface dips; 2.0 % for q, stick
-        # edge between nodes.
-        np.testing.assert_allclose(
-            getattr(lower, of)[:, inside], interpolated[:, inside], atol=0.06 * lower.pressure.max()
-        )
-    thick = "the model is 1 thick: the tractions are those of its plane z = -0.5, one of 2"
-    for surface, words in (
-        (lower, "the lower body"),
-        (upper, "the upper body"),
-        (lower, thick),
-        (upper, "the slave face is curved"),
-    ):
-        assert words in " ".join(surface.notes)
-    half_width = np.sqrt(4 * P * 100.0 / (np.pi * 210000 / (1 - 0.3**2) / 2))
-    hertz = 2 * P / (np.pi * half_width**2) * np.sqrt(np.maximum(half_width**2 - upper.x**2, 0.0))
-    # Measured 0.045 of the peak: six elements a half-width, bodies of 3 mm. A wrong thickness is
-    # far off.
-    assert (
-        np.max(np.abs(upper.pressure[0] - hertz)[np.abs(upper.x) < 0.8 * half_width])
-        < 0.07 * hertz.max()
-    )
-    # A flat slave face is read whole.
-    assert (flat.x[0], flat.x[-1]) == (-4.0, 4.0)
-    assert not np.any(flat.pressure[:, np.abs(flat.x) > 1.0])
 
 
 def beside(folder: Path, force: list[tuple[float, float]], normal: tuple[float, ...]) -> Path:
@@ -1159,24 +1101,6 @@ ROW = record(1, ROWS[0][1:]).rstrip("\n")
 HEAD = next(line for line in LINE if line.startswith("  100C"))
 
 
-def test_a_frd_file_that_breaks_off_anywhere_is_refused_or_read_short(tmp_path: Path) -> None:
-    """A run that is still going on: whole blocks may be missing at the end, but no block is read in
-    part.
-    """
-    content = MORTAR.encode()
-    path = tmp_path / "cut.frd"
-    blocks = {b.line: b for b in read_frd(DATA / "mortar.frd").blocks}
-    for end in np.linspace(0, len(content) - 10, 30).astype(int):
-        path.write_bytes(content[:end])
-        try:
-            frd_file = read_frd(path)
-        except InputError:
-            continue
-        for block in frd_file.blocks:
-            np.testing.assert_array_equal(block.values, blocks[block.line].values)
-        assert not frd_file.ended
-
-
 PRINTOUT = """
  forces (fx,fy,fz) for set ALL and time  0.5000000E+00
 
@@ -1196,24 +1120,6 @@ PRINTOUT = """
 
     0.0 0.0 0.0 0.0 1.0 0.0
 """
-
-
-def test_tables_of_a_printed_file(tmp_path: Path) -> None:
-    dat_file = read_dat(DATA / "surface-to-surface.dat")
-    whats = [(table.kind, table.scope, table.time) for table in dat_file.tables]
-    assert whats[0] == ("total force", "set BOTTOM", 1.0)
-    assert ("contact stress", "all contact elements", 2.0) in whats
-    # The support carries what the pad brings.
-    np.testing.assert_allclose(dat_file.tables[0].values[0, :2], [0.0, P], atol=1e-3)
-    pair = dat_file.pairs[-1]
-    assert (pair.slave, pair.master, pair.time) == ("SLOWER", "SUPPER", 2.0)
-    np.testing.assert_allclose([*pair.force[:2], pair.normal[1]], [Q, -P, 1.0], rtol=1e-4)
-    (tmp_path / "case.dat").write_text(PRINTOUT)
-    dat_file = read_dat(tmp_path / "case.dat")
-    np.testing.assert_array_equal(dat_file.tables[0].ids, [[1], [7]])
-    np.testing.assert_array_equal(dat_file.tables[0].values[0], [1.0, -2.0, 3.0])
-    np.testing.assert_array_equal(dat_file.tables[1].ids, [[12]])
-    np.testing.assert_array_equal(dat_file.pairs[0].force, [1.0, 2.0, 3.0])
 
 
 FRD_FAULTS = [

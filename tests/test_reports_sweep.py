@@ -15,7 +15,6 @@ import socket
 import subprocess
 import sys
 import time
-import tomllib
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor, CancelledError, Future
 from functools import partial
@@ -75,7 +74,8 @@ BLOCKS = {
 }
 BLOCKS_FE = {"scene": "blocks", "engines": ["fe"], "figures": ["fe.dissipation"]}
 WORK_ALONE = {"figures": ["fe.dissipation"]}
-STRAIGHT = {"load.initial_loading": "straight", "load.mean_tangential_load": 0.0}
+
+
 SPAN = {"start": 1, "stop": 2, "count": 300}
 # a quarter of the time of hertz-paper
 SEVEN = {"scene": "cattaneo-mindlin", "axes": [F | {"linear": {"start": 1, "stop": 2, "count": 7}}]}
@@ -200,16 +200,6 @@ def test_a_study_file_finds_its_scene_beside_it_and_comes_back_from_its_own_json
     loaded = load_study(tmp_path / "study.json")
     assert loaded.scene.profile == load_scene("hertz-paper").profile
     assert study_of(json.loads(loaded.model_dump_json()), "again") == loaded
-
-
-def test_the_study_of_the_docs_is_one() -> None:
-    page = (ROOT / "docs" / "sweeps.md").read_text(encoding="utf-8")
-    [text] = re.findall(r"^```toml\n(.*?)^```", page, flags=re.DOTALL | re.MULTILINE)
-    points = expand(study_of(tomllib.loads(text), "docs/sweeps.md"))
-    assert len(points) == 8
-    assert math.isclose(
-        points[-1].question.scene.load.model_dump()["tangential_amplitude"], 25 + 16 / 10
-    )
 
 
 def test_axes_set_and_derived_reach_the_scene_and_the_settings() -> None:
@@ -791,21 +781,6 @@ def store(tmp_path: Path) -> Store:
             }
         )
     return filled
-
-
-def test_the_state_is_told_though_a_result_goes_meanwhile(
-    store: Store, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Between the table and the times of its results: set aside by another process, or removed."""
-    table = Store.table
-
-    def then_gone(of: Store, points: Sequence[Planned]) -> pd.DataFrame:
-        rows = table(of, points)
-        store.path(f"{1:064x}").unlink()
-        return rows
-
-    monkeypatch.setattr(Store, "table", then_gone)
-    assert state_of(store)["points"] == {"done": 3, "failed": 0, "waiting": 0, "total": 3}
 
 
 def test_time_left_is_that_of_the_points_that_wait_at_the_rate_of_the_last_ones(

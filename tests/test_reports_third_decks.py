@@ -21,12 +21,10 @@ from refusals import refused_for
 from reports import cli
 from reports.console import Stages
 from reports.studies.third.calculix import (
-    Attempt,
     calculix_version,
     find_calculix,
     run_calculix,
     solve_with_calculix,
-    status,
 )
 from reports.studies.third.deck import Deck, DeckSettings, build_deck, deck_text
 from scenes import ConvergenceError, InputError, load_scene, scene_names
@@ -261,19 +259,6 @@ class TestBodies:
             assert np.array_equal(np.unique([left, right]), np.unique(body.contact_nodes))
             assert len(side) == len(body.contact_nodes) - 1
 
-    def test_upper_plane_carries_every_node_of_its_support(self, name: str) -> None:
-        deck = deck_of(name)
-        tied = [tuple(map(float, row)) for row in data_of(cards_of(name), "EQUATION")[1::2]]
-        assert (
-            len(tied)
-            == len({row[:2] for row in tied})
-            == sum(len(nodes) for nodes in deck.upper.held.values())
-        )
-        assert all(
-            row[3] == deck.reference and row[1] == row[4] and row[2] == -row[5] for row in tied
-        )
-        assert {row[1] for row in tied} == {1.0, 2.0}
-
 
 def test_the_gap_is_the_scenes_profile_and_true_faces_stay_as_they_are_made() -> None:
     """Unequal sides are cut as they are."""
@@ -461,18 +446,6 @@ def test_what_a_deck_can_not_pull_is_refused(
         imposed(bodies, **load)
 
 
-def test_the_cycle_closes_and_its_turning_points_are_instants() -> None:
-    deck = deck_of("hertz-paper")
-    path = load_scene("hertz-paper").load.path()
-    begin = int(np.argmin(np.abs(deck.time - path.cycle_start)))
-    for load in (deck.normal_load, deck.tangential_load):
-        assert np.isclose(load[begin], load[-1])
-    assert np.isclose(deck.time[-1] - deck.time[begin], 2 * path.period), "two revolutions"
-    assert np.isclose(
-        deck_of("cattaneo-mindlin").tangential_load.max(), 27.186859502219357, rtol=1e-12
-    ), "vertices are instants"
-
-
 def test_stiffness_stick_slope_and_header_are_what_the_settings_say() -> None:
     deck = deck_of("hertz-paper")
     unit = deck.scales.modulus / (deck.scales.half_width / 16)
@@ -485,24 +458,6 @@ def test_stiffness_stick_slope_and_header_are_what_the_settings_say() -> None:
     for known in ({"steps_per_cycle": 2}, {"cycles": 0}, {"normal_stiffness": 0.0}):
         with pytest.raises(InputError, match="refused"):
             DeckSettings(**known)  # type: ignore[arg-type]
-
-
-@pytest.mark.parametrize(
-    ("planted", "instead", "words"),
-    [
-        ("*NODE PRINT", "*NODE PRNT", "unknown keyword"),
-        ("NLGEOM=NO", "NLGEOMETRY=NO", "lacks"),
-        ("*CONTACT PAIR, ", "*CONTACT PAIR, ADJUST=0.1, ", "no parameter"),
-        ("*END STEP\n", "", "step inside a step"),
-        ("*CLOAD, AMPLITUDE=NORMAL_LOAD\n", "*CLOAD, AMPLITUDE=NORMAL_LOAD\n1, 2\n", "entries"),
-        ("*ELASTIC\n", "*ELASTIC\n**\n1, 0.3\n", "is no f"),
-    ],
-)
-def test_the_parser_refuses(planted: str, instead: str, words: str) -> None:
-    text = deck_text(deck_of("hertz-paper"))
-    assert planted in text
-    with pytest.raises(ValueError, match=words):
-        parse(text.replace(planted, instead))
 
 
 STA = """ SUMMARY OF JOB INFORMATION
@@ -520,18 +475,6 @@ def stand_in(folder: Path, body: str) -> Path:
     program.write_text(f"#!/bin/sh\n{body}\n", encoding="utf-8")
     program.chmod(0o755)
     return program
-
-
-def test_the_status_file_has_accepted_and_rejected_attempts_and_maybe_half_a_line(
-    tmp_path: Path,
-) -> None:
-    (tmp_path / "deck.sta").write_text(STA + "     2          2     1", encoding="utf-8")
-    assert status(tmp_path / "deck.sta") == [
-        Attempt(False, 60, 0.0),
-        Attempt(True, 9, 0.0625),
-        Attempt(True, 15, 0.25),
-    ]
-    assert status(tmp_path / "none.sta") == []
 
 
 def test_a_run_that_reaches_its_end_counts_increments_and_iterations(tmp_path: Path) -> None:

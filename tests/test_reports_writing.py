@@ -36,7 +36,7 @@ from reports.charts.plate import (
 )
 from reports.charts.templating import harmless, marked, style_of, table_text
 from reports.comparison import Comparison
-from reports.comparison.words import summary_rows, value_of
+from reports.comparison.words import summary_rows
 from reports.folder import MANIFEST
 from reports.page.writing import code_commit, draw
 from reports.studies.sweep import running
@@ -115,20 +115,6 @@ def test_without_git_the_commit_is_unknown(monkeypatch: pytest.MonkeyPatch, tmp_
     assert code_commit() == "unknown: git does not answer"
     monkeypatch.setenv("PATH", str(tmp_path))
     assert code_commit() == "unknown: git does not answer"
-
-
-def test_what_is_not_finite_becomes_null_and_is_said(tmp_path: Path) -> None:
-    pressure = TRUTH.pressure.copy()
-    pressure[3, 30] = np.nan
-    write(
-        compare(TRUTH, with_fields(TRUTH, pressure=pressure, dissipation=np.inf)), tmp_path / "out"
-    )
-    stored = read_json(tmp_path / "out" / "comparison.json")
-    for key in ("pressure", "dissipation"):
-        assert stored["metrics"][key]["value"] is None
-        assert stored["metrics"][key]["finite"] is False
-        assert stored["metrics"][key]["accurate"] is False
-    assert stored["metrics"]["shear"]["finite"] is True
 
 
 def test_tables_hold_what_the_figures_draw(folder: Path, comparison: Comparison) -> None:
@@ -212,17 +198,6 @@ def test_with_bulk_stress_and_tilt_page_file_and_console_name_them_and_both_work
     ) == pytest.approx(work)
     assert any(name.startswith("of it by bulk stress") for name in summary)
     assert not any("m_q" in name for name, _ in summary_rows(TRUTH))
-
-
-def test_the_map_of_states_and_the_table_say_one_share() -> None:
-    sticks = np.where((TRUTH.state > 1) & (TRUTH.x > 0), 1, TRUTH.state).astype(TRUTH.state.dtype)
-    comparison = compare(TRUTH, with_fields(TRUTH, state=sticks), polygon_reference=TRUTH)
-    assert comparison.metric("state").value
-    captions = {plate.name: plate.caption for plate in draw(Report(comparison))}
-    assert (
-        f" They differ over {value_of(comparison.metric('state'))} of the length in contact"
-        in captions["state_map"]
-    )
 
 
 class Page(HTMLParser):
@@ -327,24 +302,6 @@ class TestNotebook:
             assert scene.title in "".join(table.itertext())
             assert len(table.findall(".//tr")) == 10 + scene.load.has_bulk_or_tilt
             assert {element.tag for element in table.iter()} <= TABLE
-
-    def test_the_table_of_a_solution_and_that_of_a_comparison_with_its_verdict(
-        self, comparison: Comparison
-    ) -> None:
-        solution = semi_analytic.solve(load_scene("hertz-paper"))
-        table = ET.fromstring(solution._repr_html_())
-        assert [element.tag for element in table.iter()].count("table") == 1
-        assert {element.tag for element in table.iter()} <= TABLE
-        words = "".join(table.itertext())
-        assert f"{solution.dissipation:.6g}" in words
-        assert "half-plane theory" in words
-        table = ET.fromstring(comparison._repr_html_())
-        words = "".join(table.itertext())
-        assert "Not within tolerance." in words
-        assert "outside" in words
-        assert {element.tag for element in table.iter()} <= TABLE
-        outside = [row for row in comparison.others if row.verdict == "outside"]
-        assert len(table.findall(".//tr")) == 1 + len(comparison.headlines) + len(outside)
 
     def test_words_from_outside_are_escaped(self) -> None:
         hostile = evil()
@@ -568,22 +525,6 @@ def test_every_plot_of_a_difference_carries_its_number() -> None:
         "hysteresis",
     } <= noted
     assert "they differ" in plates["state_map"].panels[2].title  # type: ignore[union-attr]
-
-
-def test_errors_of_real_bodies_without_a_tolerance_are_drawn_in_per_cent(tmp_path: Path) -> None:
-    blocks = TRUTH.scene.vary(bodies=load_scene("blocks").bodies, tolerances={})
-    comparison = compare(
-        with_fields(TRUTH, scene=blocks),
-        with_fields(TRUTH, scene=blocks, pressure=1.02 * TRUTH.pressure),
-    )
-    assert comparison.verdict is None
-    (plate,) = (drawing for drawing in draw(Report(comparison)) if drawing.name == "errors")
-    assert {"peak_pressure", "pressure", "contact_edge"} <= set(plate.table)
-    assert "Peak pressure, worst instant: 2 % at" in " ".join(key.text for key in plate.keys)
-    write(comparison, tmp_path)
-    words = (tmp_path / "report.html").read_text(encoding="utf-8")
-    assert "no metric has a tolerance here" in words
-    assert "0 of 0 metrics" not in words
 
 
 # ------------------------------------------------------------------------------- compiled templates
