@@ -451,16 +451,6 @@ def test_the_page_of_stress_has_its_cases_and_its_table_every_note(tool: Tool) -
     assert "wrong, silent: W 0.2" in stress.table_of_trials(judged)
 
 
-def test_the_page_of_calculix_has_its_cases(tool: Tool) -> None:
-    third = tool("third")
-    stored = json.loads(third.STORED.read_text("utf-8"))
-    assert set(stored) == set(third.CASES)
-    assert all(
-        case["code"].startswith("CalculiX ") and case["day"] and case["errors"]
-        for case in stored.values()
-    )
-
-
 # ----------------------------------------------- the page of performance: its judges are right
 def test_peers_are_judged_by_closed_forms_that_theory_meets(tool: Tool) -> None:
     peers = tool("peers")
@@ -476,24 +466,6 @@ def test_peers_are_judged_by_closed_forms_that_theory_meets(tool: Tool) -> None:
     tenth = peers.judged_answer(peers.Answer(x, 1.1 * pressure, 0.9 * shear, 1.0), scene)
     assert exact["p"] == exact["q"] == 0
     assert [tenth[key] for key in ("p", "q", "peak")] == pytest.approx([0.1] * 3)
-
-
-def test_lines_by_hand_are_counted_in_each_code_and_the_page_says_what_its_files_hold(
-    tool: Tool,
-) -> None:
-    counts = tool("peers").lines_by_hand()
-    performance = tool("performance")
-    assert counts.keys() == {
-        "tamaas",
-        "contactmechanics",
-        "getfem",
-        "kratos",
-        "naive",
-        "ours",
-        "calculix",
-    }
-    assert (counts["tamaas"], counts["contactmechanics"]) == (10, 7)
-    assert performance.PAGE.read_text(encoding="utf-8") == performance.page_text()
 
 
 def test_a_row_of_a_table_is_cells_as_many_as_its_head_has(tool: Tool) -> None:

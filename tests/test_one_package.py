@@ -119,21 +119,6 @@ def test_a_users_module_that_hides_a_package_of_a_checkout_is_named(tmp_path: Pa
 
 
 # ------------------------------------------------------------------------- what a script reads off
-@pytest.mark.parametrize(
-    "name", ["hertz-paper", "cattaneo-mindlin", "unload-reload", "time-series"]
-)
-def test_the_smallest_friction_is_the_largest_ratio_of_the_loads(name: str) -> None:
-    """By brute force over dense instants; the engine refuses what is below and solves above."""
-    scene = scenes.load_scene(name)
-    path = scene.load.path()
-    legs = (*path.initial_loading, *path.cycle)
-    instants = [leg.loads(np.linspace(leg.start, leg.end, 20_001)[1:]) for leg in legs]
-    ratios = [np.max(np.abs(tangential) / normal) for normal, tangential in instants]
-    assert scene.smallest_friction == pytest.approx(max(ratios), rel=1e-7)
-    check = import_module("halfplane_fe").check_admissible
-    check(path, scene.smallest_friction * (1 + 1e-6))
-    with pytest.raises(scenes.InadmissibleLoadError):
-        check(path, scene.smallest_friction * (1 - 1e-6))
 
 
 @pytest.mark.parametrize(
