@@ -126,7 +126,7 @@ def _warn_of(package: str) -> None:
     import warnings
 
     warnings.warn(
-        f"`import {package}` works until 0.5: write `from halfplane import {package}`",
+        f"`import {package}` works until 0.6: write `from halfplane import {package}`",
         DeprecationWarning,
         stacklevel=3,
     )

@@ -33,7 +33,7 @@ _NOTE_REPEATED = (
 )
 # for one release: the name meant the active set up to 0.3
 _NOTE_RENAMED = (
-    "method augmented_lagrangian: since 0.4 the augmented Lagrangian of Simo and Laursen, with"
+    "method augmented_lagrangian: since 0.3.1 the augmented Lagrangian of Simo and Laursen, with"
     " multipliers that are updated. What had this name before is active_set, the default: the same"
     " answer, several times faster"
 )
