@@ -460,6 +460,24 @@ def test_stiffness_stick_slope_and_header_are_what_the_settings_say() -> None:
             DeckSettings(**known)  # type: ignore[arg-type]
 
 
+@pytest.mark.parametrize(
+    ("planted", "instead", "words"),
+    [
+        ("*NODE PRINT", "*NODE PRNT", "unknown keyword"),
+        ("NLGEOM=NO", "NLGEOMETRY=NO", "lacks"),
+        ("*CONTACT PAIR, ", "*CONTACT PAIR, ADJUST=0.1, ", "no parameter"),
+        ("*END STEP\n", "", "step inside a step"),
+        ("*CLOAD, AMPLITUDE=NORMAL_LOAD\n", "*CLOAD, AMPLITUDE=NORMAL_LOAD\n1, 2\n", "entries"),
+        ("*ELASTIC\n", "*ELASTIC\n**\n1, 0.3\n", "is no f"),
+    ],
+)
+def test_the_parser_refuses(planted: str, instead: str, words: str) -> None:
+    text = deck_text(deck_of("hertz-paper"))
+    assert planted in text
+    with pytest.raises(ValueError, match=words):
+        parse(text.replace(planted, instead))
+
+
 STA = """ SUMMARY OF JOB INFORMATION
   STEP      INC     ATT  ITRS     TOT TIME     STEP TIME      INC TIME
      1          1     1U   60  0.000000E+00  0.000000E+00  0.625000E-01
