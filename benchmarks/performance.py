@@ -72,7 +72,6 @@ FINER = (
 SCENES = ("hertz-paper", "flat-rounded-paper", "cattaneo-mindlin", "blocks")
 SLOW = ("unlike-beta-fifth", "cylinder-roller")
 EARLIER = os.environ.get("EARLIER", "")  # the folder of a checkout
-WHAT = {"seconds": "time", "work": "error of W", "shear": "error of q", "loop": "error of the loop"}
 
 
 def series(all_points: bool) -> dict[str, list[Setting]]:
