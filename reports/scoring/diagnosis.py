@@ -38,10 +38,14 @@ from reports.scoring.traces import (
     elastic_slip,
     full_slip,
     long_steps_by_work,
+    near_edges,
     outliers,
     scatter,
 )
 from reports.scoring.variants import Predictions
+
+_TRACTIONS = ("pressure", "shear")
+_UNITS = ("p_ref", "f p_ref")
 
 
 def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
@@ -236,7 +240,38 @@ def _not_found(judgement: Judgement, verdict: Verdict) -> Diagnosis:
         )
         evidence_lines.append(f"excluded: {names_in_words}")
     evidence_lines += _left_by_each(judgement)
+    evidence_lines += _where_it_lies(discrepancy)
     return Diagnosis(UNKNOWN, WORDS["others"][UNKNOWN], tuple(evidence_lines), 0.0)
+
+
+def _where_it_lies(discrepancy: Discrepancy) -> Iterator[str]:
+    """Sentences on the place and the instant of the largest difference in contact, and on how much
+    of its square lies beside edges, where more of it does than of the points.
+    """
+    is_in_contact = discrepancy.in_contact(discrepancy.reference_tractions)
+    difference = discrepancy.result_tractions - discrepancy.reference_tractions
+    scaled_difference = np.where(is_in_contact, difference / discrepancy.units, 0.0)
+    if not scaled_difference.any():
+        return
+    index_of_largest = np.unravel_index(
+        np.argmax(np.abs(scaled_difference)), scaled_difference.shape
+    )
+    channel, instant, point = map(int, index_of_largest)
+    position = discrepancy.x[point] / discrepancy.half_width
+    yield (
+        f"largest: the {_TRACTIONS[channel]} at x = {position:.2g} a_ref, t ="
+        f" {discrepancy.time[instant]:.4g}, by {scaled_difference[channel, instant, point]:+.2g}"
+        f" {_UNITS[channel]}"
+    )
+    is_near_edge = near_edges(discrepancy)
+    squares = discrepancy.weight * np.sum(scaled_difference**2, axis=0)
+    share_near = float(squares[is_near_edge].sum() / squares.sum())
+    share_of_points = float(np.mean(is_near_edge[is_in_contact]))
+    if share_near > share_of_points:
+        yield (
+            f"{share_near:.0%} of its square lies within two spacings of an edge of contact or"
+            f" stick, which {share_of_points:.0%} of the points in contact do"
+        )
 
 
 def _names_of(fit: Fit) -> str:

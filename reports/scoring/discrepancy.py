@@ -44,13 +44,23 @@ class Discrepancy:
 
     Attributes
     ----------
-        comparison the result beside its reference rows (k,), the instants taken, of the last
-        cycle's reference_tractions, result_tractions tractions of the reference, and of the result;
-        where it has no number, the reference's weight (k, n) of the squares, 0 where the result has
-        no number; they add up to 1 missing share of the result's tractions that are no numbers
-        exact whether `reference_tractions` are half-plane theory of the scene sheared whether the
-        file has a shear has_bodies whether `reference_tractions` are half-plane theory with the
-        numbers of the scene's own finite bodies, which the reference does not have
+    comparison
+        the result beside its reference
+    rows
+        (k,) the instants taken, of the last cycle's
+    reference_tractions, result_tractions
+        tractions of the reference, and of the result; where this has no number, the reference's
+    weight
+        (k, n) of the squares, 0 where the result has no number; they add up to 1
+    missing
+        share of the result's tractions that are no numbers
+    exact
+        whether `reference_tractions` are half-plane theory of the scene
+    sheared
+        whether the file has a shear
+    has_bodies
+        whether `reference_tractions` are half-plane theory with the numbers of the scene's own
+        finite bodies, which the reference does not have
     """
 
     comparison: Comparison

@@ -341,22 +341,15 @@ def long_steps_by_work(comparison: Comparison) -> Iterator[Diagnosis]:
     )
 
 
-def coarse_edge(discrepancy: Discrepancy) -> tuple[Tractions, NDArray[np.bool_]] | None:
-    """What a mesh too coarse at the edges would give: tractions with the difference within two
-    spacings of an edge, as far as the spacing can account for its size; and which points these are,
-    (k, n).
+def near_edges(discrepancy: Discrepancy) -> NDArray[np.bool_]:
+    """(k, n) points within two spacings of an edge of contact or stick of the reference.
 
-    None where the points tell no edge from the rest. An elastic traction leaves the edge of contact
-    as (1 - x/a)^(1/2), and q the stick edge likewise. Interpolated on elements of length h its
-    error is of the order of p_ref sqrt(2 h/a) over the element with the edge. What goes beyond that
-    is not the mesh's. The edges are those of the instant, and those of the smallest stick zone:
-    what a mesh gets wrong there stays locked in.
+    The edges are those of the instant, and those of the smallest stick zone of the cycle: what a
+    mesh gets wrong there stays locked in.
     """
     x = discrepancy.x
-    scales = discrepancy.comparison.scales
     reference_cycle = discrepancy.comparison.expected
-    steps = np.diff(x)
-    spacing = np.maximum(np.append(steps, steps[-1]), np.insert(steps, 0, steps[0]))
+    spacing = _wider_spacing(x)
     edge_positions = [
         edge
         for edges in (reference_cycle.contact_edges, reference_cycle.stick_edges)
@@ -371,20 +364,36 @@ def coarse_edge(discrepancy: Discrepancy) -> tuple[Tractions, NDArray[np.bool_]]
         edge_positions += (
             innermost_edges if discrepancy.unsymmetric else (-least_stick_edge, least_stick_edge)
         )
+    shape = discrepancy.reference_tractions[PRESSURE].shape
     with np.errstate(invalid="ignore"):
-        is_near_edge = np.any(
-            [
-                np.broadcast_to(
-                    np.abs(x - edge) <= _REACH * spacing, discrepancy.reference_tractions[0].shape
-                )
-                for edge in edge_positions
-            ],
-            axis=0,
-        )
+        is_near_one = [
+            np.broadcast_to(np.abs(x - edge) <= _REACH * spacing, shape) for edge in edge_positions
+        ]
+    return np.any(is_near_one, axis=0)
+
+
+def _wider_spacing(x: Array) -> Array:
+    """(n,) the wider of the two spacings beside each point [length]."""
+    steps = np.diff(x)
+    return np.maximum(np.append(steps, steps[-1]), np.insert(steps, 0, steps[0]))
+
+
+def coarse_edge(discrepancy: Discrepancy) -> tuple[Tractions, NDArray[np.bool_]] | None:
+    """What a mesh too coarse at the edges would give: tractions with the difference within two
+    spacings of an edge, as far as the spacing can account for its size; and which points these are,
+    (k, n).
+
+    None where the points tell no edge from the rest. An elastic traction leaves the edge of contact
+    as (1 - x/a)^(1/2), and q the stick edge likewise. Interpolated on elements of length h its
+    error is of the order of p_ref sqrt(2 h/a) over the element with the edge. What goes beyond that
+    is not the mesh's.
+    """
+    is_near_edge = near_edges(discrepancy)
     is_in_contact = discrepancy.in_contact(discrepancy.reference_tractions)
     if not is_near_edge.any() or np.mean(is_near_edge[is_in_contact]) > _MOST_NEAR:
         return None
-    largest_error = pair(*_MOST) * np.sqrt(2 * spacing / scales.half_width) * discrepancy.units
+    spacing = _wider_spacing(discrepancy.x)
+    largest_error = pair(*_MOST) * np.sqrt(2 * spacing / discrepancy.half_width) * discrepancy.units
     difference = np.clip(
         discrepancy.result_tractions - discrepancy.reference_tractions,
         -largest_error,
