@@ -1101,101 +1101,34 @@ def follow_on_grid(
     """
     path = loads.path
     check([*path.initial_loading, *path.cycle], friction)
-    period = path.period
-    cycles_at_least = cycles_needed(path, time)
-    cells = request.cells
-    increments = request.increments
-    coarse_path = _Path(loads, increments // 2)
-    fine_path = _Path(loads, increments)
-    contact_edges_along = edges_along(loads, contact)
-    span = (float(np.min(contact_edges_along)), float(np.max(contact_edges_along)))
-    modulus = 2 / contact.intervals.product
-    points = x if request.pointwise else np.zeros(0)
-
-    # The coarse grid goes first: how many cycles are there?
-    possible_cycles = (
-        range(-1, max(request.most_cycles, cycles_at_least)) if path.cycle else range(-1, 0)
+    contact_edges = edges_along(loads, contact)
+    setup = _GridSetup(
+        height=height,
+        outermost_edges=(float(np.min(contact_edges)), float(np.max(contact_edges))),
+        friction=friction,
+        modulus=2 / contact.intervals.product,
     )
-    is_last_alone = request.steady and time is None and period is not None
-    first_shifts = _SHIFTS if is_last_alone else _SHIFTS[:1]
-    no_instants = np.zeros(0)
-    first_grids = _moved_grids(height, span, cells // 2, first_shifts, friction, modulus)
-    first_answers = _run(
-        first_grids, coarse_path, points, no_instants, possible_cycles, cycles_at_least
-    )
-    cycles = first_answers.works.shape[1]
-
-    # The fine grids follow them, or take up the last ones.
-    is_resumed = is_last_alone and cycles > _RESUMED
-    cycle_numbers = range(-1, cycles if path.cycle else 0)
-    if is_resumed:
-        cycle_numbers = range(cycles - _RESUMED, cycles)
-    if time is None:
-        time = _default_times(path, cycles, increments, is_last_alone)
-    time = np.asarray(time, dtype=float)
-    stride = max(len(time) // _COMPARED, 1)
-    fine_grids = _moved_grids(height, span, cells, _SHIFTS, friction, modulus)
-    if is_resumed:
-        loads_at_begin = loads.values(np.array([path.cycle_start]))[:, 0]
-        fine_grids.resume(first_answers.begins[cycle_numbers[0]], loads_at_begin)
-    fine_answers = _run(
-        fine_grids, fine_path, points, time, cycle_numbers, len(cycle_numbers), stride
-    )
-    coarse_grids = first_grids
-    coarse_answers = first_answers
-    if not is_last_alone:
-        coarse_grids = _moved_grids(height, span, cells // 2, _SHIFTS, friction, modulus)
-        coarse_answers = _run(
-            coarse_grids, coarse_path, points, time[::stride], cycle_numbers, len(cycle_numbers)
-        )
+    points_of_fields = x if request.pointwise else np.zeros(0)
+    runs = _run_coarse_and_fine(setup, loads, points_of_fields, time, request)
+    fine_answers = runs.fine
 
     load, _, _, tilt = fine_answers.loads
     middle, half_width = contact.under(load, tilt)
     contact_edges = np.stack([middle - half_width, middle + half_width], axis=-1)
     pressure = contact.pressure_over(x, middle, half_width)
     is_in_contact = (x >= contact_edges[:, :1]) & (x <= contact_edges[:, 1:])
-    shear = np.full(is_in_contact.shape, np.nan)
-    slip = shear
-    state = np.full(is_in_contact.shape, OPEN)
+    friction_limit = friction * pressure
+    fields = _FieldsAtPoints.nowhere_known(is_in_contact.shape)
     if request.pointwise:
-        limit_share = np.where(is_in_contact, fine_answers.share, 0.0)
-        shear = friction * pressure * limit_share
-        slip = fine_answers.slip
-        state = _states_of(limit_share, is_in_contact)
+        fields = _FieldsAtPoints.of_means(fine_answers, friction_limit, is_in_contact)
 
-    works = np.mean(fine_answers.works, axis=0)
-    work_of_cycles = works
-    if is_resumed:
-        work_of_cycles = np.mean(first_answers.works, axis=0)
-        works = np.append(work_of_cycles[:-1], works[-1])
-
-    density = _density_at(fine_grids, fine_answers, x)
-    coarse_density = _density_at(coarse_grids, coarse_answers, x)
-    errors = {
-        "dissipation": _error(fine_answers.work, coarse_answers.work, order=1.5),
-        "dissipation_density": _error(density, coarse_density, order=1),
-    }
-    if request.pointwise and not is_last_alone:
-        limit = friction * pressure[::stride]
-        errors["shear"] = _error(
-            limit * fine_answers.share_of_each, limit * coarse_answers.share_of_each, order=1
-        )
-        errors["slip"] = _error(fine_answers.slip_of_each, coarse_answers.slip_of_each, order=0.9)
-
-    counts = {
-        "grids": 2 * len(_SHIFTS),
-        "cells": cells,
-        "increments": first_answers.increments + fine_answers.increments,
-        "pieces": fine_answers.zones,
-    }
-    if not is_last_alone:
-        counts["increments"] += coarse_answers.increments
-    if is_resumed:
-        counts["cycles on coarse grids alone"] = cycle_numbers[0]
-    if fine_grids.without_early_slip:
-        counts["increments without early slip"] = fine_grids.without_early_slip
+    works_of_cycles = runs.works_of_cycles()
+    density_of_grids = _density_at(runs.fine_grids, fine_answers, x)
+    errors = _errors_of_work(runs, density_of_grids, x)
+    if request.pointwise and not runs.is_last_cycle_alone:
+        errors |= _errors_of_fields(runs, friction_limit)
     return Followed(
-        time=time,
+        time=runs.time,
         loads=fine_answers.loads,
         moment=contact.moment(middle, half_width, load, tilt),
         shear_moment=fine_answers.shear_moment,
@@ -1203,36 +1136,241 @@ def follow_on_grid(
         contact_edges=contact_edges,
         stick_edges=np.clip(fine_answers.stick_edges, contact_edges[:, :1], contact_edges[:, 1:]),
         pressure=pressure,
-        shear=shear,
-        slip=slip,
-        state=state.astype(np.int8),
-        works=works,
+        shear=fields.shear,
+        slip=fields.slip,
+        state=fields.state,
+        works=runs.works_with_fine_last(),
         loop=float(np.mean(fine_answers.loop)),
-        remainder=remainder_of(work_of_cycles.tolist()),
-        steady_from=first_repeat(work_of_cycles, STEADY),
+        remainder=remainder_of(works_of_cycles.tolist()),
+        steady_from=first_repeat(works_of_cycles, STEADY),
         steady_to=STEADY,
-        density=np.mean(density, axis=0),
+        density=np.mean(density_of_grids, axis=0),
         permanent_stick_edges=fine_answers.permanent,
-        counts=counts,
+        counts=_counts_of(runs, request.cells),
         errors=errors,
     )
 
 
-def _moved_grids(
-    height: Callable[[Array], Array],
-    span: tuple[float, float],
-    cells: int,
-    shifts: Array,
-    friction: float,
-    modulus: float,
-) -> Grid:
-    """Grids with `cells` equal cells between the ends of the contact, `span`, and five more beyond
-    them; each is moved by a share of a cell, `shifts` (g,).
+@dataclass(frozen=True, eq=False)
+class _GridSetup:
+    """What all grids of a scene have in common.
+
+    Attributes
+    ----------
+    height
+        h(x), the gap between the unloaded faces
+    outermost_edges
+        the leftmost and the rightmost edge of contact along the load path [length]
+    friction, modulus
+        f; E* [stress]
     """
-    left, right = span
-    cell = (right - left) / cells
-    extents = np.stack([left - (2 + shifts) * cell, right + (3 - shifts) * cell], axis=1)
-    return Grid(height, extents, cells + 5, friction, modulus)
+
+    height: Callable[[Array], Array]
+    outermost_edges: tuple[float, float]
+    friction: float
+    modulus: float
+
+    def moved_grids(self, cells: int, shifts: Array) -> Grid:
+        """Grids with `cells` equal cells between the outermost edges of contact, and five more
+        beyond them; each is moved by a share of a cell, `shifts` (g,).
+        """
+        left, right = self.outermost_edges
+        cell_width = (right - left) / cells
+        extents = np.stack(
+            [left - (2 + shifts) * cell_width, right + (3 - shifts) * cell_width], axis=1
+        )
+        return Grid(self.height, extents, cells + 5, self.friction, self.modulus)
+
+
+@dataclass(frozen=True, eq=False)
+class _Runs:
+    """What coarse and fine grids answer along one load path; coarse ones have half as many cells
+    and increments.
+
+    Attributes
+    ----------
+    first
+        answers of the coarse grids that went first and found the number of cycles
+    fine_grids, fine
+        the fine grids where they stand at the end, and their answers
+    coarse_grids, coarse
+        the coarse grids that the fine ones are compared with, and their answers
+    time
+        (n,) instants of the fine answers
+    stride
+        each grid by itself, and the coarse ones, have an answer at every `stride`-th instant
+    cycle_numbers
+        cycles that the fine grids followed, -1 for the initial loading
+    is_last_cycle_alone
+        whether the answer is of the last cycle only; the first grids are then the coarse ones
+    is_resumed
+        whether the fine grids took up the slip of the coarse ones and followed the last cycles only
+    """
+
+    first: _Answers
+    fine_grids: Grid
+    fine: _Answers
+    coarse_grids: Grid
+    coarse: _Answers
+    time: Array
+    stride: int
+    cycle_numbers: range
+    is_last_cycle_alone: bool
+    is_resumed: bool
+
+    def works_of_cycles(self) -> Array:
+        """Friction work of each cycle from the first one on, (c,), all by the same grids: by the
+        coarse ones where the fine grids followed the last cycles only.
+        """
+        answers_of_all_cycles = self.first if self.is_resumed else self.fine
+        return np.asarray(np.mean(answers_of_all_cycles.works, axis=0))
+
+    def works_with_fine_last(self) -> Array:
+        """Friction work of each cycle, (c,): that of the last by the fine grids in any case."""
+        works_of_fine_grids = np.mean(self.fine.works, axis=0)
+        if not self.is_resumed:
+            return np.asarray(works_of_fine_grids)
+        return np.append(self.works_of_cycles()[:-1], works_of_fine_grids[-1])
+
+
+def _run_coarse_and_fine(
+    setup: _GridSetup, loads: PathLoads, x: Array, time: Array | None, request: GridRequest
+) -> _Runs:
+    """Follow a load path on a coarse grid, which finds how many cycles there are, then on 16 fine
+    and, where there are none yet, on 16 coarse grids.
+
+    Where the last cycle alone is wanted, all 16 coarse grids go first, and the fine ones take up
+    their mean slip where the last but one begins.
+
+    Parameters
+    ----------
+    x
+        (m,) points at which q and s are wanted
+    time
+        (n,) instants of the answers; every second increment if None
+
+    Raises
+    ------
+    InputError
+        Where an increment does not converge.
+    """
+    path = loads.path
+    increments = request.increments
+    coarse_path = _Path(loads, increments // 2)
+    fine_path = _Path(loads, increments)
+    coarse_cells = request.cells // 2
+    is_last_cycle_alone = request.steady and time is None and path.period is not None
+
+    # The coarse grid goes first: how many cycles are there?
+    cycles_at_least = cycles_needed(path, time)
+    cycles_at_most = max(request.most_cycles, cycles_at_least) if path.cycle else 0
+    first_shifts = _SHIFTS if is_last_cycle_alone else _SHIFTS[:1]
+    no_instants = np.zeros(0)
+    first_grids = setup.moved_grids(coarse_cells, first_shifts)
+    first_answers = _run(
+        first_grids, coarse_path, x, no_instants, range(-1, cycles_at_most), cycles_at_least
+    )
+    cycles = first_answers.works.shape[1]
+
+    # The fine grids follow them, or take up the last ones.
+    is_resumed = is_last_cycle_alone and cycles > _RESUMED
+    cycle_numbers = range(-1, cycles if path.cycle else 0)
+    if is_resumed:
+        cycle_numbers = range(cycles - _RESUMED, cycles)
+    if time is None:
+        time = _default_times(path, cycles, increments, is_last_cycle_alone)
+    time = np.asarray(time, dtype=float)
+    stride = max(len(time) // _COMPARED, 1)
+    fine_grids = setup.moved_grids(request.cells, _SHIFTS)
+    if is_resumed:
+        loads_at_cycle_start = loads.values(np.array([path.cycle_start]))[:, 0]
+        fine_grids.resume(first_answers.begins[cycle_numbers[0]], loads_at_cycle_start)
+    fine_answers = _run(fine_grids, fine_path, x, time, cycle_numbers, len(cycle_numbers), stride)
+
+    coarse_grids = first_grids
+    coarse_answers = first_answers
+    if not is_last_cycle_alone:
+        coarse_grids = setup.moved_grids(coarse_cells, _SHIFTS)
+        coarse_answers = _run(
+            coarse_grids, coarse_path, x, time[::stride], cycle_numbers, len(cycle_numbers)
+        )
+    return _Runs(
+        first=first_answers,
+        fine_grids=fine_grids,
+        fine=fine_answers,
+        coarse_grids=coarse_grids,
+        coarse=coarse_answers,
+        time=time,
+        stride=stride,
+        cycle_numbers=cycle_numbers,
+        is_last_cycle_alone=is_last_cycle_alone,
+        is_resumed=is_resumed,
+    )
+
+
+class _FieldsAtPoints(NamedTuple):
+    """q [stress], s [length] and the state at n instants and k points, (n, k) each."""
+
+    shear: Array
+    slip: Array
+    state: NDArray[np.int8]
+
+    @classmethod
+    def nowhere_known(cls, shape: tuple[int, ...]) -> _FieldsAtPoints:
+        """Shear and slip NaN, every point open: nothing was asked for at points."""
+        not_a_number = np.full(shape, np.nan)
+        return cls(not_a_number, not_a_number, np.full(shape, OPEN, dtype=np.int8))
+
+    @classmethod
+    def of_means(
+        cls, answers: _Answers, friction_limit: Array, is_in_contact: NDArray[np.bool_]
+    ) -> _FieldsAtPoints:
+        """By the means over the grids; `friction_limit` (n, k) is f p."""
+        limit_share = np.where(is_in_contact, answers.share, 0.0)
+        state = _states_of(limit_share, is_in_contact)
+        return cls(friction_limit * limit_share, answers.slip, state.astype(np.int8))
+
+
+def _errors_of_work(runs: _Runs, density_of_grids: Array, x: Array) -> dict[str, float]:
+    """Relative errors of W of the last cycle and of W(x) at points x (k,), which is
+    `density_of_grids` (g, k) by the fine grids.
+    """
+    coarse_density = _density_at(runs.coarse_grids, runs.coarse, x)
+    return {
+        "dissipation": _error(runs.fine.work, runs.coarse.work, order=1.5),
+        "dissipation_density": _error(density_of_grids, coarse_density, order=1),
+    }
+
+
+def _errors_of_fields(runs: _Runs, friction_limit: Array) -> dict[str, float]:
+    """Relative errors of q and s at points; `friction_limit` (n, k) is f p at all instants."""
+    limit = friction_limit[:: runs.stride]
+    fine = runs.fine
+    coarse = runs.coarse
+    return {
+        "shear": _error(limit * fine.share_of_each, limit * coarse.share_of_each, order=1),
+        "slip": _error(fine.slip_of_each, coarse.slip_of_each, order=0.9),
+    }
+
+
+def _counts_of(runs: _Runs, cells: int) -> dict[str, int]:
+    """What was done: numbers of grids, of cells across the largest contact, of increments and of
+    zones that stick; cycles on coarse grids alone, and increments whose new cells did not slip
+    before they were touched, where there are any.
+    """
+    counts = {
+        "grids": 2 * len(_SHIFTS),
+        "cells": cells,
+        "increments": runs.first.increments + runs.fine.increments,
+        "pieces": runs.fine.zones,
+    }
+    if not runs.is_last_cycle_alone:
+        counts["increments"] += runs.coarse.increments
+    if runs.is_resumed:
+        counts["cycles on coarse grids alone"] = runs.cycle_numbers[0]
+    if runs.fine_grids.without_early_slip:
+        counts["increments without early slip"] = runs.fine_grids.without_early_slip
+    return counts
 
 
 def _states_of(limit_share: Array, is_in_contact: NDArray[np.bool_]) -> NDArray[np.int8]:
@@ -1271,10 +1409,12 @@ def cycle_works(
     InputError
         Where an increment does not converge.
     """
-    grids = _moved_grids(height, span, request.cells, _SHIFTS, friction, modulus)
-    numbers = range(-1, request.most_cycles) if loads.path.cycle else range(-1, 0)
-    nothing = np.zeros(0)
-    return _run(grids, _Path(loads, request.increments), nothing, nothing, numbers, 1).works
+    grids = _GridSetup(height, span, friction, modulus).moved_grids(request.cells, _SHIFTS)
+    path = _Path(loads, request.increments)
+    cycle_numbers = range(-1, request.most_cycles if loads.path.cycle else 0)
+    no_points = np.zeros(0)
+    no_instants = np.zeros(0)
+    return _run(grids, path, no_points, no_instants, cycle_numbers, least_cycles=1).works
 
 
 def _default_times(path: LoadPath, cycles: int, increments: int, last_alone: bool) -> Array:
