@@ -137,29 +137,30 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
         For a profile that bends down somewhere, a contact that leaves the profile.
     """
     path = path or scene.load.path()
-    profile = scene.profile
     legs = (*path.initial_loading, *path.cycle)
-    convex_shape = convex_profile(profile)
+    loading_count = len(path.initial_loading)
+    convex_shape = convex_profile(scene.profile)
     compliance = 2 / composite_modulus(scene.material)
-    datum_length = profile.datum_length
+    datum_length = scene.profile.datum_length
     friction = scene.friction.coefficient
     strain_per_stress = strain_of(scene.material)
     upright_profile = TiltedProfile(
         NestedIntervals(convex_shape, compliance, 0.0, 0.0, math.inf), datum_length
     )
-    samples = [
+    samples_of_legs = [
         _sampled(leg, upright_profile if path.moment_given else None, strain_per_stress)
         for leg in legs
     ]
-    load_sizes = LoadSizes.of(np.concatenate(samples, axis=1), convex_shape, compliance, friction)
-    loading_count = len(path.initial_loading)
-    leg_of_first_shear = 0  # leg of the first shear
-    while leg_of_first_shear < loading_count and _presses_only(
-        samples[leg_of_first_shear], load_sizes
+    load_sizes = LoadSizes.of(
+        np.concatenate(samples_of_legs, axis=1), convex_shape, compliance, friction
+    )
+    first_shearing_leg = 0
+    while first_shearing_leg < loading_count and _presses_only(
+        samples_of_legs[first_shearing_leg], load_sizes
     ):
-        leg_of_first_shear += 1
-    p, q, eps, alpha = np.concatenate(samples[leg_of_first_shear:] or [samples[-1][:, -1:]], axis=1)
-    has_tilt_value = np.isfinite(alpha)
+        first_shearing_leg += 1
+    last_sample = samples_of_legs[-1][:, -1:]
+    p, q, eps, alpha = np.concatenate(samples_of_legs[first_shearing_leg:] or [last_sample], axis=1)
     largest_load = float(np.max(p))
     neglected: dict[str, float] = {}
     # At constant P the stick zones of a parabola are nested where contacts are not.
@@ -175,71 +176,118 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
             neglected["tangential load"] = float(np.max(np.abs(q))) / (friction * largest_load)
         largest_change = float(np.max(np.abs(eps - first_strain)))
         q = (eps - first_strain) * (friction * largest_load / 2 / largest_change)
-    if np.ptp(q) > load_sizes.shear_rounding:
-        slope_over_loads = _slope_of(q, eps, load_sizes.strain_rounding)
-    else:
-        slope_over_loads = _slope_of(
-            p[has_tilt_value], alpha[has_tilt_value], load_sizes.tilt_rounding
-        )
-    tilt_without_load = (
-        float(np.mean(alpha[has_tilt_value] - slope_over_loads * p[has_tilt_value]))
-        if np.any(has_tilt_value)
-        else 0.0
-    )
-    strain_deviation = float(np.ptp(eps - slope_over_loads * q))
-    tilt_deviations = np.abs(
-        alpha[has_tilt_value] - tilt_without_load - slope_over_loads * p[has_tilt_value]
-    )
-    tilt_deviation = float(np.max(tilt_deviations, initial=0.0))
-    if strain_deviation > load_sizes.strain_rounding + _ROUNDING * abs(slope_over_loads) * np.max(
-        np.abs(q)
-    ):
+    relation = _AffineRelation.fitted(p, q, eps, alpha, load_sizes)
+    if not relation.holds:
         return None
-    if tilt_deviation > load_sizes.tilt_rounding + _ROUNDING * abs(slope_over_loads) * np.max(p):
-        return None
-    # What is the last digits of a load itself is no load that was left out.
-    if strain_deviation > _ROUNDING * np.max(np.abs(eps)):
-        neglected["bulk stress"] = strain_deviation / load_sizes.strain
-    if tilt_deviation > _ROUNDING * np.max(np.abs(alpha[has_tilt_value])):
-        neglected["tilt"] = tilt_deviation / load_sizes.tilt
-    contact = TiltedProfile(
-        NestedIntervals(
-            convex_shape, compliance, tilt_without_load, slope_over_loads, largest_load
-        ),
-        datum_length,
+    neglected |= relation.neglected
+    intervals = NestedIntervals(
+        convex_shape, compliance, relation.tilt_without_load, relation.slope, largest_load
     )
+    contact = TiltedProfile(intervals, datum_length)
     if is_strain_alone or not contact.is_nested(largest_load):
         if not may_slip_apart:
             return None
-        contact = OppositeSlip(
-            contact.intervals,
+        contact_slipping_apart = _slipping_apart(
+            intervals,
             datum_length,
-            friction=friction,
-            reach=float(np.max(np.abs(q))),
-            share=0.0 if is_strain_alone else 1.0,
+            friction,
+            largest_shear=float(np.max(np.abs(q))),
+            share_of_shear=0.0 if is_strain_alone else 1.0,
         )
-        try:
-            if not contact.is_nested(largest_load):
-                return None
-        except (ArithmeticError, Unresolved):
+        if contact_slipping_apart is None:
             return None
-    first_driven_leg = leg_of_first_shear if is_strain_alone else len(legs)
-    legs_of_p_and_q = [replace(leg, bulk=None, turning=None) for leg in legs[:first_driven_leg]]
-    for leg in legs[first_driven_leg:]:
-        leg_of_strain = _driven(leg, strain_per_stress, first_strain, slope_over_loads)
-        if leg_of_strain is None:
+        contact = contact_slipping_apart
+    first_leg_by_strain = first_shearing_leg if is_strain_alone else len(legs)
+    legs_of_curve = [replace(leg, bulk=None, turning=None) for leg in legs[:first_leg_by_strain]]
+    for leg in legs[first_leg_by_strain:]:
+        leg_by_strain = _leg_by_strain(leg, strain_per_stress, first_strain, relation.slope)
+        if leg_by_strain is None:
             return None
-        legs_of_p_and_q.append(leg_of_strain)
+        legs_of_curve.append(leg_by_strain)
     return OneCurve(
         contact=contact,
-        path=LoadPath(
-            tuple(legs_of_p_and_q[:loading_count]), tuple(legs_of_p_and_q[loading_count:])
-        ),
+        path=LoadPath(tuple(legs_of_curve[:loading_count]), tuple(legs_of_curve[loading_count:])),
         bulk=path.companion("bulk"),
         turning=path.companion("turning"),
         moment_given=path.moment_given,
         neglected=neglected,
     )
+
+
+class _AffineRelation(NamedTuple):
+    """alpha = alpha_0 + kappa P and eps = eps_0 + kappa Q with one kappa, fitted to samples of a
+    load path, and whether they hold.
+
+    Attributes
+    ----------
+    slope, tilt_without_load
+        kappa [1/load], alpha_0 [rad]
+    holds
+        whether strain and tilt of all samples are on the lines to rounding
+    neglected
+        "bulk stress" and "tilt": deviations from the lines that are more than round-off of strain
+        or tilt themselves, each over the size that makes an edge slip or lift
+    """
+
+    slope: float
+    tilt_without_load: float
+    holds: bool
+    neglected: dict[str, float]
+
+    @classmethod
+    def fitted(
+        cls, p: Array, q: Array, eps: Array, alpha: Array, load_sizes: LoadSizes
+    ) -> _AffineRelation:
+        """From samples (n,) of P, Q, bulk strain and tilt, NaN where no tilt is known: kappa from
+        eps over Q where Q changes, else from alpha over P.
+        """
+        has_tilt_value = np.isfinite(alpha)
+        p_with_tilt = p[has_tilt_value]
+        known_tilt = alpha[has_tilt_value]
+        if np.ptp(q) > load_sizes.shear_rounding:
+            slope = _slope_of(q, eps, load_sizes.strain_rounding)
+        else:
+            slope = _slope_of(p_with_tilt, known_tilt, load_sizes.tilt_rounding)
+        tilt_without_load = 0.0
+        if np.any(has_tilt_value):
+            tilt_without_load = float(np.mean(known_tilt - slope * p_with_tilt))
+        strain_deviation = float(np.ptp(eps - slope * q))
+        tilt_deviations = np.abs(known_tilt - tilt_without_load - slope * p_with_tilt)
+        tilt_deviation = float(np.max(tilt_deviations, initial=0.0))
+        strain_limit = load_sizes.strain_rounding + _ROUNDING * abs(slope) * np.max(np.abs(q))
+        tilt_limit = load_sizes.tilt_rounding + _ROUNDING * abs(slope) * np.max(p)
+        holds = not (strain_deviation > strain_limit or tilt_deviation > tilt_limit)
+        neglected = {}
+        if holds:
+            # What is the last digits of a load itself is no load that was left out.
+            if strain_deviation > _ROUNDING * np.max(np.abs(eps)):
+                neglected["bulk stress"] = strain_deviation / load_sizes.strain
+            if tilt_deviation > _ROUNDING * np.max(np.abs(known_tilt)):
+                neglected["tilt"] = tilt_deviation / load_sizes.tilt
+        return cls(slope, tilt_without_load, holds, neglected)
+
+
+def _slipping_apart(
+    intervals: NestedIntervals,
+    datum_length: float,
+    friction: float,
+    largest_shear: float,
+    share_of_shear: float,
+) -> OppositeSlip | None:
+    """The contact of a parabola at constant P whose ends slip opposite ways under bulk strain;
+    None where its stick zones are not nested up to `largest_shear`, the largest |Q|, or cannot be
+    resolved.
+
+    `share_of_shear` is 0 where bulk strain alone changes and a load in proportion stands for Q,
+    else 1.
+    """
+    contact = OppositeSlip(
+        intervals, datum_length, friction=friction, reach=largest_shear, share=share_of_shear
+    )
+    try:
+        return contact if contact.is_nested(intervals.most) else None
+    except (ArithmeticError, Unresolved):
+        return None
 
 
 @dataclass(frozen=True)
@@ -366,11 +414,14 @@ def steady_curve(scene: Scene) -> OneCurve | None:
     return one_curve(scene, LoadPath((pressing, shearing), path.cycle, path.moment_given))
 
 
-def _driven(
+def _leg_by_strain(
     leg: LoadSegment, strain: tuple[float, float], first_strain: float, slope: float
 ) -> LoadSegment | None:
-    """A leg of constant P with (eps - first_strain)/slope in place of Q; None where bulk stress is
-    neither a line nor a sum of waves.
+    """A leg of constant P with the load (eps - first_strain)/slope in place of Q; None where bulk
+    stress is neither a line nor a sum of waves over time.
+
+    `strain` is the bulk strain eps by a unit bulk stress of the lower and of the upper body
+    [1/stress], `slope` that of eps over the load.
     """
 
     def load_of(stresses: Sequence[float]) -> float:
