@@ -186,11 +186,15 @@ def side_by_side(line: Line) -> tuple[str, str, str]:
         difference = case_table.difference(line.baseline, line.value)
         old = str(difference.stated)
         place = difference.place
-    new = str(case_table.entries(line.value)[place])
-    exact = "none"
-    if line.references:
-        exact = str(case_table.entries(line.references[0].value)[place])
+    new = _entry(line.value, place)
+    exact = _entry(line.references[0].value, place) if line.references else "none"
     return old[:24], new[:24], exact[:24]
+
+
+def _entry(value: Any, place: int) -> str:
+    """One number or word of a value; "none" behind its end."""
+    value_entries = case_table.entries(value)
+    return str(value_entries[place]) if place < len(value_entries) else "none"
 
 
 def main(words: Sequence[str]) -> int:
