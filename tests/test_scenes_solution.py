@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+import reports.page.notebook  # noqa: F401  (registers the figures of a solution)
 import semi_analytic
 from scenes import InputError, load_scene, notebook_forms
 from scenes.solution import ContactSolution, Record, SurfaceState, Work, freeze
