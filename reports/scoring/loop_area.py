@@ -61,15 +61,25 @@ def _shoelace(shift: Array, load: Array) -> float:
 
 
 def _where_shift_returns(shift: Array, rows: NDArray[np.intp]) -> tuple[int, float]:
-    """Where U (n,) is nearest to its first value on the way to each of these rows: the row behind
-    that place, and the share of the step to it.
+    """Where a record of U comes back nearest to its first value: the row behind that place, and the
+    share of the step to this row.
 
+    Parameters
+    ----------
+    shift
+        (n,) U
+    rows
+        (k,) the rows behind the steps that are searched
+
+
+    Examples
+    --------
     >>> _where_shift_returns(np.array([2.0, 5.0, 1.0, 1.5, 2.5, 3.0]), np.array([3, 4, 5]))
     (4, 0.5)
     """
-    before = shift[rows - 1]
-    step = shift[rows] - before
-    to_first = shift[0] - before
+    shift_before = shift[rows - 1]
+    step = shift[rows] - shift_before
+    to_first = shift[0] - shift_before
     share = np.clip(to_first / np.where(step == 0, 1.0, step), 0.0, 1.0)
     nearest = int(np.argmin(np.abs(share * step - to_first)))
     return int(rows[nearest]), float(share[nearest])
@@ -78,7 +88,8 @@ def _where_shift_returns(shift: Array, rows: NDArray[np.intp]) -> tuple[int, flo
 def polygon_area(
     shift: Array, load: Array, phase: Array, shift_noise: float, load_noise: float
 ) -> LoopArea:
-    """Area of the polygon through rows in their order, over as many whole cycles as they cover.
+    """Area W of a loop of U and Q by the polygon through its rows, per cycle, with its errors by
+    the distance of the rows and by their noise. As many whole cycles count as the rows cover.
 
     Parameters
     ----------
@@ -96,57 +107,61 @@ def polygon_area(
     >>> abs(found.value + np.pi) < found.by_distance < 0.01
     True
     """
-    covered = float(phase[-1] - phase[0])
+    covered_cycles = float(phase[-1] - phase[0])
     # A row is missing where the last one is a step before the first; phases are known to a
     # hundredth.
-    missing = 1.6 * covered / (len(phase) - 1) + 0.01
-    cycles = max(math.floor(covered + missing), 1)
+    missing_cycles = 1.6 * covered_cycles / (len(phase) - 1) + 0.01
+    cycles = max(math.floor(covered_cycles + missing_cycles), 1)
     end = float(phase[0]) + cycles
-    reached = np.flatnonzero(phase >= end)
-    reached = reached[reached > 0.5 * len(phase) * cycles / max(covered, cycles)]
-    by_gap = 0.0
-    if len(reached):  # up to the place between two rows where the loop closes
-        after = int(reached[0])
-        share = float(
-            np.clip(
-                (end - phase[after - 1]) / max(phase[after] - phase[after - 1], 1e-300), 0.0, 1.0
-            )
-        )
+    rows_at_end = np.flatnonzero(phase >= end)
+    rows_at_end = rows_at_end[rows_at_end > 0.5 * len(phase) * cycles / max(covered_cycles, cycles)]
+    area_of_gap = 0.0
+    if len(rows_at_end):  # up to the place between two rows where the loop closes
+        row_after = int(rows_at_end[0])
+        phase_before = phase[row_after - 1]
+        phase_step = max(phase[row_after] - phase_before, 1e-300)
+        share_of_step = float(np.clip((end - phase_before) / phase_step, 0.0, 1.0))
         least_gap = _GAP * shift_noise
-        as_high = 4 * load_noise / (2 * float(np.ptp(load))) + _ROUNDING
-        standing = reached[phase[reached] <= end + as_high]
-        if len(standing) > 1:  # U moves on while Q stands: the loop closes where U comes back
-            after, share = _where_shift_returns(shift, standing)
-            is_last_row = after == len(shift) - 1 and share == 1
+        phase_while_standing = 4 * load_noise / (2 * float(np.ptp(load))) + _ROUNDING
+        standing_rows = rows_at_end[phase[rows_at_end] <= end + phase_while_standing]
+        if len(standing_rows) > 1:  # U moves on while Q stands: the loop closes where U comes back
+            row_after, share_of_step = _where_shift_returns(shift, standing_rows)
+            is_last_row = row_after == len(shift) - 1 and share_of_step == 1
             if is_last_row:  # which may be a step before the first one
-                largest_step = float(np.max(np.abs(np.diff(shift[standing]))))
+                largest_step = float(np.max(np.abs(np.diff(shift[standing_rows]))))
                 least_gap = max(least_gap, 1.6 * largest_step)
         ends = [
-            float(values[after - 1] + share * (values[after] - values[after - 1]))
+            float(
+                values[row_after - 1] + share_of_step * (values[row_after] - values[row_after - 1])
+            )
             for values in (shift, load)
         ]
         # U that does not come back closes by a chord at the first Q: an error of the gap times Q
         # from its mean there.
         across_gap = ends[0] - float(shift[0])
         if abs(across_gap) > least_gap:
-            by_gap = abs(across_gap) * abs(float(load[0]) - float(load.max() + load.min()) / 2)
-        shift = np.append(shift[:after], ends[0])
-        load = np.append(load[:after], ends[1])
+            area_of_gap = abs(across_gap) * abs(float(load[0]) - float(load.max() + load.min()) / 2)
+        shift = np.append(shift[:row_after], ends[0])
+        load = np.append(load[:row_after], ends[1])
     elif (
-        end - phase[-1] > missing
+        end - phase[-1] > missing_cycles
     ):  # the loop may lie anywhere between the chord and its end tangents
-        by_gap = abs(float((shift[-1] - shift[0]) * (load[-1] - load[0]))) / 2
-    value = _shoelace(shift, load)
-    coarse = (_shoelace(shift[::2], load[::2]) + _shoelace(shift[1::2], load[1::2])) / 2
-    across = (np.roll(shift, -1) - np.roll(shift, 1)) / 2
-    step = (np.roll(load, -1) - np.roll(load, 1)) / 2
-    scatter = math.sqrt(float(np.sum((shift_noise * step) ** 2 + (load_noise * across) ** 2)))
-    by_distance = abs(value - coarse) / 2 + by_gap
-    return LoopArea(value / cycles, by_distance / cycles, 1.96 * scatter / cycles, cycles)
+        area_of_gap = abs(float((shift[-1] - shift[0]) * (load[-1] - load[0]))) / 2
+    area = _shoelace(shift, load)
+    area_of_half_the_rows = (
+        _shoelace(shift[::2], load[::2]) + _shoelace(shift[1::2], load[1::2])
+    ) / 2
+    shift_step = (np.roll(shift, -1) - np.roll(shift, 1)) / 2
+    load_step = (np.roll(load, -1) - np.roll(load, 1)) / 2
+    area_scatter = math.sqrt(
+        float(np.sum((shift_noise * load_step) ** 2 + (load_noise * shift_step) ** 2))
+    )
+    error_by_distance = abs(area - area_of_half_the_rows) / 2 + area_of_gap
+    return LoopArea(area / cycles, error_by_distance / cycles, 1.96 * area_scatter / cycles, cycles)
 
 
 def area_about_fit(loop: MasingLoop, fit: MasingFit, cycles: float) -> LoopArea:
-    """Area of a fitted loop, and of what the rows (n,) enclose beside it.
+    """Area W of a fitted loop plus what the rows enclose beside it, per cycle, with its errors.
 
     A row that lies beside the loop by (dU, dQ) stands for the loop from half-way to its neighbours:
     dW = integral of dQ dU - dU dQ, to first order in the distance. Scatter of a row moves its own
@@ -159,32 +174,40 @@ def area_about_fit(loop: MasingLoop, fit: MasingFit, cycles: float) -> LoopArea:
     """
     from scipy.stats import t as student
 
-    place = fit.distances.place
-    order = np.argsort(place, kind="stable")
-    lever = np.empty(len(place))
-    lever[order] = _lever(loop, fit, order)
-    beside = float(lever @ fit.distances.value)
-    halves = [float(_lever(loop, fit, half) @ fit.distances.value[half]) for half in _halves(order)]
+    place_of_rows = fit.distances.place
+    order_on_loop = np.argsort(place_of_rows, kind="stable")
+    area_by_distance = np.empty(len(place_of_rows))
+    area_by_distance[order_on_loop] = _lever(loop, fit, order_on_loop)
+    area_beside_fit = float(area_by_distance @ fit.distances.value)
+    area_beside_halves = [
+        float(_lever(loop, fit, half_of_rows) @ fit.distances.value[half_of_rows])
+        for half_of_rows in _halves(order_on_loop)
+    ]
 
-    through_fit = loop.area_by_parameters + lever @ fit.distances.derivatives
-    by_row = through_fit @ fit.influence
-    by_row[: len(lever)] += lever
+    area_by_parameters = loop.area_by_parameters + area_by_distance @ fit.distances.derivatives
+    area_by_row = area_by_parameters @ fit.influence
+    area_by_row[: len(area_by_distance)] += area_by_distance
     # The scatter is at least what the digits of the rows leave: sigma is no smaller.
     variance = max(float(fit.distances.value @ fit.distances.value) / fit.freedom, 1.0)
-    scatter = math.sqrt(variance * float(by_row @ by_row)) * max(fit.misfit.widening, 1.0)
-    by_scatter = _CHOSEN_BY_ROWS * float(student.ppf(0.975, fit.freedom)) * scatter
+    area_scatter = math.sqrt(variance * float(area_by_row @ area_by_row)) * max(
+        fit.misfit.widening, 1.0
+    )
+    error_by_scatter = _CHOSEN_BY_ROWS * float(student.ppf(0.975, fit.freedom)) * area_scatter
     # W of a thin loop is no straight function of the rows: over the interval of f it changes more.
     # A loop without an upper limit of f may be a line.
-    for end in fit.ends:
-        area_at_end = 0.0 if end is None else replace(loop, values=end).area
-        by_scatter = max(by_scatter, abs(area_at_end - loop.area))
-    by_digits = 0.0
+    for parameters_at_end in fit.ends:
+        area_at_end = (
+            0.0 if parameters_at_end is None else replace(loop, values=parameters_at_end).area
+        )
+        error_by_scatter = max(error_by_scatter, abs(area_at_end - loop.area))
+    error_by_digits = 0.0
     if fit.by_digits:
-        by_digits = loop.area_by_friction_where_gross * fit.by_digits
+        error_by_digits = loop.area_by_friction_where_gross * fit.by_digits
     return LoopArea(
-        value=loop.area + beside,
-        by_distance=abs(beside - sum(halves) / 2) / 2 + _OF_SAMPLES * loop.area,
-        by_noise=math.hypot(by_scatter, by_digits),
+        value=loop.area + area_beside_fit,
+        by_distance=abs(area_beside_fit - sum(area_beside_halves) / 2) / 2
+        + _OF_SAMPLES * loop.area,
+        by_noise=math.hypot(error_by_scatter, error_by_digits),
         cycles=max(math.floor(cycles), 1),
     )
 

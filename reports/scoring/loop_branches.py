@@ -90,7 +90,10 @@ def row_noise(values: Array) -> float:
 def find_branches(
     shift: Array, load: Array, time: Array, resolution: float, source: str
 ) -> Branches:
-    """Turning points and branches of rows of Q.
+    """Turning points of Q, and the branch of the loop (Q rises or falls) on which each row lies.
+
+    A crossing is where Q passes the middle of its range. Between two of them lies a turning point.
+    Less than two cycles are laid end to end twice, so that each turning point lies between two.
 
     Parameters
     ----------
@@ -98,6 +101,8 @@ def find_branches(
         U, Q and time of the rows, (n,) each; time ascends
     resolution
         step of Q that the digits of the rows resolve
+    source
+        name of the file, for messages
 
     Raises
     ------
@@ -118,20 +123,25 @@ def find_branches(
     period = math.inf
     copies = 1
     if len(begins) < 3:  # less than two cycles: the first one follows itself round
-        end = _closing_row(shift, load, begins, upward, noise)
-        if end is None:
-            covered = float(
+        closing_row = _closing_row(shift, load, begins, upward, noise)
+        if closing_row is None:
+            covered_cycles = float(
                 np.sum(np.abs(np.diff(_turned(load, begins, ends)))) / (2 * (top - bottom))
             )
             raise InputError(
-                f"{source}: its rows cover {covered:.2g} of a cycle: a loop needs a whole one"
+                f"{source}: its rows cover {covered_cycles:.2g} of a cycle: a loop needs a whole"
+                f" one"
             )
-        closed = abs(load[end] - load[0]) < 0.5 * float(np.median(np.abs(np.diff(load))))
-        step = 0.0 if closed else float(np.median(np.diff(time)))
-        period = float(time[end]) - float(time[0]) + step
-        begin = 1 if closed else 0
-        cyclic_load = np.concatenate([load[: end + 1], load[begin : end + 1]])
-        cyclic_time = np.concatenate([time[: end + 1], time[begin : end + 1] + period])
+        last_repeats_first = abs(load[closing_row] - load[0]) < 0.5 * float(
+            np.median(np.abs(np.diff(load)))
+        )
+        step = 0.0 if last_repeats_first else float(np.median(np.diff(time)))
+        period = float(time[closing_row]) - float(time[0]) + step
+        first_row = 1 if last_repeats_first else 0
+        cyclic_load = np.concatenate([load[: closing_row + 1], load[first_row : closing_row + 1]])
+        cyclic_time = np.concatenate(
+            [time[: closing_row + 1], time[first_row : closing_row + 1] + period]
+        )
         copies = 2
         begins, ends, upward = _crossings(cyclic_load, bottom, top)
     middles = _middles(cyclic_load, cyclic_time, begins, ends, (bottom + top) / 2)
@@ -141,7 +151,7 @@ def find_branches(
         )
     centres = (middles[1:] + middles[:-1]) / 2  # of the two crossings of a turning point
     is_top = upward[:-1]
-    found = {
+    turning_points = {
         side: _turning_point(
             cyclic_load,
             cyclic_time,
@@ -153,18 +163,20 @@ def find_branches(
         )
         for side in (True, False)
     }
-    highest, above = found[True]
-    lowest, below = found[False]
+    highest, top_after_centre = turning_points[True]
+    lowest, bottom_after_centre = turning_points[False]
 
     # Turning points in the order of time, with one before the first and one behind the last.
-    half = {side: float(np.median(np.diff(middles)[is_top == side])) / 2 for side in (True, False)}
-    place = {True: above, False: below}
-    turns = centres + np.where(is_top, above, below)
+    half_branch = {
+        side: float(np.median(np.diff(middles)[is_top == side])) / 2 for side in (True, False)
+    }
+    turn_after_centre = {True: top_after_centre, False: bottom_after_centre}
+    turns = centres + np.where(is_top, top_after_centre, bottom_after_centre)
     turns = np.concatenate(
         [
-            [middles[0] - half[not upward[0]] + place[not upward[0]]],
+            [middles[0] - half_branch[not upward[0]] + turn_after_centre[not upward[0]]],
             turns,
-            [middles[-1] + half[bool(upward[-1])] + place[bool(upward[-1])]],
+            [middles[-1] + half_branch[bool(upward[-1])] + turn_after_centre[bool(upward[-1])]],
         ]
     )
     first_is_top = not bool(upward[0])
@@ -174,12 +186,11 @@ def find_branches(
         turns = np.concatenate([turns[1:3] + period * lap for lap in range(-2, 3)])
     branch = np.asarray(np.searchsorted(turns, time, side="right") - 1)
     begins_at_top = (branch % 2 == 0) == first_is_top
-    rising = ~begins_at_top
-    start = np.where(begins_at_top, highest.load, lowest.load)
-    passed = np.clip(np.abs(load - start) / (highest.load - lowest.load), 0.0, 1.0)
-    return Branches(
-        (branch + passed + (1 if first_is_top else 0)) / 2, rising, highest, lowest, noise
-    )
+    is_rising = ~begins_at_top
+    load_at_start = np.where(begins_at_top, highest.load, lowest.load)
+    share_of_range = np.clip(np.abs(load - load_at_start) / (highest.load - lowest.load), 0.0, 1.0)
+    cycles_since_bottom = (branch + share_of_range + (1 if first_is_top else 0)) / 2
+    return Branches(cycles_since_bottom, is_rising, highest, lowest, noise)
 
 
 def _range(load: Array, noise: float) -> tuple[float, float]:
@@ -192,34 +203,40 @@ def _range(load: Array, noise: float) -> tuple[float, float]:
 def _crossings(
     load: Array, bottom: float, top: float
 ) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.bool_]]:
-    """Crossings of the levels: last row before and first row behind each, and whether Q rises
-    there.
+    """Crossings of the middle of Q, (k,) each: the last row of one half of the range and the first
+    row of the other, and whether Q rises from one to the other.
+
+    Rows between a lower and an upper level, so that noise makes no crossing, belong to no half.
     """
-    low = load < bottom + _LOWER * (top - bottom)
-    high = load > bottom + _UPPER * (top - bottom)
-    rows = np.flatnonzero(low | high)
-    state = high[rows]
-    changes = np.flatnonzero(state[1:] != state[:-1])
-    return rows[changes], rows[changes + 1], state[changes + 1]
+    is_low = load < bottom + _LOWER * (top - bottom)
+    is_high = load > bottom + _UPPER * (top - bottom)
+    rows_beyond_levels = np.flatnonzero(is_low | is_high)
+    is_high_there = is_high[rows_beyond_levels]
+    changes = np.flatnonzero(is_high_there[1:] != is_high_there[:-1])
+    return rows_beyond_levels[changes], rows_beyond_levels[changes + 1], is_high_there[changes + 1]
 
 
 def sizes_of_cycles(values: Array, load: Array, time: Array, noise: float) -> Array:
-    """Root mean square over time of values (n,) from their mean, in each cycle from one crossing of
-    the middle of Q to the next but one: (k,), each half a cycle later.
+    """Standard deviation of values over time in each cycle, (k,).
+
+    A cycle runs from one time at which Q passes the middle of its range to the next but one; each
+    begins half a cycle after the one before.
 
     Parameters
     ----------
+    values
+        (n,) at the rows, such as U
     load, time, noise
         Q (n,), its time, and its sigma
     """
     bottom, top = _range(load, noise)
     begins, ends, _ = _crossings(load, bottom, top)
-    middles = _middles(load, time, begins, ends, (bottom + top) / 2)
+    crossing_times = _middles(load, time, begins, ends, (bottom + top) / 2)
     instants = [
         np.linspace(begin, end, _INSTANTS_OF_CYCLE)
-        for begin, end in zip(middles[:-2], middles[2:], strict=True)
+        for begin, end in zip(crossing_times[:-2], crossing_times[2:], strict=True)
     ]
-    return np.array([float(np.std(np.interp(at, time, values))) for at in instants])
+    return np.array([float(np.std(np.interp(times, time, values))) for times in instants])
 
 
 def _turned(load: Array, begins: NDArray[np.intp], ends: NDArray[np.intp]) -> Array:
@@ -234,132 +251,193 @@ def _turned(load: Array, begins: NDArray[np.intp], ends: NDArray[np.intp]) -> Ar
 def _closing_row(
     shift: Array, load: Array, begins: NDArray[np.intp], upward: NDArray[np.bool_], noise: float
 ) -> int | None:
-    """The row nearest to the first one, a cycle later on the same branch; None where the rows do
-    not come back there.
+    """Index of the row that closes the loop: the one nearest to the first row, a cycle later on the
+    same branch. None where no row comes that near again.
+
+    Parameters
+    ----------
+    shift, load
+        (n,) U and Q of the rows
+    begins, upward
+        (k,) last row before each crossing of the middle of Q, and whether Q rises there
+    noise
+        standard deviation of Q
     """
     if not len(begins):
         return None
     stretches = np.split(np.arange(len(load)), begins + 1)  # rows of high Q and of low Q by turns
-    first_high = not bool(upward[0])
-    first = load[stretches[0]]
-    goes_on = (
-        np.max(first) > load[0] + 4 * noise if first_high else np.min(first) < load[0] - 4 * noise
-    )
-    rising = bool(goes_on) == first_high
+    begins_high = not bool(upward[0])
+    first_loads = load[stretches[0]]
+    if begins_high:
+        moves_outwards = np.max(first_loads) > load[0] + 4 * noise
+    else:
+        moves_outwards = np.min(first_loads) < load[0] - 4 * noise
+    begins_rising = bool(moves_outwards) == begins_high
     # The branch of the first row begins again at the first lowest Q behind a highest one, or the
     # other way round.
-    place = 1 if rising == first_high else 2
-    if len(stretches) <= place:
+    stretch_of_turn = 1 if begins_rising == begins_high else 2
+    if len(stretches) <= stretch_of_turn:
         return None
-    rows = stretches[place]
-    turn = int(rows[np.argmin(load[rows]) if rising else np.argmax(load[rows])])
+    rows = stretches[stretch_of_turn]
+    turning_row = int(rows[np.argmin(load[rows]) if begins_rising else np.argmax(load[rows])])
     # Behind the next turning point rows lie on the other branch, which is nearer than a step.
-    rest = load[turn:]
-    end = turn + int(np.argmax(rest) if rising else np.argmin(rest)) + 1
-    apart = [values[turn:end] - values[0] for values in (load, shift)]
-    steps = [float(np.max(np.abs(np.diff(values)))) for values in (load, shift)]
+    loads_behind_turn = load[turning_row:]
+    row_beyond = (
+        turning_row
+        + int(np.argmax(loads_behind_turn) if begins_rising else np.argmin(loads_behind_turn))
+        + 1
+    )
+    load_from_first = load[turning_row:row_beyond] - load[0]
+    shift_from_first = shift[turning_row:row_beyond] - shift[0]
+    largest_load_step = float(np.max(np.abs(np.diff(load))))
+    largest_shift_step = float(np.max(np.abs(np.diff(shift))))
     # Along the branch U changes with Q, roughly as over the whole loop; across the loop it changes
     # alone.
-    across = apart[1] - np.ptp(shift) / np.ptp(load) * apart[0]
-    near = (np.abs(apart[0]) <= 2 * steps[0] + 4 * noise) & (
-        np.abs(across) <= steps[1] + 5 * row_noise(shift)
-    )
-    if not np.any(near):
+    across_loop = shift_from_first - np.ptp(shift) / np.ptp(load) * load_from_first
+    near_in_load = np.abs(load_from_first) <= 2 * largest_load_step + 4 * noise
+    near_across = np.abs(across_loop) <= largest_shift_step + 5 * row_noise(shift)
+    is_near = near_in_load & near_across
+    if not np.any(is_near):
         return None
-    distance = np.hypot(apart[0] / np.ptp(load), apart[1] / np.ptp(shift))
-    return turn + int(np.argmin(np.where(near, distance, math.inf)))
+    distance = np.hypot(load_from_first / np.ptp(load), shift_from_first / np.ptp(shift))
+    return turning_row + int(np.argmin(np.where(is_near, distance, math.inf)))
 
 
 def _middles(
-    load: Array, time: Array, begins: NDArray[np.intp], ends: NDArray[np.intp], middle: float
+    load: Array, time: Array, begins: NDArray[np.intp], ends: NDArray[np.intp], middle_load: float
 ) -> Array:
-    """Time at which Q passes its middle at each crossing, by a straight line through the rows
-    between the levels.
+    """Times at which Q passes the middle of its range, (k,): by the straight line fitted to the
+    rows begins[k] to ends[k] of each crossing.
     """
     times = []
     for begin, end in zip(begins.tolist(), ends.tolist(), strict=True):
         rows = slice(begin, end + 1)
-        centre = float(np.mean(time[rows]))
-        rate, level = np.polyfit(time[rows] - centre, load[rows], 1)
-        at = centre + (middle - level) / rate if rate else centre
-        times.append(min(max(float(at), float(time[begin])), float(time[end])))
+        mean_time = float(np.mean(time[rows]))
+        rate, level = np.polyfit(time[rows] - mean_time, load[rows], 1)
+        crossing_time = mean_time + (middle_load - level) / rate if rate else mean_time
+        times.append(min(max(float(crossing_time), float(time[begin])), float(time[end])))
     return np.array(times)
 
 
 def _turning_point(
-    load: Array, time: Array, centres: Array, lengths: Array, is_top: bool, noise: float, alike: int
+    load: Array,
+    time: Array,
+    centres: Array,
+    lengths: Array,
+    is_top: bool,
+    noise: float,
+    n_copies: int,
 ) -> tuple[TurningPoint, float]:
-    """Q at the turning points of a side, all laid over each other, and their place behind the
-    middle of their crossings.
+    """Highest (or lowest) Q of a cycle with its standard error, and how long after the centre
+    between two crossings it is reached. All turning points of the side are laid over each other.
 
     Two parabolas that meet at the turning point describe a wave that is round there as well as one
     with a corner. The window is as long as they describe the rows to within the noise.
+
+    Parameters
+    ----------
+    load, time
+        (n,) Q and time of the rows
+    centres, lengths
+        (k,) middle and length of the time between the two crossings beside each turning point
+    is_top
+        whether Q is largest there
+    n_copies
+        how many of the turning points are copies of one and the same
     """
     sign = 1.0 if is_top else -1.0
-    count = len(centres)
-    half = float(np.median(lengths)) / 2
-    row = np.searchsorted(time, np.concatenate([centres - half, centres + half]))
-    in_half = float(np.mean(row[count:] - row[:count])) / 2
-    behind = np.searchsorted(centres, time)  # the nearest centre of each row
-    nearest = np.clip(behind, 1, max(count - 1, 1)) if count > 1 else np.zeros(len(time), dtype=int)
-    if count > 1:
-        nearest = np.where(
-            time - centres[nearest - 1] < centres[nearest] - time, nearest - 1, nearest
+    n_turns = len(centres)
+    half_length = float(np.median(lengths)) / 2
+    row_at_ends = np.searchsorted(
+        time, np.concatenate([centres - half_length, centres + half_length])
+    )
+    rows_in_half = float(np.mean(row_at_ends[n_turns:] - row_at_ends[:n_turns])) / 2
+    nearest_centre = np.zeros(len(time), dtype=int)
+    if n_turns > 1:
+        centre_after = np.clip(np.searchsorted(centres, time), 1, max(n_turns - 1, 1))
+        since_last_centre = time - centres[centre_after - 1]
+        until_next_centre = centres[centre_after] - time
+        nearest_centre = np.where(
+            since_last_centre < until_next_centre, centre_after - 1, centre_after
         )
-    apart = (time - centres[nearest]) / half  # -1 and 1 at the crossings
-    values = sign * load
+    place = (time - centres[nearest_centre]) / half_length  # -1 and 1 at the crossings
+    signed_load = sign * load
     # Where the turning point is: the middle of the rows that are nearly as high as any.
-    inside = np.abs(apart) < 1
-    high = inside & (values >= np.max(values[inside]) - 0.05 * np.ptp(values) - 2 * noise)
-    middle = float(np.median(apart[high]))
+    is_between_crossings = np.abs(place) < 1
+    is_near_top = is_between_crossings & (
+        signed_load
+        >= np.max(signed_load[is_between_crossings]) - 0.05 * np.ptp(signed_load) - 2 * noise
+    )
+    middle_place = float(np.median(place[is_near_top]))
     window = float(_WINDOW)
     fits: list[tuple[float, float, float]] = []
-    while window < max(in_half, _WINDOW + 0.5):
-        reach = (window + 0.5) / in_half
-        rows = np.abs(apart - middle) <= reach
-        x = (apart[rows] - middle) / reach
-        y = values[rows]
+    while window < max(rows_in_half, _WINDOW + 0.5):
+        reach = (window + 0.5) / rows_in_half
+        rows = np.abs(place - middle_place) <= reach
+        x = (place[rows] - middle_place) / reach
+        y = signed_load[rows]
         fit = _two_parabolas(x, y)
         if fit is not None:
-            height, where, residual = fit
+            height, place_of_top, residual = fit
             if fits and residual > _AS_NOISE * noise:
                 break
-            fits.append((height, middle + where * reach, window))
+            fits.append((height, middle_place + place_of_top * reach, window))
         window *= _GROWTH
     if not fits:
-        height = float(np.max(values[inside]))
-        where = middle
-        window = 1.0
-        return TurningPoint(sign * height, float(noise + np.ptp(values) / in_half)), where * half
-    height, where, window = fits[-1]
-    shorter = fits[-2][0] if len(fits) > 1 else float(np.max(values[inside]))
-    error = math.hypot(
-        noise * math.sqrt(_AT_JOINT / (window * max(count // alike, 1))), height - shorter
+        height = float(np.max(signed_load[is_between_crossings]))
+        return TurningPoint(
+            sign * height, float(noise + np.ptp(signed_load) / rows_in_half)
+        ), middle_place * half_length
+    height, place_of_top, window = fits[-1]
+    height_of_shorter = (
+        fits[-2][0] if len(fits) > 1 else float(np.max(signed_load[is_between_crossings]))
     )
-    return TurningPoint(sign * height, error), where * half
+    error = math.hypot(
+        noise * math.sqrt(_AT_JOINT / (window * max(n_turns // n_copies, 1))),
+        height - height_of_shorter,
+    )
+    return TurningPoint(sign * height, error), place_of_top * half_length
 
 
 def _two_parabolas(x: Array, y: Array) -> tuple[float, float, float] | None:
-    """Highest value of two parabolas that meet, fitted to rows (n,), its place, and the root mean
-    square of the residuals.
+    """Highest value, its place, and the root mean square of the residuals, of two parabolas that
+    meet at one point and are fitted to rows y(x), x from −1 to 1. None for fewer than seven rows.
     """
-    freedom = len(x) - 6
-    if freedom < 1:
+    degrees_of_freedom = len(x) - 6
+    if degrees_of_freedom < 1:
         return None
     best = (math.inf, 0.0, np.zeros(5))
     for joint in np.linspace(-0.5, 0.5, _JOINTS):
-        left = np.minimum(x - joint, 0.0)
-        right = np.maximum(x - joint, 0.0)
-        columns = np.column_stack([np.ones_like(x), left, left**2, right, right**2])
-        terms = np.linalg.lstsq(columns, y, rcond=None)[0]
-        rest = y - columns @ terms
-        squares = float(rest @ rest)
-        if squares < best[0]:
-            best = (squares, float(joint), terms)
-    squares, joint, terms = best
-    fine = np.linspace(-0.7, 0.7, 281)
-    left = np.minimum(fine - joint, 0.0)
-    right = np.maximum(fine - joint, 0.0)
-    curve = terms[0] + terms[1] * left + terms[2] * left**2 + terms[3] * right + terms[4] * right**2
-    place = int(np.argmax(curve))
-    return float(curve[place]), float(fine[place]), math.sqrt(squares / freedom)
+        x_left_of_joint = np.minimum(x - joint, 0.0)
+        x_right_of_joint = np.maximum(x - joint, 0.0)
+        columns = np.column_stack(
+            [
+                np.ones_like(x),
+                x_left_of_joint,
+                x_left_of_joint**2,
+                x_right_of_joint,
+                x_right_of_joint**2,
+            ]
+        )
+        coefficients = np.linalg.lstsq(columns, y, rcond=None)[0]
+        residuals = y - columns @ coefficients
+        sum_of_squares = float(residuals @ residuals)
+        if sum_of_squares < best[0]:
+            best = (sum_of_squares, float(joint), coefficients)
+    sum_of_squares, joint, coefficients = best
+    x_fine = np.linspace(-0.7, 0.7, 281)
+    x_left_of_joint = np.minimum(x_fine - joint, 0.0)
+    x_right_of_joint = np.maximum(x_fine - joint, 0.0)
+    curve = (
+        coefficients[0]
+        + coefficients[1] * x_left_of_joint
+        + coefficients[2] * x_left_of_joint**2
+        + coefficients[3] * x_right_of_joint
+        + coefficients[4] * x_right_of_joint**2
+    )
+    highest_point = int(np.argmax(curve))
+    return (
+        float(curve[highest_point]),
+        float(x_fine[highest_point]),
+        math.sqrt(sum_of_squares / degrees_of_freedom),
+    )

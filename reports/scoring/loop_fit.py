@@ -97,16 +97,22 @@ class LoopRows:
         )
 
     def rig(self, shift: Array, rows: NDArray[np.bool_] | None = None) -> tuple[float, float]:
-        """C and U0 by linear least squares in U alone, with U of theory at the rows (n,); by `rows`
-        alone where these are given.
+        """C and U0 of U = U_theory + C Q + U0, by linear least squares.
+
+        Parameters
+        ----------
+        shift
+            (n,) U of theory at the rows
+        rows
+            (n,) which of the rows count; all of them by default
         """
-        chosen = np.ones(len(shift), dtype=bool) if rows is None else rows
-        rest = (self.shift - shift)[chosen]
-        load = self.load[chosen]
+        is_used = np.ones(len(shift), dtype=bool) if rows is None else rows
+        shift_beside_theory = (self.shift - shift)[is_used]
+        load = self.load[is_used]
         if self.compliance is not None:
-            return self.compliance, float(np.mean(rest - self.compliance * load))
-        columns = np.column_stack([load, np.ones_like(rest)])
-        slope, origin = np.linalg.lstsq(columns, rest, rcond=None)[0]
+            return self.compliance, float(np.mean(shift_beside_theory - self.compliance * load))
+        columns = np.column_stack([load, np.ones_like(shift_beside_theory)])
+        slope, origin = np.linalg.lstsq(columns, shift_beside_theory, rcond=None)[0]
         return float(slope), float(origin)
 
 
@@ -243,18 +249,27 @@ class LoopsOverFriction:
 
     @functools.cached_property
     def branch_parts(self) -> dict[bool, list[Indices]]:
-        """Of the rising branch (True) and the falling one: its instants, and those beside its two
-        turning points on the other branch. Rows of both branches may lie there.
+        """Numbers of the instants of theory's cycle at which a row of the rising branch (True), or
+        of the falling one (False), may lie: those of the branch itself, and those of the other
+        branch just before and just behind it, since noise can lay a row beyond the turning point.
         """
-        cycle = self.load[:-1]
-        count = len(cycle)
+        load_of_cycle = self.load[:-1]
+        n_instants = len(load_of_cycle)
         parts = {}
         for rising in (True, False):
             begin, end = self.turns(rising=rising)
-            first = begin - self._count_beside(cycle[(begin - np.arange(1, count // 2)) % count])
-            last = end + self._count_beside(cycle[(end + np.arange(1, count // 2)) % count])
-            ranges = ((begin, end), (first, begin), (end, last))
-            parts[rising] = [np.arange(a, b + 1) for a, b in ranges if b > a]
+            first_beside = begin - self._count_beside(
+                load_of_cycle[(begin - np.arange(1, n_instants // 2)) % n_instants]
+            )
+            last_beside = end + self._count_beside(
+                load_of_cycle[(end + np.arange(1, n_instants // 2)) % n_instants]
+            )
+            ranges = ((begin, end), (first_beside, begin), (end, last_beside))
+            parts[rising] = [
+                np.arange(first_instant, last_instant + 1)
+                for first_instant, last_instant in ranges
+                if last_instant > first_instant
+            ]
         return parts
 
     def _count_beside(self, load: Array) -> int:
@@ -269,46 +284,62 @@ class LoopsOverFriction:
     def first_rig(
         self, rows: LoopRows, friction: float, highest: float, lowest: float
     ) -> tuple[float, float]:
-        """C and U0 where a fit begins, by the rows that Q and branch place alone."""
+        """C and U0 from which a fit begins. Each row is laid on theory's loop where Q is its own,
+        on its own branch; rows near the turning points, where that place is not certain, are left
+        out as long as enough others remain.
+        """
         scale = self.scale(highest, lowest)
         shift = self.shift(friction / scale)
-        passed = (rows.load - lowest) / (highest - lowest)
-        load_of_scene = self.load.min() + self.range_of_load * np.clip(passed, 0.0, 1.0)
-        count = len(self.load) - 1
+        share_of_range = (rows.load - lowest) / (highest - lowest)
+        load_of_scene = self.load.min() + self.range_of_load * np.clip(share_of_range, 0.0, 1.0)
+        n_instants = len(self.load) - 1
         shift_at_rows = np.empty(len(rows.load))
         for rising in (True, False):
             on_branch = rows.branches.rising == rising
             begin, end = self.turns(rising=rising)
-            instants = np.arange(begin, end + 1) % count
-            ascending = instants if rising else instants[::-1]
-            loads = np.maximum.accumulate(self.load[ascending])
-            shift_at_rows[on_branch] = np.interp(load_of_scene[on_branch], loads, shift[ascending])
-        middle = (passed > _MIDDLE[0]) & (passed < _MIDDLE[1])
-        return rows.rig(scale * shift_at_rows, middle if np.count_nonzero(middle) > 8 else None)
+            instants = np.arange(begin, end + 1) % n_instants
+            by_rising_load = instants if rising else instants[::-1]
+            rising_loads = np.maximum.accumulate(self.load[by_rising_load])
+            shift_at_rows[on_branch] = np.interp(
+                load_of_scene[on_branch], rising_loads, shift[by_rising_load]
+            )
+        is_in_middle = (share_of_range > _MIDDLE[0]) & (share_of_range < _MIDDLE[1])
+        return rows.rig(
+            scale * shift_at_rows, is_in_middle if np.count_nonzero(is_in_middle) > 8 else None
+        )
 
     def nearest_points(
         self, rows: LoopRows, friction: float, terms: Array, weights: Weights
     ) -> NearestPoints:
-        """Of theory's loop, to each row."""
+        """The point of theory's loop that is nearest to each row, on the branch of the row or just
+        beyond its turning points: place, distance and direction, in sigma of U and of Q.
+
+        Parameters
+        ----------
+        terms
+            (4,) highest Q, lowest Q, C and U0
+        weights
+            sigma of U and of Q, by which both are divided
+        """
         highest, lowest, compliance, origin = terms.tolist()
         scale = self.scale(highest, lowest)
         load_of_loop = lowest + scale * (self.load - self.load.min())
         shift_of_loop = scale * self.shift(friction / scale) + compliance * load_of_loop + origin
-        count = len(self.load) - 1
+        n_instants = len(self.load) - 1
         points = np.empty((4, len(rows.load)))
         row_points = np.array([rows.shift / weights.shift, rows.load / weights.load])
-        curve = np.array([shift_of_loop / weights.shift, load_of_loop / weights.load])
+        loop_points = np.array([shift_of_loop / weights.shift, load_of_loop / weights.load])
         points[1] = math.inf
         for rising in (True, False):
-            members = np.flatnonzero(rows.branches.rising == rising)
+            rows_of_branch = np.flatnonzero(rows.branches.rising == rising)
             for instants in self.branch_parts[rising]:
-                part = curve[:, instants % count]
-                for begin in range(0, len(members), _ROWS_AT_ONCE):
-                    block = members[begin : begin + _ROWS_AT_ONCE]
-                    tried = nearest_on_line(row_points[:, block], part)
-                    tried[0] += instants[0]
-                    nearer = np.abs(tried[1]) < np.abs(points[1, block])
-                    points[:, block[nearer]] = tried[:, nearer]
+                line_of_part = loop_points[:, instants % n_instants]
+                for begin in range(0, len(rows_of_branch), _ROWS_AT_ONCE):
+                    block = rows_of_branch[begin : begin + _ROWS_AT_ONCE]
+                    candidate = nearest_on_line(row_points[:, block], line_of_part)
+                    candidate[0] += instants[0]
+                    is_nearer = np.abs(candidate[1]) < np.abs(points[1, block])
+                    points[:, block[is_nearer]] = candidate[:, is_nearer]
         return NearestPoints(*points)
 
     def distances(self, rows: LoopRows, friction: float, terms: Array, weights: Weights) -> Array:
@@ -318,7 +349,9 @@ class LoopsOverFriction:
     def with_derivatives(
         self, rows: LoopRows, friction: float, terms: Array, weights: Weights
     ) -> tuple[Array, Array]:
-        """The distances (n,), and their derivatives by ln f and the four terms (n, 5)."""
+        """Distances of the rows from theory's loop in sigma (n,), and their derivatives by ln f,
+        highest Q, lowest Q, C and U0 (n, 5). `terms` are the last four.
+        """
         highest, lowest, compliance, _ = terms.tolist()
         scale = self.scale(highest, lowest)
         points = self.nearest_points(rows, friction, terms, weights)
@@ -326,25 +359,27 @@ class LoopsOverFriction:
         shift_by_log = self.shift_by_log_friction(friction / scale)
         instants = np.arange(len(self.load))
         place = np.mod(points.place, len(self.load) - 1)
-        passed = np.interp(place, instants, self.load - self.load.min()) / self.range_of_load
+        share_of_range = (
+            np.interp(place, instants, self.load - self.load.min()) / self.range_of_load
+        )
         shift_at_place = np.interp(place, instants, shift)
-        by_log = scale * np.interp(place, instants, shift_by_log)
-        load_at_place = lowest + (highest - lowest) * passed
+        shift_by_log_at_place = scale * np.interp(place, instants, shift_by_log)
+        load_at_place = lowest + (highest - lowest) * share_of_range
         # Of the loop's point: the nearest place moves along the loop only, across which the
         # distance is measured. U depends on r by r U(tau; f/r).
-        by_scale = (shift_at_place - by_log / scale) / self.range_of_load
+        shift_by_range = (shift_at_place - shift_by_log_at_place / scale) / self.range_of_load
         shift_derivatives = np.column_stack(
             [
-                by_log,
-                by_scale + compliance * passed,
-                -by_scale + compliance * (1 - passed),
+                shift_by_log_at_place,
+                shift_by_range + compliance * share_of_range,
+                -shift_by_range + compliance * (1 - share_of_range),
                 load_at_place,
-                np.ones_like(passed),
+                np.ones_like(share_of_range),
             ]
         )
         load_derivatives = np.zeros_like(shift_derivatives)
-        load_derivatives[:, 1] = passed
-        load_derivatives[:, 2] = 1 - passed
+        load_derivatives[:, 1] = share_of_range
+        load_derivatives[:, 2] = 1 - share_of_range
         derivatives = (
             -points.shift_part[:, None] * shift_derivatives / weights.shift
             - points.load_part[:, None] * load_derivatives / weights.load
@@ -353,8 +388,8 @@ class LoopsOverFriction:
 
 
 def _cubic(part: float) -> tuple[Array, Array]:
-    """Weights of values at -1, 0, 1 and 2 in Lagrange's cubic at `part` (4,), and in its
-    derivative.
+    """Lagrange's cubic through values at x = -1, 0, 1 and 2: the weight of each value in the cubic
+    at x = `part` (4,), and in its derivative there (4,).
 
     >>> at = np.array([-1.0, 0.0, 1.0, 2.0])
     >>> values, rates = _cubic(0.5)
@@ -362,59 +397,70 @@ def _cubic(part: float) -> tuple[Array, Array]:
     (0.125, 0.75)
     """
     nodes = np.array([-1.0, 0.0, 1.0, 2.0])
-    values = np.empty(4)
-    rates = np.empty(4)
+    weights = np.empty(4)
+    weights_of_derivative = np.empty(4)
     for k in range(4):
-        others = np.delete(nodes, k)
-        over = np.prod(nodes[k] - others)
-        first, second, third = part - others
-        values[k] = first * second * third / over
-        rates[k] = (first * second + second * third + third * first) / over
-    return values, rates
+        other_nodes = np.delete(nodes, k)
+        divisor = np.prod(nodes[k] - other_nodes)
+        from_first, from_second, from_third = part - other_nodes
+        weights[k] = from_first * from_second * from_third / divisor
+        weights_of_derivative[k] = (
+            from_first * from_second + from_second * from_third + from_third * from_first
+        ) / divisor
+    return weights, weights_of_derivative
 
 
 def nearest_on_line(rows: Array, line: Array) -> Array:
-    """Nearest points of a line of straight pieces (2, m) to rows (2, n): place on the line,
-    distance, and the unit vector to the row (4, n).
+    """The point of a line of straight pieces that is nearest to each row.
 
-    The nearest of every sixteenth corner comes first, then the nearest corner around it. The line
-    does not fold back.
+    Returns (4, n): the place on the line, counted in pieces from its begin; the distance, positive
+    on the left of the line; and the unit vector across it. The nearest of every sixteenth corner
+    comes first, then the nearest corner around it. The line does not fold back.
 
+    Parameters
+    ----------
+    rows
+        (2, n) coordinates of the rows
+    line
+        (2, m) corners of the line
+
+    Examples
+    --------
     >>> rows = np.array([[1.5, -1.0], [1.0, 0.0]])
     >>> line = np.array([[0.0, 1.0, 2.0], [0.0, 0.0, 0.0]])
     >>> np.round(nearest_on_line(rows, line), 12).tolist()
     [[1.5, 0.0], [1.0, 1.0], [0.0, -1.0], [1.0, 0.0]]
     """
-    last = line.shape[1] - 1
-    corners = np.minimum(np.arange(0, last + _STRIDE, _STRIDE), last)
+    last_corner = line.shape[1] - 1
+    corners = np.minimum(np.arange(0, last_corner + _STRIDE, _STRIDE), last_corner)
     corner = corners[_nearest_corner(rows, line[:, corners][:, None, :])]
-    around = np.clip(corner[:, None] + np.arange(-_STRIDE, _STRIDE + 1), 0, last)
-    nearest = _nearest_corner(rows, line[:, around])
-    corner = around[np.arange(len(nearest)), nearest]
+    around = np.clip(corner[:, None] + np.arange(-_STRIDE, _STRIDE + 1), 0, last_corner)
+    index_of_nearest = _nearest_corner(rows, line[:, around])
+    corner = around[np.arange(len(index_of_nearest)), index_of_nearest]
 
     # The piece in front of the nearest corner, or the one behind it.
-    tried = np.clip(corner[:, None] + np.array([-1, 0]), 0, last - 1)
-    begin = line[:, tried]
-    along = line[:, tried + 1] - begin
-    apart = rows[:, :, None] - begin
-    length_squared = np.maximum(np.sum(along**2, axis=0), 1e-300)
-    part = np.clip(np.sum(apart * along, axis=0) / length_squared, 0.0, 1.0)
-    to_row = apart - part * along
-    nearest = np.argmin(np.sum(to_row**2, axis=0), axis=1)
+    piece = np.clip(corner[:, None] + np.array([-1, 0]), 0, last_corner - 1)
+    begin = line[:, piece]
+    piece_vector = line[:, piece + 1] - begin
+    from_begin = rows[:, :, None] - begin
+    length_squared = np.maximum(np.sum(piece_vector**2, axis=0), 1e-300)
+    share_of_piece = np.clip(np.sum(from_begin * piece_vector, axis=0) / length_squared, 0.0, 1.0)
+    to_row = from_begin - share_of_piece * piece_vector
+    index_of_nearest = np.argmin(np.sum(to_row**2, axis=0), axis=1)
 
     row = np.arange(rows.shape[1])
-    part = part[row, nearest]
-    along = along[:, row, nearest]
-    to_row = to_row[:, row, nearest]
+    share_of_piece = share_of_piece[row, index_of_nearest]
+    piece_vector = piece_vector[:, row, index_of_nearest]
+    to_row = to_row[:, row, index_of_nearest]
     distance = np.hypot(to_row[0], to_row[1])
-    left = along[0] * to_row[1] - along[1] * to_row[0]
-    distance = np.where(left < 0, -distance, distance)
+    cross_product = piece_vector[0] * to_row[1] - piece_vector[1] * to_row[0]
+    distance = np.where(cross_product < 0, -distance, distance)
     # A unit vector across the piece; beyond a corner of the line it points from there to the row.
-    length = np.sqrt(length_squared[row, nearest])
-    across = np.array([-along[1], along[0]]) / length
-    at_corner = ((part == 0) | (part == 1)) & (distance != 0)
+    length = np.sqrt(length_squared[row, index_of_nearest])
+    across = np.array([-piece_vector[1], piece_vector[0]]) / length
+    at_corner = ((share_of_piece == 0) | (share_of_piece == 1)) & (distance != 0)
     unit = np.where(at_corner, to_row / np.where(at_corner, distance, 1.0), across)
-    return np.array([tried[row, nearest] + part, distance, *unit])
+    return np.array([piece[row, index_of_nearest] + share_of_piece, distance, *unit])
 
 
 def _nearest_corner(rows: Array, corners: Array) -> Indices:
@@ -466,7 +512,8 @@ class _Search:
         return np.array([top, bottom, *self.model.first_rig(self.rows, friction, top, bottom)])
 
     def first_fit(self, trials: Array) -> tuple[float, Array]:
-        """f and terms of the lowest of the minima that the trials (k,) lead to.
+        """f and the four terms (highest Q, lowest Q, C, U0) of the best fit, searched from the
+        trial values of f (k,) at which the sum of squares is smaller than at both neighbours.
 
         A loop that hardly slips, in a stiffer rig, is a minimum of its own where P varies.
         """
@@ -477,10 +524,12 @@ class _Search:
                 for friction, start in zip(trials.tolist(), starts, strict=True)
             ]
         )
-        walled = np.concatenate([[math.inf], sums, [math.inf]])
-        minima = np.flatnonzero((sums <= walled[:-2]) & (sums <= walled[2:]))
-        lowest = minima[np.argsort(sums[minima])][:_MINIMA]
-        fits = [self.best(float(trials[k]), starts[k]) for k in lowest.tolist()]
+        sums_with_walls = np.concatenate([[math.inf], sums, [math.inf]])
+        local_minima = np.flatnonzero(
+            (sums <= sums_with_walls[:-2]) & (sums <= sums_with_walls[2:])
+        )
+        lowest_minima = local_minima[np.argsort(sums[local_minima])][:_MINIMA]
+        fits = [self.best(float(trials[k]), starts[k]) for k in lowest_minima.tolist()]
         _, friction, terms = min(fits, key=lambda fit: fit[0])
         return friction, terms
 
@@ -498,51 +547,60 @@ class _Search:
     def _least(
         self, friction: float, start: Array, *, friction_fitted: bool
     ) -> tuple[float, float, Array]:
+        """Least sum of squares, and the f and terms (highest Q, lowest Q, C, U0) that give it, by
+        Levenberg and Marquardt's method from `start`.
+
+        f keeps its value unless `friction_fitted`; C keeps it where the rig's compliance is stated.
+        """
         from scipy.optimize import least_squares
 
-        free = np.array([friction_fitted, True, True, self.rows.compliance is None, True])
-        sizes = np.array([1.0, *self.rows.sizes])[free]
-        middle = np.array([math.log(friction), *start])
+        is_free = np.array([friction_fitted, True, True, self.rows.compliance is None, True])
+        sizes = np.array([1.0, *self.rows.sizes])[is_free]
+        start_point = np.array([math.log(friction), *start])
         lowest_log = math.log(self.least) - _BELOW
         highest_log = math.log(self.least * _WIDEST)
 
-        def placed(values: Array) -> tuple[float, Array]:
-            point = middle.copy()
-            point[free] += values * sizes
+        def friction_and_terms(steps: Array) -> tuple[float, Array]:
+            point = start_point.copy()
+            point[is_free] += steps * sizes
             return math.exp(min(max(point[0], lowest_log), highest_log)), point[1:]
 
         # The derivatives come with the residuals, and are asked for where these were last.
         @functools.lru_cache(maxsize=2)
-        def both(values: bytes) -> tuple[Array, Array]:
-            point = placed(np.frombuffer(values))
+        def residuals_and_derivatives(step_bytes: bytes) -> tuple[Array, Array]:
+            point = friction_and_terms(np.frombuffer(step_bytes))
             residuals, derivatives = self._with_derivatives(*point, self.model)
-            return residuals, derivatives[:, free] * sizes
+            return residuals, derivatives[:, is_free] * sizes
 
-        answer = least_squares(
-            lambda values: both(values.tobytes())[0],
+        minimum = least_squares(
+            lambda steps: residuals_and_derivatives(steps.tobytes())[0],
             np.zeros(len(sizes)),
-            jac=lambda values: both(values.tobytes())[1],
+            jac=lambda steps: residuals_and_derivatives(steps.tobytes())[1],
             method="lm",
             xtol=1e-11,
             ftol=1e-11,
         )
-        friction_of_answer, terms = placed(answer.x)
-        return 2 * float(answer.cost), friction_of_answer, terms
+        friction_of_answer, terms = friction_and_terms(minimum.x)
+        return 2 * float(minimum.cost), friction_of_answer, terms
 
     def with_rows_at_turns_moved(self, friction: float, terms: Array) -> _Search:
-        """The rows beside a turning point on their other branch where that is far nearer: its place
-        is known to a row alone.
+        """The same search with rows beside a turning point moved to the other branch, where
+        theory's loop is far nearer to them there. A turning point is known to within one row only.
         """
         branches = self.rows.branches
-        rising = branches.rising
-        changes = np.flatnonzero(rising[1:] != rising[:-1])
-        beside = np.unique(np.concatenate([changes, changes + 1]))
-        turned = rising.copy()
-        turned[beside] = ~rising[beside]
-        here = np.abs(self.residuals(friction, terms)[:-2])
-        there = np.abs(self._with_rising(turned).residuals(friction, terms)[:-2])
-        moved = (rising != turned) & (here > _FAR * np.maximum(there, 1.0))
-        return self._with_rising(np.where(moved, turned, rising))
+        is_rising = branches.rising
+        changes = np.flatnonzero(is_rising[1:] != is_rising[:-1])
+        rows_at_turns = np.unique(np.concatenate([changes, changes + 1]))
+        rising_if_moved = is_rising.copy()
+        rising_if_moved[rows_at_turns] = ~is_rising[rows_at_turns]
+        distance_as_is = np.abs(self.residuals(friction, terms)[:-2])
+        distance_if_moved = np.abs(
+            self._with_rising(rising_if_moved).residuals(friction, terms)[:-2]
+        )
+        moves = (is_rising != rising_if_moved) & (
+            distance_as_is > _FAR * np.maximum(distance_if_moved, 1.0)
+        )
+        return self._with_rising(np.where(moves, rising_if_moved, is_rising))
 
     def _with_rising(self, rising: NDArray[np.bool_]) -> _Search:
         branches = replace(self.rows.branches, rising=rising)
@@ -551,36 +609,41 @@ class _Search:
     def interval_end(
         self, log_friction: float, terms: Array, end: float, limit: float
     ) -> float | None:
-        """ln f between the best and `end` at which the sum of squares passes `limit`; None where it
-        does not.
+        """ln f between the best one and `end` at which the least sum of squares passes `limit`;
+        None where it stays below.
+
+        Parameters
+        ----------
+        log_friction, terms
+            ln f of the best fit, and its highest Q, lowest Q, C and U0 (4,)
         """
         latest_terms = terms
 
-        def beyond(log_trial: float) -> float:
+        def excess_over_limit(log_trial: float) -> float:
             nonlocal latest_terms
             total, latest_terms = self.best_terms(math.exp(log_trial), latest_terms)
             return total - limit
 
         side = 1.0 if end > log_friction else -1.0
         # The sum of squares is nearly a parabola: its rise at a step says how far the limit is.
-        at_best = beyond(log_friction)
+        at_best = excess_over_limit(log_friction)
         step = min(1e-3, abs(end - log_friction) / 2)
-        rise = max(beyond(log_friction + side * step) - at_best, 1e-300)
+        rise = max(excess_over_limit(log_friction + side * step) - at_best, 1e-300)
         step *= math.sqrt(max(-at_best / rise, 1e-8))
-        inner = log_friction
+        log_within = log_friction
         for _ in range(_STEPS):
-            outer = log_friction + side * min(step, abs(end - log_friction))
-            if beyond(outer) > 0:
+            log_beyond = log_friction + side * min(step, abs(end - log_friction))
+            if excess_over_limit(log_beyond) > 0:
                 for _ in range(_HALVED):
-                    middle = (inner + outer) / 2
-                    if beyond(middle) > 0:
-                        outer = middle
+                    log_middle = (log_within + log_beyond) / 2
+                    if excess_over_limit(log_middle) > 0:
+                        log_beyond = log_middle
                     else:
-                        inner = middle
-                return outer
-            if outer == end:
+                        log_within = log_middle
+                return log_beyond
+            if log_beyond == end:
                 return None
-            inner = outer
+            log_within = log_beyond
             step *= 1.3
         return None
 
@@ -591,7 +654,9 @@ def fit_loop(
     resolution: tuple[float, float],
     error_of_theory: float,
 ) -> LoopFit:
-    """f, turning points and rig that fit the rows best, with the interval of f.
+    """f, turning points, C and U0 of theory's loop that fits the rows best, with the 95 % interval
+    of f. The noise of U and of Q is estimated from the rows, and again from the residuals of each
+    fit.
 
     Parameters
     ----------
@@ -600,48 +665,52 @@ def fit_loop(
     error_of_theory
         of a fitted f, of itself, by the samples of the model
     """
-    top = rows.branches.highest.load
-    bottom = rows.branches.lowest.load
-    least = model.least_friction(top, bottom)
-    smallest = Weights(
+    top_load = rows.branches.highest.load
+    bottom_load = rows.branches.lowest.load
+    least_f = model.least_friction(top_load, bottom_load)
+    least_noise = Weights(
         *(
             max(step / math.sqrt(12), _LEAST_NOISE * float(np.max(np.abs(values))))
             for step, values in zip(resolution, (rows.shift, rows.load), strict=True)
         )
     )
     weights = Weights(
-        max(row_noise(rows.shift), smallest.shift), max(rows.branches.load_noise, smallest.load)
+        max(row_noise(rows.shift), least_noise.shift),
+        max(rows.branches.load_noise, least_noise.load),
     )
-    search = _Search(rows, model, weights, least)
+    search = _Search(rows, model, weights, least_f)
 
-    friction, terms = search.first_fit(model.first_frictions(top, bottom))
-    freedom = len(rows.shift) - 4 - (rows.compliance is None)
+    friction, terms = search.first_fit(model.first_frictions(top_load, bottom_load))
+    degrees_of_freedom = len(rows.shift) - 4 - (rows.compliance is None)
     for _ in range(_REWEIGHTED):
         _, friction, terms = search.best(friction, terms)
         search = search.with_rows_at_turns_moved(friction, terms)
         squares = float(np.sum(search.residuals(friction, terms)[:-2] ** 2))
-        ratio = math.sqrt(squares / freedom)
+        ratio = math.sqrt(squares / degrees_of_freedom)
         weights = Weights(
-            max(ratio * search.weights.shift, smallest.shift),
-            max(ratio * search.weights.load, smallest.load),
+            max(ratio * search.weights.shift, least_noise.shift),
+            max(ratio * search.weights.load, least_noise.load),
         )
         changes = np.array(weights) / np.array(search.weights) - 1
         search = replace(search, weights=weights)
         if np.max(np.abs(changes)) < 0.05:
             break
     lowest_sum, friction, terms = search.best(friction, terms)
-    friction = max(friction, least * (1 + 1e-9))
+    friction = max(friction, least_f * (1 + 1e-9))
     distances = search.residuals(friction, terms)[:-2]
     misfit = misfit_of(distances, search.weights.shift)
-    limit = lowest_sum + _CHI * misfit.widening**2 * max(lowest_sum / freedom, 1.0)
+    limit = lowest_sum + _CHI * misfit.widening**2 * max(lowest_sum / degrees_of_freedom, 1.0)
     log_friction = math.log(friction)
-    down = search.interval_end(log_friction, terms, math.log(least * (1 + 1e-9)), limit)
-    up = search.interval_end(log_friction, terms, math.log(least * _WIDEST), limit)
-    error = friction * error_of_theory
+    log_lower_end = search.interval_end(log_friction, terms, math.log(least_f * (1 + 1e-9)), limit)
+    log_upper_end = search.interval_end(log_friction, terms, math.log(least_f * _WIDEST), limit)
+    sampling_error = friction * error_of_theory
     return LoopFit(
         friction=friction,
-        low=max(least, (math.exp(down) if down is not None else least) - error),
-        high=None if up is None else math.exp(up) + error,
+        low=max(
+            least_f,
+            (math.exp(log_lower_end) if log_lower_end is not None else least_f) - sampling_error,
+        ),
+        high=None if log_upper_end is None else math.exp(log_upper_end) + sampling_error,
         highest=float(terms[0]),
         lowest=float(terms[1]),
         compliance=float(terms[2]),

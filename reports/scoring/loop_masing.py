@@ -146,37 +146,39 @@ class MemoryCurve:
 
 
 def memory_curve(scene: Scene, sliding: float) -> MemoryCurve:
-    """The curve from the falling branch of a loop that nearly slides: u(h) is half of U(Q_max) -
-    U(Q_max - 2 h).
+    """The memory curve u(h) of a scene at constant P, from one solve: U changes by 2 f u(h/f) when
+    Q falls by 2 h from a turning point (Masing's rule).
+
+    The falling branch of a loop that nearly slides gives it.
 
     Parameters
     ----------
     sliding
-        f of gross sliding over the range of Q, of the scene
+        f at which the scene just slides as a whole, over the range of its Q [1/load]
     """
     from scipy.interpolate import CubicSpline
 
     friction = scene.friction.coefficient
     path = scene.load.path()
-    load = float(np.asarray(path.at(np.array([path.cycle_start]))[0])[0])
-    limit = load * (1 - _BEFORE_SLIDING)
-    largest = friction * limit
+    normal_load = float(np.asarray(path.at(np.array([path.cycle_start]))[0])[0])
+    largest_argument = normal_load * (1 - _BEFORE_SLIDING)
+    largest_load = friction * largest_argument
     loads = {
         "kind": "polygon",
-        "initial_loading": [(load, 0.0), (load, largest)],
-        "cycle": [(load, -largest)],
+        "initial_loading": [(normal_load, 0.0), (normal_load, largest_load)],
+        "cycle": [(normal_load, -largest_load)],
     }
-    wave = scene.vary(load=loads, cycles=2)
-    path = wave.load.path()
+    nearly_sliding = scene.vary(load=loads, cycles=2)
+    path = nearly_sliding.load.path()
     assert path.period is not None
-    passed = 1 - (1 - np.linspace(0.0, 1.0, _SAMPLES)) ** 3
-    times = path.cycle_start + path.period * (1 + passed / 2)
+    share_of_branch = 1 - (1 - np.linspace(0.0, 1.0, _SAMPLES)) ** 3
+    times = path.cycle_start + path.period * (1 + share_of_branch / 2)
     solution = semi_analytic.solve(
-        wave, x=0.0, time=times, fields="tangential_displacement", cycles="steady"
+        nearly_sliding, x=0.0, time=times, fields="tangential_displacement", cycles="steady"
     )
     shift = solution.tangential_displacement
-    spline = CubicSpline(limit * passed, (shift[0] - shift) / (2 * friction))
-    return MemoryCurve(limit, sliding, spline, spline.derivative())
+    spline = CubicSpline(largest_argument * share_of_branch, (shift[0] - shift) / (2 * friction))
+    return MemoryCurve(largest_argument, sliding, spline, spline.derivative())
 
 
 # ----------------------------------------------------------------------------------------- the loop
@@ -210,17 +212,19 @@ class MasingLoop:
         return np.asarray(passed)
 
     def points(self, place: Array) -> tuple[Array, Array]:
-        """U and Q from the middle of the loop at places (n,)."""
-        passed = self._passed(place)
+        """U and Q of the rising branch, from the middle of the loop, at places (n,): from 0 to 1 up
+        to where a slide as a whole begins, from 1 to 2 through the slide.
+        """
+        share_of_range = self._passed(place)
         friction = self.friction
-        half = self.values[RANGE] / 2
-        at_turn = friction * self.curve.value(np.array(half / friction))
-        from_turn = 2 * friction * self.curve.value(passed * half / friction)
-        slid = self.values[SLIDE] * (np.clip(place - 1, 0.0, 1.0) - 0.5)
+        half_range = self.values[RANGE] / 2
+        shift_at_turn = friction * self.curve.value(np.array(half_range / friction))
+        shift_from_turn = 2 * friction * self.curve.value(share_of_range * half_range / friction)
+        slide = self.values[SLIDE] * (np.clip(place - 1, 0.0, 1.0) - 0.5)
         if self._slides:
-            slid = slid + 2 * at_turn * np.maximum(place - 2, 0.0)
-        load = (2 * passed - 1) * half
-        return from_turn - at_turn + slid + self.values[COMPLIANCE] * load, load
+            slide = slide + 2 * shift_at_turn * np.maximum(place - 2, 0.0)
+        load = (2 * share_of_range - 1) * half_range
+        return shift_from_turn - shift_at_turn + slide + self.values[COMPLIANCE] * load, load
 
     def closed(self, share: Array) -> tuple[Array, Array]:
         """U and Q from the middle of the loop at shares of a cycle (n,), from the highest Q on."""
@@ -285,25 +289,29 @@ class MasingLoop:
         return of_shift, on_branch.astype(float)
 
     def derivatives(self, place: Array) -> tuple[Array, Array]:
-        """Of `points` by the parameters, but the middle and the drift: (n, 7) each."""
-        passed = self._passed(place)
+        """Derivatives of U and of Q of the rising branch at places (n,) by the seven parameters,
+        (n, 7) each. Those by the middle of Q, the origin of U and the drift are left 0.
+        """
+        share_of_range = self._passed(place)
         friction = self.friction
-        half = self.values[RANGE] / 2
-        at_turn = np.array(half / friction)
-        at_place = passed * half / friction
-        rate_at_turn = self.curve.rate(at_turn)
-        rate = self.curve.rate(at_place)
-        of_shift = np.zeros((len(place), 7))
-        of_load = np.zeros((len(place), 7))
-        by_friction = 2 * (self.curve.value(at_place) - at_place * rate)
-        by_friction -= self.curve.value(at_turn) - at_turn * rate_at_turn
-        of_shift[:, LOG_F] = friction * by_friction
-        of_load[:, RANGE] = passed - 0.5
-        by_range = passed * rate - rate_at_turn / 2
-        of_shift[:, RANGE] = by_range + self.values[COMPLIANCE] * (passed - 0.5)
-        of_shift[:, COMPLIANCE] = (2 * passed - 1) * half
-        of_shift[:, SLIDE] = np.clip(place - 1, 0.0, 1.0) - 0.5
-        return of_shift, of_load
+        half_range = self.values[RANGE] / 2
+        argument_at_turn = np.array(half_range / friction)
+        argument_at_place = share_of_range * half_range / friction
+        rate_at_turn = self.curve.rate(argument_at_turn)
+        rate = self.curve.rate(argument_at_place)
+        shift_derivatives = np.zeros((len(place), 7))
+        load_derivatives = np.zeros((len(place), 7))
+        shift_by_friction = 2 * (self.curve.value(argument_at_place) - argument_at_place * rate)
+        shift_by_friction -= self.curve.value(argument_at_turn) - argument_at_turn * rate_at_turn
+        shift_derivatives[:, LOG_F] = friction * shift_by_friction
+        load_derivatives[:, RANGE] = share_of_range - 0.5
+        shift_by_range = share_of_range * rate - rate_at_turn / 2
+        shift_derivatives[:, RANGE] = shift_by_range + self.values[COMPLIANCE] * (
+            share_of_range - 0.5
+        )
+        shift_derivatives[:, COMPLIANCE] = (2 * share_of_range - 1) * half_range
+        shift_derivatives[:, SLIDE] = np.clip(place - 1, 0.0, 1.0) - 0.5
+        return shift_derivatives, load_derivatives
 
 
 # The slide is parted too: the nearest corner is beside the nearest point where neighbouring pieces
@@ -314,70 +322,90 @@ _PLACES = np.arange(-_BEYOND, 2 * _CORNERS + _BEYOND + 1) / _CORNERS
 def distances_from(
     rows: MeasuredRows, curve: MemoryCurve, values: Array, weights: Weights
 ) -> Distances:
-    """Of rows from the loop of parameters (7,); beside a turning point from the nearer branch."""
+    """Distances of the rows from the loop with the seven parameters `values`, in sigma, with their
+    derivatives by these. A row beside a turning point is measured from the nearer of both branches.
+    """
     loop = MasingLoop(curve, values)
     shift = rows.shift - values[ORIGIN] - values[DRIFT_RATE] * rows.share_of_time
     load = rows.load - values[MIDDLE]
-    corners = np.array(loop.points(_PLACES))
-    corners /= np.array(weights)[:, None]
+    points_of_loop = np.array(loop.points(_PLACES))
+    points_of_loop /= np.array(weights)[:, None]
     side = np.where(rows.branches.rising, 1.0, -1.0)
-    found = _from_branch(loop, corners, shift, load, side, weights)
-    beside = rows.beside_turns
-    other = _from_branch(loop, corners, shift[beside], load[beside], -side[beside], weights)
-    nearer = np.abs(other[0]) < np.abs(found[0][beside])
-    for values_of_rows, values_of_other in zip(found, other, strict=True):
-        values_of_rows[beside[nearer]] = values_of_other[nearer]
-    side[beside[nearer]] *= -1
+    from_own_branch = _from_branch(loop, points_of_loop, shift, load, side, weights)
+    rows_beside_turns = rows.beside_turns
+    from_other_branch = _from_branch(
+        loop,
+        points_of_loop,
+        shift[rows_beside_turns],
+        load[rows_beside_turns],
+        -side[rows_beside_turns],
+        weights,
+    )
+    other_is_nearer = np.abs(from_other_branch[0]) < np.abs(from_own_branch[0][rows_beside_turns])
+    for values_of_rows, values_of_other in zip(from_own_branch, from_other_branch, strict=True):
+        values_of_rows[rows_beside_turns[other_is_nearer]] = values_of_other[other_is_nearer]
+    side[rows_beside_turns[other_is_nearer]] *= -1
 
-    distance, across_shift, across_load, place = found
-    of_shift, of_load = loop.derivatives(place)
-    of_shift *= side[:, None]
-    of_load *= side[:, None]
-    of_shift[:, ORIGIN] = 1.0
-    of_shift[:, DRIFT_RATE] = rows.share_of_time
-    of_load[:, MIDDLE] = 1.0
-    derivatives = -across_shift[:, None] * of_shift / weights.shift
-    derivatives -= across_load[:, None] * of_load / weights.load
-    along = np.clip(place, 0.0, 2.0) / 2
+    distance, across_shift, across_load, place = from_own_branch
+    shift_derivatives, load_derivatives = loop.derivatives(place)
+    shift_derivatives *= side[:, None]
+    load_derivatives *= side[:, None]
+    shift_derivatives[:, ORIGIN] = 1.0
+    shift_derivatives[:, DRIFT_RATE] = rows.share_of_time
+    load_derivatives[:, MIDDLE] = 1.0
+    derivatives = -across_shift[:, None] * shift_derivatives / weights.shift
+    derivatives -= across_load[:, None] * load_derivatives / weights.load
+    place_on_branch = np.clip(place, 0.0, 2.0) / 2
     return Distances(
         value=distance,
         derivatives=derivatives,
         across=np.column_stack([across_shift, across_load]),
-        place=np.where(side > 0, along, 1 + along),
+        place=np.where(side > 0, place_on_branch, 1 + place_on_branch),
     )
 
 
 def _from_branch(
     loop: MasingLoop, corners: Array, shift: Array, load: Array, side: Array, weights: Weights
 ) -> tuple[Array, Array, Array, Array]:
-    """Distances (n,) of rows from the rising branch (side 1) or the falling one (-1), the unit
-    vector across it in U and in Q, and places; in sigma.
+    """Distances of rows from a branch of the loop in sigma, the parts in U and in Q of the unit
+    vector across it, and the places on it, (n,) each.
+
+    Parameters
+    ----------
+    corners
+        (2, m) points of the rising branch, in sigma; the nearest one begins the search
+    shift, load
+        (n,) U and Q of the rows, from the middle of the loop
+    side
+        (n,) 1 for the rising branch, -1 for the falling one, which is its mirror image
+    weights
+        sigma of U and Q
     """
-    points = np.array([side * shift / weights.shift, side * load / weights.load])
-    index, _, _, _ = nearest_on_line(points, corners)
-    place = (index - _BEYOND) / _CORNERS
+    row_points = np.array([side * shift / weights.shift, side * load / weights.load])
+    place_on_line, _, _, _ = nearest_on_line(row_points, corners)
+    place = (place_on_line - _BEYOND) / _CORNERS
     # Where the slide begins the line has a corner; it has ends beyond the turning points.
-    at_end = (index <= 0) | (place == 1) | (index >= len(_PLACES) - 1)
+    at_end = (place_on_line <= 0) | (place == 1) | (place_on_line >= len(_PLACES) - 1)
     if not loop.values[SLIDE] > 0:
         at_end &= place != 1
 
-    on_loop = loop.points(place)
-    apart_shift = points[0] - on_loop[0] / weights.shift
-    apart_load = points[1] - on_loop[1] / weights.load
+    loop_point = loop.points(place)
+    shift_from_loop = row_points[0] - loop_point[0] / weights.shift
+    load_from_loop = row_points[1] - loop_point[1] / weights.load
     tangent_shift, tangent_load = loop.tangents(place)
     tangent_shift = tangent_shift / weights.shift
     tangent_load = tangent_load / weights.load
-    length = np.hypot(tangent_shift, tangent_load)
-    across_shift = tangent_load / length
-    across_load = -tangent_shift / length
-    distance = apart_shift * across_shift + apart_load * across_load
+    tangent_length = np.hypot(tangent_shift, tangent_load)
+    across_shift = tangent_load / tangent_length
+    across_load = -tangent_shift / tangent_length
+    distance = shift_from_loop * across_shift + load_from_loop * across_load
 
     # At a corner or an end the distance is that from the point; its sign is that across the branch.
-    from_end = np.hypot(apart_shift, apart_load)
+    from_end = np.hypot(shift_from_loop, load_from_loop)
     at_end &= from_end > 0
-    signed = np.where(distance < 0, -from_end, from_end)
-    divisor = np.where(at_end, signed, 1.0)
-    across_shift = np.where(at_end, apart_shift / divisor, across_shift)
-    across_load = np.where(at_end, apart_load / divisor, across_load)
-    distance = np.where(at_end, signed, distance)
+    signed_distance = np.where(distance < 0, -from_end, from_end)
+    divisor = np.where(at_end, signed_distance, 1.0)
+    across_shift = np.where(at_end, shift_from_loop / divisor, across_shift)
+    across_load = np.where(at_end, load_from_loop / divisor, across_load)
+    distance = np.where(at_end, signed_distance, distance)
     return side * distance, across_shift, across_load, place

@@ -174,43 +174,50 @@ class _Search:
         return self.rows.sizes
 
     def residuals(self, values: Array) -> tuple[Array, Array]:
-        """Distances, turning points and the drift, each over its sigma (n + 3,), and derivatives
-        (n + 3, 7).
+        """What least squares makes small, each over its sigma: distances of the n rows from the
+        loop, misfit of its two turning points, and the drift (n + 3,); and the derivatives by the
+        seven parameters `values` (n + 3, 7).
         """
-        found = distances_from(self.rows, self.curve, values, self.weights)
-        turns, of_turns = self._turning_points(values)
-        drift = 1 / (_DRIFT * float(np.ptp(self.rows.shift)))
-        of_drift = np.zeros((1, 7))
-        of_drift[0, DRIFT_RATE] = drift
+        distances = distances_from(self.rows, self.curve, values, self.weights)
+        misfit_of_turns, derivatives_of_turns = self._turning_points(values)
+        inverse_sigma_of_drift = 1 / (_DRIFT * float(np.ptp(self.rows.shift)))
+        derivatives_of_drift = np.zeros((1, 7))
+        derivatives_of_drift[0, DRIFT_RATE] = inverse_sigma_of_drift
         return (
-            np.concatenate([found.value, turns, [values[DRIFT_RATE] * drift]]),
-            np.concatenate([found.derivatives, of_turns, of_drift]),
+            np.concatenate(
+                [distances.value, misfit_of_turns, [values[DRIFT_RATE] * inverse_sigma_of_drift]]
+            ),
+            np.concatenate([distances.derivatives, derivatives_of_turns, derivatives_of_drift]),
         )
 
     def _turning_points(self, values: Array) -> tuple[Array, Array]:
-        """Of U and Q together, as those of the rows are found: (2,) in their sigma, and (2, 7)."""
+        """Misfit of the highest and the lowest turning point, over its sigma (2,), and its
+        derivatives by the seven parameters (2, 7).
+
+        Turning points are those of U over its range plus Q over its range, as in the rows.
+        """
         rows = self.rows
         loop = MasingLoop(self.curve, values)
-        end = np.array([2.0])
-        shift, load = loop.points(end)
-        of_shift, of_load = loop.derivatives(end)
+        place_of_turn = np.array([2.0])
+        shift_at_turn, load_at_turn = loop.points(place_of_turn)
+        shift_derivatives, load_derivatives = loop.derivatives(place_of_turn)
         range_of_shift, range_of_load = rows.ranges
         residuals = np.zeros(2)
         derivatives = np.zeros((2, 7))
-        turns = (rows.branches.highest, rows.branches.lowest)
+        turns_of_rows = (rows.branches.highest, rows.branches.lowest)
         for k, (turn, side, instant) in enumerate(
-            zip(turns, (1.0, -1.0), rows.instants_of_turns, strict=True)
+            zip(turns_of_rows, (1.0, -1.0), rows.instants_of_turns, strict=True)
         ):
-            of_shift_here = side * of_shift[0]
+            of_shift_here = side * shift_derivatives[0]
             of_shift_here[ORIGIN] = 1.0
             of_shift_here[DRIFT_RATE] = instant
-            of_load_here = side * of_load[0]
+            of_load_here = side * load_derivatives[0]
             of_load_here[MIDDLE] = 1.0
-            shift_here = side * shift[0] + values[ORIGIN] + values[DRIFT_RATE] * instant
-            load_here = side * load[0] + values[MIDDLE]
-            model = shift_here / range_of_shift + load_here / range_of_load
+            shift_here = side * shift_at_turn[0] + values[ORIGIN] + values[DRIFT_RATE] * instant
+            load_here = side * load_at_turn[0] + values[MIDDLE]
+            height_of_loop = shift_here / range_of_shift + load_here / range_of_load
             error = max(turn.error, _ERROR_OF_TURN)
-            residuals[k] = (model - turn.load) / error
+            residuals[k] = (height_of_loop - turn.load) / error
             derivatives[k] = of_shift_here / range_of_shift + of_load_here / range_of_load
             derivatives[k] /= error
         return residuals, derivatives
@@ -221,22 +228,26 @@ class _Search:
         return float(distances @ distances)
 
     def least(self, start: Array, fixed: frozenset[int], *, gross: bool) -> tuple[float, Array]:
-        """Least sum of squares, and the parameters (7,) that give it; `gross` ties f to R."""
+        """Least sum of squares, and the seven parameters that give it, from `start` (7,).
+
+        The parameters `fixed` keep their values. `gross` is for a contact that slides as a whole at
+        the ends of the loop: f then follows from the range of Q, and the slide is fitted.
+        """
         from scipy.optimize import least_squares
 
-        held = set(fixed)
+        held_parameters = set(fixed)
         if self.rows.compliance is not None:
-            held.add(COMPLIANCE)
+            held_parameters.add(COMPLIANCE)
         if gross:
-            held.add(RANGE)
+            held_parameters.add(RANGE)
         else:
-            held.add(SLIDE)
-        free = np.array([k for k in range(7) if k not in held])
+            held_parameters.add(SLIDE)
+        free_parameters = np.array([k for k in range(7) if k not in held_parameters])
         sizes = self.sizes
 
-        def placed(steps: Array) -> Array:
+        def parameters_at(steps: Array) -> Array:
             values = start.copy()
-            values[free] += steps * sizes[free]
+            values[free_parameters] += steps * sizes[free_parameters]
             values[LOG_F] = min(max(values[LOG_F], -30.0), 30.0)
             if gross:
                 values[RANGE] = math.exp(values[LOG_F]) / self.curve.sliding
@@ -244,48 +255,52 @@ class _Search:
 
         latest: dict[bytes, tuple[Array, Array]] = {}
 
-        def both(steps: Array) -> tuple[Array, Array]:
+        def residuals_and_derivatives(steps: Array) -> tuple[Array, Array]:
             key = steps.tobytes()
             if key not in latest:
-                values = placed(steps)
+                values = parameters_at(steps)
                 residuals, derivatives = self.residuals(values)
                 if gross:  # R goes with ln f
                     derivatives[:, LOG_F] += values[RANGE] * derivatives[:, RANGE]
                 latest.clear()
-                latest[key] = (residuals, derivatives[:, free] * sizes[free])
+                latest[key] = (residuals, derivatives[:, free_parameters] * sizes[free_parameters])
             return latest[key]
 
-        answer = least_squares(
-            lambda steps: both(steps)[0],
-            np.zeros(len(free)),
-            jac=lambda steps: both(steps)[1],
+        minimum = least_squares(
+            lambda steps: residuals_and_derivatives(steps)[0],
+            np.zeros(len(free_parameters)),
+            jac=lambda steps: residuals_and_derivatives(steps)[1],
             method="lm",
             xtol=1e-8,
             ftol=1e-10,
             max_nfev=60,
         )
-        return 2 * float(answer.cost), placed(answer.x)
+        return 2 * float(minimum.cost), parameters_at(minimum.x)
 
     def start(self, log_friction: float, slide: float) -> Array:
-        """Parameters from which a fit begins: the rig takes up what U moves more than theory."""
+        """The seven parameters from which a fit begins. C of the rig is such that theory with C
+        moves as far as U of the rows. `slide` is the share of the range of U in which the contact
+        slides as a whole; where it is not 0, f follows from the range of Q.
+        """
         rows = self.rows
-        extent = self.rows.sizes[MIDDLE]
         highest, lowest = np.quantile(rows.load, [0.98, 0.02])
-        extent = float(highest - lowest)
+        range_of_load = float(highest - lowest)
         if slide > 0:
-            log_friction = math.log(self.curve.sliding * extent)
+            log_friction = math.log(self.curve.sliding * range_of_load)
         friction = math.exp(log_friction)
         range_of_shift = float(np.ptp(np.quantile(rows.shift, [0.01, 0.99])))
-        moved = 2 * friction * float(self.curve.value(np.array(extent / 2 / friction)))
+        shift_of_theory = (
+            2 * friction * float(self.curve.value(np.array(range_of_load / 2 / friction)))
+        )
         compliance = rows.compliance
         if compliance is None:
-            compliance = ((1 - slide) * range_of_shift - moved) / extent
+            compliance = ((1 - slide) * range_of_shift - shift_of_theory) / range_of_load
         middle_of_shift = float(np.mean(np.quantile(rows.shift, [0.02, 0.98])))
         return np.array(
             [
                 log_friction,
                 (highest + lowest) / 2,
-                extent,
+                range_of_load,
                 compliance,
                 middle_of_shift,
                 0.0,
@@ -294,24 +309,31 @@ class _Search:
         )
 
     def best(self) -> tuple[_Least, _Least]:
-        """The best partial and the best gross loop."""
+        """Two fits: the best loop that slips partially, and the best one that slides as a whole.
+        Each kind begins from many trials; the lowest minima among these are refined.
+        """
         highest, lowest = np.quantile(self.rows.load, [0.98, 0.02])
-        least = math.log(self.curve.sliding * float(highest - lowest))
-        logs = least + np.linspace(math.sqrt(_ABOVE), math.sqrt(math.log(_WIDEST)), _TRIALS) ** 2
-        partial = [self.start(log_friction, 0.0) for log_friction in logs.tolist()]
-        gross = [self.start(0.0, slide) for slide in _SLIDES]
-        best = []
-        for starts, is_gross in ((partial, False), (gross, True)):
+        log_least_friction = math.log(self.curve.sliding * float(highest - lowest))
+        log_frictions = (
+            log_least_friction
+            + np.linspace(math.sqrt(_ABOVE), math.sqrt(math.log(_WIDEST)), _TRIALS) ** 2
+        )
+        partial_starts = [self.start(log_friction, 0.0) for log_friction in log_frictions.tolist()]
+        gross_starts = [self.start(0.0, slide) for slide in _SLIDES]
+        best_fits = []
+        for starts, is_gross in ((partial_starts, False), (gross_starts, True)):
             sums = np.array([self.sum_of_squares(start) for start in starts])
-            walled = np.concatenate([[math.inf], sums, [math.inf]])
-            minima = np.flatnonzero((sums <= walled[:-2]) & (sums <= walled[2:]))
-            lowest_first = minima[np.argsort(sums[minima])][:_MINIMA]
+            sums_with_walls = np.concatenate([[math.inf], sums, [math.inf]])
+            local_minima = np.flatnonzero(
+                (sums <= sums_with_walls[:-2]) & (sums <= sums_with_walls[2:])
+            )
+            lowest_minima = local_minima[np.argsort(sums[local_minima])][:_MINIMA]
             fits = [
                 self._within(*self.least(starts[k], frozenset(), gross=is_gross), gross=is_gross)
-                for k in lowest_first.tolist()
+                for k in lowest_minima.tolist()
             ]
-            best.append(min(fits, key=lambda fit: fit.squares))
-        return best[0], best[1]
+            best_fits.append(min(fits, key=lambda fit: fit.squares))
+        return best_fits[0], best_fits[1]
 
     def again(self, partial: _Least, gross: _Least) -> tuple[_Least, _Least]:
         """The best partial and the best gross loop from parameters near them."""
@@ -336,118 +358,157 @@ class _Search:
         return bool(math.exp(values[LOG_F]) < self.curve.sliding * values[RANGE])
 
     def at_friction(self, log_friction: float, start: Array, *, gross: bool) -> _Least:
-        """The best loop of one kind at this f."""
-        held = frozenset([LOG_F])
-        values = start.copy()
-        values[LOG_F] = log_friction
+        """The best loop at a given f, from the parameters `start` (7,): of those that slide as a
+        whole if `gross`, else of those that slip partially. Its sum of squares is infinite where
+        the contact would slide though it is not `gross`.
+        """
+        held_parameters = frozenset([LOG_F])
+        parameters = start.copy()
+        parameters[LOG_F] = log_friction
         if not gross:
-            squares, values = self.least(values, held, gross=False)
-            return _Least(math.inf if self._beyond_sliding(values) else squares, values)
-        squares, values = self.least(values, held, gross=True)
-        if values[SLIDE] < 0:
-            values = values.copy()
-            values[SLIDE] = 0.0
-            squares, values = self.least(values, held | {SLIDE}, gross=True)
-        return _Least(squares, values)
+            squares, parameters = self.least(parameters, held_parameters, gross=False)
+            return _Least(math.inf if self._beyond_sliding(parameters) else squares, parameters)
+        squares, parameters = self.least(parameters, held_parameters, gross=True)
+        if parameters[SLIDE] < 0:
+            parameters = parameters.copy()
+            parameters[SLIDE] = 0.0
+            squares, parameters = self.least(parameters, held_parameters | {SLIDE}, gross=True)
+        return _Least(squares, parameters)
 
     def interval_end(
         self, fits: tuple[_Least, _Least], side: float, excess: float, step: float
     ) -> Array | None:
-        """Parameters (7,) on this side (1 or -1) of the better fit at whose f the least sum of
-        squares exceeds its own by `excess`; None where it does not. `fits` are the best partial and
-        the best gross loop; of the worse kind more excess is admitted, since the kind was chosen by
-        the rows too.
+        """One end of the interval of f: the seven parameters of the loop at the f where the least
+        sum of squares exceeds that of the better fit by `excess`. None where it never does.
+
+        Parameters
+        ----------
+        fits
+            the best loop that slips partially, and the best one that slides as a whole; of the
+            worse of the two more excess is admitted, since the rows chose between them
+        side
+            1 for the upper end, -1 for the lower one
+        step
+            first step in ln f
         """
-        least, best = min(fits, key=lambda fit: fit.squares)
+        least_sum, best_parameters = min(fits, key=lambda fit: fit.squares)
         gross_is_better = fits[1].squares < fits[0].squares
-        latest = {gross: fit.values for gross, fit in zip((False, True), fits, strict=True)}
-        first = gross_is_better
+        latest_parameters = {
+            gross: fit.values for gross, fit in zip((False, True), fits, strict=True)
+        }
+        tried_first_is_gross = gross_is_better
 
         def root_of_excess(log_trial: float) -> float:
             """1 where the sum of squares passes the limit; nearly linear in ln f."""
-            nonlocal first
-            smallest = math.inf
-            for gross in (first, not first):
-                fit = self.at_friction(log_trial, latest[gross], gross=gross)
+            nonlocal tried_first_is_gross
+            least_share = math.inf
+            for gross in (tried_first_is_gross, not tried_first_is_gross):
+                fit = self.at_friction(log_trial, latest_parameters[gross], gross=gross)
                 if math.isfinite(fit.squares):
-                    latest[gross] = fit.values
-                admitted = excess if gross == gross_is_better else _OTHER_KIND * excess
-                share = max(fit.squares - least, 0.0) / admitted
-                if share < smallest:
-                    smallest = share
-                    first = gross
-                if smallest <= 1:  # whatever the other kind gives
+                    latest_parameters[gross] = fit.values
+                admitted_excess = excess if gross == gross_is_better else _OTHER_KIND * excess
+                share_of_excess = max(fit.squares - least_sum, 0.0) / admitted_excess
+                if share_of_excess < least_share:
+                    least_share = share_of_excess
+                    tried_first_is_gross = gross
+                if least_share <= 1:  # whatever the other kind gives
                     break
-            return math.sqrt(smallest)
+            return math.sqrt(least_share)
 
-        end = passes(root_of_excess, float(best[LOG_F]), side, step)
-        if end is None:
+        log_friction_at_end = passes(root_of_excess, float(best_parameters[LOG_F]), side, step)
+        if log_friction_at_end is None:
             return None
-        return self.at_friction(end, latest[first], gross=first).values
+        return self.at_friction(
+            log_friction_at_end, latest_parameters[tried_first_is_gross], gross=tried_first_is_gross
+        ).values
 
 
-def passes(value: Callable[[float], float], begin: float, side: float, step: float) -> float | None:
-    """Where a value that grows from 0 at `begin` on one side (1 or -1) passes 1, to 1 % of its
-    distance from `begin`; None where it does not up to a factor of 60 in e to its argument.
+def passes(
+    function: Callable[[float], float], begin: float, side: float, step: float
+) -> float | None:
+    """Where a function that grows from 0 at `begin` passes 1, to 1 % of the distance from `begin`.
+
+    It is sought upwards of `begin` for `side` 1, downwards for -1, with `step` as the first step.
+    None where it is not reached within ln 60 of `begin`.
 
     >>> end = passes(lambda x: 2 * abs(x), 0.0, 1.0, 0.3)
     >>> abs(end - 0.5) < 0.005
     True
     """
-    inner, at_inner = 0.0, 0.0
+    distance_within = 0.0
+    value_within = 0.0
     for _ in range(_STEPS):
-        outer = inner + min(step, 0.5)
-        at_outer = value(begin + side * outer)
-        if at_outer > 1:
+        distance_beyond = distance_within + min(step, 0.5)
+        value_beyond = function(begin + side * distance_beyond)
+        if value_beyond > 1:
             break
-        if outer > math.log(_FARTHEST):
+        if distance_beyond > math.log(_FARTHEST):
             return None
-        step = 1.3 * outer * (1 / max(at_outer, 0.1)) - outer
-        inner, at_inner = outer, at_outer
+        step = 1.3 * distance_beyond * (1 / max(value_beyond, 0.1)) - distance_beyond
+        distance_within = distance_beyond
+        value_within = value_beyond
     else:
         return None
     for _ in range(_NARROWED):
-        if outer - inner < 0.01 * outer:
+        if distance_beyond - distance_within < 0.01 * distance_beyond:
             break
-        share = (1 - at_inner) / (min(at_outer, 1e6) - at_inner)
-        middle = inner + float(np.clip(share, 0.1, 0.9)) * (outer - inner)
-        at_middle = value(begin + side * middle)
-        if abs(at_middle - 1) < 0.01:
-            return begin + side * middle
-        if at_middle > 1:
-            outer, at_outer = middle, at_middle
+        share = (1 - value_within) / (min(value_beyond, 1e6) - value_within)
+        distance_between = distance_within + float(np.clip(share, 0.1, 0.9)) * (
+            distance_beyond - distance_within
+        )
+        value_between = function(begin + side * distance_between)
+        if abs(value_between - 1) < 0.01:
+            return begin + side * distance_between
+        if value_between > 1:
+            distance_beyond = distance_between
+            value_beyond = value_between
         else:
-            inner, at_inner = middle, at_middle
-    return begin + side * outer
+            distance_within = distance_between
+            value_within = value_between
+    return begin + side * distance_beyond
 
 
 def _noise_of_rows(
-    found: Distances, weights: Weights, smallest: Weights, freedom: int, ratio: tuple[float, float]
+    distances: Distances,
+    weights: Weights,
+    least_noise: Weights,
+    degrees_of_freedom: int,
+    ratio: tuple[float, float],
 ) -> Weights:
-    """Sigma of U and of Q that are most likely for these distances; `ratio` is ln(sigma of U/sigma
-    of Q) that neighbouring rows show, and its scatter.
+    """Standard deviations of U and of Q that make the distances of the rows from a fit most likely.
+
+    Parameters
+    ----------
+    distances
+        distances, in the sigma of `weights`, with the unit vectors across the loop
+    least_noise
+        least sigma of U and Q, by the digits of the rows
+    degrees_of_freedom
+        rows minus fitted parameters
+    ratio
+        ln(sigma of U/sigma of Q) that neighbouring rows show, and its scatter
     """
-    expected = ratio[0] - math.log(weights.shift / weights.load)
+    expected_log_ratio = ratio[0] - math.log(weights.shift / weights.load)
     from scipy.optimize import minimize
 
-    squares = found.value**2 * len(found.value) / freedom
-    parts = found.across**2
+    squares = distances.value**2 * len(distances.value) / degrees_of_freedom
+    squared_parts = distances.across**2
 
-    def unlikely(logs: Array) -> float:
-        variance = parts @ np.exp(2 * logs)
-        prior = float((logs[0] - logs[1] - expected) ** 2) / ratio[1] ** 2
+    def minus_log_likelihood(logs: Array) -> float:
+        variance = squared_parts @ np.exp(2 * logs)
+        prior = float((logs[0] - logs[1] - expected_log_ratio) ** 2) / ratio[1] ** 2
         return float(np.sum(squares / variance + np.log(variance))) + prior
 
-    common = math.log(max(math.sqrt(float(np.mean(squares))), 1e-12))
-    least = np.log(np.array(smallest) / np.array(weights))
-    answer = minimize(
-        unlikely,
-        np.maximum(common, least),
+    log_of_common_factor = math.log(max(math.sqrt(float(np.mean(squares))), 1e-12))
+    least_logs = np.log(np.array(least_noise) / np.array(weights))
+    minimum = minimize(
+        minus_log_likelihood,
+        np.maximum(log_of_common_factor, least_logs),
         method="Nelder-Mead",
-        bounds=[(float(end), math.inf) for end in least],
+        bounds=[(float(least_log), math.inf) for least_log in least_logs],
         options={"xatol": 1e-3},
     )
-    factors = np.exp(np.maximum(answer.x, least))
+    factors = np.exp(np.maximum(minimum.x, least_logs))
     return Weights(float(factors[0]) * weights.shift, float(factors[1]) * weights.load)
 
 
@@ -533,44 +594,58 @@ class BestLoop:
         return -self.distances.across * at_rows / np.array(self.search.weights)
 
 
-def _misfit(found: Distances, weights: Weights, smallest: Weights) -> Misfit:
-    """By neighbours in time, and by neighbours on the loop, which are of several cycles."""
-    by_digits = found.across**2 @ (np.array(smallest) / np.array(weights)) ** 2
-    digits_alone = float(np.mean(found.value**2)) < _BY_DIGITS * float(np.mean(by_digits))
+def _misfit(distances: Distances, weights: Weights, least_noise: Weights) -> Misfit:
+    """Whether neighbouring rows deviate alike from the fit, so that more than scatter is left.
+
+    Neighbours in time and neighbours on the loop, which are of several cycles, are both tried; the
+    larger correlation counts. Where the digits of the rows explain the distances nothing is
+    systematic.
+    """
+    variance_by_digits = distances.across**2 @ (np.array(least_noise) / np.array(weights)) ** 2
+    digits_explain_all = float(np.mean(distances.value**2)) < _BY_DIGITS * float(
+        np.mean(variance_by_digits)
+    )
     # Rows are rounded alike where they lie alike: no fault of the model, but fewer rows' worth,
     # and no chance either.
-    least_deviations = 0.0 if digits_alone else BY_CHANCE
-    order = np.argsort(found.place, kind="stable")
-    inwards = np.where(found.place > 1, -1.0, 1.0) * found.value
-    in_time = misfit_of(found.value, weights.shift, least_deviations)
-    on_loop = misfit_of(inwards[order], weights.shift, least_deviations)
+    least_deviations = 0.0 if digits_explain_all else BY_CHANCE
+    order_on_loop = np.argsort(distances.place, kind="stable")
+    inwards = np.where(distances.place > 1, -1.0, 1.0) * distances.value
+    in_time = misfit_of(distances.value, weights.shift, least_deviations)
+    on_loop = misfit_of(inwards[order_on_loop], weights.shift, least_deviations)
     misfit = max(in_time, on_loop, key=lambda misfit: misfit.correlation)
-    return replace(misfit, systematic=0.0) if digits_alone else misfit
+    return replace(misfit, systematic=0.0) if digits_explain_all else misfit
 
 
 def best_loop(rows: MeasuredRows, curve: MemoryCurve) -> BestLoop:
-    """The parameters that fit the rows best, with the noise that the rows show."""
-    smallest = Weights(
+    """The loop that fits the rows best, of those that slip partially or slide as a whole, with the
+    noise of U and Q. Fit and noise are found by turns until the noise no longer changes.
+    """
+    least_noise = Weights(
         *(
             max(step / math.sqrt(12), _LEAST_NOISE * float(np.max(np.abs(values))))
             for step, values in zip(rows.resolution, (rows.shift, rows.load), strict=True)
         )
     )
     weights = Weights(
-        max(row_noise(rows.shift), smallest.shift), max(row_noise(rows.load), smallest.load)
+        max(row_noise(rows.shift), least_noise.shift), max(row_noise(rows.load), least_noise.load)
     )
     search = _Search(rows, curve, weights)
-    freedom = len(rows.shift) - 6 - (rows.compliance is None)
+    degrees_of_freedom = len(rows.shift) - 6 - (rows.compliance is None)
     fits = search.best()
-    ratio = (math.log(weights.shift / weights.load), _RATIO_OF_NOISE)
+    log_noise_ratio = (math.log(weights.shift / weights.load), _RATIO_OF_NOISE)
     for k in range(_REWEIGHTED):
-        found = distances_from(rows, curve, _better(fits).values, search.weights)
+        distances = distances_from(rows, curve, _better(fits).values, search.weights)
         if k == 0:
             # Where the first fit leaves what neighbouring rows show, they show noise alone.
-            misjudged = abs(math.log(max(float(np.std(found.value)), 1e-9)))
-            by_chance = _OF_ROW_NOISE / math.sqrt(len(rows.shift))
-            ratio = (ratio[0], min(max(misjudged, by_chance), _RATIO_OF_NOISE))
-        weights = _noise_of_rows(found, search.weights, smallest, freedom, ratio)
+            scatter_by_fit = abs(math.log(max(float(np.std(distances.value)), 1e-9)))
+            least_scatter = _OF_ROW_NOISE / math.sqrt(len(rows.shift))
+            log_noise_ratio = (
+                log_noise_ratio[0],
+                min(max(scatter_by_fit, least_scatter), _RATIO_OF_NOISE),
+            )
+        weights = _noise_of_rows(
+            distances, search.weights, least_noise, degrees_of_freedom, log_noise_ratio
+        )
         changes = np.array(weights) / np.array(search.weights) - 1
         if np.max(np.abs(changes)) < _SAME_NOISE:
             break
@@ -578,25 +653,26 @@ def best_loop(rows: MeasuredRows, curve: MemoryCurve) -> BestLoop:
         # With another noise another minimum may be the lowest.
         fits = search.best() if k == 0 else search.again(*fits)
     values = _better(fits).values
-    found = distances_from(rows, curve, values, search.weights)
+    distances = distances_from(rows, curve, values, search.weights)
     return BestLoop(
         search=search,
         fits=fits,
         values=values,
         gross=fits[1].squares < fits[0].squares,
-        distances=found,
-        misfit=_misfit(found, search.weights, smallest),
-        freedom=freedom,
+        distances=distances,
+        misfit=_misfit(distances, search.weights, least_noise),
+        freedom=degrees_of_freedom,
     )
 
 
 def with_interval(best: BestLoop, error_of_theory: float) -> MasingFit:
-    """The best loop with the interval of f.
+    """The best loop with the 95 % interval of f: where the least sum of squares rises by what the F
+    distribution admits, widened where neighbouring rows deviate alike.
 
     Parameters
     ----------
     error_of_theory
-        of a fitted f, of itself, by the samples of the curve
+        error of a fitted f, as a share of f, by the samples of the memory curve
     """
     from scipy.stats import f as fisher
 
@@ -608,18 +684,22 @@ def with_interval(best: BestLoop, error_of_theory: float) -> MasingFit:
     excess = float(fisher.ppf(0.95, 1, best.freedom)) * widening**2 * variance
     step = float(np.clip(2 * errors[LOG_F] * widening, 1e-9, 0.3))
     friction = math.exp(best.values[LOG_F])
-    down = search.interval_end(best.fits, -1.0, excess, step)
-    up = search.interval_end(best.fits, 1.0, excess, step)
-    by_digits = 0.0
+    parameters_at_lower_end = search.interval_end(best.fits, -1.0, excess, step)
+    parameters_at_upper_end = search.interval_end(best.fits, 1.0, excess, step)
+    error_by_digits = 0.0
     if best.gross:
-        by_digits = _digits_of_plateau(search.rows, search.curve, search.weights)
-    own = math.hypot(friction * error_of_theory, by_digits)
+        error_by_digits = _digits_of_plateau(search.rows, search.curve, search.weights)
+    error_without_rows = math.hypot(friction * error_of_theory, error_by_digits)
     low = 0.0
-    if down is not None:
-        low = friction - math.hypot(friction - math.exp(down[LOG_F]), own)
+    if parameters_at_lower_end is not None:
+        low = friction - math.hypot(
+            friction - math.exp(parameters_at_lower_end[LOG_F]), error_without_rows
+        )
     high = None
-    if up is not None:
-        high = friction + math.hypot(math.exp(up[LOG_F]) - friction, own)
+    if parameters_at_upper_end is not None:
+        high = friction + math.hypot(
+            math.exp(parameters_at_upper_end[LOG_F]) - friction, error_without_rows
+        )
     return MasingFit(
         friction=friction,
         low=max(low, 0.0),
@@ -632,8 +712,8 @@ def with_interval(best: BestLoop, error_of_theory: float) -> MasingFit:
         misfit=best.misfit,
         influence=influence,
         freedom=best.freedom,
-        by_digits=by_digits,
-        ends=(down, up),
+        by_digits=error_by_digits,
+        ends=(parameters_at_lower_end, parameters_at_upper_end),
     )
 
 

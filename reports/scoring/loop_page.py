@@ -33,131 +33,150 @@ from reports.units import energy_unit, load_unit, minus, units
 from scenes.array_types import Array
 
 
-def content(found: LoopScore) -> dict[str, Any]:
-    """A loop score for JSON."""
+def content(score: LoopScore) -> dict[str, Any]:
+    """The entries of loop.json: whether the scene's f lies in the interval of the measured loop's
+    f, that interval, the rig's compliance, and each loop's area, slope and distance from the rows.
+    """
     return {
         "kind": "loop",
-        "passed": found.agrees,
-        "sentence": found.sentence,
+        "passed": score.agrees,
+        "sentence": score.sentence,
         "friction": {
-            "value": found.friction,
-            "low": found.low,
-            "high": found.high,
-            "scene": found.scene.friction.coefficient,
+            "value": score.friction,
+            "low": score.low,
+            "high": score.high,
+            "scene": score.scene.friction.coefficient,
         },
-        "rig_compliance": {"value": found.compliance, "fitted": found.compliance_fitted},
-        "scale": found.scale,
-        "cycles": found.cycles,
-        "noise": found.noise,
+        "rig_compliance": {"value": score.compliance, "fitted": score.compliance_fitted},
+        "scale": score.scale,
+        "cycles": score.cycles,
+        "noise": score.noise,
         "metrics": {
             row.name: {name: value for name, value in vars(row).items() if name != "name"}
-            for row in found.rows
+            for row in score.rows
         },
-        "read_as": found.read_as,
-        "notes": list(found.said),
-        "scene": found.scene.model_dump(mode="json"),
+        "read_as": score.read_as,
+        "notes": list(score.said),
+        "scene": score.scene.model_dump(mode="json"),
     }
 
 
-def table(found: LoopScore) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
-    """Heads and rows: each loop, and how far it is from the measured one."""
-    length, stress = units(found.scene)[1:]
-    area = f"area W [{energy_unit(found.scene)}]"
-    distance = f"mean rows − loop, rms [{length}]"
-    heads = ("loop", "f", area, "W/measured − 1", f"slope dU/dQ [1/{stress}]", distance)
-    measured = found.rows[0]
+def table(score: LoopScore) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+    """Column heads, and a row of text cells for each loop: name, f, area W, W over the measured one
+    minus 1, slope, and distance from the rows (– where a loop has none).
+    """
+    length, stress = units(score.scene)[1:]
+    area_head = f"area W [{energy_unit(score.scene)}]"
+    distance_head = f"mean rows − loop, rms [{length}]"
+    slope_head = f"slope dU/dQ [1/{stress}]"
+    heads = ("loop", "f", area_head, "W/measured − 1", slope_head, distance_head)
+    measured = score.rows[0]
     rows: list[tuple[str, ...]] = []
-    for row in found.rows:
-        apart = "–" if row is measured else minus(f"{100 * (row.area / measured.area - 1):+.2g} %")
-        spread = f" ± {row.area_uncertainty:.2g}" if row.area_uncertainty else ""
-        friction = "–" if row.friction is None else f"{row.friction:.4g}"
-        distance = f"{row.distance:.3g}" if math.isfinite(row.distance) else "–"
+    for row in score.rows:
+        area_cell = f"{row.area:.5g}"
+        if row.area_uncertainty:
+            area_cell += f" ± {row.area_uncertainty:.2g}"
+        difference_cell = "–"
+        if row is not measured:
+            difference_cell = minus(f"{100 * (row.area / measured.area - 1):+.2g} %")
+        friction_cell = "–" if row.friction is None else f"{row.friction:.4g}"
+        distance_cell = f"{row.distance:.3g}" if math.isfinite(row.distance) else "–"
+        slope_cell = f"{row.slope:.5g}"
         rows.append(
-            (row.name, friction, f"{row.area:.5g}{spread}", apart, f"{row.slope:.5g}", distance)
+            (row.name, friction_cell, area_cell, difference_cell, slope_cell, distance_cell)
         )
     return heads, rows
 
 
-def _plates(found: LoopScore) -> tuple[Plate, ...]:
-    """The loop, U less the straight line through it, so that it opens; and rows minus the best
-    fit.
+def _plates(score: LoopScore) -> tuple[Plate, ...]:
+    """Two figures. The loop: U − slope Q over Q, the slope being that of the best fit, so that a
+    thin loop opens. The residuals: U of the rows minus U of the best fit, over the share of the
+    cycle that is over. Dots are means of neighbouring rows; the CSV files hold every row.
     """
-    length = units(found.scene)[1]
-    load = load_unit(found.scene)
-    line = found.rows[1].slope
-    base = float(np.mean(found.shift - line * found.load))
-    rest = found.shift - np.interp(found.tau, SHARES, found.curves[0][1])
-    count, share, shifts, loads, means = means_of_parts(
-        found.tau, found.tau, found.shift, found.load, rest
+    length = units(score.scene)[1]
+    load = load_unit(score.scene)
+    slope = score.rows[1].slope
+    mean_offset = float(np.mean(score.shift - slope * score.load))
+    residuals = score.shift - np.interp(score.tau, SHARES, score.curves[0][1])
+    rows_of_dot, share_of_dot, shift_of_dot, load_of_dot, residual_of_dot = means_of_parts(
+        score.tau, score.tau, score.shift, score.load, residuals
     )
-    opened = shifts - line * loads - base
+    opened_shift = shift_of_dot - slope * load_of_dot - mean_offset
     curves = [
-        Curve(q, u - line * q - base, f"line-{k}", name)
-        for k, (name, u, q) in enumerate(found.curves, 1)
+        Curve(q, u - slope * q - mean_offset, f"line-{k}", name)
+        for k, (name, u, q) in enumerate(score.curves, 1)
     ]
     keys = [Key(curve.css, curve.label) for curve in curves]
 
     def panel(
         name: str,
-        words: str,
+        title: str,
         height: float,
-        across: Axis,
-        up: Axis,
+        horizontal: Axis,
+        vertical: Axis,
         dots: tuple[Array, Array],
         lines: Sequence[Mark],
     ) -> Panel:
         marks = [
-            Dot(x, y, "p0", 2.2) for x, y in zip(*(values.tolist() for values in dots), strict=True)
+            Dot(x, y, "p0", 2.2) for x, y in zip(dots[0].tolist(), dots[1].tolist(), strict=True)
         ]
-        return Panel(name, across, up, [*marks, *lines], words, 900.0, height, css="broad")
+        return Panel(
+            name, horizontal, vertical, [*marks, *lines], title, 900.0, height, css="broad"
+        )
 
-    axes = (
-        Axis(*limits(loads, curves[0].x), f"Q  [{load}]"),
-        Axis(*limits(opened, *(c.y for c in curves)), f"U − slope Q  [{length}]"),
+    loop_axes = (
+        Axis(*limits(load_of_dot, curves[0].x), f"Q  [{load}]"),
+        Axis(*limits(opened_shift, *(curve.y for curve in curves)), f"U − slope Q  [{length}]"),
     )
-    below = (
+    residual_axes = (
         Axis(0.0, 1.0, "share of the cycle"),
-        Axis(*limits(means), f"mean rows − best fit  [{length}]"),
+        Axis(*limits(residual_of_dot), f"mean rows − best fit  [{length}]"),
     )
-    loop = panel(
-        "loop", "Loop of displacement over tangential load", 380.0, *axes, (loads, opened), curves
+    loop_panel = panel(
+        "loop",
+        "Loop of displacement over tangential load",
+        380.0,
+        *loop_axes,
+        (load_of_dot, opened_shift),
+        curves,
     )
-    residuals = panel(
+    residual_panel = panel(
         "loop-rest",
         "Residuals of the best fit over the cycle",
         260.0,
-        *below,
-        (share, means),
+        *residual_axes,
+        (share_of_dot, residual_of_dot),
         [Rule(0.0, "zero")],
     )
-    words: dict[str, Any] = {
-        "fewest": f"{count.min():.0f}",
-        "most": f"{count.max():.0f}",
-        "parts": len(count),
+    row_counts: dict[str, Any] = {
+        "fewest": f"{rows_of_dot.min():.0f}",
+        "most": f"{rows_of_dot.max():.0f}",
+        "parts": len(rows_of_dot),
         "columns": 1,
     }
-    columns = {"tau": found.tau, f"Q [{load}]": found.load, f"U [{length}]": found.shift}
-    noise: dict[str, Any] = {"noise": f"{found.noise:.3g}", "length": length}
+    loop_columns = {"tau": score.tau, f"Q [{load}]": score.load, f"U [{length}]": score.shift}
+    noise_words: dict[str, Any] = {"noise": f"{score.noise:.3g}", "length": length}
     return (
-        worded("loop", [loop], columns, keys, slope=f"{line:.4g}", **words),
+        worded("loop", [loop_panel], loop_columns, keys, slope=f"{slope:.4g}", **row_counts),
         worded(
             "loop_residuals",
-            [residuals],
-            {"tau": found.tau, f"U - fit [{length}]": rest},
-            **noise,
-            **words,
+            [residual_panel],
+            {"tau": score.tau, f"U - fit [{length}]": residuals},
+            **noise_words,
+            **row_counts,
         ),
     )
 
 
 def write(
-    found: LoopScore,
+    score: LoopScore,
     out: str | Path,
     command: str,
     further: dict[str, Any] | None = None,
     sentences: Sequence[str] = (),
 ) -> Path:
-    """The page, loop.json and the CSV of each figure; returns the path of the page.
+    """Write the page report.html, loop.json and the CSV of each figure into the folder `out`;
+    return the path of the page. `command` is the command line that both state.
 
     Parameters
     ----------
@@ -168,29 +187,29 @@ def write(
     """
     from reports.comparison.json_values import strict
 
-    program, digest = script()
-    drawings = _plates(found)
-    heads, rows = table(found)
-    with filled(out) as folder:
-        write_tables(drawings, folder)
-        whole = strict(content(found) | (further or {})) | {"command": command}
-        (folder / "loop.json").write_text(
-            json.dumps(whole, indent=1, ensure_ascii=False) + "\n", encoding="utf-8"
+    page_script, script_hash = script()
+    plates = _plates(score)
+    table_heads, table_rows = table(score)
+    with filled(out) as new_folder:
+        write_tables(plates, new_folder)
+        json_content = strict(content(score) | (further or {})) | {"command": command}
+        (new_folder / "loop.json").write_text(
+            json.dumps(json_content, indent=1, ensure_ascii=False) + "\n", encoding="utf-8"
         )
-        page = template("loop.html").render(
-            title=f"Measured loop: {Path(found.source).name}",
-            scene=found.scene,
-            question=question(found.scene),
-            found=found,
+        page_text = template("loop.html").render(
+            title=f"Measured loop: {Path(score.source).name}",
+            scene=score.scene,
+            question=question(score.scene),
+            found=score,
             sentences=sentences,
-            source_name=Path(found.source).name,
-            stress=units(found.scene)[2],
-            heads=heads,
-            rows=rows,
-            drawings=drawings,
+            source_name=Path(score.source).name,
+            stress=units(score.scene)[2],
+            heads=table_heads,
+            rows=table_rows,
+            drawings=plates,
             command=command,
-            script=program,
-            script_hash=digest,
+            script=page_script,
+            script_hash=script_hash,
         )
-        (folder / "report.html").write_text(page, encoding="utf-8")
+        (new_folder / "report.html").write_text(page_text, encoding="utf-8")
     return Path(out) / "report.html"

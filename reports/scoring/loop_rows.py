@@ -54,13 +54,14 @@ class MeasuredLoop:
 
 
 def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
-    """The columns U and Q of a table, and its time if there is one.
+    """Read a measured loop from a text table: U, Q and time in the units of the scene, with words
+    on how each column was read. Without a column of time the rows follow each other evenly.
 
     Raises
     ------
     InputError
-        As the reader of tables; for a column that is missing or in a unit that can't be turned into
-        the scene's, for too few rows.
+        For a file that is no table of numbers; for a column that is missing or in a unit that can't
+        be turned into the scene's, for too few rows.
     """
     table = text_table(
         path,
@@ -72,50 +73,57 @@ def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
         ),
     )
     names = table.names
-    where = str(path)
-    alone = not table.head and len(names) == 2  # the other of two columns without names
-    force = find_column(mapping, "tangential_load", names, where, needed=not alone)
-    stated = (
-        find_column(mapping, "slip", names, where) if mapping.columns.slip is not None else None
+    file_name = str(path)
+    has_two_nameless_columns = (
+        not table.head and len(names) == 2
+    )  # the other of two columns without names
+    load_name = find_column(
+        mapping, "tangential_load", names, file_name, needed=not has_two_nameless_columns
     )
-    if alone and force is None and stated is not None:
-        force = names[1 - names.index(stated)]
-    shifts = [name for alias in _SHIFT_NAMES for name in names if plain(name) == plain(alias)]
-    shift = stated or next(iter(dict.fromkeys(shifts)), None)
-    if alone and shift is None and force is not None:
-        shift = names[1 - names.index(force)]
-    if shift is None or force is None:
+    stated_shift_name = (
+        find_column(mapping, "slip", names, file_name) if mapping.columns.slip is not None else None
+    )
+    if has_two_nameless_columns and load_name is None and stated_shift_name is not None:
+        load_name = names[1 - names.index(stated_shift_name)]
+    shift_names = [name for alias in _SHIFT_NAMES for name in names if plain(name) == plain(alias)]
+    shift_name = stated_shift_name or next(iter(dict.fromkeys(shift_names)), None)
+    if has_two_nameless_columns and shift_name is None and load_name is not None:
+        shift_name = names[1 - names.index(load_name)]
+    if shift_name is None or load_name is None:
         raise InputError(
-            f"{where}: no column for the relative displacement (looked for"
+            f"{file_name}: no column for the relative displacement (looked for"
             f" {', '.join(_SHIFT_NAMES[:4])} ...) among {listed(names)}; name it by columns.slip of"
             " a mapping"
         )
-    if shift == force:
+    if shift_name == load_name:
         raise InputError(
-            f"{where}: the mapping takes {shift!r} for U and for Q; state columns.slip and"
+            f"{file_name}: the mapping takes {shift_name!r} for U and for Q; state columns.slip and"
             " columns.tangential_load"
         )
-    time = find_column(mapping, "time", names, where)
-    count = len(table.values)
-    if count < _FEWEST:
+    time_name = find_column(mapping, "time", names, file_name)
+    n_rows = len(table.values)
+    if n_rows < _FEWEST:
         raise InputError(
-            f"{where}: {count} rows are too few for a loop: at least {_FEWEST} are needed"
+            f"{file_name}: {n_rows} rows are too few for a loop: at least {_FEWEST} are needed"
         )
-    shifts_read = _column_of_loop(where, table, mapping, scene, shift, "slip")
-    loads_read = _column_of_loop(where, table, mapping, scene, force, "tangential_load")
+    shifts_read = _column_of_loop(file_name, table, mapping, scene, shift_name, "slip")
+    loads_read = _column_of_loop(file_name, table, mapping, scene, load_name, "tangential_load")
     for column in (shifts_read, loads_read):
         if not np.ptp(column.values) > 0:
-            raise InputError(f"{where}: {column.name} is the same in every row: there is no loop")
-    instants = np.arange(count, dtype=float)
+            raise InputError(
+                f"{file_name}: {column.name} is the same in every row: there is no loop"
+            )
+    instants = np.arange(n_rows, dtype=float)
     time_in_words = "no column: rows follow each other evenly"
-    if time is not None:
-        instants = table.column(time)
-        time_in_words = f"{time!r}, as it stands: no result depends on its unit"
-    back = np.flatnonzero(np.diff(instants) <= 0)
-    if len(back):
-        k = int(back[0]) + 1
+    if time_name is not None:
+        instants = table.column(time_name)
+        time_in_words = f"{time_name!r}, as it stands: no result depends on its unit"
+    rows_going_back = np.flatnonzero(np.diff(instants) <= 0)
+    if len(rows_going_back):
+        k = int(rows_going_back[0]) + 1
         raise InputError(
-            f"{where}, line {table.lines[k]}: {time} = {instants[k]:.6g} does not ascend: rows"
+            f"{file_name}, line {table.lines[k]}: {time_name} = {instants[k]:.6g} does not"
+            f" ascend: rows"
             " stand in the order of time"
         )
     read_as = layout_in_words(path, table)
@@ -123,7 +131,7 @@ def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
     read_as.append(("tangential load Q", loads_read.words))
     read_as.append(("time", time_in_words))
     return MeasuredLoop(
-        source=where,
+        source=file_name,
         shift=shifts_read.values,
         load=loads_read.values,
         time=instants - instants[0],
@@ -151,7 +159,8 @@ def _column_of_loop(
     name: str,
     quantity: Literal["slip", "tangential_load"],
 ) -> _ColumnOfLoop:
-    """U or Q of a table in the unit of the scene.
+    """One column of a loop's table, U or Q, in the unit of the scene, with the words on how it was
+    read: its factor, thickness and sign, by the mapping or by the unit in its heading.
 
     Raises
     ------
@@ -161,7 +170,7 @@ def _column_of_loop(
     """
     kind: Literal["length", "load"] = "length" if quantity == "slip" else "load"
     unit_of_scene = units(scene)[1] if kind == "length" else load_unit(scene)
-    number = table.names.index(name)
+    column_number = table.names.index(name)
     thickness_stated = kind == "load" and "thickness" in mapping.model_fields_set
     factor_stated = getattr(mapping.factors, kind)
     unit_factor = 1.0
@@ -169,20 +178,22 @@ def _column_of_loop(
     if factor_stated is not None:
         words.append(f"times {factor_stated:.9g} (factors.{kind} of the mapping)")
     else:
-        unit = unit_of_column(table, number, kind, scene.units)
+        unit = unit_of_column(table, column_number, kind, scene.units)
         if unit.word == unit_of_scene:  # whatever words the scene has for its units
-            in_words = f"{unit.word} (in its heading), times 1"
-            unit = replace(unit, factor=1.0, per_length=kind == "load", fault="", words=in_words)
+            words_of_unit = f"{unit.word} (in its heading), times 1"
+            unit = replace(
+                unit, factor=1.0, per_length=kind == "load", fault="", words=words_of_unit
+            )
         if thickness_stated and "/" in unit.word:
             raise InputError(
                 f"{where}: the column {name!r} is in {unit.word}, a force per length, and the"
                 " mapping states a thickness, by which forces are divided: take thickness out of"
                 " the mapping, or state factors.load"
             )
-        force_alone = kind == "load" and unit.known and not unit.per_length
-        if unit.fault or (force_alone and not thickness_stated):
+        is_plain_force = kind == "load" and unit.known and not unit.per_length
+        if unit.fault or (is_plain_force and not thickness_stated):
             or_thickness = ""
-            if force_alone:
+            if is_plain_force:
                 or_thickness = ", or the thickness of the contact, by which it is divided"
             raise InputError(
                 f"{where}: the column {name!r} is in {unit.word}, and the scene in"
@@ -195,10 +206,10 @@ def _column_of_loop(
         words.append(f"over the thickness {mapping.thickness:.9g}")
     if mapping.sign(quantity) < 0:
         words.append("sign turned")
-    step = unit_factor * np.array([_step_of_digits(table.values[:, number])])
+    step = unit_factor * np.array([_step_of_digits(table.values[:, column_number])])
     return _ColumnOfLoop(
         name=name,
-        values=converted(mapping, quantity, unit_factor * table.values[:, number]),
+        values=converted(mapping, quantity, unit_factor * table.values[:, column_number]),
         step=abs(float(converted(mapping, quantity, step)[0])),
         words=", ".join(words),
     )
@@ -216,8 +227,8 @@ def _is_numbered(mapping: Mapping) -> bool:
 
 
 def _step_of_digits(values: Array) -> float:
-    """The step of the last digit that rows (n,) are written with; of most of them, since zeros at
-    the end do not show.
+    """The step of the last decimal digit with which numbers (n,) were written, 0.01 for 0.25. The
+    median counts, since zeros at the end do not show.
 
     >>> (
     ...     _step_of_digits(np.array([0.25, 0.3, -0.17])),
@@ -225,8 +236,8 @@ def _step_of_digits(values: Array) -> float:
     ... )
     (0.01, 1.0)
     """
-    places = [
+    exponents = [
         int(Decimal(repr(value)).normalize().as_tuple().exponent)
         for value in values[:_DIGITS_SEEN].tolist()
     ]
-    return float(10.0 ** int(np.floor(np.median(places)))) if places else 0.0
+    return float(10.0 ** int(np.floor(np.median(exponents)))) if exponents else 0.0

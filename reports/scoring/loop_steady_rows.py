@@ -91,7 +91,20 @@ _SHORT_HALF_CYCLE = 0.1
 def fit_steady_rows(
     loop: MeasuredLoop, scene: Scene, rig_compliance: float | None
 ) -> tuple[MeasuredLoop, FittedLoop]:
-    """The rows that are of one steady loop, without the drift of their U, and their fit.
+    """Choose the rows of a measured loop that repeat one steady cycle, and fit f to them.
+
+    Where P varies all rows are fitted. Where it is constant first half-cycles are left out until
+    what is left is steady, and a linear drift of U is taken out.
+
+    Parameters
+    ----------
+    rig_compliance
+        C [1/stress]; None fits it
+
+    Returns
+    -------
+    rows, fit
+        the rows that were fitted, and their fit
 
     Raises
     ------
@@ -102,11 +115,11 @@ def fit_steady_rows(
         # Distances from the nearest point of a loop are no scatter beside its turning points: three
         # of twenty good loops with noise were refused by them.
         fit = _fit_where_load_varies(loop, scene, rig_compliance)
-        share = _share_of_opening(loop, fit.misfit, fit.phase)
+        share_of_opening = _share_of_opening(loop, fit.misfit, fit.phase)
         sentence = "P varies: the rows were not examined for drift, run-in and cycles that differ"
-        if share > _STEADY or _cycles_differ(loop):
+        if share_of_opening > _STEADY or _cycles_differ(loop):
             fit = replace(fit, said=(*fit.said, sentence))
-        return loop, _with_widening_said(fit, share)
+        return loop, _with_widening_said(fit, share_of_opening)
 
     drift = _drift_of_cycle(loop)
     if drift:
@@ -117,26 +130,27 @@ def fit_steady_rows(
         )
     curve = memory_curve(scene, least_friction(scene) / float(np.ptp(cycle_loads(scene)[1])))
     candidates = []
-    goes_on = ""
-    differ = _cycles_differ(loop)
-    for shorter in _without_run_in(loop):
-        goes_on_here = shorter.goes_on_growing
-        if goes_on_here:
-            goes_on = goes_on_here
+    growth_words = ""
+    difference_of_cycles = _cycles_differ(loop)
+    for without_run_in in _without_run_in(loop):
+        growth_here = without_run_in.goes_on_growing
+        if growth_here:
+            growth_words = growth_here
             continue
-        differ_here = _cycles_differ(shorter.rows)
-        if differ_here:
-            differ = differ or differ_here
+        difference_here = _cycles_differ(without_run_in.rows)
+        if difference_here:
+            difference_of_cycles = difference_of_cycles or difference_here
             continue
-        candidate = _candidate(shorter, curve, rig_compliance)
+        candidate = _candidate(without_run_in, curve, rig_compliance)
         candidates.append(candidate)
         if candidate.is_steady:
             break
-    if not candidates or (goes_on and not candidates[-1].is_steady):
-        reason = differ
-        if goes_on not in reason:
+    if not candidates or (growth_words and not candidates[-1].is_steady):
+        reason = difference_of_cycles
+        if growth_words not in reason:
             reason = (
-                f"its cycles {goes_on}, and its noise is too large to tell whether the last ones"
+                f"its cycles {growth_words}, and its noise is too large to tell whether the last"
+                f" ones"
                 " still do"
             )
         raise InputError(
@@ -148,7 +162,7 @@ def fit_steady_rows(
         chosen = min(candidates, key=lambda candidate: candidate.unsteady_share)
     if rig_compliance is None:
         _require_a_loop_of_theory(chosen, loop, scene)
-    part, fit = _fit_at_constant_load(chosen, scene, curve)
+    chosen_rows, fit = _fit_at_constant_load(chosen, scene, curve)
     fit = replace(fit, cycles=_branches_of_both(loop).cycles)
     if chosen.share > _OF_THEORY_AT_ALL:
         sentence = (
@@ -157,7 +171,7 @@ def fit_steady_rows(
             " fitted"
         )
         fit = replace(fit, said=(*fit.said, sentence))
-    return part, _with_widening_said(_with_change(fit, chosen), chosen.share)
+    return chosen_rows, _with_widening_said(_with_change(fit, chosen), chosen.share)
 
 
 # ------------------------------------------------------------------ rows that may be a steady loop
@@ -230,46 +244,62 @@ class _Candidate:
 def _candidate(
     without_run_in: _WithoutRunIn, curve: MemoryCurve, rig_compliance: float | None
 ) -> _Candidate:
-    """The fit of rows, and what it shows."""
-    part = without_run_in.rows
-    branches = _branches_of_both(part)
-    rows = MeasuredRows(part.shift, part.load, part.time, branches, rig_compliance, part.resolution)
-    best = best_loop(rows, curve)
-    with_time = of_first = by_turns = of_size = NO_CHANGE
+    """Fit the loop to rows without their run-in, and test whether they are steady: whether f, U or
+    Q change with time, whether the first half-cycle differs, and whether every second cycle does.
+    """
+    loop_rows = without_run_in.rows
+    branches = _branches_of_both(loop_rows)
+    rows_to_fit = MeasuredRows(
+        loop_rows.shift,
+        loop_rows.load,
+        loop_rows.time,
+        branches,
+        rig_compliance,
+        loop_rows.resolution,
+    )
+    best_fit = best_loop(rows_to_fit, curve)
+    change_with_time = NO_CHANGE
+    change_of_first_half_cycle = NO_CHANGE
+    change_every_second_cycle = NO_CHANGE
+    change_of_size = NO_CHANGE
     log_friction_at_end = 0.0
     if branches.cycles >= _FEWEST_ALIKE:
         phase = np.maximum.accumulate(branches.phase)
         first_turn = math.ceil(2 * phase[0] + _ON_A_TURN) / 2
         if first_turn - phase[0] < _SHORT_HALF_CYCLE:
             first_turn += 0.5
-        with_time = best.change_with(phase)
-        of_first = best.change_with((phase < first_turn).astype(float))
-        turns = [best.change_with(wave(np.pi * phase)) for wave in (np.cos, np.sin)]
-        by_turns = min(turns, key=lambda change: change.chance)
-        of_size = best.change_of_size_with(phase)
-        log_friction_at_end = best.log_friction_at_end(of_size.terms, phase)
-    share = _share_of_opening(part, best.misfit, branches.phase)
-    sigma_over_opening = best.search.weights.shift / _opening(part, branches.phase)
-    if share < _OF_NEAREST_POINTS * sigma_over_opening:
-        share = 0.0
+        change_with_time = best_fit.change_with(phase)
+        change_of_first_half_cycle = best_fit.change_with((phase < first_turn).astype(float))
+        alternating_changes = [
+            best_fit.change_with(wave(np.pi * phase)) for wave in (np.cos, np.sin)
+        ]
+        change_every_second_cycle = min(alternating_changes, key=lambda change: change.chance)
+        change_of_size = best_fit.change_of_size_with(phase)
+        log_friction_at_end = best_fit.log_friction_at_end(change_of_size.terms, phase)
+    share_of_opening = _share_of_opening(loop_rows, best_fit.misfit, branches.phase)
+    sigma_over_opening = best_fit.search.weights.shift / _opening(loop_rows, branches.phase)
+    if share_of_opening < _OF_NEAREST_POINTS * sigma_over_opening:
+        share_of_opening = 0.0
     return _Candidate(
-        share=share,
-        part=part,
+        share=share_of_opening,
+        part=loop_rows,
         branches=branches,
-        best=best,
+        best=best_fit,
         said=without_run_in.said,
         had_run_in=without_run_in.half_cycles > 0,
-        with_time=with_time,
-        of_first=of_first,
-        by_turns=by_turns,
-        of_size=of_size,
+        with_time=change_with_time,
+        of_first=change_of_first_half_cycle,
+        by_turns=change_every_second_cycle,
+        of_size=change_of_size,
         log_friction_at_end=log_friction_at_end,
         sigma_over_opening=sigma_over_opening,
     )
 
 
 def _require_a_loop_of_theory(chosen: _Candidate, loop: MeasuredLoop, scene: Scene) -> None:
-    """InputError for rows that are of no steady loop of theory, with the reason."""
+    """Raise InputError, with the reason, where even the best fit lies so far beside the rows, as a
+    share of the loop's opening, that theory has no such steady loop. `loop` holds all rows.
+    """
     misfit = chosen.best.misfit
     limit = _OF_THEORY_AT_ALL
     if misfit.correlation > _NO_SCATTER_AT_ALL and not chosen.best.hangs_on_digits:
@@ -296,27 +326,33 @@ def _require_a_loop_of_theory(chosen: _Candidate, loop: MeasuredLoop, scene: Sce
         )
     if not reason:
         return
-    share = max(chosen.share, chosen.unsteady_share)
+    largest_share = max(chosen.share, chosen.unsteady_share)
     raise InputError(
         f"{loop.source}: its rows are of no steady loop of {scene.name}:"
-        f" {_cycles_differ(loop) or reason}; the best fit is {100 * share:.2g} % of the loop's"
+        f" {_cycles_differ(loop) or reason}; the best fit is {100 * largest_share:.2g} % of the"
+        f" loop's"
         f" opening away from rows that lie beside each other (limit {100 * limit:.2g} %)"
     )
 
 
 def _with_change(fit: FittedLoop, chosen: _Candidate) -> FittedLoop:
-    """The fit with an interval that holds a change of f up to the last of the rows."""
-    change = chosen.log_friction_at_end
+    """The fit with its interval of f widened by how much f still changes up to the last row; the
+    fit as it is where no such change was found.
+    """
+    log_friction_change = chosen.log_friction_at_end
     if chosen.of_size.chance > _HELD and not chosen.had_run_in:
         return fit
-    by_change = fit.friction * math.expm1(min(abs(change), 1.0))
+    friction_change = fit.friction * math.expm1(min(abs(log_friction_change), 1.0))
     sentence = (
         "The loop still changes over the rows that are left, f by"
-        f" {100 * math.expm1(min(change, 1.0)):+.2g} % to the last one: the interval of f holds it"
+        f" {100 * math.expm1(min(log_friction_change, 1.0)):+.2g} % to the last one: the interval"
+        f" of f holds it"
     )
-    low = fit.friction - math.hypot(fit.friction - fit.low, by_change)
+    low = fit.friction - math.hypot(fit.friction - fit.low, friction_change)
     high = (
-        None if fit.high is None else fit.friction + math.hypot(fit.high - fit.friction, by_change)
+        None
+        if fit.high is None
+        else fit.friction + math.hypot(fit.high - fit.friction, friction_change)
     )
     return replace(fit, low=max(low, 0.0), high=high, said=(*fit.said, sentence))
 
@@ -355,22 +391,25 @@ class _WithoutRunIn:
 
 
 def _without_run_in(loop: MeasuredLoop) -> Iterator[_WithoutRunIn]:
-    """The loop, and the loop without its first rows."""
+    """The loop with ever more of its first half-cycles left out, and a sentence on what was. The
+    whole loop comes first, where it has few cycles.
+    """
     phase = np.maximum.accumulate(_branches_of_both(loop).phase)
     if phase[-1] - phase[0] < _MANY_CYCLES:
         yield _WithoutRunIn(loop, 0, 0, "")
     first_turn = math.ceil(2 * phase[0] + _ON_A_TURN) / 2
     for half_cycles in _RUN_IN:
-        first = int(np.argmax(phase >= first_turn + half_cycles / 2))
-        if phase[-1] - phase[first] < _FEWEST_ALIKE or not first:
+        first_row = int(np.argmax(phase >= first_turn + half_cycles / 2))
+        if phase[-1] - phase[first_row] < _FEWEST_ALIKE or not first_row:
             return
-        sentence = f"Rows 1 to {first} are left out: run-in, unlike the later cycles"
+        sentence = f"Rows 1 to {first_row} are left out: run-in, unlike the later cycles"
         if not half_cycles:
             sentence = (
-                f"Rows 1 to {first}, before the first turning point, are left out: they may be of"
+                f"Rows 1 to {first_row}, before the first turning point, are left out: they may"
+                f" be of"
                 " the initial loading"
             )
-        yield _WithoutRunIn(loop, first, half_cycles, sentence)
+        yield _WithoutRunIn(loop, first_row, half_cycles, sentence)
 
 
 def _branches_of_both(loop: MeasuredLoop) -> Branches:
@@ -432,55 +471,57 @@ def _drift_of_cycle(loop: MeasuredLoop) -> float:
 def _fit_at_constant_load(
     chosen: _Candidate, scene: Scene, curve: MemoryCurve
 ) -> tuple[MeasuredLoop, FittedLoop]:
-    """The chosen rows without their drift, and their fit with its interval."""
+    """The chosen rows with the linear drift of U taken out, and their fit with the interval of f,
+    for a scene whose P is constant. `curve` is the memory curve of theory.
+    """
     loop = chosen.part
     branches = chosen.branches
     fit = with_interval(chosen.best, _OF_SLIDING if chosen.best.gross else _OF_MEMORY)
-    passed = (loop.time - loop.time[0]) / float(np.ptp(loop.time))
-    straight = replace(loop, shift=loop.shift - fit.drift * (passed - 0.5))
-    tangential = cycle_loads(scene)[1]
-    scale = (fit.highest - fit.lowest) / float(np.ptp(tangential))
-    of_these = " that are left" if chosen.said else ""
-    said = [
+    share_of_time = (loop.time - loop.time[0]) / float(np.ptp(loop.time))
+    rows_without_drift = replace(loop, shift=loop.shift - fit.drift * (share_of_time - 0.5))
+    load_of_cycle = cycle_loads(scene)[1]
+    scale = (fit.highest - fit.lowest) / float(np.ptp(load_of_cycle))
+    which_rows = " that are left" if chosen.said else ""
+    sentences = [
         (
-            f"The rows{of_these} cover {branches.cycles:.4g} cycles between Q = {fit.lowest:.6g}"
+            f"The rows{which_rows} cover {branches.cycles:.4g} cycles between Q = {fit.lowest:.6g}"
             f" and {fit.highest:.6g}; P is constant, so that the form of Q and U over time"
             " counts for nothing"
         ),
         *said_of_scale(scale),
     ]
     if chosen.said:
-        said.append(chosen.said)
+        sentences.append(chosen.said)
     range_of_shift = float(np.ptp(loop.shift))
-    error = 1.96 * fit.drift_error
-    if abs(fit.drift) > max(error, _DRIFT_SAID * range_of_shift):
-        said.append(
+    drift_uncertainty = 1.96 * fit.drift_error
+    if abs(fit.drift) > max(drift_uncertainty, _DRIFT_SAID * range_of_shift):
+        sentences.append(
             f"U drifts by {100 * fit.drift / range_of_shift / branches.cycles:+.2g} % of its range"
             " in a cycle: taken out"
         )
     if fit.gross:
-        said.append(
+        sentences.append(
             f"The contact slides as a whole by {fit.slide:.3g} {units(scene)[1]} at each end of the"
             f" loop: f is Q/P there, with Q = {(fit.highest - fit.lowest) / 2:.6g} from the middle"
         )
     if fit.gross:
-        share = np.mod(fit.distances.place / 2 + 0.5, 1.0)
+        share_of_cycle = np.mod(fit.distances.place / 2 + 0.5, 1.0)
     else:
-        share = _share_by_load(loop.load, fit.distances.place < 1, fit, tangential)
-    return straight, FittedLoop(
+        share_of_cycle = _share_by_load(loop.load, fit.distances.place < 1, fit, load_of_cycle)
+    return rows_without_drift, FittedLoop(
         scene=scene,
         friction=fit.friction,
         low=fit.low,
         high=fit.high,
         compliance=fit.compliance,
-        share=share,
+        share=share_of_cycle,
         phase=branches.phase,
         cycles=branches.cycles,
         scale=scale,
-        offset=fit.lowest - scale * float(tangential.min()),
+        offset=fit.lowest - scale * float(load_of_cycle.min()),
         shift_noise=fit.weights.shift,
         load_noise=fit.weights.load,
-        said=tuple(said),
+        said=tuple(sentences),
         misfit=fit.misfit,
         model=MasingLoop(curve, fit.values),
         masing=fit,
@@ -491,21 +532,23 @@ def _fit_at_constant_load(
 def _fit_where_load_varies(
     loop: MeasuredLoop, scene: Scene, rig_compliance: float | None
 ) -> FittedLoop:
-    """Where P varies and Q has two branches in a cycle: by turning points of Q, and theory between
-    them.
+    """f of a measured loop whose scene has a varying P and two branches of Q in a cycle: theory's
+    loop between the turning points of Q is fitted to the rows. `rig_compliance` None fits C too.
     """
     branches = find_branches(loop.shift, loop.load, loop.time, loop.resolution[1], loop.source)
     rows = LoopRows(loop.shift, loop.load, branches, rig_compliance)
-    tangential = cycle_loads(scene)[1]
-    loads = cycle_loads(scene, FINE_SHARES)[1]
+    load_of_cycle = cycle_loads(scene)[1]
+    load_at_fine_instants = cycle_loads(scene, FINE_SHARES)[1]
     model = LoopsOverFriction(
-        loads, least_friction(scene), lambda friction: theory_shift(scene, friction, FINE_SHARES)
+        load_at_fine_instants,
+        least_friction(scene),
+        lambda friction: theory_shift(scene, friction, FINE_SHARES),
     )
     fit = fit_loop(rows, model, loop.resolution, _OF_THEORY)
     weights = Weights(fit.shift_noise, fit.load_noise)
-    nearest = model.nearest_points(rows, fit.friction, fit.terms, weights)
-    scale = (fit.highest - fit.lowest) / float(np.ptp(tangential))
-    said = [
+    nearest_points = model.nearest_points(rows, fit.friction, fit.terms, weights)
+    scale = (fit.highest - fit.lowest) / float(np.ptp(load_of_cycle))
+    sentences = [
         (
             f"The rows cover {branches.cycles:.4g} cycles between Q = {fit.lowest:.6g} and"
             f" {fit.highest:.6g}; P was taken over Q as in the scene, so that the form of Q and U"
@@ -519,38 +562,49 @@ def _fit_where_load_varies(
         low=fit.low,
         high=fit.high,
         compliance=fit.compliance,
-        share=np.mod(nearest.place / (len(loads) - 1), 1.0),
+        share=np.mod(nearest_points.place / (len(load_at_fine_instants) - 1), 1.0),
         phase=branches.phase,
         cycles=branches.cycles,
         scale=scale,
-        offset=fit.lowest - scale * float(tangential.min()),
+        offset=fit.lowest - scale * float(load_of_cycle.min()),
         shift_noise=fit.shift_noise,
         load_noise=fit.load_noise,
-        said=tuple(said),
+        said=tuple(sentences),
         misfit=fit.misfit,
     )
 
 
 def _share_by_load(
-    load: Array, on_rising: NDArray[np.bool_], fit: MasingFit, tangential: Array
+    load: Array, on_rising: NDArray[np.bool_], fit: MasingFit, load_of_cycle: Array
 ) -> Array:
-    """Shares of the scene's cycle at which its Q (n_instants,) is that of the rows (n,), on the
+    """Share of the scene's cycle that is over where its Q equals that of each row, (n,), on the
     same branch.
+
+    Parameters
+    ----------
+    load, on_rising
+        (n,) Q of the rows, and whether each lies on the rising branch
+    fit
+        gives the turning points of the rows
+    load_of_cycle
+        (n_instants,) Q of the scene through a cycle
     """
-    scale = (fit.highest - fit.lowest) / float(np.ptp(tangential))
-    bottom = int(np.argmin(tangential[:-1]))
-    top = int(np.argmax(tangential[:-1]))
-    share = np.empty(len(load))
+    scale = (fit.highest - fit.lowest) / float(np.ptp(load_of_cycle))
+    lowest_instant = int(np.argmin(load_of_cycle[:-1]))
+    highest_instant = int(np.argmax(load_of_cycle[:-1]))
+    share_of_cycle = np.empty(len(load))
     for rising in (True, False):
         on_branch = on_rising == rising
-        begin = bottom if rising else top
-        end = top if rising else bottom
+        begin = lowest_instant if rising else highest_instant
+        end = highest_instant if rising else lowest_instant
         if end < begin:
             end += INSTANTS - 1
         instants = np.arange(begin, end + 1)
         if not rising:
             instants = instants[::-1]
-        loads = tangential[instants % (INSTANTS - 1)]
-        load_of_scene = tangential[bottom] + (load[on_branch] - fit.lowest) / scale
-        share[on_branch] = np.interp(load_of_scene, loads, instants / (INSTANTS - 1)) % 1.0
-    return share
+        loads_of_branch = load_of_cycle[instants % (INSTANTS - 1)]
+        load_of_scene = load_of_cycle[lowest_instant] + (load[on_branch] - fit.lowest) / scale
+        share_of_cycle[on_branch] = (
+            np.interp(load_of_scene, loads_of_branch, instants / (INSTANTS - 1)) % 1.0
+        )
+    return share_of_cycle
