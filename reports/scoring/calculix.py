@@ -107,8 +107,9 @@ class CalculixMesh:
         return np.asarray(rows, np.int64)
 
     def face(self, number: int, face: int) -> tuple[Array, float]:
-        """Middle (3,) of one face of an element, and how far the element's middle lies above it
-        [length]. InputError where the mesh has no such element or face.
+        """Middle of a face of an element (3,), and how far the element's middle lies above it along
+        y [length]; both by CalculiX's numbers. InputError where the mesh has no such element or
+        face.
         """
         element = self._elements.get(number)
         fault = ""
@@ -124,9 +125,9 @@ class CalculixMesh:
                 f"{self.path}: element {number} {fault}; it must be of the same run as the .dat"
                 " file, with *NODE FILE and *EL FILE"
             )
-        rows = self.rows(np.array(element.nodes))
-        middle = self.points[rows[list(corners)]].mean(axis=0)
-        return middle, float(self.points[rows, 1].mean() - middle[1])
+        node_rows = self.rows(np.array(element.nodes))
+        middle_of_face = self.points[node_rows[list(corners)]].mean(axis=0)
+        return middle_of_face, float(self.points[node_rows, 1].mean() - middle_of_face[1])
 
     def scattered(self, block: FrdBlock, name: str) -> Array:
         """(n_nodes,) of a component; 0 where the block has no record."""
@@ -282,15 +283,15 @@ def read_printed(path: Path, mapping: Mapping) -> SurfaceResult:
         )
     notes += plane_notes
 
-    def column_of(tables: Sequence[DatTable], k: int, quantity: _Quantity) -> Array:
-        """(n_times, n_points): the mean of the rows of each node or face; 0 where a table has
-        none.
+    def column_of(tables: Sequence[DatTable], column: int, quantity: _Quantity) -> Array:
+        """One quantity at every time and point, (n_times, n_points): the mean over the rows of a
+        table that belong to the node or face, 0 where it has none; in the scene's unit and sign.
         """
         means = np.zeros((len(tables), len(rows)))
         for row_of_means, table in zip(means, tables, strict=True):
             values_of: dict[tuple[int, ...], list[float]] = {}  # key of a node or face -> its rows
             all_ids = map(tuple, table.ids.tolist())
-            for ids, value in zip(all_ids, table.values[:, k].tolist(), strict=True):
+            for ids, value in zip(all_ids, table.values[:, column].tolist(), strict=True):
                 values_of.setdefault(ids, []).append(value)
             row_of_means[:] = [
                 np.mean(values_of.get(tuple(key), 0.0)) for key in place_keys[rows].tolist()
@@ -335,8 +336,15 @@ def _printed_places(mesh: CalculixMesh, place_keys: Integers) -> tuple[Array, Ar
 def _one_block_a_time(
     file: FrdFile, components: Sequence[str], noun: str
 ) -> tuple[list[FrdBlock], list[str]]:
-    """The last result block of each time, and notes on frames without one and on doubles.
-    InputError where a block lacks one of the `components`; `noun` says what the blocks hold.
+    """Of the result blocks of a .frd file the last one of each time, and notes: on times that have
+    no block, and on blocks that a later one of the same time replaced.
+
+    Parameters
+    ----------
+    components
+        names that each block must have; InputError for one that has not
+    noun
+        what the blocks hold, for the notes
     """
     for block in file.blocks:
         missing_names = [name for name in components if name not in block.components]
@@ -405,8 +413,9 @@ def _result(
     printed_file: DatFile | None,
     notes: list[str],
 ) -> SurfaceResult:
-    """The tractions of a face with times and loads as an external result, checked and sorted; loads
-    from the printed file where there is one.
+    """An external result in the scene's units, checked and sorted by x, from the tractions of a
+    face. Loads are those of the printed .dat file where there is one; times those of the mapping,
+    if stated. `code` names the program where the mapping does not.
     """
     series: dict[str, ArrayLike | None] = {}
     load_notes: list[str] = []
@@ -457,10 +466,10 @@ def _pair_loads(
         )
         return {}, [note] if pairs else []
     force_on_lower = np.array(forces_on_lower)
-    source = "mapping"
+    thickness_source = "mapping"
     thickness = 1.0
     if depth > 0 and "thickness" not in mapping.model_fields_set:
-        source = "mesh"
+        thickness_source = "mesh"
         thickness = depth * (mapping.factors.length or 1.0)
     loads = {
         "normal_load": converted(mapping, "normal_load", -force_on_lower[:, 1] / thickness),
@@ -468,6 +477,6 @@ def _pair_loads(
     }
     note = (
         f"loads are the resultants of the contact pair in {file.path.name}, divided by the"
-        f" {source}'s thickness, {thickness * mapping.thickness:g}"
+        f" {thickness_source}'s thickness, {thickness * mapping.thickness:g}"
     )
     return loads, [note]

@@ -80,8 +80,14 @@ class FrdFile:
 def read_frd(
     path: str | Path, names: Collection[str] = ("CONTACT",), instead: Collection[str] = ()
 ) -> FrdFile:
-    """Nodes, elements, and result blocks of a .frd file of CalculiX: blocks of the `names`, or
-    where it has none of these, of the names `instead`.
+    """Nodes, elements, and result blocks of a .frd file of CalculiX.
+
+    Parameters
+    ----------
+    names
+        names of the result blocks that are read, such as CONTACT
+    instead
+        names of those that are read where the file has none of `names`
 
     Raises
     ------
@@ -94,13 +100,13 @@ def read_frd(
     _check_size(path)
     version: list[str] = []
     nodes = np.empty(0, np.int64)
-    points = np.empty((0, 3))
+    coordinates = np.empty((0, 3))
     elements: list[FrdElement] = []
     # in the order of the file, each once
     times: dict[float, None] = {}
     block_names: dict[str, None] = {}
     blocks: list[FrdBlock] = []
-    has_end = False
+    has_end_mark = False
     with path.open(encoding="ascii", errors="replace", newline="\n") as stream:
         lines = _Lines(path, stream)
         for line in lines:
@@ -113,7 +119,7 @@ def read_frd(
                         if text.startswith(keyword)
                     ]
                 case "2C":
-                    nodes, points = lines.nodes(line)
+                    nodes, coordinates = lines.nodes(line)
                 case "3C":
                     elements += lines.elements(line)
                 case "100C":
@@ -123,16 +129,18 @@ def read_frd(
                     times[time] = None
                     block_names[name] = None
                     has_first_choice = bool(blocks) and blocks[0].name in names
-                    label, records = lines.records(line, f"records of block {name}", header_line)
+                    label_width, records = lines.records(
+                        line, f"records of block {name}", header_line
+                    )
                     if name in names and not has_first_choice:
                         blocks.clear()
                     if name in names or (name in instead and not has_first_choice):
-                        numbers, values = lines.table(records, label, len(components))
+                        node_numbers, values = lines.table(records, label_width, len(components))
                         blocks.append(
-                            FrdBlock(name, time, components, numbers, values, header_line)
+                            FrdBlock(name, time, components, node_numbers, values, header_line)
                         )
                 case "9999":
-                    has_end = True
+                    has_end_mark = True
                     break
     if not len(nodes):
         raise InputError(
@@ -143,12 +151,12 @@ def read_frd(
         path,
         " ".join(version),
         nodes,
-        points,
+        coordinates,
         tuple(elements),
         tuple(times),
         tuple(blocks),
         tuple(block_names),
-        has_end,
+        has_end_mark,
     )
 
 
@@ -189,18 +197,32 @@ class _Lines(Iterator[str]):
         return InputError(f"{self.path}: line {number or self.number}: expected {expected}")
 
     def records(self, header: str, noun: str, header_line: int) -> tuple[int, list[_Record]]:
-        """How many characters a node's number has, and the records of a block: as many as its
-        header, in line `header_line`, announces. `noun` names them in messages.
+        """Width of a node's number in characters, and the records of a block of a .frd file.
+
+        Parameters
+        ----------
+        header
+            header of the block, which announces how many records follow
+        noun
+            what the records are called in messages
+        header_line
+            number of the header's line
+
+        Raises
+        ------
+        InputError
+            For a binary block, and for more or fewer records than announced.
         """
         n_announced = self.integer(
             header[24:36], "the count of records in columns 25 to 36", header_line
         )
-        form = self.integer(
+        format_number = self.integer(
             header[73:].strip()[:1] or "1", "the form of the block (0 or 1)", header_line
         )
-        if form not in _LABELS:
+        if format_number not in _LABELS:
             raise InputError(
-                f"{self.path}: line {header_line}: the file is binary (form {form}), and only the"
+                f"{self.path}: line {header_line}: the file is binary (form {format_number}), and"
+                f" only the"
                 " ASCII forms are read; write *NODE FILE, *EL FILE and *CONTACT FILE in place of"
                 " *NODE OUTPUT, *ELEMENT OUTPUT and *CONTACT OUTPUT"
             )
@@ -215,7 +237,7 @@ class _Lines(Iterator[str]):
                     raise self.refusal(
                         f"{n_announced} {noun} as announced here, found {len(records)}", header_line
                     )
-                return _LABELS[form], records
+                return _LABELS[format_number], records
             else:
                 raise self.refusal(
                     "the head of a record (-1), then its rest (-2), or the end of the block (-3),"
@@ -238,16 +260,18 @@ class _Lines(Iterator[str]):
         return nodes, points
 
     def elements(self, header: str) -> Iterator[FrdElement]:
-        """The elements in the block below this header."""
+        """Number, kind and node numbers of each element of a .frd file, in the block below
+        `header`. InputError for an element without nodes.
+        """
         header_line = self.number
         label_width, records = self.records(header, "elements", header_line)
         for line, head, continuations in records:
             number = self.integer(head[:label_width], "an element's number", line)
             kind = self.integer(head[label_width:][:5], "its kind", line)
             number_texts = [
-                text[k : k + label_width]
-                for text in continuations
-                for k in range(0, len(text), label_width)
+                node_text[k : k + label_width]
+                for node_text in continuations
+                for k in range(0, len(node_text), label_width)
             ]
             nodes = tuple(self.integer(word, "a node's number", line + 1) for word in number_texts)
             if not nodes:
@@ -280,13 +304,14 @@ class _Lines(Iterator[str]):
     def table(
         self, records: list[_Record], label_width: int, n_columns: int
     ) -> tuple[Integers, Array]:
-        """Node numbers (n,) and values (n, columns) of records in fixed columns; `label_width` is
-        how many characters a node's number has.
+        """Node numbers (n,) and values (n, n_columns) of the records of a result block, in columns
+        of fixed width. `label_width` is how many characters a node's number has. InputError for a
+        record of another length.
         """
         nodes: list[int] = []
         number_texts: list[str] = []
-        for line, text, continuations in records:
-            numbers_in_text = text[label_width:] + "".join(
+        for line, record_text, continuations in records:
+            numbers_in_text = record_text[label_width:] + "".join(
                 continuation[label_width:] for continuation in continuations
             )
             if len(numbers_in_text) != _WIDTH * n_columns:
@@ -295,9 +320,10 @@ class _Lines(Iterator[str]):
                     f" {3 + label_width + len(numbers_in_text)}"
                 )
                 raise self.refusal(
-                    f"{n_columns} numbers of {_WIDTH} characters, {length}: {text[:40]!r}", line
+                    f"{n_columns} numbers of {_WIDTH} characters, {length}: {record_text[:40]!r}",
+                    line,
                 )
-            nodes.append(self.integer(text[:label_width], "a node's number", line))
+            nodes.append(self.integer(record_text[:label_width], "a node's number", line))
             number_texts += [
                 numbers_in_text[k : k + _WIDTH] for k in range(0, len(numbers_in_text), _WIDTH)
             ]
@@ -305,9 +331,9 @@ class _Lines(Iterator[str]):
             values = np.array(number_texts, f"S{_WIDTH}").astype(float)
         except ValueError:  # one of them is not as Python writes it
             numbers = []
-            for k, word in enumerate(number_texts):
+            for k, number_text in enumerate(number_texts):
                 line = records[k // n_columns].line
-                numbers.append(self.float(word, "a number", line))
+                numbers.append(self.float(number_text, "a number", line))
             values = np.array(numbers)
         return np.array(nodes, np.int64), values.reshape(len(nodes), n_columns)
 
@@ -378,8 +404,8 @@ class DatFile:
 
 
 def read_dat(path: str | Path) -> DatFile:
-    """Every table, and the resultants of every contact pair, in a .dat file of CalculiX whose title
-    states a time.
+    """Read a .dat file of CalculiX: every table whose title states a time, and the resultant force
+    of each contact pair at each time.
 
     Raises
     ------
@@ -414,18 +440,22 @@ def read_dat(path: str | Path) -> DatFile:
 def _pair_force(
     file: _Lines, lines: Sequence[str], title_line: int, title: re.Match[str]
 ) -> PairForce:
-    """The resultant of a contact pair, from the statistics below a title in line `title_line`."""
+    """The resultant force of a contact pair and its mean normal, from the statistics that CalculiX
+    prints below a title. `title_line` is the title's line, `title` its match with the pair's names.
+    """
 
     def numbers_below(heading: str) -> Array:
         """Six numbers on the line after next of a heading."""
-        for number, line in enumerate(lines[title_line : title_line + 19], start=title_line + 1):
-            if line.strip().startswith(heading) and number + 1 < len(lines):
-                number_texts = lines[number + 1].split()
+        for line_number, line in enumerate(
+            lines[title_line : title_line + 19], start=title_line + 1
+        ):
+            if line.strip().startswith(heading) and line_number + 1 < len(lines):
+                number_texts = lines[line_number + 1].split()
                 if len(number_texts) != 6:
                     raise file.refusal(
-                        f"6 numbers under {heading!r}, found {len(number_texts)}", number + 2
+                        f"6 numbers under {heading!r}, found {len(number_texts)}", line_number + 2
                     )
-                return np.array([file.float(word, line=number + 2) for word in number_texts])
+                return np.array([file.float(word, line=line_number + 2) for word in number_texts])
         raise file.refusal(f"{heading!r} below this title: the file breaks off", title_line)
 
     force_and_moment = numbers_below("total surface force")
@@ -442,43 +472,43 @@ def _pair_force(
 def _printed_table(
     file: _Lines, lines: Sequence[str], title_line: int, title: re.Match[str]
 ) -> DatTable:
-    """The printed table below a title, in line `title_line`, and blank lines, up to the next blank
-    line or title.
+    """A table printed in a .dat file: numbers of nodes, elements or faces (n, n_ids), and values
+    (n, n_values).
+
+    It begins below the title in line `title_line` and blank lines, and ends before the next blank
+    line or title. InputError for a row of another length.
     """
     first_line = title_line
     while first_line < len(lines) and not lines[first_line].strip():
         first_line += 1
-    line_beyond = first_line
-    while (
-        line_beyond < len(lines)
-        and lines[line_beyond].strip()
-        and " time" not in lines[line_beyond]
-    ):
-        line_beyond += 1
-    rows = [row.split() for row in lines[first_line:line_beyond]]
-    columns = title["columns"].split(",")
-    first_column = columns[0].strip()
-    n_values = len(columns)
-    if first_column in _IDS:
+    end_line = first_line
+    while end_line < len(lines) and lines[end_line].strip() and " time" not in lines[end_line]:
+        end_line += 1
+    table_rows = [words_of_row.split() for words_of_row in lines[first_line:end_line]]
+    column_names = title["columns"].split(",")
+    first_name = column_names[0].strip()
+    n_values = len(column_names)
+    if first_name in _IDS:
         n_values -= 1
-        n_ids = _IDS[first_column]
+        n_ids = _IDS[first_name]
     else:
-        n_ids = max(len(rows[0]) - n_values, 0) if rows else 0
+        n_ids = max(len(table_rows[0]) - n_values, 0) if table_rows else 0
     ids = []
     values = []
-    for number, row in enumerate(rows, start=first_line + 1):
-        if len(row) != n_ids + n_values:
+    for line_number, words_of_row in enumerate(table_rows, start=first_line + 1):
+        if len(words_of_row) != n_ids + n_values:
             raise file.refusal(
-                f"{n_ids + n_values} numbers ({title['columns']}), found {len(row)}", number
+                f"{n_ids + n_values} numbers ({title['columns']}), found {len(words_of_row)}",
+                line_number,
             )
-    for number, row in enumerate(rows, start=first_line + 1):
+    for line_number, words_of_row in enumerate(table_rows, start=first_line + 1):
         noun = "the number of a node, element or face"
-        ids.append([file.integer(word, noun, number) for word in row[:n_ids]])
-        values.append([file.float(word, line=number) for word in row[n_ids:]])
+        ids.append([file.integer(word, noun, line_number) for word in words_of_row[:n_ids]])
+        values.append([file.float(word, line=line_number) for word in words_of_row[n_ids:]])
     return DatTable(
         title["what"],
         title["scope"].strip(),
         file.float(title["time"], line=title_line),
-        np.array(ids, np.int64).reshape(len(rows), n_ids),
-        np.array(values, float).reshape(len(rows), n_values),
+        np.array(ids, np.int64).reshape(len(table_rows), n_ids),
+        np.array(values, float).reshape(len(table_rows), n_values),
     )

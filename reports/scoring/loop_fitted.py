@@ -70,13 +70,30 @@ def against_rows(
     scale: float,
     rig_compliance: float | None,
 ) -> tuple[float, float, float]:
-    """Sum of squares, C and U0 with this U (n_instants,) of theory."""
+    """Fit C and U0 of U = r U_theory + C r Q + U0 to the rows by linear least squares; return the
+    sum of squares, C and U0.
+
+    Parameters
+    ----------
+    shift, load_of_cycle
+        (n_instants,) U of theory, and r Q of the scene, through a cycle
+    share
+        (n,) share of the cycle that is over at each row
+    scale
+        r, the file's Q over the scene's
+    rig_compliance
+        C, where it is stated; None fits it
+    """
     load = np.interp(share, SHARES, load_of_cycle)
-    rest = loop.shift - scale * np.interp(share, SHARES, shift)
+    shift_beside_theory = loop.shift - scale * np.interp(share, SHARES, shift)
     if rig_compliance is not None:
-        rest = rest - rig_compliance * load
-        origin = float(np.mean(rest))
-        return float(np.sum((rest - origin) ** 2)), rig_compliance, origin
+        shift_beside_theory = shift_beside_theory - rig_compliance * load
+        origin = float(np.mean(shift_beside_theory))
+        return float(np.sum((shift_beside_theory - origin) ** 2)), rig_compliance, origin
     columns = np.column_stack([load, np.ones(len(share))])
-    terms = np.linalg.lstsq(columns, rest, rcond=None)[0]
-    return float(np.sum((rest - columns @ terms) ** 2)), float(terms[0]), float(terms[1])
+    slope_and_origin = np.linalg.lstsq(columns, shift_beside_theory, rcond=None)[0]
+    return (
+        float(np.sum((shift_beside_theory - columns @ slope_and_origin) ** 2)),
+        float(slope_and_origin[0]),
+        float(slope_and_origin[1]),
+    )

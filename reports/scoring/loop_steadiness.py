@@ -70,31 +70,43 @@ class Misfit:
 
 
 def misfit_of(distances: Array, shift_noise: float, least_deviations: float = BY_CHANCE) -> Misfit:
-    """The misfit that distances (n,) in sigma show; `shift_noise` is sigma of U [length].
+    """How much of the distances of rows from a fit is no scatter: the correlation of neighbouring
+    rows, and the systematic part in units of U, by that correlation or by the means of blocks.
 
-    A correlation of fewer standard deviations than `least_deviations` is taken for chance.
+    Parameters
+    ----------
+    distances
+        (n,) in sigma
+    shift_noise
+        sigma of U [length]
+    least_deviations
+        a correlation of fewer standard deviations than this is taken for chance, and is 0
 
+    Examples
+    --------
     >>> bool(misfit_of(np.sin(np.arange(200) / 10), 1.0).correlation > 0.9)
     True
     >>> misfit_of(np.random.default_rng(1).standard_normal(200), 1.0).correlation
     0.0
     """
-    apart = distances - np.mean(distances)
-    squares = float(apart @ apart)
-    if squares == 0:
+    from_mean = distances - np.mean(distances)
+    sum_of_squares = float(from_mean @ from_mean)
+    if sum_of_squares == 0:
         return Misfit(0.0, 0.0)
-    correlation = float(apart[1:] @ apart[:-1]) / squares
-    if correlation * math.sqrt(len(apart)) <= least_deviations:
+    correlation = float(from_mean[1:] @ from_mean[:-1]) / sum_of_squares
+    if correlation * math.sqrt(len(from_mean)) <= least_deviations:
         return Misfit(0.0, 0.0)
-    variance = squares / len(apart)
-    systematic = correlation * variance
-    rows_of_block = len(apart) // _BLOCKS
+    variance = sum_of_squares / len(from_mean)
+    systematic_variance = correlation * variance
+    rows_of_block = len(from_mean) // _BLOCKS
     if rows_of_block >= _ROWS_OF_BLOCK:
         # Many rows show more than their neighbours do: a smooth part stays in the means of blocks.
-        means = apart[: _BLOCKS * rows_of_block].reshape(_BLOCKS, rows_of_block).mean(axis=1)
-        of_blocks = max(float(np.mean(means**2)) - variance / rows_of_block, 0.0)
-        systematic = min(systematic, of_blocks)
-    return Misfit(correlation, math.sqrt(systematic) * shift_noise)
+        block_means = (
+            from_mean[: _BLOCKS * rows_of_block].reshape(_BLOCKS, rows_of_block).mean(axis=1)
+        )
+        variance_of_blocks = max(float(np.mean(block_means**2)) - variance / rows_of_block, 0.0)
+        systematic_variance = min(systematic_variance, variance_of_blocks)
+    return Misfit(correlation, math.sqrt(systematic_variance) * shift_noise)
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,15 +133,20 @@ NO_CHANGE = Change(1.0, 0.0, np.zeros(7))
 
 
 def change_of(distances: Array, derivatives: Array, added: Array) -> Change:
-    """Whether a fit with more terms leaves less of the distances than scatter explains: the F test.
+    """Whether a fit with more parameters brings the rows nearer than chance does, by the F test:
+    the chance, how much nearer (root mean square), and the values of the added parameters.
 
     Parameters
     ----------
-    distances, derivatives
-        of rows from their fit (n,), and by its parameters (n, k)
+    distances
+        (n,) of the rows from their fit, in sigma
+    derivatives
+        (n, k) of the distances by the parameters of the fit
     added
-        (n, j) derivatives by the terms that are added
+        (n, j) of the distances by the parameters that are added
 
+    Examples
+    --------
     >>> random = np.random.default_rng(2)
     >>> rows = random.standard_normal((200, 2))
     >>> time = np.arange(200) / 200 - 0.5
@@ -142,39 +159,53 @@ def change_of(distances: Array, derivatives: Array, added: Array) -> Change:
     """
     from scipy.stats import f as fisher
 
-    wider = np.column_stack([derivatives, added])
-    squares = []
+    all_derivatives = np.column_stack([derivatives, added])
+    sums_of_squares = []
     ranks = []
-    for columns in (derivatives, wider):
-        terms, _, rank, _ = np.linalg.lstsq(columns, distances, rcond=_ALIKE_COLUMNS)
-        rest = distances - columns @ terms
-        squares.append(float(rest @ rest))
+    for columns in (derivatives, all_derivatives):
+        coefficients, _, rank, _ = np.linalg.lstsq(columns, distances, rcond=_ALIKE_COLUMNS)
+        residual = distances - columns @ coefficients
+        sums_of_squares.append(float(residual @ residual))
         ranks.append(int(rank))
-    found = np.asarray(-terms[derivatives.shape[1] :])  # a parameter moves against what it leaves
-    more = ranks[1] - ranks[0]
-    freedom = len(distances) - ranks[1]
-    if more < 1 or freedom < 1 or squares[1] == 0:
-        return Change(1.0, 0.0, found)
-    gain = max(squares[0] - squares[1], 0.0)
-    chance = float(fisher.sf(gain / more / (squares[1] / freedom), more, freedom))
-    return Change(chance, math.sqrt(gain / len(distances)), found)
+    added_values = np.asarray(
+        -coefficients[derivatives.shape[1] :]
+    )  # a parameter moves against what it leaves
+    n_added = ranks[1] - ranks[0]
+    degrees_of_freedom = len(distances) - ranks[1]
+    if n_added < 1 or degrees_of_freedom < 1 or sums_of_squares[1] == 0:
+        return Change(1.0, 0.0, added_values)
+    gain_of_squares = max(sums_of_squares[0] - sums_of_squares[1], 0.0)
+    chance = float(
+        fisher.sf(
+            gain_of_squares / n_added / (sums_of_squares[1] / degrees_of_freedom),
+            n_added,
+            degrees_of_freedom,
+        )
+    )
+    return Change(chance, math.sqrt(gain_of_squares / len(distances)), added_values)
 
 
 def drift_of_shift(shift: Array, load: Array, time: Array, branches: Branches) -> float | None:
-    """Rate of U [length per unit of time] by rows a cycle apart at the same Q; None where too few
-    rows have another a cycle later.
+    """Rate at which U drifts from cycle to cycle [length per unit of time].
+
+    U of a row is compared with U a cycle later, both minus the slope dU/dQ times Q. Rows near the
+    turning points are left out. None where too few rows have another a cycle later.
     """
     phase = np.maximum.accumulate(branches.phase)
-    place = np.mod(2 * branches.phase, 1.0)
-    chosen = (place > _AT_TURN) & (place < 1 - _AT_TURN) & (branches.phase + 1 < phase[-1])
-    if np.count_nonzero(chosen) < _FEWEST_PAIRS:
+    share_of_branch = np.mod(2 * branches.phase, 1.0)
+    is_used = (
+        (share_of_branch > _AT_TURN)
+        & (share_of_branch < 1 - _AT_TURN)
+        & (branches.phase + 1 < phase[-1])
+    )
+    if np.count_nonzero(is_used) < _FEWEST_PAIRS:
         return None
-    later = branches.phase[chosen] + 1
+    phase_later = branches.phase[is_used] + 1
     slope = float(np.polyfit(load, shift, 1)[0])
-    opened = shift - slope * load
-    moved = np.interp(later, phase, opened) - opened[chosen]
-    passed = np.interp(later, phase, time) - time[chosen]
-    return float(np.mean(moved) / np.mean(passed))
+    opened_shift = shift - slope * load
+    drift_of_rows = np.interp(phase_later, phase, opened_shift) - opened_shift[is_used]
+    time_of_rows = np.interp(phase_later, phase, time) - time[is_used]
+    return float(np.mean(drift_of_rows) / np.mean(time_of_rows))
 
 
 @dataclass(frozen=True)
@@ -198,14 +229,20 @@ class Trend:
 
 
 def trend_of_sizes(values: Array, load: Array, time: Array, noise: float) -> Trend | None:
-    """Of the sizes of the cycles of values (n,), by a straight line through them; None of fewer
-    than two sizes.
+    """How the cycles of a record grow or shrink: rate per cycle over the median size, with its
+    standard error, by the straight line through their sizes.
+
+    A size is the standard deviation through a cycle. None where there are fewer than two sizes.
 
     Parameters
     ----------
+    values
+        (n,) the record, Q or U
     load, time, noise
-        Q (n,), its time, and its sigma
+        Q (n,) and its time, which part the cycles, and the sigma of Q
 
+    Examples
+    --------
     >>> cycles = np.arange(400) / 100
     >>> wave = np.cos(2 * np.pi * cycles)
     >>> growing = trend_of_sizes((1 + 0.1 * cycles) * wave, wave, cycles, 0.0)
@@ -217,71 +254,93 @@ def trend_of_sizes(values: Array, load: Array, time: Array, noise: float) -> Tre
     sizes = sizes_of_cycles(values, load, time, noise)
     if len(sizes) < 2:
         return None
-    place = np.arange(len(sizes)) / 2
-    apart = place - np.mean(place)
-    lever = apart / float(apart @ apart)
-    middle = float(np.median(sizes))
+    cycle_numbers = np.arange(len(sizes)) / 2
+    from_mean = cycle_numbers - np.mean(cycle_numbers)
+    lever = from_mean / float(from_mean @ from_mean)
+    median_size = float(np.median(sizes))
     rows_of_cycle = 2 * len(load) / (len(sizes) + 1)
-    by_noise = row_noise(values) / (middle * math.sqrt(rows_of_cycle))
-    error_of_size = math.hypot(by_noise, _OF_A_SIZE / rows_of_cycle)
+    error_by_noise = row_noise(values) / (median_size * math.sqrt(rows_of_cycle))
+    error_of_size = math.hypot(error_by_noise, _OF_A_SIZE / rows_of_cycle)
     # Half of the rows of a cycle are those of the next size.
     variance = error_of_size**2 * float(lever @ lever + lever[1:] @ lever[:-1])
-    return Trend(float(lever @ sizes) / middle, math.sqrt(variance))
+    return Trend(float(lever @ sizes) / median_size, math.sqrt(variance))
 
 
 def goes_on_growing(
     shift: Array, load: Array, time: Array, first: int, noise: float
 ) -> Literal["", "grow", "shrink"]:
-    """Whether the cycles of rows (n,) grow or shrink over all the rows, and may do so from the row
-    `first` on as well: then rows before it are no run-in.
+    """Whether the cycles grow or shrink over all rows, and may still do so from the row `first` on:
+    then the rows before it are no run-in. Empty where neither is so.
+
+    Parameters
+    ----------
+    shift, load, time
+        U, Q and time of the rows (n,)
+    first
+        number of the first row behind the supposed run-in
+    noise
+        sigma of Q
     """
     for values in (load, shift):
-        of_all = trend_of_sizes(values, load, time, noise)
-        of_rest = trend_of_sizes(values[first:], load[first:], time[first:], noise)
-        if of_all is None or of_rest is None:
+        trend_of_all = trend_of_sizes(values, load, time, noise)
+        trend_of_later_rows = trend_of_sizes(values[first:], load[first:], time[first:], noise)
+        if trend_of_all is None or trend_of_later_rows is None:
             continue
-        if of_all.is_certain and of_rest.may_be(of_all):
-            return "grow" if of_all.rate > 0 else "shrink"
+        if trend_of_all.is_certain and trend_of_later_rows.may_be(trend_of_all):
+            return "grow" if trend_of_all.rate > 0 else "shrink"
     return ""
 
 
 def differences_of_cycles(shift: Array, load: Array, time: Array, noise: float) -> str:
-    """How the cycles of rows differ from each other in size, in words; "" where they are alike."""
+    """How the cycles of a record differ from each other in size, in words ("its cycles grow: U of
+    one cycle ..."); "" where they are alike.
+
+    Parameters
+    ----------
+    shift, load, time
+        U, Q and time of the rows (n,)
+    noise
+        sigma of Q
+    """
     for name, values in (("Q", load), ("U", shift)):
         sizes = sizes_of_cycles(values, load, time, noise)
         if len(sizes) < 2:
             return ""
-        middle = float(np.median(sizes))
+        median_size = float(np.median(sizes))
         rows_of_cycle = 2 * len(load) / (len(sizes) + 1)
-        by_noise = _NOISE_OF_SIZES * row_noise(values) / (middle * math.sqrt(rows_of_cycle))
-        changes = sizes / middle - 1
-        if float(np.ptp(changes)) < _ALIKE + by_noise:
+        range_by_noise = (
+            _NOISE_OF_SIZES * row_noise(values) / (median_size * math.sqrt(rows_of_cycle))
+        )
+        changes = sizes / median_size - 1
+        if float(np.ptp(changes)) < _ALIKE + range_by_noise:
             continue
         steps = np.diff(changes)
-        extent = (
+        extent_words = (
             f"{name} of one cycle goes up and down by {100 * float(np.ptp(changes)):.2g} % more"
             " than of another"
         )
         if np.all(steps > 0):
-            return f"its cycles grow: {extent}"
+            return f"its cycles grow: {extent_words}"
         if np.all(steps < 0):
-            return f"its cycles shrink: {extent}"
+            return f"its cycles shrink: {extent_words}"
         if len(steps) > _SHOWS_A_PERIOD and float(steps[2:] @ steps[:-2]) < 0:
-            return f"its period is another, every second cycle is alike: {extent}"
-        return f"its cycles differ: {extent}"
+            return f"its period is another, every second cycle is alike: {extent_words}"
+        return f"its cycles differ: {extent_words}"
     return _growth_through_noise(shift, load, time, noise)
 
 
 def _growth_through_noise(shift: Array, load: Array, time: Array, noise: float) -> str:
-    """How the cycles of rows grow, where U and Q together show it; "" where they do not."""
+    """How the cycles grow or shrink, in words, where the trends of U and Q together are beyond
+    their noise though neither is alone; "" where they are not. `noise` is the sigma of Q.
+    """
     trends = [trend_of_sizes(values, load, time, noise) for values in (load, shift)]
-    found = [trend for trend in trends if trend is not None]
-    if not found:
+    known_trends = [trend for trend in trends if trend is not None]
+    if not known_trends:
         return ""
-    steepest = max(found, key=lambda trend: abs(trend.rate))
-    in_errors = sum((trend.rate / trend.error) ** 2 for trend in found)
+    steepest = max(known_trends, key=lambda trend: abs(trend.rate))
+    sum_of_squared_ratios = sum((trend.rate / trend.error) ** 2 for trend in known_trends)
     cycles = len(sizes_of_cycles(load, load, time, noise)) / 2
-    if in_errors < _BOTH_CERTAIN or abs(steepest.rate) * cycles < _ALIKE:
+    if sum_of_squared_ratios < _BOTH_CERTAIN or abs(steepest.rate) * cycles < _ALIKE:
         return ""
     verb = "grow" if steepest.rate > 0 else "shrink"
     return (

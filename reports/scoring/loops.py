@@ -146,10 +146,12 @@ class LoopScore:
 
     @property
     def sentence(self) -> str:
-        """The finding."""
-        ends = (
-            [self.low, self.friction] if self.high is None else [self.low, self.friction, self.high]
-        )
+        """The finding in one sentence: the best f, its 95 % interval, and whether the scene's f
+        lies in it. As many digits as tell the three apart.
+        """
+        ends = [self.low, self.friction]
+        if self.high is not None:
+            ends.append(self.high)
         # As many digits as tell the ends of the interval from its middle.
         digits = next(
             (
@@ -159,12 +161,12 @@ class LoopScore:
             ),
             16,
         )
-        high = "no upper limit" if self.high is None else f"{self.high:.{digits}g}"
-        lies = "lies within" if self.agrees else "lies outside"
+        upper_end = "no upper limit" if self.high is None else f"{self.high:.{digits}g}"
+        verdict = "lies within" if self.agrees else "lies outside"
         return (
             f"The loop is best fitted by f = {self.friction:.{digits}g} (95 %:"
-            f" {self.low:.{digits}g} to {high}); the scene's f ="
-            f" {self.scene.friction.coefficient:.{max(digits, 4)}g} {lies} this interval."
+            f" {self.low:.{digits}g} to {upper_end}); the scene's f ="
+            f" {self.scene.friction.coefficient:.{max(digits, 4)}g} {verdict} this interval."
         )
 
 
@@ -223,11 +225,11 @@ def score_loop(
         loop, fit = fit_steady_rows(loop, scene, rig_compliance)
     else:
         fit = fit_over_time(loop, scene, rig_compliance)
-    measured, sentence = _measured_row(loop, fit)
+    measured_row, sentence = _measured_row(loop, fit)
     if fit.gross and fit.model is not None:
-        beside = _sliding_loops(loop, fit, fit.model, scene, against)
+        computed_loops = _sliding_loops(loop, fit, fit.model, scene, against)
     else:
-        beside = _partial_loops(loop, fit, scene, rig_compliance, against)
+        computed_loops = _partial_loops(loop, fit, scene, rig_compliance, against)
     return LoopScore(
         scene=fit.scene,
         source=loop.source,
@@ -239,27 +241,29 @@ def score_loop(
         scale=fit.scale,
         cycles=fit.cycles,
         noise=fit.shift_noise,
-        rows=(measured, *(computed.row for computed in beside.loops)),
+        rows=(measured_row, *(computed.row for computed in computed_loops.loops)),
         read_as=loop.read_as,
-        said=(*fit.said, sentence, *beside.said),
+        said=(*fit.said, sentence, *computed_loops.said),
         tau=fit.share,
         shift=loop.shift,
         load=loop.load,
         curves=tuple(
-            (computed.row.name, computed.shift, computed.load) for computed in beside.loops
+            (computed.row.name, computed.shift, computed.load) for computed in computed_loops.loops
         ),
     )
 
 
 # ------------------------------------------------------------------------------- the measured loop
 def _measured_row(loop: MeasuredLoop, fit: FittedLoop) -> tuple[LoopRow, str]:
-    """The measured loop, and how its W was found, in words."""
+    """The measured loop as a row of the table of loops (area W with its uncertainty, slope dU/dQ),
+    and a sentence on how W was found.
+    """
     if fit.model is None or fit.masing is None:
         area = polygon_area(loop.shift, loop.load, fit.phase, fit.shift_noise, fit.load_noise)
-        way = "the area of the polygon of the rows"
+        method_words = "the area of the polygon of the rows"
     else:
         area = area_about_fit(fit.model, fit.masing, float(fit.phase[-1] - fit.phase[0]))
-        way = "the area of the best fit, with what the rows enclose beside it,"
+        method_words = "the area of the best fit, with what the rows enclose beside it,"
     load_of_cycle = fit.scale * cycle_loads(fit.scene)[1]
     row = LoopRow(
         name="measured",
@@ -272,7 +276,8 @@ def _measured_row(loop: MeasuredLoop, fit: FittedLoop) -> tuple[LoopRow, str]:
         by_noise=area.by_noise,
     )
     sentence = (
-        f"W as measured is {way} over {area.cycles} {'cycle' if area.cycles == 1 else 'cycles'}:"
+        f"W as measured is {method_words} over {area.cycles}"
+        f" {'cycle' if area.cycles == 1 else 'cycles'}:"
         f" ± {area.by_distance:.2g} by what lies between rows,"
         f" ± {area.by_noise:.2g} by their scatter (95 %)"
     )
@@ -303,13 +308,15 @@ def _partial_loops(
     rig_compliance: float | None,
     against: Against,
 ) -> _Beside:
-    """Loops of the engines under the loads of the rows, with the best f and with the scene's."""
+    """Loops that theory, and on `against` "fe" the finite elements, compute under the loads of the
+    rows with the best f and with the scene's f; and a sentence for an f at which there is no loop.
+    """
     loops = []
-    said = []
+    sentences = []
     for name, friction in (("best f", fit.friction), (OF_SCENE, scene.friction.coefficient)):
         friction_of_scene = friction / fit.scale  # whose loads are smaller by that factor
         if friction_of_scene < least_friction(scene):
-            said.append(
+            sentences.append(
                 f"With {name}, {friction:.4g}, the measured loads slide grossly: there is no such"
                 " loop"
             )
@@ -321,7 +328,7 @@ def _partial_loops(
             _with_rig(loop, fit, _LoopOfScene(name_of_loop, friction, shift), rig_compliance)
             for name_of_loop, shift in shifts.items()
         ]
-    return _Beside(loops, said)
+    return _Beside(loops, sentences)
 
 
 class _LoopOfScene(NamedTuple):
@@ -337,14 +344,16 @@ class _LoopOfScene(NamedTuple):
 def _with_rig(
     loop: MeasuredLoop, fit: FittedLoop, computed: _LoopOfScene, rig_compliance: float | None
 ) -> _ComputedLoop:
-    """A loop at the loads of the rows, in the rig that brings it nearest to them."""
-    tangential = cycle_loads(fit.scene)[1]
-    load = fit.scale * tangential
+    """A computed loop at the loads of the rows, with the C and U0 of the rig that bring it nearest
+    to them; its W, slope and distance from the rows. A stated `rig_compliance` is kept.
+    """
+    load_of_cycle = cycle_loads(fit.scene)[1]
+    load = fit.scale * load_of_cycle
     _, compliance, origin = against_rows(
         loop, computed.shift, fit.share, load, fit.scale, rig_compliance
     )
     shift = fit.scale * computed.shift + compliance * load + origin
-    mean_load = (tangential[1:] + tangential[:-1]) / 2
+    mean_load = (load_of_cycle[1:] + load_of_cycle[:-1]) / 2
     work = fit.scale**2 * float(np.sum(mean_load * np.diff(computed.shift)))
     slope, distance = _beside_rows(loop, fit.share, shift, load)
     row = LoopRow(computed.name, computed.friction, work, 0.0, slope, distance)
@@ -357,22 +366,24 @@ def _sliding_loops(
     """The fitted loop that slides as a whole, and that of the scene's f with the same range of U,
     where it slides too.
     """
-    sliding = {"theory, best f": fitted}
-    other = fitted.with_friction(scene.friction.coefficient)
-    if other is not None:
-        sliding[f"theory, {OF_SCENE}"] = other
-    middle = float(loop.load.max() + loop.load.min()) / 2
+    sliding_loops = {"theory, best f": fitted}
+    loop_of_scene = fitted.with_friction(scene.friction.coefficient)
+    if loop_of_scene is not None:
+        sliding_loops[f"theory, {OF_SCENE}"] = loop_of_scene
+    middle_load = float(loop.load.max() + loop.load.min()) / 2
     loops = []
-    for name, slid in sliding.items():
-        shift, load = slid.closed(SHARES)
+    for name, sliding_loop in sliding_loops.items():
+        shift, load = sliding_loop.closed(SHARES)
         shift = shift + float(np.mean(loop.shift - np.interp(fit.share, SHARES, shift)))
         slope, distance = _beside_rows(loop, fit.share, shift, load)
-        row = LoopRow(name, slid.friction, slid.area, 0.0, slope, distance)
-        loops.append(_ComputedLoop(row, shift, load + middle))
-    said = []
+        row = LoopRow(name, sliding_loop.friction, sliding_loop.area, 0.0, slope, distance)
+        loops.append(_ComputedLoop(row, shift, load + middle_load))
+    sentences = []
     if against == "fe":
-        said.append("Finite elements are left out: under given P and Q they can't slide as a whole")
-    return _Beside(loops, said)
+        sentences.append(
+            "Finite elements are left out: under given P and Q they can't slide as a whole"
+        )
+    return _Beside(loops, sentences)
 
 
 def _beside_rows(

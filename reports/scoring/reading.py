@@ -115,9 +115,8 @@ def read_table(path: Path, mapping: Mapping) -> SurfaceResult:
         columns, notes = frames
         quantities = [_quantity_of_heading(name, mapping).quantity for name in table.names]
         surface = _surface_of_rows(source, mapping, columns, notes)
-        return _with_places_of_outliers(
-            _with_words_on_columns(surface, table, mapping, quantities), table, mapping
-        )
+        surface = _with_words_on_columns(surface, table, mapping, quantities)
+        return _with_places_of_outliers(surface, table, mapping)
     columns = {}
     quantity_of: dict[str, Quantity] = {}
     for quantity in _ROWS:
@@ -129,9 +128,8 @@ def read_table(path: Path, mapping: Mapping) -> SurfaceResult:
             quantity_of[name] = quantity
     surface = _surface_of_rows(source, mapping, columns, [])
     quantities = [quantity_of.get(name) for name in table.names]
-    return _with_places_of_outliers(
-        _with_words_on_columns(surface, table, mapping, quantities), table, mapping
-    )
+    surface = _with_words_on_columns(surface, table, mapping, quantities)
+    return _with_places_of_outliers(surface, table, mapping)
 
 
 def _with_words_on_columns(
@@ -140,8 +138,13 @@ def _with_words_on_columns(
     mapping: Mapping,
     quantities: Sequence[Quantity | None],
 ) -> SurfaceResult:
-    """The result with words on what became of every column of its table; the quantity None stands
-    for a column that was not read.
+    """An external result with a note on every column of its table: the quantity it was read as,
+    with factor and sign, or "not read".
+
+    Parameters
+    ----------
+    quantities
+        quantity of each column, in the order of the table; None for a column that was not read
     """
     read_as = layout_in_words(Path(surface.source), table)
     for name, quantity in zip(table.names, quantities, strict=True):
@@ -153,8 +156,10 @@ def _with_words_on_columns(
 def _with_places_of_outliers(
     surface: SurfaceResult, table: TextTable, mapping: Mapping
 ) -> SurfaceResult:
-    """The result with line, column and value in the file for each of its outliers, single values
-    that stand out of all others.
+    """An external result with line, column and written number in the file for each of its outliers.
+
+    An outlier is a single value that stands out of all others. It is found again in the table by
+    its size, since values were multiplied by a factor on reading.
     """
     if not surface.outliers:
         return surface
@@ -164,21 +169,21 @@ def _with_places_of_outliers(
         # The cell whose figure is the outlier's, but for the factor that all cells of its field
         # have.
         field = np.abs(getattr(surface, outlier.quantity))
-        columns = [
+        columns_of_quantity = [
             k
             for k, name in enumerate(table.names)
             if _quantity_of_heading(name, mapping).quantity == outlier.quantity
         ]
-        sizes_of_quantity = sizes_in_table[:, columns]
+        sizes_of_quantity = sizes_in_table[:, columns_of_quantity]
         factor = float(field.max() / sizes_of_quantity.max())
-        row, column = np.unravel_index(
+        table_row, number_among_columns = np.unravel_index(
             np.argmin(np.abs(sizes_of_quantity * factor - abs(outlier.value))),
             sizes_of_quantity.shape,
         )
-        name = table.names[columns[column]]
-        place = f"line {table.lines[row]}, column {name!r} ({outlier.place})"
-        figure = float(table.values[row, columns[column]])
-        outliers.append(replace(outlier, place=place, figure=figure))
+        name = table.names[columns_of_quantity[number_among_columns]]
+        place_in_file = f"line {table.lines[table_row]}, column {name!r} ({outlier.place})"
+        written_number = float(table.values[table_row, columns_of_quantity[number_among_columns]])
+        outliers.append(replace(outlier, place=place_in_file, figure=written_number))
     return replace(surface, outliers=tuple(outliers))
 
 
@@ -233,8 +238,8 @@ def _surface_of_rows(
 
 
 def _instants_of_rows(columns: dict[Quantity, Array]) -> tuple[NDArray[np.intp], str]:
-    """Number of the instant of each row, (n_rows,), and by what instants were told apart: time,
-    frame, else the loads.
+    """Number of the instant to which each row belongs, from 0 on, (n_rows,), and the name of the
+    column by which instants were told apart: "time", "frame", "the loads", or "nothing".
     """
     for key in ("time", "frame"):
         if key in columns:
@@ -257,8 +262,8 @@ class _Head(NamedTuple):
 
 
 def _quantity_of_heading(name: str, mapping: Mapping) -> _Head:
-    """What the name of a column says: the quantity, and the number after it, of a frame or its time
-    ('pressure t=0.5').
+    """What the heading of a column says: its quantity (None if it is none that is read), the number
+    of a frame or its time where one follows ('pressure t=0.5'), and whether that number is a time.
     """
 
     def quantity_of(base: str) -> Quantity | None:

@@ -145,9 +145,9 @@ def _without_zones(
     slip = surface.slip
     if slip is None:
         slip = freeze(np.full_like(surface.pressure, np.nan))
-    count = len(history.time)
-    no_edges = freeze(np.full((count, 2), np.nan))
-    no_series = freeze(np.full(count, np.nan))
+    n_instants = len(history.time)
+    no_edges = freeze(np.full((n_instants, 2), np.nan))
+    no_series = freeze(np.full(n_instants, np.nan))
     unknown_fields: dict[str, Any] = dict.fromkeys(("contact_edges", "stick_edges"), no_edges)
     unknown_fields |= dict.fromkeys(
         ("contact_half_width", "stick_half_width", "tangential_displacement", "normal_approach"),
@@ -179,9 +179,12 @@ def _without_zones(
         permanent_stick_half_width=np.nan,
         steady_from=None,
         record=Record(
-            True, "end of path", f"read from {surface.source}", freeze(np.zeros(count), np.int64)
+            True,
+            "end of path",
+            f"read from {surface.source}",
+            freeze(np.zeros(n_instants), np.int64),
         ),
-        work=Work({"instants": count, "points": len(surface.x)}, missing_fields),
+        work=Work({"instants": n_instants, "points": len(surface.x)}, missing_fields),
         **_bulk_and_tilt_at(scene, history.time),
         settings=settings,
     )
@@ -190,11 +193,11 @@ def _without_zones(
 def _placed_on_path(
     surface: SurfaceResult, mapping: Mapping, theory: ContactSolution, *, sure_of_times: bool
 ) -> tuple[SurfaceResult, History, tuple[str, ...]]:
-    """An external result in the scene's units and our signs; its instants on the load path; what
-    was guessed, in sentences.
+    """Three values: an external result in the scene's units and signs, the instants of the load
+    path at which it was found, and a sentence for each guess.
 
-    A single value that stands out of all others tells nothing of units and instants: they are found
-    without it, and it is put back.
+    Single values that stand out of all others are left out while units and instants are found, and
+    put back. `sure_of_times` says that the result's times are those of the load path.
     """
     fields = {"pressure": surface.pressure, "shear": surface.shear}
     if surface.slip is not None:
@@ -213,11 +216,9 @@ def _placed_on_path(
         field_before = getattr(smooth_surface, outlier.quantity)
         field_after = getattr(converted_surface, outlier.quantity)
         place_of_largest = np.unravel_index(np.argmax(np.abs(field_before)), field_before.shape)
-        factor = (
-            float(field_after[place_of_largest] / field_before[place_of_largest])
-            if field_before[place_of_largest]
-            else 1.0
-        )
+        factor = 1.0
+        if field_before[place_of_largest]:
+            factor = float(field_after[place_of_largest] / field_before[place_of_largest])
         spiked_fields[outlier.quantity][outlier.instant, outlier.point] = factor * outlier.value
     frozen_fields: dict[str, Any] = {name: freeze(values) for name, values in spiked_fields.items()}
     sentences = [outlier.sentence for outlier in surface.outliers]
@@ -227,11 +228,15 @@ def _placed_on_path(
 def _with_zones(
     solution: ContactSolution, *, has_slip: bool, has_work: bool
 ) -> tuple[ContactSolution, str]:
-    """A solution with states, edges, permanent stick zone and moments worked out from its own
-    tractions, and in words how.
+    """A solution with what follows from its own tractions (states, edges, permanent stick zone,
+    moments), and the rule by which states were found, in words.
 
-    `has_slip`: its slip helps to tell what slips; `has_work`: its dissipation is the sum of q ds
-    over its last cycle.
+    Parameters
+    ----------
+    has_slip
+        whether its slip is used beside its tractions to find what slips
+    has_work
+        whether its dissipation is worked out too, as the sum of q ds over its last cycle
     """
     has_shear = not np.isnan(solution.shear).all()
     state, contact_edges, stick_edges, method_in_words = zones(
@@ -374,8 +379,14 @@ def _instants_of_cycle(scene: Scene, time: Array) -> int:
 def _missing_fields(
     surface: SurfaceResult, time: Array, instants_of_cycle: int
 ) -> dict[str, tuple[int, str]]:
-    """What an external result lacks: name -> (number of instants, reason). `instants_of_cycle` of
-    its instants are a whole cycle.
+    """What an external result lacks: name of the field -> (number of instants, reason).
+
+    Parameters
+    ----------
+    time
+        (k,) instants of the result
+    instants_of_cycle
+        how many of them make up the last whole cycle, 0 where they hold none
     """
     reason_by_name = dict.fromkeys(
         ("tangential_displacement", "normal_approach", "loop_work"), _LACKING
@@ -419,8 +430,16 @@ def friction_work(shear: Array, slip: Array) -> Array:
 
 # -------------------------------------------------------------------------- contact, stick and slip
 class Zones(NamedTuple):
-    """state (n_steps, n_points) as int8; contact_edges and stick_edges (n_steps, 2) [length]; how
-    they were told, in words.
+    """States and edges worked out from tractions.
+
+    Attributes
+    ----------
+    state
+        (n_steps, n_points) open, stick, forward or reverse slip, as int8
+    contact_edges, stick_edges
+        (n_steps, 2) left and right end [length]
+    how
+        by what rule they were found, in words
     """
 
     state: NDArray[np.int8]
@@ -676,8 +695,8 @@ class _Yardstick:
 
 
 def _yardsticks(surface: SurfaceResult, theory: ContactSolution) -> tuple[_Yardstick, ...]:
-    """Half-width, pressure and normal load of a result beside those of theory, each at the largest
-    load: units of the result are guessed by them.
+    """Half-width, largest pressure and largest normal load of a result, each beside that of theory.
+    The unit of the result's lengths, stresses and loads is guessed from their ratios.
     """
     left, right = _extent(surface)
     half_width = float(np.nanmax(theory.contact_half_width))
@@ -714,8 +733,10 @@ def _yardsticks(surface: SurfaceResult, theory: ContactSolution) -> tuple[_Yards
 def _in_unit_by(
     yardstick: _Yardstick, surface: SurfaceResult, mapping: Mapping
 ) -> tuple[SurfaceResult, str]:
-    """The result with the fields of a yardstick multiplied by the factor of its unit that was
-    guessed, and a sentence that says so. Empty where nothing is multiplied.
+    """An external result with one kind of field (lengths, stresses or loads) multiplied by the
+    factor that its size beside theory's suggests, and a sentence that says so.
+
+    As it is, with an empty sentence, where the mapping states the factor or none is needed.
     """
     fields = {name: getattr(surface, name) for name in yardstick.fields}
     present_fields = {name: values for name, values in fields.items() if values is not None}
